@@ -1,0 +1,137 @@
+//! Body-steps per second of every kernel as a share of the FMA peak measured in the same process.
+//!
+//! `cargo bench --bench kernels`. Thread CPU time, best of several repeats, the two sides interleaved.
+
+use rigid::clock::thread_nanoseconds;
+use rigid::kernel::{Compiled, Group, Kernel, LANES, Row, System, Table, Watch};
+use rigid::simd::Isa;
+use std::hint::black_box;
+
+const STEPS: usize = 2000;
+const REPEATS: usize = 15;
+
+/// A group of slightly different tumbling bodies.
+fn bodies(kernel: Kernel) -> Group {
+    let mut group = Group::waiting();
+    for lane in 0..LANES {
+        let moments = if kernel.table == Table::Rotor { [1.0, 1.0, 0.7] } else { [1.0, 1.6, 0.7] };
+        let start = [0.31 * (1.0 + 1e-3 * lane as f64), -0.42, 0.93, 0.36, 0.48, 0.8, 0.8, -0.6, 0.0, 0.1];
+        for i in 0..3 {
+            group.moments[i].0[lane] = moments[i];
+        }
+        if kernel.system.is_top() {
+            group.weight = [Row([0.36; LANES]), Row([0.24; LANES]), Row([1.1; LANES])];
+        }
+        for i in 0..kernel.system.len() {
+            group.state[i].0[lane] = start[i];
+        }
+        if let Some(at) = kernel.system.quaternion_at() {
+            for i in 0..4 {
+                group.state[at + i].0[lane] = 0.5;
+            }
+        }
+        group.step.0[lane] = 0.02;
+        group.axis[2].0[lane] = 1.0;
+        group.side.0[lane] = 1.0;
+        group.cosine.0[lane] = 1.0;
+    }
+    group
+}
+
+/// Nanoseconds per body-step, once.
+fn once(compiled: Compiled, start: &Group) -> f64 {
+    let mut group = black_box(start.clone());
+    let begin = thread_nanoseconds();
+    compiled.advance(&mut group, STEPS);
+    let elapsed = thread_nanoseconds() - begin;
+    black_box(&group);
+    elapsed as f64 / (STEPS * LANES) as f64
+}
+
+/// Floating-point operations a nanosecond of a loop of nothing but independent FMAs.
+#[cfg(target_arch = "x86_64")]
+fn fma_peak(isa: Isa) -> f64 {
+    use std::arch::x86_64::*;
+    const LOOPS: usize = 100_000;
+    macro_rules! peak {
+        ($name:ident, $features:literal, $set:ident, $fma:ident, $lanes:literal) => {{
+            #[target_feature(enable = $features)]
+            fn $name() -> f64 {
+                let factor = black_box($set(0.999_999));
+                let term = black_box($set(1e-9));
+                let mut sums = [$set(1.0); 12];
+                let begin = thread_nanoseconds();
+                for _ in 0..LOOPS {
+                    for sum in &mut sums {
+                        *sum = $fma(*sum, factor, term);
+                    }
+                }
+                let elapsed = thread_nanoseconds() - begin;
+                black_box(sums);
+                (LOOPS * 12 * $lanes * 2) as f64 / elapsed as f64
+            }
+            // Safety: the caller names an available instruction set.
+            unsafe { $name() }
+        }};
+    }
+    match isa {
+        Isa::Avx512 => peak!(wide, "avx512f", _mm512_set1_pd, _mm512_fmadd_pd, 8),
+        Isa::Avx2 => peak!(narrow, "avx2,fma", _mm256_set1_pd, _mm256_fmadd_pd, 4),
+        Isa::Scalar => f64::NAN,
+    }
+}
+
+/// Floating-point operations of one step (fma = 2), counted by hand from the source; see benches/README.md.
+fn flops(kernel: Kernel) -> Option<f64> {
+    match (kernel.system, kernel.table, kernel.watch) {
+        // 4 right-hand sides of 6 mul, 3 x 3 stage fma, 3 x (2 fma, 1 add, 1 fma).
+        (System::FreeRates, Table::Rk4, Watch::Nothing) => Some(24.0 + 18.0 + 21.0),
+        // 4 x (6 mul + 6 fma; 3 mul + 3 fma), 18 stage fma, 6 x (2 fma + 1 add + 1 fma).
+        (System::TopAxis, Table::Rk4, Watch::Nothing) => Some(4.0 * 27.0 + 36.0 + 42.0),
+        _ => None,
+    }
+}
+
+fn main() {
+    let filter = std::env::args().nth(1).filter(|a| !a.starts_with("--"));
+    println!("{:40} {:>8} {:>9} {:>12} {:>10}", "kernel", "path", "ns/step", "M steps/s", "of peak");
+    use System::*;
+    let systems = [
+        (FreeRates, Watch::Nothing),
+        (FreeRates, Watch::Flips),
+        (FreeAxis, Watch::Nothing),
+        (FreeAxis, Watch::Tilt),
+        (FreeAttitude, Watch::Nothing),
+        (TopAxis, Watch::Nothing),
+        (TopAxis, Watch::Flips),
+        (TopAxis, Watch::Tilt),
+        (TopTwoAxes, Watch::Tilt),
+        (TopAttitude, Watch::Nothing),
+    ];
+    for table in [Table::Rk4, Table::Planar, Table::Rotor] {
+        for (system, watch) in systems {
+            let kernel = Kernel { system, table, watch };
+            let name = format!("{system:?} {table:?} {watch:?}");
+            if filter.as_ref().is_some_and(|f| !name.contains(f.as_str())) {
+                continue;
+            }
+            let start = bodies(kernel);
+            for isa in Isa::available() {
+                if isa == Isa::Scalar {
+                    continue;
+                }
+                let compiled = Compiled::new(kernel, isa);
+                let (mut time, mut peak) = (f64::MAX, 0.0_f64);
+                for _ in 0..REPEATS {
+                    time = time.min(once(compiled, &start));
+                    #[cfg(target_arch = "x86_64")]
+                    {
+                        peak = peak.max(fma_peak(isa));
+                    }
+                }
+                let share = flops(kernel).map_or(String::from("-"), |f| format!("{:.2}", f / time / peak));
+                println!("{name:40} {:>8} {time:>9.3} {:>12.0} {share:>10}", isa.name(), 1e3 / time);
+            }
+        }
+    }
+}

@@ -1,0 +1,109 @@
+"""A stability map as one data-only file: `.npz` arrays and the specification as JSON inside.
+
+Nothing is pickled, nothing is compressed, and dates are fixed: equal maps are equal bytes.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rigid.maps import STORED, MapSpec, StabilityMap
+
+FORMAT = "rigid stability map"
+FORMAT_VERSION = 1
+_EPOCH = (1980, 1, 1, 0, 0, 0)
+_SPEC = "spec.json"
+
+
+def write_map(result: StabilityMap, path: str | os.PathLike[str]) -> Path:
+    """Write a map; see `StabilityMap.save`."""
+    target = Path(path)
+    header = {"format": FORMAT, "format_version": FORMAT_VERSION, "spec": result.spec.to_dict()}
+    text = json.dumps(header, indent=1, allow_nan=False)
+    arrays: dict[str, NDArray[Any]] = {_SPEC: np.frombuffer(text.encode(), dtype=np.uint8)}
+    for name, axis in zip(("x", "y"), result.spec.axes, strict=False):
+        arrays[name] = np.array(axis.values)
+    for name in (*STORED, "share", "lower", "upper"):
+        arrays[name] = getattr(result, name)
+    # Written beside the target and renamed, so that no half file carries the name.
+    scratch = target.with_name(f"{target.name}.part")
+    try:
+        with zipfile.ZipFile(scratch, "w", zipfile.ZIP_STORED) as archive:
+            for name, array in arrays.items():
+                entry = zipfile.ZipInfo(f"{name}.npy", _EPOCH)
+                entry.create_system = 3  # else it would tell Windows from the rest
+                with archive.open(entry, "w", force_zip64=True) as file:
+                    little = np.ascontiguousarray(array, dtype=array.dtype.newbyteorder("<"))
+                    np.lib.format.write_array(file, little, version=(1, 0), allow_pickle=False)
+        os.replace(scratch, target)
+    finally:
+        scratch.unlink(missing_ok=True)
+    return target
+
+
+def load_map(path: str | os.PathLike[str]) -> StabilityMap:
+    """Read a map that `StabilityMap.save` wrote.
+
+    Parameters
+    ----------
+    path : path-like
+
+    Returns
+    -------
+    StabilityMap
+        Equal to the saved one, except for what was measured on the machine: ``nanoseconds`` and
+        ``elapsed`` are NaN, ``threads`` is 0.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    ValueError
+        If the file is not a stability map, or one of a newer format.
+
+    Examples
+    --------
+    >>> result = rigid.load_map("thrown-box.npz")
+    """
+    source = Path(path)
+    try:
+        with np.load(source, allow_pickle=False) as archive:
+            header = json.loads(archive[_SPEC].tobytes().decode())
+            arrays = {name: archive[name] for name in STORED}
+    except FileNotFoundError:
+        raise
+    except (OSError, EOFError, KeyError, ValueError, TypeError, AttributeError,
+            zipfile.BadZipFile) as error:  # fmt: skip
+        raise ValueError(f"{source} is not a stability map: {_one_line(error)}") from None
+    if not isinstance(header, dict) or header.get("format") != FORMAT:
+        raise ValueError(f"{source} is not a stability map: its header is not that of one")
+    if header.get("format_version") != FORMAT_VERSION:
+        raise ValueError(
+            f"{source} has format version {header.get('format_version')}, "
+            f"this version of rigid reads {FORMAT_VERSION}"
+        )
+    try:
+        spec = MapSpec.from_dict(header["spec"])
+    except (KeyError, TypeError, ValueError) as error:
+        raise ValueError(f"{source} holds a broken specification: {_one_line(error)}") from None
+    for name, array in arrays.items():
+        if array.shape != spec.shape:
+            raise ValueError(
+                f"{source} is damaged: {name} has shape {array.shape}, expected {spec.shape}"
+            )
+        try:
+            arrays[name] = array.astype(STORED[name], casting="same_kind")
+        except TypeError:
+            raise ValueError(f"{source} is damaged: {name} has type {array.dtype}") from None
+    return StabilityMap.from_arrays(spec, arrays)
+
+
+def _one_line(error: Exception) -> str:
+    return " ".join(str(error).split()) or type(error).__name__

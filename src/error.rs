@@ -1,0 +1,73 @@
+//! Everything that can be wrong with a request. Inside a run nothing fails: each body has a status.
+
+use thiserror::Error;
+
+/// A refused request: the argument, its value and the rule that it breaks.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum Error {
+    /// `RIGID_ISA` names a path that does not exist or that the CPU lacks.
+    #[error("RIGID_ISA = '{value}' is not available here; available: {available}")]
+    Isa {
+        /// What the variable says.
+        value: String,
+        /// What could be said.
+        available: String,
+    },
+    /// A moment of inertia is NaN or infinite.
+    #[error("moments = ({0}, {1}, {2}): every moment of inertia must be finite")]
+    MomentNotFinite(f64, f64, f64),
+    /// A moment of inertia is zero or negative.
+    #[error(
+        "moments = ({0}, {1}, {2}): every moment of inertia must be positive \
+         (a rod, with one moment zero, has no equation of motion about its own axis)"
+    )]
+    MomentNotPositive(f64, f64, f64),
+    /// No distribution of mass has these moments.
+    #[error(
+        "moments = ({0}, {1}, {2}): no moment may exceed the sum of the other two \
+         (triangle inequality; equality is a flat body)"
+    )]
+    MomentTriangle(f64, f64, f64),
+    /// The tensor is not symmetric or not finite.
+    #[error("tensor: a tensor of inertia must be finite and symmetric; entry ({row}, {column}) is {value}, its mirror image {mirror}")]
+    Tensor {
+        /// Row of the offending entry.
+        row: usize,
+        /// Column of the offending entry.
+        column: usize,
+        /// The entry.
+        value: f64,
+        /// The entry it should equal.
+        mirror: f64,
+    },
+    /// A name that is not in the list.
+    #[error("{argument} = '{value}': must be one of {known}")]
+    Unknown {
+        /// Name of the argument.
+        argument: &'static str,
+        /// What was given.
+        value: String,
+        /// What could have been given.
+        known: String,
+    },
+    /// A number outside its range.
+    #[error("{argument} = {value}: {rule}")]
+    Value {
+        /// Name of the argument.
+        argument: &'static str,
+        /// What was given.
+        value: String,
+        /// What it must be.
+        rule: &'static str,
+    },
+    /// An array of the wrong shape.
+    #[error("{argument}: expected shape {expected}, got {got}")]
+    Shape {
+        /// Name of the argument.
+        argument: &'static str,
+        /// The shape it must have.
+        expected: String,
+        /// The shape it has.
+        got: String,
+    },
+}

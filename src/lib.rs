@@ -1,0 +1,20 @@
+//! `rigid`: the rotation of rigid bodies.
+//!
+//! Read from left to right; nothing points back.
+//!
+//! ```text
+//! real ← simd        real ← special
+//! real ← model ← method ← observe ← kernel          body ← start
+//! {kernel, start, sample} ← {trajectory, ensemble} ← run ← python
+//! ```
+
+pub mod body;
+pub mod clock;
+pub mod error;
+pub mod kernel;
+pub mod method;
+pub mod model;
+pub mod observe;
+pub mod real;
+pub mod simd;
+pub mod special;

@@ -1,0 +1,105 @@
+//! Schemes as tables of constants, and the engines that run them.
+
+mod runge_kutta;
+mod splitting;
+
+pub use runge_kutta::{RungeKutta, Tableau};
+pub use splitting::{Composition, Flow, Splitting};
+
+use crate::model::{Layout, Model, Parameters};
+use crate::real::Real;
+
+/// What the first three numbers of a state are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// Angular velocity in the body.
+    Rates,
+    /// Angular momentum in the body.
+    Momenta,
+}
+
+/// What a scheme promises, and who found it.
+#[derive(Clone, Copy, Debug)]
+pub struct Facts {
+    /// The name to ask for.
+    pub name: &'static str,
+    /// One line.
+    pub title: &'static str,
+    /// Error of a run ~ step^order.
+    pub order: u32,
+    /// Evaluations of the equations of motion (Runge-Kutta) or exact partial flows (splitting) a step.
+    pub stages: usize,
+    /// Preserves the symplectic (Poisson) structure.
+    pub symplectic: bool,
+    /// A step forward and a step back is the identity.
+    pub reversible: bool,
+    /// |L| of the free body, |gamma| and |q| stay as they are, up to rounding.
+    pub group_preserving: bool,
+    /// Largest angle that the body may turn in a step, when the step is left to us.
+    pub angle_per_step: f64,
+    /// Paper.
+    pub citation: &'static str,
+    /// Its DOI, if there is one.
+    pub doi: &'static str,
+}
+
+/// One step of a scheme for one pack of bodies.
+pub trait Scheme<R: Real, M: Model<R>, L: Layout, const D: usize>: Copy {
+    /// The variables that it moves.
+    const FORM: Form;
+    /// Prepares the constants of the step.
+    fn new(p: &Parameters<R>) -> Self;
+    /// Advances the state by one step.
+    fn step(&self, p: &Parameters<R>, y: &mut [R; D]);
+    /// Rate of change of the first three numbers of the state.
+    fn velocity(&self, p: &Parameters<R>, y: &[R; D]) -> [R; 3];
+    /// The angular momentum in the body.
+    fn momentum(p: &Parameters<R>, y: &[R; D]) -> [R; 3];
+    /// Kinetic energy.
+    fn kinetic(p: &Parameters<R>, y: &[R; D]) -> R;
+}
+
+/// Classical Runge-Kutta of order 4.
+#[derive(Clone, Copy)]
+pub struct Rk4;
+
+/// Planar rotations about the principal axes, for any body.
+#[derive(Clone, Copy)]
+pub struct PlanarStrang;
+
+/// Exact rotor of a body that is symmetric about its axis 3.
+#[derive(Clone, Copy)]
+pub struct RotorStrang;
+
+/// A method as users name it; a splitting takes the rotor where the body is symmetric.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// `rk4`.
+    Rk4,
+    /// `splitting`.
+    Splitting,
+}
+
+impl Method {
+    /// The one list of methods: everything that is said of all methods is said over it.
+    pub const ALL: [Method; 2] = [Method::Rk4, Method::Splitting];
+
+    /// What it promises.
+    pub fn facts(self) -> Facts {
+        match self {
+            Method::Rk4 => Rk4::FACTS,
+            Method::Splitting => PlanarStrang::FACTS,
+        }
+    }
+
+    /// The method of that name.
+    pub fn parse(name: &str) -> Result<Method, crate::error::Error> {
+        Method::ALL.into_iter().find(|m| m.facts().name == name).ok_or_else(|| {
+            crate::error::Error::Unknown {
+                argument: "method",
+                value: name.to_string(),
+                known: Method::ALL.map(|m| m.facts().name).join(", "),
+            }
+        })
+    }
+}

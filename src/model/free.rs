@@ -1,0 +1,39 @@
+//! The free body: I omega' = (I omega) x omega (Euler 1758).
+
+use super::{Model, Parameters, dot};
+use crate::real::Real;
+
+/// A body under no torque.
+#[derive(Clone, Copy)]
+pub struct Free<R> {
+    /// (I2 - I3) / I1 and its cyclic neighbours.
+    ratios: [R; 3],
+}
+
+impl<R: Real> Model<R> for Free<R> {
+    #[inline(always)]
+    fn new(p: &Parameters<R>) -> Self {
+        let [i1, i2, i3] = p.moments;
+        Free { ratios: [(i2 - i3) / i1, (i3 - i1) / i2, (i1 - i2) / i3] }
+    }
+    #[inline(always)]
+    fn acceleration<const D: usize>(&self, omega: &[R; 3], _y: &[R; D]) -> [R; 3] {
+        let [w1, w2, w3] = *omega;
+        let [a1, a2, a3] = self.ratios;
+        [a1 * (w2 * w3), a2 * (w3 * w1), a3 * (w1 * w2)]
+    }
+    #[inline(always)]
+    fn kick<const D: usize>(_p: &Parameters<R>, _h: R, _momentum: &mut [R; 3], _y: &[R; D]) {}
+    #[inline(always)]
+    fn torque<const D: usize>(_p: &Parameters<R>, _y: &[R; D]) -> [R; 3] {
+        [R::splat(0.0); 3]
+    }
+    #[inline(always)]
+    fn potential<const D: usize>(_p: &Parameters<R>, _y: &[R; D]) -> R {
+        R::splat(0.0)
+    }
+    #[inline(always)]
+    fn conserved<const D: usize>(momentum: &[R; 3], _y: &[R; D]) -> R {
+        dot(momentum, momentum)
+    }
+}

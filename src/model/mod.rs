@@ -1,0 +1,144 @@
+//! What moves: the state that is carried, its kinematics, and the two scenes.
+//!
+//! A state is a flat array `[R; D]`: three rates (or momenta, as the method likes), then `VECTORS` directions
+//! that are fixed in space and seen from the body, then a quaternion if the attitude is wanted.
+
+mod free;
+mod top;
+
+pub use free::Free;
+pub use top::Top;
+
+use crate::real::Real;
+
+/// The constants of one body.
+#[derive(Clone, Copy)]
+pub struct Parameters<R> {
+    /// Principal moments of inertia.
+    pub moments: [R; 3],
+    /// `mgl com`: weight times the vector from the fixed point to the centre of mass, in the body.
+    pub weight: [R; 3],
+    /// Time step.
+    pub step: R,
+}
+
+/// What is carried beside the rates.
+pub trait Layout: Copy {
+    /// Space-fixed directions seen from the body.
+    const VECTORS: usize;
+    /// Whether the attitude is carried.
+    const QUATERNION: bool;
+    /// Length of the state.
+    const LEN: usize = 3 + 3 * Self::VECTORS + 4 * Self::QUATERNION as usize;
+    /// Where the quaternion begins.
+    const QUATERNION_AT: usize = 3 + 3 * Self::VECTORS;
+}
+
+macro_rules! layouts {
+    ($($(#[$doc:meta])* $name:ident: $vectors:literal, $quaternion:literal;)*) => {$(
+        $(#[$doc])*
+        #[derive(Clone, Copy)]
+        pub struct $name;
+        impl Layout for $name {
+            const VECTORS: usize = $vectors;
+            const QUATERNION: bool = $quaternion;
+        }
+    )*};
+}
+layouts! {
+    /// Rates only.
+    Rates: 0, false;
+    /// Rates and one direction: the vertical of a top, or where the watched axis of a free body started.
+    Axis: 1, false;
+    /// Rates, the vertical, and where the watched axis started.
+    TwoAxes: 2, false;
+    /// Rates and attitude.
+    Attitude: 0, true;
+    /// Rates, vertical and attitude: the rates are those of `Axis` to the bit.
+    AxisAttitude: 1, true;
+}
+
+/// A scene: the torque and the conserved quantities. `y[3..6]` is the vertical wherever there is weight.
+pub trait Model<R: Real>: Copy {
+    /// Constants of the equations of motion from those of the body.
+    fn new(p: &Parameters<R>) -> Self;
+    /// Euler's equations: the rate of change of `omega` in the body.
+    fn acceleration<const D: usize>(&self, omega: &[R; 3], y: &[R; D]) -> [R; 3];
+    /// Exact flow of the potential alone over the time `h`.
+    fn kick<const D: usize>(p: &Parameters<R>, h: R, momentum: &mut [R; 3], y: &[R; D]);
+    /// Torque of the potential in the body.
+    fn torque<const D: usize>(p: &Parameters<R>, y: &[R; D]) -> [R; 3];
+    /// Potential energy.
+    fn potential<const D: usize>(p: &Parameters<R>, y: &[R; D]) -> R;
+    /// The conserved component of the angular momentum: `L.L` of a free body, `L.gamma` of a top.
+    fn conserved<const D: usize>(momentum: &[R; 3], y: &[R; D]) -> R;
+}
+
+/// a x b.
+#[inline(always)]
+pub fn cross<R: Real>(a: &[R; 3], b: &[R; 3]) -> [R; 3] {
+    [
+        a[1].fms(b[2], a[2] * b[1]),
+        a[2].fms(b[0], a[0] * b[2]),
+        a[0].fms(b[1], a[1] * b[0]),
+    ]
+}
+
+/// a . b.
+#[inline(always)]
+pub fn dot<R: Real>(a: &[R; 3], b: &[R; 3]) -> R {
+    a[0].fma(b[0], a[1].fma(b[1], a[2] * b[2]))
+}
+
+/// The direction `v` (0, 1, …) of a state.
+#[inline(always)]
+pub fn direction<R: Real, const D: usize>(y: &[R; D], v: usize) -> [R; 3] {
+    [y[3 + 3 * v], y[4 + 3 * v], y[5 + 3 * v]]
+}
+
+/// Rate of change of a space-fixed direction seen from the body: n' = n x omega.
+#[inline(always)]
+pub fn direction_rate<R: Real>(n: &[R; 3], omega: &[R; 3]) -> [R; 3] {
+    cross(n, omega)
+}
+
+/// Rate of change of the attitude: q' = q (0, omega) / 2.
+#[inline(always)]
+pub fn attitude_rate<R: Real>(q: &[R; 4], omega: &[R; 3]) -> [R; 4] {
+    let half = R::splat(0.5);
+    let [v1, v2, v3] = [omega[0] * half, omega[1] * half, omega[2] * half];
+    let [q0, q1, q2, q3] = *q;
+    [
+        -(q3.fma(v3, q2.fma(v2, q1 * v1))),
+        q3.fnma(v2, q2.fma(v3, q0 * v1)),
+        q1.fnma(v3, q3.fma(v1, q0 * v2)),
+        q2.fnma(v1, q1.fma(v2, q0 * v3)),
+    ]
+}
+
+/// Hamilton product of two quaternions, scalar first.
+#[inline(always)]
+pub fn quaternion_product<R: Real>(a: &[R; 4], b: &[R; 4]) -> [R; 4] {
+    [
+        a[3].fnma(b[3], a[2].fnma(b[2], a[0].fms(b[0], a[1] * b[1]))),
+        a[3].fnma(b[2], a[2].fma(b[3], a[0].fma(b[1], a[1] * b[0]))),
+        a[1].fnma(b[3], a[3].fma(b[1], a[0].fma(b[2], a[2] * b[0]))),
+        a[2].fnma(b[1], a[1].fma(b[2], a[0].fma(b[3], a[3] * b[0]))),
+    ]
+}
+
+/// `R.T e` for the attitude `q` (of any length): the space direction `e` seen from the body.
+#[inline(always)]
+pub fn seen_from_body<R: Real>(q: &[R; 4], e: &[R; 3]) -> [R; 3] {
+    let u = [q[1], q[2], q[3]];
+    let t = cross(e, &u);
+    let t = [t[0] + t[0], t[1] + t[1], t[2] + t[2]];
+    let s = cross(&t, &u);
+    [0, 1, 2].map(|i| q[0].fma(t[i], e[i] + s[i]))
+}
+
+/// `R e` for the unit attitude `q`: the body direction `e` in space.
+#[inline(always)]
+pub fn seen_from_space<R: Real>(q: &[R; 4], e: &[R; 3]) -> [R; 3] {
+    seen_from_body(&[q[0], -q[1], -q[2], -q[3]], e)
+}

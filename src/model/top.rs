@@ -1,0 +1,57 @@
+//! The heavy top: I omega' = (I omega) x omega + gamma x (mgl com), gamma' = gamma x omega.
+
+use super::{Model, Parameters, cross, direction, dot};
+use crate::real::Real;
+
+/// A body turning about a fixed point under its weight.
+#[derive(Clone, Copy)]
+pub struct Top<R> {
+    /// (I2 - I3) / I1 and its cyclic neighbours.
+    ratios: [R; 3],
+    /// Component i of the torque is `plus[i] gamma[i+1] - minus[i] gamma[i+2]`, over its moment.
+    plus: [R; 3],
+    minus: [R; 3],
+}
+
+impl<R: Real> Model<R> for Top<R> {
+    #[inline(always)]
+    fn new(p: &Parameters<R>) -> Self {
+        let [i1, i2, i3] = p.moments;
+        let [c1, c2, c3] = p.weight;
+        Top {
+            ratios: [(i2 - i3) / i1, (i3 - i1) / i2, (i1 - i2) / i3],
+            plus: [c3 / i1, c1 / i2, c2 / i3],
+            minus: [c2 / i1, c3 / i2, c1 / i3],
+        }
+    }
+    #[inline(always)]
+    fn acceleration<const D: usize>(&self, omega: &[R; 3], y: &[R; D]) -> [R; 3] {
+        let [w1, w2, w3] = *omega;
+        let [g1, g2, g3] = direction(y, 0);
+        let Top { ratios: a, plus: p, minus: m } = self;
+        [
+            g3.fnma(m[0], g2.fma(p[0], a[0] * (w2 * w3))),
+            g1.fnma(m[1], g3.fma(p[1], a[1] * (w3 * w1))),
+            g2.fnma(m[2], g1.fma(p[2], a[2] * (w1 * w2))),
+        ]
+    }
+    #[inline(always)]
+    fn kick<const D: usize>(p: &Parameters<R>, h: R, momentum: &mut [R; 3], y: &[R; D]) {
+        let torque = Self::torque(p, y);
+        for i in 0..3 {
+            momentum[i] = h.fma(torque[i], momentum[i]);
+        }
+    }
+    #[inline(always)]
+    fn torque<const D: usize>(p: &Parameters<R>, y: &[R; D]) -> [R; 3] {
+        cross(&direction(y, 0), &p.weight)
+    }
+    #[inline(always)]
+    fn potential<const D: usize>(p: &Parameters<R>, y: &[R; D]) -> R {
+        dot(&p.weight, &direction(y, 0))
+    }
+    #[inline(always)]
+    fn conserved<const D: usize>(momentum: &[R; 3], y: &[R; D]) -> R {
+        dot(momentum, &direction(y, 0))
+    }
+}

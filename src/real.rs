@@ -1,0 +1,147 @@
+//! `Real`: the arithmetic of a trajectory.
+//!
+//! Kernels are written once over this trait. Every operation is correctly rounded or exact and looks at
+//! its own lane only, so a kernel gives the same 64 bits in each lane of every implementation.
+
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// Adding this to an integer-valued double below 2^51 leaves the integer in the low mantissa bits.
+pub(crate) const INTEGER_SHIFT: f64 = 6_755_399_441_055_744.0;
+
+/// A scalar, or several side by side in registers.
+pub trait Real:
+    Copy
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+{
+    /// One truth value per lane.
+    type Mask: Copy;
+    /// The same number in every lane.
+    fn splat(x: f64) -> Self;
+    /// `self * b + c`, rounded once.
+    fn fma(self, b: Self, c: Self) -> Self;
+    /// `c - self * b`, rounded once.
+    fn fnma(self, b: Self, c: Self) -> Self;
+    /// `self * b - c`, rounded once.
+    fn fms(self, b: Self, c: Self) -> Self;
+    /// Square root, correctly rounded.
+    fn sqrt(self) -> Self;
+    /// Absolute value.
+    fn abs(self) -> Self;
+    /// The smaller; the second if they are equal or one is not a number.
+    fn min(self, other: Self) -> Self;
+    /// The larger; the second if they are equal or one is not a number.
+    fn max(self, other: Self) -> Self;
+    /// Nearest integer, ties to even.
+    fn round(self) -> Self;
+    /// Lane-wise `self < other`.
+    fn lt(self, other: Self) -> Self::Mask;
+    /// Lane-wise `if mask { a } else { b }`.
+    fn select(mask: Self::Mask, a: Self, b: Self) -> Self;
+    /// Whether some lane is true. Only to skip work whose result no lane would use.
+    fn any(mask: Self::Mask) -> bool;
+    /// 2^self for an integer-valued self in -1022 ..= 1023.
+    fn exp2i(self) -> Self;
+    /// Mantissa in [1, 2) and exponent of a positive normal number.
+    fn frexp(self) -> (Self, Self);
+    /// `self`, negated where the integer-valued `n` (below 2^51) is odd.
+    fn neg_if_odd(self, n: Self) -> Self;
+    /// Whether the integer-valued `n` (below 2^51) is odd.
+    fn odd(n: Self) -> Self::Mask;
+}
+
+/// A `Real` that is read from and written to consecutive doubles.
+pub trait Pack: Real {
+    /// Number of bodies side by side.
+    const LANES: usize;
+    /// Reads the first `LANES` values.
+    fn load(from: &[f64]) -> Self;
+    /// Writes the first `LANES` values.
+    fn store(self, to: &mut [f64]);
+}
+
+impl Real for f64 {
+    type Mask = bool;
+    #[inline(always)]
+    fn splat(x: f64) -> Self {
+        x
+    }
+    #[inline(always)]
+    fn fma(self, b: f64, c: f64) -> f64 {
+        self.mul_add(b, c)
+    }
+    #[inline(always)]
+    fn fnma(self, b: f64, c: f64) -> f64 {
+        (-self).mul_add(b, c)
+    }
+    #[inline(always)]
+    fn fms(self, b: f64, c: f64) -> f64 {
+        self.mul_add(b, -c)
+    }
+    #[inline(always)]
+    fn sqrt(self) -> f64 {
+        f64::sqrt(self)
+    }
+    #[inline(always)]
+    fn abs(self) -> f64 {
+        f64::abs(self)
+    }
+    #[inline(always)]
+    fn min(self, other: f64) -> f64 {
+        if self < other { self } else { other }
+    }
+    #[inline(always)]
+    fn max(self, other: f64) -> f64 {
+        if self > other { self } else { other }
+    }
+    #[inline(always)]
+    fn round(self) -> f64 {
+        f64::round_ties_even(self)
+    }
+    #[inline(always)]
+    fn lt(self, other: f64) -> bool {
+        self < other
+    }
+    #[inline(always)]
+    fn select(mask: bool, a: f64, b: f64) -> f64 {
+        if mask { a } else { b }
+    }
+    #[inline(always)]
+    fn any(mask: bool) -> bool {
+        mask
+    }
+    #[inline(always)]
+    fn exp2i(self) -> f64 {
+        f64::from_bits((self + (INTEGER_SHIFT + 1023.0)).to_bits() << 52)
+    }
+    #[inline(always)]
+    fn frexp(self) -> (f64, f64) {
+        let bits = self.to_bits();
+        let exponent = ((bits >> 52) & 0x7ff) as i64 - 1023;
+        let mantissa = f64::from_bits((bits & 0x000f_ffff_ffff_ffff) | 0x3ff0_0000_0000_0000);
+        (mantissa, exponent as f64)
+    }
+    #[inline(always)]
+    fn neg_if_odd(self, n: f64) -> f64 {
+        f64::from_bits(self.to_bits() ^ ((n + INTEGER_SHIFT).to_bits() << 63))
+    }
+    #[inline(always)]
+    fn odd(n: f64) -> bool {
+        (n + INTEGER_SHIFT).to_bits() & 1 == 1
+    }
+}
+
+impl Pack for f64 {
+    const LANES: usize = 1;
+    #[inline(always)]
+    fn load(from: &[f64]) -> f64 {
+        from[0]
+    }
+    #[inline(always)]
+    fn store(self, to: &mut [f64]) {
+        to[0] = self;
+    }
+}

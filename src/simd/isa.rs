@@ -1,0 +1,75 @@
+//! Which instruction set runs: the widest the CPU has, or the one that `RIGID_ISA` names.
+
+use crate::error::Error;
+use std::sync::OnceLock;
+
+/// An instruction set that kernels are compiled for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Isa {
+    /// Eight doubles a register.
+    Avx512,
+    /// Four doubles a register, with FMA.
+    Avx2,
+    /// One double; `fma` from the C library where the target has no instruction for it. Same bits, slow.
+    Scalar,
+}
+
+/// The environment variable that forces a path.
+pub const ENVIRONMENT: &str = "RIGID_ISA";
+
+impl Isa {
+    /// All paths, widest first.
+    pub const ALL: [Isa; 3] = [Isa::Avx512, Isa::Avx2, Isa::Scalar];
+
+    /// The name used by `RIGID_ISA`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Isa::Avx512 => "avx512",
+            Isa::Avx2 => "avx2",
+            Isa::Scalar => "scalar",
+        }
+    }
+
+    /// Whether this CPU can run the path.
+    pub fn is_available(self) -> bool {
+        match self {
+            #[cfg(target_arch = "x86_64")]
+            Isa::Avx512 => {
+                // is_x86_feature_detected! also asks the operating system for the wide registers.
+                is_x86_feature_detected!("avx512f")
+                    && is_x86_feature_detected!("avx512dq")
+                    && is_x86_feature_detected!("avx512vl")
+                    && is_x86_feature_detected!("avx512bw")
+                    && Isa::Avx2.is_available()
+            }
+            #[cfg(target_arch = "x86_64")]
+            Isa::Avx2 => is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma"),
+            #[cfg(not(target_arch = "x86_64"))]
+            Isa::Avx512 | Isa::Avx2 => false,
+            Isa::Scalar => true,
+        }
+    }
+
+    /// The paths of this CPU, widest first.
+    pub fn available() -> Vec<Isa> {
+        Isa::ALL.into_iter().filter(|isa| isa.is_available()).collect()
+    }
+
+    /// The path named by `value`, or the widest if there is none.
+    pub fn parse(value: Option<&str>) -> Result<Isa, Error> {
+        let available = Isa::available();
+        match value {
+            None | Some("") => Ok(available[0]),
+            Some(name) => available.iter().copied().find(|isa| isa.name() == name).ok_or_else(|| {
+                let names: Vec<_> = available.iter().map(|isa| isa.name()).collect();
+                Error::Isa { value: name.to_string(), available: names.join(", ") }
+            }),
+        }
+    }
+
+    /// The path of this process: `RIGID_ISA` if it is set, else the widest. Read once.
+    pub fn current() -> Result<Isa, Error> {
+        static CURRENT: OnceLock<Result<Isa, Error>> = OnceLock::new();
+        CURRENT.get_or_init(|| Isa::parse(std::env::var(ENVIRONMENT).ok().as_deref())).clone()
+    }
+}

@@ -1,0 +1,225 @@
+//! Explicit AVX-512 and AVX2+FMA registers.
+//!
+//! Safety: the methods execute instructions of their set. The types are private to the crate and are only
+//! named by the entry points of `kernel.rs`, which `Isa` enters after it has seen the CPU's feature bits.
+
+use crate::real::{INTEGER_SHIFT, Pack, Real};
+use std::arch::x86_64::*;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// Eight doubles in an AVX-512 register.
+#[derive(Clone, Copy)]
+#[repr(transparent)]
+pub(crate) struct V8(__m512d);
+
+/// Four doubles in an AVX register, with FMA.
+#[derive(Clone, Copy)]
+#[repr(transparent)]
+pub(crate) struct V4(__m256d);
+
+macro_rules! operators {
+    ($type:ty, $($trait:ident $method:ident $intrinsic:ident),*) => {$(
+        impl $trait for $type {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                unsafe { Self($intrinsic(self.0, other.0)) }
+            }
+        }
+    )*};
+}
+operators!(V8, Add add _mm512_add_pd, Sub sub _mm512_sub_pd, Mul mul _mm512_mul_pd, Div div _mm512_div_pd);
+operators!(V4, Add add _mm256_add_pd, Sub sub _mm256_sub_pd, Mul mul _mm256_mul_pd, Div div _mm256_div_pd);
+
+impl Neg for V8 {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        unsafe { V8(_mm512_xor_pd(self.0, _mm512_set1_pd(-0.0))) }
+    }
+}
+
+impl Neg for V4 {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        unsafe { V4(_mm256_xor_pd(self.0, _mm256_set1_pd(-0.0))) }
+    }
+}
+
+/// One `Real` method per line: its arguments beside `self` and the intrinsic on the registers.
+macro_rules! intrinsics {
+    ($($method:ident($($arg:ident),*) $intrinsic:ident;)*) => {$(
+        #[inline(always)]
+        fn $method(self $(, $arg: Self)*) -> Self {
+            unsafe { Self($intrinsic(self.0 $(, $arg.0)*)) }
+        }
+    )*};
+}
+
+impl Real for V8 {
+    type Mask = __mmask8;
+    intrinsics! {
+        fma(b, c) _mm512_fmadd_pd;
+        fnma(b, c) _mm512_fnmadd_pd;
+        fms(b, c) _mm512_fmsub_pd;
+        sqrt() _mm512_sqrt_pd;
+        abs() _mm512_abs_pd;
+        min(other) _mm512_min_pd;
+        max(other) _mm512_max_pd;
+    }
+    #[inline(always)]
+    fn splat(x: f64) -> Self {
+        unsafe { V8(_mm512_set1_pd(x)) }
+    }
+    #[inline(always)]
+    fn round(self) -> Self {
+        unsafe { V8(_mm512_roundscale_pd::<_MM_FROUND_TO_NEAREST_INT>(self.0)) }
+    }
+    #[inline(always)]
+    fn lt(self, other: Self) -> __mmask8 {
+        unsafe { _mm512_cmp_pd_mask::<_CMP_LT_OQ>(self.0, other.0) }
+    }
+    #[inline(always)]
+    fn select(mask: __mmask8, a: Self, b: Self) -> Self {
+        unsafe { V8(_mm512_mask_blend_pd(mask, b.0, a.0)) }
+    }
+    #[inline(always)]
+    fn any(mask: __mmask8) -> bool {
+        mask != 0
+    }
+    #[inline(always)]
+    fn exp2i(self) -> Self {
+        unsafe {
+            let shifted = _mm512_add_pd(self.0, _mm512_set1_pd(INTEGER_SHIFT + 1023.0));
+            V8(_mm512_castsi512_pd(_mm512_slli_epi64::<52>(_mm512_castpd_si512(shifted))))
+        }
+    }
+    #[inline(always)]
+    fn frexp(self) -> (Self, Self) {
+        unsafe {
+            let mantissa = _mm512_getmant_pd::<_MM_MANT_NORM_1_2, _MM_MANT_SIGN_ZERO>(self.0);
+            (V8(mantissa), V8(_mm512_getexp_pd(self.0)))
+        }
+    }
+    #[inline(always)]
+    fn neg_if_odd(self, n: Self) -> Self {
+        unsafe {
+            let shifted = _mm512_castpd_si512(_mm512_add_pd(n.0, _mm512_set1_pd(INTEGER_SHIFT)));
+            V8(_mm512_xor_pd(self.0, _mm512_castsi512_pd(_mm512_slli_epi64::<63>(shifted))))
+        }
+    }
+    #[inline(always)]
+    fn odd(n: Self) -> __mmask8 {
+        unsafe {
+            let shifted = _mm512_castpd_si512(_mm512_add_pd(n.0, _mm512_set1_pd(INTEGER_SHIFT)));
+            _mm512_test_epi64_mask(shifted, _mm512_set1_epi64(1))
+        }
+    }
+}
+
+impl Pack for V8 {
+    const LANES: usize = 8;
+    #[inline(always)]
+    fn load(from: &[f64]) -> Self {
+        assert!(from.len() >= 8);
+        unsafe { V8(_mm512_loadu_pd(from.as_ptr())) }
+    }
+    #[inline(always)]
+    fn store(self, to: &mut [f64]) {
+        assert!(to.len() >= 8);
+        unsafe { _mm512_storeu_pd(to.as_mut_ptr(), self.0) }
+    }
+}
+
+impl Real for V4 {
+    type Mask = __m256d;
+    intrinsics! {
+        fma(b, c) _mm256_fmadd_pd;
+        fnma(b, c) _mm256_fnmadd_pd;
+        fms(b, c) _mm256_fmsub_pd;
+        sqrt() _mm256_sqrt_pd;
+        min(other) _mm256_min_pd;
+        max(other) _mm256_max_pd;
+    }
+    #[inline(always)]
+    fn splat(x: f64) -> Self {
+        unsafe { V4(_mm256_set1_pd(x)) }
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        unsafe { V4(_mm256_andnot_pd(_mm256_set1_pd(-0.0), self.0)) }
+    }
+    #[inline(always)]
+    fn round(self) -> Self {
+        unsafe {
+            V4(_mm256_round_pd::<{ _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC }>(self.0))
+        }
+    }
+    #[inline(always)]
+    fn lt(self, other: Self) -> __m256d {
+        unsafe { _mm256_cmp_pd::<_CMP_LT_OQ>(self.0, other.0) }
+    }
+    #[inline(always)]
+    fn select(mask: __m256d, a: Self, b: Self) -> Self {
+        unsafe { V4(_mm256_blendv_pd(b.0, a.0, mask)) }
+    }
+    #[inline(always)]
+    fn any(mask: __m256d) -> bool {
+        unsafe { _mm256_movemask_pd(mask) != 0 }
+    }
+    #[inline(always)]
+    fn exp2i(self) -> Self {
+        unsafe {
+            let shifted = _mm256_add_pd(self.0, _mm256_set1_pd(INTEGER_SHIFT + 1023.0));
+            V4(_mm256_castsi256_pd(_mm256_slli_epi64::<52>(_mm256_castpd_si256(shifted))))
+        }
+    }
+    #[inline(always)]
+    fn frexp(self) -> (Self, Self) {
+        // 2^52 as bits: an exponent field or-ed into it reads as 2^52 + field.
+        const TWO52: f64 = 4_503_599_627_370_496.0;
+        unsafe {
+            let bits = _mm256_castpd_si256(self.0);
+            let mantissa = _mm256_or_si256(
+                _mm256_and_si256(bits, _mm256_set1_epi64x(0x000f_ffff_ffff_ffff)),
+                _mm256_set1_epi64x(0x3ff0_0000_0000_0000),
+            );
+            let field =
+                _mm256_and_si256(_mm256_srli_epi64::<52>(bits), _mm256_set1_epi64x(0x7ff));
+            let shifted = _mm256_or_si256(field, _mm256_castpd_si256(_mm256_set1_pd(TWO52)));
+            let exponent =
+                _mm256_sub_pd(_mm256_castsi256_pd(shifted), _mm256_set1_pd(TWO52 + 1023.0));
+            (V4(_mm256_castsi256_pd(mantissa)), V4(exponent))
+        }
+    }
+    #[inline(always)]
+    fn neg_if_odd(self, n: Self) -> Self {
+        unsafe {
+            let shifted = _mm256_castpd_si256(_mm256_add_pd(n.0, _mm256_set1_pd(INTEGER_SHIFT)));
+            V4(_mm256_xor_pd(self.0, _mm256_castsi256_pd(_mm256_slli_epi64::<63>(shifted))))
+        }
+    }
+    #[inline(always)]
+    fn odd(n: Self) -> __m256d {
+        unsafe {
+            let shifted = _mm256_castpd_si256(_mm256_add_pd(n.0, _mm256_set1_pd(INTEGER_SHIFT)));
+            // blendv and movemask read the sign bit only.
+            _mm256_castsi256_pd(_mm256_slli_epi64::<63>(shifted))
+        }
+    }
+}
+
+impl Pack for V4 {
+    const LANES: usize = 4;
+    #[inline(always)]
+    fn load(from: &[f64]) -> Self {
+        assert!(from.len() >= 4);
+        unsafe { V4(_mm256_loadu_pd(from.as_ptr())) }
+    }
+    #[inline(always)]
+    fn store(self, to: &mut [f64]) {
+        assert!(to.len() >= 4);
+        unsafe { _mm256_storeu_pd(to.as_mut_ptr(), self.0) }
+    }
+}

@@ -1,0 +1,173 @@
+//! Elementary functions over `Real`: polynomials of our own, no libm, no table.
+//!
+//! Kernel coefficients of sin, cos and ln: FreeBSD msun (`k_sin.c`, `k_cos.c`, `e_log.c`), Sun Microsystems 1993.
+
+use crate::real::Real;
+use std::f64::consts::{FRAC_2_PI, FRAC_PI_4, LOG2_E, SQRT_2};
+
+/// c[0] + c[1] x + c[2] x^2 + …, by Horner's rule.
+#[inline(always)]
+fn polynomial<R: Real, const N: usize>(x: R, c: [f64; N]) -> R {
+    let mut sum = R::splat(c[N - 1]);
+    for i in (0..N - 1).rev() {
+        sum = sum.fma(x, R::splat(c[i]));
+    }
+    sum
+}
+
+/// (sin x - x) / x^3 as a polynomial in x^2, |x| <= pi/4.
+const SIN: [f64; 6] = [
+    -1.666_666_666_666_663_243_48e-1,
+    8.333_333_333_322_489_461_24e-3,
+    -1.984_126_982_985_794_931_34e-4,
+    2.755_731_370_707_006_767_89e-6,
+    -2.505_076_025_340_686_341_95e-8,
+    1.589_690_995_211_550_102_21e-10,
+];
+/// (cos x - 1 + x^2/2) / x^4 as a polynomial in x^2, |x| <= pi/4.
+const COS: [f64; 6] = [
+    4.166_666_666_666_660_190_37e-2,
+    -1.388_888_888_887_410_957_49e-3,
+    2.480_158_728_947_672_941_78e-5,
+    -2.755_731_435_139_066_330_35e-7,
+    2.087_572_321_298_174_827_90e-9,
+    -1.135_964_755_778_819_482_65e-11,
+];
+
+/// sin and cos of |x| <= pi/4, below 1 ulp.
+#[inline(always)]
+fn sincos_kernel<R: Real>(x: R) -> (R, R) {
+    let z = x * x;
+    let sin = (x * z).fma(polynomial(z, SIN), x);
+    // 1 - z/2, with the rounding of the difference carried on.
+    let half = z * R::splat(0.5);
+    let one = R::splat(1.0);
+    let head = one - half;
+    let cos = head + (z * z).fma(polynomial(z, COS), (one - head) - half);
+    (sin, cos)
+}
+
+/// sin and cos by reduction to |r| <= pi/4 with pi/2 in three parts (159 bits).
+#[inline(always)]
+fn sincos_reduced<R: Real>(x: R) -> (R, R) {
+    const P1: f64 = std::f64::consts::FRAC_PI_2;
+    const P2: f64 = 6.123_233_995_736_766e-17;
+    const P3: f64 = -1.497_384_904_859_183_3e-33;
+    let n = (x * R::splat(FRAC_2_PI)).round();
+    let high = n * R::splat(P1);
+    let low = n.fms(R::splat(P1), high);
+    let a = x - high;
+    let b = a - low;
+    let b_error = (a - b) - low;
+    let r = n.fnma(R::splat(P2), b);
+    let r_error = n.fnma(R::splat(P2), b - r) + b_error;
+    let e = n.fnma(R::splat(P3), r_error);
+    let (s, c) = sincos_kernel(r);
+    let (s, c) = (c.fma(e, s), s.fnma(e, c));
+    // Quadrant n mod 4: odd swaps; sin changes sign with floor(n/2), cos with floor((n+1)/2).
+    let (half, quarter) = (R::splat(0.5), R::splat(0.25));
+    let swap = R::odd(n);
+    let sin_sign = n.fms(half, quarter).round();
+    let cos_sign = (n + R::splat(1.0)).fms(half, quarter).round();
+    let sin = R::select(swap, c, s).neg_if_odd(sin_sign);
+    let cos = R::select(swap, s, c).neg_if_odd(cos_sign);
+    // Beyond 2^50 the argument no longer knows its phase.
+    let known = x.abs().lt(R::splat(1_125_899_906_842_624.0));
+    let nan = R::splat(f64::NAN);
+    (R::select(known, sin, nan), R::select(known, cos, nan))
+}
+
+/// sin and cos, within 1 ulp for |x| <= 1e8; NaN from 2^50 on.
+///
+/// The reduction is skipped when no lane needs it; a lane that does not need it never uses it.
+#[inline(always)]
+pub fn sincos<R: Real>(x: R) -> (R, R) {
+    let (sin, cos) = sincos_kernel(x);
+    let large = R::splat(FRAC_PI_4).lt(x.abs());
+    if R::any(large) {
+        let (s, c) = sincos_reduced(x);
+        (R::select(large, s, sin), R::select(large, c, cos))
+    } else {
+        (sin, cos)
+    }
+}
+
+/// (sin a)/a and (1 - cos a)/a^2 as functions of z = a^2 >= 0: the two coefficients of Rodrigues' formula.
+#[inline(always)]
+pub fn rodrigues<R: Real>(z: R) -> (R, R) {
+    let limit = R::splat(FRAC_PI_4 * FRAC_PI_4);
+    let one = R::splat(1.0);
+    let first = polynomial(z, SIN).fma(z, one);
+    let second = polynomial(z, COS).fnma(z, R::splat(0.5));
+    let large = limit.lt(z);
+    if R::any(large) {
+        let angle = R::select(large, z, one).sqrt();
+        let (s, _) = sincos_reduced(angle);
+        let (s2, _) = sincos_reduced(angle * R::splat(0.5));
+        let versine = (s2 * s2) * R::splat(2.0);
+        let a2 = R::select(large, z, one);
+        (R::select(large, s / angle, first), R::select(large, versine / a2, second))
+    } else {
+        (first, second)
+    }
+}
+
+/// exp, within 1 ulp; 0 below -745.2, infinity above 709.8.
+#[inline(always)]
+pub fn exp<R: Real>(x: R) -> R {
+    const LN2_HIGH: f64 = 6.931_471_803_691_238_164_90e-1;
+    const LN2_LOW: f64 = 1.908_214_929_270_587_700_02e-10;
+    const TAYLOR: [f64; 12] = [
+        0.5,
+        1.0 / 6.0,
+        1.0 / 24.0,
+        1.0 / 120.0,
+        1.0 / 720.0,
+        1.0 / 5040.0,
+        1.0 / 40320.0,
+        1.0 / 362_880.0,
+        1.0 / 3_628_800.0,
+        1.0 / 39_916_800.0,
+        1.0 / 479_001_600.0,
+        1.0 / 6_227_020_800.0,
+    ];
+    let bounded = R::splat(710.0).min(R::splat(-746.0).max(x));
+    let n = (bounded * R::splat(LOG2_E)).round();
+    let a = n.fnma(R::splat(LN2_HIGH), bounded);
+    let r = n.fnma(R::splat(LN2_LOW), a);
+    let r_error = n.fnma(R::splat(LN2_LOW), a - r);
+    let tail = (r * r).fma(polynomial(r, TAYLOR), r_error);
+    let one = R::splat(1.0);
+    let head = one + r;
+    let y = head + (tail + (r - (head - one)));
+    // Two halves, so that neither power of two leaves the normal range.
+    let n1 = (n * R::splat(0.5)).round();
+    (y * n1.exp2i()) * (n - n1).exp2i()
+}
+
+/// Natural logarithm of a positive normal number, within 1 ulp.
+#[inline(always)]
+pub fn ln<R: Real>(x: R) -> R {
+    const LN2_HIGH: f64 = 6.931_471_803_691_238_164_90e-1;
+    const LN2_LOW: f64 = 1.908_214_929_270_587_700_02e-10;
+    const LG: [f64; 7] = [
+        6.666_666_666_666_735_130e-1,
+        3.999_999_999_940_941_908e-1,
+        2.857_142_874_366_239_149e-1,
+        2.222_219_843_214_978_396e-1,
+        1.818_357_216_161_805_012e-1,
+        1.531_383_769_920_937_332e-1,
+        1.479_819_860_511_658_591e-1,
+    ];
+    let (m, e) = x.frexp();
+    let one = R::splat(1.0);
+    let high = R::splat(SQRT_2).lt(m);
+    let k = R::select(high, e + one, e);
+    let f = R::select(high, m * R::splat(0.5), m) - one;
+    let s = f / (R::splat(2.0) + f);
+    let z = s * s;
+    let half = (f * f) * R::splat(0.5);
+    let r = z * polynomial(z, LG);
+    let correction = s.fma(half + r, k * R::splat(LN2_LOW));
+    k * R::splat(LN2_HIGH) - ((half - correction) - f)
+}
