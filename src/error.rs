@@ -29,7 +29,9 @@ pub enum Error {
     )]
     MomentTriangle(f64, f64, f64),
     /// The tensor is not symmetric or not finite.
-    #[error("tensor: a tensor of inertia must be finite and symmetric; entry ({row}, {column}) is {value}, its mirror image {mirror}")]
+    #[error(
+        "tensor: a tensor of inertia must be finite and symmetric; entry ({row}, {column}) is {value}, its mirror image {mirror}"
+    )]
     Tensor {
         /// Row of the offending entry.
         row: usize,

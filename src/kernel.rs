@@ -69,10 +69,10 @@ pub struct Group {
 }
 
 impl Group {
-    /// Lanes that wait: a unit sphere at rest.
+    /// Lanes that wait.
     pub fn waiting() -> Group {
         let drift = DriftRows { start: Row::ZERO, inverse_scale: Row::ZERO, worst: Row::ZERO };
-        Group {
+        let mut group = Group {
             state: [Row::ZERO; MAX_STATE],
             moments: [Row([1.0; LANES]); 3],
             weight: [Row::ZERO; 3],
@@ -86,6 +86,35 @@ impl Group {
             sine2: Row::ZERO,
             energy: drift,
             momentum: drift,
+        };
+        for lane in 0..LANES {
+            group.wait(lane);
+        }
+        group
+    }
+
+    /// Makes a lane wait: a unit sphere at rest, its watched axis where it started, and a step of 0.
+    pub fn wait(&mut self, lane: usize) {
+        for row in &mut self.state {
+            row.0[lane] = 0.0;
+        }
+        for direction in [3, 6] {
+            self.state[direction].0[lane] = 1.0;
+        }
+        for k in 0..3 {
+            self.moments[k].0[lane] = 1.0;
+            self.weight[k].0[lane] = 0.0;
+            self.axis[k].0[lane] = if k == 0 { 1.0 } else { 0.0 };
+        }
+        self.step.0[lane] = 0.0;
+        self.side.0[lane] = 0.0;
+        self.flips.0[lane] = 0.0;
+        self.cosine.0[lane] = 1.0;
+        self.sine2.0[lane] = 0.0;
+        for drift in [&mut self.energy, &mut self.momentum] {
+            drift.start.0[lane] = 0.0;
+            drift.inverse_scale.0[lane] = 0.0;
+            drift.worst.0[lane] = 0.0;
         }
     }
 }
@@ -159,6 +188,9 @@ impl System {
 }
 
 impl Table {
+    /// All tables.
+    pub const ALL: [Table; 3] = [Table::Rk4, Table::Planar, Table::Rotor];
+
     /// The variables that it moves.
     pub fn form(self) -> Form {
         match self {

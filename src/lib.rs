@@ -10,11 +10,18 @@
 
 pub mod body;
 pub mod clock;
+pub mod ensemble;
 pub mod error;
 pub mod kernel;
 pub mod method;
 pub mod model;
 pub mod observe;
+#[cfg(feature = "python")]
+mod python;
 pub mod real;
+pub mod run;
+pub mod sample;
 pub mod simd;
 pub mod special;
+pub mod start;
+pub mod trajectory;

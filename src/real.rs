@@ -10,12 +10,7 @@ pub(crate) const INTEGER_SHIFT: f64 = 6_755_399_441_055_744.0;
 
 /// A scalar, or several side by side in registers.
 pub trait Real:
-    Copy
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-    + Div<Output = Self>
-    + Neg<Output = Self>
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
 {
     /// One truth value per lane.
     type Mask: Copy;

@@ -94,12 +94,10 @@ impl Method {
 
     /// The method of that name.
     pub fn parse(name: &str) -> Result<Method, crate::error::Error> {
-        Method::ALL.into_iter().find(|m| m.facts().name == name).ok_or_else(|| {
-            crate::error::Error::Unknown {
-                argument: "method",
-                value: name.to_string(),
-                known: Method::ALL.map(|m| m.facts().name).join(", "),
-            }
+        Method::ALL.into_iter().find(|m| m.facts().name == name).ok_or_else(|| crate::error::Error::Unknown {
+            argument: "method",
+            value: name.to_string(),
+            known: Method::ALL.map(|m| m.facts().name).join(", "),
         })
     }
 }

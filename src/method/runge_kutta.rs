@@ -61,16 +61,7 @@ const fn check<T: Tableau>() {
             j += 1;
         }
         let b = T::WEIGHTS[i] / T::DIVISOR;
-        let terms = [
-            1.0,
-            c[i],
-            c[i] * c[i],
-            ac[i],
-            c[i] * c[i] * c[i],
-            c[i] * ac[i],
-            ac2[i],
-            aac[i],
-        ];
+        let terms = [1.0, c[i], c[i] * c[i], ac[i], c[i] * c[i] * c[i], c[i] * ac[i], ac2[i], aac[i]];
         let mut k = 0;
         while k < 8 {
             sums[k] += b * terms[k];
@@ -164,18 +155,12 @@ fn rate<R: Real, M: Model<R>, L: Layout, const D: usize>(model: &M, y: &[R; D]) 
     dy
 }
 
-impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Scheme<R, M, L, D>
-    for RungeKutta<T, R, M>
-{
+impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Scheme<R, M, L, D> for RungeKutta<T, R, M> {
     const FORM: Form = Form::Rates;
 
     #[inline(always)]
     fn new(p: &Parameters<R>) -> Self {
-        RungeKutta {
-            model: M::new(p),
-            weight_unit: p.step / R::splat(T::DIVISOR),
-            table: PhantomData,
-        }
+        RungeKutta { model: M::new(p), weight_unit: p.step / R::splat(T::DIVISOR), table: PhantomData }
     }
 
     #[inline(always)]

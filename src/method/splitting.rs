@@ -59,8 +59,7 @@ impl Composition for PlanarStrang {
 
 impl Composition for RotorStrang {
     const FACTS: Facts = Facts { stages: 3, ..PlanarStrang::FACTS };
-    const STAGES: &'static [(Flow, f64)] =
-        &[(Flow::Kick, 0.5), (Flow::Rotor, 1.0), (Flow::Kick, 0.5)];
+    const STAGES: &'static [(Flow, f64)] = &[(Flow::Kick, 0.5), (Flow::Rotor, 1.0), (Flow::Kick, 0.5)];
 }
 
 /// Consistent (the fractions of each flow sum to one) and a palindrome, hence symmetric and of order 2.
@@ -158,21 +157,15 @@ fn rotor<R: Real, L: Layout, const D: usize>(y: &mut [R; D], h_over_i1: R, spin:
         }
     }
     if L::QUATERNION {
-        let quarter = z * R::splat(0.25);
-        let (a, b) = rodrigues(quarter);
-        let s = a * R::splat(0.5);
         let at = L::QUATERNION_AT;
         let q = [y[at], y[at + 1], y[at + 2], y[at + 3]];
-        let increment = [quarter.fnma(b, R::splat(1.0)), s * w[0], s * w[1], s * w[2]];
-        y[at..at + 4].copy_from_slice(&model::quaternion_product(&q, &increment));
+        y[at..at + 4].copy_from_slice(&model::quaternion_product(&q, &model::rotation_by(&w)));
     }
     let angle = spin * y[2];
     turn::<R, L, D>(y, 2, angle);
 }
 
-impl<C: Composition, R: Real, M: Model<R>, L: Layout, const D: usize> Scheme<R, M, L, D>
-    for Splitting<C, R>
-{
+impl<C: Composition, R: Real, M: Model<R>, L: Layout, const D: usize> Scheme<R, M, L, D> for Splitting<C, R> {
     const FORM: Form = Form::Momenta;
 
     #[inline(always)]

@@ -10,6 +10,7 @@ pub use free::Free;
 pub use top::Top;
 
 use crate::real::Real;
+use crate::special::rodrigues;
 
 /// The constants of one body.
 #[derive(Clone, Copy)]
@@ -77,11 +78,7 @@ pub trait Model<R: Real>: Copy {
 /// a x b.
 #[inline(always)]
 pub fn cross<R: Real>(a: &[R; 3], b: &[R; 3]) -> [R; 3] {
-    [
-        a[1].fms(b[2], a[2] * b[1]),
-        a[2].fms(b[0], a[0] * b[2]),
-        a[0].fms(b[1], a[1] * b[0]),
-    ]
+    [a[1].fms(b[2], a[2] * b[1]), a[2].fms(b[0], a[0] * b[2]), a[0].fms(b[1], a[1] * b[0])]
 }
 
 /// a . b.
@@ -141,4 +138,13 @@ pub fn seen_from_body<R: Real>(q: &[R; 4], e: &[R; 3]) -> [R; 3] {
 #[inline(always)]
 pub fn seen_from_space<R: Real>(q: &[R; 4], e: &[R; 3]) -> [R; 3] {
     seen_from_body(&[q[0], -q[1], -q[2], -q[3]], e)
+}
+
+/// exp of a rotation vector, as a unit quaternion.
+#[inline(always)]
+pub fn rotation_by<R: Real>(v: &[R; 3]) -> [R; 4] {
+    let quarter = dot(v, v) * R::splat(0.25);
+    let (a, b) = rodrigues(quarter);
+    let s = a * R::splat(0.5);
+    [quarter.fnma(b, R::splat(1.0)), s * v[0], s * v[1], s * v[2]]
 }

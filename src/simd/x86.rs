@@ -152,9 +152,7 @@ impl Real for V4 {
     }
     #[inline(always)]
     fn round(self) -> Self {
-        unsafe {
-            V4(_mm256_round_pd::<{ _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC }>(self.0))
-        }
+        unsafe { V4(_mm256_round_pd::<{ _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC }>(self.0)) }
     }
     #[inline(always)]
     fn lt(self, other: Self) -> __m256d {
@@ -185,11 +183,9 @@ impl Real for V4 {
                 _mm256_and_si256(bits, _mm256_set1_epi64x(0x000f_ffff_ffff_ffff)),
                 _mm256_set1_epi64x(0x3ff0_0000_0000_0000),
             );
-            let field =
-                _mm256_and_si256(_mm256_srli_epi64::<52>(bits), _mm256_set1_epi64x(0x7ff));
+            let field = _mm256_and_si256(_mm256_srli_epi64::<52>(bits), _mm256_set1_epi64x(0x7ff));
             let shifted = _mm256_or_si256(field, _mm256_castpd_si256(_mm256_set1_pd(TWO52)));
-            let exponent =
-                _mm256_sub_pd(_mm256_castsi256_pd(shifted), _mm256_set1_pd(TWO52 + 1023.0));
+            let exponent = _mm256_sub_pd(_mm256_castsi256_pd(shifted), _mm256_set1_pd(TWO52 + 1023.0));
             (V4(_mm256_castsi256_pd(mantissa)), V4(exponent))
         }
     }

@@ -1,0 +1,16 @@
+//! Tells the library how it was built, for `rigid.build_info()`.
+
+use std::process::Command;
+
+fn main() {
+    println!("cargo:rerun-if-changed=.git/HEAD");
+    println!("cargo:rerun-if-changed=src");
+    println!("cargo:rerun-if-env-changed=RIGID_COMMIT");
+    let commit = std::env::var("RIGID_COMMIT").ok().or_else(|| {
+        let output = Command::new("git").args(["rev-parse", "--short=12", "HEAD"]).output().ok()?;
+        output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim().to_string())
+    });
+    println!("cargo:rustc-env=RIGID_COMMIT={}", commit.unwrap_or_default());
+    let profile = std::env::var("PROFILE").expect("cargo sets it");
+    println!("cargo:rustc-env=RIGID_PROFILE={profile}");
+}

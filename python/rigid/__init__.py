@@ -1,0 +1,40 @@
+"""Rotation of rigid bodies: exact where physics allows, fast elsewhere, the error stated.
+
+The main job is :func:`stability_map`; :func:`simulate` gives the states of bodies at wanted times.
+Conventions: SI or any consistent units; body axes are principal axes; ``omega`` in the body (rad/s);
+attitudes are unit quaternions, scalar first, active, body to space; gravity along ``-e3`` of space.
+"""
+
+from ._core import __version__
+from .bodies import Body
+from .criteria import no_flip, tilt_below
+from .info import build_info
+from .mapfile import load_map
+from .maps import StabilityMap, stability_map
+from .methods import Method, methods
+from .scenes import FreeBody, HeavyTop
+from .simulate import Run, Status, simulate
+from .starts import Start, direction, normal, uniform, uniform_attitude
+
+__all__ = [
+    "Body",
+    "FreeBody",
+    "HeavyTop",
+    "Method",
+    "Run",
+    "StabilityMap",
+    "Start",
+    "Status",
+    "__version__",
+    "build_info",
+    "direction",
+    "load_map",
+    "methods",
+    "no_flip",
+    "normal",
+    "simulate",
+    "stability_map",
+    "tilt_below",
+    "uniform",
+    "uniform_attitude",
+]

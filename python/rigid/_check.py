@@ -1,0 +1,140 @@
+"""Checks at the door: every refusal names the argument, its value and the rule."""
+
+from __future__ import annotations
+
+import difflib
+import os
+from collections.abc import Iterable
+from typing import SupportsFloat, SupportsIndex
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+__all__ = [
+    "finite_float",
+    "nearest",
+    "one_of",
+    "positive_int",
+    "resolve_threads",
+    "rows",
+    "sorted_times",
+    "unit_vector",
+    "vector",
+]
+
+
+def nearest(name: str, known: Iterable[str]) -> str:
+    """A hint such as ``"; did you mean 'spin'?"``, or nothing if no known name is close."""
+    close = difflib.get_close_matches(name, list(known), n=1)
+    return f"; did you mean {close[0]!r}?" if close else ""
+
+
+def one_of(argument: str, value: object, known: Iterable[str]) -> str:
+    """``value`` if it is one of the known names."""
+    names = list(known)
+    if isinstance(value, str) and value in names:
+        return value
+    hint = nearest(value, names) if isinstance(value, str) else ""
+    raise ValueError(f"{argument} = {value!r}: must be one of {', '.join(map(repr, names))}{hint}")
+
+
+def finite_float(
+    name: str, value: object, *, positive: bool = False, nonnegative: bool = False
+) -> float:
+    """``value`` as a finite float; positive or not negative if asked."""
+    if isinstance(value, (str, bytes, bool, complex)) or not isinstance(
+        value, (SupportsFloat, SupportsIndex)
+    ):
+        raise TypeError(f"{name} = {value!r}: must be a number")
+    number = float(value)
+    if not np.isfinite(number):
+        raise ValueError(f"{name} = {number}: must be finite")
+    if positive and number <= 0.0:
+        raise ValueError(f"{name} = {number}: must be positive")
+    if nonnegative and number < 0.0:
+        raise ValueError(f"{name} = {number}: must not be negative")
+    return number
+
+
+def positive_int(name: str, value: object, *, minimum: int = 1) -> int:
+    """``value`` as a whole number of at least ``minimum``."""
+    if isinstance(value, bool) or not isinstance(value, (int, np.integer)):
+        raise TypeError(f"{name} = {value!r}: must be a whole number")
+    if value < minimum:
+        raise ValueError(f"{name} = {value}: must be at least {minimum}")
+    return int(value)
+
+
+def _numbers(name: str, value: ArrayLike) -> NDArray[np.float64]:
+    try:
+        array = np.asarray(value)
+        if array.dtype.kind not in "iuf" and not (array.dtype.kind == "O" and array.size == 0):
+            raise TypeError(f"{name} = {value!r}: must be real numbers, got {array.dtype}")
+        return np.ascontiguousarray(array, dtype=np.float64).reshape(array.shape)
+    except ValueError as error:
+        raise ValueError(f"{name} = {value!r}: must be an array of numbers ({error})") from None
+
+
+def _finite(name: str, array: NDArray[np.float64]) -> None:
+    bad = np.argwhere(~np.isfinite(array))
+    if len(bad):
+        index = tuple(int(i) for i in bad[0])
+        raise ValueError(f"{name}{list(index)} = {array[index]}: must be finite")
+
+
+def vector(name: str, value: ArrayLike, length: int) -> NDArray[np.float64]:
+    """``value`` as a finite array of shape ``(length,)``."""
+    array = _numbers(name, value)
+    if array.shape != (length,):
+        raise ValueError(f"{name}: expected shape ({length},), got {array.shape}")
+    _finite(name, array)
+    return array
+
+
+def rows(name: str, value: ArrayLike, width: int) -> tuple[NDArray[np.float64], bool]:
+    """``value`` as a finite contiguous array ``(n, width)``, and whether it was a single row."""
+    array = _numbers(name, value)
+    if array.ndim not in (1, 2) or array.shape[-1] != width:
+        if array.size == 0 and array.ndim < 2:
+            return np.empty((0, width)), False
+        raise ValueError(f"{name}: expected shape ({width},) or (n, {width}), got {array.shape}")
+    _finite(name, array)
+    return np.ascontiguousarray(np.atleast_2d(array)), array.ndim == 1
+
+
+def unit_vector(name: str, value: ArrayLike, length: int) -> NDArray[np.float64]:
+    """``value`` as a vector of length one, which it must be to 1e-9; normalised to rounding."""
+    array = vector(name, value, length)
+    norm = float(np.linalg.norm(array))
+    if abs(norm - 1.0) > 1e-9:
+        raise ValueError(f"{name} = {array.tolist()}: must be a unit vector, its length is {norm}")
+    return array / norm
+
+
+def sorted_times(name: str, value: ArrayLike) -> NDArray[np.float64]:
+    """``value`` as finite ascending times, shape ``(m,)``; a single time becomes one of one."""
+    array = np.atleast_1d(_numbers(name, value))
+    if array.ndim != 1:
+        raise ValueError(f"{name}: expected shape (m,), got {array.shape}")
+    _finite(name, array)
+    late = np.flatnonzero(np.diff(array) < 0.0)
+    if len(late):
+        k = int(late[0])
+        raise ValueError(
+            f"{name}[{k}] = {array[k]} > {name}[{k + 1}] = {array[k + 1]}: times must be ascending"
+        )
+    return array
+
+
+def resolve_threads(threads: int | None) -> int:
+    """Number of threads: the argument, else ``RIGID_NUM_THREADS``, else the cores we may use."""
+    if threads is not None:
+        return positive_int("threads", threads)
+    variable = os.environ.get("RIGID_NUM_THREADS", "")
+    if variable:
+        if not variable.isdecimal() or int(variable) < 1:
+            raise ValueError(f"RIGID_NUM_THREADS = {variable!r}: must be a whole number of at least 1")
+        return int(variable)
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1

@@ -1,0 +1,60 @@
+"""Types of the compiled core. Arrays in, arrays out; checked against the binary by stubtest."""
+
+from collections.abc import Sequence
+from typing import Any, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+__version__: str
+
+def build_info() -> dict[str, Any]: ...
+def methods() -> list[dict[str, Any]]: ...
+def check_moments(moments: Sequence[float]) -> None: ...
+def principal_axes(
+    tensor: Sequence[Sequence[float]],
+) -> tuple[list[float], list[list[float]]]: ...
+def simulate(
+    *,
+    scene: str,
+    method: str,
+    record: str,
+    moments: NDArray[np.float64],
+    weight: NDArray[np.float64],
+    omega: NDArray[np.float64],
+    attitude: NDArray[np.float64],
+    step: NDArray[np.float64] | None,
+    max_steps: int,
+    threads: int,
+    times: Sequence[float] | None = None,
+    strides: Sequence[int] | None = None,
+) -> dict[str, Any]: ...
+@final
+class MapJob:
+    def __new__(
+        cls,
+        *,
+        scene: str,
+        method: str,
+        moments: NDArray[np.float64],
+        weight: NDArray[np.float64],
+        omega: NDArray[np.float64],
+        omega_noise: str,
+        omega_size: NDArray[np.float64],
+        attitude: NDArray[np.float64],
+        attitude_noise: str,
+        attitude_size: NDArray[np.float64],
+        criterion: str,
+        axis: int,
+        limit: float,
+        t_end: float,
+        step: float | None,
+        max_steps: int,
+        samples: int,
+        checked: int,
+        seed: int,
+    ) -> MapJob: ...
+    @property
+    def status(self) -> NDArray[np.uint8]: ...
+    def run(self, start: int, stop: int, threads: int) -> dict[str, Any]: ...
+    def sample(self, pixel: int, sample: int) -> dict[str, Any]: ...

@@ -1,0 +1,184 @@
+"""Bodies: principal moments of inertia, however they are known."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _core
+from ._check import finite_float, vector
+
+__all__ = ["Body"]
+
+
+@dataclass(frozen=True, slots=True, init=False)
+class Body:
+    """A rigid body, known by its principal moments of inertia.
+
+    Body axes are the principal axes, through the fixed point if there is one, else through the
+    centre of mass. The moments keep your order; nothing is sorted.
+
+    Parameters
+    ----------
+    moments : array_like, shape (3,)
+        Principal moments of inertia (kg m², or any consistent unit) about body axes 1, 2, 3.
+    mass : float, optional
+        Mass (kg). Only remembered; the rotation does not need it.
+
+    Attributes
+    ----------
+    moments : tuple of float
+        Principal moments.
+    mass : float or None
+        Mass.
+    sides : tuple of float or None
+        Sides along the axes 1, 2, 3 of a homogeneous box.
+
+    Raises
+    ------
+    ValueError
+        If no body has these moments: each must be finite and positive (a rod has no equation of
+        motion about its own axis), none above the sum of the other two (a flat body has equality).
+
+    Examples
+    --------
+    >>> import rigid
+    >>> rigid.Body((1.0, 2.0, 2.5)).symmetry_axis is None
+    True
+    >>> rigid.Body((1.0, 1.0, 2.5))
+    Traceback (most recent call last):
+        ...
+    ValueError: moments = (1, 1, 2.5): no moment may exceed the sum of the other two \
+(triangle inequality; equality is a flat body)
+    """
+
+    moments: tuple[float, float, float]
+    mass: float | None
+    sides: tuple[float, float, float] | None
+
+    def __init__(
+        self,
+        moments: ArrayLike,
+        *,
+        mass: float | None = None,
+        sides: ArrayLike | None = None,
+    ) -> None:
+        checked = vector_allowing_nan("moments", moments)
+        _core.check_moments(checked)
+        set_field = object.__setattr__  # the dataclass is frozen
+        set_field(self, "moments", checked)
+        set_field(self, "mass", None if mass is None else finite_float("mass", mass, positive=True))
+        set_field(self, "sides", None if sides is None else tuple(vector("sides", sides, 3).tolist()))
+
+    @classmethod
+    def box(cls, a: float, b: float, c: float, *, mass: float = 1.0) -> Body:
+        """A homogeneous box with sides ``a``, ``b``, ``c`` (m) along the body axes 1, 2, 3.
+
+        ``I = mass/12 (b² + c², a² + c², a² + b²)``.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> book = rigid.Body.box(0.25, 0.08, 0.01, mass=0.3)
+        >>> [round(moment * 12e4 / 0.3) for moment in book.moments]
+        [65, 626, 689]
+        """
+        sides = [
+            finite_float(name, side, positive=True)
+            for name, side in (("a", a), ("b", b), ("c", c))
+        ]
+        mass = finite_float("mass", mass, positive=True)
+        return cls(box_moments(*sides, mass), mass=mass, sides=sides)
+
+    @classmethod
+    def from_tensor(cls, tensor: ArrayLike) -> tuple[Body, NDArray[np.float64]]:
+        """The body of a tensor of inertia, and its principal axes.
+
+        Parameters
+        ----------
+        tensor : array_like, shape (3, 3)
+            Symmetric tensor of inertia (kg m²), products with their minus signs.
+
+        Returns
+        -------
+        body : Body
+            Moments ascending.
+        axes : ndarray, shape (3, 3)
+            Column k is body axis k + 1 in the frame of the tensor; right-handed.
+
+        Raises
+        ------
+        ValueError
+            If the tensor is not finite and symmetric, or no body has its moments.
+
+        Examples
+        --------
+        >>> import numpy as np, rigid
+        >>> body, axes = rigid.Body.from_tensor([[2.0, 1.0, 0.0], [1.0, 2.0, 0.0], [0.0, 0.0, 2.5]])
+        >>> np.allclose(body.moments, (1.0, 2.5, 3.0))
+        True
+        >>> np.allclose(axes @ np.diag(body.moments) @ axes.T, [[2, 1, 0], [1, 2, 0], [0, 0, 2.5]])
+        True
+        """
+        array = np.asarray(tensor, dtype=np.float64)
+        if array.shape != (3, 3):
+            raise ValueError(f"tensor: expected shape (3, 3), got {array.shape}")
+        moments, axes = _core.principal_axes(array.tolist())
+        return cls(moments), np.array(axes)
+
+    @property
+    def gammas(self) -> tuple[float, float, float]:
+        """Factors of Euler's equations: ``((I2-I3)/I1, (I3-I1)/I2, (I1-I2)/I3)``.
+
+        Their sum and their product cancel (both terms of ``g1 + g2 + g3 + g1 g2 g3 = 0``).
+        """
+        i1, i2, i3 = self.moments
+        return (i2 - i3) / i1, (i3 - i1) / i2, (i1 - i2) / i3
+
+    @property
+    def symmetry_axis(self) -> int | None:
+        """The axis 1, 2 or 3 about which two moments are equal to the bit, or None."""
+        i1, i2, i3 = self.moments
+        if i1 == i2:
+            return 3
+        if i3 == i1:
+            return 2
+        return 1 if i2 == i3 else None
+
+    def to_dict(self) -> dict[str, Any]:
+        """The body as plain data."""
+        return {
+            "moments": list(self.moments),
+            "mass": self.mass,
+            "sides": None if self.sides is None else list(self.sides),
+        }
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> Body:
+        """The body of :meth:`to_dict`."""
+        return cls(data["moments"], mass=data.get("mass"), sides=data.get("sides"))
+
+
+def vector_allowing_nan(name: str, value: ArrayLike) -> tuple[float, float, float]:
+    """Three numbers; whether they are finite is for the core to say, with the rule it checks."""
+    array = np.asarray(value)
+    if array.dtype.kind not in "iuf":
+        raise TypeError(f"{name} = {value!r}: must be real numbers")
+    if array.shape != (3,):
+        raise ValueError(f"{name}: expected shape (3,), got {array.shape}")
+    first, second, third = array.astype(np.float64).tolist()
+    return first, second, third
+
+
+def box_moments(
+    a: ArrayLike, b: ArrayLike, c: ArrayLike, mass: ArrayLike
+) -> NDArray[np.float64]:
+    """Moments of homogeneous boxes, ``(..., 3)``; the arguments broadcast."""
+    a, b, c, mass = np.broadcast_arrays(a, b, c, mass)
+    squares = np.stack([b * b + c * c, a * a + c * c, a * a + b * b], axis=-1)
+    moments: NDArray[np.float64] = np.asarray(mass)[..., None] / 12.0 * squares
+    return moments

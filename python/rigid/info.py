@@ -1,0 +1,30 @@
+"""How this installation was built and what it runs with."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from . import _core
+from ._check import resolve_threads
+
+__all__ = ["build_info"]
+
+
+def build_info() -> dict[str, Any]:
+    """Version, commit if known, build profile, instruction set in use, those available, threads.
+
+    The environment variable ``RIGID_ISA`` (``avx512``, ``avx2``, ``scalar``) forces an instruction
+    set; all give the same bits.
+
+    Raises
+    ------
+    RuntimeError
+        If ``RIGID_ISA`` names an instruction set that is unknown or not available here.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> sorted(rigid.build_info())
+    ['commit', 'isa', 'isa_available', 'profile', 'threads', 'version']
+    """
+    return {**_core.build_info(), "threads": resolve_threads(None)}

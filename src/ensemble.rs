@@ -1,0 +1,528 @@
+//! The Monte Carlo map: a block from its samples to its statistics, finished lanes refilled on the way.
+
+use crate::clock::thread_nanoseconds;
+use crate::kernel::{Compiled, Group, Kernel, LANES, System, Table, Watch};
+use crate::method::Method;
+use crate::observe::largest_tilt;
+use crate::run::over_blocks;
+use crate::sample::{self, Law};
+use crate::simd::Isa;
+use crate::special::sincos;
+use crate::start::{Body, Seat, load};
+use crate::trajectory::Status;
+use std::sync::atomic::AtomicBool;
+
+/// A sample takes whole bursts of this many steps; after each it may stop. What is seen at the ends of bursts
+/// then depends on the sample alone, whoever shares its group.
+pub const BURST: u64 = 16;
+
+/// Samples of a block: a millisecond of work or more.
+const BLOCK: u64 = 1024;
+
+/// When a sample counts as stable.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Criterion {
+    /// The component of the rates along the watched axis never changes sign.
+    NoFlip,
+    /// The watched axis stays within this angle of where it started.
+    TiltFromStart(f64),
+    /// The watched axis stays within this angle of the vertical.
+    TiltFromVertical(f64),
+}
+
+/// The nominal body of a pixel and the size of its cloud.
+#[derive(Clone, Copy, Debug)]
+pub struct Pixel {
+    /// Body and nominal start.
+    pub body: Body,
+    /// Size of the perturbation of each rate.
+    pub omega_size: [f64; 3],
+    /// Size of the perturbation of the attitude (rad).
+    pub attitude_size: f64,
+    /// Whether such a body exists.
+    pub possible: bool,
+}
+
+/// Everything that the statistics of a map depend on.
+#[derive(Clone, Debug)]
+pub struct Map {
+    /// Whether the bodies have weight.
+    pub is_top: bool,
+    /// How they move.
+    pub method: Method,
+    /// The pixels.
+    pub pixels: Vec<Pixel>,
+    /// Law of the perturbation of the rates.
+    pub omega_law: Law,
+    /// Law of the perturbation of the attitude.
+    pub attitude_law: Law,
+    /// When a sample is stable.
+    pub criterion: Criterion,
+    /// The watched body axis: 1, 2, 3 or -1, -2, -3.
+    pub axis: i32,
+    /// Horizon.
+    pub t_end: f64,
+    /// Largest step; `None` leaves it to the bound of each sample's rates.
+    pub step: Option<f64>,
+    /// Most steps that a sample may take.
+    pub max_steps: u64,
+    /// Samples of each pixel.
+    pub samples: u64,
+    /// How many of them, the first, are repeated with half the step.
+    pub checked: u64,
+    /// Key of the random numbers.
+    pub key: [u64; 2],
+}
+
+/// The verdict on a sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Class {
+    /// Stayed stable until the horizon.
+    Stable,
+    /// Left stability before.
+    Unstable,
+    /// The verdict changes with half the step.
+    Undecided,
+    /// No verdict: step limit, or not finite.
+    Failed,
+}
+
+impl Class {
+    /// The word for it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Class::Stable => "stable",
+            Class::Unstable => "unstable",
+            Class::Undecided => "undecided",
+            Class::Failed => "failed",
+        }
+    }
+}
+
+/// What one run of one sample gave.
+#[derive(Clone, Copy, Debug)]
+pub struct Outcome {
+    /// Stable, unstable or failed.
+    pub class: Class,
+    /// How it ended.
+    pub status: Status,
+    /// Sign changes seen.
+    pub flips: u64,
+    /// When stability was seen to be lost, NaN if it was not.
+    pub left: f64,
+    /// Largest tilt, NaN if none is watched (rad).
+    pub tilt: f64,
+    /// Largest relative energy error at the ends of bursts.
+    pub energy_drift: f64,
+    /// Largest relative error of the conserved momentum at the ends of bursts.
+    pub momentum_drift: f64,
+    /// Step.
+    pub step: f64,
+    /// Steps made.
+    pub steps: u64,
+}
+
+/// The statistics of a pixel. All merge without order: sums of whole numbers, largest, smallest.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Statistics {
+    /// Samples that stayed stable.
+    pub stable: u64,
+    /// Samples that did not.
+    pub unstable: u64,
+    /// Samples whose verdict changed with half the step.
+    pub undecided: u64,
+    /// Samples without a verdict.
+    pub failed: u64,
+    /// Samples repeated with half the step.
+    pub checked: u64,
+    /// Largest energy drift.
+    pub energy_drift: f64,
+    /// Largest momentum drift.
+    pub momentum_drift: f64,
+    /// Earliest loss of stability seen; infinite if none.
+    pub earliest: f64,
+    /// Steps of all runs.
+    pub steps: u64,
+    /// Processor time: measured, not reproducible.
+    pub nanoseconds: f64,
+}
+
+impl Statistics {
+    fn none() -> Self {
+        Statistics { earliest: f64::INFINITY, ..Default::default() }
+    }
+
+    fn merge(&mut self, other: &Statistics) {
+        self.stable += other.stable;
+        self.unstable += other.unstable;
+        self.undecided += other.undecided;
+        self.failed += other.failed;
+        self.checked += other.checked;
+        self.energy_drift = self.energy_drift.max(other.energy_drift);
+        self.momentum_drift = self.momentum_drift.max(other.momentum_drift);
+        self.earliest = self.earliest.min(other.earliest);
+        self.steps += other.steps;
+        self.nanoseconds += other.nanoseconds;
+    }
+
+    fn add(&mut self, verdict: Class, outcome: &Outcome, checked: bool) {
+        match verdict {
+            Class::Stable => self.stable += 1,
+            Class::Unstable => self.unstable += 1,
+            Class::Undecided => self.undecided += 1,
+            Class::Failed => self.failed += 1,
+        }
+        self.checked += u64::from(checked);
+        if verdict != Class::Failed {
+            self.energy_drift = self.energy_drift.max(outcome.energy_drift);
+            self.momentum_drift = self.momentum_drift.max(outcome.momentum_drift);
+            if outcome.class == Class::Unstable {
+                self.earliest = self.earliest.min(outcome.left);
+            }
+        }
+    }
+}
+
+/// One run: which sample, and with the full step or half of it.
+#[derive(Clone, Copy)]
+struct Job {
+    /// Place in the block.
+    index: usize,
+    halved: bool,
+}
+
+/// A body in a lane.
+#[derive(Clone, Copy)]
+struct Passenger {
+    job: Job,
+    step: f64,
+}
+
+impl Map {
+    /// Samples of the whole map.
+    pub fn len(&self) -> u64 {
+        self.pixels.len() as u64 * self.samples
+    }
+
+    /// Whether there is nothing to do.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The start of a sample: a pure function of seed, pixel and sample.
+    #[inline(always)]
+    fn draw_generic(&self, pixel: u64, sample: u64) -> Body {
+        let Pixel { body, omega_size, attitude_size, .. } = self.pixels[pixel as usize];
+        let mut start = body;
+        if self.omega_law != Law::None {
+            let v = sample::vector(self.omega_law, sample::uniforms(self.key, 0, sample, pixel));
+            for k in 0..3 {
+                start.omega[k] = omega_size[k].mul_add(v[k], body.omega[k]);
+            }
+        }
+        if self.attitude_law != Law::None {
+            let u = sample::uniforms(self.key, 1, sample, pixel);
+            start.attitude = sample::attitude(self.attitude_law, attitude_size, body.attitude, u);
+        }
+        start
+    }
+
+    /// The same with the FMA instruction: same bits, ten times faster.
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2,fma")]
+    fn draw_fma(&self, pixel: u64, sample: u64) -> Body {
+        self.draw_generic(pixel, sample)
+    }
+
+    /// The start of a sample, by the path of that instruction set.
+    pub fn draw(&self, isa: Isa, pixel: u64, sample: u64) -> Body {
+        match isa {
+            #[cfg(target_arch = "x86_64")]
+            Isa::Avx512 | Isa::Avx2 => {
+                assert!(isa.is_available());
+                // Safety: asked the line before.
+                unsafe { self.draw_fma(pixel, sample) }
+            }
+            _ => self.draw_generic(pixel, sample),
+        }
+    }
+
+    fn kernel(&self, table: Table) -> Kernel {
+        let (system, watch) = match (self.is_top, self.criterion) {
+            (false, Criterion::NoFlip) => (System::FreeRates, Watch::Flips),
+            (false, _) => (System::FreeAxis, Watch::Tilt),
+            (true, Criterion::NoFlip) => (System::TopAxis, Watch::Flips),
+            (true, Criterion::TiltFromVertical(_)) => (System::TopAxis, Watch::Tilt),
+            (true, Criterion::TiltFromStart(_)) => (System::TopTwoAxes, Watch::Tilt),
+        };
+        Kernel { system, table, watch }
+    }
+
+    /// Steps of a sample: whole bursts, none longer than asked; more than `max_steps` if the rates need it.
+    fn steps_of(&self, body: &Body) -> u64 {
+        let largest = self.step.unwrap_or_else(|| {
+            let rate = body.fastest_rate();
+            if rate > 0.0 { self.method.facts().angle_per_step / rate } else { self.t_end }
+        });
+        let bursts = (self.t_end / largest / BURST as f64).ceil().max(1.0);
+        // A NaN or an absurd number becomes one that no limit allows.
+        if bursts < 1e18 { bursts as u64 * BURST } else { u64::MAX }
+    }
+
+    /// The verdict from both runs of a sample.
+    fn verdict(first: &Outcome, halved: Option<&Outcome>) -> Class {
+        match halved {
+            Some(second) if first.class != Class::Failed && second.class != first.class => Class::Undecided,
+            _ => first.class,
+        }
+    }
+
+    /// Statistics of the samples `start .. stop` in pixel-major order, for the pixels that they touch.
+    pub fn run(
+        &self,
+        start: u64,
+        stop: u64,
+        threads: usize,
+        isa: Isa,
+        interrupt: &AtomicBool,
+    ) -> Option<(u64, Vec<Statistics>)> {
+        let first = start / self.samples;
+        let last = stop.div_ceil(self.samples);
+        let mut all = vec![Statistics::none(); (last - first) as usize];
+        let block = BLOCK.min((stop - start).div_ceil(threads as u64)).max(1);
+        let blocks = (stop - start).div_ceil(block) as usize;
+        let parts = over_blocks(blocks, threads, interrupt, |b| {
+            let begin = start + b as u64 * block;
+            self.block(begin, stop.min(begin + block), isa)
+        });
+        for part in parts {
+            for (pixel, statistics) in part? {
+                all[(pixel - first) as usize].merge(&statistics);
+            }
+        }
+        Some((first, all))
+    }
+
+    /// The statistics of one block, by pixel.
+    fn block(&self, start: u64, stop: u64, isa: Isa) -> Vec<(u64, Statistics)> {
+        let begin = thread_nanoseconds();
+        let place = |flat: u64| (flat / self.samples, flat % self.samples);
+        let bodies: Vec<Body> = (start..stop)
+            .map(|flat| {
+                let (pixel, sample) = place(flat);
+                self.draw(isa, pixel, sample)
+            })
+            .collect();
+        let mut jobs: [Vec<Job>; 3] = Default::default();
+        for (index, flat) in (start..stop).enumerate() {
+            let (pixel, sample) = place(flat);
+            if self.pixels[pixel as usize].possible {
+                let table = Seat::of(self.method, bodies[index].moments).table;
+                jobs[table as usize].push(Job { index, halved: false });
+                if sample < self.checked {
+                    jobs[table as usize].push(Job { index, halved: true });
+                }
+            }
+        }
+        let mut outcomes: [Vec<Option<Outcome>>; 2] = [vec![None; bodies.len()], vec![None; bodies.len()]];
+        for (jobs, table) in jobs.iter().zip(Table::ALL) {
+            let kernel = self.kernel(table);
+            self.ride(&bodies, jobs, kernel, isa, |job, outcome| {
+                outcomes[usize::from(job.halved)][job.index] = Some(outcome);
+            });
+        }
+
+        let mut pixels: Vec<(u64, Statistics)> = Vec::new();
+        for (index, flat) in (start..stop).enumerate() {
+            let pixel = place(flat).0;
+            if pixels.last().is_none_or(|&(last, _)| last != pixel) {
+                pixels.push((pixel, Statistics::none()));
+            }
+            let statistics = &mut pixels.last_mut().expect("pushed above").1;
+            if let Some(first) = &outcomes[0][index] {
+                let halved = outcomes[1][index].as_ref();
+                statistics.add(Map::verdict(first, halved), first, halved.is_some());
+                statistics.steps += first.steps + halved.map_or(0, |h| h.steps);
+            }
+        }
+        let elapsed = (thread_nanoseconds() - begin) as f64;
+        let total: u64 = pixels.iter().map(|(_, s)| s.steps).sum();
+        for (_, statistics) in &mut pixels {
+            statistics.nanoseconds = elapsed * statistics.steps as f64 / total.max(1) as f64;
+        }
+        pixels
+    }
+
+    /// Runs jobs of one table through a group, refilling each lane as it falls free.
+    fn ride(
+        &self,
+        bodies: &[Body],
+        jobs: &[Job],
+        kernel: Kernel,
+        isa: Isa,
+        mut finish: impl FnMut(Job, Outcome),
+    ) {
+        let compiled = Compiled::new(kernel, isa);
+        let mut group = Group::waiting();
+        let mut lanes: [Option<Passenger>; LANES] = [None; LANES];
+        // Steps after which each lane is at its horizon; a lane that waits never is.
+        let mut target = [f64::INFINITY; LANES];
+        let mut jobs = jobs.iter();
+        let mut aboard = 0;
+        let limits = self.limits();
+        loop {
+            for lane in 0..LANES {
+                while lanes[lane].is_none() {
+                    let Some(&job) = jobs.next() else { break };
+                    let body = &bodies[job.index];
+                    let steps = self.steps_of(body).saturating_mul(1 + u64::from(job.halved));
+                    if steps > self.max_steps {
+                        finish(job, Outcome::refused());
+                        continue;
+                    }
+                    let step = self.t_end / steps as f64;
+                    let seat = Seat::of(self.method, body.moments);
+                    load(&mut group, lane, (kernel, compiled), seat, body, self.axis, step);
+                    target[lane] = steps as f64;
+                    lanes[lane] = Some(Passenger { job, step });
+                    aboard += 1;
+                }
+            }
+            if aboard == 0 {
+                return;
+            }
+            loop {
+                compiled.advance(&mut group, BURST as usize);
+                if any_done(&group, &target, &limits) {
+                    break;
+                }
+            }
+            for lane in 0..LANES {
+                let Some(passenger) = lanes[lane] else { continue };
+                if done(&group, lane, target[lane], &limits) {
+                    finish(passenger.job, self.outcome(&group, lane, passenger, &limits));
+                    lanes[lane] = None;
+                    target[lane] = f64::INFINITY;
+                    aboard -= 1;
+                    group.wait(lane);
+                }
+            }
+        }
+    }
+
+    /// What ends a sample before its horizon.
+    fn limits(&self) -> Limits {
+        match self.criterion {
+            Criterion::NoFlip => Limits { flips: 0.5, cosine: f64::NEG_INFINITY, sine2: f64::INFINITY },
+            Criterion::TiltFromStart(angle) | Criterion::TiltFromVertical(angle) => {
+                let (sin, cos) = sincos(angle);
+                // Below 60 degrees the sine decides, above the cosine: see `largest_tilt`.
+                if cos > 0.5 {
+                    Limits { flips: f64::INFINITY, cosine: 0.5, sine2: sin * sin }
+                } else {
+                    Limits { flips: f64::INFINITY, cosine: cos, sine2: f64::INFINITY }
+                }
+            }
+        }
+    }
+
+    /// The outcome of a lane that is done.
+    fn outcome(&self, group: &Group, lane: usize, passenger: Passenger, limits: &Limits) -> Outcome {
+        let energy_drift = group.energy.worst.0[lane];
+        let momentum_drift = group.momentum.worst.0[lane];
+        let steps = group.count.0[lane];
+        let watches_tilt = limits.flips == f64::INFINITY;
+        let left = limits.exceeded(group, lane);
+        let finite = energy_drift.is_finite() && momentum_drift.is_finite();
+        let (class, status) = match (finite, left) {
+            (false, _) => (Class::Failed, Status::NotFinite),
+            (true, true) => (Class::Unstable, Status::Stopped),
+            (true, false) => (Class::Stable, Status::Finished),
+        };
+        Outcome {
+            class,
+            status,
+            flips: group.flips.0[lane] as u64,
+            left: match (left, watches_tilt) {
+                (false, _) => f64::NAN,
+                (true, true) => steps * passenger.step,
+                (true, false) => group.first_flip.0[lane],
+            },
+            tilt: if watches_tilt {
+                largest_tilt(group.cosine.0[lane], group.sine2.0[lane])
+            } else {
+                f64::NAN
+            },
+            energy_drift,
+            momentum_drift,
+            step: passenger.step,
+            steps: steps as u64,
+        }
+    }
+
+    /// One sample alone: its start, its verdict and the outcome of its first run, with the bits of the map.
+    pub fn sample(&self, pixel: u64, sample: u64, isa: Isa) -> (Body, Class, Outcome) {
+        let body = self.draw(isa, pixel, sample);
+        if !self.pixels[pixel as usize].possible {
+            return (body, Class::Failed, Outcome::refused());
+        }
+        let mut jobs = vec![Job { index: 0, halved: false }];
+        if sample < self.checked {
+            jobs.push(Job { index: 0, halved: true });
+        }
+        let kernel = self.kernel(Seat::of(self.method, body.moments).table);
+        let mut outcomes = [None, None];
+        self.ride(&[body], &jobs, kernel, isa, |job, outcome| {
+            outcomes[usize::from(job.halved)] = Some(outcome);
+        });
+        let first = outcomes[0].expect("every job is finished");
+        (body, Map::verdict(&first, outcomes[1].as_ref()), first)
+    }
+}
+
+impl Outcome {
+    /// A sample that would need more steps than allowed.
+    fn refused() -> Outcome {
+        Outcome {
+            class: Class::Failed,
+            status: Status::StepLimit,
+            flips: 0,
+            left: f64::NAN,
+            tilt: f64::NAN,
+            energy_drift: f64::NAN,
+            momentum_drift: f64::NAN,
+            step: f64::NAN,
+            steps: 0,
+        }
+    }
+}
+
+/// The values of the observables beyond which a sample is unstable.
+struct Limits {
+    flips: f64,
+    cosine: f64,
+    sine2: f64,
+}
+
+impl Limits {
+    fn exceeded(&self, group: &Group, lane: usize) -> bool {
+        group.flips.0[lane] > self.flips
+            || group.cosine.0[lane] < self.cosine
+            || group.sine2.0[lane] > self.sine2
+    }
+}
+
+/// Whether a lane is at its horizon, has left stability, or is no longer finite.
+#[inline(always)]
+fn done(group: &Group, lane: usize, target: f64, limits: &Limits) -> bool {
+    // Written without short cuts, so that the test of a whole group is a few vector instructions.
+    (group.count.0[lane] >= target)
+        | (group.flips.0[lane] > limits.flips)
+        | (group.cosine.0[lane] < limits.cosine)
+        | (group.sine2.0[lane] > limits.sine2)
+        | !(group.energy.worst.0[lane] < f64::INFINITY)
+}
+
+fn any_done(group: &Group, target: &[f64; LANES], limits: &Limits) -> bool {
+    (0..LANES).fold(false, |any, lane| any | done(group, lane, target[lane], limits))
+}

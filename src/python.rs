@@ -1,0 +1,428 @@
+//! The face towards Python: arrays in, arrays out. No mathematics.
+
+use crate::body::{Inertia, principal_axes as axes_of};
+use crate::ensemble::{Criterion, Map, Outcome, Pixel, Statistics};
+use crate::error::Error;
+use crate::method::Method;
+use crate::sample::Law;
+use crate::simd::Isa;
+use crate::start::Body;
+use crate::trajectory::{self, Record, Request, Schedule, States, Status};
+use numpy::{IntoPyArray, PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::Duration;
+
+impl From<Error> for PyErr {
+    fn from(error: Error) -> PyErr {
+        match error {
+            Error::Isa { .. } => PyRuntimeError::new_err(error.to_string()),
+            _ => PyValueError::new_err(error.to_string()),
+        }
+    }
+}
+
+/// Rotation of rigid bodies: the compiled core of `rigid`.
+#[pymodule(gil_used = false)]
+mod _core {
+    #[pymodule_export]
+    use super::{MapJob, build_info, check_moments, methods, principal_axes, simulate};
+
+    /// Version of the library.
+    #[pymodule_export]
+    #[allow(non_upper_case_globals)]
+    const __version__: &str = env!("CARGO_PKG_VERSION");
+}
+
+/// How this library was built and what it runs with.
+#[pyfunction]
+fn build_info(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
+    let info = PyDict::new(py);
+    info.set_item("version", env!("CARGO_PKG_VERSION"))?;
+    let commit = env!("RIGID_COMMIT");
+    info.set_item("commit", (!commit.is_empty()).then_some(commit))?;
+    info.set_item("profile", env!("RIGID_PROFILE"))?;
+    info.set_item("isa", Isa::current()?.name())?;
+    let available: Vec<_> = Isa::available().into_iter().map(Isa::name).collect();
+    info.set_item("isa_available", available)?;
+    Ok(info)
+}
+
+/// What each method promises, one dict a method.
+#[pyfunction]
+fn methods(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
+    let describe = |method: Method| {
+        let facts = method.facts();
+        let entry = PyDict::new(py);
+        entry.set_item("name", facts.name)?;
+        entry.set_item("title", facts.title)?;
+        entry.set_item("order", facts.order)?;
+        entry.set_item("stages", facts.stages)?;
+        entry.set_item("symplectic", facts.symplectic)?;
+        entry.set_item("reversible", facts.reversible)?;
+        entry.set_item("group_preserving", facts.group_preserving)?;
+        entry.set_item("citation", facts.citation)?;
+        entry.set_item("doi", facts.doi)?;
+        Ok(entry)
+    };
+    Method::ALL.into_iter().map(describe).collect()
+}
+
+/// Raises if no rigid body has these moments.
+#[pyfunction]
+fn check_moments(moments: [f64; 3]) -> PyResult<()> {
+    Inertia::new(moments)?;
+    Ok(())
+}
+
+/// Principal moments, ascending, and axes (columns) of a tensor of inertia.
+#[pyfunction]
+fn principal_axes(tensor: [[f64; 3]; 3]) -> PyResult<([f64; 3], [[f64; 3]; 3])> {
+    let (inertia, axes) = axes_of(tensor)?;
+    Ok((inertia.moments(), axes))
+}
+
+/// The rows of an (n, N) array.
+fn rows<const N: usize>(
+    argument: &'static str,
+    array: &PyReadonlyArray2<'_, f64>,
+) -> PyResult<Vec<[f64; N]>> {
+    let view = array.as_array();
+    let shape = view.shape().to_vec();
+    if shape[1] != N {
+        let got = format!("({}, {})", shape[0], shape[1]);
+        return Err(Error::Shape { argument, expected: format!("(n, {N})"), got }.into());
+    }
+    Ok((0..shape[0]).map(|i| std::array::from_fn(|k| view[[i, k]])).collect())
+}
+
+/// Refuses a list that is not as long as the bodies or pixels.
+fn same_length(argument: &'static str, expected: usize, got: usize) -> PyResult<()> {
+    if expected == got {
+        return Ok(());
+    }
+    Err(Error::Shape { argument, expected: format!("({expected}, ...)"), got: format!("({got}, ...)") }
+        .into())
+}
+
+fn parse_scene(scene: &str) -> Result<bool, Error> {
+    match scene {
+        "free" => Ok(false),
+        "top" => Ok(true),
+        _ => Err(Error::Unknown { argument: "scene", value: scene.into(), known: "free, top".into() }),
+    }
+}
+
+fn parse_record(record: &str) -> Result<Record, Error> {
+    match record {
+        "rates" => Ok(Record::Rates),
+        "axis" => Ok(Record::Axis),
+        "attitude" => Ok(Record::Attitude),
+        _ => Err(Error::Unknown {
+            argument: "record",
+            value: record.into(),
+            known: "rates, axis, attitude".into(),
+        }),
+    }
+}
+
+/// Work that takes longer than this watches for Ctrl-C.
+const WORTH_WATCHING: f64 = 2e7;
+
+/// Does `work` without the interpreter; a signal sets its flag and raises here.
+fn interruptible<T: Send>(
+    py: Python<'_>,
+    long: bool,
+    work: impl FnOnce(&AtomicBool) -> Option<T> + Send,
+) -> PyResult<T> {
+    let stop = AtomicBool::new(false);
+    let interrupted = || PyRuntimeError::new_err("interrupted");
+    if !long {
+        return py.detach(|| work(&stop)).ok_or_else(interrupted);
+    }
+    std::thread::scope(|scope| {
+        let (sender, receiver) = channel();
+        let stop = &stop;
+        scope.spawn(move || sender.send(work(stop)));
+        let receiver = std::sync::Mutex::new(receiver);
+        loop {
+            let news = py.detach(|| {
+                receiver.lock().expect("only locked here").recv_timeout(Duration::from_millis(50))
+            });
+            match news {
+                Ok(result) => return result.ok_or_else(interrupted),
+                Err(RecvTimeoutError::Timeout) => {
+                    if let Err(signal) = py.check_signals() {
+                        stop.store(true, Ordering::Relaxed);
+                        return Err(signal);
+                    }
+                }
+                Err(RecvTimeoutError::Disconnected) => return Err(interrupted()),
+            }
+        }
+    })
+}
+
+/// States of bodies at wanted times; see `rigid.simulate`.
+#[pyfunction]
+#[pyo3(signature = (*, scene, method, record, moments, weight, omega, attitude, step, max_steps, threads, times=None, strides=None))]
+#[allow(clippy::too_many_arguments)] // The request of `trajectory`, column by column.
+fn simulate<'py>(
+    py: Python<'py>,
+    scene: &str,
+    method: &str,
+    record: &str,
+    moments: PyReadonlyArray2<'py, f64>,
+    weight: PyReadonlyArray2<'py, f64>,
+    omega: PyReadonlyArray2<'py, f64>,
+    attitude: PyReadonlyArray2<'py, f64>,
+    step: Option<PyReadonlyArray1<'py, f64>>,
+    max_steps: u64,
+    threads: usize,
+    times: Option<Vec<f64>>,
+    strides: Option<Vec<u64>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let (is_top, method, record, isa) =
+        (parse_scene(scene)?, Method::parse(method)?, parse_record(record)?, Isa::current()?);
+    let omega = rows::<3>("omega", &omega)?;
+    let n = omega.len();
+    let bodies = bodies(
+        rows::<3>("moments", &moments)?,
+        rows::<3>("weight", &weight)?,
+        omega,
+        rows::<4>("attitude", &attitude)?,
+    )?;
+    let steps = match step {
+        Some(step) => step.as_array().to_vec(),
+        None => bodies.iter().map(|b| method.facts().angle_per_step / b.fastest_rate()).collect(),
+    };
+    same_length("step", n, steps.len())?;
+    let schedule = match (&times, &strides) {
+        (Some(times), _) => Schedule::Times(times),
+        (None, Some(strides)) => Schedule::Strides(strides),
+        (None, None) => Schedule::Times(&[]),
+    };
+    let span = times.as_ref().and_then(|t| Some(t.last()?.abs().max(t.first()?.abs()))).unwrap_or(0.0);
+    let each = strides.as_ref().map_or(0, |s| s.iter().sum()) as f64;
+    let work: f64 = steps.iter().map(|step| span / step + each).sum();
+    let request = Request { bodies: &bodies, is_top, method, record, schedule, steps: &steps, max_steps };
+    let long = !(work < WORTH_WATCHING);
+    let states = interruptible(py, long, |stop| trajectory::simulate(&request, threads, isa, stop))?;
+    states_to_dict(py, states, n)
+}
+
+fn bodies(
+    moments: Vec<[f64; 3]>,
+    weight: Vec<[f64; 3]>,
+    omega: Vec<[f64; 3]>,
+    attitude: Vec<[f64; 4]>,
+) -> PyResult<Vec<Body>> {
+    let n = omega.len();
+    same_length("moments", n, moments.len())?;
+    same_length("weight", n, weight.len())?;
+    same_length("attitude", n, attitude.len())?;
+    let body =
+        |i: usize| Body { moments: moments[i], weight: weight[i], omega: omega[i], attitude: attitude[i] };
+    Ok((0..n).map(body).collect())
+}
+
+fn states_to_dict<'py>(py: Python<'py>, states: States, n: usize) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    let shaped = |values: Vec<f64>, width: usize| {
+        let times = if n == 0 { 0 } else { values.len() / (n * width) };
+        values.into_pyarray(py).reshape([n, times, width])
+    };
+    let optional =
+        |values: Vec<f64>, width: usize| (!values.is_empty()).then(|| shaped(values, width)).transpose();
+    dict.set_item("omega", shaped(states.omega, 3)?)?;
+    dict.set_item("vertical", optional(states.vertical, 3)?)?;
+    dict.set_item("attitude", optional(states.attitude, 4)?)?;
+    dict.set_item("energy_drift", states.energy_drift.into_pyarray(py))?;
+    dict.set_item("momentum_drift", states.momentum_drift.into_pyarray(py))?;
+    dict.set_item("unit_drift", states.unit_drift.into_pyarray(py))?;
+    let status: Vec<u8> = states.status.iter().map(|&s| s as u8).collect();
+    dict.set_item("status", status.into_pyarray(py))?;
+    dict.set_item("steps", states.steps.into_pyarray(py))?;
+    Ok(dict)
+}
+
+/// A checked request for a map; its samples are run in ranges and one by one.
+#[pyclass(frozen, module = "rigid._core")]
+struct MapJob {
+    map: Map,
+    status: Vec<u8>,
+    isa: Isa,
+}
+
+/// 0 for a possible body, else which rule it breaks.
+fn body_status(moments: [f64; 3]) -> u8 {
+    match Inertia::new(moments) {
+        Ok(_) => 0,
+        Err(Error::MomentNotFinite(..)) => 1,
+        Err(Error::MomentNotPositive(..)) => 2,
+        Err(_) => 3,
+    }
+}
+
+#[pymethods]
+impl MapJob {
+    #[new]
+    #[pyo3(signature = (*, scene, method, moments, weight, omega, omega_noise, omega_size, attitude, attitude_noise,
+        attitude_size, criterion, axis, limit, t_end, step, max_steps, samples, checked, seed))]
+    #[allow(clippy::too_many_arguments)] // The fields of `Map`, column by column.
+    fn new(
+        scene: &str,
+        method: &str,
+        moments: PyReadonlyArray2<'_, f64>,
+        weight: PyReadonlyArray2<'_, f64>,
+        omega: PyReadonlyArray2<'_, f64>,
+        omega_noise: &str,
+        omega_size: PyReadonlyArray2<'_, f64>,
+        attitude: PyReadonlyArray2<'_, f64>,
+        attitude_noise: &str,
+        attitude_size: PyReadonlyArray1<'_, f64>,
+        criterion: &str,
+        axis: i32,
+        limit: f64,
+        t_end: f64,
+        step: Option<f64>,
+        max_steps: u64,
+        samples: u64,
+        checked: u64,
+        seed: u128,
+    ) -> PyResult<Self> {
+        let criterion = match criterion {
+            "no_flip" => Criterion::NoFlip,
+            "tilt_from_start" => Criterion::TiltFromStart(limit),
+            "tilt_from_vertical" => Criterion::TiltFromVertical(limit),
+            _ => {
+                let known = "no_flip, tilt_from_start, tilt_from_vertical".into();
+                return Err(Error::Unknown { argument: "criterion", value: criterion.into(), known }.into());
+            }
+        };
+        if !(1..=3).contains(&axis.unsigned_abs()) {
+            let rule = "must be 1, 2, 3 or -1, -2, -3";
+            return Err(Error::Value { argument: "axis", value: axis.to_string(), rule }.into());
+        }
+        if samples == 0 {
+            let rule = "must be at least 1";
+            return Err(Error::Value { argument: "samples", value: samples.to_string(), rule }.into());
+        }
+        if !(t_end.is_finite() && t_end > 0.0) {
+            let rule = "must be positive and finite";
+            return Err(Error::Value { argument: "t_end", value: t_end.to_string(), rule }.into());
+        }
+        let moments = rows::<3>("moments", &moments)?;
+        let pixels = moments.len();
+        let status: Vec<u8> = moments.iter().map(|&m| body_status(m)).collect();
+        let omega_size = rows::<3>("omega_size", &omega_size)?;
+        same_length("omega_size", pixels, omega_size.len())?;
+        let attitude_size = attitude_size.as_array().to_vec();
+        same_length("attitude_size", pixels, attitude_size.len())?;
+        let omega = rows::<3>("omega", &omega)?;
+        same_length("omega", pixels, omega.len())?;
+        let bodies =
+            bodies(moments, rows::<3>("weight", &weight)?, omega, rows::<4>("attitude", &attitude)?)?;
+        let pixel = |i: usize| Pixel {
+            body: bodies[i],
+            omega_size: omega_size[i],
+            attitude_size: attitude_size[i],
+            possible: status[i] == 0,
+        };
+        let map = Map {
+            is_top: parse_scene(scene)?,
+            method: Method::parse(method)?,
+            pixels: (0..pixels).map(pixel).collect(),
+            omega_law: Law::parse("omega_noise", omega_noise)?,
+            attitude_law: Law::parse("attitude_noise", attitude_noise)?,
+            criterion,
+            axis,
+            t_end,
+            step,
+            max_steps,
+            samples,
+            checked,
+            key: [seed as u64, (seed >> 64) as u64],
+        };
+        Ok(MapJob { map, status, isa: Isa::current()? })
+    }
+
+    /// Which bodies are possible: 0, or 1 not finite, 2 not positive, 3 triangle inequality.
+    #[getter]
+    fn status<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u8>> {
+        self.status.clone().into_pyarray(py)
+    }
+
+    /// Statistics of the samples start .. stop (pixel-major) for the pixels that they touch.
+    fn run<'py>(
+        &self,
+        py: Python<'py>,
+        start: u64,
+        stop: u64,
+        threads: usize,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        if start > stop || stop > self.map.len() {
+            let value = format!("({start}, {stop})");
+            let rule = "must be a range of the samples of the map";
+            return Err(Error::Value { argument: "start, stop", value, rule }.into());
+        }
+        let (first, statistics) = interruptible(py, false, |interrupt| {
+            self.map.run(start, stop, threads.max(1), self.isa, interrupt)
+        })?;
+        let dict = PyDict::new(py);
+        dict.set_item("first", first)?;
+        let counts: [(&str, fn(&Statistics) -> u64); 6] = [
+            ("stable", |s| s.stable),
+            ("unstable", |s| s.unstable),
+            ("undecided", |s| s.undecided),
+            ("failed", |s| s.failed),
+            ("checked", |s| s.checked),
+            ("steps", |s| s.steps),
+        ];
+        for (name, of) in counts {
+            let column: Vec<i64> = statistics.iter().map(|s| of(s) as i64).collect();
+            dict.set_item(name, column.into_pyarray(py))?;
+        }
+        let numbers: [(&str, fn(&Statistics) -> f64); 4] = [
+            ("energy_drift", |s| s.energy_drift),
+            ("momentum_drift", |s| s.momentum_drift),
+            ("earliest", |s| s.earliest),
+            ("nanoseconds", |s| s.nanoseconds),
+        ];
+        for (name, of) in numbers {
+            let column: Vec<f64> = statistics.iter().map(of).collect();
+            dict.set_item(name, column.into_pyarray(py))?;
+        }
+        Ok(dict)
+    }
+
+    /// One sample alone, with the bits that it has in the map.
+    fn sample<'py>(&self, py: Python<'py>, pixel: u64, sample: u64) -> PyResult<Bound<'py, PyDict>> {
+        for (argument, value, length) in
+            [("pixel", pixel, self.map.pixels.len() as u64), ("sample", sample, self.map.samples)]
+        {
+            if value >= length {
+                let value = format!("{value} of {length}");
+                return Err(Error::Value { argument, value, rule: "must be an index" }.into());
+            }
+        }
+        let (body, class, outcome) = py.detach(|| self.map.sample(pixel, sample, self.isa));
+        let Outcome { status, flips, left, tilt, energy_drift, momentum_drift, step, steps, .. } = outcome;
+        let dict = PyDict::new(py);
+        dict.set_item("omega", body.omega.to_vec().into_pyarray(py))?;
+        dict.set_item("attitude", body.attitude.to_vec().into_pyarray(py))?;
+        dict.set_item("class", class.name())?;
+        dict.set_item("status", Status::name(status))?;
+        dict.set_item("flips", flips)?;
+        dict.set_item("left", left)?;
+        dict.set_item("tilt", tilt)?;
+        dict.set_item("energy_drift", energy_drift)?;
+        dict.set_item("momentum_drift", momentum_drift)?;
+        dict.set_item("step", step)?;
+        dict.set_item("steps", steps)?;
+        Ok(dict)
+    }
+}

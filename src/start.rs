@@ -1,0 +1,274 @@
+//! A body at its start, its way into a lane of a group and back.
+
+use crate::body::Inertia;
+use crate::kernel::{Compiled, Group, Kernel, MAX_STATE, System, Table, Watch};
+use crate::method::{Form, Method};
+use crate::model::{Parameters, cross, dot, seen_from_body};
+
+/// One body with its start.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Body {
+    /// Principal moments.
+    pub moments: [f64; 3],
+    /// `mgl com`, zero for a free body.
+    pub weight: [f64; 3],
+    /// Rates in the body at the start.
+    pub omega: [f64; 3],
+    /// Attitude at the start: unit quaternion, scalar first, body to space.
+    pub attitude: [f64; 4],
+}
+
+/// The vertical of space.
+const VERTICAL: [f64; 3] = [0.0, 0.0, 1.0];
+
+impl Body {
+    /// The vertical seen from the body at the start.
+    #[inline(always)]
+    pub fn vertical(&self) -> [f64; 3] {
+        seen_from_body(&self.attitude, &VERTICAL)
+    }
+
+    /// A bound of |omega| over the whole motion, from what is conserved.
+    ///
+    /// Each component is bounded by the energy, `omega_k^2 <= 2 T / I_k`, where a top can gain the fall from
+    /// upright. A free body is held tighter by its polhode: with sorted moments, `D1 = L^2 - 2 T I1` and
+    /// `D3 = 2 T I3 - L^2`, formed without cancellation, bound every component (Landau & Lifshitz §37).
+    pub fn fastest_rate(&self) -> f64 {
+        let twice_kinetic: f64 = (0..3).map(|k| self.moments[k] * self.omega[k] * self.omega[k]).sum();
+        let mgl = self.weight.iter().map(|c| c * c).sum::<f64>().sqrt();
+        let height: f64 = (0..3).map(|k| self.weight[k] * self.vertical()[k]).sum();
+        let reach = twice_kinetic + 2.0 * (mgl + height).max(0.0);
+        let mut bound = self.moments.map(|moment| reach / moment);
+        if mgl == 0.0 {
+            let mut order = [0, 1, 2];
+            order.sort_by(|&a, &b| self.moments[a].total_cmp(&self.moments[b]));
+            let [i1, i2, i3] = order.map(|k| self.moments[k]);
+            let [w1, w2, w3] = order.map(|k| self.omega[k]);
+            let d1 = i2 * (i2 - i1) * w2 * w2 + i3 * (i3 - i1) * w3 * w3;
+            let d3 = i1 * (i3 - i1) * w1 * w1 + i2 * (i3 - i2) * w2 * w2;
+            let tighten = |bound: &mut f64, numerator: f64, denominator: f64| {
+                if denominator > 0.0 && numerator / denominator < *bound {
+                    *bound = numerator / denominator;
+                }
+            };
+            tighten(&mut bound[order[0]], d3, i1 * (i3 - i1));
+            tighten(&mut bound[order[1]], d3, i2 * (i3 - i2));
+            tighten(&mut bound[order[1]], d1, i2 * (i2 - i1));
+            tighten(&mut bound[order[2]], d1, i3 * (i3 - i1));
+        }
+        let fastest = bound.iter().sum::<f64>().sqrt();
+        // A top also swings: the pendulum frequency is a rate even if nothing turns yet.
+        let smallest = self.moments.iter().fold(f64::INFINITY, |a, &b| a.min(b));
+        fastest.max((mgl / smallest).sqrt())
+    }
+}
+
+/// How a body is laid into a kernel: the table, and the cyclic renaming of the body axes that the table wants.
+///
+/// A cyclic renaming is exact. Kernel axis i is body axis (i + turn) mod 3.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Seat {
+    /// Which table moves it.
+    pub table: Table,
+    /// The renaming.
+    turn: usize,
+}
+
+impl Seat {
+    /// The seat of a body with these moments.
+    ///
+    /// The rotor wants the symmetry axis third; the planar rotations want the smallest moment first: in the
+    /// middle of the sequence it costs a factor of four to eight in the error.
+    pub fn of(method: Method, moments: [f64; 3]) -> Seat {
+        match method {
+            Method::Rk4 => Seat { table: Table::Rk4, turn: 0 },
+            Method::Splitting => match Inertia::new(moments).ok().and_then(Inertia::symmetry_axis) {
+                Some(axis) => Seat { table: Table::Rotor, turn: (axis + 1) % 3 },
+                None => {
+                    let smallest = (1..3).fold(0, |s, k| if moments[k] < moments[s] { k } else { s });
+                    Seat { table: Table::Planar, turn: smallest }
+                }
+            },
+        }
+    }
+
+    #[inline(always)]
+    fn rename(self, v: [f64; 3]) -> [f64; 3] {
+        [v[self.turn % 3], v[(1 + self.turn) % 3], v[(2 + self.turn) % 3]]
+    }
+
+    #[inline(always)]
+    fn restore(self, v: [f64; 3]) -> [f64; 3] {
+        let back = 3 - self.turn;
+        [v[back % 3], v[(1 + back) % 3], v[(2 + back) % 3]]
+    }
+}
+
+/// A state read back from a lane, in the user's axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct State {
+    /// Rates in the body.
+    pub omega: [f64; 3],
+    /// The first direction carried, if there is one.
+    pub direction: Option<[f64; 3]>,
+    /// Attitude, if it is carried.
+    pub attitude: Option<[f64; 4]>,
+    /// Energy and conserved momentum, with the arithmetic of the kernel.
+    pub invariants: [f64; 2],
+    /// The same of a top with the vertical that the attitude says, where both are carried: the two may part.
+    pub invariants_of_attitude: Option<[f64; 2]>,
+}
+
+/// Scales of the energy and of the conserved momentum: what a drift is relative to.
+///
+/// A free body: its energy, and `2 L.L` for `L.L` (so that the number is that of |L|). A top: kinetic energy
+/// plus `mgl`, and |L| plus `sqrt(mgl I_max)`: the invariants themselves may vanish.
+pub fn invariant_scales(body: &Body) -> [f64; 2] {
+    let momentum2: f64 = (0..3).map(|k| (body.moments[k] * body.omega[k]).powi(2)).sum();
+    let kinetic: f64 = (0..3).map(|k| 0.5 * body.moments[k] * body.omega[k] * body.omega[k]).sum();
+    let mgl = body.weight.iter().map(|c| c * c).sum::<f64>().sqrt();
+    if mgl == 0.0 {
+        [kinetic, 2.0 * momentum2]
+    } else {
+        let largest = body.moments.iter().fold(0.0_f64, |a, &b| a.max(b));
+        [kinetic + mgl, momentum2.sqrt() + (mgl * largest).sqrt()]
+    }
+}
+
+/// 1 / scale; 0 where nothing can move.
+#[inline(always)]
+pub fn inverse_or_zero(scale: f64) -> f64 {
+    if scale == 0.0 { 0.0 } else { 1.0 / scale }
+}
+
+/// The state of a body in the variables of a kernel.
+fn kernel_state(system: System, seat: Seat, body: &Body, watched_axis: [f64; 3]) -> [f64; MAX_STATE] {
+    let mut y = [0.0; MAX_STATE];
+    let omega = seat.rename(body.omega);
+    let moments = seat.rename(body.moments);
+    for k in 0..3 {
+        y[k] = match seat.table.form() {
+            Form::Rates => omega[k],
+            Form::Momenta => moments[k] * omega[k],
+        };
+    }
+    match system {
+        System::FreeRates | System::FreeAttitude => {}
+        System::FreeAxis if watched_axis == [0.0; 3] => {
+            y[3..6].copy_from_slice(&seat.rename(body.vertical()));
+        }
+        System::FreeAxis => y[3..6].copy_from_slice(&watched_axis),
+        System::TopAxis | System::TopAttitude | System::TopTwoAxes => {
+            y[3..6].copy_from_slice(&seat.rename(body.vertical()));
+            if system == System::TopTwoAxes {
+                y[6..9].copy_from_slice(&watched_axis);
+            }
+        }
+    }
+    if let Some(at) = system.quaternion_at() {
+        let [w, x, y1, z] = body.attitude;
+        y[at] = w;
+        y[at + 1..at + 4].copy_from_slice(&seat.rename([x, y1, z]));
+    }
+    y
+}
+
+/// Puts a body into a lane, ready for its first step. `watched` is the signed body axis to watch, 1, 2, 3 or
+/// -1, -2, -3, or 0 for none. The direction that a free body carries is where that axis starts, or the vertical.
+pub fn load(
+    group: &mut Group,
+    lane: usize,
+    (kernel, compiled): (Kernel, Compiled),
+    seat: Seat,
+    body: &Body,
+    watched: i32,
+    step: f64,
+) {
+    let axis = watched.unsigned_abs() as usize;
+    let mut unit = [0.0; 3];
+    if axis > 0 {
+        unit[axis - 1] = f64::from(watched.signum());
+    }
+    let unit = seat.rename(unit);
+    let y = kernel_state(kernel.system, seat, body, unit);
+    let parameters =
+        Parameters { moments: seat.rename(body.moments), weight: seat.rename(body.weight), step };
+    for d in 0..kernel.system.len() {
+        group.state[d].0[lane] = y[d];
+    }
+    for k in 0..3 {
+        group.moments[k].0[lane] = parameters.moments[k];
+        group.weight[k].0[lane] = parameters.weight[k];
+        group.axis[k].0[lane] = unit[k];
+    }
+    group.step.0[lane] = step;
+    group.count.0[lane] = 0.0;
+
+    let [energy, momentum] = compiled.invariants(&parameters, &y);
+    let [energy_scale, momentum_scale] = invariant_scales(body);
+    for (rows, start, scale) in
+        [(&mut group.energy, energy, energy_scale), (&mut group.momentum, momentum, momentum_scale)]
+    {
+        rows.start.0[lane] = start;
+        rows.inverse_scale.0[lane] = inverse_or_zero(scale);
+        rows.worst.0[lane] = 0.0;
+    }
+
+    group.side.0[lane] = if axis > 0 { f64::from(watched.signum()) * side(body, axis - 1) } else { 0.0 };
+    group.flips.0[lane] = 0.0;
+    group.first_flip.0[lane] = f64::NAN;
+    group.cosine.0[lane] = 1.0;
+    group.sine2.0[lane] = 0.0;
+    if kernel.watch == Watch::Tilt {
+        // The direction that a tilt is measured from is the last one carried.
+        let last = kernel.system.len() - 3;
+        let n = [y[last], y[last + 1], y[last + 2]];
+        let sine = cross(&unit, &n);
+        group.cosine.0[lane] = dot(&unit, &n);
+        group.sine2.0[lane] = dot(&sine, &sine);
+    }
+}
+
+/// The side of zero that a component starts on; on zero, the side that it is about to enter.
+fn side(body: &Body, k: usize) -> f64 {
+    let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+    let n = body.vertical();
+    let torque = n[i] * body.weight[j] - n[j] * body.weight[i];
+    let gyroscopic = (body.moments[i] - body.moments[j]) * body.omega[i] * body.omega[j];
+    let value = if body.omega[k] == 0.0 { gyroscopic + torque } else { body.omega[k] };
+    if value < 0.0 { -1.0 } else { 1.0 }
+}
+
+/// Reads a lane back.
+pub fn unload(group: &Group, lane: usize, (kernel, compiled): (Kernel, Compiled), seat: Seat) -> State {
+    let mut y = [0.0; MAX_STATE];
+    for d in 0..kernel.system.len() {
+        y[d] = group.state[d].0[lane];
+    }
+    let at = |rows: &[crate::kernel::Row; 3]| [rows[0].0[lane], rows[1].0[lane], rows[2].0[lane]];
+    let moments = at(&group.moments);
+    let parameters = Parameters { moments, weight: at(&group.weight), step: 0.0 };
+    let first = [y[0], y[1], y[2]];
+    let omega = match seat.table.form() {
+        Form::Rates => first,
+        Form::Momenta => [first[0] / moments[0], first[1] / moments[1], first[2] / moments[2]],
+    };
+    let invariants = compiled.invariants(&parameters, &y);
+    let has_direction = !matches!(kernel.system, System::FreeRates | System::FreeAttitude);
+    let attitude = kernel.system.quaternion_at().map(|at| {
+        let [x, y1, z] = seat.restore([y[at + 1], y[at + 2], y[at + 3]]);
+        [y[at], x, y1, z]
+    });
+    let invariants_of_attitude = attitude.filter(|_| kernel.system.is_top()).map(|q| {
+        let length = q.iter().map(|x| x * x).sum::<f64>().sqrt();
+        y[3..6].copy_from_slice(&seat.rename(seen_from_body(&q.map(|x| x / length), &VERTICAL)));
+        compiled.invariants(&parameters, &y)
+    });
+    State {
+        omega: seat.restore(omega),
+        direction: has_direction.then(|| seat.restore([y[3], y[4], y[5]])),
+        attitude,
+        invariants,
+        invariants_of_attitude,
+    }
+}

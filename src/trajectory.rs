@@ -1,0 +1,345 @@
+//! States of many bodies at wanted times.
+
+use crate::kernel::{Compiled, Group, Kernel, LANES, System, Table, Watch};
+use crate::method::Method;
+use crate::run::over_blocks;
+use crate::simd::Isa;
+use crate::start::{Body, Seat, invariant_scales, inverse_or_zero, load, unload};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// What is carried, and so recorded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Record {
+    /// Rates (a top needs its vertical with them).
+    Rates,
+    /// Rates and the vertical seen from the body.
+    Axis,
+    /// Rates and attitude.
+    Attitude,
+}
+
+/// When states are wanted.
+pub enum Schedule<'a> {
+    /// At these times, ascending; the start is at time 0.
+    Times(&'a [f64]),
+    /// After these numbers of further steps of exactly the body's own step, the first perhaps 0.
+    Strides(&'a [u64]),
+}
+
+impl Schedule<'_> {
+    /// Number of states.
+    pub fn len(&self) -> usize {
+        match self {
+            Schedule::Times(times) => times.len(),
+            Schedule::Strides(strides) => strides.len(),
+        }
+    }
+
+    /// Whether no state is wanted.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+/// The request.
+pub struct Request<'a> {
+    /// The bodies with their starts.
+    pub bodies: &'a [Body],
+    /// Whether they have weight.
+    pub is_top: bool,
+    /// How they move.
+    pub method: Method,
+    /// What is recorded.
+    pub record: Record,
+    /// When.
+    pub schedule: Schedule<'a>,
+    /// Largest step of each body.
+    pub steps: &'a [f64],
+    /// Most steps that a body may take.
+    pub max_steps: u64,
+}
+
+/// How a body ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Status {
+    /// At the last wanted time.
+    Finished = 0,
+    /// Stopped when the question was answered.
+    Stopped = 1,
+    /// Would have needed more steps than allowed; not run.
+    StepLimit = 2,
+    /// A number overflowed or became NaN.
+    NotFinite = 3,
+}
+
+impl Status {
+    /// The word for it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Status::Finished => "finished",
+            Status::Stopped => "stopped",
+            Status::StepLimit => "step limit",
+            Status::NotFinite => "not finite",
+        }
+    }
+}
+
+/// States and what is known of their error, body first.
+pub struct States {
+    /// (n, times, 3)
+    pub omega: Vec<f64>,
+    /// (n, times, 3), empty if not recorded.
+    pub vertical: Vec<f64>,
+    /// (n, times, 4), empty if not recorded.
+    pub attitude: Vec<f64>,
+    /// Largest energy error at a wanted time, relative.
+    pub energy_drift: Vec<f64>,
+    /// Largest error of the conserved momentum at a wanted time, relative.
+    pub momentum_drift: Vec<f64>,
+    /// Largest deviation of |gamma| and |q| from one.
+    pub unit_drift: Vec<f64>,
+    /// How each body ended.
+    pub status: Vec<Status>,
+    /// Steps that each body took.
+    pub steps: Vec<u64>,
+}
+
+/// Longest burst between two looks at the stop flag.
+const PATIENCE: usize = 1 << 16;
+
+/// One piece of a body's way: steps of equal size to the next wanted state.
+#[derive(Clone, Copy)]
+struct Leg {
+    steps: u64,
+    step: f64,
+}
+
+/// Steps no longer than `largest` that end exactly at `to`.
+fn leg(from: f64, to: f64, largest: f64) -> Leg {
+    let span = to - from;
+    let wanted = span.abs() / largest;
+    // A quotient that misses a whole number by rounding alone does not cost a step.
+    let nearest = wanted.round();
+    let steps = if (wanted - nearest).abs() <= 1e-9 * nearest { nearest } else { wanted.ceil() };
+    if span == 0.0 {
+        return Leg { steps: 0, step: 0.0 };
+    }
+    let steps = steps.max(1.0);
+    Leg { steps: steps as u64, step: span / steps }
+}
+
+/// The legs of one body in the order they are made, each with the index of its state: forward from 0 through
+/// the times >= 0, and backward from 0 through the times < 0.
+fn legs(schedule: &Schedule, largest: f64) -> [Vec<(usize, Leg)>; 2] {
+    match schedule {
+        Schedule::Times(times) => {
+            let split = times.partition_point(|&t| t < 0.0);
+            let pass = |indices: &mut dyn Iterator<Item = usize>| {
+                let mut from = 0.0;
+                indices
+                    .map(|k| {
+                        let leg = leg(from, times[k], largest);
+                        from = times[k];
+                        (k, leg)
+                    })
+                    .collect()
+            };
+            [pass(&mut (split..times.len())), pass(&mut (0..split).rev())]
+        }
+        Schedule::Strides(strides) => {
+            let forward =
+                strides.iter().enumerate().map(|(k, &steps)| (k, Leg { steps, step: largest })).collect();
+            [forward, Vec::new()]
+        }
+    }
+}
+
+/// Runs the request; `None` if it was stopped.
+pub fn simulate(request: &Request, threads: usize, isa: Isa, stop: &AtomicBool) -> Option<States> {
+    let n = request.bodies.len();
+    let seats: Vec<Seat> = request.bodies.iter().map(|b| Seat::of(request.method, b.moments)).collect();
+    // Bodies of one table share a group; the bits do not depend on who shares it.
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for table in Table::ALL {
+        let of_table: Vec<usize> = (0..n).filter(|&i| seats[i].table == table).collect();
+        groups.extend(of_table.chunks(LANES).map(<[usize]>::to_vec));
+    }
+    let parts = over_blocks(groups.len(), threads, stop, |g| {
+        Passengers::new(request, &seats, &groups[g], isa).run(stop)
+    });
+
+    let mut all = States::new(n, request);
+    for (part, bodies) in parts.into_iter().zip(&groups) {
+        let states = part??;
+        for (lane, &body) in bodies.iter().enumerate() {
+            states.copy_body(lane, &mut all, body, request.schedule.len());
+        }
+    }
+    Some(all)
+}
+
+impl States {
+    fn new(n: usize, request: &Request) -> States {
+        let times = request.schedule.len();
+        let vertical = if request.is_top && request.record != Record::Rates || request.record == Record::Axis
+        {
+            3 * n * times
+        } else {
+            0
+        };
+        let attitude = if request.record == Record::Attitude { 4 * n * times } else { 0 };
+        States {
+            omega: vec![f64::NAN; 3 * n * times],
+            vertical: vec![f64::NAN; vertical],
+            attitude: vec![f64::NAN; attitude],
+            energy_drift: vec![f64::NAN; n],
+            momentum_drift: vec![f64::NAN; n],
+            unit_drift: vec![f64::NAN; n],
+            status: vec![Status::Finished; n],
+            steps: vec![0; n],
+        }
+    }
+
+    fn copy_body(&self, from: usize, to: &mut States, body: usize, times: usize) {
+        for (source, target, width) in [
+            (&self.omega, &mut to.omega, 3 * times),
+            (&self.vertical, &mut to.vertical, 3 * times),
+            (&self.attitude, &mut to.attitude, 4 * times),
+        ] {
+            if !source.is_empty() {
+                target[body * width..][..width].copy_from_slice(&source[from * width..][..width]);
+            }
+        }
+        to.energy_drift[body] = self.energy_drift[from];
+        to.momentum_drift[body] = self.momentum_drift[from];
+        to.unit_drift[body] = self.unit_drift[from];
+        to.status[body] = self.status[from];
+        to.steps[body] = self.steps[from];
+    }
+}
+
+/// The bodies of one group on their way through the schedule.
+struct Passengers<'a> {
+    request: &'a Request<'a>,
+    bodies: &'a [usize],
+    seats: &'a [Seat],
+    kernel: Kernel,
+    compiled: Compiled,
+    states: States,
+}
+
+impl<'a> Passengers<'a> {
+    fn new(request: &'a Request<'a>, seats: &'a [Seat], bodies: &'a [usize], isa: Isa) -> Self {
+        let system = match (request.is_top, request.record) {
+            (false, Record::Rates) => System::FreeRates,
+            (false, Record::Axis) => System::FreeAxis,
+            (false, Record::Attitude) => System::FreeAttitude,
+            (true, Record::Rates | Record::Axis) => System::TopAxis,
+            (true, Record::Attitude) => System::TopAttitude,
+        };
+        let kernel = Kernel { system, table: seats[bodies[0]].table, watch: Watch::Nothing };
+        let states = States::new(bodies.len(), request);
+        Passengers { request, bodies, seats, kernel, compiled: Compiled::new(kernel, isa), states }
+    }
+
+    fn run(mut self, stop: &AtomicBool) -> Option<States> {
+        let plans: Vec<_> =
+            self.bodies.iter().map(|&b| legs(&self.request.schedule, self.request.steps[b])).collect();
+        for (lane, plan) in plans.iter().enumerate() {
+            let total: u64 = plan.iter().flatten().map(|(_, leg)| leg.steps).sum();
+            if total > self.request.max_steps {
+                self.states.status[lane] = Status::StepLimit;
+            } else {
+                self.states.steps[lane] = total;
+                self.states.energy_drift[lane] = 0.0;
+                self.states.momentum_drift[lane] = 0.0;
+                self.states.unit_drift[lane] = 0.0;
+            }
+        }
+        for pass in 0..2 {
+            let mut group = Group::waiting();
+            for (lane, &b) in self.bodies.iter().enumerate() {
+                let body = &self.request.bodies[b];
+                load(&mut group, lane, (self.kernel, self.compiled), self.seats[b], body, 0, 0.0);
+            }
+            for k in 0..plans[0][pass].len() {
+                let of_lane: Vec<Leg> = (0..self.bodies.len())
+                    .map(|lane| match self.states.status[lane] {
+                        Status::StepLimit => Leg { steps: 0, step: 0.0 },
+                        _ => plans[lane][pass][k].1,
+                    })
+                    .collect();
+                advance(&mut group, self.compiled, &of_lane, stop)?;
+                for lane in 0..self.bodies.len() {
+                    if self.states.status[lane] != Status::StepLimit {
+                        self.record(&group, lane, plans[0][pass][k].0);
+                    }
+                }
+            }
+        }
+        Some(self.states)
+    }
+
+    /// Writes the state of a lane and updates the drifts.
+    fn record(&mut self, group: &Group, lane: usize, state: usize) {
+        let body = self.bodies[lane];
+        let now = unload(group, lane, (self.kernel, self.compiled), self.seats[body]);
+        let states = &mut self.states;
+        let at = lane * self.request.schedule.len() + state;
+        states.omega[3 * at..][..3].copy_from_slice(&now.omega);
+        let mut units = 0.0_f64;
+        if let Some(direction) = now.direction {
+            units = worse(units, (norm(&direction) - 1.0).abs());
+            if !states.vertical.is_empty() {
+                states.vertical[3 * at..][..3].copy_from_slice(&direction);
+            }
+        }
+        if let Some(attitude) = now.attitude {
+            units = worse(units, (norm(&attitude) - 1.0).abs());
+            states.attitude[4 * at..][..4].copy_from_slice(&attitude);
+        }
+        let scales = invariant_scales(&self.request.bodies[body]);
+        let starts = [group.energy.start.0[lane], group.momentum.start.0[lane]];
+        for invariants in [Some(now.invariants), now.invariants_of_attitude].into_iter().flatten() {
+            let drift = |k: usize| (invariants[k] - starts[k]).abs() * inverse_or_zero(scales[k]);
+            states.energy_drift[lane] = worse(states.energy_drift[lane], drift(0));
+            states.momentum_drift[lane] = worse(states.momentum_drift[lane], drift(1));
+        }
+        states.unit_drift[lane] = worse(states.unit_drift[lane], units);
+        if !now.omega.iter().chain(&now.invariants).all(|x| x.is_finite()) {
+            states.status[lane] = Status::NotFinite;
+        }
+    }
+}
+
+/// The larger of two errors; a NaN is worse than any number.
+fn worse(old: f64, new: f64) -> f64 {
+    if new <= old || old.is_nan() { old } else { new }
+}
+
+/// Advances every lane by its own number of its own steps; lanes that are done wait with a step of 0.
+fn advance(group: &mut Group, compiled: Compiled, legs: &[Leg], stop: &AtomicBool) -> Option<()> {
+    let mut ends: Vec<u64> = legs.iter().map(|leg| leg.steps).collect();
+    ends.sort_unstable();
+    ends.dedup();
+    let mut done = 0;
+    for end in ends {
+        for (lane, leg) in legs.iter().enumerate() {
+            group.step.0[lane] = if leg.steps > done { leg.step } else { 0.0 };
+        }
+        while done < end {
+            if stop.load(Ordering::Relaxed) {
+                return None;
+            }
+            let burst = (end - done).min(PATIENCE as u64);
+            compiled.advance(group, burst as usize);
+            done += burst;
+        }
+    }
+    Some(())
+}
+
+fn norm<const N: usize>(v: &[f64; N]) -> f64 {
+    v.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
