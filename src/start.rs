@@ -261,8 +261,9 @@ pub fn unload(group: &Group, lane: usize, (kernel, compiled): (Kernel, Compiled)
     });
     let invariants_of_attitude = attitude.filter(|_| kernel.system.is_top()).map(|q| {
         let length = q.iter().map(|x| x * x).sum::<f64>().sqrt();
-        y[3..6].copy_from_slice(&seat.rename(seen_from_body(&q.map(|x| x / length), &VERTICAL)));
-        compiled.invariants(&parameters, &y)
+        let mut of_attitude = y;
+        of_attitude[3..6].copy_from_slice(&seat.rename(seen_from_body(&q.map(|x| x / length), &VERTICAL)));
+        compiled.invariants(&parameters, &of_attitude)
     });
     State {
         omega: seat.restore(omega),

@@ -9,9 +9,11 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from rigid._check import finite_float, nearest
-from rigid.scenes import FreeBody, HeavyTop
-from rigid.starts import Start, body_axis
+from ._check import finite_float, one_of
+from .scenes import HeavyTop, Scene
+from .starts import Start, body_axis
+
+__all__ = ["Criterion", "NoFlip", "TiltBelow", "no_flip", "tilt_below"]
 
 REFERENCES = ("start", "vertical")
 
@@ -26,7 +28,7 @@ class NoFlip:
         if self.axis is not None:
             object.__setattr__(self, "axis", body_axis(self.axis))
 
-    def resolved(self, scene: FreeBody | HeavyTop, start: Start) -> NoFlip:
+    def resolved(self, scene: Scene, start: Start) -> NoFlip:
         """The criterion with the axis that ``None`` stands for."""
         return replace(self, axis=_axis_of(start)) if self.axis is None else self
 
@@ -55,29 +57,27 @@ class TiltBelow:
     def __post_init__(self) -> None:
         object.__setattr__(self, "angle", finite_float("angle", self.angle, positive=True))
         if self.angle > pi:
-            raise ValueError(f"angle must lie in (0, pi] rad, got {self.angle!r}")
+            raise ValueError(f"angle = {self.angle}: must lie in (0, pi] (rad)")
         object.__setattr__(self, "axis", body_axis(self.axis, signed=True))
-        if self.reference is not None and self.reference not in REFERENCES:
-            raise ValueError(
-                f"unknown reference {self.reference!r}; known: {', '.join(REFERENCES)}"
-                f"{nearest(str(self.reference), REFERENCES)}"
-            )
+        if self.reference is not None:
+            one_of("reference", self.reference, REFERENCES)
 
-    def resolved(self, scene: FreeBody | HeavyTop, start: Start) -> TiltBelow:
+    def resolved(self, scene: Scene, start: Start) -> TiltBelow:
         """The criterion with the reference that ``None`` stands for."""
         if isinstance(scene, HeavyTop):
             return self if self.reference else replace(self, reference="vertical")
         if self.reference == "vertical":
             raise ValueError(
-                "tilt_below(reference='vertical') needs a HeavyTop: "
-                "a free body knows no vertical; use reference='start'"
+                "reference = 'vertical': a free body knows no vertical; use 'start' or a HeavyTop"
             )
         return replace(self, reference="start")
 
     def core(self) -> tuple[str, int, float]:
         """Name, axis and limit (rad) as the core takes them."""
         if self.reference is None:
-            raise ValueError("tilt_below() without a reference needs a scene: call resolved() first")
+            raise ValueError(
+                "tilt_below() without a reference needs a scene: call resolved() first"
+            )
         return f"tilt_from_{self.reference}", self.axis, self.angle
 
     def to_dict(self) -> dict[str, Any]:
@@ -133,8 +133,8 @@ def tilt_below(angle: float, *, axis: int = 3, reference: str | None = None) -> 
     axis : {1, 2, 3, -1, -2, -3}
         The body axis; negative for its opposite direction.
     reference : {"start", "vertical"}, optional
-        The direction: that of the axis at the start, or the upward vertical. By default the vertical
-        for a heavy top and the start for a free body, which knows no vertical.
+        The direction: that of the axis at the start, or the upward vertical. By default the
+        vertical for a heavy top and the start for a free body, which knows no vertical.
 
     Returns
     -------

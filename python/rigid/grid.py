@@ -9,9 +9,12 @@ from math import pi, prod
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rigid._check import nearest
-from rigid.scenes import FreeBody, HeavyTop
-from rigid.starts import Start, tilted_attitude, tilted_rates
+from ._check import nearest
+from .bodies import box_moments
+from .scenes import FreeBody, HeavyTop, Scene
+from .starts import Start, tilted_attitude, tilted_rates
+
+__all__ = ["PARAMETERS", "Axis", "Pixels", "make_axes", "pixels"]
 
 _SIDES = ("a", "b", "c")
 _MOMENTS = ("I1", "I2", "I3")
@@ -30,16 +33,17 @@ class Parameter:
     open_end: bool = False
 
     @property
-    def range(self) -> str:
-        """The allowed values in words."""
+    def rule(self) -> str:
+        """What the values must be, in words."""
         if self.highest < np.inf:
-            return f"in [{self.lowest:.6g}, {self.highest:.6g}]"
-        return "positive" if self.open_end else "not negative"
+            return f"must lie in [{self.lowest:.6g}, {self.highest:.6g}]"
+        return "must be positive" if self.open_end else "must not be negative"
 
     def rejects(self, values: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Which values are outside the range."""
         low = values <= self.lowest if self.open_end else values < self.lowest
-        return low | (values > self.highest)
+        outside: NDArray[np.bool_] = low | (values > self.highest)
+        return outside
 
 
 PARAMETERS: Mapping[str, Parameter] = {
@@ -136,9 +140,9 @@ def make_axes(axes: Mapping[str, ArrayLike]) -> tuple[Axis, ...]:
         not strictly increasing or decreasing, or out of the range of the parameter.
     """
     if not isinstance(axes, Mapping):
-        raise TypeError(f"axes must map names to values, got {type(axes).__name__}")
+        raise TypeError(f"axes = {axes!r}: must be a dict of names and values")
     if len(axes) not in (1, 2):
-        raise ValueError(f"axes must name 1 or 2 parameters (x, then y), got {len(axes)}")
+        raise ValueError(f"axes: expected 1 or 2 parameters (x, then y), got {len(axes)}")
     return tuple(_axis(name, values) for name, values in axes.items())
 
 
@@ -151,23 +155,23 @@ def _axis(name: str, values: ArrayLike) -> Axis:
     try:
         array = np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError):
-        raise TypeError(f"axes[{name!r}] must be numbers, got {values!r}") from None
+        raise TypeError(f"axes[{name!r}] = {values!r}: must be numbers") from None
     if array.ndim != 1 or array.size == 0:
-        raise ValueError(f"axes[{name!r}] must have shape (n,) with n >= 1, got {array.shape}")
+        raise ValueError(f"axes[{name!r}]: expected shape (n,) with n >= 1, got {array.shape}")
     if not np.isfinite(array).all():
-        raise ValueError(f"axes[{name!r}] must be finite, got {array[~np.isfinite(array)][0]}")
+        bad = int(np.flatnonzero(~np.isfinite(array))[0])
+        raise ValueError(f"axes[{name!r}][{bad}] = {array[bad]}: must be finite")
     steps = np.diff(array)
     if not ((steps > 0).all() or (steps < 0).all()):
-        raise ValueError(f"axes[{name!r}] must increase or decrease strictly")
-    outside = PARAMETERS[name].rejects(array)
-    if outside.any():
-        raise ValueError(
-            f"axes[{name!r}] must be {PARAMETERS[name].range}, got {array[outside][0]:g}"
-        )
+        raise ValueError(f"axes[{name!r}]: must increase or decrease strictly")
+    outside = np.flatnonzero(PARAMETERS[name].rejects(array))
+    if outside.size:
+        bad = int(outside[0])
+        raise ValueError(f"axes[{name!r}][{bad}] = {array[bad]:g}: {PARAMETERS[name].rule}")
     return Axis(name, tuple(array.tolist()))
 
 
-def check_applicable(scene: FreeBody | HeavyTop, start: Start, axes: Iterable[Axis]) -> None:
+def check_applicable(scene: Scene, start: Start, axes: Iterable[Axis]) -> None:
     """Raise ValueError, saying why, if an axis or a part of the start has no meaning here."""
     names = [axis.name for axis in axes]
     if isinstance(scene, FreeBody) and start.attitude_noise is not None:
@@ -192,7 +196,7 @@ def check_applicable(scene: FreeBody | HeavyTop, start: Start, axes: Iterable[Ax
         raise ValueError(f"axes: {moments[0]!r} and {moments[1]!r} set the same ratio")
 
 
-def _why_not(name: str, scene: FreeBody | HeavyTop, start: Start) -> str:
+def _why_not(name: str, scene: Scene, start: Start) -> str:
     if name in (*_SIDES, "mass") and scene.body.sides is None:
         return "the sides of the body are not known; make it with Body.box(a, b, c)"
     if name == "mgl" and isinstance(scene, FreeBody):
@@ -225,12 +229,14 @@ def grid_shape(axes: tuple[Axis, ...]) -> tuple[int, ...]:
     return tuple(len(axis.values) for axis in reversed(axes))
 
 
-def pixels(scene: FreeBody | HeavyTop, start: Start, axes: tuple[Axis, ...]) -> Pixels:
+def pixels(scene: Scene, start: Start, axes: tuple[Axis, ...]) -> Pixels:
     """The nominal start of every pixel of a grid that `check_applicable` accepts."""
     shape = grid_shape(axes)
     count = prod(shape)
     grids = np.meshgrid(*(np.array(axis.values) for axis in axes))
-    values = {axis.name: grid.ravel() for axis, grid in zip(axes, grids, strict=True)}
+    values: dict[str, NDArray[np.float64]] = {
+        axis.name: grid.ravel() for axis, grid in zip(axes, grids, strict=True)
+    }
 
     def column(name: str, default: float) -> NDArray[np.float64]:
         return values.get(name, np.full(count, default))
@@ -268,20 +274,17 @@ def pixels(scene: FreeBody | HeavyTop, start: Start, axes: tuple[Axis, ...]) -> 
 
 
 def _moments(
-    scene: FreeBody | HeavyTop, values: Mapping[str, NDArray[np.float64]], count: int
+    scene: Scene, values: Mapping[str, NDArray[np.float64]], count: int
 ) -> NDArray[np.float64]:
     body = scene.body
-    moments = np.tile(np.array(body.moments), (count, 1))
+    moments: NDArray[np.float64] = np.tile(np.array(body.moments), (count, 1))
     if body.sides is not None and any(name in values for name in (*_SIDES, "mass")):
         a, b, c = (
             values.get(name, np.full(count, side))
             for name, side in zip(_SIDES, body.sides, strict=True)
         )
         mass = values.get("mass", np.full(count, body.mass))
-        twelfth = mass / 12.0
-        moments[:, 0] = twelfth * (b * b + c * c)
-        moments[:, 1] = twelfth * (a * a + c * c)
-        moments[:, 2] = twelfth * (a * a + b * b)
+        moments = box_moments(a, b, c, mass)
     for index, name in enumerate(_MOMENTS):
         if name in values:
             moments[:, index] = values[name]

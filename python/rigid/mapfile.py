@@ -1,6 +1,7 @@
-"""A stability map as one data-only file: `.npz` arrays and the specification as JSON inside.
+"""A stability map for other programs: one data-only file, or an xarray Dataset.
 
-Nothing is pickled, nothing is compressed, and dates are fixed: equal maps are equal bytes.
+The file is an `.npz` archive of arrays with the specification as JSON inside. Nothing is pickled,
+nothing is compressed, and dates are fixed: equal maps are equal bytes.
 """
 
 from __future__ import annotations
@@ -9,12 +10,17 @@ import json
 import os
 import zipfile
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rigid.maps import STORED, MapSpec, StabilityMap
+from .maps import COUNTS, STATUS, STORED, MapSpec, StabilityMap
+
+if TYPE_CHECKING:
+    import xarray
+
+__all__ = ["load_map", "map_dataset", "write_map"]
 
 FORMAT = "rigid stability map"
 FORMAT_VERSION = 1
@@ -54,6 +60,7 @@ def load_map(path: str | os.PathLike[str]) -> StabilityMap:
     Parameters
     ----------
     path : path-like
+        The file.
 
     Returns
     -------
@@ -74,13 +81,10 @@ def load_map(path: str | os.PathLike[str]) -> StabilityMap:
     """
     source = Path(path)
     try:
-        with np.load(source, allow_pickle=False) as archive:
-            header = json.loads(archive[_SPEC].tobytes().decode())
-            arrays = {name: archive[name] for name in STORED}
-    except FileNotFoundError:
-        raise
-    except (OSError, EOFError, KeyError, ValueError, TypeError, AttributeError,
-            zipfile.BadZipFile) as error:  # fmt: skip
+        with zipfile.ZipFile(source) as archive:
+            header = json.loads(_read_array(archive, _SPEC).tobytes().decode())
+            arrays = {name: _read_array(archive, name) for name in STORED}
+    except (EOFError, KeyError, ValueError, zipfile.BadZipFile) as error:
         raise ValueError(f"{source} is not a stability map: {_one_line(error)}") from None
     if not isinstance(header, dict) or header.get("format") != FORMAT:
         raise ValueError(f"{source} is not a stability map: its header is not that of one")
@@ -103,6 +107,61 @@ def load_map(path: str | os.PathLike[str]) -> StabilityMap:
         except TypeError:
             raise ValueError(f"{source} is damaged: {name} has type {array.dtype}") from None
     return StabilityMap.from_arrays(spec, arrays)
+
+
+def _read_array(archive: zipfile.ZipFile, name: str) -> NDArray[Any]:
+    with archive.open(f"{name}.npy") as file:
+        return np.lib.format.read_array(file, allow_pickle=False)
+
+
+def map_dataset(result: StabilityMap) -> xarray.Dataset:
+    """The map as an xarray Dataset; see `StabilityMap.to_xarray`."""
+    try:
+        import xarray
+    except ImportError:
+        raise ImportError("to_xarray() needs xarray: pip install 'rigid[maps]'") from None
+    spec = result.spec
+    axes = [(axis.name.replace("/", "_over_"), axis) for axis in spec.axes]
+    dimensions = [name for name, _ in reversed(axes)]
+    data = {
+        name: (dimensions, getattr(result, name), attributes)
+        for name, attributes in _array_attributes(spec).items()
+    }
+    coordinates = {
+        name: (name, list(axis.values), {"long_name": axis.name, "units": axis.unit})
+        for name, axis in axes
+    }
+    attributes = {
+        "title": spec.title or "",
+        "criterion": spec.criterion,
+        "complete": int(result.complete),
+        "rigid_version": spec.version,
+        "spec": spec.to_json(),
+    }
+    return xarray.Dataset(data, coordinates, attributes)
+
+
+def _array_attributes(spec: MapSpec) -> dict[str, dict[str, Any]]:
+    share = f"share {spec.criterion}"
+    attributes: dict[str, dict[str, Any]] = {
+        "share": {"long_name": share, "units": "1"},
+        "lower": {"long_name": f"lower end of the 95 % interval of the {share}", "units": "1"},
+        "upper": {"long_name": f"upper end of the 95 % interval of the {share}", "units": "1"},
+    }
+    for name in (*COUNTS, "samples"):
+        attributes[name] = {"long_name": f"{name} bodies" if name in COUNTS else "bodies done"}
+    return attributes | {
+        "energy_drift": {"long_name": "worst relative drift of the energy", "units": "1"},
+        "momentum_drift": {"long_name": "worst relative drift of the momentum", "units": "1"},
+        "earliest": {"long_name": "first time of leaving stability", "units": "s"},
+        "steps": {"long_name": "time steps"},
+        "nanoseconds": {"long_name": "processor time", "units": "ns"},
+        "status": {
+            "long_name": "status of the body",
+            "flag_values": list(range(len(STATUS))),
+            "flag_meanings": " ".join(text.replace(" ", "_") for text in STATUS),
+        },
+    }
 
 
 def _one_line(error: Exception) -> str:

@@ -6,37 +6,35 @@ import json
 import math
 import operator
 import os
-import signal
-import threading
 import time
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from types import FrameType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rigid import _core
-from rigid._check import finite_float, nearest, positive_int, resolve_threads
-from rigid.bodies import Body
-from rigid.criteria import Criterion, NoFlip, TiltBelow, criterion_from_dict
-from rigid.grid import Axis, check_applicable, grid_shape, make_axes, pixels
-from rigid.info import build_info
-from rigid.progress import Progress, ProgressOption, reporting
-from rigid.scenes import FreeBody, HeavyTop, scene_from_dict
-from rigid.simulate import Run, simulate
-from rigid.starts import Start, normal
+from . import _core
+from ._check import finite_float, one_of, positive_int, resolve_threads
+from .bodies import Body
+from .criteria import Criterion, NoFlip, TiltBelow, criterion_from_dict
+from .grid import Axis, check_applicable, grid_shape, make_axes, pixels
+from .info import build_info
+from .methods import method_names
+from .progress import Pace, Progress, ProgressOption, Work, interruptible, reporting
+from .scenes import FreeBody, HeavyTop, Scene, scene_from_dict
+from .simulate import Run, replay_steps, simulate
+from .starts import Start, normal
 
 if TYPE_CHECKING:
     import xarray
     from matplotlib.axes import Axes
 
-    from rigid.theory import Theory
+    from .theory import Theory
 
-METHODS = ("rk4", "splitting")
+__all__ = ["MapSpec", "Replay", "StabilityMap", "run_map", "stability_map"]
+
 MAX_STEPS = 100_000_000
 STATUS = ("possible", "not finite", "not positive", "triangle inequality broken")
 
@@ -46,14 +44,12 @@ STORED: Mapping[str, type[np.generic]] = {
     "energy_drift": np.float64,
     "momentum_drift": np.float64,
     "earliest": np.float64,
-    "steps": np.uint64,
+    "steps": np.int64,
     "status": np.uint8,
 }
 """The arrays of a saved map that the others follow from, with their types."""
 
 _Z95 = 1.959963984540054
-_CHUNK_SECONDS = 0.3
-_LONGEST_SECONDS = 1.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -86,7 +82,7 @@ class MapSpec:
         Version of rigid.
     """
 
-    scene: FreeBody | HeavyTop
+    scene: Scene
     start: Start
     axes: tuple[Axis, ...]
     stable: Criterion
@@ -105,11 +101,11 @@ class MapSpec:
             object.__setattr__(self, name, value)
 
         if not isinstance(self.start, Start):
-            raise TypeError(f"start must be a Start, got {self.start!r}")
+            raise TypeError(f"start = {self.start!r}: must be a rigid.Start")
         if not isinstance(self.stable, (NoFlip, TiltBelow)):
             raise TypeError(
-                f"stable must be a criterion such as no_flip() or tilt_below(0.5), "
-                f"got {self.stable!r}"
+                f"stable = {self.stable!r}: must be a criterion, rigid.no_flip() or "
+                "rigid.tilt_below(angle)"
             )
         check_applicable(self.scene, self.start, self.axes)
         put("stable", self.stable.resolved(self.scene, self.start))
@@ -120,12 +116,8 @@ class MapSpec:
             put("step", finite_float("step", self.step, positive=True))
         put("check", finite_float("check", self.check, nonnegative=True))
         if self.check > 1.0:
-            raise ValueError(f"check must lie in [0, 1], got {self.check!r}")
-        if self.method not in METHODS:
-            raise ValueError(
-                f"unknown method {self.method!r}{nearest(str(self.method), METHODS)}"
-                f" (known: {', '.join(METHODS)})"
-            )
+            raise ValueError(f"check = {self.check}: must lie in [0, 1]")
+        one_of("method", self.method, method_names())
         put("seed", _checked_seed(self.seed))
 
     @property
@@ -199,9 +191,9 @@ class Replay:
     status : str
         How the integration ended.
     flips : int
-        Sign changes seen.
-    first_flip : float
-        Time of the first one in s, NaN if none.
+        Sign changes seen until it ended.
+    left : float
+        Time at which it left stability, s; NaN if it did not.
     tilt : float
         Largest angle seen in rad, NaN if it was not watched.
     energy_drift, momentum_drift : float
@@ -209,7 +201,7 @@ class Replay:
         Time step in s.
     steps : int
     run : Run
-        The trajectory, by `simulate` with the same method and step.
+        The trajectory until the horizon, with the same method and step.
     """
 
     pixel: tuple[int, ...]
@@ -220,7 +212,7 @@ class Replay:
     outcome: str
     status: str
     flips: int
-    first_flip: float
+    left: float
     tilt: float
     energy_drift: float
     momentum_drift: float
@@ -254,7 +246,7 @@ class StabilityMap:
         Worst relative drift of the conserved quantities in each pixel.
     earliest : ndarray
         First time at which a body left stability, s; inf if none did.
-    steps : ndarray of uint64
+    steps : ndarray of int64
         Time steps taken.
     nanoseconds : ndarray
         Processor time spent. A measurement of this machine: not saved, NaN in a loaded map.
@@ -278,7 +270,7 @@ class StabilityMap:
     energy_drift: NDArray[np.float64]
     momentum_drift: NDArray[np.float64]
     earliest: NDArray[np.float64]
-    steps: NDArray[np.uint64]
+    steps: NDArray[np.int64]
     nanoseconds: NDArray[np.float64]
     elapsed: float
     threads: int
@@ -318,7 +310,7 @@ class StabilityMap:
 
     def theory(self) -> Theory | None:
         """The prediction for this map, or None where no theory is known."""
-        from rigid.theory import predict
+        from .theory import predict
 
         return predict(self.spec)
 
@@ -354,7 +346,8 @@ class StabilityMap:
         sample : int
             Number of the body in its pixel, from 0.
         t : array_like, optional
-            Times of the trajectory in s; by default 501 times from 0 to ``t_end``.
+            Times of the trajectory in s, reached by steps no longer than those of the map. By
+            default about 500 ends of the very steps that were taken, until ``t_end``.
 
         Returns
         -------
@@ -370,14 +363,16 @@ class StabilityMap:
         Examples
         --------
         >>> one = result.replay(pixel=(10, 20), sample=3)
-        >>> one.outcome, one.first_flip, one.run.omega
+        >>> one.outcome, one.left, one.run.omega
         """
         index = _pixel_index(pixel, self.spec.shape)
         number = operator.index(sample)
         if not 0 <= number < self.spec.samples:
-            raise IndexError(f"sample must lie in 0..{self.spec.samples - 1}, got {sample}")
+            raise IndexError(f"sample = {sample}: must lie in 0 .. {self.spec.samples - 1}")
         if self.status[index]:
-            raise ValueError(f"pixel {index} holds no possible body: {STATUS[self.status[index]]}")
+            raise ValueError(
+                f"pixel = {index}: no such body is possible: {STATUS[self.status[index]]}"
+            )
         spec = self.spec
         flat = int(np.ravel_multi_index(index, spec.shape))
         rows = pixels(spec.scene, spec.start, spec.axes)
@@ -389,14 +384,14 @@ class StabilityMap:
             if isinstance(spec.scene, HeavyTop)
             else FreeBody(body)
         )
-        run = simulate(
-            scene,
-            record["omega"],
-            record["attitude"],
-            t=np.linspace(0.0, spec.t_end, 501) if t is None else t,
-            method=spec.method,
-            step=record["step"],
-        )
+        begin, step = (record["omega"], record["attitude"]), float(record["step"])
+        if t is None:
+            total = min(round(spec.t_end / step), spec.max_steps)
+            ends = np.linspace(0, total, min(total, 500) + 1).astype(np.int64)
+            strides = np.diff(ends, prepend=0).tolist()
+            run = replay_steps(scene, *begin, method=spec.method, step=step, strides=strides)
+        else:
+            run = simulate(scene, *begin, t=t, method=spec.method, step=step)
         values = dict(record)
         values["outcome"] = values.pop("class")
         return Replay(
@@ -428,7 +423,7 @@ class StabilityMap:
         ImportError
             Without matplotlib.
         """
-        from rigid.plotting import plot_map
+        from .plotting import plot_map
 
         return plot_map(self, ax=ax)
 
@@ -436,7 +431,7 @@ class StabilityMap:
         """The map as an xarray Dataset.
 
         Dimensions carry the names of the axes with ``_over_`` for ``/``, because netCDF allows no
-        slash; coordinates have units; the attributes hold the specification as JSON and the version.
+        slash; coordinates have units; the attributes hold the specification as JSON.
 
         Returns
         -------
@@ -447,28 +442,9 @@ class StabilityMap:
         ImportError
             Without xarray.
         """
-        try:
-            import xarray
-        except ImportError:
-            raise ImportError("to_xarray() needs xarray: pip install 'rigid[maps]'") from None
-        axes = [(axis.name.replace("/", "_over_"), axis) for axis in self.spec.axes]
-        dims = [name for name, _ in reversed(axes)]
-        data = {
-            name: (dims, getattr(self, name), attributes)
-            for name, attributes in _array_attributes(self.spec).items()
-        }
-        coordinates = {
-            name: (name, list(axis.values), {"long_name": axis.name, "units": axis.unit})
-            for name, axis in axes
-        }
-        attributes = {
-            "title": self.spec.title or "",
-            "criterion": self.spec.criterion,
-            "complete": int(self.complete),
-            "rigid_version": self.spec.version,
-            "spec": self.spec.to_json(),
-        }
-        return xarray.Dataset(data, coordinates, attributes)
+        from .mapfile import map_dataset
+
+        return map_dataset(self)
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the map to one data-only ``.npz`` file; `load_map` reads it.
@@ -486,7 +462,7 @@ class StabilityMap:
         Path
             What was written.
         """
-        from rigid.mapfile import write_map
+        from .mapfile import write_map
 
         return write_map(self, path)
 
@@ -498,8 +474,8 @@ class StabilityMap:
         step = "step chosen for each body" if spec.step is None else f"step {spec.step:g} s"
         checked = {0.0: "none", 1.0: "all"}.get(spec.check, f"{spec.checked_samples}")
         lines = [
-            ("scene", str(spec.scene)),
-            ("start", str(spec.start)),
+            ("scene", _scene_words(spec)),
+            ("start", spec.start.describe([axis.name for axis in spec.axes])),
             *((letter, str(axis)) for letter, axis in zip("xy", spec.axes, strict=False)),
             ("stable", spec.criterion),
             ("method", f"{spec.method}, {step}"),
@@ -546,7 +522,7 @@ class StabilityMap:
 
 
 def stability_map(
-    scene: FreeBody | HeavyTop | type[FreeBody] | type[HeavyTop],
+    scene: Scene | type[FreeBody] | type[HeavyTop],
     *,
     axes: Mapping[str, ArrayLike],
     samples: int,
@@ -588,8 +564,9 @@ def stability_map(
         The criterion, `no_flip` or `tilt_below`.
     start : Start, optional
         By default a free body spins with 1 rad/s about the axis of its middle moment with
-        ``noise=normal(1e-3)``, a top with 5 rad/s about axis 3 with ``attitude_noise=normal(1e-3)``.
+        ``noise=normal(1e-3)``, a top with 5 rad/s about axis 3, ``attitude_noise=normal(1e-3)``.
     method : {"rk4", "splitting"}
+        Classical Runge-Kutta of order 4, or the symplectic splitting of order 2.
     step : float, optional
         Time step in s; by default chosen for each body from a bound of its rates.
     check : float
@@ -660,18 +637,19 @@ def run_map(
     size = None if chunk is None else positive_int("chunk", chunk)
     job = _job(spec)
     counted = _empty(job.status)
-    work = _Work(job.status == 0, spec.samples)
-    pace = _Pace(workers)
+    work = Work(job.status == 0, spec.samples)
+    pace = Pace(workers)
     done = failures = 0
     begun = time.perf_counter()
-    with reporting(progress, work.total) as report, _interruptible() as stop:
+    with reporting(progress, work.total) as report, interruptible() as stop:
         try:
             while done < work.total and not stop.is_set():
                 until = min(done + (size or pace.size), work.total)
                 before = time.perf_counter()
                 part = job.run(work.flat(done), work.flat(until), workers)
-                pace.note(until - done, time.perf_counter() - before, part)
+                seconds = time.perf_counter() - before
                 _merge(counted, part)
+                pace.note(until - done, seconds, _costliest(part))
                 done = until
                 failures += int(part["failed"].sum())
                 report(
@@ -723,24 +701,43 @@ def seed_from(rng: int | np.random.Generator | np.random.SeedSequence | None) ->
 def _checked_seed(seed: object) -> int:
     if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)):
         raise TypeError(
-            f"rng must be an integer, a numpy Generator, a SeedSequence or None, got {seed!r}"
+            f"rng = {seed!r}: must be a whole number, a numpy Generator or SeedSequence, or None"
         )
     if not 0 <= int(seed) < 2**128:
-        raise ValueError(f"rng must lie in 0..2**128 - 1, got {seed}")
+        raise ValueError(f"rng = {seed}: must lie in 0 .. 2**128 - 1")
     return int(seed)
 
 
-def _scene(scene: object) -> FreeBody | HeavyTop:
+def _scene(scene: object) -> Scene:
     if scene is FreeBody:
         return FreeBody(Body((1.0, 1.5, 2.0)))
     if scene is HeavyTop:
         return HeavyTop(Body((1.0, 1.0, 0.5)), mgl=1.0)
     if isinstance(scene, (FreeBody, HeavyTop)):
         return scene
-    raise TypeError(f"scene must be a FreeBody or a HeavyTop, got {scene!r}")
+    raise TypeError(f"scene = {scene!r}: must be a rigid.FreeBody or rigid.HeavyTop")
 
 
-def _default_start(scene: FreeBody | HeavyTop) -> Start:
+def _scene_words(spec: MapSpec) -> str:
+    varied = {axis.name.partition("/")[0] for axis in spec.axes}
+
+    def numbers(values: Iterable[tuple[str, float]]) -> str:
+        return ", ".join("varied" if name in varied else f"{value:g}" for name, value in values)
+
+    body = spec.scene.body
+    if body.sides is not None:
+        sides, mass = numbers(zip("abc", body.sides, strict=True)), [("mass", body.mass or 0.0)]
+        words = f"box with sides ({sides}) m and mass {numbers(mass)} kg"
+    else:
+        moments = numbers(zip(("I1", "I2", "I3"), body.moments, strict=True))
+        words = f"moments ({moments})"
+    if isinstance(spec.scene, HeavyTop):
+        com = ", ".join(f"{part:g}" for part in spec.scene.com)
+        return f"heavy top, {words}, mgl {numbers([('mgl', spec.scene.mgl)])}, com ({com})"
+    return f"free body, {words}"
+
+
+def _default_start(scene: Scene) -> Start:
     if isinstance(scene, HeavyTop):
         return Start(spin=5.0, attitude_noise=normal(1e-3))
     middle = int(np.argsort(scene.body.moments, kind="stable")[1]) + 1
@@ -752,7 +749,7 @@ def _job(spec: MapSpec) -> _core.MapJob:
     criterion, axis, limit = spec.stable.core()
     noise, attitude_noise = spec.start.noise, spec.start.attitude_noise
     return _core.MapJob(
-        scene="top" if isinstance(spec.scene, HeavyTop) else "free",
+        scene=spec.scene.kind,
         method=spec.method,
         moments=rows.moments,
         weight=rows.weight,
@@ -774,47 +771,6 @@ def _job(spec: MapSpec) -> _core.MapJob:
     )
 
 
-class _Work:
-    """Counts the bodies that cost something, so that impossible pixels do not upset the pace."""
-
-    __slots__ = ("_before", "_samples", "total")
-
-    def __init__(self, possible: NDArray[np.bool_], samples: int) -> None:
-        upto = np.cumsum(possible, dtype=np.int64) * samples
-        self._before = upto - possible * np.int64(samples)
-        self._samples = samples
-        self.total = int(upto[-1])
-
-    def flat(self, done: int) -> int:
-        """Where body number ``done`` stands in the flat, pixel-major range of all samples."""
-        pixel = int(np.searchsorted(self._before, done, side="right")) - 1
-        return pixel * self._samples + done - int(self._before[pixel])
-
-
-class _Pace:
-    """Chunk sizes from the cost of the bodies seen so far.
-
-    Costs differ between pixels by orders of magnitude (an early flip ends a body), so the size also
-    keeps a chunk of nothing but the costliest bodies seen below a second.
-    """
-
-    __slots__ = ("_costliest", "_workers", "size")
-
-    def __init__(self, workers: int) -> None:
-        self._workers = workers
-        self._costliest = 0.0
-        self.size = 16 * workers
-
-    def note(self, bodies: int, seconds: float, part: Mapping[str, Any]) -> None:
-        judged = sum(part[name] for name in COUNTS[:4])
-        costs = part["nanoseconds"][judged > 0] / judged[judged > 0]
-        worst = 1e-9 * float(costs.max(initial=0.0)) / self._workers
-        self._costliest = max(self._costliest, worst)
-        fitting = _CHUNK_SECONDS * bodies / max(seconds, 1e-6)
-        bounded = _LONGEST_SECONDS / max(self._costliest, 1e-12)
-        self.size = max(self._workers, int(min(fitting, bounded, 8.0 * self.size)))
-
-
 def _empty(status: NDArray[np.uint8]) -> dict[str, NDArray[Any]]:
     counted: dict[str, NDArray[Any]] = {
         name: np.zeros(status.shape, dtype) for name, dtype in STORED.items()
@@ -834,28 +790,11 @@ def _merge(counted: dict[str, NDArray[Any]], part: Mapping[str, Any]) -> None:
     np.minimum(counted["earliest"][window], part["earliest"], out=counted["earliest"][window])
 
 
-@contextmanager
-def _interruptible() -> Iterator[threading.Event]:
-    """Turn Ctrl-C into an event, so that a chunk counts wholly or not at all.
-
-    Only where Python's own handler is at work: other handlers, and other threads, keep theirs.
-    """
-    stop = threading.Event()
-    ours = (
-        threading.current_thread() is threading.main_thread()
-        and signal.getsignal(signal.SIGINT) is signal.default_int_handler
-    )
-
-    def note(number: int, frame: FrameType | None) -> None:
-        stop.set()
-
-    if ours:
-        signal.signal(signal.SIGINT, note)
-    try:
-        yield stop
-    finally:
-        if ours:
-            signal.signal(signal.SIGINT, signal.default_int_handler)
+def _costliest(part: Mapping[str, Any]) -> float:
+    """Largest mean processor time of a body over the pixels of a chunk, s."""
+    bodies = sum(part[name] for name in COUNTS[:4])
+    seconds = 1e-9 * part["nanoseconds"][bodies > 0] / bodies[bodies > 0]
+    return float(seconds.max(initial=0.0))
 
 
 def _pixel_index(pixel: int | tuple[int, ...], shape: tuple[int, ...]) -> tuple[int, ...]:
@@ -868,30 +807,5 @@ def _pixel_index(pixel: int | tuple[int, ...], shape: tuple[int, ...]) -> tuple[
         inside = 0 <= operator.index(pixel) < math.prod(shape)
         index = tuple(int(part) for part in np.unravel_index(pixel, shape)) if inside else ()
     if not inside:
-        raise IndexError(f"pixel {pixel} lies outside the map of shape {shape}")
+        raise IndexError(f"pixel = {pixel}: lies outside the map of shape {shape}")
     return index
-
-
-def _array_attributes(spec: MapSpec) -> dict[str, dict[str, Any]]:
-    share = f"share {spec.criterion}"
-    attributes: dict[str, dict[str, Any]] = {
-        "share": {"long_name": share, "units": "1"},
-        "lower": {"long_name": f"lower end of the 95 % interval of the {share}", "units": "1"},
-        "upper": {"long_name": f"upper end of the 95 % interval of the {share}", "units": "1"},
-    }
-    for name in (*COUNTS, "samples"):
-        attributes[name] = {"long_name": f"{name} bodies" if name in COUNTS else "bodies done"}
-    return attributes | {
-        "energy_drift": {"long_name": "worst relative drift of the energy", "units": "1"},
-        "momentum_drift": {"long_name": "worst relative drift of the momentum", "units": "1"},
-        "earliest": {"long_name": "first time of leaving stability", "units": "s"},
-        "steps": {"long_name": "time steps"},
-        "nanoseconds": {"long_name": "processor time", "units": "ns"},
-        "status": {
-            "long_name": "status of the body",
-            "flag_values": list(range(len(STATUS))),
-            "flag_meanings": " ".join(text.replace(" ", "_") for text in STATUS),
-        },
-    }
-
-

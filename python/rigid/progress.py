@@ -1,12 +1,23 @@
-"""Progress of a long run: a bar in a terminal, silence elsewhere, or a callable."""
+"""The course of a long run: how far it is, how large its next chunk is, how it is stopped."""
 
 from __future__ import annotations
 
+import signal
 import sys
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from types import FrameType
 from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Pace", "Progress", "ProgressOption", "Work", "interruptible", "reporting"]
+
+CHUNK_SECONDS = 0.3
+LONGEST_SECONDS = 1.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -19,12 +30,12 @@ class Progress:
         Bodies finished, and all of them.
     elapsed : float
         Seconds since the start.
+    failures : int
+        Bodies whose motion could not be computed.
     rate : float
         Bodies per second so far.
     remaining : float
         Seconds left at this rate; inf before the first body.
-    failures : int
-        Bodies whose motion could not be computed.
     """
 
     done: int
@@ -34,13 +45,15 @@ class Progress:
 
     @property
     def rate(self) -> float:
+        """Bodies per second so far."""
         return self.done / self.elapsed if self.elapsed > 0.0 else 0.0
 
     @property
     def remaining(self) -> float:
+        """Seconds left at this rate; inf before the first body."""
         if self.done == self.total:
             return 0.0
-        return (self.total - self.done) / self.rate if self.done else float("inf")
+        return (self.total - self.done) / self.rate if self.rate > 0.0 else float("inf")
 
 
 ProgressOption: TypeAlias = bool | Callable[[Progress], object] | None
@@ -62,35 +75,101 @@ def reporting(option: ProgressOption, total: int) -> Iterator[Callable[[Progress
     ------
     ImportError
         For ``True`` without tqdm.
+    TypeError
+        For any other option.
     """
     if callable(option):
         yield option
         return
-    if option not in (None, True, False):
-        raise TypeError(f"progress must be None, True, False or a callable, got {option!r}")
-    if option is False or (option is None and not _bar_wanted()):
-        yield lambda progress: None
-        return
+    if option is not None and not isinstance(option, bool):
+        raise TypeError(f"progress = {option!r}: must be None, True, False or a callable")
+    # There is no stderr under pythonw and in some services.
+    in_terminal = sys.stderr is not None and sys.stderr.isatty()
+    if option or (option is None and in_terminal):
+        try:
+            from tqdm import tqdm
+        except ImportError:
+            if option:
+                raise ImportError("a progress bar needs tqdm: pip install 'rigid[maps]'") from None
+        else:
+            with tqdm(total=total, unit=" bodies", unit_scale=True, file=sys.stderr) as bar:
+
+                def show(progress: Progress) -> None:
+                    if progress.failures:
+                        bar.set_postfix(failed=progress.failures, refresh=False)
+                    bar.update(progress.done - bar.n)
+
+                yield show
+                return
+    yield lambda _: None
+
+
+class Work:
+    """Counts only the bodies that cost something: impossible ones must not upset the pace.
+
+    Parameters
+    ----------
+    possible : ndarray of bool, shape (P,)
+        Pixels with a possible body.
+    samples : int
+        Bodies per pixel.
+    """
+
+    __slots__ = ("_before", "_samples", "total")
+
+    def __init__(self, possible: NDArray[np.bool_], samples: int) -> None:
+        through = np.cumsum(possible, dtype=np.int64) * samples
+        self._before = through - possible * np.int64(samples)
+        self._samples = samples
+        self.total = int(through[-1])
+
+    def flat(self, done: int) -> int:
+        """Where body number ``done`` stands in the flat, pixel-major range of all samples."""
+        pixel = int(np.searchsorted(self._before, done, side="right")) - 1
+        return pixel * self._samples + done - int(self._before[pixel])
+
+
+class Pace:
+    """Chunk sizes from the cost of the bodies seen so far.
+
+    Costs differ between pixels by orders of magnitude, because a flip ends a body early. So a chunk
+    is also kept below a second in case it consists of the costliest bodies only.
+    """
+
+    __slots__ = ("_costliest", "_threads", "size")
+
+    def __init__(self, threads: int) -> None:
+        self._threads = threads
+        self._costliest = 0.0
+        self.size = 16 * threads
+
+    def note(self, bodies: int, seconds: float, costliest: float) -> None:
+        """Fit the next size to a chunk that took ``seconds``; ``costliest`` is one body's cost."""
+        self._costliest = max(self._costliest, costliest / self._threads)
+        fitting = CHUNK_SECONDS * bodies / max(seconds, 1e-6)
+        bounded = LONGEST_SECONDS / max(self._costliest, 1e-12)
+        self.size = max(self._threads, int(min(fitting, bounded, 8.0 * self.size)))
+
+
+@contextmanager
+def interruptible() -> Iterator[threading.Event]:
+    """Turn Ctrl-C into an event, so that a chunk counts wholly or not at all.
+
+    Only where Python's own handler is at work: other handlers, and other threads, keep theirs.
+    """
+    stop = threading.Event()
+    ours = (
+        threading.current_thread() is threading.main_thread()
+        and signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    )
+
+    def note(_number: int, _frame: FrameType | None) -> None:
+        stop.set()
+
+    if ours:
+        signal.signal(signal.SIGINT, note)
     try:
-        from tqdm import tqdm
-    except ImportError:
-        raise ImportError("a progress bar needs tqdm: pip install 'rigid[maps]'") from None
-    with tqdm(total=total, unit=" bodies", unit_scale=True, file=sys.stderr) as bar:
-
-        def show(progress: Progress) -> None:
-            if progress.failures:
-                bar.set_postfix(failed=progress.failures, refresh=False)
-            bar.update(progress.done - bar.n)
-
-        yield show
-
-
-def _bar_wanted() -> bool:
-    # stderr is None under pythonw and in some services.
-    if sys.stderr is None or not sys.stderr.isatty():
-        return False
-    try:
-        import tqdm  # noqa: F401
-    except ImportError:
-        return False
-    return True
+        yield stop
+    finally:
+        if ours:
+            signal.signal(signal.SIGINT, signal.default_int_handler)

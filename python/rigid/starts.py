@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from dataclasses import dataclass
 from decimal import Decimal, localcontext
 from math import pi
@@ -11,7 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rigid._check import finite_float, nearest, vector
+from ._check import finite_float, one_of, vector
+
+__all__ = ["Noise", "Start", "direction", "normal", "uniform", "uniform_attitude"]
 
 NOISE_KINDS = ("normal", "uniform", "direction", "uniform_attitude")
 
@@ -35,11 +37,7 @@ class Noise:
     size: float | tuple[float, float, float] = 1.0
 
     def __post_init__(self) -> None:
-        if self.kind not in NOISE_KINDS:
-            raise ValueError(
-                f"unknown kind of noise {self.kind!r}; known: {', '.join(NOISE_KINDS)}"
-                f"{nearest(self.kind, NOISE_KINDS)}"
-            )
+        one_of("kind", self.kind, NOISE_KINDS)
         object.__setattr__(self, "size", _size(self.size))
 
     def to_dict(self) -> dict[str, Any]:
@@ -47,19 +45,18 @@ class Noise:
         size = list(self.size) if isinstance(self.size, tuple) else self.size
         return {"kind": self.kind, "size": size}
 
-    def __str__(self) -> str:
+    def describe(self, *, varied: bool = False) -> str:
+        """The noise in words; ``varied`` if an axis of a map sets its size."""
         if self.kind == "uniform_attitude":
             return "uniform_attitude()"
-        size = (
-            f"({', '.join(f'{s:g}' for s in self.size)})"
-            if isinstance(self.size, tuple)
-            else f"{self.size:g}"
-        )
-        return f"{self.kind}({size})"
+        if varied:
+            return f"{self.kind}(varied)"
+        sizes = self.size if isinstance(self.size, tuple) else (self.size,)
+        return f"{self.kind}({', '.join(f'{size:g}' for size in sizes)})"
 
 
-def _size(value: object) -> float | tuple[float, float, float]:
-    if np.ndim(value) == 0:  # type: ignore[call-overload]
+def _size(value: Any) -> float | tuple[float, float, float]:
+    if np.ndim(value) == 0:
         return finite_float("size", value, nonnegative=True)
     first, second, third = (
         finite_float("size", component, nonnegative=True)
@@ -122,8 +119,8 @@ class Start:
     before it in cyclic order (for axis 3: axis 2):
 
     * a free body given by ``spin`` starts with ``omega = spin (cos(tilt) e + sin(tilt) e_before)``;
-    * a heavy top starts with ``omega = spin e``, its axis leaning so that the upward vertical in the
-      body is ``gamma = cos(tilt) e + sin(tilt) e_before`` (for axis 3: ``R = Rx(tilt)``).
+    * a heavy top starts with ``omega = spin e``, its axis leaning so that the upward vertical in
+      the body is ``gamma = cos(tilt) e + sin(tilt) e_before`` (for axis 3: ``R = Rx(tilt)``).
 
     Parameters
     ----------
@@ -168,16 +165,18 @@ class Start:
         object.__setattr__(self, "axis", body_axis(self.axis))
         object.__setattr__(self, "tilt", finite_float("tilt", self.tilt))
         if abs(self.tilt) > pi:
-            raise ValueError(f"tilt must lie in [-pi, pi] rad, got {self.tilt!r}")
+            raise ValueError(f"tilt = {self.tilt}: must lie in [-pi, pi] (rad)")
         for name in ("noise", "attitude_noise"):
             noise = getattr(self, name)
             if noise is not None and not isinstance(noise, Noise):
-                raise TypeError(f"{name} must be a Noise such as rigid.normal(1e-3), got {noise!r}")
+                raise TypeError(f"{name} = {noise!r}: must be a Noise such as rigid.normal(1e-3)")
         if self.noise is not None and self.noise.kind == "uniform_attitude":
-            raise ValueError("noise perturbs rates: uniform_attitude() is for attitude_noise")
+            raise ValueError(
+                "noise = uniform_attitude(): rates have no attitude; use attitude_noise"
+            )
         if self.attitude_noise is not None and isinstance(self.attitude_noise.size, tuple):
             raise ValueError(
-                f"attitude_noise needs one size in rad, got {self.attitude_noise.size!r}"
+                f"attitude_noise: its size must be one number (rad), got {self.attitude_noise.size}"
             )
 
     def to_dict(self) -> dict[str, Any]:
@@ -202,17 +201,25 @@ class Start:
                 values[name] = Noise(**values[name])
         return cls(**values)
 
-    def __str__(self) -> str:
+    def describe(self, varied: Container[str] = ()) -> str:
+        """The start in words; ``varied`` names what the axes of a map set."""
+
+        def number(name: str, value: float | None) -> str:
+            return "varied" if name in varied else f"{value:g}"
+
         if self.omega is not None:
-            parts = [f"omega ({', '.join(f'{w:g}' for w in self.omega)}) rad/s"]
+            rates = (number(f"omega{i}", rate) for i, rate in enumerate(self.omega, 1))
+            parts = [f"omega ({', '.join(rates)}) rad/s"]
         else:
-            parts = [f"spin {self.spin:g} rad/s about axis {self.axis}"]
-        if self.tilt != 0.0:
-            parts.append(f"tilt {self.tilt:g} rad")
-        if self.noise is not None:
-            parts.append(f"rates + {self.noise}")
-        if self.attitude_noise is not None:
-            parts.append(f"attitude + {self.attitude_noise}")
+            parts = [f"spin {number('spin', self.spin)} rad/s about axis {self.axis}"]
+        if self.tilt != 0.0 or "tilt" in varied:
+            parts.append(f"tilt {number('tilt', self.tilt)} rad")
+        for label, name, noise in (
+            ("rates", "noise", self.noise),
+            ("attitude", "attitude_noise", self.attitude_noise),
+        ):
+            if noise is not None:
+                parts.append(f"{label} + {noise.describe(varied=name in varied)}")
         return ", ".join(parts)
 
 
@@ -220,9 +227,9 @@ def body_axis(value: object, *, signed: bool = False) -> int:
     """The number of a body axis: 1, 2 or 3, with ``signed`` also -1, -2 or -3."""
     known = (1, 2, 3, -1, -2, -3) if signed else (1, 2, 3)
     if isinstance(value, bool) or not isinstance(value, (int, np.integer)):
-        raise TypeError(f"axis must be an integer, got {value!r}")
+        raise TypeError(f"axis = {value!r}: must be a whole number")
     if value not in known:
-        raise ValueError(f"axis must be one of {', '.join(map(str, known))}, got {value!r}")
+        raise ValueError(f"axis = {value}: must be one of {', '.join(map(str, known))}")
     return int(value)
 
 
@@ -240,8 +247,9 @@ def tilted_rates(
 def tilted_attitude(axis: int, tilt: NDArray[np.float64]) -> NDArray[np.float64]:
     """Quaternions (w, x, y, z), shape (n, 4), with ``gamma = cos(tilt) e + sin(tilt) e_before``.
 
-    The body is first laid with ``axis`` along the vertical by a cyclic permutation of its axes, then
-    turned by ``tilt`` about the first axis of space. Exactly the identity for axis 3 without tilt.
+    The body is first laid with ``axis`` along the vertical by a cyclic permutation of its axes,
+    then turned by ``tilt`` about the first axis of space. Exactly the identity for axis 3 without
+    tilt.
     """
     cosine, sine = _cos_sin(0.5 * tilt)
     w, x, y, z = _EVEN_PERMUTATION[axis]

@@ -2,10 +2,10 @@
 
 Free body, criterion *no flip about axis j*
     With moments sorted ``I1 <= I2 <= I3``, the sign of
-    ``2 E I2 - L² = I1 (I2 - I1) w1² - I3 (I3 - I2) w3²`` tells which axis the rates circulate about:
-    the smallest (positive) or the largest (negative). About that axis there is never a flip; every
-    other rate changes its sign at least once in half a period. Formed from components, because the
-    difference of the invariants loses all its digits near the separatrix.
+    ``2 E I2 - L² = I1 (I2 - I1) w1² - I3 (I3 - I2) w3²`` tells which axis the rates circulate
+    about: the smallest (positive) or the largest (negative). About that axis there is never a flip;
+    every other rate changes its sign at least once in half a period. Formed from components,
+    because the difference of the invariants loses all its digits near the separatrix.
 
     A spin ``W`` about the middle axis leaves along the heteroclinic orbit
     ``w = (A1 sech, W tanh, A3 sech)(lam (t - t_flip))`` with
@@ -16,13 +16,15 @@ Free body, criterion *no flip about axis j*
     probability of ``|u| < 2 A1 exp(-lam t)``.
 
 Symmetric heavy top spinning about its own axis, criterion *tilt from the vertical below an angle*
-    Released with spin ``w`` and tilt ``th``, its axis at rest, the top nutates between ``th`` and the
-    other root of ``sin² x = a (cos th - cos x)``, ``a = (I3 w)² / (2 I1 mgl)``. It passes the limit
-    ``x`` if ``cos th < cos x + sin² x / a``: for vanishing tilt if ``a < 1 + cos x``, which for a
-    vanishing limit is the bound of the sleeping top, ``w = 2 sqrt(mgl I1) / I3``. Below that bound
-    the tilt grows along the homoclinic orbit
-    ``1 - cos = (2 I1 g² / mgl) sech²(g (t - t0))``, ``g = sqrt(4 mgl I1 - (I3 w)²) / (2 I1)``, and a
-    tilt so small that the limit is not reached within the horizon counts as stable.
+    Released with spin ``w`` and tilt ``th``, its axis at rest, the top nutates between ``th`` and
+    the other root ``x`` of ``sin² x = a (cos th - cos x)``, ``a = (I3 w)² / (2 I1 mgl)``. It passes
+    a limit ``x`` if ``cos th < cos x + sin² x / a``: for vanishing tilt if ``a < 1 + cos x``, which
+    for a vanishing limit is the bound of the sleeping top, ``w = 2 sqrt(mgl I1) / I3``. Below that
+    bound the tilt ``x`` grows along the homoclinic orbit
+    ``1 - cos x = (2 I1 g² / mgl) sech²(g (t - t0))``, ``g = sqrt(4 mgl I1 - (I3 w)²) / (2 I1)``,
+    and a top released so near the vertical that it does not reach the limit within the horizon
+    counts as stable. With normal noise of the attitude the tilt at release has a Rayleigh
+    distribution.
 
 Landau and Lifshitz, *Mechanics*, §§ 35, 37; Goldstein, *Classical Mechanics*, §§ 5.6, 5.7.
 """
@@ -36,12 +38,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from rigid.criteria import NoFlip, TiltBelow
-from rigid.grid import Pixels, pixels
-from rigid.scenes import FreeBody, HeavyTop
+from .criteria import NoFlip, TiltBelow
+from .grid import Pixels, pixels
+from .scenes import FreeBody, HeavyTop
 
 if TYPE_CHECKING:
-    from rigid.maps import MapSpec
+    from .maps import MapSpec
+
+__all__ = ["Curve", "Theory", "predict"]
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -88,6 +92,7 @@ def predict(spec: MapSpec) -> Theory | None:
     Parameters
     ----------
     spec : MapSpec
+        What is asked; its random numbers do not matter.
 
     Returns
     -------
@@ -150,22 +155,23 @@ def _free_no_flip(spec: MapSpec, stable: NoFlip, rows: Pixels) -> Theory | None:
         if not np.isnan(law).all():
             share = np.where(np.isnan(law), share, law)
             label += "; heteroclinic flip time about the middle axis"
-            name = "half have flipped" if normal else "first flip"
-            curves[f"{name} at t = {spec.t_end:g} s"] = np.where(np.isnan(law), np.nan, excess)
+            name = "half have flipped by" if normal else "first flip at"
+            curves[f"{name} t = {spec.t_end:g} s"] = np.where(np.isnan(law), np.nan, excess)
     return _theory(spec, label, share, curves)
 
 
 def _possible(moments: Floats) -> Flags:
     """Positive and within the triangle inequality, as the core checks it."""
-    total = moments.sum(axis=1, keepdims=True)
-    positive: Flags = (moments > 0.0).all(axis=1)
-    return positive & (2.0 * moments <= total * (1.0 + 1e-15)).all(axis=1)
+    total = moments.sum(axis=1)
+    possible: Flags = (moments.min(axis=1) > 0.0) & (2.0 * moments.max(axis=1) <= total)
+    return possible
 
 
 def _circulation(moments: Floats, w1: Floats, w3: Floats) -> Floats:
     """``2 E I2 - L²`` from components; positive: circulates about the smallest axis."""
     i1, i2, i3 = moments.T
-    return i1 * (i2 - i1) * w1 * w1 - i3 * (i3 - i2) * w3 * w3
+    result: Floats = i1 * (i2 - i1) * w1 * w1 - i3 * (i3 - i2) * w3 * w3
+    return result
 
 
 def _half_period(moments: Floats, omega: Floats, margin: Floats) -> Floats:
@@ -231,7 +237,7 @@ def _middle_axis_law(
     share = np.where(spread > 0.0, chance, np.where(np.abs(unstable) < bound, 1.0, 0.0))
     perturbation = np.maximum(np.abs(omega), size)
     small = np.maximum(perturbation[:, 0], perturbation[:, 2]) <= SMALL * np.minimum(a1, a3)
-    # Noise of the spin itself changes the growth rate: its effect on the exponent must be small too.
+    # Noise of the spin itself changes the growth rate; its effect on the exponent must be small.
     small &= size[:, 1] * rate * t_end <= 0.25 * spin
     share[~small] = np.nan
     return share, np.log(bound / np.hypot(_NORMAL_HALF * spread, unstable))
@@ -279,13 +285,14 @@ def _symmetric_top(
     curves = {"sleeping-top bound $\\omega_3 = 2\\sqrt{mgl\\,I_1}/I_3$": sleeping}
     if noise is not None:
         median = math.sqrt(2.0 * math.log(2.0)) * rows.attitude_size
-        curves["half nutate past the limit"] = np.where(known, critical - median, np.nan)
+        name = f"half pass {stable.angle:g} rad by t = {spec.t_end:g} s"
+        curves[name] = np.where(known, critical - median, np.nan)
     label = f"nutation of a symmetric top released at rest, until t = {spec.t_end:g} s"
     return _theory(spec, label, share, curves)
 
 
 def _nutation_bound(momentum: Floats, weight: Floats, limit: float) -> Floats:
-    """Largest tilt at release from which the nutation stays below the limit; ``weight = mgl I1``."""
+    """Largest tilt at release whose nutation stays below the limit; ``weight`` is ``mgl I1``."""
     cosine = math.cos(limit) + math.sin(limit) ** 2 * 2.0 * weight / momentum
     return np.where(cosine < 1.0, np.arccos(np.clip(cosine, -1.0, 1.0)), 0.0)
 
@@ -293,7 +300,7 @@ def _nutation_bound(momentum: Floats, weight: Floats, limit: float) -> Floats:
 def _horizon_bound(
     momentum: Floats, mgl: Floats, cross: Floats, limit: float, t_end: float
 ) -> Floats:
-    """Largest tilt at release that has not yet grown to the limit at ``t_end`` (0: always stable)."""
+    """Largest tilt at release that has not grown to the limit by ``t_end``; 0 without growth."""
     growing = momentum < 4.0 * mgl * cross
     growth = np.sqrt(4.0 * mgl * cross - momentum) / (2.0 * cross)
     crest, edge = 2.0 * cross * growth**2 / mgl, 1.0 - math.cos(limit)
