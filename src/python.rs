@@ -8,7 +8,9 @@ use crate::sample::Law;
 use crate::simd::Isa;
 use crate::start::Body;
 use crate::trajectory::{self, Record, Request, Schedule, States, Status};
-use numpy::{IntoPyArray, PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
+use numpy::{
+    IntoPyArray, PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods,
+};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -85,18 +87,18 @@ fn principal_axes(tensor: [[f64; 3]; 3]) -> PyResult<([f64; 3], [[f64; 3]; 3])> 
     Ok((inertia.moments(), axes))
 }
 
-/// The rows of an (n, N) array.
-fn rows<const N: usize>(
+/// The rows of a C-contiguous (n, N) array.
+fn rows<'a, const N: usize>(
     argument: &'static str,
-    array: &PyReadonlyArray2<'_, f64>,
-) -> PyResult<Vec<[f64; N]>> {
-    let view = array.as_array();
-    let shape = view.shape().to_vec();
-    if shape[1] != N {
-        let got = format!("({}, {})", shape[0], shape[1]);
-        return Err(Error::Shape { argument, expected: format!("(n, {N})"), got }.into());
-    }
-    Ok((0..shape[0]).map(|i| std::array::from_fn(|k| view[[i, k]])).collect())
+    array: &'a PyReadonlyArray2<'_, f64>,
+) -> PyResult<&'a [[f64; N]]> {
+    let shape = array.shape();
+    let slice = array.as_slice().ok().filter(|_| shape[1] == N).ok_or_else(|| Error::Shape {
+        argument,
+        expected: format!("(n, {N}), C-contiguous"),
+        got: format!("({}, {})", shape[0], shape[1]),
+    })?;
+    Ok(slice.as_chunks::<N>().0)
 }
 
 /// Refuses a list that is not as long as the bodies or pixels.
@@ -215,10 +217,10 @@ fn simulate<'py>(
 }
 
 fn bodies(
-    moments: Vec<[f64; 3]>,
-    weight: Vec<[f64; 3]>,
-    omega: Vec<[f64; 3]>,
-    attitude: Vec<[f64; 4]>,
+    moments: &[[f64; 3]],
+    weight: &[[f64; 3]],
+    omega: &[[f64; 3]],
+    attitude: &[[f64; 4]],
 ) -> PyResult<Vec<Body>> {
     let n = omega.len();
     same_length("moments", n, moments.len())?;

@@ -123,7 +123,7 @@ pub struct State {
 ///
 /// A free body: its energy, and `2 L.L` for `L.L` (so that the number is that of |L|). A top: kinetic energy
 /// plus `mgl`, and |L| plus `sqrt(mgl I_max)`: the invariants themselves may vanish.
-pub fn invariant_scales(body: &Body) -> [f64; 2] {
+fn invariant_scales(body: &Body) -> [f64; 2] {
     let momentum2: f64 = (0..3).map(|k| (body.moments[k] * body.omega[k]).powi(2)).sum();
     let kinetic: f64 = (0..3).map(|k| 0.5 * body.moments[k] * body.omega[k] * body.omega[k]).sum();
     let mgl = body.weight.iter().map(|c| c * c).sum::<f64>().sqrt();
@@ -137,7 +137,7 @@ pub fn invariant_scales(body: &Body) -> [f64; 2] {
 
 /// 1 / scale; 0 where nothing can move.
 #[inline(always)]
-pub fn inverse_or_zero(scale: f64) -> f64 {
+fn inverse_or_zero(scale: f64) -> f64 {
     if scale == 0.0 { 0.0 } else { 1.0 / scale }
 }
 

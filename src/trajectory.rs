@@ -1,10 +1,11 @@
 //! States of many bodies at wanted times.
 
-use crate::kernel::{Compiled, Group, Kernel, LANES, System, Table, Watch};
+use crate::kernel::{Compiled, DriftRows, Group, Kernel, LANES, System, Table, Watch};
 use crate::method::Method;
 use crate::run::over_blocks;
 use crate::simd::Isa;
-use crate::start::{Body, Seat, invariant_scales, inverse_or_zero, load, unload};
+use crate::start::{Body, Seat, load, unload};
+use std::rc::Rc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// What is carried, and so recorded.
@@ -244,8 +245,16 @@ impl<'a> Passengers<'a> {
     }
 
     fn run(mut self, stop: &AtomicBool) -> Option<States> {
-        let plans: Vec<_> =
-            self.bodies.iter().map(|&b| legs(&self.request.schedule, self.request.steps[b])).collect();
+        // Neighbours mostly have the same step, hence the same plan.
+        let mut plans: Vec<Rc<[Vec<(usize, Leg)>; 2]>> = Vec::with_capacity(self.bodies.len());
+        for (lane, &body) in self.bodies.iter().enumerate() {
+            let step = self.request.steps[body];
+            let plan = match plans.last() {
+                Some(last) if self.request.steps[self.bodies[lane - 1]] == step => last.clone(),
+                _ => Rc::new(legs(&self.request.schedule, step)),
+            };
+            plans.push(plan);
+        }
         for (lane, plan) in plans.iter().enumerate() {
             let total: u64 = plan.iter().flatten().map(|(_, leg)| leg.steps).sum();
             if total > self.request.max_steps {
@@ -257,7 +266,7 @@ impl<'a> Passengers<'a> {
                 self.states.unit_drift[lane] = 0.0;
             }
         }
-        for pass in 0..2 {
+        for pass in (0..2).filter(|&pass| !plans[0][pass].is_empty()) {
             let mut group = Group::waiting();
             for (lane, &b) in self.bodies.iter().enumerate() {
                 let body = &self.request.bodies[b];
@@ -299,12 +308,13 @@ impl<'a> Passengers<'a> {
             units = worse(units, (norm(&attitude) - 1.0).abs());
             states.attitude[4 * at..][..4].copy_from_slice(&attitude);
         }
-        let scales = invariant_scales(&self.request.bodies[body]);
-        let starts = [group.energy.start.0[lane], group.momentum.start.0[lane]];
         for invariants in [Some(now.invariants), now.invariants_of_attitude].into_iter().flatten() {
-            let drift = |k: usize| (invariants[k] - starts[k]).abs() * inverse_or_zero(scales[k]);
-            states.energy_drift[lane] = worse(states.energy_drift[lane], drift(0));
-            states.momentum_drift[lane] = worse(states.momentum_drift[lane], drift(1));
+            let drift = |rows: &DriftRows, value: f64| {
+                (value - rows.start.0[lane]).abs() * rows.inverse_scale.0[lane]
+            };
+            states.energy_drift[lane] = worse(states.energy_drift[lane], drift(&group.energy, invariants[0]));
+            states.momentum_drift[lane] =
+                worse(states.momentum_drift[lane], drift(&group.momentum, invariants[1]));
         }
         states.unit_drift[lane] = worse(states.unit_drift[lane], units);
         if !now.omega.iter().chain(&now.invariants).all(|x| x.is_finite()) {

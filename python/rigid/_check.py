@@ -76,9 +76,9 @@ def _numbers(name: str, value: ArrayLike) -> NDArray[np.float64]:
 
 
 def _finite(name: str, array: NDArray[np.float64]) -> None:
-    bad = np.argwhere(~np.isfinite(array))
-    if len(bad):
-        index = tuple(int(i) for i in bad[0])
+    finite = np.isfinite(array)
+    if not finite.all():
+        index = tuple(int(i) for i in np.argwhere(~finite)[0])
         raise ValueError(f"{name}{list(index)} = {array[index]}: must be finite")
 
 

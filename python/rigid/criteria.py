@@ -20,7 +20,7 @@ REFERENCES = ("start", "vertical")
 
 @dataclass(frozen=True, slots=True)
 class NoFlip:
-    """Stable while the rate about one body axis keeps its sign; made by `no_flip`."""
+    """Stable while the rate about one body axis keeps its sign; made by :func:`no_flip`."""
 
     axis: int | None = None
 
@@ -48,7 +48,7 @@ class NoFlip:
 
 @dataclass(frozen=True, slots=True)
 class TiltBelow:
-    """Stable while a body axis stays within an angle of a direction; made by `tilt_below`."""
+    """Stable while a body axis stays within an angle of a direction; made by :func:`tilt_below`."""
 
     angle: float
     axis: int = 3
@@ -117,6 +117,7 @@ def no_flip(axis: int | None = None) -> NoFlip:
 
     Examples
     --------
+    >>> import rigid
     >>> str(rigid.no_flip(2))
     'no flip about axis 2'
     """
@@ -147,6 +148,7 @@ def tilt_below(angle: float, *, axis: int = 3, reference: str | None = None) -> 
 
     Examples
     --------
+    >>> import rigid
     >>> str(rigid.tilt_below(0.5, reference="vertical"))
     'tilt of axis 3 from the vertical below 0.5 rad'
     """
@@ -154,7 +156,7 @@ def tilt_below(angle: float, *, axis: int = 3, reference: str | None = None) -> 
 
 
 def criterion_from_dict(data: Mapping[str, Any]) -> Criterion:
-    """The criterion that `to_dict` described."""
+    """The criterion that :meth:`to_dict` described."""
     values = dict(data)
     kind = values.pop("criterion")
     return NoFlip(**values) if kind == "no_flip" else TiltBelow(**values)

@@ -230,7 +230,7 @@ def grid_shape(axes: tuple[Axis, ...]) -> tuple[int, ...]:
 
 
 def pixels(scene: Scene, start: Start, axes: tuple[Axis, ...]) -> Pixels:
-    """The nominal start of every pixel of a grid that `check_applicable` accepts."""
+    """The nominal start of every pixel of a grid that :func:`check_applicable` accepts."""
     shape = grid_shape(axes)
     count = prod(shape)
     grids = np.meshgrid(*(np.array(axis.values) for axis in axes))

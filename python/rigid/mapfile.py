@@ -1,6 +1,6 @@
 """A stability map for other programs: one data-only file, or an xarray Dataset.
 
-The file is an `.npz` archive of arrays with the specification as JSON inside. Nothing is pickled,
+The file is an ``.npz`` archive of arrays with the specification as JSON inside. Nothing is pickled,
 nothing is compressed, and dates are fixed: equal maps are equal bytes.
 """
 
@@ -8,8 +8,6 @@ from __future__ import annotations
 
 import json
 import os
-import zipfile
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,6 +16,9 @@ from numpy.typing import NDArray
 from .maps import COUNTS, STATUS, STORED, MapSpec, StabilityMap
 
 if TYPE_CHECKING:
+    import zipfile
+    from pathlib import Path
+
     import xarray
 
 __all__ = ["load_map", "map_dataset", "write_map"]
@@ -29,7 +30,10 @@ _SPEC = "spec.json"
 
 
 def write_map(result: StabilityMap, path: str | os.PathLike[str]) -> Path:
-    """Write a map; see `StabilityMap.save`."""
+    """Write a map; see :meth:`StabilityMap.save`."""
+    import zipfile  # here and below: takes longer to import than all of rigid
+    from pathlib import Path
+
     target = Path(path)
     header = {"format": FORMAT, "format_version": FORMAT_VERSION, "spec": result.spec.to_dict()}
     text = json.dumps(header, indent=1, allow_nan=False)
@@ -55,7 +59,7 @@ def write_map(result: StabilityMap, path: str | os.PathLike[str]) -> Path:
 
 
 def load_map(path: str | os.PathLike[str]) -> StabilityMap:
-    """Read a map that `StabilityMap.save` wrote.
+    """Read a map that :meth:`StabilityMap.save` wrote.
 
     Parameters
     ----------
@@ -77,8 +81,19 @@ def load_map(path: str | os.PathLike[str]) -> StabilityMap:
 
     Examples
     --------
-    >>> result = rigid.load_map("thrown-box.npz")
+    >>> import pathlib, tempfile, rigid
+    >>> result = rigid.stability_map(
+    ...     rigid.FreeBody, axes={"spin": [1.0, 2.0]}, samples=10, t_end=50.0,
+    ...     stable=rigid.no_flip(), rng=2026,
+    ... )
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = result.save(pathlib.Path(folder, "map.npz"))
+    ...     rigid.load_map(path).spec == result.spec
+    True
     """
+    import zipfile
+    from pathlib import Path
+
     source = Path(path)
     try:
         with zipfile.ZipFile(source) as archive:
@@ -115,7 +130,7 @@ def _read_array(archive: zipfile.ZipFile, name: str) -> NDArray[Any]:
 
 
 def map_dataset(result: StabilityMap) -> xarray.Dataset:
-    """The map as an xarray Dataset; see `StabilityMap.to_xarray`."""
+    """The map as an xarray Dataset; see :meth:`StabilityMap.to_xarray`."""
     try:
         import xarray
     except ImportError:

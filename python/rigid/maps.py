@@ -9,7 +9,6 @@ import os
 import time
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,7 +19,6 @@ from ._check import finite_float, one_of, positive_int, resolve_threads
 from .bodies import Body
 from .criteria import Criterion, NoFlip, TiltBelow, criterion_from_dict
 from .grid import Axis, check_applicable, grid_shape, make_axes, pixels
-from .info import build_info
 from .methods import method_names
 from .progress import Pace, Progress, ProgressOption, Work, interruptible, reporting
 from .scenes import FreeBody, HeavyTop, Scene, scene_from_dict
@@ -28,6 +26,8 @@ from .simulate import Run, replay_steps, simulate
 from .starts import Start, normal
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     import xarray
     from matplotlib.axes import Axes
 
@@ -94,7 +94,7 @@ class MapSpec:
     check: float = 1.0
     max_steps: int = MAX_STEPS
     title: str | None = None
-    version: str = field(default_factory=lambda: str(build_info()["version"]))
+    version: str = field(default_factory=lambda: str(_core.build_info()["version"]))
 
     def __post_init__(self) -> None:
         def put(name: str, value: object) -> None:
@@ -112,6 +112,12 @@ class MapSpec:
         put("t_end", finite_float("t_end", self.t_end, positive=True))
         put("samples", positive_int("samples", self.samples))
         put("max_steps", positive_int("max_steps", self.max_steps))
+        for name, count in (
+            ("samples", self.samples * math.prod(self.shape)),
+            ("max_steps", self.max_steps),
+        ):
+            if count >= 2**63:
+                raise ValueError(f"{name} = {getattr(self, name)}: too many to count")
         if self.step is not None:
             put("step", finite_float("step", self.step, positive=True))
         put("check", finite_float("check", self.check, nonnegative=True))
@@ -136,7 +142,7 @@ class MapSpec:
         return f"{self.stable} until t = {self.t_end:g} s"
 
     def to_dict(self) -> dict[str, Any]:
-        """The specification as a JSON-able dictionary; `from_dict` is its inverse."""
+        """The specification as a JSON-able dictionary; :meth:`from_dict` is its inverse."""
         return {
             "scene": self.scene.to_dict(),
             "start": self.start.to_dict(),
@@ -155,7 +161,7 @@ class MapSpec:
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> MapSpec:
-        """The specification that `to_dict` described."""
+        """The specification that :meth:`to_dict` described."""
         values = dict(data)
         values["scene"] = scene_from_dict(values["scene"])
         values["start"] = Start.from_dict(values["start"])
@@ -169,7 +175,7 @@ class MapSpec:
 
     @classmethod
     def from_json(cls, text: str) -> MapSpec:
-        """The specification that `to_json` wrote."""
+        """The specification that :meth:`to_json` wrote."""
         return cls.from_dict(json.loads(text))
 
 
@@ -223,7 +229,7 @@ class Replay:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class StabilityMap:
-    """Result of `stability_map`: named arrays of grid shape, indexed ``[y, x]`` or ``[x]``.
+    """Result of :func:`stability_map`: named arrays of grid shape, indexed ``[y, x]`` or ``[x]``.
 
     Attributes
     ----------
@@ -284,7 +290,7 @@ class StabilityMap:
         elapsed: float = math.nan,
         threads: int = 0,
     ) -> StabilityMap:
-        """The result that follows from the counted arrays, those named in `STORED`."""
+        """The result that follows from the counted arrays, those named in :data:`STORED`."""
         shaped = {name: array.reshape(spec.shape) for name, array in arrays.items()}
         shaped.setdefault("nanoseconds", np.full(spec.shape, np.nan))
         stable, unstable, undecided, failed = (shaped[name] for name in COUNTS[:4])
@@ -322,7 +328,7 @@ class StabilityMap:
         Parameters
         ----------
         theory : Theory, optional
-            By default that of `theory`; without one no pixel disagrees.
+            By default that of :meth:`theory`; without one no pixel disagrees.
 
         Returns
         -------
@@ -347,7 +353,8 @@ class StabilityMap:
             Number of the body in its pixel, from 0.
         t : array_like, optional
             Times of the trajectory in s, reached by steps no longer than those of the map. By
-            default about 500 ends of the very steps that were taken, until ``t_end``.
+            default about 500 ends of the very steps that were taken, until ``t_end``. Of a body
+            that was not run, because of ``max_steps`` say, there is only the start.
 
         Returns
         -------
@@ -362,8 +369,16 @@ class StabilityMap:
 
         Examples
         --------
-        >>> one = result.replay(pixel=(10, 20), sample=3)
-        >>> one.outcome, one.left, one.run.omega
+        >>> import rigid
+        >>> result = rigid.stability_map(
+        ...     rigid.FreeBody, axes={"spin": [1.0, 2.0]}, samples=10, t_end=50.0,
+        ...     stable=rigid.no_flip(), rng=2026,
+        ... )
+        >>> body = result.replay(pixel=1, sample=3)
+        >>> body.parameters, body.outcome, 0.0 < body.left < 50.0
+        ({'spin': 2.0}, 'unstable', True)
+        >>> body.run.omega.shape
+        (501, 3)
         """
         index = _pixel_index(pixel, self.spec.shape)
         number = operator.index(sample)
@@ -385,8 +400,10 @@ class StabilityMap:
             else FreeBody(body)
         )
         begin, step = (record["omega"], record["attitude"]), float(record["step"])
-        if t is None:
-            total = min(round(spec.t_end / step), spec.max_steps)
+        if not math.isfinite(step):  # it was not run: only its start is known
+            run = simulate(scene, *begin, t=[0.0], method=spec.method)
+        elif t is None:
+            total = round(min(spec.t_end / step, spec.max_steps))
             ends = np.linspace(0, total, min(total, 500) + 1).astype(np.int64)
             strides = np.diff(ends, prepend=0).tolist()
             run = replay_steps(scene, *begin, method=spec.method, step=step, strides=strides)
@@ -406,7 +423,7 @@ class StabilityMap:
         )
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the map; see `rigid.plotting.plot_map`.
+        """Draw the map; see :func:`rigid.plotting.plot_map`.
 
         Parameters
         ----------
@@ -447,7 +464,7 @@ class StabilityMap:
         return map_dataset(self)
 
     def save(self, path: str | os.PathLike[str]) -> Path:
-        """Write the map to one data-only ``.npz`` file; `load_map` reads it.
+        """Write the map to one data-only ``.npz`` file; :func:`load_map` reads it.
 
         It holds the arrays and the specification as JSON, under the name ``spec.json``. Times of
         this machine are left out, so the same seed gives the same bytes everywhere.
@@ -561,7 +578,7 @@ def stability_map(
     t_end : float
         Horizon in s: *stable* means stable until then.
     stable : NoFlip or TiltBelow
-        The criterion, `no_flip` or `tilt_below`.
+        The criterion, :func:`no_flip` or :func:`tilt_below`.
     start : Start, optional
         By default a free body spins with 1 rad/s about the axis of its middle moment with
         ``noise=normal(1e-3)``, a top with 5 rad/s about axis 3, ``attitude_noise=normal(1e-3)``.
@@ -579,7 +596,7 @@ def stability_map(
         By default ``RIGID_NUM_THREADS``, else the processors this process may use.
     progress : None, bool or callable
         ``None``: a tqdm bar if tqdm is installed and stderr is a terminal; ``False``: silence; a
-        callable gets a `Progress` after each chunk.
+        callable gets a :class:`Progress` after each chunk.
     chunk : int, optional
         Bodies per chunk; by default adapted to about 0.3 s.
     max_steps : int
@@ -600,12 +617,18 @@ def stability_map(
 
     Examples
     --------
+    >>> import numpy as np, rigid
     >>> result = rigid.stability_map(
     ...     rigid.FreeBody,
-    ...     axes={"I2/I1": np.linspace(1.01, 1.99, 200), "noise": np.geomspace(1e-4, 0.1, 100)},
-    ...     samples=256, t_end=100.0, stable=rigid.no_flip(), rng=2026,
+    ...     axes={"I2/I1": np.linspace(1.1, 1.9, 5), "noise": np.geomspace(1e-3, 0.1, 3)},
+    ...     samples=64, t_end=100.0, stable=rigid.no_flip(), rng=2026,
     ... )
-    >>> result.plot().figure.savefig("map.png")
+    >>> result.share.shape, result.complete
+    ((3, 5), True)
+    >>> result.replay(pixel=(2, 3), sample=0).outcome
+    'unstable'
+    >>> result.plot().get_ylabel()
+    'perturbation of the rates (rad/s)'
     """
     scene = _scene(scene)
     spec = MapSpec(
@@ -632,7 +655,7 @@ def run_map(
     progress: ProgressOption = None,
     chunk: int | None = None,
 ) -> StabilityMap:
-    """Compute the map of a specification; the options are those of `stability_map`."""
+    """Compute the map of a specification; the options are those of :func:`stability_map`."""
     workers = resolve_threads(threads)
     size = None if chunk is None else positive_int("chunk", chunk)
     job = _job(spec)

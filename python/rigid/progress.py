@@ -61,7 +61,7 @@ ProgressOption: TypeAlias = bool | Callable[[Progress], object] | None
 
 @contextmanager
 def reporting(option: ProgressOption, total: int) -> Iterator[Callable[[Progress], object]]:
-    """What to call with a `Progress` after each chunk.
+    """What to call with a :class:`Progress` after each chunk.
 
     Parameters
     ----------

@@ -202,7 +202,7 @@ def _attitudes(attitude: ArrayLike | Rotation | None) -> tuple[NDArray[np.float6
     if hasattr(attitude, "as_quat"):
         attitude = attitude.as_quat(scalar_first=True)
     quaternions, single = rows("attitude", attitude, 4)
-    lengths = np.linalg.norm(quaternions, axis=1)
+    lengths = np.sqrt(np.einsum("ni,ni->n", quaternions, quaternions))
     if np.any(lengths == 0.0):
         index = int(np.flatnonzero(lengths == 0.0)[0])
         raise ValueError(f"attitude[{index}] = {quaternions[index].tolist()}: a zero quaternion is no attitude")

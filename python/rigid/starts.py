@@ -22,7 +22,7 @@ _EVEN_PERMUTATION = {1: (0.5, -0.5, -0.5, -0.5), 2: (0.5, 0.5, 0.5, 0.5), 3: (1.
 
 @dataclass(frozen=True, slots=True)
 class Noise:
-    """The law of a random perturbation; see `normal`, `uniform`, `direction`, `uniform_attitude`.
+    """The law of a random perturbation, made by :func:`normal` and its siblings.
 
     Attributes
     ----------
@@ -85,7 +85,11 @@ def normal(size: float | ArrayLike) -> Noise:
 
     Examples
     --------
-    >>> start = rigid.Start(spin=10.0, axis=2, noise=rigid.normal(1e-3))
+    >>> import rigid
+    >>> rigid.normal(1e-3)
+    Noise(kind='normal', size=0.001)
+    >>> rigid.normal([1e-3, 0.0, 1e-3]).size
+    (0.001, 0.0, 0.001)
     """
     return Noise("normal", size)  # type: ignore[arg-type]  # normalised in __post_init__
 
@@ -93,7 +97,7 @@ def normal(size: float | ArrayLike) -> Noise:
 def uniform(size: float | ArrayLike) -> Noise:
     """Independent uniform deviates: ``size * U(-1, 1)`` for each body component.
 
-    Parameters and errors are those of `normal`.
+    Parameters and errors are those of :func:`normal`.
     """
     return Noise("uniform", size)  # type: ignore[arg-type]
 
@@ -101,7 +105,7 @@ def uniform(size: float | ArrayLike) -> Noise:
 def direction(size: float | ArrayLike) -> Noise:
     """A fixed length in a random direction: ``size`` times an isotropic unit vector.
 
-    Parameters and errors are those of `normal`.
+    Parameters and errors are those of :func:`normal`.
     """
     return Noise("direction", size)  # type: ignore[arg-type]
 
@@ -144,8 +148,11 @@ class Start:
 
     Examples
     --------
-    >>> rigid.Start(spin=10.0, axis=2, noise=rigid.normal(1e-3))
-    >>> rigid.Start(omega=[1e-10, 1.0, 1e-10])
+    >>> import rigid
+    >>> rigid.Start(spin=10.0, axis=2, noise=rigid.normal(1e-3)).describe()
+    'spin 10 rad/s about axis 2, rates + normal(0.001)'
+    >>> rigid.Start(omega=[1e-10, 1.0, 1e-10]).omega
+    (1e-10, 1.0, 1e-10)
     """
 
     omega: tuple[float, float, float] | None = None
@@ -180,7 +187,7 @@ class Start:
             )
 
     def to_dict(self) -> dict[str, Any]:
-        """The start as a JSON-able dictionary; `from_dict` is its inverse."""
+        """The start as a JSON-able dictionary; :meth:`from_dict` is its inverse."""
         return {
             "omega": None if self.omega is None else list(self.omega),
             "spin": self.spin,
@@ -194,7 +201,7 @@ class Start:
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Start:
-        """The start that `to_dict` described."""
+        """The start that :meth:`to_dict` described."""
         values = dict(data)
         for name in ("noise", "attitude_noise"):
             if values.get(name) is not None:

@@ -56,12 +56,14 @@ SMALL = 0.05
 NORMAL_REACH = 4.0
 """Standard deviations that count as the reach of normal noise (all but 6e-5 of it)."""
 
-_NORMAL_HALF = 0.6744897501960817  # P(|N(0, 1)| < this) = 1/2
+# Medians, in standard deviations: of |N(0, 1)|, and of the length of two such components.
+_NORMAL_HALF = 0.6744897501960817
+_RAYLEIGH_HALF = math.sqrt(2.0 * math.log(2.0))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Curve:
-    """A line to draw on a map: where `field` (of grid shape, NaN where unknown) is zero."""
+    """A line to draw on a map: where ``field`` (of grid shape, NaN where unknown) is zero."""
 
     label: str
     field: Floats
@@ -237,6 +239,7 @@ def _middle_axis_law(
     share = np.where(spread > 0.0, chance, np.where(np.abs(unstable) < bound, 1.0, 0.0))
     perturbation = np.maximum(np.abs(omega), size)
     small = np.maximum(perturbation[:, 0], perturbation[:, 2]) <= SMALL * np.minimum(a1, a3)
+    small &= spin > 0.0
     # Noise of the spin itself changes the growth rate; its effect on the exponent must be small.
     small &= size[:, 1] * rate * t_end <= 0.25 * spin
     share[~small] = np.nan
@@ -283,10 +286,12 @@ def _symmetric_top(
     share = np.where(known, share, np.nan)
     sleeping = np.abs(axial * spin) / np.sqrt(bound) - 1.0
     curves = {"sleeping-top bound $\\omega_3 = 2\\sqrt{mgl\\,I_1}/I_3$": sleeping}
-    if noise is not None:
-        median = math.sqrt(2.0 * math.log(2.0)) * rows.attitude_size
-        name = f"half pass {stable.angle:g} rad by t = {spec.t_end:g} s"
-        curves[name] = np.where(known, critical - median, np.nan)
+    released = np.where(
+        rows.attitude_size > 0.0, _RAYLEIGH_HALF * rows.attitude_size, np.abs(rows.tilt)
+    )
+    verb = "passes" if noise is None else "half pass"
+    name = f"{verb} {stable.angle:g} rad by t = {spec.t_end:g} s"
+    curves[name] = np.where(known, critical - released, np.nan)
     label = f"nutation of a symmetric top released at rest, until t = {spec.t_end:g} s"
     return _theory(spec, label, share, curves)
 

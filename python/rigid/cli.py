@@ -1,0 +1,135 @@
+"""The command line ``rigid``: compute a map, list the built-in ones, describe the build."""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NoReturn
+
+from .info import build_info
+from .maps import StabilityMap, run_map, seed_from
+from .plotting import save_plot
+from .specfile import builtin_names, read_spec
+
+__all__ = ["main"]
+
+USAGE_ERROR = 2
+INTERRUPTED = 130
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line; returns the exit code.
+
+    Parameters
+    ----------
+    arguments : sequence of str, optional
+        By default those of the process.
+    """
+    try:
+        options = _parser().parse_args(arguments)
+        command = {"map": _map, "maps": _maps, "info": _info}[options.command]
+        return command(options)
+    except (OSError, RuntimeError, ValueError) as error:
+        print(f"rigid: {error}", file=sys.stderr)
+        return USAGE_ERROR
+    except KeyboardInterrupt:
+        print("rigid: interrupted", file=sys.stderr)
+        return INTERRUPTED
+
+
+def _map(options: argparse.Namespace) -> int:
+    named = read_spec(options.map)
+    spec = named.spec
+    if options.samples is not None:
+        spec = dataclasses.replace(spec, samples=options.samples)
+    if options.seed is not None:
+        spec = dataclasses.replace(spec, seed=seed_from(options.seed))
+    stem = _stem(options.out, named.name)
+    result = run_map(spec, threads=options.threads, progress=None if options.progress else False)
+    print(result.summary())
+    print(f"{'speed':<12}{_speed(result)}")
+    data = result.save(stem.with_name(f"{stem.name}.npz"))
+    print(f"{'data':<12}{data}")
+    print(f"{'picture':<12}{_picture(result, stem.with_name(f'{stem.name}.png'))}")
+    if not result.complete:
+        print("rigid: interrupted; the map written is partial", file=sys.stderr)
+        return INTERRUPTED
+    return 0
+
+
+def _maps(options: argparse.Namespace) -> int:
+    names = builtin_names()
+    width = max(map(len, names)) + 2
+    for name in names:
+        spec = read_spec(name).spec
+        print(f"{name:<{width}}{spec.title} ({' x '.join(axis.name for axis in spec.axes)})")
+    return 0
+
+
+def _info(options: argparse.Namespace) -> int:
+    facts = {name: _words(value) for name, value in build_info().items()}
+    width = max(map(len, facts)) + 2
+    for name, text in facts.items():
+        print(f"{name:<{width}}{text}")
+    return 0
+
+
+def _words(value: object) -> str:
+    if isinstance(value, (list, tuple)):
+        return ", ".join(map(str, value))
+    return "unknown" if value is None else str(value)
+
+
+def _stem(out: str | None, name: str) -> Path:
+    """Where to write, without suffix; complains before the work and not after it."""
+    stem = Path(out or name)
+    if stem.suffix in (".png", ".npz"):
+        stem = stem.with_suffix("")
+    if not stem.parent.is_dir():
+        raise ValueError(f"--out: there is no directory {str(stem.parent)!r}")
+    return stem
+
+
+def _speed(result: StabilityMap) -> str:
+    done = int(result.samples.sum())
+    rate = done / result.elapsed if result.elapsed > 0.0 else 0.0
+    threads = f"{result.threads} thread{'s' if result.threads > 1 else ''}"
+    return f"{rate:,.0f} bodies per second, {result.elapsed:.2f} s on {threads}"
+
+
+def _picture(result: StabilityMap, path: Path) -> str:
+    try:
+        return str(save_plot(result, path))
+    except ImportError as error:
+        return f"none: {error}"
+
+
+class _Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> NoReturn:
+        self.exit(USAGE_ERROR, f"{self.prog}: {message}\n")
+
+
+def _parser() -> _Parser:
+    parser = _Parser(prog="rigid", description="Stability of rotating rigid bodies.")
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    map_ = commands.add_parser("map", help="compute a stability map, write a picture and the data")
+    map_.add_argument("map", metavar="NAME|FILE.toml", help="a built-in map or a specification")
+    map_.add_argument("--samples", type=int, metavar="N", help="bodies per pixel")
+    map_.add_argument("--threads", type=int, metavar="N", help="default: all this process may use")
+    map_.add_argument(
+        "--out", metavar="PATH", help="writes PATH.png and PATH.npz (default: ./NAME)"
+    )
+    map_.add_argument("--seed", type=int, metavar="N", help="key of the random numbers")
+    map_.add_argument(
+        "--no-progress", dest="progress", action="store_false", help="no progress bar"
+    )
+    commands.add_parser("maps", help="list the built-in maps")
+    commands.add_parser("info", help="describe this build")
+    return parser
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,291 @@
+"""Bodies with a fixed point under their weight, above all the symmetric (Lagrange) top."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from physics import (
+    METHODS,
+    ROUNDOFF,
+    Floats,
+    Golden,
+    angular_momentum,
+    energy,
+    golden,
+    golden_number,
+    present,
+    rotation_angle,
+    rotation_matrix,
+    tilted,
+    vertical,
+)
+
+import rigid
+
+LAGRANGE = golden("lagrange")
+OTHERS = golden("pendulum") + golden("kovalevskaya") + golden("heavy_asymmetric")
+BY_ID = {"ids": lambda case: case.id}
+BY_NAME = {"ids": lambda method: method.name}
+
+#: The top of the worked cases: mgl = 1, its axis tilted by 60 degrees.
+TOP = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
+SIXTY = np.pi / 3
+
+
+def shortest_turn(case: Golden) -> float:
+    """A step of about 1/40 rad of the turning or of the swinging."""
+    assert isinstance(case.scene, rigid.HeavyTop)
+    swinging = np.sqrt(case.scene.mgl / min(case.scene.body.moments[:2]))
+    return float(0.025 / (np.linalg.norm(case.omega, axis=-1).max() + swinging))
+
+
+@pytest.mark.parametrize("case", LAGRANGE + OTHERS, **BY_ID)
+@pytest.mark.parametrize("method", METHODS, **BY_NAME)
+def test_reference_trajectories(method: rigid.Method, case: Golden) -> None:
+    """The error is the one that halving the step reveals, and rounding.
+
+    With an error c h^p, runs of steps h and h/2 differ by (2^p - 1) times the error of the finer one.
+    Twice that is granted: c is not the same at every time. Inputs rounded by one part in 2^53 cost
+    the condition number kappa; a few operations a step, in a random walk over the steps, cost more.
+    """
+    until = case.t[np.maximum(case.kappa_omega, case.kappa_att) < 1e6].max()
+    step = shortest_turn(case)
+    coarse, fine = (case.run(method.name, until=until, step=h) for h in (step, step / 2))
+    m = len(fine.t)
+    rounding = 10.0 * ROUNDOFF * np.sqrt(float(fine.steps))
+    share = 2.0 / (2.0**method.order - 1.0)
+
+    scale = np.linalg.norm(case.omega[:m], axis=-1).max()
+    error = np.linalg.norm(fine.omega - case.omega[:m], axis=-1).max()
+    revealed = np.linalg.norm(coarse.omega - fine.omega, axis=-1).max()
+    assert error <= share * revealed + rounding * scale * case.kappa_omega[:m].max()
+
+    turned = rotation_angle(present(fine.attitude), case.attitude[:m]).max()
+    revealed = rotation_angle(present(coarse.attitude), present(fine.attitude)).max()
+    assert turned <= share * revealed + rounding * case.kappa_att[:m].max()
+
+
+@pytest.mark.parametrize("case", LAGRANGE, **BY_ID)
+def test_constants_of_the_symmetric_top(case: Golden) -> None:
+    """Energy, L·gamma and omega_3: exact for the splitting but for the energy, which is bounded."""
+    scene = case.scene
+    assert isinstance(scene, rigid.HeavyTop)
+    run = case.run("splitting", step=shortest_turn(case))
+    gamma = present(run.gamma)
+    steps = float(run.steps)
+    # L3 turns with the rotor about L and back: a roundoff or two of |L| a step.
+    start = angular_momentum(scene, case.omega0)
+    reach = np.linalg.norm(angular_momentum(scene, run.omega), axis=-1).max()
+    bound = 4.0 * ROUNDOFF * steps * reach
+    assert angular_momentum(scene, run.omega)[:, 2] == pytest.approx(start[2], abs=bound)
+    along = (angular_momentum(scene, run.omega) * gamma).sum(axis=-1)
+    assert along == pytest.approx(start @ vertical(case.attitude0), abs=bound)
+    # Energy: order 2 in a step of 1/40 rad.
+    scale = energy(scene, case.omega0) + scene.mgl
+    assert np.abs(energy(scene, run.omega, gamma) - case.energy).max() < 0.025**2 * scale
+
+
+@pytest.mark.parametrize("case", LAGRANGE + OTHERS, **BY_ID)
+def test_the_vertical_is_that_of_the_attitude(case: Golden) -> None:
+    """It is carried beside the attitude; each method turns both alike."""
+    until = case.t[case.kappa_att < 1e6].max()
+    run = case.run("splitting", until=until, step=shortest_turn(case))
+    apart = np.abs(present(run.gamma) - vertical(present(run.attitude))).max()
+    assert apart < 4.0 * ROUNDOFF * float(run.steps) + 8 * ROUNDOFF
+
+
+# --- worked cases ---------------------------------------------------------------------------------
+
+#: Name, omega_3, precession at the start; nutation begins at rest at 60 degrees.
+LOCI = [
+    ("cusp", 5.0, 0.0),
+    ("loop", 5.0, -0.3),
+    ("mono_upper", 5.0, 0.2),
+    ("mono_lower", 5.0, 0.6),
+    ("loop_lower", 5.0, 1.5),
+    ("retro", 1.0, -4.0),
+]
+
+
+def locus(spin: float, precession: float, t: Floats | float, **options: object) -> rigid.Run:
+    omega = [0.0, precession * np.sin(SIXTY), spin]
+    return rigid.simulate(TOP, omega, tilted(SIXTY), t=t, **options)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(("name", "spin", "precession"), LOCI)
+@pytest.mark.parametrize("method", METHODS, **BY_NAME)
+def test_six_loci_after_ten_seconds(
+    method: rigid.Method, name: str, spin: float, precession: float
+) -> None:
+    step, tolerance = {"rk4": (2e-3, 1e-10), "splitting": (1e-3, 2e-5)}[method.name]
+    run = locus(spin, precession, 10.0, method=method.name, step=step)
+    axis = rotation_matrix(present(run.attitude)[0])[:, 2]
+    assert run.omega[0] == pytest.approx(golden_number(f"heavy.{name}.t10.w_body"), abs=tolerance)
+    assert axis == pytest.approx(golden_number(f"heavy.{name}.t10.axis(x,y,z)"), abs=tolerance)
+
+
+@pytest.mark.parametrize(("name", "spin", "precession"), LOCI)
+def test_nutation_between_the_roots_of_the_cubic(name: str, spin: float, precession: float) -> None:
+    period, *_ = golden_number(f"heavy.{name}.T,dphi,dpsi,mean_phidot")
+    low, high, _ = golden_number(f"heavy.{name}.u1,u2,u3")
+    # A whole period from one circle to the other and back; 8 divides it, so both are met on time.
+    run = locus(spin, precession, np.linspace(0.0, period, 257), step=2e-3)
+    height = present(run.gamma)[:, 2]
+    assert height.min() == pytest.approx(low, abs=1e-10)
+    assert height.max() == pytest.approx(high, abs=1e-10)
+    assert height[-1] == pytest.approx(0.5, abs=1e-10)
+    other = low if high == pytest.approx(0.5) else high
+    assert height[128] == pytest.approx(other, abs=1e-10)
+
+
+def test_asymmetric_top_after_five_seconds() -> None:
+    top = rigid.HeavyTop(rigid.Body((1.0, 1.5, 0.5)), mgl=1.0)
+    run = rigid.simulate(top, [0.2, 0.1, 5.0], tilted(SIXTY), t=5.0, step=1e-3)
+    axis = rotation_matrix(present(run.attitude)[0])[:, 2]
+    assert run.omega[0] == pytest.approx(golden_number("heavy.asym.t5.w"), abs=1e-11)
+    assert axis == pytest.approx(golden_number("heavy.asym.t5.axis"), abs=1e-11)
+    # Only the vertical momentum is kept; along the axis of the body it changes.
+    assert 0.5 * (run.omega[0, 2] - 5.0) == pytest.approx(-0.00728107, abs=5e-9)
+    assert run.momentum_drift < 1e-12
+
+
+@pytest.mark.parametrize("which", ["slow", "fast"])
+@pytest.mark.parametrize("method", METHODS, **BY_NAME)
+def test_steady_precession_keeps_its_angle(method: rigid.Method, which: str) -> None:
+    """Both roots of I1 cos(theta) Omega^2 - I3 omega_3 Omega + mgl = 0."""
+    precession = golden_number(f"heavy.steady60.w3=5.{which}")
+    root = 5.0 * 0.5 + np.array([-1.0, 1.0]) * np.sqrt((5.0 * 0.5) ** 2 - 4.0 * 0.5)
+    assert precession == pytest.approx(root[which == "fast"], rel=1e-14)
+    t = np.linspace(0.0, 100.0, 1001)
+    run = locus(5.0, precession, t, method=method.name, step=0.01)
+    leaning = np.arccos(present(run.gamma)[:, 2])
+    # A tenth of a radian a step: order 4 forgets 1e-6 a turn over some 80 turns, order 2 stays within 1e-3.
+    assert np.abs(leaning - SIXTY).max() < {"rk4": 1e-5, "splitting": 1e-3}[method.name]
+    # Off the root by a hundredth of it the top nods.
+    nods = locus(5.0, 1.01 * precession, t, step=0.01)
+    assert np.ptp(np.arccos(present(nods.gamma)[:, 2])) > 3e-3
+
+
+@pytest.mark.parametrize("method", METHODS, **BY_NAME)
+def test_hanging_top_hangs(method: rigid.Method) -> None:
+    hanging = rigid.HeavyTop(rigid.Body((1.0, 1.5, 2.0)), mgl=3.0, com=(0.0, 0.0, -1.0))
+    still = rigid.simulate(hanging, [0.0, 0.0, 0.0], t=[1.0, 50.0], method=method.name, step=0.01)
+    assert np.array_equal(still.omega, np.zeros((2, 3)))
+    assert np.array_equal(still.attitude, [[1.0, 0.0, 0.0, 0.0]] * 2)
+    # Pushed, it swings about axis 1 with sqrt(mgl / I1), and the push returns after a period.
+    period = 2.0 * np.pi / np.sqrt(3.0)
+    swing = rigid.simulate(
+        hanging, [1e-4, 0.0, 0.0], t=[period / 4, period / 2, period], method=method.name, step=1e-3
+    )
+    # Pendulum: the amplitude lengthens the period by (theta/4)^2 = 2e-10; order 2 misses 1e-7 of it.
+    assert 1e4 * swing.omega[:, 0] == pytest.approx([0.0, -1.0, 1.0], abs=1e-6)
+
+
+@pytest.mark.parametrize("method", METHODS, **BY_NAME)
+def test_upright_top_without_spin_falls_and_with_spin_sleeps(method: rigid.Method) -> None:
+    limit = golden_number("heavy.w3sleep")
+    assert limit == pytest.approx(2.0 * np.sqrt(1.0 * 1.0) / 0.5)
+    t = np.linspace(0.0, 60.0, 601)
+    push = tilted(1e-4)
+    awake = rigid.simulate(TOP, [0.0, 0.0, 0.9 * limit], push, t=t, method=method.name, step=0.01)
+    asleep = rigid.simulate(TOP, [0.0, 0.0, 1.1 * limit], push, t=t, method=method.name, step=0.01)
+    assert present(awake.gamma)[:, 2].min() < 0.9
+    assert present(asleep.gamma)[:, 2].min() > 1.0 - 1e-6
+
+
+# --- weight and axes ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("record", ["rates", "axis", "attitude"])
+@pytest.mark.parametrize("moments", [(1.0, 2.0, 2.5), (1.0, 1.0, 1.5), (1.5, 1.0, 1.0), (1.0, 1.5, 1.0)])
+@pytest.mark.parametrize("method", METHODS, **BY_NAME)
+def test_without_weight_it_is_the_free_body_bit_for_bit(
+    method: rigid.Method, moments: tuple[float, float, float], record: str
+) -> None:
+    """Also at the default step: the same bound of the rates holds."""
+    body = rigid.Body(moments)
+    runs = [
+        rigid.simulate(
+            scene, [0.3, 1.0, 0.2], [0.5, 0.1, 0.3, 0.2], t=[-2.0, 0.0, 1.0, 7.0],
+            method=method.name, record=record,
+        )
+        for scene in (rigid.FreeBody(body), rigid.HeavyTop(body, mgl=0.0, com=(0.6, 0.0, 0.8)))
+    ]  # fmt: skip
+    free, top = runs
+    assert free.omega.tobytes() == top.omega.tobytes()
+    if record == "axis":
+        assert present(free.gamma).tobytes() == present(top.gamma).tobytes()
+    if record == "attitude":
+        assert present(free.attitude).tobytes() == present(top.attitude).tobytes()
+    assert free.energy_drift == top.energy_drift
+    assert free.steps == top.steps
+
+
+def renamed(v: tuple[float, ...], turns: int) -> tuple[float, ...]:
+    return tuple(np.roll(v, turns).tolist())
+
+
+@pytest.mark.parametrize("moments", [(1.0, 1.5, 2.0), (1.5, 1.2, 1.0), (1.0, 1.0, 0.5)])
+@pytest.mark.parametrize("com", [(0.0, 0.0, 1.0), (0.6, 0.0, 0.8), (0.48, -0.64, 0.6)])
+@pytest.mark.parametrize("method", METHODS, **BY_NAME)
+def test_the_names_of_the_body_axes_do_not_matter(
+    method: rigid.Method, com: tuple[float, ...], moments: tuple[float, ...]
+) -> None:
+    """Axes 1, 2, 3 called 2, 3, 1 or 3, 1, 2: the same motion, renamed; starts differ by rounding."""
+    start, rates = (0.5, 0.1, 0.3, 0.2), (0.3, 1.0, 0.2)
+
+    def motion(turns: int) -> tuple[Floats, Floats]:
+        body = rigid.Body(renamed(moments, turns))
+        top = rigid.HeavyTop(body, mgl=1.0, com=renamed(com, turns))
+        # The turn by 120 degrees about (1, 1, 1) takes the new body axes to the old ones.
+        half = -turns * np.pi / 3
+        s = np.sin(half) / np.sqrt(3.0)
+        w, x, y, z = start
+        c = np.cos(half)
+        attitude = [
+            w * c - s * (x + y + z), x * c + s * (w + y - z), y * c + s * (w + z - x), z * c + s * (w + x - y)
+        ]  # fmt: skip
+        run = rigid.simulate(
+            top, renamed(rates, turns), attitude, t=[0.0, 1.0, 7.0], method=method.name, step=0.01
+        )
+        matrix = rotation_matrix(present(run.attitude))
+        return np.roll(run.omega, -turns, axis=-1), np.roll(matrix, -turns, axis=-1)
+
+    omega, matrix = motion(0)
+    for turns in (1, 2):
+        other_omega, other_matrix = motion(turns)
+        # 700 steps of regular motion: rounding grows to some 1e-14.
+        assert other_omega == pytest.approx(omega, abs=2e-13)
+        assert other_matrix == pytest.approx(matrix, abs=2e-13)
+
+
+def test_free_bodies_with_renamed_axes_have_the_same_bits() -> None:
+    """The sums of Euler's equations do not know which axis is called the first."""
+    for method in METHODS:
+        for moments in ((1.0, 1.5, 2.0), (1.5, 1.2, 1.0), (1.0, 1.0, 0.5)):
+            runs = [
+                np.roll(
+                    rigid.simulate(
+                        rigid.FreeBody(rigid.Body(renamed(moments, turns))),
+                        renamed((0.3, 1.0, 0.2), turns),
+                        t=[1.0, 7.0], method=method.name, step=0.01, record="rates",
+                    ).omega,
+                    -turns,
+                    axis=-1,
+                )
+                for turns in range(3)
+            ]  # fmt: skip
+            assert np.array_equal(runs[0], runs[1])
+            assert np.array_equal(runs[0], runs[2])
+
+
+def test_symmetric_top_lying_on_any_axis() -> None:
+    """The symmetry axis may be any of the three; the same nodding, the spin on its own axis."""
+    for axis in range(3):
+        turns = axis - 2
+        body = rigid.Body(renamed((1.0, 1.0, 0.5), turns))
+        top = rigid.HeavyTop(body, mgl=1.0, com=renamed((0.0, 0.0, 1.0), turns))
+        assert body.symmetry_axis == axis + 1
+        run = rigid.simulate(top, renamed((0.1, 0.2, 3.0), turns), t=np.linspace(0, 9, 10), step=0.01)
+        spin = run.omega[:, axis]
+        assert spin == pytest.approx(3.0, abs=1e-12)

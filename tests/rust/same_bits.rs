@@ -1,0 +1,490 @@
+//! The same request gives the same bits: on every instruction set, in every lane, beside any neighbours, on any
+//! number of threads, however the work is cut, and whatever else is recorded.
+//!
+//! No tolerance appears here. A NaN equals any NaN: its payload is no number.
+
+use rigid::ensemble::{Class, Criterion, Map, Pixel, Statistics};
+use rigid::kernel::{Compiled, Group, Kernel, LANES, Row, System, Table, Watch};
+use rigid::method::Method;
+use rigid::sample::{Law, uniforms};
+use rigid::simd::Isa;
+use rigid::start::{Body, Seat, load};
+use rigid::trajectory::{Record, Request, Schedule, States, Status, simulate};
+use std::sync::atomic::AtomicBool;
+
+static GO: AtomicBool = AtomicBool::new(false);
+
+fn bits(x: f64) -> u64 {
+    if x.is_nan() { f64::NAN.to_bits() } else { x.to_bits() }
+}
+
+fn all_bits(numbers: &[f64]) -> Vec<u64> {
+    numbers.iter().map(|&x| bits(x)).collect()
+}
+
+/// Every combination that was compiled: the others are refused.
+fn kernels() -> Vec<Kernel> {
+    use System::*;
+    use Watch::*;
+    let mut found = Vec::new();
+    for system in [FreeRates, FreeAxis, FreeAttitude, TopAxis, TopTwoAxes, TopAttitude] {
+        for watch in [Nothing, Flips, Tilt] {
+            for table in Table::ALL {
+                let kernel = Kernel { system, table, watch };
+                if std::panic::catch_unwind(|| Compiled::new(kernel, Isa::Scalar)).is_ok() {
+                    found.push(kernel);
+                }
+            }
+        }
+    }
+    assert_eq!(found.len(), 30);
+    found
+}
+
+/// A tumbling body, another for every number; a top if asked; symmetric about one of its axes if asked.
+fn body(number: u64, is_top: bool, symmetric: bool) -> Body {
+    let u = |block| uniforms([1, 2], block, number, 0);
+    let [a, b, c, _] = u(0).map(|x| 0.2 + x);
+    // Moments of three masses on the axes: any real body.
+    let mut moments = [b + c, c + a, a + b];
+    let axis = (number % 3) as usize;
+    if symmetric {
+        moments[(axis + 1) % 3] = moments[(axis + 2) % 3];
+    }
+    let [x, y, z, _] = u(1).map(|x| 4.0 * x - 2.0);
+    let mut weight = [0.0; 3];
+    if is_top && symmetric {
+        weight[axis] = 1.5;
+    } else if is_top {
+        weight = u(2).map(|x| 2.0 * x - 1.0)[..3].try_into().unwrap();
+    }
+    let attitude = rigid::sample::attitude(Law::UniformAttitude, 0.0, [1.0, 0.0, 0.0, 0.0], u(3));
+    Body { moments, weight, omega: [x, y, z], attitude }
+}
+
+/// What a lane of the test group carries.
+struct Load {
+    body: Body,
+    watched: i32,
+    step: f64,
+}
+
+/// The lane that overflows within a few steps, and one whose body turns by radians a step.
+const WILD: usize = 7;
+const FAST: usize = 12;
+
+fn loads(kernel: Kernel) -> Vec<Load> {
+    let of_lane = |lane: usize| {
+        let mut body = body(lane as u64, kernel.system.is_top(), kernel.table == Table::Rotor);
+        let mut step = 0.01 + 0.001 * lane as f64;
+        match lane {
+            WILD => body.omega[0] = 1e18,
+            FAST => step = 1.7,
+            3 | 20 => step = 0.0,
+            _ => {}
+        }
+        let watched = [1, 2, 3, -1, -2, -3][lane % 6];
+        Load { body, watched, step }
+    };
+    (0..LANES).map(of_lane).collect()
+}
+
+fn place(group: &mut Group, lane: usize, kernel: Kernel, compiled: Compiled, it: &Load) {
+    let method = if kernel.table == Table::Rk4 { Method::Rk4 } else { Method::Splitting };
+    let seat = Seat::of(method, it.body.moments);
+    assert_eq!(seat.table, kernel.table);
+    load(group, lane, (kernel, compiled), seat, &it.body, it.watched, it.step);
+}
+
+/// 200 steps, in bursts of several lengths.
+fn run(group: &mut Group, compiled: Compiled) {
+    for steps in [1, 16, 83, 100] {
+        compiled.advance(group, steps);
+    }
+}
+
+fn full_group(kernel: Kernel, compiled: Compiled) -> Group {
+    let mut group = Group::waiting();
+    for (lane, it) in loads(kernel).iter().enumerate() {
+        place(&mut group, lane, kernel, compiled, it);
+    }
+    group
+}
+
+fn rows(g: &Group) -> Vec<&Row> {
+    let singles = [&g.step, &g.count, &g.side, &g.flips, &g.first_flip, &g.cosine, &g.sine2];
+    let drifts = [&g.energy, &g.momentum].into_iter().flat_map(|d| [&d.start, &d.inverse_scale, &d.worst]);
+    let triples = g.moments.iter().chain(&g.weight).chain(&g.axis);
+    let rows: Vec<_> = g.state.iter().chain(triples).chain(singles).chain(drifts).collect();
+    // Nothing of a group is left out.
+    assert_eq!(size_of::<Group>(), rows.len() * size_of::<Row>());
+    rows
+}
+
+fn lane_bits(group: &Group, lane: usize) -> Vec<u64> {
+    rows(group).iter().map(|row| bits(row.0[lane])).collect()
+}
+
+fn state(group: &Group, lane: usize) -> Vec<f64> {
+    group.state.iter().map(|row| row.0[lane]).collect()
+}
+
+#[test]
+fn every_kernel_on_every_instruction_set() {
+    for kernel in kernels() {
+        let after = |isa| {
+            let compiled = Compiled::new(kernel, isa);
+            let mut group = full_group(kernel, compiled);
+            run(&mut group, compiled);
+            group
+        };
+        let scalar = after(Isa::Scalar);
+        for isa in Isa::available() {
+            let group = after(isa);
+            for lane in 0..LANES {
+                assert_eq!(
+                    lane_bits(&group, lane),
+                    lane_bits(&scalar, lane),
+                    "{kernel:?} {isa:?} lane {lane}"
+                );
+            }
+        }
+
+        // The case is worth comparing: the wild body overflowed, it alone (an explicit method may lose the fast
+        // one too), and something was seen.
+        for lane in 0..LANES {
+            let finite = state(&scalar, lane).iter().all(|x| x.is_finite());
+            assert!(finite != (lane == WILD) || lane == FAST, "{kernel:?} lane {lane}");
+            assert_eq!(scalar.energy.worst.0[lane].is_finite(), finite, "{kernel:?} lane {lane}");
+        }
+        if kernel.watch == Watch::Flips {
+            assert!(scalar.flips.0.iter().sum::<f64>() >= 10.0, "{kernel:?}");
+        }
+        if kernel.watch == Watch::Tilt {
+            assert!(scalar.sine2.0[0] > 0.01, "{kernel:?}");
+        }
+    }
+}
+
+/// A body alone in a group of waiting lanes, 17 lanes further, has the bits that it has in company: of bodies
+/// with other steps, of one that overflows, and of one that sends the others through the code for large angles.
+#[test]
+fn every_lane_is_alone() {
+    for kernel in kernels() {
+        for isa in Isa::available() {
+            let compiled = Compiled::new(kernel, isa);
+            let mut company = full_group(kernel, compiled);
+            run(&mut company, compiled);
+            for (lane, it) in loads(kernel).iter().enumerate() {
+                let elsewhere = (lane + 17) % LANES;
+                let mut group = Group::waiting();
+                place(&mut group, elsewhere, kernel, compiled, it);
+                run(&mut group, compiled);
+                assert_eq!(
+                    lane_bits(&group, elsewhere),
+                    lane_bits(&company, lane),
+                    "{kernel:?} {isa:?} lane {lane}"
+                );
+            }
+        }
+    }
+}
+
+/// A step of 0 leaves every number of the state as it is.
+#[test]
+fn a_waiting_lane_stays() {
+    for kernel in kernels() {
+        for isa in Isa::available() {
+            let compiled = Compiled::new(kernel, isa);
+            let start = full_group(kernel, compiled);
+            let mut group = start.clone();
+            run(&mut group, compiled);
+            assert_eq!(state(&group, 20), state(&start, 20), "{kernel:?} {isa:?}");
+            assert_ne!(state(&group, 19), state(&start, 19), "{kernel:?} {isa:?}");
+            let lane = |row: Row| row.0[20];
+            assert_eq!(lane(group.energy.worst), 0.0);
+            assert_eq!(lane(group.momentum.worst), 0.0);
+            assert_eq!(lane(group.flips), 0.0);
+        }
+    }
+}
+
+// --- Trajectories ---------------------------------------------------------------------------------------------
+
+/// A body for each table in turn, one in between that overflows.
+fn crowd(is_top: bool) -> Vec<Body> {
+    let mut bodies: Vec<_> = (0..203).map(|i| body(i, is_top, i % 3 == 0)).collect();
+    bodies[100].omega = [1e18, 1e18, 1.0];
+    bodies
+}
+
+fn own_steps(n: usize) -> Vec<f64> {
+    (0..n).map(|i| [0.01, 0.025, 0.003, 0.9][i % 4]).collect()
+}
+
+const TIMES: [f64; 5] = [-0.7, 0.0, 0.3, 0.31, 2.0];
+const STRIDES: [u64; 4] = [0, 1, 40, 7];
+
+#[derive(Clone, Copy)]
+struct Question {
+    is_top: bool,
+    method: Method,
+    record: Record,
+    at_times: bool,
+}
+
+impl Question {
+    fn ask(self, bodies: &[Body], steps: &[f64], threads: usize, isa: Isa) -> States {
+        let schedule = if self.at_times { Schedule::Times(&TIMES) } else { Schedule::Strides(&STRIDES) };
+        let Question { is_top, method, record, .. } = self;
+        let request = Request { bodies, is_top, method, record, schedule, steps, max_steps: 500 };
+        simulate(&request, threads, isa, &GO).unwrap()
+    }
+}
+
+fn questions() -> Vec<Question> {
+    let mut all = Vec::new();
+    for is_top in [false, true] {
+        for method in Method::ALL {
+            for record in [Record::Rates, Record::Axis, Record::Attitude] {
+                for at_times in [true, false] {
+                    all.push(Question { is_top, method, record, at_times });
+                }
+            }
+        }
+    }
+    all
+}
+
+/// Everything that is known of a body.
+fn of_body(states: &States, i: usize) -> (Vec<u64>, Status, u64) {
+    let n = states.status.len();
+    let mut numbers = Vec::new();
+    for field in [&states.omega, &states.vertical, &states.attitude] {
+        let width = field.len() / n;
+        numbers.extend_from_slice(&field[i * width..][..width]);
+    }
+    numbers.extend([states.energy_drift[i], states.momentum_drift[i], states.unit_drift[i]]);
+    (all_bits(&numbers), states.status[i], states.steps[i])
+}
+
+#[test]
+fn a_body_alone_and_in_a_crowd() {
+    let isa = Isa::available()[0];
+    for question in questions() {
+        let bodies = crowd(question.is_top);
+        let steps = own_steps(bodies.len());
+        let crowd = question.ask(&bodies, &steps, 1, isa);
+        for i in 0..bodies.len() {
+            let alone = question.ask(&bodies[i..=i], &steps[i..=i], 1, isa);
+            assert_eq!(of_body(&alone, 0), of_body(&crowd, i), "body {i}");
+        }
+
+        let mut mirrored = (bodies.clone(), steps.clone());
+        mirrored.0.reverse();
+        mirrored.1.reverse();
+        let mirrored = question.ask(&mirrored.0, &mirrored.1, 1, isa);
+        for i in 0..bodies.len() {
+            assert_eq!(of_body(&mirrored, bodies.len() - 1 - i), of_body(&crowd, i), "body {i}");
+        }
+
+        // Every way to end is among them: 0.003 needs 900 steps for the times.
+        let count = |status| crowd.status.iter().filter(|&&s| s == status).count();
+        assert!(count(Status::NotFinite) >= 1 && count(Status::Finished) > 100);
+        assert_eq!(count(Status::StepLimit), if question.at_times { 51 } else { 0 });
+    }
+}
+
+#[test]
+fn trajectories_on_any_number_of_threads_and_instruction_set() {
+    for question in questions() {
+        let bodies = crowd(question.is_top);
+        let steps = own_steps(bodies.len());
+        let everything = |threads, isa| {
+            let states = question.ask(&bodies, &steps, threads, isa);
+            (0..bodies.len()).map(|i| of_body(&states, i)).collect::<Vec<_>>()
+        };
+        let once = everything(1, Isa::Scalar);
+        for isa in Isa::available() {
+            for threads in [1, 2, 3, 7] {
+                assert_eq!(everything(threads, isa), once, "{threads} threads, {isa:?}");
+            }
+        }
+    }
+}
+
+/// What else is recorded does not touch the rates, nor the vertical of a top.
+#[test]
+fn less_asked_is_the_same() {
+    let isa = Isa::available()[0];
+    for is_top in [false, true] {
+        for method in Method::ALL {
+            let bodies = crowd(is_top);
+            let steps = own_steps(bodies.len());
+            let ask =
+                |record| Question { is_top, method, record, at_times: true }.ask(&bodies, &steps, 2, isa);
+            let attitude = ask(Record::Attitude);
+            for record in [Record::Rates, Record::Axis] {
+                let less = ask(record);
+                assert_eq!(
+                    all_bits(&less.omega),
+                    all_bits(&attitude.omega),
+                    "{record:?} {method:?} {is_top}"
+                );
+                if is_top && record == Record::Axis {
+                    assert_eq!(all_bits(&less.vertical), all_bits(&attitude.vertical), "{method:?}");
+                }
+            }
+        }
+    }
+}
+
+// --- Maps -----------------------------------------------------------------------------------------------------
+
+const SAMPLES: u64 = 1000;
+
+/// Pixels of both tables of a splitting, one impossible, one that overflows or needs too many steps.
+fn map(is_top: bool, method: Method, criterion: Criterion, step: Option<f64>) -> Map {
+    let pixel = |number, symmetric| Pixel {
+        body: body(number, is_top, symmetric),
+        omega_size: [0.3, 0.2, 0.1],
+        attitude_size: 0.1,
+        possible: true,
+    };
+    let mut pixels = vec![pixel(1, false), pixel(2, true), pixel(5, false), pixel(6, false), pixel(7, false)];
+    pixels[2].possible = false;
+    pixels[3].body.omega = [1e14, 1e14, 1e14];
+    Map {
+        is_top,
+        method,
+        pixels,
+        omega_law: Law::Normal,
+        attitude_law: Law::Direction,
+        criterion,
+        axis: -2,
+        t_end: 4.0,
+        step,
+        max_steps: 2000,
+        samples: SAMPLES,
+        checked: 100,
+        key: [2026, 11],
+    }
+}
+
+fn maps() -> Vec<Map> {
+    vec![
+        map(false, Method::Rk4, Criterion::NoFlip, Some(0.05)),
+        map(false, Method::Splitting, Criterion::TiltFromStart(1.5), None),
+        map(true, Method::Rk4, Criterion::TiltFromVertical(2.2), None),
+        map(true, Method::Splitting, Criterion::NoFlip, Some(0.05)),
+        map(true, Method::Splitting, Criterion::TiltFromStart(0.9), Some(0.05)),
+    ]
+}
+
+/// Everything but the time that it took.
+fn timeless(mut statistics: Statistics) -> Statistics {
+    statistics.nanoseconds = 0.0;
+    statistics
+}
+
+fn merged(a: Statistics, b: Statistics) -> Statistics {
+    Statistics {
+        stable: a.stable + b.stable,
+        unstable: a.unstable + b.unstable,
+        undecided: a.undecided + b.undecided,
+        failed: a.failed + b.failed,
+        checked: a.checked + b.checked,
+        energy_drift: a.energy_drift.max(b.energy_drift),
+        momentum_drift: a.momentum_drift.max(b.momentum_drift),
+        earliest: a.earliest.min(b.earliest),
+        steps: a.steps + b.steps,
+        nanoseconds: 0.0,
+    }
+}
+
+/// The whole map in pieces of `cut` samples.
+fn in_pieces(map: &Map, cut: u64, threads: usize, isa: Isa) -> Vec<Statistics> {
+    let none = Statistics { earliest: f64::INFINITY, ..Default::default() };
+    let mut all = vec![none; map.pixels.len()];
+    for start in (0..map.len()).step_by(cut as usize) {
+        let (first, part) = map.run(start, map.len().min(start + cut), threads, isa, &GO).unwrap();
+        for (pixel, statistics) in (first as usize..).zip(part) {
+            all[pixel] = merged(all[pixel], timeless(statistics));
+        }
+    }
+    all
+}
+
+#[test]
+fn a_map_however_it_is_cut_and_shared_out() {
+    for map in maps() {
+        let widest = Isa::available()[0];
+        let whole = in_pieces(&map, map.len(), 1, widest);
+        for threads in [2, 3, 7] {
+            assert_eq!(in_pieces(&map, map.len(), threads, widest), whole, "{threads} threads");
+        }
+        for cut in [1, 13, 4096] {
+            assert_eq!(in_pieces(&map, cut, 1, widest), whole, "pieces of {cut}");
+        }
+        assert_eq!(in_pieces(&map, 13, 3, widest), whole);
+        for isa in Isa::available() {
+            assert_eq!(in_pieces(&map, map.len(), 2, isa), whole, "{isa:?}");
+        }
+
+        // The case is worth comparing.
+        let total = whole.iter().copied().reduce(merged).unwrap();
+        assert!(total.stable > 0 && total.unstable > 0 && total.failed >= SAMPLES, "{total:?}");
+        assert_eq!(total.stable + total.unstable + total.undecided + total.failed, 4 * SAMPLES);
+        assert!(total.energy_drift > 0.0 && total.earliest < map.t_end);
+    }
+}
+
+#[test]
+fn a_sample_alone_is_the_sample_of_the_map() {
+    for mut map in maps() {
+        // Counted once: the steps of a statistic are those of both runs.
+        map.checked = 0;
+        let isa = Isa::available()[0];
+        for flat in (0..map.len()).step_by(37) {
+            let (pixel, sample) = (flat / SAMPLES, flat % SAMPLES);
+            let (body, class, outcome) = map.sample(pixel, sample, isa);
+            let statistics = map.run(flat, flat + 1, 1, isa, &GO).unwrap().1[0];
+            let mut expected = Statistics { earliest: f64::INFINITY, ..Default::default() };
+            if map.pixels[pixel as usize].possible {
+                match class {
+                    Class::Stable => expected.stable = 1,
+                    Class::Unstable => expected.unstable = 1,
+                    Class::Undecided => expected.undecided = 1,
+                    Class::Failed => expected.failed = 1,
+                }
+                expected.steps = outcome.steps;
+                if class != Class::Failed {
+                    expected.energy_drift = outcome.energy_drift;
+                    expected.momentum_drift = outcome.momentum_drift;
+                }
+                if class == Class::Unstable {
+                    expected.earliest = outcome.left;
+                }
+            }
+            assert_eq!(timeless(statistics), expected, "sample {flat}");
+            assert_eq!(body, map.draw(isa, pixel, sample));
+        }
+    }
+}
+
+#[test]
+fn draws_on_every_instruction_set() {
+    let laws = [Law::None, Law::Normal, Law::Uniform, Law::Direction, Law::UniformAttitude];
+    let numbers = |b: Body| all_bits(&[&b.moments[..], &b.weight, &b.omega, &b.attitude].concat());
+    for omega_law in laws {
+        for attitude_law in laws {
+            let map = Map { omega_law, attitude_law, ..maps().swap_remove(2) };
+            for sample in 0..200 {
+                let scalar = numbers(map.draw(Isa::Scalar, 1, sample));
+                for isa in Isa::available() {
+                    assert_eq!(numbers(map.draw(isa, 1, sample)), scalar, "{omega_law:?} {attitude_law:?}");
+                }
+            }
+        }
+    }
+}
