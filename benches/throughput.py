@@ -16,6 +16,7 @@ import time
 from collections.abc import Callable
 
 import numpy as np
+
 import rigid
 
 BODIES, STEPS, STEP = 4096, 1000, 1e-3
@@ -67,9 +68,33 @@ def numba_rk4() -> Callable[[np.ndarray, np.ndarray, float, int], None]:
             a, b, c, u, v, w = y[0, i], y[1, i], y[2, i], y[3, i], y[4, i], y[5, i]
             for _ in range(n):
                 k = rate(p, a, b, c, u, v, w)
-                l = rate(p, a + g * k[0], b + g * k[1], c + g * k[2], u + g * k[3], v + g * k[4], w + g * k[5])  # noqa: E501, E741
-                m = rate(p, a + g * l[0], b + g * l[1], c + g * l[2], u + g * l[3], v + g * l[4], w + g * l[5])  # noqa: E501
-                o = rate(p, a + h * m[0], b + h * m[1], c + h * m[2], u + h * m[3], v + h * m[4], w + h * m[5])  # noqa: E501
+                l = rate(
+                    p,
+                    a + g * k[0],
+                    b + g * k[1],
+                    c + g * k[2],
+                    u + g * k[3],
+                    v + g * k[4],
+                    w + g * k[5],
+                )  # noqa: E501, E741
+                m = rate(
+                    p,
+                    a + g * l[0],
+                    b + g * l[1],
+                    c + g * l[2],
+                    u + g * l[3],
+                    v + g * l[4],
+                    w + g * l[5],
+                )  # noqa: E501
+                o = rate(
+                    p,
+                    a + h * m[0],
+                    b + h * m[1],
+                    c + h * m[2],
+                    u + h * m[3],
+                    v + h * m[4],
+                    w + h * m[5],
+                )  # noqa: E501
                 a += s * (k[0] + 2 * (l[0] + m[0]) + o[0])
                 b += s * (k[1] + 2 * (l[1] + m[1]) + o[1])
                 c += s * (k[2] + 2 * (l[2] + m[2]) + o[2])
@@ -107,7 +132,9 @@ def against_numba() -> None:
     print(f"RK4 (omega, gamma), one core, same states to {error:.0e}:")
     print(f"  numba, one body at a time, fastmath {work / seconds['numba']:8.1f} M body-steps/s")
     print(f"  rigid.simulate                      {work / seconds['rigid']:8.1f} M body-steps/s")
-    print(f"  ratio                               {seconds['numba'] / seconds['rigid']:8.2f}   (goal 8)")
+    print(
+        f"  ratio                               {seconds['numba'] / seconds['rigid']:8.2f}   (goal 8)"
+    )
 
 
 def overhead_of_the_call() -> None:
@@ -122,7 +149,9 @@ def overhead_of_the_call() -> None:
 
     seconds = interleaved({"n": call(steps), "2n": call(2 * steps)}, 9, time.process_time)
     kernel = seconds["2n"] - seconds["n"]
-    print(f"simulate on {bodies} bodies, {steps} steps: {seconds['n']:.3f} s, of it kernel {kernel:.3f} s")
+    print(
+        f"simulate on {bodies} bodies, {steps} steps: {seconds['n']:.3f} s, of it kernel {kernel:.3f} s"
+    )
     print(f"  call / bare kernel                  {seconds['n'] / kernel:8.3f}   (goal 1.05)")
 
 
@@ -172,11 +201,15 @@ print(next(line.split()[1] for line in open("/proc/self/status") if line.startsw
 def memory() -> None:
     def peak(samples: int) -> float:
         command = [sys.executable, "-c", _MEMORY, str(samples)]
-        return int(subprocess.run(command, check=True, capture_output=True, text=True).stdout) / 1024
+        return (
+            int(subprocess.run(command, check=True, capture_output=True, text=True).stdout) / 1024
+        )
 
     small, large = peak(10), peak(10_000)
     print("peak memory of a map of 10 000 pixels:")
-    print(f"  1e5 bodies {small:.0f} MB, 1e8 bodies {large:.0f} MB: difference {large - small:.1f} MB (goal 50)")
+    print(
+        f"  1e5 bodies {small:.0f} MB, 1e8 bodies {large:.0f} MB: difference {large - small:.1f} MB (goal 50)"
+    )
 
 
 if __name__ == "__main__":

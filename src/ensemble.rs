@@ -9,8 +9,8 @@ use crate::sample::{self, Law};
 use crate::simd::Isa;
 use crate::special::sincos;
 use crate::start::{Body, Seat, load};
-use crate::trajectory::Status;
-use std::sync::atomic::AtomicBool;
+use crate::trajectory::{DRIFT_LIMIT, Status};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A sample takes whole bursts of this many steps; after each it may stop. What is seen at the ends of bursts
 /// then depends on the sample alone, whoever shares its group.
@@ -83,7 +83,7 @@ pub enum Class {
     Unstable,
     /// The verdict changes with half the step.
     Undecided,
-    /// No verdict: step limit, or not finite.
+    /// No verdict: step limit, not finite, or drifted.
     Failed,
 }
 
@@ -277,7 +277,8 @@ impl Map {
         }
     }
 
-    /// Statistics of the samples `start .. stop` in pixel-major order, for the pixels that they touch.
+    /// Statistics of the samples `start .. stop` in pixel-major order, for the pixels that they touch; `None` if
+    /// interrupted.
     pub fn run(
         &self,
         start: u64,
@@ -293,18 +294,24 @@ impl Map {
         let blocks = (stop - start).div_ceil(block) as usize;
         let parts = over_blocks(blocks, threads, interrupt, |b| {
             let begin = start + b as u64 * block;
-            self.block(begin, stop.min(begin + block), isa)
+            self.block(begin, stop.min(begin + block), isa, interrupt)
         });
         for part in parts {
-            for (pixel, statistics) in part? {
+            for (pixel, statistics) in part?? {
                 all[(pixel - first) as usize].merge(&statistics);
             }
         }
         Some((first, all))
     }
 
-    /// The statistics of one block, by pixel.
-    fn block(&self, start: u64, stop: u64, isa: Isa) -> Vec<(u64, Statistics)> {
+    /// The statistics of one block, by pixel; `None` if interrupted.
+    fn block(
+        &self,
+        start: u64,
+        stop: u64,
+        isa: Isa,
+        interrupt: &AtomicBool,
+    ) -> Option<Vec<(u64, Statistics)>> {
         let begin = thread_nanoseconds();
         let place = |flat: u64| (flat / self.samples, flat % self.samples);
         let bodies: Vec<Body> = (start..stop)
@@ -327,9 +334,9 @@ impl Map {
         let mut outcomes: [Vec<Option<Outcome>>; 2] = [vec![None; bodies.len()], vec![None; bodies.len()]];
         for (jobs, table) in jobs.iter().zip(Table::ALL) {
             let kernel = self.kernel(table);
-            self.ride(&bodies, jobs, kernel, isa, |job, outcome| {
+            self.ride(&bodies, jobs, kernel, isa, interrupt, |job, outcome| {
                 outcomes[usize::from(job.halved)][job.index] = Some(outcome);
-            });
+            })?;
         }
 
         let mut pixels: Vec<(u64, Statistics)> = Vec::new();
@@ -350,18 +357,19 @@ impl Map {
         for (_, statistics) in &mut pixels {
             statistics.nanoseconds = elapsed * statistics.steps as f64 / total.max(1) as f64;
         }
-        pixels
+        Some(pixels)
     }
 
-    /// Runs jobs of one table through a group, refilling each lane as it falls free.
+    /// Runs jobs of one table through a group, refilling each lane as it falls free; `None` if interrupted.
     fn ride(
         &self,
         bodies: &[Body],
         jobs: &[Job],
         kernel: Kernel,
         isa: Isa,
+        interrupt: &AtomicBool,
         mut finish: impl FnMut(Job, Outcome),
-    ) {
+    ) -> Option<()> {
         let compiled = Compiled::new(kernel, isa);
         let mut group = Group::waiting();
         let mut lanes: [Option<Passenger>; LANES] = [None; LANES];
@@ -389,9 +397,12 @@ impl Map {
                 }
             }
             if aboard == 0 {
-                return;
+                return Some(());
             }
             loop {
+                if interrupt.load(Ordering::Relaxed) {
+                    return None;
+                }
                 compiled.advance(&mut group, BURST as usize);
                 if any_done(&group, &target, &limits) {
                     break;
@@ -433,11 +444,14 @@ impl Map {
         let steps = group.count.0[lane];
         let watches_tilt = limits.flips == f64::INFINITY;
         let left = limits.exceeded(group, lane);
-        let finite = energy_drift.is_finite() && momentum_drift.is_finite();
-        let (class, status) = match (finite, left) {
-            (false, _) => (Class::Failed, Status::NotFinite),
-            (true, true) => (Class::Unstable, Status::Stopped),
-            (true, false) => (Class::Stable, Status::Finished),
+        let (class, status) = if !(energy_drift.is_finite() && momentum_drift.is_finite()) {
+            (Class::Failed, Status::NotFinite)
+        } else if energy_drift.max(momentum_drift) > DRIFT_LIMIT {
+            (Class::Failed, Status::Drifted)
+        } else if left {
+            (Class::Unstable, Status::Stopped)
+        } else {
+            (Class::Stable, Status::Finished)
         };
         Outcome {
             class,
@@ -461,10 +475,17 @@ impl Map {
     }
 
     /// One sample alone: its start, its verdict and the outcome of its first run, with the bits of the map.
-    pub fn sample(&self, pixel: u64, sample: u64, isa: Isa) -> (Body, Class, Outcome) {
+    /// `None` if interrupted.
+    pub fn sample(
+        &self,
+        pixel: u64,
+        sample: u64,
+        isa: Isa,
+        interrupt: &AtomicBool,
+    ) -> Option<(Body, Class, Outcome)> {
         let body = self.draw(isa, pixel, sample);
         if !self.pixels[pixel as usize].possible {
-            return (body, Class::Failed, Outcome::refused());
+            return Some((body, Class::Failed, Outcome::refused()));
         }
         let mut jobs = vec![Job { index: 0, halved: false }];
         if sample < self.checked {
@@ -472,11 +493,11 @@ impl Map {
         }
         let kernel = self.kernel(Seat::of(self.method, body.moments).table);
         let mut outcomes = [None, None];
-        self.ride(&[body], &jobs, kernel, isa, |job, outcome| {
+        self.ride(&[body], &jobs, kernel, isa, interrupt, |job, outcome| {
             outcomes[usize::from(job.halved)] = Some(outcome);
-        });
+        })?;
         let first = outcomes[0].expect("every job is finished");
-        (body, Map::verdict(&first, outcomes[1].as_ref()), first)
+        Some((body, Map::verdict(&first, outcomes[1].as_ref()), first))
     }
 }
 
@@ -512,7 +533,7 @@ impl Limits {
     }
 }
 
-/// Whether a lane is at its horizon, has left stability, or is no longer finite.
+/// Whether a lane is at its horizon, has left stability, or is no longer to be believed.
 #[inline(always)]
 fn done(group: &Group, lane: usize, target: f64, limits: &Limits) -> bool {
     // Written without short cuts, so that the test of a whole group is a few vector instructions.
@@ -520,7 +541,9 @@ fn done(group: &Group, lane: usize, target: f64, limits: &Limits) -> bool {
         | (group.flips.0[lane] > limits.flips)
         | (group.cosine.0[lane] < limits.cosine)
         | (group.sine2.0[lane] > limits.sine2)
-        | !(group.energy.worst.0[lane] < f64::INFINITY)
+        // A NaN is not below the limit either.
+        | !(group.energy.worst.0[lane] <= DRIFT_LIMIT)
+        | !(group.momentum.worst.0[lane] <= DRIFT_LIMIT)
 }
 
 fn any_done(group: &Group, target: &[f64; LANES], limits: &Limits) -> bool {

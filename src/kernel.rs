@@ -162,6 +162,7 @@ pub struct Kernel {
 
 impl System {
     /// Numbers in the state.
+    #[allow(clippy::len_without_is_empty)] // No state is empty.
     pub fn len(self) -> usize {
         match self {
             System::FreeRates => Rates::LEN,

@@ -14,6 +14,7 @@ use numpy::{
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
@@ -131,41 +132,42 @@ fn parse_record(record: &str) -> Result<Record, Error> {
     }
 }
 
-/// Work that takes longer than this watches for Ctrl-C.
-const WORTH_WATCHING: f64 = 2e7;
-
-/// Does `work` without the interpreter; a signal sets its flag and raises here.
+/// Does `work` without the interpreter, which meanwhile handles its signals; `None` if it was stopped.
+///
+/// Stops when a signal handler raises (then this raises too) or when `interrupted()` says so.
 fn interruptible<T: Send>(
     py: Python<'_>,
-    long: bool,
+    interrupted: Option<&Bound<'_, PyAny>>,
     work: impl FnOnce(&AtomicBool) -> Option<T> + Send,
-) -> PyResult<T> {
-    let stop = AtomicBool::new(false);
-    let interrupted = || PyRuntimeError::new_err("interrupted");
-    if !long {
-        return py.detach(|| work(&stop)).ok_or_else(interrupted);
-    }
+) -> PyResult<Option<T>> {
+    let stop = &AtomicBool::new(false);
     std::thread::scope(|scope| {
         let (sender, receiver) = channel();
-        let stop = &stop;
         scope.spawn(move || sender.send(work(stop)));
-        let receiver = std::sync::Mutex::new(receiver);
+        let receiver = Mutex::new(receiver);
+        let wait = || receiver.lock().expect("only locked here").recv_timeout(Duration::from_millis(50));
         loop {
-            let news = py.detach(|| {
-                receiver.lock().expect("only locked here").recv_timeout(Duration::from_millis(50))
-            });
-            match news {
-                Ok(result) => return result.ok_or_else(interrupted),
+            match py.detach(wait) {
+                Ok(result) => return Ok(result),
+                Err(RecvTimeoutError::Disconnected) => return Ok(None),
                 Err(RecvTimeoutError::Timeout) => {
-                    if let Err(signal) = py.check_signals() {
+                    let asked = py.check_signals().and_then(|()| match interrupted {
+                        Some(interrupted) => interrupted.call0()?.is_truthy(),
+                        None => Ok(false),
+                    });
+                    if !matches!(asked, Ok(false)) {
                         stop.store(true, Ordering::Relaxed);
-                        return Err(signal);
                     }
+                    asked?;
                 }
-                Err(RecvTimeoutError::Disconnected) => return Err(interrupted()),
             }
         }
     })
+}
+
+/// What a request without a result of its own raises when it was stopped.
+fn stopped() -> PyErr {
+    PyRuntimeError::new_err("interrupted")
 }
 
 /// States of bodies at wanted times; see `rigid.simulate`.
@@ -207,12 +209,9 @@ fn simulate<'py>(
         (None, Some(strides)) => Schedule::Strides(strides),
         (None, None) => Schedule::Times(&[]),
     };
-    let span = times.as_ref().and_then(|t| Some(t.last()?.abs().max(t.first()?.abs()))).unwrap_or(0.0);
-    let each = strides.as_ref().map_or(0, |s| s.iter().sum()) as f64;
-    let work: f64 = steps.iter().map(|step| span / step + each).sum();
     let request = Request { bodies: &bodies, is_top, method, record, schedule, steps: &steps, max_steps };
-    let long = !(work < WORTH_WATCHING);
-    let states = interruptible(py, long, |stop| trajectory::simulate(&request, threads, isa, stop))?;
+    let states = interruptible(py, None, |stop| trajectory::simulate(&request, threads, isa, stop))?
+        .ok_or_else(stopped)?;
     states_to_dict(py, states, n)
 }
 
@@ -258,6 +257,25 @@ struct MapJob {
     status: Vec<u8>,
     isa: Isa,
 }
+
+/// A column of the statistics: its name and its value in a pixel.
+type Column<T> = (&'static str, fn(&Statistics) -> T);
+
+const COUNTS: [Column<u64>; 6] = [
+    ("stable", |s| s.stable),
+    ("unstable", |s| s.unstable),
+    ("undecided", |s| s.undecided),
+    ("failed", |s| s.failed),
+    ("checked", |s| s.checked),
+    ("steps", |s| s.steps),
+];
+
+const NUMBERS: [Column<f64>; 4] = [
+    ("energy_drift", |s| s.energy_drift),
+    ("momentum_drift", |s| s.momentum_drift),
+    ("earliest", |s| s.earliest),
+    ("nanoseconds", |s| s.nanoseconds),
+];
 
 /// 0 for a possible body, else which rule it breaks.
 fn body_status(moments: [f64; 3]) -> u8 {
@@ -358,47 +376,37 @@ impl MapJob {
         self.status.clone().into_pyarray(py)
     }
 
-    /// Statistics of the samples start .. stop (pixel-major) for the pixels that they touch.
+    /// Statistics of the samples start .. stop (pixel-major) for the pixels that they touch; None if
+    /// `interrupted()`, asked twenty times a second, said to stop.
+    #[pyo3(signature = (start, stop, threads, interrupted=None))]
     fn run<'py>(
         &self,
         py: Python<'py>,
         start: u64,
         stop: u64,
         threads: usize,
-    ) -> PyResult<Bound<'py, PyDict>> {
+        interrupted: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Option<Bound<'py, PyDict>>> {
         if start > stop || stop > self.map.len() {
             let value = format!("({start}, {stop})");
             let rule = "must be a range of the samples of the map";
             return Err(Error::Value { argument: "start, stop", value, rule }.into());
         }
-        let (first, statistics) = interruptible(py, false, |interrupt| {
+        let result = interruptible(py, interrupted, |interrupt| {
             self.map.run(start, stop, threads.max(1), self.isa, interrupt)
         })?;
+        let Some((first, statistics)) = result else { return Ok(None) };
         let dict = PyDict::new(py);
         dict.set_item("first", first)?;
-        let counts: [(&str, fn(&Statistics) -> u64); 6] = [
-            ("stable", |s| s.stable),
-            ("unstable", |s| s.unstable),
-            ("undecided", |s| s.undecided),
-            ("failed", |s| s.failed),
-            ("checked", |s| s.checked),
-            ("steps", |s| s.steps),
-        ];
-        for (name, of) in counts {
+        for (name, of) in COUNTS {
             let column: Vec<i64> = statistics.iter().map(|s| of(s) as i64).collect();
             dict.set_item(name, column.into_pyarray(py))?;
         }
-        let numbers: [(&str, fn(&Statistics) -> f64); 4] = [
-            ("energy_drift", |s| s.energy_drift),
-            ("momentum_drift", |s| s.momentum_drift),
-            ("earliest", |s| s.earliest),
-            ("nanoseconds", |s| s.nanoseconds),
-        ];
-        for (name, of) in numbers {
+        for (name, of) in NUMBERS {
             let column: Vec<f64> = statistics.iter().map(of).collect();
             dict.set_item(name, column.into_pyarray(py))?;
         }
-        Ok(dict)
+        Ok(Some(dict))
     }
 
     /// One sample alone, with the bits that it has in the map.
@@ -411,7 +419,9 @@ impl MapJob {
                 return Err(Error::Value { argument, value, rule: "must be an index" }.into());
             }
         }
-        let (body, class, outcome) = py.detach(|| self.map.sample(pixel, sample, self.isa));
+        let (body, class, outcome) =
+            interruptible(py, None, |interrupt| self.map.sample(pixel, sample, self.isa, interrupt))?
+                .ok_or_else(stopped)?;
         let Outcome { status, flips, left, tilt, energy_drift, momentum_drift, step, steps, .. } = outcome;
         let dict = PyDict::new(py);
         dict.set_item("omega", body.omega.to_vec().into_pyarray(py))?;

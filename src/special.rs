@@ -47,6 +47,18 @@ fn sincos_kernel<R: Real>(x: R) -> (R, R) {
     (sin, cos)
 }
 
+/// sin and cos of x + tail, |x| <= pi/4, the tail below an ulp of x: it joins before the last rounding.
+#[inline(always)]
+fn sincos_kernel_with_tail<R: Real>(x: R, tail: R) -> (R, R) {
+    let z = x * x;
+    let half = z * R::splat(0.5);
+    let one = R::splat(1.0);
+    let head = one - half;
+    let sin = x + (x * z).fma(polynomial(z, SIN), tail * head);
+    let cos = head + (z * z).fma(polynomial(z, COS), x.fnma(tail, (one - head) - half));
+    (sin, cos)
+}
+
 /// sin and cos by reduction to |r| <= pi/4 with pi/2 in three parts (159 bits).
 #[inline(always)]
 fn sincos_reduced<R: Real>(x: R) -> (R, R) {
@@ -59,11 +71,14 @@ fn sincos_reduced<R: Real>(x: R) -> (R, R) {
     let a = x - high;
     let b = a - low;
     let b_error = (a - b) - low;
-    let r = n.fnma(R::splat(P2), b);
-    let r_error = n.fnma(R::splat(P2), b - r) + b_error;
+    // Close to a multiple of pi/2, b and n P2 cancel, whichever is larger: Knuth's exact difference.
+    let c = n * R::splat(P2);
+    let c_low = n.fms(R::splat(P2), c);
+    let r = b - c;
+    let back = r - b;
+    let r_error = ((b - (r - back)) - (c + back)) + (b_error - c_low);
     let e = n.fnma(R::splat(P3), r_error);
-    let (s, c) = sincos_kernel(r);
-    let (s, c) = (c.fma(e, s), s.fnma(e, c));
+    let (s, c) = sincos_kernel_with_tail(r, e);
     // Quadrant n mod 4: odd swaps; sin changes sign with floor(n/2), cos with floor((n+1)/2).
     let (half, quarter) = (R::splat(0.5), R::splat(0.25));
     let swap = R::odd(n);

@@ -31,35 +31,54 @@ impl Body {
     /// A bound of |omega| over the whole motion, from what is conserved.
     ///
     /// Each component is bounded by the energy, `omega_k^2 <= 2 T / I_k`, where a top can gain the fall from
-    /// upright. A free body is held tighter by its polhode: with sorted moments, `D1 = L^2 - 2 T I1` and
-    /// `D3 = 2 T I3 - L^2`, formed without cancellation, bound every component (Landau & Lifshitz §37).
+    /// upright. A free body is held tighter by its polhode, a symmetric top by its constant spin.
     pub fn fastest_rate(&self) -> f64 {
         let twice_kinetic: f64 = (0..3).map(|k| self.moments[k] * self.omega[k] * self.omega[k]).sum();
         let mgl = self.weight.iter().map(|c| c * c).sum::<f64>().sqrt();
-        let height: f64 = (0..3).map(|k| self.weight[k] * self.vertical()[k]).sum();
-        let reach = twice_kinetic + 2.0 * (mgl + height).max(0.0);
-        let mut bound = self.moments.map(|moment| reach / moment);
         if mgl == 0.0 {
-            let mut order = [0, 1, 2];
-            order.sort_by(|&a, &b| self.moments[a].total_cmp(&self.moments[b]));
-            let [i1, i2, i3] = order.map(|k| self.moments[k]);
-            let [w1, w2, w3] = order.map(|k| self.omega[k]);
-            let d1 = i2 * (i2 - i1) * w2 * w2 + i3 * (i3 - i1) * w3 * w3;
-            let d3 = i1 * (i3 - i1) * w1 * w1 + i2 * (i3 - i2) * w2 * w2;
-            let tighten = |bound: &mut f64, numerator: f64, denominator: f64| {
-                if denominator > 0.0 && numerator / denominator < *bound {
-                    *bound = numerator / denominator;
-                }
-            };
-            tighten(&mut bound[order[0]], d3, i1 * (i3 - i1));
-            tighten(&mut bound[order[1]], d3, i2 * (i3 - i2));
-            tighten(&mut bound[order[1]], d1, i2 * (i2 - i1));
-            tighten(&mut bound[order[2]], d1, i3 * (i3 - i1));
+            return self.polhode_bounds(twice_kinetic).iter().sum::<f64>().sqrt();
         }
-        let fastest = bound.iter().sum::<f64>().sqrt();
+        let vertical = self.vertical();
+        let height: f64 = (0..3).map(|k| self.weight[k] * vertical[k]).sum();
+        let reach = twice_kinetic + 2.0 * (mgl + height).max(0.0);
+        let squares: f64 = match self.lagrange_axis() {
+            Some(k) => {
+                let spin2 = self.omega[k] * self.omega[k];
+                spin2 + (reach - self.moments[k] * spin2) / self.moments[(k + 1) % 3]
+            }
+            None => (0..3).map(|k| reach / self.moments[k]).sum(),
+        };
         // A top also swings: the pendulum frequency is a rate even if nothing turns yet.
         let smallest = self.moments.iter().fold(f64::INFINITY, |a, &b| a.min(b));
-        fastest.max((mgl / smallest).sqrt())
+        squares.max(mgl / smallest).sqrt()
+    }
+
+    /// The axis about which a top is symmetric with its centre of mass on it: its spin is then constant.
+    fn lagrange_axis(&self) -> Option<usize> {
+        (0..3).find(|&k| {
+            let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+            self.moments[i] == self.moments[j] && self.weight[i] == 0.0 && self.weight[j] == 0.0
+        })
+    }
+
+    /// Bounds of the squared rates of a free body. With sorted moments, `D1 = L^2 - 2 T I1` and
+    /// `D3 = 2 T I3 - L^2`, formed without cancellation, bound every component (Landau & Lifshitz §37).
+    fn polhode_bounds(&self, twice_kinetic: f64) -> [f64; 3] {
+        let mut order = [0, 1, 2];
+        order.sort_by(|&a, &b| self.moments[a].total_cmp(&self.moments[b]));
+        let [i1, i2, i3] = order.map(|k| self.moments[k]);
+        let [w1, w2, w3] = order.map(|k| self.omega[k]);
+        let d1 = i2 * (i2 - i1) * w2 * w2 + i3 * (i3 - i1) * w3 * w3;
+        let d3 = i1 * (i3 - i1) * w1 * w1 + i2 * (i3 - i2) * w2 * w2;
+        // A denominator of zero gives no bound.
+        let least = |bound: f64, numerator: f64, denominator: f64| {
+            if denominator > 0.0 { bound.min(numerator / denominator) } else { bound }
+        };
+        let mut bounds = [twice_kinetic / i1, twice_kinetic / i2, twice_kinetic / i3];
+        bounds[0] = least(bounds[0], d3, i1 * (i3 - i1));
+        bounds[1] = least(least(bounds[1], d3, i2 * (i3 - i2)), d1, i2 * (i2 - i1));
+        bounds[2] = least(bounds[2], d1, i3 * (i3 - i1));
+        bounds
     }
 }
 
@@ -93,14 +112,13 @@ impl Seat {
     }
 
     #[inline(always)]
-    fn rename(self, v: [f64; 3]) -> [f64; 3] {
-        [v[self.turn % 3], v[(1 + self.turn) % 3], v[(2 + self.turn) % 3]]
+    fn rename(self, [a, b, c]: [f64; 3]) -> [f64; 3] {
+        [[a, b, c], [b, c, a], [c, a, b]][self.turn]
     }
 
     #[inline(always)]
-    fn restore(self, v: [f64; 3]) -> [f64; 3] {
-        let back = 3 - self.turn;
-        [v[back % 3], v[(1 + back) % 3], v[(2 + back) % 3]]
+    fn restore(self, [a, b, c]: [f64; 3]) -> [f64; 3] {
+        [[a, b, c], [c, a, b], [b, c, a]][self.turn]
     }
 }
 

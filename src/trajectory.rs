@@ -72,7 +72,12 @@ pub enum Status {
     StepLimit = 2,
     /// A number overflowed or became NaN.
     NotFinite = 3,
+    /// The energy or the conserved momentum was lost: the step is too long for the motion to mean anything.
+    Drifted = 4,
 }
+
+/// Relative error of an invariant from which on a motion is not to be believed.
+pub const DRIFT_LIMIT: f64 = 0.1;
 
 impl Status {
     /// The word for it.
@@ -82,6 +87,7 @@ impl Status {
             Status::Stopped => "stopped",
             Status::StepLimit => "step limit",
             Status::NotFinite => "not finite",
+            Status::Drifted => "drifted",
         }
     }
 }
@@ -116,6 +122,10 @@ struct Leg {
     step: f64,
 }
 
+/// The legs of one body in the order they are made, each with the index of its state: forward from 0 through
+/// the times >= 0, and backward from 0 through the times < 0.
+type Plan = [Vec<(usize, Leg)>; 2];
+
 /// Steps no longer than `largest` that end exactly at `to`.
 fn leg(from: f64, to: f64, largest: f64) -> Leg {
     let span = to - from;
@@ -130,9 +140,8 @@ fn leg(from: f64, to: f64, largest: f64) -> Leg {
     Leg { steps: steps as u64, step: span / steps }
 }
 
-/// The legs of one body in the order they are made, each with the index of its state: forward from 0 through
-/// the times >= 0, and backward from 0 through the times < 0.
-fn legs(schedule: &Schedule, largest: f64) -> [Vec<(usize, Leg)>; 2] {
+/// The plan of a body with that largest step.
+fn legs(schedule: &Schedule, largest: f64) -> Plan {
     match schedule {
         Schedule::Times(times) => {
             let split = times.partition_point(|&t| t < 0.0);
@@ -246,7 +255,7 @@ impl<'a> Passengers<'a> {
 
     fn run(mut self, stop: &AtomicBool) -> Option<States> {
         // Neighbours mostly have the same step, hence the same plan.
-        let mut plans: Vec<Rc<[Vec<(usize, Leg)>; 2]>> = Vec::with_capacity(self.bodies.len());
+        let mut plans: Vec<Rc<Plan>> = Vec::with_capacity(self.bodies.len());
         for (lane, &body) in self.bodies.iter().enumerate() {
             let step = self.request.steps[body];
             let plan = match plans.last() {
@@ -319,6 +328,10 @@ impl<'a> Passengers<'a> {
         states.unit_drift[lane] = worse(states.unit_drift[lane], units);
         if !now.omega.iter().chain(&now.invariants).all(|x| x.is_finite()) {
             states.status[lane] = Status::NotFinite;
+        } else if states.status[lane] == Status::Finished
+            && states.energy_drift[lane].max(states.momentum_drift[lane]) > DRIFT_LIMIT
+        {
+            states.status[lane] = Status::Drifted;
         }
     }
 }

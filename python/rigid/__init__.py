@@ -1,8 +1,9 @@
 """Rotation of rigid bodies: exact where physics allows, fast elsewhere, the error stated.
 
 The main job is :func:`stability_map`; :func:`simulate` gives the states of bodies at wanted times.
-Conventions: SI or any consistent units; body axes are principal axes; ``omega`` in the body (rad/s);
-attitudes are unit quaternions, scalar first, active, body to space; gravity along ``-e3`` of space.
+Conventions: SI or any consistent units; body axes are principal axes; ``omega`` in the body
+(rad/s); attitudes are unit quaternions, scalar first, active, body to space; gravity along ``-e3``
+of space.
 """
 
 from ._core import __version__
@@ -10,17 +11,24 @@ from .bodies import Body
 from .criteria import no_flip, tilt_below
 from .info import build_info
 from .mapfile import load_map
-from .maps import StabilityMap, stability_map
+from .mapresult import Replay, StabilityMap
+from .maps import stability_map
+from .mapspec import MapSpec
 from .methods import Method, methods
+from .progress import Progress
 from .scenes import FreeBody, HeavyTop
 from .simulate import Run, Status, simulate
-from .starts import Start, direction, normal, uniform, uniform_attitude
+from .starts import Noise, Start, direction, normal, uniform, uniform_attitude
 
 __all__ = [
     "Body",
     "FreeBody",
     "HeavyTop",
+    "MapSpec",
     "Method",
+    "Noise",
+    "Progress",
+    "Replay",
     "Run",
     "StabilityMap",
     "Start",

@@ -133,7 +133,9 @@ def resolve_threads(threads: int | None) -> int:
     variable = os.environ.get("RIGID_NUM_THREADS", "")
     if variable:
         if not variable.isdecimal() or int(variable) < 1:
-            raise ValueError(f"RIGID_NUM_THREADS = {variable!r}: must be a whole number of at least 1")
+            raise ValueError(
+                f"RIGID_NUM_THREADS = {variable!r}: must be a whole number of at least 1"
+            )
         return int(variable)
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))

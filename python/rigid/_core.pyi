@@ -1,6 +1,6 @@
 """Types of the compiled core. Arrays in, arrays out; checked against the binary by stubtest."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, final
 
 import numpy as np
@@ -29,6 +29,7 @@ def simulate(
     times: Sequence[float] | None = None,
     strides: Sequence[int] | None = None,
 ) -> dict[str, Any]: ...
+
 @final
 class MapJob:
     def __new__(
@@ -56,5 +57,11 @@ class MapJob:
     ) -> MapJob: ...
     @property
     def status(self) -> NDArray[np.uint8]: ...
-    def run(self, start: int, stop: int, threads: int) -> dict[str, Any]: ...
+    def run(
+        self,
+        start: int,
+        stop: int,
+        threads: int,
+        interrupted: Callable[[], bool] | None = None,
+    ) -> dict[str, Any] | None: ...
     def sample(self, pixel: int, sample: int) -> dict[str, Any]: ...

@@ -72,7 +72,9 @@ class Body:
         set_field = object.__setattr__  # the dataclass is frozen
         set_field(self, "moments", checked)
         set_field(self, "mass", None if mass is None else finite_float("mass", mass, positive=True))
-        set_field(self, "sides", None if sides is None else tuple(vector("sides", sides, 3).tolist()))
+        set_field(
+            self, "sides", None if sides is None else tuple(vector("sides", sides, 3).tolist())
+        )
 
     @classmethod
     def box(cls, a: float, b: float, c: float, *, mass: float = 1.0) -> Body:
@@ -88,8 +90,7 @@ class Body:
         [65, 626, 689]
         """
         sides = [
-            finite_float(name, side, positive=True)
-            for name, side in (("a", a), ("b", b), ("c", c))
+            finite_float(name, side, positive=True) for name, side in (("a", a), ("b", b), ("c", c))
         ]
         mass = finite_float("mass", mass, positive=True)
         return cls(box_moments(*sides, mass), mass=mass, sides=sides)
@@ -174,9 +175,7 @@ def vector_allowing_nan(name: str, value: ArrayLike) -> tuple[float, float, floa
     return first, second, third
 
 
-def box_moments(
-    a: ArrayLike, b: ArrayLike, c: ArrayLike, mass: ArrayLike
-) -> NDArray[np.float64]:
+def box_moments(a: ArrayLike, b: ArrayLike, c: ArrayLike, mass: ArrayLike) -> NDArray[np.float64]:
     """Moments of homogeneous boxes, ``(..., 3)``; the arguments broadcast."""
     a, b, c, mass = np.broadcast_arrays(a, b, c, mass)
     squares = np.stack([b * b + c * c, a * a + c * c, a * a + b * b], axis=-1)

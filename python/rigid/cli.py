@@ -10,7 +10,9 @@ from pathlib import Path
 from typing import NoReturn
 
 from .info import build_info
-from .maps import StabilityMap, run_map, seed_from
+from .mapresult import StabilityMap
+from .maps import run_map
+from .mapspec import seed_from
 from .plotting import save_plot
 from .specfile import builtin_names, read_spec
 

@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .maps import COUNTS, STATUS, STORED, MapSpec, StabilityMap
+from .mapresult import COUNTS, STATUS, STORED, StabilityMap
+from .mapspec import MapSpec
 
 if TYPE_CHECKING:
     import zipfile

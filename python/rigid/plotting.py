@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from .maps import StabilityMap
+    from .mapresult import StabilityMap
     from .theory import Curve, Theory
 
 __all__ = ["plot_map", "save_plot"]

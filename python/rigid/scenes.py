@@ -110,7 +110,6 @@ class HeavyTop:
         }
 
 
-
 Scene = FreeBody | HeavyTop
 
 

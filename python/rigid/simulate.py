@@ -31,6 +31,7 @@ class Status(IntEnum):
     STOPPED = 1  #: when the question of a map was answered
     STEP_LIMIT = 2  #: not run: it would have needed more than ``max_steps``
     NOT_FINITE = 3  #: a number overflowed or became NaN: the step is too long
+    DRIFTED = 4  #: energy or momentum off by more than 0.1: the step is too long to mean anything
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +84,9 @@ class Run:
             If the attitude was not recorded.
         """
         if self.attitude is None:
-            raise ValueError("record = 'attitude' was not asked for: there is no attitude to return")
+            raise ValueError(
+                "record = 'attitude' was not asked for: there is no attitude to return"
+            )
         from scipy.spatial.transform import Rotation
 
         return Rotation.from_quat(self.attitude, scalar_first=True)
@@ -205,7 +208,9 @@ def _attitudes(attitude: ArrayLike | Rotation | None) -> tuple[NDArray[np.float6
     lengths = np.sqrt(np.einsum("ni,ni->n", quaternions, quaternions))
     if np.any(lengths == 0.0):
         index = int(np.flatnonzero(lengths == 0.0)[0])
-        raise ValueError(f"attitude[{index}] = {quaternions[index].tolist()}: a zero quaternion is no attitude")
+        raise ValueError(
+            f"attitude[{index}] = {quaternions[index].tolist()}: a zero quaternion is no attitude"
+        )
     return quaternions / lengths[:, None], single
 
 
@@ -230,7 +235,9 @@ def _columns(
     """The bodies of a scene as the columns that the core reads."""
 
     def column(values: ArrayLike, width: int) -> NDArray[np.float64]:
-        return np.ascontiguousarray(np.broadcast_to(np.asarray(values, dtype=np.float64), (n, width)))
+        return np.ascontiguousarray(
+            np.broadcast_to(np.asarray(values, dtype=np.float64), (n, width))
+        )
 
     return {
         "scene": scene.kind,

@@ -19,7 +19,7 @@ from ._check import finite_float, nearest, one_of, positive_int, vector
 from .bodies import Body
 from .criteria import Criterion, NoFlip, TiltBelow
 from .grid import PARAMETERS, Axis, check_applicable, make_axes
-from .maps import MAX_STEPS, MapSpec, seed_from
+from .mapspec import MAX_STEPS, MapSpec, seed_from
 from .methods import method_names
 from .scenes import FreeBody, HeavyTop, Scene
 from .starts import NOISE_KINDS, Noise, Start

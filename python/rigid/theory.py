@@ -43,7 +43,7 @@ from .grid import Pixels, pixels
 from .scenes import FreeBody, HeavyTop
 
 if TYPE_CHECKING:
-    from .maps import MapSpec
+    from .mapspec import MapSpec
 
 __all__ = ["Curve", "Theory", "predict"]
 
