@@ -2,8 +2,8 @@
 
     pip install '.[maps]' numba && python benches/throughput.py
 
-Both sides of a ratio are timed in turn and compared by medians. One thread: thread CPU time, because
-these machines are shared; two threads: wall-clock time of alternating runs.
+Both sides of a ratio are timed in turn and compared by medians. One thread: processor time, because
+machines are shared; two threads: wall-clock time of alternating runs.
 """
 
 from __future__ import annotations
@@ -50,8 +50,10 @@ def numba_rk4() -> Callable[[np.ndarray, np.ndarray, float, int], None]:
     """The usual compiled loop: one body at a time, scalar code, fast-math allowed."""
     import numba
 
-    @numba.njit(inline="always")
-    def rate(p, a, b, c, u, v, w):  # type: ignore[no-untyped-def]
+    @numba.njit(inline="always", fastmath=True)
+    def rate(p, y, h, k):  # type: ignore[no-untyped-def]
+        a, b, c = y[0] + h * k[0], y[1] + h * k[1], y[2] + h * k[2]
+        u, v, w = y[3] + h * k[3], y[4] + h * k[4], y[5] + h * k[5]
         return (
             p[0] * b * c + p[3] * v - p[6] * w,
             p[1] * c * a + p[4] * w - p[7] * u,
@@ -62,46 +64,24 @@ def numba_rk4() -> Callable[[np.ndarray, np.ndarray, float, int], None]:
         )
 
     @numba.njit(fastmath=True)
-    def advance(y, p, h, n):  # type: ignore[no-untyped-def]
-        g, s = 0.5 * h, h / 6.0
-        for i in range(y.shape[1]):
-            a, b, c, u, v, w = y[0, i], y[1, i], y[2, i], y[3, i], y[4, i], y[5, i]
+    def advance(states, p, h, n):  # type: ignore[no-untyped-def]
+        for i in range(states.shape[1]):
+            y0, y1, y2 = states[0, i], states[1, i], states[2, i]
+            y3, y4, y5 = states[3, i], states[4, i], states[5, i]
             for _ in range(n):
-                k = rate(p, a, b, c, u, v, w)
-                l = rate(
-                    p,
-                    a + g * k[0],
-                    b + g * k[1],
-                    c + g * k[2],
-                    u + g * k[3],
-                    v + g * k[4],
-                    w + g * k[5],
-                )  # noqa: E501, E741
-                m = rate(
-                    p,
-                    a + g * l[0],
-                    b + g * l[1],
-                    c + g * l[2],
-                    u + g * l[3],
-                    v + g * l[4],
-                    w + g * l[5],
-                )  # noqa: E501
-                o = rate(
-                    p,
-                    a + h * m[0],
-                    b + h * m[1],
-                    c + h * m[2],
-                    u + h * m[3],
-                    v + h * m[4],
-                    w + h * m[5],
-                )  # noqa: E501
-                a += s * (k[0] + 2 * (l[0] + m[0]) + o[0])
-                b += s * (k[1] + 2 * (l[1] + m[1]) + o[1])
-                c += s * (k[2] + 2 * (l[2] + m[2]) + o[2])
-                u += s * (k[3] + 2 * (l[3] + m[3]) + o[3])
-                v += s * (k[4] + 2 * (l[4] + m[4]) + o[4])
-                w += s * (k[5] + 2 * (l[5] + m[5]) + o[5])
-            y[0, i], y[1, i], y[2, i], y[3, i], y[4, i], y[5, i] = a, b, c, u, v, w
+                y = (y0, y1, y2, y3, y4, y5)
+                k1 = rate(p, y, 0.0, y)
+                k2 = rate(p, y, 0.5 * h, k1)
+                k3 = rate(p, y, 0.5 * h, k2)
+                k4 = rate(p, y, h, k3)
+                y0 += h / 6.0 * (k1[0] + 2.0 * (k2[0] + k3[0]) + k4[0])
+                y1 += h / 6.0 * (k1[1] + 2.0 * (k2[1] + k3[1]) + k4[1])
+                y2 += h / 6.0 * (k1[2] + 2.0 * (k2[2] + k3[2]) + k4[2])
+                y3 += h / 6.0 * (k1[3] + 2.0 * (k2[3] + k3[3]) + k4[3])
+                y4 += h / 6.0 * (k1[4] + 2.0 * (k2[4] + k3[4]) + k4[4])
+                y5 += h / 6.0 * (k1[5] + 2.0 * (k2[5] + k3[5]) + k4[5])
+            states[0, i], states[1, i], states[2, i] = y0, y1, y2
+            states[3, i], states[4, i], states[5, i] = y3, y4, y5
 
     return advance
 
@@ -111,8 +91,8 @@ def against_numba() -> None:
     omega, attitude = starts(BODIES)
     i1, i2, i3 = TOP.body.moments
     c1, c2, c3 = TOP.weight
-    p = np.array([(i2 - i3) / i1, (i3 - i1) / i2, (i1 - i2) / i3]
-                 + [c3 / i1, c1 / i2, c2 / i3, c2 / i1, c3 / i2, c1 / i3])  # fmt: skip
+    ratios = [(i2 - i3) / i1, (i3 - i1) / i2, (i1 - i2) / i3]
+    p = np.array([*ratios, c3 / i1, c1 / i2, c2 / i3, c2 / i1, c3 / i2, c1 / i3])
     gamma = rigid.simulate(TOP, omega, attitude, t=[0.0], record="axis").gamma[:, 0]
     y = np.concatenate([omega.T, gamma.T])
     state = y.copy()
@@ -150,7 +130,7 @@ def overhead_of_the_call() -> None:
     seconds = interleaved({"n": call(steps), "2n": call(2 * steps)}, 9, time.process_time)
     kernel = seconds["2n"] - seconds["n"]
     print(
-        f"simulate on {bodies} bodies, {steps} steps: {seconds['n']:.3f} s, of it kernel {kernel:.3f} s"
+        f"simulate on {bodies} bodies, {steps} steps: {seconds['n']:.3f} s, kernel {kernel:.3f} s"
     )
     print(f"  call / bare kernel                  {seconds['n'] / kernel:8.3f}   (goal 1.05)")
 
@@ -208,7 +188,7 @@ def memory() -> None:
     small, large = peak(10), peak(10_000)
     print("peak memory of a map of 10 000 pixels:")
     print(
-        f"  1e5 bodies {small:.0f} MB, 1e8 bodies {large:.0f} MB: difference {large - small:.1f} MB (goal 50)"
+        f"  1e5 bodies {small:.0f} MB, 1e8 bodies {large:.0f} MB: {large - small:+.1f} MB (goal 50)"
     )
 
 

@@ -89,11 +89,11 @@ class Body:
         >>> [round(moment * 12e4 / 0.3) for moment in book.moments]
         [65, 626, 689]
         """
-        sides = [
-            finite_float(name, side, positive=True) for name, side in (("a", a), ("b", b), ("c", c))
-        ]
+        a = finite_float("a", a, positive=True)
+        b = finite_float("b", b, positive=True)
+        c = finite_float("c", c, positive=True)
         mass = finite_float("mass", mass, positive=True)
-        return cls(box_moments(*sides, mass), mass=mass, sides=sides)
+        return cls(box_moments(a, b, c, mass), mass=mass, sides=(a, b, c))
 
     @classmethod
     def from_tensor(cls, tensor: ArrayLike) -> tuple[Body, NDArray[np.float64]]:

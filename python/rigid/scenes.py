@@ -58,8 +58,8 @@ class FreeBody:
 class HeavyTop:
     """A body turning about a fixed point under its weight.
 
-    ``I omega' = (I omega) × omega - mgl com × gamma`` and ``gamma' = gamma × omega`` in the principal
-    axes at the fixed point; ``gamma`` is the upward vertical seen from the body.
+    ``I omega' = (I omega) × omega - mgl com × gamma`` and ``gamma' = gamma × omega`` in the
+    principal axes at the fixed point; ``gamma`` is the upward vertical seen from the body.
 
     Parameters
     ----------

@@ -106,8 +106,8 @@ def simulate(
 ) -> Run:
     """Integrate one body or many and return their states at the wanted times.
 
-    Each body is independent of the others: its numbers are the same bits alone, in any batch, on any
-    processor and for any number of threads.
+    Each body is independent of the others: its numbers are the same bits alone, in any batch, on
+    any processor and for any number of threads.
 
     Parameters
     ----------
@@ -123,7 +123,8 @@ def simulate(
     method : str
         One of :func:`rigid.methods`. Steps are equal between wanted times and end exactly on them.
     step : float, optional
-        Largest step (s). Default: each body turns by at most 1/16 rad a step, from a bound of its rates.
+        Largest step (s). Default: each body turns by at most 1/16 rad a step, from a bound of its
+        rates.
     record : {"attitude", "axis", "rates"}
         What is carried: the attitude; or the vertical seen from the body; or rates only. Asking for
         less is faster and changes no bit of the rates.
@@ -183,7 +184,7 @@ def replay_steps(
     step: float,
     strides: Sequence[int],
 ) -> Run:
-    """States of one body after the given numbers of steps of exactly ``step``: a sample of a map again."""
+    """A body of a map again: its states after these numbers of steps of exactly ``step``."""
     states = _core.simulate(
         **_columns(scene, omega.reshape(1, 3), attitude.reshape(1, 4), 1),
         method=method,
@@ -208,9 +209,7 @@ def _attitudes(attitude: ArrayLike | Rotation | None) -> tuple[NDArray[np.float6
     lengths = np.sqrt(np.einsum("ni,ni->n", quaternions, quaternions))
     if np.any(lengths == 0.0):
         index = int(np.flatnonzero(lengths == 0.0)[0])
-        raise ValueError(
-            f"attitude[{index}] = {quaternions[index].tolist()}: a zero quaternion is no attitude"
-        )
+        raise ValueError(f"attitude[{index}] = {[0.0] * 4}: a zero quaternion is no attitude")
     return quaternions / lengths[:, None], single
 
 
@@ -225,7 +224,8 @@ def _common_length(
     if single_omega or len(rates) == len(quaternions):
         return len(quaternions)
     raise ValueError(
-        f"attitude: expected shape ({len(rates)}, 4) to go with omega {rates.shape}, got {quaternions.shape}"
+        f"attitude: expected shape ({len(rates)}, 4) to go with omega {rates.shape}, "
+        f"got {quaternions.shape}"
     )
 
 
