@@ -21,8 +21,8 @@ impl Inertia {
         if moments.iter().any(|&m| m <= 0.0) {
             return Err(Error::MomentNotPositive(a, b, c));
         }
-        // Compared by halves, so that the sum of two huge moments cannot overflow.
-        let exceeds = |big: f64, x: f64, y: f64| 0.5 * big > (0.5 * x + 0.5 * y) * (1.0 + FLATNESS);
+        // As a difference: the sum of two huge moments could overflow, the half of a subnormal one rounds.
+        let exceeds = |big: f64, x: f64, y: f64| big - x > y + FLATNESS * big;
         if exceeds(a, b, c) || exceeds(b, c, a) || exceeds(c, a, b) {
             return Err(Error::MomentTriangle(a, b, c));
         }
@@ -53,7 +53,7 @@ pub fn principal_axes(tensor: [[f64; 3]; 3]) -> Result<(Inertia, [[f64; 3]; 3]),
             }
         }
     }
-    let matrix = Matrix3::from_fn(|i, j| 0.5 * (tensor[i][j] + tensor[j][i]));
+    let matrix = Matrix3::from_fn(|i, j| tensor[i][j] + 0.5 * (tensor[j][i] - tensor[i][j]));
     let eigen = SymmetricEigen::new(matrix);
     let mut order = [0, 1, 2];
     order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));

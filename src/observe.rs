@@ -1,8 +1,9 @@
 //! Streaming reductions: what is kept of a motion while it runs. Nothing is stored per step.
 
 use crate::method::Scheme;
-use crate::model::{Layout, Model, Parameters, direction};
+use crate::model::{Layout, Model, Parameters, cross, direction, dot};
 use crate::real::Real;
+use crate::special::atan2;
 
 /// What is watched, per body: one number each, updated in place.
 #[derive(Clone, Copy)]
@@ -131,13 +132,18 @@ impl Observe for Tilt {
 #[inline(always)]
 pub fn watch_tilt<R: Real>(watched: &mut Watched<R>, n: &[R; 3]) {
     let cosine = along(&watched.axis, n);
-    let sine = crate::model::cross(&watched.axis, n);
+    let sine = cross(&watched.axis, n);
     watched.cosine = watched.cosine.min(cosine);
-    watched.sine2 = watched.sine2.max(crate::model::dot(&sine, &sine));
+    watched.sine2 = watched.sine2.max(dot(&sine, &sine));
 }
 
 /// The largest tilt, from the smallest cosine and the largest squared sine: the sine is accurate for small
 /// angles, the cosine knows the quadrant.
 pub fn largest_tilt(cosine: f64, sine2: f64) -> f64 {
-    if cosine > 0.5 { sine2.sqrt().min(1.0).asin() } else { cosine.clamp(-1.0, 1.0).acos() }
+    if cosine > 0.5 {
+        atan2(sine2.sqrt(), (1.0 - sine2).max(0.0).sqrt())
+    } else {
+        let cosine = cosine.clamp(-1.0, 1.0);
+        atan2(((1.0 - cosine) * (1.0 + cosine)).sqrt(), cosine)
+    }
 }

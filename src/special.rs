@@ -186,3 +186,44 @@ pub fn ln<R: Real>(x: R) -> R {
     let correction = s.fma(half + r, k * R::splat(LN2_LOW));
     k * R::splat(LN2_HIGH) - ((half - correction) - f)
 }
+
+/// The angle of the point (x, y) from the x axis, in [-pi, pi], within 2 ulp; 0 at the origin.
+///
+/// Reduced to |t| <= tan(pi/8) by the diagonals; kernel coefficients of msun `s_atan.c`.
+#[inline(always)]
+pub fn atan2<R: Real>(y: R, x: R) -> R {
+    const AT: [f64; 11] = [
+        3.333_333_333_333_293_180_27e-1,
+        -1.999_999_999_987_648_324_76e-1,
+        1.428_571_427_250_346_637_11e-1,
+        -1.111_111_040_546_235_578_80e-1,
+        9.090_887_133_436_506_561_96e-2,
+        -7.691_876_205_044_829_994_95e-2,
+        6.661_073_137_387_531_206_69e-2,
+        -5.833_570_133_790_573_486_45e-2,
+        4.976_877_994_615_932_360_17e-2,
+        -3.653_157_274_421_691_552_70e-2,
+        1.628_582_011_536_578_236_23e-2,
+    ];
+    const TAN_PI_8: f64 = 0.414_213_562_373_095_048_80;
+    // Rounding of pi/4, pi/2 and pi: the low parts complete them to 106 bits.
+    const PI_4_LOW: f64 = 3.061_616_997_868_383_017_93e-17;
+    let (zero, one) = (R::splat(0.0), R::splat(1.0));
+    let (a, b) = (y.abs(), x.abs());
+    let steep = b.lt(a);
+    let (small, large) = (a.min(b), b.max(a));
+    let large = R::select(zero.lt(large), large, one);
+    // Near the diagonal, atan(s/l) = pi/4 - atan((l - s)/(l + s)).
+    let diagonal = (R::splat(TAN_PI_8) * large).lt(small);
+    let t = R::select(diagonal, small - large, small) / R::select(diagonal, small + large, large);
+    let z = t * t;
+    let correction = (t * z) * polynomial(z, AT);
+    // The octant, as a multiple of pi/4 to which the reduced angle is added, or from which it is taken.
+    let base = R::select(diagonal, one, zero);
+    let (base, sign) = (R::select(steep, R::splat(2.0) - base, base), R::select(steep, -one, one));
+    let behind = x.lt(zero);
+    let (base, sign) = (R::select(behind, R::splat(4.0) - base, base), R::select(behind, -sign, sign));
+    let tail = base.fma(R::splat(PI_4_LOW), -(sign * correction));
+    let angle = base.fma(R::splat(FRAC_PI_4), sign.fma(t, tail));
+    R::select(y.lt(zero), -angle, angle)
+}
