@@ -209,7 +209,7 @@ def _set_scale(ax: Axes, which: str, axis: Axis) -> None:
 
 
 def _share_label(result: StabilityMap) -> str:
-    return f"share stable until t = {result.spec.t_end:g} s ({result.spec.stable})"
+    return f"share stable until t = {result.spec.t_end:g} s"
 
 
 def _title(result: StabilityMap) -> str:
