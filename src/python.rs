@@ -212,7 +212,7 @@ fn simulate<'py>(
     let request = Request { bodies: &bodies, is_top, method, record, schedule, steps: &steps, max_steps };
     let states = interruptible(py, None, |stop| trajectory::simulate(&request, threads, isa, stop))?
         .ok_or_else(stopped)?;
-    states_to_dict(py, states, n)
+    states_to_dict(py, states, n, request.schedule.len())
 }
 
 fn bodies(
@@ -230,17 +230,12 @@ fn bodies(
     Ok((0..n).map(body).collect())
 }
 
-fn states_to_dict<'py>(py: Python<'py>, states: States, n: usize) -> PyResult<Bound<'py, PyDict>> {
+fn states_to_dict(py: Python<'_>, states: States, n: usize, times: usize) -> PyResult<Bound<'_, PyDict>> {
     let dict = PyDict::new(py);
-    let shaped = |values: Vec<f64>, width: usize| {
-        let times = if n == 0 { 0 } else { values.len() / (n * width) };
-        values.into_pyarray(py).reshape([n, times, width])
-    };
-    let optional =
-        |values: Vec<f64>, width: usize| (!values.is_empty()).then(|| shaped(values, width)).transpose();
+    let shaped = |values: Vec<f64>, width: usize| values.into_pyarray(py).reshape([n, times, width]);
     dict.set_item("omega", shaped(states.omega, 3)?)?;
-    dict.set_item("vertical", optional(states.vertical, 3)?)?;
-    dict.set_item("attitude", optional(states.attitude, 4)?)?;
+    dict.set_item("vertical", states.vertical.map(|values| shaped(values, 3)).transpose()?)?;
+    dict.set_item("attitude", states.attitude.map(|values| shaped(values, 4)).transpose()?)?;
     dict.set_item("energy_drift", states.energy_drift.into_pyarray(py))?;
     dict.set_item("momentum_drift", states.momentum_drift.into_pyarray(py))?;
     dict.set_item("unit_drift", states.unit_drift.into_pyarray(py))?;

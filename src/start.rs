@@ -141,16 +141,16 @@ pub struct State {
 ///
 /// A free body: its energy, and `2 L.L` for `L.L` (so that the number is that of |L|). A top: kinetic energy
 /// plus `mgl`, and |L| plus `sqrt(mgl I_max)`: the invariants themselves may vanish.
-fn invariant_scales(body: &Body) -> [f64; 2] {
+fn invariant_scales(body: &Body, is_top: bool) -> [f64; 2] {
     let momentum = [0, 1, 2].map(|k| body.moments[k] * body.omega[k]);
     let momentum2 = dot(&momentum, &momentum);
     let kinetic: f64 = (0..3).map(|k| 0.5 * body.moments[k] * body.omega[k] * body.omega[k]).sum();
     let mgl = body.weight.iter().map(|c| c * c).sum::<f64>().sqrt();
-    if mgl == 0.0 {
-        [kinetic, 2.0 * momentum2]
-    } else {
+    if is_top {
         let largest = body.moments.iter().fold(0.0_f64, |a, &b| a.max(b));
         [kinetic + mgl, momentum2.sqrt() + (mgl * largest).sqrt()]
+    } else {
+        [kinetic, 2.0 * momentum2]
     }
 }
 
@@ -224,7 +224,7 @@ pub fn load(
     group.count.0[lane] = 0.0;
 
     let [energy, momentum] = compiled.invariants(&parameters, &y);
-    let [energy_scale, momentum_scale] = invariant_scales(body);
+    let [energy_scale, momentum_scale] = invariant_scales(body, kernel.system.is_top());
     for (rows, start, scale) in
         [(&mut group.energy, energy, energy_scale), (&mut group.momentum, momentum, momentum_scale)]
     {
@@ -250,12 +250,36 @@ pub fn load(
 
 /// The side of zero that a component starts on; on zero, the side that it is about to enter.
 fn side(body: &Body, k: usize) -> f64 {
-    let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-    let n = body.vertical();
-    let torque = n[i] * body.weight[j] - n[j] * body.weight[i];
-    let gyroscopic = (body.moments[i] - body.moments[j]) * body.omega[i] * body.omega[j];
-    let value = if body.omega[k] == 0.0 { gyroscopic + torque } else { body.omega[k] };
+    let value = if body.omega[k] == 0.0 { rates_soon(body)[k] } else { body.omega[k] };
     if value < 0.0 { -1.0 } else { 1.0 }
+}
+
+/// The rates, times a time in which the body turns by a thousandth of a radian, after that time: by their
+/// Taylor series, since the first derivatives may vanish too (a top released at rest).
+fn rates_soon(body: &Body) -> [f64; 3] {
+    const TERMS: usize = 6;
+    let time = 1e-3 / body.fastest_rate();
+    let (i, c) = (body.moments, body.weight.map(|c| c * time * time));
+    let (mut w, mut n) = ([[0.0; 3]; TERMS], [[0.0; 3]; TERMS]);
+    w[0] = body.omega.map(|rate| rate * time);
+    n[0] = body.vertical();
+    let mut sum = w[0];
+    for m in 0..TERMS - 1 {
+        let order = (m + 1) as f64;
+        for x in 0..3 {
+            let (y, z) = ((x + 1) % 3, (x + 2) % 3);
+            let mut torque = n[m][y] * c[z] - n[m][z] * c[y];
+            let mut turning = 0.0;
+            for a in 0..=m {
+                torque += (i[y] - i[z]) * w[a][y] * w[m - a][z];
+                turning += n[a][y] * w[m - a][z] - n[a][z] * w[m - a][y];
+            }
+            w[m + 1][x] = torque / i[x] / order;
+            n[m + 1][x] = turning / order;
+            sum[x] += w[m + 1][x];
+        }
+    }
+    sum
 }
 
 /// Reads a lane back.

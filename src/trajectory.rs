@@ -96,10 +96,10 @@ impl Status {
 pub struct States {
     /// (n, times, 3)
     pub omega: Vec<f64>,
-    /// (n, times, 3), empty if not recorded.
-    pub vertical: Vec<f64>,
-    /// (n, times, 4), empty if not recorded.
-    pub attitude: Vec<f64>,
+    /// (n, times, 3), if recorded.
+    pub vertical: Option<Vec<f64>>,
+    /// (n, times, 4), if recorded.
+    pub attitude: Option<Vec<f64>>,
     /// Largest energy error at a wanted time, relative.
     pub energy_drift: Vec<f64>,
     /// Largest error of the conserved momentum at a wanted time, relative.
@@ -192,17 +192,16 @@ pub fn simulate(request: &Request, threads: usize, isa: Isa, stop: &AtomicBool) 
 impl States {
     fn new(n: usize, request: &Request) -> States {
         let times = request.schedule.len();
-        let vertical = if request.is_top && request.record != Record::Rates || request.record == Record::Axis
-        {
-            3 * n * times
-        } else {
-            0
+        let column = |width: usize| vec![f64::NAN; width * n * times];
+        let (vertical, attitude) = match request.record {
+            Record::Rates => (false, false),
+            Record::Axis => (true, false),
+            Record::Attitude => (request.is_top, true),
         };
-        let attitude = if request.record == Record::Attitude { 4 * n * times } else { 0 };
         States {
-            omega: vec![f64::NAN; 3 * n * times],
-            vertical: vec![f64::NAN; vertical],
-            attitude: vec![f64::NAN; attitude],
+            omega: column(3),
+            vertical: vertical.then(|| column(3)),
+            attitude: attitude.then(|| column(4)),
             energy_drift: vec![f64::NAN; n],
             momentum_drift: vec![f64::NAN; n],
             unit_drift: vec![f64::NAN; n],
@@ -212,14 +211,15 @@ impl States {
     }
 
     fn copy_body(&self, from: usize, to: &mut States, body: usize, times: usize) {
-        for (source, target, width) in [
-            (&self.omega, &mut to.omega, 3 * times),
-            (&self.vertical, &mut to.vertical, 3 * times),
-            (&self.attitude, &mut to.attitude, 4 * times),
-        ] {
-            if !source.is_empty() {
-                target[body * width..][..width].copy_from_slice(&source[from * width..][..width]);
-            }
+        let copy = |source: &[f64], target: &mut [f64], width: usize| {
+            target[body * width..][..width].copy_from_slice(&source[from * width..][..width]);
+        };
+        copy(&self.omega, &mut to.omega, 3 * times);
+        if let (Some(source), Some(target)) = (&self.vertical, &mut to.vertical) {
+            copy(source, target, 3 * times);
+        }
+        if let (Some(source), Some(target)) = (&self.attitude, &mut to.attitude) {
+            copy(source, target, 4 * times);
         }
         to.energy_drift[body] = self.energy_drift[from];
         to.momentum_drift[body] = self.momentum_drift[from];
@@ -265,7 +265,7 @@ impl<'a> Passengers<'a> {
             plans.push(plan);
         }
         for (lane, plan) in plans.iter().enumerate() {
-            let total: u64 = plan.iter().flatten().map(|(_, leg)| leg.steps).sum();
+            let total = plan.iter().flatten().fold(0_u64, |sum, (_, leg)| sum.saturating_add(leg.steps));
             if total > self.request.max_steps {
                 self.states.status[lane] = Status::StepLimit;
             } else {
@@ -309,13 +309,13 @@ impl<'a> Passengers<'a> {
         let mut units = 0.0_f64;
         if let Some(direction) = now.direction {
             units = worse(units, (norm(&direction) - 1.0).abs());
-            if !states.vertical.is_empty() {
-                states.vertical[3 * at..][..3].copy_from_slice(&direction);
+            if let Some(vertical) = &mut states.vertical {
+                vertical[3 * at..][..3].copy_from_slice(&direction);
             }
         }
-        if let Some(attitude) = now.attitude {
-            units = worse(units, (norm(&attitude) - 1.0).abs());
-            states.attitude[4 * at..][..4].copy_from_slice(&attitude);
+        if let (Some(now), Some(attitude)) = (now.attitude, &mut states.attitude) {
+            units = worse(units, (norm(&now) - 1.0).abs());
+            attitude[4 * at..][..4].copy_from_slice(&now);
         }
         for invariants in [Some(now.invariants), now.invariants_of_attitude].into_iter().flatten() {
             let drift = |rows: &DriftRows, value: f64| {
@@ -326,7 +326,8 @@ impl<'a> Passengers<'a> {
                 worse(states.momentum_drift[lane], drift(&group.momentum, invariants[1]));
         }
         states.unit_drift[lane] = worse(states.unit_drift[lane], units);
-        if !now.omega.iter().chain(&now.invariants).all(|x| x.is_finite()) {
+        let finite = now.omega.iter().chain(&now.invariants).all(|x| x.is_finite()) && units.is_finite();
+        if !finite {
             states.status[lane] = Status::NotFinite;
         } else if states.status[lane] == Status::Finished
             && states.energy_drift[lane].max(states.momentum_drift[lane]) > DRIFT_LIMIT

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import difflib
+import math
 import os
 from collections.abc import Iterable
-from typing import SupportsFloat, SupportsIndex
+from numbers import Real
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 __all__ = [
     "finite_float",
     "nearest",
+    "numbers",
     "one_of",
     "positive_int",
     "resolve_threads",
@@ -29,6 +31,12 @@ def nearest(name: str, known: Iterable[str]) -> str:
     return f"; did you mean {close[0]!r}?" if close else ""
 
 
+def _brief(value: object) -> str:
+    """``value`` on one line of moderate length."""
+    text = " ".join(repr(value).split())
+    return text if len(text) <= 80 else f"{text[:77]}..."
+
+
 def one_of(argument: str, value: object, known: Iterable[str]) -> str:
     """``value`` if it is one of the known names."""
     names = list(known)
@@ -42,10 +50,10 @@ def finite_float(
     name: str, value: object, *, positive: bool = False, nonnegative: bool = False
 ) -> float:
     """``value`` as a finite float; positive or not negative if asked."""
-    if isinstance(value, (str, bytes, bool, complex)) or not isinstance(
-        value, (SupportsFloat, SupportsIndex)
-    ):
-        raise TypeError(f"{name} = {value!r}: must be a number")
+    if isinstance(value, np.ndarray) and value.ndim == 0:
+        value = value[()]
+    if isinstance(value, bool) or not isinstance(value, Real):
+        raise TypeError(f"{name} = {_brief(value)}: must be a real number")
     number = float(value)
     if not np.isfinite(number):
         raise ValueError(f"{name} = {number}: must be finite")
@@ -62,17 +70,19 @@ def positive_int(name: str, value: object, *, minimum: int = 1) -> int:
         raise TypeError(f"{name} = {value!r}: must be a whole number")
     if value < minimum:
         raise ValueError(f"{name} = {value}: must be at least {minimum}")
+    if value >= 2**63:
+        raise ValueError(f"{name} = {value}: must be below 2**63")
     return int(value)
 
 
-def _numbers(name: str, value: ArrayLike) -> NDArray[np.float64]:
+def numbers(name: str, value: ArrayLike) -> NDArray[np.float64]:
     try:
         array = np.asarray(value)
-        if array.dtype.kind not in "iuf" and not (array.dtype.kind == "O" and array.size == 0):
-            raise TypeError(f"{name} = {value!r}: must be real numbers, got {array.dtype}")
-        return np.ascontiguousarray(array, dtype=np.float64).reshape(array.shape)
-    except ValueError as error:
-        raise ValueError(f"{name} = {value!r}: must be an array of numbers ({error})") from None
+    except ValueError:
+        raise ValueError(f"{name} = {_brief(value)}: must be an array of real numbers") from None
+    if array.dtype.kind not in "iuf":
+        raise TypeError(f"{name} = {_brief(value)}: must be real numbers, got {array.dtype}")
+    return np.ascontiguousarray(array, dtype=np.float64).reshape(array.shape)
 
 
 def _finite(name: str, array: NDArray[np.float64]) -> None:
@@ -84,7 +94,7 @@ def _finite(name: str, array: NDArray[np.float64]) -> None:
 
 def vector(name: str, value: ArrayLike, length: int) -> NDArray[np.float64]:
     """``value`` as a finite array of shape ``(length,)``."""
-    array = _numbers(name, value)
+    array = numbers(name, value)
     if array.shape != (length,):
         raise ValueError(f"{name}: expected shape ({length},), got {array.shape}")
     _finite(name, array)
@@ -93,7 +103,7 @@ def vector(name: str, value: ArrayLike, length: int) -> NDArray[np.float64]:
 
 def rows(name: str, value: ArrayLike, width: int) -> tuple[NDArray[np.float64], bool]:
     """``value`` as a finite contiguous array ``(n, width)``, and whether it was a single row."""
-    array = _numbers(name, value)
+    array = numbers(name, value)
     if array.ndim not in (1, 2) or array.shape[-1] != width:
         if array.size == 0 and array.ndim < 2:
             return np.empty((0, width)), False
@@ -105,7 +115,7 @@ def rows(name: str, value: ArrayLike, width: int) -> tuple[NDArray[np.float64], 
 def unit_vector(name: str, value: ArrayLike, length: int) -> NDArray[np.float64]:
     """``value`` as a vector of length one, which it must be to 1e-9; normalised to rounding."""
     array = vector(name, value, length)
-    norm = float(np.linalg.norm(array))
+    norm = math.hypot(*array.tolist())
     if abs(norm - 1.0) > 1e-9:
         raise ValueError(f"{name} = {array.tolist()}: must be a unit vector, its length is {norm}")
     return array / norm
@@ -113,7 +123,7 @@ def unit_vector(name: str, value: ArrayLike, length: int) -> NDArray[np.float64]
 
 def sorted_times(name: str, value: ArrayLike) -> NDArray[np.float64]:
     """``value`` as finite ascending times, shape ``(m,)``; a single time becomes one of one."""
-    array = np.atleast_1d(_numbers(name, value))
+    array = np.atleast_1d(numbers(name, value))
     if array.ndim != 1:
         raise ValueError(f"{name}: expected shape (m,), got {array.shape}")
     _finite(name, array)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
-from ._check import finite_float, vector
+from ._check import finite_float, numbers, vector
 
 __all__ = ["Body"]
 
@@ -67,14 +67,16 @@ class Body:
         mass: float | None = None,
         sides: ArrayLike | None = None,
     ) -> None:
-        checked = vector_allowing_nan("moments", moments)
+        checked = _three("moments", moments)
         _core.check_moments(checked)
         set_field = object.__setattr__  # the dataclass is frozen
         set_field(self, "moments", checked)
         set_field(self, "mass", None if mass is None else finite_float("mass", mass, positive=True))
-        set_field(
-            self, "sides", None if sides is None else tuple(vector("sides", sides, 3).tolist())
-        )
+        if sides is not None:
+            sides = tuple(vector("sides", sides, 3).tolist())
+            if min(sides) <= 0.0:
+                raise ValueError(f"sides = {sides}: every side must be positive")
+        set_field(self, "sides", sides)
 
     @classmethod
     def box(cls, a: float, b: float, c: float, *, mass: float = 1.0) -> Body:
@@ -125,7 +127,7 @@ class Body:
         >>> np.allclose(axes @ np.diag(body.moments) @ axes.T, [[2, 1, 0], [1, 2, 0], [0, 0, 2.5]])
         True
         """
-        array = np.asarray(tensor, dtype=np.float64)
+        array = numbers("tensor", tensor)
         if array.shape != (3, 3):
             raise ValueError(f"tensor: expected shape (3, 3), got {array.shape}")
         moments, axes = _core.principal_axes(array.tolist())
@@ -164,20 +166,19 @@ class Body:
         return cls(data["moments"], mass=data.get("mass"), sides=data.get("sides"))
 
 
-def vector_allowing_nan(name: str, value: ArrayLike) -> tuple[float, float, float]:
+def _three(name: str, value: ArrayLike) -> tuple[float, float, float]:
     """Three numbers; whether they are finite is for the core to say, with the rule it checks."""
-    array = np.asarray(value)
-    if array.dtype.kind not in "iuf":
-        raise TypeError(f"{name} = {value!r}: must be real numbers")
+    array = numbers(name, value)
     if array.shape != (3,):
         raise ValueError(f"{name}: expected shape (3,), got {array.shape}")
-    first, second, third = array.astype(np.float64).tolist()
+    first, second, third = array.tolist()
     return first, second, third
 
 
 def box_moments(a: ArrayLike, b: ArrayLike, c: ArrayLike, mass: ArrayLike) -> NDArray[np.float64]:
     """Moments of homogeneous boxes, ``(..., 3)``; the arguments broadcast."""
     a, b, c, mass = np.broadcast_arrays(a, b, c, mass)
-    squares = np.stack([b * b + c * c, a * a + c * c, a * a + b * b], axis=-1)
-    moments: NDArray[np.float64] = np.asarray(mass)[..., None] / 12.0 * squares
+    with np.errstate(over="ignore"):  # a moment that overflows is refused as such
+        squares = np.stack([b * b + c * c, a * a + c * c, a * a + b * b], axis=-1)
+        moments: NDArray[np.float64] = np.asarray(mass)[..., None] / 12.0 * squares
     return moments

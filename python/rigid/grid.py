@@ -291,6 +291,7 @@ def _moments(
     ratios = [name for name in values if "/" in name]
     targets = {name[:2] for name in ratios}
     # A ratio whose denominator another ratio sets has to wait for it.
-    for name in sorted(ratios, key=lambda ratio: ratio[-2:] in targets):
-        moments[:, int(name[1]) - 1] = values[name] * moments[:, int(name[4]) - 1]
+    with np.errstate(over="ignore"):  # a moment that overflows makes an impossible body
+        for name in sorted(ratios, key=lambda ratio: ratio[-2:] in targets):
+            moments[:, int(name[1]) - 1] = values[name] * moments[:, int(name[4]) - 1]
     return moments

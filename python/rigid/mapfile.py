@@ -93,6 +93,7 @@ def load_map(path: str | os.PathLike[str]) -> StabilityMap:
     True
     """
     import zipfile
+    import zlib
     from pathlib import Path
 
     source = Path(path)
@@ -100,7 +101,15 @@ def load_map(path: str | os.PathLike[str]) -> StabilityMap:
         with zipfile.ZipFile(source) as archive:
             header = json.loads(_read_array(archive, _SPEC).tobytes().decode())
             arrays = {name: _read_array(archive, name) for name in STORED}
-    except (EOFError, KeyError, ValueError, zipfile.BadZipFile) as error:
+    except (
+        EOFError,
+        KeyError,
+        NotImplementedError,
+        RuntimeError,
+        ValueError,
+        zipfile.BadZipFile,
+        zlib.error,
+    ) as error:
         raise ValueError(f"{source} is not a stability map: {_one_line(error)}") from None
     if not isinstance(header, dict) or header.get("format") != FORMAT:
         raise ValueError(f"{source} is not a stability map: its header is not that of one")
@@ -111,7 +120,7 @@ def load_map(path: str | os.PathLike[str]) -> StabilityMap:
         )
     try:
         spec = MapSpec.from_dict(header["spec"])
-    except (KeyError, TypeError, ValueError) as error:
+    except (AttributeError, KeyError, TypeError, ValueError) as error:
         raise ValueError(f"{source} holds a broken specification: {_one_line(error)}") from None
     for name, array in arrays.items():
         if array.shape != spec.shape:

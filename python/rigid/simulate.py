@@ -147,7 +147,7 @@ def simulate(
     Examples
     --------
     >>> import numpy as np, rigid
-    >>> book = rigid.FreeBody(rigid.Body.box(0.25, 0.08, 0.01, mass=0.3))
+    >>> book = rigid.FreeBody(rigid.Body.box(0.01, 0.08, 0.25, mass=0.3))
     >>> run = rigid.simulate(book, [1e-10, 1.0, 1e-10], t=[0.0, 26.634], step=0.01)
     >>> bool(abs(run.omega[-1, 1]) < 1e-3)  # it has left the middle axis by then
     True
@@ -206,10 +206,13 @@ def _attitudes(attitude: ArrayLike | Rotation | None) -> tuple[NDArray[np.float6
     if hasattr(attitude, "as_quat"):
         attitude = attitude.as_quat(scalar_first=True)
     quaternions, single = rows("attitude", attitude, 4)
-    lengths = np.sqrt(np.einsum("ni,ni->n", quaternions, quaternions))
-    if np.any(lengths == 0.0):
-        index = int(np.flatnonzero(lengths == 0.0)[0])
+    largest = np.abs(quaternions).max(axis=1, initial=0.0)
+    if np.any(largest == 0.0):
+        index = int(np.flatnonzero(largest == 0.0)[0])
         raise ValueError(f"attitude[{index}] = {[0.0] * 4}: a zero quaternion is no attitude")
+    # Scaled by a power of two, which is exact, so that no square leaves the range of doubles.
+    quaternions = np.ldexp(quaternions, -np.frexp(largest)[1][:, None])
+    lengths = np.sqrt(np.einsum("ni,ni->n", quaternions, quaternions))
     return quaternions / lengths[:, None], single
 
 
