@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from physics import METHODS, ROUNDOFF, Floats, Golden, golden, golden_scene, rotation_angle
+from numpy.typing import ArrayLike
 
 import rigid
+from physics import METHODS, ROUNDOFF, Golden, golden, golden_scene, rotation_angle
 
 #: Scene, the time up to which it runs, and the largest of the six steps. At that step the leading
 #: term of the error rules (the body turns by about 0.1 to 0.3 rad a step), and the error of the
@@ -25,7 +26,7 @@ HALVINGS = 0.5 ** np.arange(6)
 
 
 def errors(identifier: str, method: str, until: float, step: float) -> tuple[float, float]:
-    """Root mean square over the reference times: a single time could sit where the error vanishes."""
+    """Root mean square over the reference times: at a single one the error could vanish."""
     case = golden_scene(identifier)
     run = case.run(method, until=until, step=step)
     m = len(run.t)
@@ -35,7 +36,7 @@ def errors(identifier: str, method: str, until: float, step: float) -> tuple[flo
     return float(np.sqrt(np.mean(of_rates**2))), float(np.sqrt(np.mean(of_attitude**2)))
 
 
-def slope(steps: Floats, error: Floats) -> float:
+def slope(steps: ArrayLike, error: ArrayLike) -> float:
     return float(np.polyfit(np.log(steps), np.log(error), 1)[0])
 
 
@@ -74,7 +75,7 @@ def test_splitting_of_the_free_symmetric_body_is_exact_for_any_step(case: Golden
 
 
 def test_bodies_that_are_symmetric_but_for_rounding_are_not_rounded_to_symmetric_ones() -> None:
-    """The table of a body follows from its moments to the bit, so nearly symmetric bodies are split."""
+    """The table of a body follows from its moments to the bit; nearly symmetric ones are split."""
     case = golden_scene("free_symmetric/near_sym_1e-12")
     coarse, fine = (case.run("splitting", step=step) for step in (0.1, 0.05))
     error = [np.abs(run.omega - case.omega).max() for run in (coarse, fine)]

@@ -11,10 +11,10 @@ from itertools import pairwise, permutations
 
 import numpy as np
 import pytest
-from physics import METHODS, ROUNDOFF, Floats, golden_number, present, rotation_matrix
 from scipy.special import ellipk
 
 import rigid
+from physics import METHODS, ROUNDOFF, Floats, golden_number, present, rotation_matrix
 
 BOX = rigid.Body.box(0.01, 0.08, 0.25)
 SCENE = rigid.FreeBody(BOX)
@@ -25,13 +25,17 @@ EXACT_GAMMAS = (Fraction(561, 689), Fraction(-312, 313), Fraction(63, 65))
 STEPS = {"rk4": (2.5e-3, 2e-11), "splitting": (2.5e-3, 2e-5)}
 
 
-def rates(start: list[float], t: list[float] | Floats, method: str = "rk4", step: float = 0.01) -> Floats:
+def rates(
+    start: list[float], t: list[float] | Floats, method: str = "rk4", step: float = 0.01
+) -> Floats:
     return rigid.simulate(SCENE, start, t=t, method=method, step=step, record="rates").omega
 
 
 def test_moments_are_689_626_65() -> None:
     # A side in binary is half a roundoff off, its square one; squares, sums, mass/12: three more.
-    assert [12e4 * moment for moment in BOX.moments] == pytest.approx([689, 626, 65], rel=5 * ROUNDOFF)
+    assert [12e4 * moment for moment in BOX.moments] == pytest.approx(
+        [689, 626, 65], rel=5 * ROUNDOFF
+    )
 
 
 def test_gammas_are_exact_fractions() -> None:
@@ -90,7 +94,7 @@ def crossings(start: list[float], method: str, until: float) -> list[tuple[float
 
 
 def quarter_period(start: list[float]) -> float:
-    """``K(m)/p`` of a motion that circulates about axis 1 (Landau & Lifshitz §37, moments descending)."""
+    """``K(m)/p`` of a motion that circulates about axis 1 (Landau & Lifshitz §37)."""
     i1, i2, i3 = (float(moment) for moment in EXACT_MOMENTS)
     w1, w2, w3 = start
     above = i1 * (i1 - i3) * w1**2 + i2 * (i2 - i3) * w2**2  # L^2 - 2 E I3
@@ -101,7 +105,7 @@ def quarter_period(start: list[float]) -> float:
 
 @pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
 def test_signs_and_slopes_of_one_cycle(method: rigid.Method) -> None:
-    """Between its four zeros a cycle about axis 1 has these signs of omega and of its derivative."""
+    """Between its four zeros a cycle about axis 1 has these signs of omega and its derivative."""
     start = [1.0, 0.3, 0.2]
     found = crossings(start, method.name, 12.0)[:4]
     assert [component for _, component in found] == [1, 2, 1, 2]
@@ -163,7 +167,10 @@ def test_fixed_noise_returns_after_a_period(axis: str) -> None:
 
 def changes_sign(start: list[float]) -> list[bool]:
     omega = rates(start, np.linspace(0.0, 200.0, 4001), step=0.01)
-    return [bool(low < 0.0 < high) for low, high in zip(omega.min(axis=0), omega.max(axis=0), strict=True)]
+    return [
+        bool(low < 0.0 < high)
+        for low, high in zip(omega.min(axis=0), omega.max(axis=0), strict=True)
+    ]
 
 
 def test_separatrix_parts_the_starts_that_keep_a_sign() -> None:

@@ -1,7 +1,7 @@
-//! sincos, exp, ln and the coefficients of Rodrigues' formula against 40-digit values
+//! sincos, exp, ln, atan2 and the coefficients of Rodrigues' formula against 40-digit values
 //! (tests/golden/make_elementary.py).
 
-use rigid::special::{exp, ln, rodrigues, sincos};
+use rigid::special::{atan2, exp, ln, rodrigues, sincos};
 use serde_json::Value;
 use std::f64::consts::{FRAC_PI_4, TAU};
 
@@ -24,46 +24,47 @@ fn ulp(x: f64) -> f64 {
     x.abs().next_up() - x.abs()
 }
 
-/// The rows of a table: the argument, then its values.
-fn golden(table: &str) -> Vec<(f64, Vec<Golden>)> {
+/// The rows of a table: N arguments, then the values.
+fn golden<const N: usize>(table: &str) -> Vec<([f64; N], Vec<Golden>)> {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/golden/elementary.json");
     let file: Value = serde_json::from_reader(std::fs::File::open(path).unwrap()).unwrap();
     let row = |row: &Value| {
         let numbers: Vec<f64> = row.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect();
-        (numbers[0], numbers[1..].chunks(2).map(|pair| Golden { near: pair[0], miss: pair[1] }).collect())
+        let (arguments, values) = numbers.split_first_chunk::<N>().unwrap();
+        (*arguments, values.chunks(2).map(|pair| Golden { near: pair[0], miss: pair[1] }).collect())
     };
     file[table].as_array().unwrap().iter().map(row).collect()
 }
 
-/// Asserts the largest error of `function` over a table, in ulp, and names the argument.
-fn within_one_ulp(table: &str, function: impl Fn(f64) -> Vec<f64>) {
-    let mut worst = (0.0, f64::NAN);
+/// Asserts the largest error of `function` over a table, in ulp, and names the arguments.
+fn within_ulps<const N: usize>(bound: f64, table: &str, function: impl Fn([f64; N]) -> Vec<f64>) {
+    let mut worst = (0.0, [f64::NAN; N]);
     for (x, values) in golden(table) {
         for (value, got) in values.iter().zip(function(x)) {
             let error = value.ulps(got);
-            assert!(error.is_finite(), "{table}({x:e}) = {got:e} instead of {:e}", value.near);
+            assert!(error.is_finite(), "{table}{x:?} = {got:e} instead of {:e}", value.near);
             if error > worst.0 {
                 worst = (error, x);
             }
         }
     }
-    println!("{table}: {:.3} ulp at {:e}", worst.0, worst.1);
-    assert!(worst.0 <= 1.0, "{table}: {} ulp at {:e}", worst.0, worst.1);
+    println!("{table}: {:.3} ulp at {:?}", worst.0, worst.1);
+    assert!(worst.0 <= bound, "{table}: {} ulp at {:?}", worst.0, worst.1);
 }
 
 #[test]
 fn the_table_is_read_exactly() {
     // A reader of decimal numbers that is an ulp off would be seen as an error of the functions.
-    let ln_of_two = golden("ln").into_iter().find(|(x, _)| *x == 2.0).unwrap().1[0];
+    let ln_of_two = golden("ln").into_iter().find(|(x, _)| *x == [2.0]).unwrap().1[0];
     assert_eq!(ln_of_two.near, std::f64::consts::LN_2);
     // ln 2 = 0.693147180559945309417232121458..., 0.208881 ulp above its double.
     assert_eq!(ln_of_two.miss, 0.208_881);
-    assert!(golden("exp").iter().any(|(_, v)| v[0].near == 5e-324));
+    assert!(golden::<1>("exp").iter().any(|(_, v)| v[0].near == 5e-324));
 }
 
 #[test]
 fn sine_and_cosine() {
-    within_one_ulp("sincos", |x| {
+    within_ulps(1.0, "sincos", |[x]| {
         let (sin, cos) = sincos(x);
         vec![sin, cos]
     });
@@ -71,12 +72,17 @@ fn sine_and_cosine() {
 
 #[test]
 fn exponential() {
-    within_one_ulp("exp", |x| vec![exp(x)]);
+    within_ulps(1.0, "exp", |[x]| vec![exp(x)]);
 }
 
 #[test]
 fn logarithm() {
-    within_one_ulp("ln", |x| vec![ln(x)]);
+    within_ulps(1.0, "ln", |[x]| vec![ln(x)]);
+}
+
+#[test]
+fn angle_of_a_point() {
+    within_ulps(2.0, "atan2", |[y, x]| vec![atan2(y, x)]);
 }
 
 #[test]
@@ -87,12 +93,13 @@ fn zeros() {
     }
     assert_eq!(ln(1.0_f64).to_bits(), 0);
     assert_eq!(rodrigues(0.0), (1.0, 0.5));
+    assert_eq!(atan2(0.0, 0.0), 0.0);
 }
 
 /// Both branches, and the border between them, have the symmetry of the functions to the bit.
 #[test]
 fn sine_is_odd_and_cosine_even() {
-    for (x, _) in golden("sincos") {
+    for ([x], _) in golden("sincos") {
         let ((s, c), (minus_s, minus_c)) = (sincos(x), sincos(-x));
         assert_eq!((minus_s, minus_c), (-s, c), "at {x:e}");
     }
@@ -128,7 +135,7 @@ fn out_of_range() {
 fn rodrigues_on_both_sides_of_its_limit() {
     let limit = FRAC_PI_4 * FRAC_PI_4;
     let mut seen = [0; 2];
-    for (z, values) in golden("rodrigues") {
+    for ([z], values) in golden("rodrigues") {
         let (first, second) = rodrigues(z);
         for (value, got) in values.iter().zip([first, second]) {
             if z <= limit {

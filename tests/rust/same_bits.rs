@@ -22,23 +22,33 @@ fn all_bits(numbers: &[f64]) -> Vec<u64> {
     numbers.iter().map(|&x| bits(x)).collect()
 }
 
-/// Every combination that was compiled: the others are refused.
+const SYSTEMS: [(System, &[Watch]); 6] = [
+    (System::FreeRates, &[Watch::Nothing, Watch::Flips]),
+    (System::FreeAxis, &[Watch::Nothing, Watch::Tilt]),
+    (System::FreeAttitude, &[Watch::Nothing]),
+    (System::TopAxis, &[Watch::Nothing, Watch::Flips, Watch::Tilt]),
+    (System::TopTwoAxes, &[Watch::Tilt]),
+    (System::TopAttitude, &[Watch::Nothing]),
+];
+
+/// Every kernel there is.
 fn kernels() -> Vec<Kernel> {
-    use System::*;
-    use Watch::*;
-    let mut found = Vec::new();
-    for system in [FreeRates, FreeAxis, FreeAttitude, TopAxis, TopTwoAxes, TopAttitude] {
-        for watch in [Nothing, Flips, Tilt] {
-            for table in Table::ALL {
-                let kernel = Kernel { system, table, watch };
-                if std::panic::catch_unwind(|| Compiled::new(kernel, Isa::Scalar)).is_ok() {
-                    found.push(kernel);
-                }
-            }
+    let of_system = |(system, watches): (System, &'static [Watch])| {
+        let of_watch = move |&watch| Table::ALL.map(|table| Kernel { system, table, watch });
+        watches.iter().flat_map(of_watch)
+    };
+    SYSTEMS.into_iter().flat_map(of_system).collect()
+}
+
+#[test]
+fn the_list_of_kernels_is_complete() {
+    for (system, watches) in SYSTEMS {
+        for watch in [Watch::Nothing, Watch::Flips, Watch::Tilt] {
+            let kernel = Kernel { system, table: Table::Rk4, watch };
+            let exists = std::panic::catch_unwind(|| Compiled::new(kernel, Isa::Scalar)).is_ok();
+            assert_eq!(exists, watches.contains(&watch), "{kernel:?}");
         }
     }
-    assert_eq!(found.len(), 30);
-    found
 }
 
 /// A tumbling body, another for every number; a top if asked; symmetric about one of its axes if asked.
@@ -78,12 +88,13 @@ fn loads(kernel: Kernel) -> Vec<Load> {
         let mut body = body(lane as u64, kernel.system.is_top(), kernel.table == Table::Rotor);
         let mut step = 0.01 + 0.001 * lane as f64;
         match lane {
-            WILD => body.omega[0] = 1e18,
+            WILD => body.omega = [1e18; 3],
             FAST => step = 1.7,
             3 | 20 => step = 0.0,
             _ => {}
         }
-        let watched = [1, 2, 3, -1, -2, -3][lane % 6];
+        // Not the axis of symmetry, about which nothing ever flips.
+        let watched = [2, 3, 1, -2, -3, -1][lane % 6];
         Load { body, watched, step }
     };
     (0..LANES).map(of_lane).collect()
@@ -260,7 +271,7 @@ fn questions() -> Vec<Question> {
 fn of_body(states: &States, i: usize) -> (Vec<u64>, Status, u64) {
     let n = states.status.len();
     let mut numbers = Vec::new();
-    for field in [&states.omega, &states.vertical, &states.attitude] {
+    for field in [Some(&states.omega), states.vertical.as_ref(), states.attitude.as_ref()].into_iter().flatten() {
         let width = field.len() / n;
         numbers.extend_from_slice(&field[i * width..][..width]);
     }
@@ -332,7 +343,8 @@ fn less_asked_is_the_same() {
                     "{record:?} {method:?} {is_top}"
                 );
                 if is_top && record == Record::Axis {
-                    assert_eq!(all_bits(&less.vertical), all_bits(&attitude.vertical), "{method:?}");
+                    let verticals = [&less, &attitude].map(|s| all_bits(s.vertical.as_ref().unwrap()));
+                    assert_eq!(verticals[0], verticals[1], "{method:?}");
                 }
             }
         }
@@ -353,7 +365,7 @@ fn map(is_top: bool, method: Method, criterion: Criterion, step: Option<f64>) ->
     };
     let mut pixels = vec![pixel(1, false), pixel(2, true), pixel(5, false), pixel(6, false), pixel(7, false)];
     pixels[2].possible = false;
-    pixels[3].body.omega = [1e14, 1e14, 1e14];
+    pixels[3].body.omega = [1e17; 3];
     Map {
         is_top,
         method,
@@ -377,7 +389,7 @@ fn maps() -> Vec<Map> {
         map(false, Method::Splitting, Criterion::TiltFromStart(1.5), None),
         map(true, Method::Rk4, Criterion::TiltFromVertical(2.2), None),
         map(true, Method::Splitting, Criterion::NoFlip, Some(0.05)),
-        map(true, Method::Splitting, Criterion::TiltFromStart(0.9), Some(0.05)),
+        map(true, Method::Splitting, Criterion::TiltFromStart(2.6), Some(0.05)),
     ]
 }
 
@@ -447,7 +459,7 @@ fn a_sample_alone_is_the_sample_of_the_map() {
         let isa = Isa::available()[0];
         for flat in (0..map.len()).step_by(37) {
             let (pixel, sample) = (flat / SAMPLES, flat % SAMPLES);
-            let (body, class, outcome) = map.sample(pixel, sample, isa);
+            let (body, class, outcome) = map.sample(pixel, sample, isa, &GO).unwrap();
             let statistics = map.run(flat, flat + 1, 1, isa, &GO).unwrap().1[0];
             let mut expected = Statistics { earliest: f64::INFINITY, ..Default::default() };
             if map.pixels[pixel as usize].possible {
