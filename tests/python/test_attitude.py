@@ -1,0 +1,155 @@
+"""The attitude: a unit quaternion, scalar first, active, body to space."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+import rigid
+from physics import METHODS, ROUNDOFF, golden_number, present, rotation_angle, rotation_matrix
+
+FREE = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)))
+TOP = rigid.HeavyTop(rigid.Body((1.0, 1.5, 2.0)), mgl=3.0, com=(0.6, 0.0, 0.8))
+RATES = [0.3, 1.0, 0.2]
+START = np.array([0.5, -0.1, 0.7, 0.5])  # of length one
+
+
+def test_a_scipy_rotation_goes_in_and_comes_out() -> None:
+    given = Rotation.from_quat(START, scalar_first=True)
+    t = [0.0, 1.0, 2.0]
+    run = rigid.simulate(FREE, RATES, given, t=t)
+    plain = rigid.simulate(FREE, RATES, given.as_quat(scalar_first=True), t=t)
+    assert run.attitude is not None
+    assert run.attitude.tobytes() == present(plain.attitude).tobytes()
+    assert run.rotation().shape == (3,)
+    assert (run.rotation()[0] * given.inv()).magnitude() < 4 * ROUNDOFF
+    assert run.rotation().as_matrix() == pytest.approx(rotation_matrix(run.attitude), abs=1e-15)
+
+
+def test_a_batch_of_rotations() -> None:
+    given = Rotation.random(5, rng=np.random.default_rng(2))
+    run = rigid.simulate(FREE, RATES, given, t=[0.0, 1.0])
+    assert run.omega.shape == (5, 2, 3)
+    assert run.rotation().shape == (5, 2)
+    # Each body has the one rate, and its own attitude.
+    assert np.array_equal(run.omega[0], run.omega[4])
+    matrix = rotation_matrix(present(run.attitude))
+    assert matrix[:, 0] == pytest.approx(given.as_matrix(), abs=1e-15)
+
+
+def test_one_attitude_for_all_bodies() -> None:
+    rates = np.array([RATES, [1.0, 2.0, 3.0]])
+    shared = rigid.simulate(FREE, rates, START, t=[1.0])
+    each = rigid.simulate(FREE, rates, [START, START], t=[1.0])
+    assert present(shared.attitude).tobytes() == present(each.attitude).tobytes()
+
+
+def test_without_a_word_body_and_space_axes_coincide() -> None:
+    run = rigid.simulate(TOP, RATES, t=[0.0])
+    assert present(run.attitude)[0].tolist() == [1.0, 0.0, 0.0, 0.0]
+    assert present(run.gamma)[0].tolist() == [0.0, 0.0, 1.0]
+
+
+@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
+def test_scalar_first_and_active(method: rigid.Method) -> None:
+    """A sphere turning a quarter about axis 1 from rest: body axis 2 points along space axis 3."""
+    sphere = rigid.FreeBody(rigid.Body((1.0, 1.0, 1.0)))
+    run = rigid.simulate(sphere, [np.pi / 2, 0.0, 0.0], t=1.0, method=method.name, step=1e-3)
+    half = np.sqrt(0.5)
+    assert present(run.attitude)[0] == pytest.approx([half, half, 0.0, 0.0], abs=1e-12)
+    assert run.rotation().apply([0.0, 1.0, 0.0])[0] == pytest.approx([0.0, 0.0, 1.0], abs=1e-12)
+
+
+def test_gamma_is_the_vertical_in_body_components() -> None:
+    run = rigid.simulate(TOP, RATES, START, t=[0.0, 1.0, 2.0], step=1e-3)
+    up = run.rotation().inv().apply([0.0, 0.0, 1.0])
+    assert run.gamma == pytest.approx(up, abs=1e-12)
+
+
+@pytest.mark.parametrize("scene", [FREE, TOP], ids=["free", "top"])
+@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
+def test_the_attitude_turns_with_omega_in_the_body(
+    method: rigid.Method, scene: rigid.FreeBody | rigid.HeavyTop
+) -> None:
+    """R' = R hat(omega) by central differences, whose error is h^2 / 6 times a third derivative."""
+    h, step = 1e-3, 1e-4
+    run = rigid.simulate(
+        scene, RATES, START, t=[1.0 - h, 1.0, 1.0 + h], step=step, method=method.name
+    )
+    before, now, after = rotation_matrix(present(run.attitude))
+    x, y, z = run.omega[1]
+    hat = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    third = 50.0  # rates of a few rad/s, cubed
+    assert (after - before) / (2 * h) == pytest.approx(now @ hat, abs=third * h**2 / 6)
+    # With omega in space, or R the other way round, it would miss by much more.
+    assert np.abs((after - before) / (2 * h) - hat @ now).max() > 0.1
+
+
+@pytest.mark.parametrize("scene", [FREE, TOP], ids=["free", "top"])
+@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
+def test_a_quaternion_and_its_negative_are_the_same_attitude(
+    method: rigid.Method, scene: rigid.FreeBody | rigid.HeavyTop
+) -> None:
+    plus = rigid.simulate(scene, RATES, START, t=[1.0, 5.0], method=method.name)
+    minus = rigid.simulate(scene, RATES, -START, t=[1.0, 5.0], method=method.name)
+    assert np.array_equal(plus.omega, minus.omega)
+    assert np.array_equal(present(plus.attitude), -present(minus.attitude))
+
+
+def test_the_start_is_normalised() -> None:
+    unit = rigid.simulate(TOP, RATES, START, t=[0.0, 1.0])
+    for length in (2.0, 1e-3, 12345.6, 1e100, 1e-100):
+        run = rigid.simulate(TOP, RATES, length * START, t=[0.0, 1.0])
+        assert np.linalg.norm(present(run.attitude)[0]) == pytest.approx(1.0, abs=4 * ROUNDOFF)
+        assert run.omega == pytest.approx(unit.omega, abs=1e-14)
+    two = rigid.simulate(TOP, RATES, [2, 0, 0, 0], t=0.0)
+    assert present(two.attitude)[0].tolist() == [1.0, 0.0, 0.0, 0.0]
+
+
+@pytest.mark.parametrize("length", [1e200, 1e-200])
+def test_no_length_is_too_large_or_small_to_be_normalised(length: float) -> None:
+    """Its square overflows or vanishes, the quaternion does not."""
+    run = rigid.simulate(TOP, RATES, [length, 0.0, 0.0, 0.0], t=0.0)
+    assert present(run.attitude)[0].tolist() == [1.0, 0.0, 0.0, 0.0]
+
+
+def test_known_attitude_of_a_free_body() -> None:
+    body = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
+    run = rigid.simulate(body, [0.3, 0.2, 1.2], t=10.0, step=1e-3)
+    name = "free.I(1,2,3).w(0.3,0.2,1.2).t10"
+    assert run.omega[0] == pytest.approx(golden_number(f"{name}.w"), abs=1e-12)
+    matrix = rotation_matrix(present(run.attitude)[0]).ravel()
+    assert matrix == pytest.approx(golden_number(f"{name}.R_body_to_lab"), abs=1e-12)
+
+
+@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
+def test_momentum_stands_still_in_space(method: rigid.Method) -> None:
+    run = rigid.simulate(
+        FREE, RATES, START, t=np.linspace(0, 20, 21), method=method.name, step=1e-3
+    )
+    momentum = run.rotation().apply(run.omega * FREE.body.moments)
+    # The splitting turns L and q by the same angles; rk4 with turns of 1e-3 errs below 1e-12.
+    assert momentum == pytest.approx(np.tile(momentum[0], (21, 1)), abs=1e-12)
+
+
+def test_principal_axes_of_a_tensor_carry_the_motion() -> None:
+    """A body given by a tensor in other axes moves as the body in its principal axes, turned."""
+    turn = Rotation.from_euler("zxz", [0.3, 1.1, -0.4])
+    tensor = turn.as_matrix() @ np.diag([1.0, 1.5, 2.0]) @ turn.as_matrix().T
+    body, axes = rigid.Body.from_tensor(tensor)
+    assert body.moments == pytest.approx((1.0, 1.5, 2.0), rel=1e-14)
+    assert np.linalg.det(axes) == pytest.approx(1.0)
+    in_given_axes = np.array([0.7, -1.1, 0.6])
+    frame = Rotation.from_matrix(axes)
+    run = rigid.simulate(
+        rigid.FreeBody(body), axes.T @ in_given_axes, frame, t=[0.0, 3.0], step=1e-3
+    )
+    momentum = run.rotation().apply(run.omega * body.moments)
+    assert momentum == pytest.approx(np.tile(tensor @ in_given_axes, (2, 1)), abs=1e-12)
+
+
+def test_rotation_angle_of_the_tests_sees_small_angles() -> None:
+    tiny = np.array([1.0, 3e-12, 0.0, 4e-12])
+    assert rotation_angle(tiny, [1.0, 0.0, 0.0, 0.0]) == pytest.approx(1e-11, rel=1e-12)
+    assert rotation_angle(-tiny, [2.0, 0.0, 0.0, 0.0]) == pytest.approx(1e-11, rel=1e-12)

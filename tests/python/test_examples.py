@@ -1,0 +1,56 @@
+"""The examples of the documentation run and print what they say."""
+
+from __future__ import annotations
+
+import doctest
+import importlib
+import pkgutil
+import re
+from pathlib import Path
+
+import pytest
+
+import rigid
+
+README = Path(__file__).parents[2] / "README.md"
+
+MODULES = ["rigid"] + [
+    f"rigid.{module.name}"
+    for module in pkgutil.iter_modules(rigid.__path__)
+    if module.name not in ("_core", "__main__")
+]
+
+
+@pytest.fixture(autouse=True)
+def _elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What an example writes goes to a place of its own, and no window opens."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("MPLBACKEND", "Agg")
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_docstrings(name: str) -> None:
+    module = importlib.import_module(name)
+    assert doctest.testmod(module).failed == 0
+
+
+def test_the_public_names_with_arguments_have_examples() -> None:
+    finder = doctest.DocTestFinder()
+    for name in ("Body", "FreeBody", "HeavyTop", "simulate", "methods", "build_info"):
+        found = finder.find(getattr(rigid, name), name)
+        assert any(test.examples for test in found), name
+
+
+def test_readme() -> None:
+    """All Python blocks, one after the other as a reader would run them."""
+    blocks = re.findall(r"^```python\n(.*?)^```", README.read_text(), re.MULTILINE | re.DOTALL)
+    names: dict[str, object] = {"__name__": "readme"}
+    for number, block in enumerate(blocks):
+        if ">>>" in block:
+            test = doctest.DocTestParser().get_doctest(
+                block, names, f"block {number}", "README.md", 0
+            )
+            assert doctest.DocTestRunner().run(test, clear_globs=False).failed == 0
+            names.update(test.globs)
+        else:
+            exec(compile(block, f"README.md, block {number}", "exec"), names)
