@@ -25,9 +25,9 @@ __all__ = [
 ]
 
 
-def nearest(name: str, known: Iterable[str]) -> str:
+def nearest(name: object, known: Iterable[str]) -> str:
     """A hint such as ``"; did you mean 'spin'?"``, or nothing if no known name is close."""
-    close = difflib.get_close_matches(name, list(known), n=1)
+    close = difflib.get_close_matches(name, list(known), n=1) if isinstance(name, str) else []
     return f"; did you mean {close[0]!r}?" if close else ""
 
 
@@ -42,8 +42,10 @@ def one_of(argument: str, value: object, known: Iterable[str]) -> str:
     names = list(known)
     if isinstance(value, str) and value in names:
         return value
-    hint = nearest(value, names) if isinstance(value, str) else ""
-    raise ValueError(f"{argument} = {value!r}: must be one of {', '.join(map(repr, names))}{hint}")
+    known_names = ", ".join(map(repr, names))
+    raise ValueError(
+        f"{argument} = {_brief(value)}: must be one of {known_names}{nearest(value, names)}"
+    )
 
 
 def finite_float(

@@ -90,6 +90,8 @@ def _stem(out: str | None, name: str) -> Path:
     stem = Path(out or name)
     if stem.suffix in (".png", ".npz"):
         stem = stem.with_suffix("")
+    if not stem.name:
+        raise ValueError(f"--out: {str(stem)!r} names a directory, not a file")
     if not stem.parent.is_dir():
         raise ValueError(f"--out: there is no directory {str(stem.parent)!r}")
     return stem

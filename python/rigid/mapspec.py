@@ -18,7 +18,7 @@ from .methods import method_names
 from .scenes import HeavyTop, Scene, scene_from_dict
 from .starts import Start
 
-__all__ = ["MAX_STEPS", "MapSpec", "core_job", "scene_words", "seed_from"]
+__all__ = ["MAX_STEPS", "MapSpec", "checked_seed", "core_job", "scene_words", "seed_from"]
 
 MAX_STEPS = 1_000_000_000
 
@@ -95,7 +95,9 @@ class MapSpec:
         if self.check > 1.0:
             raise ValueError(f"check = {self.check}: must lie in [0, 1]")
         one_of("method", self.method, method_names())
-        put("seed", _checked_seed(self.seed))
+        put("seed", checked_seed("seed", self.seed))
+        if self.title is not None and not isinstance(self.title, str):
+            raise TypeError(f"title = {self.title!r}: must be a string")
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -186,18 +188,21 @@ def seed_from(rng: int | np.random.Generator | np.random.SeedSequence | None) ->
         low, high = rng.generate_state(2, np.uint64).tolist()
     elif isinstance(rng, np.random.Generator):
         low, high = rng.integers(2**64, size=2, dtype=np.uint64).tolist()
+    elif isinstance(rng, (int, np.integer)):
+        return checked_seed("rng", rng)
     else:
-        return _checked_seed(rng)
+        raise TypeError(
+            f"rng = {rng!r}: must be a whole number, a numpy Generator or SeedSequence, or None"
+        )
     return int(low) | int(high) << 64
 
 
-def _checked_seed(seed: object) -> int:
+def checked_seed(name: str, seed: object) -> int:
+    """``seed`` as a key of the random numbers, a whole number of at most 128 bits."""
     if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)):
-        raise TypeError(
-            f"rng = {seed!r}: must be a whole number, a numpy Generator or SeedSequence, or None"
-        )
+        raise TypeError(f"{name} = {seed!r}: must be a whole number")
     if not 0 <= int(seed) < 2**128:
-        raise ValueError(f"rng = {seed}: must lie in 0 .. 2**128 - 1")
+        raise ValueError(f"{name} = {seed}: must lie in 0 .. 2**128 - 1")
     return int(seed)
 
 

@@ -19,7 +19,7 @@ from ._check import finite_float, nearest, one_of, positive_int, vector
 from .bodies import Body
 from .criteria import Criterion, NoFlip, TiltBelow
 from .grid import PARAMETERS, Axis, check_applicable, make_axes
-from .mapspec import MAX_STEPS, MapSpec, seed_from
+from .mapspec import MAX_STEPS, MapSpec, checked_seed, seed_from
 from .methods import method_names
 from .scenes import FreeBody, HeavyTop, Scene
 from .starts import NOISE_KINDS, Noise, Start
@@ -124,7 +124,7 @@ def parse_spec(text: str, file: str) -> MapSpec:
             step=run.take("step", finite_float, default=None),
             check=run.take("check", finite_float, default=1.0),
             max_steps=run.take("max_steps", positive_int, default=MAX_STEPS),
-            seed=seed_from(run.take("seed", _seed, default=None)),
+            seed=seed_from(run.take("seed", checked_seed, default=None)),
             title=document.take("title", _text, default=None),
         )
     )
@@ -199,10 +199,6 @@ def _mapping(key: str, value: object) -> Mapping[str, Any]:
     if not isinstance(value, dict):
         raise TypeError(f"{key} = {value!r}: must be a table")
     return value
-
-
-def _seed(key: str, value: object) -> int:
-    return positive_int(key, value, minimum=0)
 
 
 def _three(key: str, value: ArrayLike) -> tuple[float, float, float]:
