@@ -3,11 +3,10 @@
 use crate::clock::thread_nanoseconds;
 use crate::kernel::{Compiled, Group, Kernel, LANES, System, Table, Watch};
 use crate::method::Method;
-use crate::observe::largest_tilt;
+use crate::observe::{TiltLimit, largest_tilt};
 use crate::run::over_blocks;
 use crate::sample::{self, Law};
 use crate::simd::Isa;
-use crate::special::sincos;
 use crate::start::{Body, Seat, load};
 use crate::trajectory::{DRIFT_LIMIT, Status};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -108,7 +107,7 @@ pub struct Outcome {
     pub status: Status,
     /// Sign changes seen.
     pub flips: u64,
-    /// When stability was seen to be lost, NaN if it was not.
+    /// When stability was lost, infinite if it was not.
     pub left: f64,
     /// Largest tilt, NaN if none is watched (rad).
     pub tilt: f64,
@@ -269,7 +268,7 @@ impl Map {
         if bursts < 1e18 { bursts as u64 * BURST } else { u64::MAX }
     }
 
-    /// The verdict from both runs of a sample.
+    /// The verdict from both runs of a sample. A repetition that would take too many steps says nothing.
     fn verdict(first: &Outcome, halved: Option<&Outcome>) -> Class {
         match halved {
             Some(second) if first.class != Class::Failed && second.class != first.class => Class::Undecided,
@@ -347,7 +346,7 @@ impl Map {
             }
             let statistics = &mut pixels.last_mut().expect("pushed above").1;
             if let Some(first) = &outcomes[0][index] {
-                let halved = outcomes[1][index].as_ref();
+                let halved = outcomes[1][index].as_ref().filter(|h| h.status != Status::StepLimit);
                 statistics.add(Map::verdict(first, halved), first, halved.is_some());
                 statistics.steps += first.steps + halved.map_or(0, |h| h.steps);
             }
@@ -377,7 +376,7 @@ impl Map {
         let mut target = [f64::INFINITY; LANES];
         let mut jobs = jobs.iter();
         let mut aboard = 0;
-        let limits = self.limits();
+        let limit = self.tilt_limit();
         loop {
             for lane in 0..LANES {
                 while lanes[lane].is_none() {
@@ -391,6 +390,14 @@ impl Map {
                     let step = self.t_end / steps as f64;
                     let seat = Seat::of(self.method, body.moments);
                     load(&mut group, lane, (kernel, compiled), seat, body, self.axis, step);
+                    if let Some(limit) = limit {
+                        group.limit[0].0[lane] = limit.cosine;
+                        group.limit[1].0[lane] = limit.sine2;
+                        // Beyond the limit from the start.
+                        if group.cosine.0[lane] < limit.cosine || group.sine2.0[lane] > limit.sine2 {
+                            group.left.0[lane] = 0.0;
+                        }
+                    }
                     target[lane] = steps as f64;
                     lanes[lane] = Some(Passenger { job, step });
                     aboard += 1;
@@ -404,14 +411,14 @@ impl Map {
                     return None;
                 }
                 compiled.advance(&mut group, BURST as usize);
-                if any_done(&group, &target, &limits) {
+                if any_done(&group, &target) {
                     break;
                 }
             }
             for lane in 0..LANES {
                 let Some(passenger) = lanes[lane] else { continue };
-                if done(&group, lane, target[lane], &limits) {
-                    finish(passenger.job, self.outcome(&group, lane, passenger, &limits));
+                if done(&group, lane, target[lane]) {
+                    finish(passenger.job, self.outcome(&group, lane, passenger));
                     lanes[lane] = None;
                     target[lane] = f64::INFINITY;
                     aboard -= 1;
@@ -421,34 +428,26 @@ impl Map {
         }
     }
 
-    /// What ends a sample before its horizon.
-    fn limits(&self) -> Limits {
+    fn tilt_limit(&self) -> Option<TiltLimit> {
         match self.criterion {
-            Criterion::NoFlip => Limits { flips: 0.5, cosine: f64::NEG_INFINITY, sine2: f64::INFINITY },
+            Criterion::NoFlip => None,
             Criterion::TiltFromStart(angle) | Criterion::TiltFromVertical(angle) => {
-                let (sin, cos) = sincos(angle);
-                // Below 60 degrees the sine decides, above the cosine: see `largest_tilt`.
-                if cos > 0.5 {
-                    Limits { flips: f64::INFINITY, cosine: 0.5, sine2: sin * sin }
-                } else {
-                    Limits { flips: f64::INFINITY, cosine: cos, sine2: f64::INFINITY }
-                }
+                Some(TiltLimit::new(angle))
             }
         }
     }
 
     /// The outcome of a lane that is done.
-    fn outcome(&self, group: &Group, lane: usize, passenger: Passenger, limits: &Limits) -> Outcome {
+    fn outcome(&self, group: &Group, lane: usize, passenger: Passenger) -> Outcome {
         let energy_drift = group.energy.worst.0[lane];
         let momentum_drift = group.momentum.worst.0[lane];
         let steps = group.count.0[lane];
-        let watches_tilt = limits.flips == f64::INFINITY;
-        let left = limits.exceeded(group, lane);
+        let left = group.left.0[lane];
         let (class, status) = if !(energy_drift.is_finite() && momentum_drift.is_finite()) {
             (Class::Failed, Status::NotFinite)
         } else if energy_drift.max(momentum_drift) > DRIFT_LIMIT {
             (Class::Failed, Status::Drifted)
-        } else if left {
+        } else if left < f64::INFINITY {
             (Class::Unstable, Status::Stopped)
         } else {
             (Class::Stable, Status::Finished)
@@ -457,15 +456,10 @@ impl Map {
             class,
             status,
             flips: group.flips.0[lane] as u64,
-            left: match (left, watches_tilt) {
-                (false, _) => f64::NAN,
-                (true, true) => steps * passenger.step,
-                (true, false) => group.first_flip.0[lane],
-            },
-            tilt: if watches_tilt {
-                largest_tilt(group.cosine.0[lane], group.sine2.0[lane])
-            } else {
-                f64::NAN
+            left,
+            tilt: match self.criterion {
+                Criterion::NoFlip => f64::NAN,
+                _ => largest_tilt(group.cosine.0[lane], group.sine2.0[lane]),
             },
             energy_drift,
             momentum_drift,
@@ -497,7 +491,8 @@ impl Map {
             outcomes[usize::from(job.halved)] = Some(outcome);
         })?;
         let first = outcomes[0].expect("every job is finished");
-        Some((body, Map::verdict(&first, outcomes[1].as_ref()), first))
+        let halved = outcomes[1].as_ref().filter(|h: &&Outcome| h.status != Status::StepLimit);
+        Some((body, Map::verdict(&first, halved), first))
     }
 }
 
@@ -508,7 +503,7 @@ impl Outcome {
             class: Class::Failed,
             status: Status::StepLimit,
             flips: 0,
-            left: f64::NAN,
+            left: f64::INFINITY,
             tilt: f64::NAN,
             energy_drift: f64::NAN,
             momentum_drift: f64::NAN,
@@ -518,34 +513,17 @@ impl Outcome {
     }
 }
 
-/// The values of the observables beyond which a sample is unstable.
-struct Limits {
-    flips: f64,
-    cosine: f64,
-    sine2: f64,
-}
-
-impl Limits {
-    fn exceeded(&self, group: &Group, lane: usize) -> bool {
-        group.flips.0[lane] > self.flips
-            || group.cosine.0[lane] < self.cosine
-            || group.sine2.0[lane] > self.sine2
-    }
-}
-
 /// Whether a lane is at its horizon, has left stability, or is no longer to be believed.
 #[inline(always)]
-fn done(group: &Group, lane: usize, target: f64, limits: &Limits) -> bool {
+fn done(group: &Group, lane: usize, target: f64) -> bool {
     // Written without short cuts, so that the test of a whole group is a few vector instructions.
     (group.count.0[lane] >= target)
-        | (group.flips.0[lane] > limits.flips)
-        | (group.cosine.0[lane] < limits.cosine)
-        | (group.sine2.0[lane] > limits.sine2)
+        | (group.left.0[lane] < f64::INFINITY)
         // A NaN is not below the limit either.
         | !(group.energy.worst.0[lane] <= DRIFT_LIMIT)
         | !(group.momentum.worst.0[lane] <= DRIFT_LIMIT)
 }
 
-fn any_done(group: &Group, target: &[f64; LANES], limits: &Limits) -> bool {
-    (0..LANES).fold(false, |any, lane| any | done(group, lane, target[lane], limits))
+fn any_done(group: &Group, target: &[f64; LANES]) -> bool {
+    (0..LANES).fold(false, |any, lane| any | done(group, lane, target[lane]))
 }

@@ -57,11 +57,13 @@ pub struct Group {
     /// See `Watched`.
     pub flips: Row,
     /// See `Watched`.
-    pub first_flip: Row,
+    pub left: Row,
     /// See `Watched`.
     pub cosine: Row,
     /// See `Watched`.
     pub sine2: Row,
+    /// See `Watched`.
+    pub limit: [Row; 2],
     /// Energy.
     pub energy: DriftRows,
     /// `L.L` of a free body, `L.gamma` of a top.
@@ -81,9 +83,10 @@ impl Group {
             axis: [Row::ZERO; 3],
             side: Row::ZERO,
             flips: Row::ZERO,
-            first_flip: Row::ZERO,
+            left: Row::ZERO,
             cosine: Row::ZERO,
             sine2: Row::ZERO,
+            limit: [Row::ZERO; 2],
             energy: drift,
             momentum: drift,
         };
@@ -109,8 +112,11 @@ impl Group {
         self.step.0[lane] = 0.0;
         self.side.0[lane] = 0.0;
         self.flips.0[lane] = 0.0;
+        self.left.0[lane] = f64::INFINITY;
         self.cosine.0[lane] = 1.0;
         self.sine2.0[lane] = 0.0;
+        self.limit[0].0[lane] = f64::NEG_INFINITY;
+        self.limit[1].0[lane] = f64::INFINITY;
         for drift in [&mut self.energy, &mut self.momentum] {
             drift.start.0[lane] = 0.0;
             drift.inverse_scale.0[lane] = 0.0;
@@ -212,9 +218,10 @@ fn load_watched<P: Pack>(g: &Group, at: usize) -> Watched<P> {
         axis: load3(&g.axis, at),
         side: P::load(&g.side.0[at..]),
         flips: P::load(&g.flips.0[at..]),
-        first_flip: P::load(&g.first_flip.0[at..]),
+        left: P::load(&g.left.0[at..]),
         cosine: P::load(&g.cosine.0[at..]),
         sine2: P::load(&g.sine2.0[at..]),
+        limit: [P::load(&g.limit[0].0[at..]), P::load(&g.limit[1].0[at..])],
     }
 }
 
@@ -222,7 +229,7 @@ fn load_watched<P: Pack>(g: &Group, at: usize) -> Watched<P> {
 fn store_watched<P: Pack>(g: &mut Group, at: usize, w: &Watched<P>) {
     w.side.store(&mut g.side.0[at..]);
     w.flips.store(&mut g.flips.0[at..]);
-    w.first_flip.store(&mut g.first_flip.0[at..]);
+    w.left.store(&mut g.left.0[at..]);
     w.cosine.store(&mut g.cosine.0[at..]);
     w.sine2.store(&mut g.sine2.0[at..]);
 }

@@ -3,7 +3,7 @@
 use crate::method::Scheme;
 use crate::model::{Layout, Model, Parameters, cross, direction, dot};
 use crate::real::Real;
-use crate::special::atan2;
+use crate::special::{atan2, sincos};
 
 /// What is watched, per body: one number each, updated in place.
 #[derive(Clone, Copy)]
@@ -14,12 +14,36 @@ pub struct Watched<R> {
     pub side: R,
     /// Sign changes of the watched component.
     pub flips: R,
-    /// Time of the first, NaN before.
-    pub first_flip: R,
+    /// Time at which stability was lost: at the first flip or beyond the limit of the tilt; infinite before.
+    pub left: R,
     /// Smallest cosine of the tilt.
     pub cosine: R,
     /// Largest squared sine of the tilt.
     pub sine2: R,
+    /// The limit of the tilt, as a cosine and a squared sine; see `TiltLimit`.
+    pub limit: [R; 2],
+}
+
+/// A largest allowed tilt. Below 60 degrees the squared sine is compared, which is accurate for small angles,
+/// above it the cosine, which knows the quadrant; the cosine 1/2 parts the two.
+#[derive(Clone, Copy, Debug)]
+pub struct TiltLimit {
+    /// A tilt with a smaller cosine is beyond the limit.
+    pub cosine: f64,
+    /// So is one with a larger squared sine.
+    pub sine2: f64,
+}
+
+impl TiltLimit {
+    /// The limit at an angle.
+    pub fn new(angle: f64) -> TiltLimit {
+        let (sin, cos) = sincos(angle);
+        if cos > 0.5 {
+            TiltLimit { cosine: 0.5, sine2: sin * sin }
+        } else {
+            TiltLimit { cosine: cos, sine2: f64::INFINITY }
+        }
+    }
 }
 
 /// An observable: looks at each step from `before` to `after`, which began at `time`.
@@ -85,9 +109,7 @@ impl Observe for Flips {
             let begin_rate = along(&watched.axis, &scheme.velocity(p, before)) * p.step;
             let end_rate = along(&watched.axis, &scheme.velocity(p, after)) * p.step;
             let at = p.step.fma(hermite_root(begin, begin_rate, end, end_rate), time);
-            let first = watched.flips.lt(R::splat(0.5));
-            let time_of_first = R::select(first, at, watched.first_flip);
-            watched.first_flip = R::select(flipped, time_of_first, watched.first_flip);
+            watched.left = R::select(flipped, first_time(watched.left, at), watched.left);
             watched.flips = watched.flips + R::select(flipped, R::splat(1.0), zero);
             watched.side = R::select(flipped, -watched.side, watched.side);
         }
@@ -117,24 +139,44 @@ impl Observe for Tilt {
     #[inline(always)]
     fn after_step<R: Real, M: Model<R>, L: Layout, S: Scheme<R, M, L, D>, const D: usize>(
         _scheme: &S,
-        _p: &Parameters<R>,
+        p: &Parameters<R>,
         watched: &mut Watched<R>,
-        _time: R,
-        _before: &[R; D],
+        time: R,
+        before: &[R; D],
         after: &[R; D],
     ) {
-        let n = direction(after, L::VECTORS - 1);
-        watch_tilt(watched, &n);
+        let [cosine, sine2] = tilt(&watched.axis, &direction(after, L::VECTORS - 1));
+        watched.cosine = watched.cosine.min(cosine);
+        watched.sine2 = watched.sine2.max(sine2);
+        let margin = margin(&watched.limit, [cosine, sine2]);
+        let beyond = margin.lt(R::splat(0.0));
+        if R::any(beyond) {
+            // Where the margin vanishes on the way, to first order; at once if it was gone before.
+            let begin = tilt(&watched.axis, &direction(before, L::VECTORS - 1));
+            let begin = self::margin(&watched.limit, begin).max(R::splat(0.0));
+            let at = p.step.fma(begin / (begin - margin), time);
+            watched.left = R::select(beyond, first_time(watched.left, at), watched.left);
+        }
     }
 }
 
-/// Updates the largest tilt with the direction `n` seen from the body.
+/// Cosine and squared sine of the angle between a body axis and a direction seen from the body.
 #[inline(always)]
-pub fn watch_tilt<R: Real>(watched: &mut Watched<R>, n: &[R; 3]) {
-    let cosine = along(&watched.axis, n);
-    let sine = cross(&watched.axis, n);
-    watched.cosine = watched.cosine.min(cosine);
-    watched.sine2 = watched.sine2.max(dot(&sine, &sine));
+pub fn tilt<R: Real>(axis: &[R; 3], n: &[R; 3]) -> [R; 2] {
+    let sine = cross(axis, n);
+    [along(axis, n), dot(&sine, &sine)]
+}
+
+/// How far a tilt is from its limit; negative beyond.
+#[inline(always)]
+fn margin<R: Real>(limit: &[R; 2], [cosine, sine2]: [R; 2]) -> R {
+    (cosine - limit[0]).min(limit[1] - sine2)
+}
+
+/// `at`, unless something was lost before.
+#[inline(always)]
+fn first_time<R: Real>(left: R, at: R) -> R {
+    R::select(left.lt(R::splat(f64::INFINITY)), left, at)
 }
 
 /// The largest tilt, from the smallest cosine and the largest squared sine: the sine is accurate for small

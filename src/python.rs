@@ -424,7 +424,7 @@ impl MapJob {
         dict.set_item("class", class.name())?;
         dict.set_item("status", Status::name(status))?;
         dict.set_item("flips", flips)?;
-        dict.set_item("left", left)?;
+        dict.set_item("left", if left < f64::INFINITY { left } else { f64::NAN })?;
         dict.set_item("tilt", tilt)?;
         dict.set_item("energy_drift", energy_drift)?;
         dict.set_item("momentum_drift", momentum_drift)?;

@@ -3,7 +3,8 @@
 use crate::body::Inertia;
 use crate::kernel::{Compiled, Group, Kernel, MAX_STATE, System, Table, Watch};
 use crate::method::{Form, Method};
-use crate::model::{Parameters, cross, dot, seen_from_body};
+use crate::model::{Parameters, dot, seen_from_body};
+use crate::observe::tilt;
 
 /// One body with its start.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -235,16 +236,15 @@ pub fn load(
 
     group.side.0[lane] = if axis > 0 { f64::from(watched.signum()) * side(body, axis - 1) } else { 0.0 };
     group.flips.0[lane] = 0.0;
-    group.first_flip.0[lane] = f64::NAN;
+    group.left.0[lane] = f64::INFINITY;
     group.cosine.0[lane] = 1.0;
     group.sine2.0[lane] = 0.0;
     if kernel.watch == Watch::Tilt {
         // The direction that a tilt is measured from is the last one carried.
         let last = kernel.system.len() - 3;
-        let n = [y[last], y[last + 1], y[last + 2]];
-        let sine = cross(&unit, &n);
-        group.cosine.0[lane] = dot(&unit, &n);
-        group.sine2.0[lane] = dot(&sine, &sine);
+        let [cosine, sine2] = tilt(&unit, &[y[last], y[last + 1], y[last + 2]]);
+        group.cosine.0[lane] = cosine;
+        group.sine2.0[lane] = sine2;
     }
 }
 

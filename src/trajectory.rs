@@ -281,6 +281,7 @@ impl<'a> Passengers<'a> {
                 let body = &self.request.bodies[b];
                 load(&mut group, lane, (self.kernel, self.compiled), self.seats[b], body, 0, 0.0);
             }
+            let mut moved = [false; LANES];
             for k in 0..plans[0][pass].len() {
                 let of_lane: Vec<Leg> = (0..self.bodies.len())
                     .map(|lane| match self.states.status[lane] {
@@ -290,8 +291,9 @@ impl<'a> Passengers<'a> {
                     .collect();
                 advance(&mut group, self.compiled, &of_lane, stop)?;
                 for lane in 0..self.bodies.len() {
+                    moved[lane] |= of_lane[lane].steps > 0;
                     if self.states.status[lane] != Status::StepLimit {
-                        self.record(&group, lane, plans[0][pass][k].0);
+                        self.record(&group, lane, plans[0][pass][k].0, moved[lane]);
                     }
                 }
             }
@@ -300,9 +302,13 @@ impl<'a> Passengers<'a> {
     }
 
     /// Writes the state of a lane and updates the drifts.
-    fn record(&mut self, group: &Group, lane: usize, state: usize) {
+    fn record(&mut self, group: &Group, lane: usize, state: usize, moved: bool) {
         let body = self.bodies[lane];
-        let now = unload(group, lane, (self.kernel, self.compiled), self.seats[body]);
+        let mut now = unload(group, lane, (self.kernel, self.compiled), self.seats[body]);
+        if !moved {
+            // Through the momenta and back, the rates would return rounded.
+            now.omega = self.request.bodies[body].omega;
+        }
         let states = &mut self.states;
         let at = lane * self.request.schedule.len() + state;
         states.omega[3 * at..][..3].copy_from_slice(&now.omega);

@@ -27,8 +27,11 @@ __all__ = [
 
 def nearest(name: object, known: Iterable[str]) -> str:
     """A hint such as ``"; did you mean 'spin'?"``, or nothing if no known name is close."""
-    close = difflib.get_close_matches(name, list(known), n=1) if isinstance(name, str) else []
-    return f"; did you mean {close[0]!r}?" if close else ""
+    if not isinstance(name, str):
+        return ""
+    spelt = {candidate.lower(): candidate for candidate in known}
+    close = difflib.get_close_matches(name.lower(), spelt, n=1)
+    return f"; did you mean {spelt[close[0]]!r}?" if close else ""
 
 
 def _brief(value: object) -> str:

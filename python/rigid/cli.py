@@ -92,6 +92,9 @@ def _stem(out: str | None, name: str) -> Path:
         stem = stem.with_suffix("")
     if not stem.name:
         raise ValueError(f"--out: {str(stem)!r} names a directory, not a file")
+    for suffix in (".npz", ".png"):
+        if stem.with_name(stem.name + suffix).is_dir():
+            raise ValueError(f"--out: {str(stem) + suffix!r} is a directory")
     if not stem.parent.is_dir():
         raise ValueError(f"--out: there is no directory {str(stem.parent)!r}")
     return stem

@@ -123,7 +123,7 @@ fn full_group(kernel: Kernel, compiled: Compiled) -> Group {
 }
 
 fn rows(g: &Group) -> Vec<&Row> {
-    let singles = [&g.step, &g.count, &g.side, &g.flips, &g.first_flip, &g.cosine, &g.sine2];
+    let singles = [&g.step, &g.count, &g.side, &g.flips, &g.left, &g.cosine, &g.sine2];
     let drifts = [&g.energy, &g.momentum].into_iter().flat_map(|d| [&d.start, &d.inverse_scale, &d.worst]);
     let triples = g.moments.iter().chain(&g.weight).chain(&g.axis);
     let rows: Vec<_> = g.state.iter().chain(triples).chain(singles).chain(drifts).collect();
@@ -271,7 +271,9 @@ fn questions() -> Vec<Question> {
 fn of_body(states: &States, i: usize) -> (Vec<u64>, Status, u64) {
     let n = states.status.len();
     let mut numbers = Vec::new();
-    for field in [Some(&states.omega), states.vertical.as_ref(), states.attitude.as_ref()].into_iter().flatten() {
+    for field in
+        [Some(&states.omega), states.vertical.as_ref(), states.attitude.as_ref()].into_iter().flatten()
+    {
         let width = field.len() / n;
         numbers.extend_from_slice(&field[i * width..][..width]);
     }

@@ -1,0 +1,268 @@
+//! Random starts: the generator is Philox4x64-10, the laws are what they are called, and a draw depends on its
+//! seed, pixel and sample alone.
+//!
+//! The draws are fixed, so the tests are: a mean of n draws is held to 4 of its standard errors.
+
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use rigid::ensemble::{Criterion, Map, Pixel};
+use rigid::method::Method;
+use rigid::sample::{Law, attitude, philox4x64, uniforms, vector};
+use rigid::simd::Isa;
+use rigid::start::Body;
+
+const N: u64 = 100_000;
+const KEY: [u64; 2] = [20_261_121, 0];
+
+/// Known answers of Random123 (kat_vectors, philox4x64 10 rounds): counter, key, result.
+#[test]
+fn philox_known_answers() {
+    let all = u64::MAX;
+    let pi = [0x243f6a8885a308d3, 0x13198a2e03707344, 0xa4093822299f31d0, 0x082efa98ec4e6c89];
+    for (counter, key, answer) in [
+        ([0; 4], [0; 2], [0x16554d9eca36314c, 0xdb20fe9d672d0fdc, 0xd7e772cee186176b, 0x7e68b68aec7ba23b]),
+        (
+            [all; 4],
+            [all; 2],
+            [0x87b092c3013fe90b, 0x438c3c67be8d0224, 0x9cc7d7c69cd777b6, 0xa09caebf594f0ba0],
+        ),
+        (
+            pi,
+            [0x452821e638d01377, 0xbe5466cf34e90c6c],
+            [0xa528f45403e61d95, 0x38c72dbd566e9788, 0xa5a1610e72fd18b5, 0x57bd43b5e52b7fe6],
+        ),
+    ] {
+        assert_eq!(philox4x64(counter, key), answer);
+    }
+}
+
+/// `numpy.random.Generator(numpy.random.Philox(key=2026, counter=[1, 5, 7, 0])).random(4)`, in NumPy 2.4.
+#[test]
+fn uniforms_are_those_of_numpy() {
+    let of_numpy = [0x19e373d6c41ef9_u64, 0x1ac9d305f6153a, 0x1c986f422f78aa, 0x103c2a0b56cfd0]
+        .map(|digits| digits as f64 * 2.0_f64.powi(-53));
+    let [a, b, c, d] = uniforms([2026, 0], 1, 5, 7);
+    // The last is written with the exponent -3 instead of -1.
+    assert_eq!([a, b, c, 4.0 * d], of_numpy);
+}
+
+/// Mean and standard error of a number that has this mean and variance.
+struct Mean {
+    name: String,
+    sum: f64,
+    mean: f64,
+    variance: f64,
+}
+
+impl Mean {
+    fn new(name: impl Into<String>, mean: f64, variance: f64) -> Mean {
+        Mean { name: name.into(), sum: 0.0, mean, variance }
+    }
+
+    fn check(&self) {
+        let off = (self.sum / N as f64 - self.mean) / (self.variance / N as f64).sqrt();
+        println!("{}: {off:.2} standard errors", self.name);
+        assert!(off.abs() < 4.0, "{}: {off} standard errors", self.name);
+    }
+}
+
+/// Draws N vectors of a law and holds first, second, mixed and fourth moments to those of its components:
+/// `m2` = <x^2>, `m4` = <x^4>, `m22` = <x^2 y^2>, `m8` = <x^8>; odd moments vanish.
+fn check_moments(law: Law, m2: f64, m22: f64, m4: f64, m8: f64) {
+    let mut means = Vec::new();
+    for i in 0..3 {
+        means.push(Mean::new(format!("{law:?} x{i}"), 0.0, m2));
+        means.push(Mean::new(format!("{law:?} x{i}^2"), m2, m4 - m2 * m2));
+        means.push(Mean::new(format!("{law:?} x{i} x{}", (i + 1) % 3), 0.0, m22));
+        means.push(Mean::new(format!("{law:?} x{i}^4"), m4, m8 - m4 * m4));
+    }
+    for sample in 0..N {
+        let x = vector(law, uniforms(KEY, 0, sample, 3));
+        for i in 0..3 {
+            for (mean, value) in
+                means[4 * i..].iter_mut().zip([x[i], x[i] * x[i], x[i] * x[(i + 1) % 3], x[i].powi(4)])
+            {
+                mean.sum += value;
+            }
+        }
+    }
+    means.iter().for_each(Mean::check);
+}
+
+#[test]
+fn uniform_numbers() {
+    // In [0, 1): mean 1/2, variance 1/12; and the four of a block are independent.
+    let mut means: Vec<_> = (0..4).map(|i| Mean::new(format!("u{i}"), 0.5, 1.0 / 12.0)).collect();
+    means.extend((0..4).map(|i| Mean::new(format!("u{i} u{}", (i + 1) % 4), 0.25, 1.0 / 9.0 - 1.0 / 16.0)));
+    let (mut least, mut most) = (1.0_f64, 0.0_f64);
+    for sample in 0..N {
+        let u = uniforms(KEY, 0, sample, 0);
+        for i in 0..4 {
+            means[i].sum += u[i];
+            means[4 + i].sum += u[i] * u[(i + 1) % 4];
+            (least, most) = (least.min(u[i]), most.max(u[i]));
+        }
+    }
+    means.iter().for_each(Mean::check);
+    // Of 4e5 numbers the extreme ones lie 2.5e-6 from the ends on average; beyond ten times that, one in e^10.
+    assert!((0.0..2.5e-5).contains(&least) && (1.0 - 2.5e-5..1.0).contains(&most), "{least:e} {most}");
+}
+
+#[test]
+fn the_ends_of_the_uniforms() {
+    // The largest is 1 - 2^-53 and still below one; both ends are harmless to every law.
+    let most = 1.0 - 2.0_f64.powi(-53);
+    for law in [Law::Normal, Law::Uniform, Law::Direction] {
+        for u in [[0.0; 4], [most; 4], [0.0, most, most, 0.0], [most, 0.0, 0.0, most]] {
+            let v = vector(law, u);
+            assert!(v.iter().all(|x| x.is_finite() && x.abs() < 9.0), "{law:?}({u:?}) = {v:?}");
+        }
+    }
+    // Never ln 0: the longest normal is sqrt(-2 ln 2^-53).
+    let [x, ..] = vector(Law::Normal, [most, 0.0, 0.0, 0.0]);
+    assert!((x - (106.0 * std::f64::consts::LN_2).sqrt()).abs() < 4.0 * f64::EPSILON * x);
+}
+
+#[test]
+fn normal_numbers() {
+    // 1, 3, 15, 105: <x^2>, <x^4>, <x^6>, <x^8>; independent components.
+    check_moments(Law::Normal, 1.0, 1.0, 3.0, 105.0);
+}
+
+#[test]
+fn uniform_perturbations() {
+    // In [-1, 1): <x^k> = 1/(k + 1).
+    check_moments(Law::Uniform, 1.0 / 3.0, 1.0 / 9.0, 1.0 / 5.0, 1.0 / 9.0);
+    let inside =
+        |sample| vector(Law::Uniform, uniforms(KEY, 0, sample, 0)).iter().all(|x| (-1.0..1.0).contains(x));
+    assert!((0..N).all(inside));
+}
+
+#[test]
+fn directions_are_isotropic() {
+    // Archimedes: each component is uniform in [-1, 1], and <x^2 y^2> = 1/15.
+    check_moments(Law::Direction, 1.0 / 3.0, 1.0 / 15.0, 1.0 / 5.0, 1.0 / 9.0);
+    for sample in 0..N {
+        let [x, y, z] = vector(Law::Direction, uniforms(KEY, 0, sample, 0));
+        // radius^2 with three roundings, half of it and one each for the two squares of an ulp: 4 eps.
+        assert!((x * x + y * y + z * z - 1.0).abs() < 4.0 * f64::EPSILON);
+    }
+}
+
+#[test]
+fn attitudes_are_uniform() {
+    // A uniform point on the 3-sphere: <q_i^2> = 1/4, <q_i^4> = 3/24, <q_i^2 q_j^2> = 1/24, <q_i^8> = 105/1920.
+    // The trace of the matrix, 4 w^2 - 1, has mean 0 and variance 16/16.
+    let mut means = Vec::new();
+    for i in 0..4 {
+        means.push(Mean::new(format!("q{i}"), 0.0, 0.25));
+        means.push(Mean::new(format!("q{i}^2"), 0.25, 0.125 - 0.0625));
+        means.push(Mean::new(format!("q{i} q{}", (i + 1) % 4), 0.0, 1.0 / 24.0));
+        means.push(Mean::new(format!("q{i}^4"), 0.125, 105.0 / 1920.0 - 0.125 * 0.125));
+    }
+    let mut trace = Mean::new("trace", 0.0, 1.0);
+    for sample in 0..N {
+        let q = attitude(Law::UniformAttitude, 7.0, [0.6, 0.8, 0.0, 0.0], uniforms(KEY, 1, sample, 3));
+        for i in 0..4 {
+            for (mean, value) in
+                means[4 * i..].iter_mut().zip([q[i], q[i] * q[i], q[i] * q[(i + 1) % 4], q[i].powi(4)])
+            {
+                mean.sum += value;
+            }
+        }
+        trace.sum += 4.0 * q[0] * q[0] - 1.0;
+        let length2: f64 = q.iter().map(|x| x * x).sum();
+        assert!((length2 - 1.0).abs() < 4.0 * f64::EPSILON);
+    }
+    means.iter().for_each(Mean::check);
+    trace.check();
+}
+
+/// A small perturbation turns the body about a vector of the law, in its own axes: q exp(size v).
+#[test]
+fn a_perturbed_attitude() {
+    let q = [0.8, 0.4, -0.4, 0.2];
+    for law in [Law::Normal, Law::Uniform, Law::Direction] {
+        for size in [0.0, 1e-9, 0.3, 2.0] {
+            let u = uniforms(KEY, 1, 17, 4);
+            let got = attitude(law, size, q, u);
+            let by = UnitQuaternion::from_scaled_axis(Vector3::from(vector(law, u)) * size);
+            let wanted = Quaternion::new(q[0], q[1], q[2], q[3]) * by.into_inner();
+            let miss = (Quaternion::new(got[0], got[1], got[2], got[3]) - wanted).norm();
+            // Half the angle, 4 at most, with two roundings, and a product of four terms.
+            assert!(miss < 6.0 * f64::EPSILON, "{law:?} {size}: {miss:e}");
+        }
+    }
+    assert_eq!(attitude(Law::None, 0.3, q, [0.1; 4]), q);
+}
+
+/// Each law takes one block of four numbers and no more: what one part of a start draws does not move another.
+#[test]
+fn draws_do_not_shift_each_other() {
+    let body = Body {
+        moments: [1.0, 2.0, 2.5],
+        weight: [0.0; 3],
+        omega: [0.1, 1.0, -0.2],
+        attitude: [0.8, 0.4, -0.4, 0.2],
+    };
+    let draw = |omega_law, attitude_law, samples, pixel, sample| {
+        let pixel_of = Pixel { body, omega_size: [0.5, 0.25, 2.0], attitude_size: 0.1, possible: true };
+        let map = Map {
+            is_top: false,
+            method: Method::Rk4,
+            pixels: vec![pixel_of; 3],
+            omega_law,
+            attitude_law,
+            criterion: Criterion::NoFlip,
+            axis: 2,
+            t_end: 1.0,
+            step: None,
+            max_steps: 100,
+            samples,
+            checked: 0,
+            key: KEY,
+        };
+        map.draw(Isa::Scalar, pixel, sample)
+    };
+    let laws = [Law::Normal, Law::Uniform, Law::Direction];
+    for law in laws {
+        let alone = draw(law, Law::None, 10, 1, 6);
+        assert_eq!(alone.attitude, body.attitude);
+        assert_ne!(alone.omega, body.omega);
+        // Block 0 of the sample, whatever else is drawn and however many samples there are.
+        let v = vector(law, uniforms(KEY, 0, 6, 1));
+        for k in 0..3 {
+            assert_eq!(alone.omega[k], [0.5_f64, 0.25, 2.0][k].mul_add(v[k], body.omega[k]));
+        }
+        for other in [Law::Normal, Law::UniformAttitude] {
+            assert_eq!(draw(law, other, 1000, 1, 6).omega, alone.omega);
+        }
+        let turned = draw(Law::None, law, 10, 1, 6);
+        assert_eq!(turned.omega, body.omega);
+        for other in laws {
+            assert_eq!(draw(other, law, 1000, 1, 6).attitude, turned.attitude);
+        }
+        // Rates and attitude of a sample, samples, pixels: nothing repeats.
+        assert_ne!(vector(law, uniforms(KEY, 1, 6, 1)), v);
+        for (pixel, sample) in [(1, 5), (0, 6), (2, 6)] {
+            assert_ne!(draw(law, Law::None, 10, pixel, sample).omega, alone.omega);
+        }
+    }
+}
+
+#[test]
+fn laws_by_name() {
+    for (name, law) in [
+        ("none", Law::None),
+        ("normal", Law::Normal),
+        ("uniform", Law::Uniform),
+        ("direction", Law::Direction),
+        ("uniform_attitude", Law::UniformAttitude),
+    ] {
+        assert_eq!(Law::parse("law", name).unwrap(), law);
+    }
+    let message = Law::parse("omega law", "gauss").unwrap_err().to_string();
+    assert_eq!(
+        message,
+        "omega law = 'gauss': must be one of none, normal, uniform, direction, uniform_attitude"
+    );
+}
