@@ -10,6 +10,7 @@ use crate::real::{Pack, Real};
 use crate::simd::Isa;
 #[cfg(target_arch = "x86_64")]
 use crate::simd::{Arr, V4, V8};
+use std::sync::OnceLock;
 
 /// Bodies in a group: four AVX-512 registers, so that each hides the latency of the others.
 pub const LANES: usize = 32;
@@ -73,6 +74,11 @@ pub struct Group {
 impl Group {
     /// Lanes that wait.
     pub fn waiting() -> Group {
+        static WAITING: OnceLock<Group> = OnceLock::new();
+        WAITING.get_or_init(Group::all_waiting).clone()
+    }
+
+    fn all_waiting() -> Group {
         let drift = DriftRows { start: Row::ZERO, inverse_scale: Row::ZERO, worst: Row::ZERO };
         let mut group = Group {
             state: [Row::ZERO; MAX_STATE],

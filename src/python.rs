@@ -215,6 +215,7 @@ fn simulate<'py>(
     states_to_dict(py, states, n, request.schedule.len())
 }
 
+/// The bodies of columns with a row for each, or one row for all.
 fn bodies(
     moments: &[[f64; 3]],
     weight: &[[f64; 3]],
@@ -222,11 +223,20 @@ fn bodies(
     attitude: &[[f64; 4]],
 ) -> PyResult<Vec<Body>> {
     let n = omega.len();
-    same_length("moments", n, moments.len())?;
-    same_length("weight", n, weight.len())?;
-    same_length("attitude", n, attitude.len())?;
-    let body =
-        |i: usize| Body { moments: moments[i], weight: weight[i], omega: omega[i], attitude: attitude[i] };
+    for (argument, rows) in
+        [("moments", moments.len()), ("weight", weight.len()), ("attitude", attitude.len())]
+    {
+        if rows != 1 {
+            same_length(argument, n, rows)?;
+        }
+    }
+    let row = |i: usize, rows: usize| if rows == 1 { 0 } else { i };
+    let body = |i: usize| Body {
+        moments: moments[row(i, moments.len())],
+        weight: weight[row(i, weight.len())],
+        omega: omega[i],
+        attitude: attitude[row(i, attitude.len())],
+    };
     Ok((0..n).map(body).collect())
 }
 

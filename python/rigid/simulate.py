@@ -206,14 +206,16 @@ def _attitudes(attitude: ArrayLike | Rotation | None) -> tuple[NDArray[np.float6
     if hasattr(attitude, "as_quat"):
         attitude = attitude.as_quat(scalar_first=True)
     quaternions, single = rows("attitude", attitude, 4)
-    largest = np.abs(quaternions).max(axis=1, initial=0.0)
-    if np.any(largest == 0.0):
-        index = int(np.flatnonzero(largest == 0.0)[0])
-        raise ValueError(f"attitude[{index}] = {[0.0] * 4}: a zero quaternion is no attitude")
-    # Scaled by a power of two, which is exact, so that no square leaves the range of doubles.
-    quaternions = np.ldexp(quaternions, -np.frexp(largest)[1][:, None])
-    lengths = np.sqrt(np.einsum("ni,ni->n", quaternions, quaternions))
-    return quaternions / lengths[:, None], single
+    squares = np.einsum("ni,ni->n", quaternions, quaternions)
+    if not np.all((squares > 1e-200) & (squares < 1e200)):
+        largest = np.abs(quaternions).max(axis=1)
+        if np.any(largest == 0.0):
+            index = int(np.flatnonzero(largest == 0.0)[0])
+            raise ValueError(f"attitude[{index}] = {[0.0] * 4}: a zero quaternion is no attitude")
+        # Scaled by a power of two, which is exact, so that no square leaves the range of doubles.
+        quaternions = np.ldexp(quaternions, -np.frexp(largest)[1][:, None])
+        squares = np.einsum("ni,ni->n", quaternions, quaternions)
+    return quaternions / np.sqrt(squares)[:, None], single
 
 
 def _common_length(
@@ -235,19 +237,13 @@ def _common_length(
 def _columns(
     scene: Scene, rates: NDArray[np.float64], quaternions: NDArray[np.float64], n: int
 ) -> dict[str, Any]:
-    """The bodies of a scene as the columns that the core reads."""
-
-    def column(values: ArrayLike, width: int) -> NDArray[np.float64]:
-        return np.ascontiguousarray(
-            np.broadcast_to(np.asarray(values, dtype=np.float64), (n, width))
-        )
-
+    """The bodies of a scene as the columns that the core reads; one row may serve all."""
     return {
         "scene": scene.kind,
-        "moments": column(scene.body.moments, 3),
-        "weight": column(scene.weight, 3),
-        "omega": column(rates, 3),
-        "attitude": column(quaternions, 4),
+        "moments": np.array([scene.body.moments]),
+        "weight": scene.weight[np.newaxis],
+        "omega": np.ascontiguousarray(np.broadcast_to(rates, (n, 3))),
+        "attitude": quaternions,
     }
 
 

@@ -66,21 +66,22 @@ impl Mean {
 }
 
 /// Draws N vectors of a law and holds first, second, mixed and fourth moments to those of its components:
-/// `m2` = <x^2>, `m4` = <x^4>, `m22` = <x^2 y^2>, `m8` = <x^8>; odd moments vanish.
-fn check_moments(law: Law, m2: f64, m22: f64, m4: f64, m8: f64) {
+/// `m2` = <x^2>, `m4` = <x^4>, `m22` = <x^2 y^2>, `m8` = <x^8>, `m44` = <x^4 y^4>; odd moments vanish.
+fn check_moments(law: Law, [m2, m22, m4, m8, m44]: [f64; 5]) {
     let mut means = Vec::new();
     for i in 0..3 {
+        let j = (i + 1) % 3;
         means.push(Mean::new(format!("{law:?} x{i}"), 0.0, m2));
         means.push(Mean::new(format!("{law:?} x{i}^2"), m2, m4 - m2 * m2));
-        means.push(Mean::new(format!("{law:?} x{i} x{}", (i + 1) % 3), 0.0, m22));
         means.push(Mean::new(format!("{law:?} x{i}^4"), m4, m8 - m4 * m4));
+        means.push(Mean::new(format!("{law:?} x{i} x{j}"), 0.0, m22));
+        means.push(Mean::new(format!("{law:?} x{i}^2 x{j}^2"), m22, m44 - m22 * m22));
     }
     for sample in 0..N {
-        let x = vector(law, uniforms(KEY, 0, sample, 3));
+        let v = vector(law, uniforms(KEY, 0, sample, 3));
         for i in 0..3 {
-            for (mean, value) in
-                means[4 * i..].iter_mut().zip([x[i], x[i] * x[i], x[i] * x[(i + 1) % 3], x[i].powi(4)])
-            {
+            let (x, y) = (v[i], v[(i + 1) % 3]);
+            for (mean, value) in means[5 * i..].iter_mut().zip([x, x * x, x.powi(4), x * y, x * x * y * y]) {
                 mean.sum += value;
             }
         }
@@ -124,14 +125,14 @@ fn the_ends_of_the_uniforms() {
 
 #[test]
 fn normal_numbers() {
-    // 1, 3, 15, 105: <x^2>, <x^4>, <x^6>, <x^8>; independent components.
-    check_moments(Law::Normal, 1.0, 1.0, 3.0, 105.0);
+    // <x^2> = 1, <x^4> = 3, <x^8> = 105; independent components.
+    check_moments(Law::Normal, [1.0, 1.0, 3.0, 105.0, 9.0]);
 }
 
 #[test]
 fn uniform_perturbations() {
-    // In [-1, 1): <x^k> = 1/(k + 1).
-    check_moments(Law::Uniform, 1.0 / 3.0, 1.0 / 9.0, 1.0 / 5.0, 1.0 / 9.0);
+    // In [-1, 1): <x^k> = 1/(k + 1); independent components.
+    check_moments(Law::Uniform, [1.0 / 3.0, 1.0 / 9.0, 1.0 / 5.0, 1.0 / 9.0, 1.0 / 25.0]);
     let inside =
         |sample| vector(Law::Uniform, uniforms(KEY, 0, sample, 0)).iter().all(|x| (-1.0..1.0).contains(x));
     assert!((0..N).all(inside));
@@ -139,8 +140,8 @@ fn uniform_perturbations() {
 
 #[test]
 fn directions_are_isotropic() {
-    // Archimedes: each component is uniform in [-1, 1], and <x^2 y^2> = 1/15.
-    check_moments(Law::Direction, 1.0 / 3.0, 1.0 / 15.0, 1.0 / 5.0, 1.0 / 9.0);
+    // Archimedes: each component is uniform in [-1, 1]; <x^2 y^2> = 1/(3 5), <x^4 y^4> = 3 3/(3 5 7 9).
+    check_moments(Law::Direction, [1.0 / 3.0, 1.0 / 15.0, 1.0 / 5.0, 1.0 / 9.0, 1.0 / 105.0]);
     for sample in 0..N {
         let [x, y, z] = vector(Law::Direction, uniforms(KEY, 0, sample, 0));
         // radius^2 with three roundings, half of it and one each for the two squares of an ulp: 4 eps.
@@ -238,6 +239,8 @@ fn draws_do_not_shift_each_other() {
         }
         let turned = draw(Law::None, law, 10, 1, 6);
         assert_eq!(turned.omega, body.omega);
+        // Block 1.
+        assert_eq!(turned.attitude, attitude(law, 0.1, body.attitude, uniforms(KEY, 1, 6, 1)));
         for other in laws {
             assert_eq!(draw(other, law, 1000, 1, 6).attitude, turned.attitude);
         }
