@@ -6,6 +6,7 @@
 use rigid::ensemble::{Class, Criterion, Map, Pixel, Statistics};
 use rigid::kernel::{Compiled, Group, Kernel, LANES, Row, System, Table, Watch};
 use rigid::method::Method;
+use rigid::observe::TiltLimit;
 use rigid::sample::{Law, uniforms};
 use rigid::simd::Isa;
 use rigid::start::{Body, Seat, load};
@@ -105,6 +106,9 @@ fn place(group: &mut Group, lane: usize, kernel: Kernel, compiled: Compiled, it:
     let seat = Seat::of(method, it.body.moments);
     assert_eq!(seat.table, kernel.table);
     load(group, lane, (kernel, compiled), seat, &it.body, it.watched, it.step);
+    // Small and large limits: of the sine and of the cosine.
+    let limit = TiltLimit::new(0.2 + 50.0 * it.step);
+    (group.limit[0].0[lane], group.limit[1].0[lane]) = (limit.cosine, limit.sine2);
 }
 
 /// 200 steps, in bursts of several lengths.
@@ -125,8 +129,8 @@ fn full_group(kernel: Kernel, compiled: Compiled) -> Group {
 fn rows(g: &Group) -> Vec<&Row> {
     let singles = [&g.step, &g.count, &g.side, &g.flips, &g.left, &g.cosine, &g.sine2];
     let drifts = [&g.energy, &g.momentum].into_iter().flat_map(|d| [&d.start, &d.inverse_scale, &d.worst]);
-    let triples = g.moments.iter().chain(&g.weight).chain(&g.axis);
-    let rows: Vec<_> = g.state.iter().chain(triples).chain(singles).chain(drifts).collect();
+    let vectors = g.moments.iter().chain(&g.weight).chain(&g.axis).chain(&g.limit);
+    let rows: Vec<_> = g.state.iter().chain(vectors).chain(singles).chain(drifts).collect();
     // Nothing of a group is left out.
     assert_eq!(size_of::<Group>(), rows.len() * size_of::<Row>());
     rows
@@ -172,7 +176,8 @@ fn every_kernel_on_every_instruction_set() {
             assert!(scalar.flips.0.iter().sum::<f64>() >= 10.0, "{kernel:?}");
         }
         if kernel.watch == Watch::Tilt {
-            assert!(scalar.sine2.0[0] > 0.01, "{kernel:?}");
+            let lost = scalar.left.0.iter().filter(|t| t.is_finite()).count();
+            assert!(scalar.sine2.0[0] > 0.01 && (5..LANES).contains(&lost), "{kernel:?}");
         }
     }
 }
