@@ -112,9 +112,8 @@ def against_numba() -> None:
     print(f"RK4 (omega, gamma), one core, same states to {error:.0e}:")
     print(f"  numba, one body at a time, fastmath {work / seconds['numba']:8.1f} M body-steps/s")
     print(f"  rigid.simulate                      {work / seconds['rigid']:8.1f} M body-steps/s")
-    print(
-        f"  ratio                               {seconds['numba'] / seconds['rigid']:8.2f}   (goal 8)"
-    )
+    ratio = seconds["numba"] / seconds["rigid"]
+    print(f"  ratio                               {ratio:8.2f}   (goal 8)")
 
 
 def overhead_of_the_call() -> None:

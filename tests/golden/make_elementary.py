@@ -1,9 +1,10 @@
-"""Golden values of the elementary functions, to 40 digits by mpmath: writes elementary.json beside this file.
+"""Golden values of the elementary functions, to 40 digits by mpmath: writes elementary.json here.
 
     python make_elementary.py          (needs mpmath)
 
-A value is two numbers: the nearest double, and what it misses in units of its last place (-0.5 to 0.5). So the
-error of a result in ulp is (result - nearest) / ulp(nearest) - miss, also where the result is subnormal.
+A value is two numbers: the nearest double, and what it misses in units of its last place (-0.5 to
+0.5). So the error of a result in ulp is (result - nearest) / ulp(nearest) - miss, also where the
+result is subnormal.
 """
 
 import json
@@ -46,8 +47,8 @@ def signed(points: list[float]) -> list[float]:
 def closest_to_quarter_turns(limit: float, per_binade: int) -> list[float]:
     """The doubles below `limit` that lie closest to a multiple of pi/2, in units of their spacing.
 
-    In a binade of spacing u they are the n with n (pi/2)/u closest to an integer. Such n are sums of a few
-    denominators of convergents of (pi/2)/u: those are tried.
+    In a binade of spacing u they are the n with n (pi/2)/u closest to an integer. Such n are sums
+    of a few denominators of convergents of (pi/2)/u: those are tried.
     """
     found = []
     for exponent in range(1, math.frexp(limit)[1] + 1):
@@ -98,7 +99,9 @@ def exp_points() -> list[float]:
 def ln_points() -> list[float]:
     wide = [mpf(2) ** RNG.uniform(-1022, 1024) for _ in range(350)]
     middle = [RNG.uniform(0.5, 2) for _ in range(250)]
-    near_one = neighbours(1.0, 20) + [1 + s * math.ldexp(1.1, -k) for k in range(4, 50) for s in (1, -1)]
+    near_one = neighbours(1.0, 20) + [
+        1 + s * math.ldexp(1.1, -k) for k in range(4, 50) for s in (1, -1)
+    ]
     borders = [float(mpmath.sqrt(2) * mpf(2) ** k) for k in range(-1021, 1023, 40)]
     edges = [2.2250738585072014e-308, 2.0, 0.5, 10.0, 1.7976931348623157e308]
     return [float(x) for x in wide] + middle + near_one + borders + edges
@@ -106,7 +109,9 @@ def ln_points() -> list[float]:
 
 def rodrigues_points() -> list[float]:
     limit = (math.pi / 4) ** 2
-    small = [RNG.uniform(0, limit) for _ in range(60)] + [10 ** RNG.uniform(-40, -1) for _ in range(30)]
+    small = [RNG.uniform(0, limit) for _ in range(60)] + [
+        10 ** RNG.uniform(-40, -1) for _ in range(30)
+    ]
     large = [limit * 10 ** RNG.uniform(0, 8) for _ in range(90)]
     return [0.0, 5e-324, *small, *neighbours(limit, 5), *large]
 
@@ -121,11 +126,28 @@ def rodrigues(z: float) -> tuple[mpf, mpf]:
 
 def atan2_points() -> list[tuple[float, float]]:
     angles = [RNG.uniform(-math.pi, math.pi) for _ in range(250)]
-    borders = [n * math.pi / 8 + s * e for n in range(-8, 9) for e in (0, 1e-15, 1e-9, 1e-3) for s in (1, -1)]
+    borders = [
+        n * math.pi / 8 + s * e
+        for n in range(-8, 9)
+        for e in (0, 1e-15, 1e-9, 1e-3)
+        for s in (1, -1)
+    ]
     points = [(math.sin(a), math.cos(a)) for a in angles + borders]
-    points += [(math.ldexp(y, k), math.ldexp(x, k)) for k, (y, x) in zip(range(-900, 900, 20), points)]
+    points += [
+        (math.ldexp(y, k), math.ldexp(x, k))
+        for k, (y, x) in zip(range(-900, 900, 20), points, strict=False)
+    ]
     points += [(s * 10**-k, t) for k in range(1, 300, 13) for s in (1, -1) for t in (1, -1)]
-    axes = [(0.0, 1.0), (1.0, 0.0), (-1.0, 0.0), (0.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)]
+    axes = [
+        (0.0, 1.0),
+        (1.0, 0.0),
+        (-1.0, 0.0),
+        (0.0, -1.0),
+        (1.0, 1.0),
+        (-1.0, 1.0),
+        (1.0, -1.0),
+        (-1.0, -1.0),
+    ]
     return points + axes
 
 
@@ -139,7 +161,9 @@ def main() -> None:
         "exp": rows(exp_points(), mpmath.exp),
         "ln": rows(ln_points(), mpmath.log),
         "atan2": [[y, x, *pair(mpmath.atan2(mpf(y), mpf(x)))] for y, x in atan2_points()],
-        "rodrigues": [[z, *(y for value in rodrigues(z) for y in pair(value))] for z in rodrigues_points()],
+        "rodrigues": [
+            [z, *(y for value in rodrigues(z) for y in pair(value))] for z in rodrigues_points()
+        ],
     }
     for name, table in tables.items():
         print(name, len(table))
