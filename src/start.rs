@@ -114,12 +114,20 @@ impl Seat {
 
     #[inline(always)]
     fn rename(self, [a, b, c]: [f64; 3]) -> [f64; 3] {
-        [[a, b, c], [b, c, a], [c, a, b]][self.turn]
+        match self.turn {
+            0 => [a, b, c],
+            1 => [b, c, a],
+            _ => [c, a, b],
+        }
     }
 
     #[inline(always)]
     fn restore(self, [a, b, c]: [f64; 3]) -> [f64; 3] {
-        [[a, b, c], [c, a, b], [b, c, a]][self.turn]
+        match self.turn {
+            0 => [a, b, c],
+            1 => [c, a, b],
+            _ => [b, c, a],
+        }
     }
 }
 

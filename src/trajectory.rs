@@ -1,10 +1,11 @@
 //! States of many bodies at wanted times.
 
-use crate::kernel::{Compiled, DriftRows, Group, Kernel, LANES, System, Table, Watch};
+use crate::kernel::{Compiled, DriftRows, Group, Kernel, LANES, System, Watch};
 use crate::method::Method;
 use crate::run::over_blocks;
 use crate::simd::Isa;
 use crate::start::{Body, Seat, load, unload};
+use std::ops::Range;
 use std::rc::Rc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -167,37 +168,61 @@ fn legs(schedule: &Schedule, largest: f64) -> Plan {
 
 /// Runs the request; `None` if it was stopped.
 pub fn simulate(request: &Request, threads: usize, isa: Isa, stop: &AtomicBool) -> Option<States> {
-    let n = request.bodies.len();
-    let seats: Vec<Seat> = request.bodies.iter().map(|b| Seat::of(request.method, b.moments)).collect();
-    // Bodies of one table share a group; the bits do not depend on who shares it.
-    let mut groups: Vec<Vec<usize>> = Vec::new();
-    for table in Table::ALL {
-        let of_table: Vec<usize> = (0..n).filter(|&i| seats[i].table == table).collect();
-        groups.extend(of_table.chunks(LANES).map(<[usize]>::to_vec));
-    }
+    let groups = groups(request);
     let parts = over_blocks(groups.len(), threads, stop, |g| {
-        Passengers::new(request, &seats, &groups[g], isa).run(stop)
+        Passengers::new(request, groups[g].clone(), isa).run(stop)
     });
-
-    let mut all = States::new(n, request);
-    for (part, bodies) in parts.into_iter().zip(&groups) {
-        let states = part??;
-        for (lane, &body) in bodies.iter().enumerate() {
-            states.copy_body(lane, &mut all, body, request.schedule.len());
-        }
+    let mut all = States::with_capacity(request);
+    for part in parts {
+        all.append(part??);
     }
     Some(all)
 }
 
+/// Runs of neighbours that one kernel moves. The bits do not depend on who shares a group.
+fn groups(request: &Request) -> Vec<Range<usize>> {
+    let table = |body: &Body| Seat::of(request.method, body.moments).table;
+    let mut groups = Vec::with_capacity(request.bodies.len().div_ceil(LANES));
+    let mut first = 0;
+    for run in request.bodies.chunk_by(|a, b| table(a) == table(b)) {
+        let end = first + run.len();
+        groups.extend((first..end).step_by(LANES).map(|begin| begin..end.min(begin + LANES)));
+        first = end;
+    }
+    groups
+}
+
 impl States {
-    fn new(n: usize, request: &Request) -> States {
-        let times = request.schedule.len();
-        let column = |width: usize| vec![f64::NAN; width * n * times];
-        let (vertical, attitude) = match request.record {
+    /// Whether the vertical and the attitude are recorded.
+    fn columns(request: &Request) -> (bool, bool) {
+        match request.record {
             Record::Rates => (false, false),
             Record::Axis => (true, false),
             Record::Attitude => (request.is_top, true),
-        };
+        }
+    }
+
+    /// Nothing yet, with room for all bodies.
+    fn with_capacity(request: &Request) -> States {
+        let n = request.bodies.len();
+        let (vertical, attitude) = States::columns(request);
+        let column = |width: usize| Vec::with_capacity(width * n * request.schedule.len());
+        States {
+            omega: column(3),
+            vertical: vertical.then(|| column(3)),
+            attitude: attitude.then(|| column(4)),
+            energy_drift: Vec::with_capacity(n),
+            momentum_drift: Vec::with_capacity(n),
+            unit_drift: Vec::with_capacity(n),
+            status: Vec::with_capacity(n),
+            steps: Vec::with_capacity(n),
+        }
+    }
+
+    /// `n` bodies that have not moved.
+    fn unknown(request: &Request, n: usize) -> States {
+        let (vertical, attitude) = States::columns(request);
+        let column = |width: usize| vec![f64::NAN; width * n * request.schedule.len()];
         States {
             omega: column(3),
             vertical: vertical.then(|| column(3)),
@@ -210,37 +235,36 @@ impl States {
         }
     }
 
-    fn copy_body(&self, from: usize, to: &mut States, body: usize, times: usize) {
-        let copy = |source: &[f64], target: &mut [f64], width: usize| {
-            target[body * width..][..width].copy_from_slice(&source[from * width..][..width]);
-        };
-        copy(&self.omega, &mut to.omega, 3 * times);
-        if let (Some(source), Some(target)) = (&self.vertical, &mut to.vertical) {
-            copy(source, target, 3 * times);
+    /// The bodies of `other` after those here.
+    fn append(&mut self, other: States) {
+        self.omega.extend(other.omega);
+        if let (Some(here), Some(there)) = (&mut self.vertical, other.vertical) {
+            here.extend(there);
         }
-        if let (Some(source), Some(target)) = (&self.attitude, &mut to.attitude) {
-            copy(source, target, 4 * times);
+        if let (Some(here), Some(there)) = (&mut self.attitude, other.attitude) {
+            here.extend(there);
         }
-        to.energy_drift[body] = self.energy_drift[from];
-        to.momentum_drift[body] = self.momentum_drift[from];
-        to.unit_drift[body] = self.unit_drift[from];
-        to.status[body] = self.status[from];
-        to.steps[body] = self.steps[from];
+        self.energy_drift.extend(other.energy_drift);
+        self.momentum_drift.extend(other.momentum_drift);
+        self.unit_drift.extend(other.unit_drift);
+        self.status.extend(other.status);
+        self.steps.extend(other.steps);
     }
 }
 
 /// The bodies of one group on their way through the schedule.
 struct Passengers<'a> {
     request: &'a Request<'a>,
-    bodies: &'a [usize],
-    seats: &'a [Seat],
+    bodies: &'a [Body],
+    steps: &'a [f64],
+    seats: Vec<Seat>,
     kernel: Kernel,
     compiled: Compiled,
     states: States,
 }
 
 impl<'a> Passengers<'a> {
-    fn new(request: &'a Request<'a>, seats: &'a [Seat], bodies: &'a [usize], isa: Isa) -> Self {
+    fn new(request: &'a Request<'a>, group: Range<usize>, isa: Isa) -> Self {
         let system = match (request.is_top, request.record) {
             (false, Record::Rates) => System::FreeRates,
             (false, Record::Axis) => System::FreeAxis,
@@ -248,18 +272,26 @@ impl<'a> Passengers<'a> {
             (true, Record::Rates | Record::Axis) => System::TopAxis,
             (true, Record::Attitude) => System::TopAttitude,
         };
-        let kernel = Kernel { system, table: seats[bodies[0]].table, watch: Watch::Nothing };
-        let states = States::new(bodies.len(), request);
-        Passengers { request, bodies, seats, kernel, compiled: Compiled::new(kernel, isa), states }
+        let bodies = &request.bodies[group.clone()];
+        let seats: Vec<Seat> = bodies.iter().map(|b| Seat::of(request.method, b.moments)).collect();
+        let kernel = Kernel { system, table: seats[0].table, watch: Watch::Nothing };
+        Passengers {
+            request,
+            bodies,
+            steps: &request.steps[group],
+            seats,
+            kernel,
+            compiled: Compiled::new(kernel, isa),
+            states: States::unknown(request, bodies.len()),
+        }
     }
 
     fn run(mut self, stop: &AtomicBool) -> Option<States> {
         // Neighbours mostly have the same step, hence the same plan.
         let mut plans: Vec<Rc<Plan>> = Vec::with_capacity(self.bodies.len());
-        for (lane, &body) in self.bodies.iter().enumerate() {
-            let step = self.request.steps[body];
+        for (lane, &step) in self.steps.iter().enumerate() {
             let plan = match plans.last() {
-                Some(last) if self.request.steps[self.bodies[lane - 1]] == step => last.clone(),
+                Some(last) if self.steps[lane - 1] == step => last.clone(),
                 _ => Rc::new(legs(&self.request.schedule, step)),
             };
             plans.push(plan);
@@ -277,9 +309,8 @@ impl<'a> Passengers<'a> {
         }
         for pass in (0..2).filter(|&pass| !plans[0][pass].is_empty()) {
             let mut group = Group::waiting();
-            for (lane, &b) in self.bodies.iter().enumerate() {
-                let body = &self.request.bodies[b];
-                load(&mut group, lane, (self.kernel, self.compiled), self.seats[b], body, 0, 0.0);
+            for (lane, body) in self.bodies.iter().enumerate() {
+                load(&mut group, lane, (self.kernel, self.compiled), self.seats[lane], body, 0, 0.0);
             }
             let mut moved = [false; LANES];
             for k in 0..plans[0][pass].len() {
@@ -303,11 +334,10 @@ impl<'a> Passengers<'a> {
 
     /// Writes the state of a lane and updates the drifts.
     fn record(&mut self, group: &Group, lane: usize, state: usize, moved: bool) {
-        let body = self.bodies[lane];
-        let mut now = unload(group, lane, (self.kernel, self.compiled), self.seats[body]);
+        let mut now = unload(group, lane, (self.kernel, self.compiled), self.seats[lane]);
         if !moved {
             // Through the momenta and back, the rates would return rounded.
-            now.omega = self.request.bodies[body].omega;
+            now.omega = self.bodies[lane].omega;
         }
         let states = &mut self.states;
         let at = lane * self.request.schedule.len() + state;
