@@ -95,6 +95,7 @@ fn flops(kernel: Kernel) -> Option<f64> {
 fn main() {
     let filter = std::env::args().nth(1).filter(|a| !a.starts_with("--"));
     println!("{:40} {:>8} {:>9} {:>12} {:>10}", "kernel", "path", "ns/step", "M steps/s", "of peak");
+    let mut peaks = [0.0_f64; 3];
     use System::*;
     let systems = [
         (FreeRates, Watch::Nothing),
@@ -129,9 +130,15 @@ fn main() {
                         peak = peak.max(fma_peak(isa));
                     }
                 }
+                peaks[isa as usize] = peaks[isa as usize].max(peak);
                 let share = flops(kernel).map_or(String::from("-"), |f| format!("{:.2}", f / time / peak));
                 println!("{name:40} {:>8} {time:>9.3} {:>12.0} {share:>10}", isa.name(), 1e3 / time);
             }
+        }
+    }
+    for isa in Isa::available() {
+        if isa != Isa::Scalar {
+            println!("FMA peak, {}: {:.1} Gflop/s", isa.name(), peaks[isa as usize]);
         }
     }
 }
