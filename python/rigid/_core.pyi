@@ -6,6 +6,16 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import NDArray
 
+__all__ = [
+    "MapJob",
+    "__version__",
+    "build_info",
+    "check_moments",
+    "methods",
+    "principal_axes",
+    "simulate",
+]
+
 __version__: str
 
 def build_info() -> dict[str, Any]: ...
