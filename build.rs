@@ -3,11 +3,14 @@
 use std::process::Command;
 
 fn main() {
-    println!("cargo:rerun-if-changed=.git/HEAD");
+    println!("cargo:rerun-if-changed=.git/logs/HEAD");
     println!("cargo:rerun-if-changed=src");
     println!("cargo:rerun-if-env-changed=RIGID_COMMIT");
     let commit = std::env::var("RIGID_COMMIT").ok().or_else(|| {
-        let output = Command::new("git").args(["rev-parse", "--short=12", "HEAD"]).output().ok()?;
+        // Not the commit of a repository that we merely lie in.
+        std::path::Path::new(".git").exists().then_some(())?;
+        let output =
+            Command::new("git").args(["describe", "--always", "--dirty", "--abbrev=12"]).output().ok()?;
         output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim().to_string())
     });
     println!("cargo:rustc-env=RIGID_COMMIT={}", commit.unwrap_or_default());

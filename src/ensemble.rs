@@ -134,9 +134,9 @@ pub struct Statistics {
     pub failed: u64,
     /// Samples repeated with half the step.
     pub checked: u64,
-    /// Largest energy drift.
+    /// Largest energy drift, NaN if nothing was run.
     pub energy_drift: f64,
-    /// Largest momentum drift.
+    /// Largest momentum drift, NaN if nothing was run.
     pub momentum_drift: f64,
     /// Earliest loss of stability seen; infinite if none.
     pub earliest: f64,
@@ -148,7 +148,14 @@ pub struct Statistics {
 
 impl Statistics {
     fn none() -> Self {
-        Statistics { earliest: f64::INFINITY, ..Default::default() }
+        // `max` passes over a NaN: it stays only where nothing was run.
+        let unknown = f64::NAN;
+        Statistics {
+            energy_drift: unknown,
+            momentum_drift: unknown,
+            earliest: f64::INFINITY,
+            ..Default::default()
+        }
     }
 
     fn merge(&mut self, other: &Statistics) {
@@ -172,12 +179,12 @@ impl Statistics {
             Class::Failed => self.failed += 1,
         }
         self.checked += u64::from(checked);
-        if verdict != Class::Failed {
-            self.energy_drift = self.energy_drift.max(outcome.energy_drift);
-            self.momentum_drift = self.momentum_drift.max(outcome.momentum_drift);
-            if outcome.class == Class::Unstable {
-                self.earliest = self.earliest.min(outcome.left);
-            }
+        // A sample that was not run has no drift: `max` passes over its NaN. One that overflowed lost all.
+        let lost = |drift: f64| if drift.is_nan() && outcome.was_run() { f64::INFINITY } else { drift };
+        self.energy_drift = self.energy_drift.max(lost(outcome.energy_drift));
+        self.momentum_drift = self.momentum_drift.max(lost(outcome.momentum_drift));
+        if verdict == Class::Unstable {
+            self.earliest = self.earliest.min(outcome.left);
         }
     }
 }
@@ -270,7 +277,7 @@ impl Map {
 
     /// The verdict from both runs of a sample. A repetition that would take too many steps says nothing.
     fn verdict(first: &Outcome, halved: Option<&Outcome>) -> Class {
-        match halved {
+        match halved.filter(|second| second.was_run()) {
             Some(second) if first.class != Class::Failed && second.class != first.class => Class::Undecided,
             _ => first.class,
         }
@@ -316,7 +323,8 @@ impl Map {
         let bodies: Vec<Body> = (start..stop)
             .map(|flat| {
                 let (pixel, sample) = place(flat);
-                self.draw(isa, pixel, sample)
+                let Pixel { body, possible, .. } = self.pixels[pixel as usize];
+                if possible { self.draw(isa, pixel, sample) } else { body }
             })
             .collect();
         let mut jobs: [Vec<Job>; 3] = Default::default();
@@ -346,8 +354,9 @@ impl Map {
             }
             let statistics = &mut pixels.last_mut().expect("pushed above").1;
             if let Some(first) = &outcomes[0][index] {
-                let halved = outcomes[1][index].as_ref().filter(|h| h.status != Status::StepLimit);
-                statistics.add(Map::verdict(first, halved), first, halved.is_some());
+                let halved = outcomes[1][index].as_ref();
+                let checked = halved.is_some_and(Outcome::was_run);
+                statistics.add(Map::verdict(first, halved), first, checked);
                 statistics.steps += first.steps + halved.map_or(0, |h| h.steps);
             }
         }
@@ -443,9 +452,10 @@ impl Map {
         let momentum_drift = group.momentum.worst.0[lane];
         let steps = group.count.0[lane];
         let left = group.left.0[lane];
-        let (class, status) = if !(energy_drift.is_finite() && momentum_drift.is_finite()) {
+        let finite = energy_drift.is_finite() && momentum_drift.is_finite() && group.unit.0[lane].is_finite();
+        let (class, status) = if !finite {
             (Class::Failed, Status::NotFinite)
-        } else if energy_drift.max(momentum_drift) > DRIFT_LIMIT {
+        } else if energy_drift.max(momentum_drift).max(group.unit.0[lane]) > DRIFT_LIMIT {
             (Class::Failed, Status::Drifted)
         } else if left < f64::INFINITY {
             (Class::Unstable, Status::Stopped)
@@ -491,12 +501,15 @@ impl Map {
             outcomes[usize::from(job.halved)] = Some(outcome);
         })?;
         let first = outcomes[0].expect("every job is finished");
-        let halved = outcomes[1].as_ref().filter(|h: &&Outcome| h.status != Status::StepLimit);
-        Some((body, Map::verdict(&first, halved), first))
+        Some((body, Map::verdict(&first, outcomes[1].as_ref()), first))
     }
 }
 
 impl Outcome {
+    fn was_run(&self) -> bool {
+        self.status != Status::StepLimit
+    }
+
     /// A sample that would need more steps than allowed.
     fn refused() -> Outcome {
         Outcome {
@@ -522,6 +535,7 @@ fn done(group: &Group, lane: usize, target: f64) -> bool {
         // A NaN is not below the limit either.
         | !(group.energy.worst.0[lane] <= DRIFT_LIMIT)
         | !(group.momentum.worst.0[lane] <= DRIFT_LIMIT)
+        | !(group.unit.0[lane] <= DRIFT_LIMIT)
 }
 
 fn any_done(group: &Group, target: &[f64; LANES]) -> bool {

@@ -4,7 +4,9 @@
 //! code that fills and empties lanes around it is ordinary scalar code. No lane looks at another.
 
 use crate::method::{Form, PlanarStrang, Rk4, RotorStrang, RungeKutta, Scheme, Splitting};
-use crate::model::{Attitude, Axis, AxisAttitude, Free, Layout, Model, Parameters, Rates, Top, TwoAxes};
+use crate::model::{
+    Attitude, Axis, AxisAttitude, Free, Layout, Model, Parameters, Rates, Top, TwoAxes, direction, dot,
+};
 use crate::observe::{Flips, Nothing, Observe, Tilt, Watched};
 use crate::real::{Pack, Real};
 use crate::simd::Isa;
@@ -69,6 +71,8 @@ pub struct Group {
     pub energy: DriftRows,
     /// `L.L` of a free body, `L.gamma` of a top.
     pub momentum: DriftRows,
+    /// Largest deviation of the length of a direction from one.
+    pub unit: Row,
 }
 
 impl Group {
@@ -95,6 +99,7 @@ impl Group {
             limit: [Row::ZERO; 2],
             energy: drift,
             momentum: drift,
+            unit: Row::ZERO,
         };
         for lane in 0..LANES {
             group.wait(lane);
@@ -123,6 +128,7 @@ impl Group {
         self.sine2.0[lane] = 0.0;
         self.limit[0].0[lane] = f64::NEG_INFINITY;
         self.limit[1].0[lane] = f64::INFINITY;
+        self.unit.0[lane] = 0.0;
         for drift in [&mut self.energy, &mut self.momentum] {
             drift.start.0[lane] = 0.0;
             drift.inverse_scale.0[lane] = 0.0;
@@ -302,6 +308,12 @@ where
         let [energy, momentum] = invariants::<P, M, L, S, D>(&p[b], &y);
         update_drift(&mut g.energy, at, energy);
         update_drift(&mut g.momentum, at, momentum);
+        for v in 0..L::VECTORS {
+            let n = direction(&y, v);
+            // |n| - 1, to first order.
+            let off = (dot(&n, &n) - P::splat(1.0)).abs() * P::splat(0.5);
+            P::load(&g.unit.0[at..]).max(off).store(&mut g.unit.0[at..]);
+        }
         (P::load(&g.count.0[at..]) + P::splat(steps as f64)).store(&mut g.count.0[at..]);
     }
 }

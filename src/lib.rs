@@ -3,9 +3,9 @@
 //! Read from left to right; nothing points back.
 //!
 //! ```text
-//! real ← simd        real ← special
-//! real ← model ← method ← observe ← kernel          body ← start
-//! {kernel, start, sample} ← {trajectory, ensemble} ← run ← python
+//! real ← simd        real ← special ← model ← method ← observe ← kernel
+//! {body, kernel} ← start        special ← sample
+//! {start, sample, run} ← trajectory ← ensemble ← python
 //! ```
 
 pub mod body;

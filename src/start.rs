@@ -163,12 +163,6 @@ fn invariant_scales(body: &Body, is_top: bool) -> [f64; 2] {
     }
 }
 
-/// 1 / scale; 0 where nothing can move.
-#[inline(always)]
-fn inverse_or_zero(scale: f64) -> f64 {
-    if scale == 0.0 { 0.0 } else { 1.0 / scale }
-}
-
 /// The state of a body in the variables of a kernel.
 fn kernel_state(system: System, seat: Seat, body: &Body, watched_axis: [f64; 3]) -> [f64; MAX_STATE] {
     let mut y = [0.0; MAX_STATE];
@@ -233,15 +227,18 @@ pub fn load(
     group.count.0[lane] = 0.0;
 
     let [energy, momentum] = compiled.invariants(&parameters, &y);
+    let moves = body.omega.iter().chain(&body.weight).any(|&x| x != 0.0);
     let [energy_scale, momentum_scale] = invariant_scales(body, kernel.system.is_top());
     for (rows, start, scale) in
         [(&mut group.energy, energy, energy_scale), (&mut group.momentum, momentum, momentum_scale)]
     {
         rows.start.0[lane] = start;
-        rows.inverse_scale.0[lane] = inverse_or_zero(scale);
+        // Of a body that cannot move nothing can drift; a scale that underflowed leaves the drift a NaN.
+        rows.inverse_scale.0[lane] = if moves { 1.0 / scale } else { 0.0 };
         rows.worst.0[lane] = 0.0;
     }
 
+    group.unit.0[lane] = 0.0;
     group.side.0[lane] = if axis > 0 { f64::from(watched.signum()) * side(body, axis - 1) } else { 0.0 };
     group.flips.0[lane] = 0.0;
     group.left.0[lane] = f64::INFINITY;

@@ -73,7 +73,8 @@ pub enum Status {
     StepLimit = 2,
     /// A number overflowed or became NaN.
     NotFinite = 3,
-    /// The energy or the conserved momentum was lost: the step is too long for the motion to mean anything.
+    /// The energy, the conserved momentum or the length of a direction or quaternion was lost: the step is too
+    /// long for the motion to mean anything.
     Drifted = 4,
 }
 
@@ -365,10 +366,12 @@ impl<'a> Passengers<'a> {
         let finite = now.omega.iter().chain(&now.invariants).all(|x| x.is_finite()) && units.is_finite();
         if !finite {
             states.status[lane] = Status::NotFinite;
-        } else if states.status[lane] == Status::Finished
-            && states.energy_drift[lane].max(states.momentum_drift[lane]) > DRIFT_LIMIT
-        {
-            states.status[lane] = Status::Drifted;
+        } else if states.status[lane] == Status::Finished {
+            let drifts = [states.energy_drift[lane], states.momentum_drift[lane], states.unit_drift[lane]];
+            // A NaN is not below the limit.
+            if !drifts.iter().all(|&drift| drift <= DRIFT_LIMIT) {
+                states.status[lane] = Status::Drifted;
+            }
         }
     }
 }

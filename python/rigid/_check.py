@@ -25,6 +25,9 @@ __all__ = [
 ]
 
 
+MOST_THREADS = 1024
+
+
 def nearest(name: object, known: Iterable[str]) -> str:
     """A hint such as ``"; did you mean 'spin'?"``, or nothing if no known name is close."""
     if not isinstance(name, str):
@@ -144,13 +147,18 @@ def sorted_times(name: str, value: ArrayLike) -> NDArray[np.float64]:
 def resolve_threads(threads: int | None) -> int:
     """Number of threads: the argument, else ``RIGID_NUM_THREADS``, else the cores we may use."""
     if threads is not None:
-        return positive_int("threads", threads)
+        threads = positive_int("threads", threads)
+        if threads > MOST_THREADS:
+            raise ValueError(f"threads = {threads}: must be at most {MOST_THREADS}")
+        return threads
     variable = os.environ.get("RIGID_NUM_THREADS", "")
     if variable:
         if not variable.isdecimal() or int(variable) < 1:
             raise ValueError(
                 f"RIGID_NUM_THREADS = {variable!r}: must be a whole number of at least 1"
             )
+        if int(variable) > MOST_THREADS:
+            raise ValueError(f"RIGID_NUM_THREADS = {variable!r}: must be at most {MOST_THREADS}")
         return int(variable)
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))

@@ -28,6 +28,8 @@ class Body:
         Principal moments of inertia (kg m², or any consistent unit) about body axes 1, 2, 3.
     mass : float, optional
         Mass (kg). Only remembered; the rotation does not need it.
+    sides : array_like, shape (3,), optional
+        Sides (m) of a homogeneous box with this mass and these moments; :meth:`box` knows them.
 
     Attributes
     ----------
@@ -73,9 +75,14 @@ class Body:
         set_field(self, "moments", checked)
         set_field(self, "mass", None if mass is None else finite_float("mass", mass, positive=True))
         if sides is not None:
-            sides = tuple(vector("sides", sides, 3).tolist())
+            a, b, c = vector("sides", sides, 3).tolist()
+            sides = (a, b, c)
             if min(sides) <= 0.0:
                 raise ValueError(f"sides = {sides}: every side must be positive")
+            if mass is None or not np.allclose(box_moments(a, b, c, mass), checked, rtol=1e-12):
+                raise ValueError(
+                    f"sides = {sides}: no box of this mass has the moments {checked}; use Body.box"
+                )
         set_field(self, "sides", sides)
 
     @classmethod

@@ -9,7 +9,7 @@ from math import pi, prod
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._check import nearest
+from ._check import nearest, numbers
 from .bodies import box_moments
 from .scenes import FreeBody, HeavyTop, Scene
 from .starts import Start, tilted_attitude, tilted_rates
@@ -152,10 +152,7 @@ def _axis(name: str, values: ArrayLike) -> Axis:
             f"axes: unknown parameter {name!r}{nearest(name, PARAMETERS)}"
             f" (known: {', '.join(PARAMETERS)})"
         )
-    try:
-        array = np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise TypeError(f"axes[{name!r}] = {values!r}: must be numbers") from None
+    array = numbers(f"axes[{name!r}]", values)
     if array.ndim != 1 or array.size == 0:
         raise ValueError(f"axes[{name!r}]: expected shape (n,) with n >= 1, got {array.shape}")
     if not np.isfinite(array).all():

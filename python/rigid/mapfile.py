@@ -167,15 +167,17 @@ def _array_attributes(spec: MapSpec) -> dict[str, dict[str, Any]]:
         "upper": {"long_name": f"upper end of the 95 % interval of the {share}", "units": "1"},
     }
     for name in (*COUNTS, "samples"):
-        attributes[name] = {"long_name": f"{name} bodies" if name in COUNTS else "bodies done"}
+        words = f"{name} bodies" if name in COUNTS else "bodies done"
+        attributes[name] = {"long_name": words, "units": "1"}
     return attributes | {
         "energy_drift": {"long_name": "worst relative drift of the energy", "units": "1"},
         "momentum_drift": {"long_name": "worst relative drift of the momentum", "units": "1"},
         "earliest": {"long_name": "first time of leaving stability", "units": "s"},
-        "steps": {"long_name": "time steps"},
+        "steps": {"long_name": "time steps", "units": "1"},
         "nanoseconds": {"long_name": "processor time", "units": "ns"},
         "status": {
             "long_name": "status of the body",
+            "units": "1",
             "flag_values": list(range(len(STATUS))),
             "flag_meanings": " ".join(text.replace(" ", "_") for text in STATUS),
         },

@@ -113,7 +113,8 @@ class StabilityMap:
         95 % Wilson interval of the share, widened by the undecided: they count as unstable for
         ``lower`` and as stable for ``upper``.
     energy_drift, momentum_drift : ndarray
-        Worst relative drift of the conserved quantities in each pixel.
+        Worst relative drift of the conserved quantities in each pixel, failed bodies included; NaN
+        where nothing was integrated.
     earliest : ndarray
         First time at which a body left stability, s; inf if none did.
     steps : ndarray of int64
@@ -353,7 +354,8 @@ class StabilityMap:
         done = int(self.samples.sum())
         possible = int((self.status == 0).sum())
         step = "step chosen for each body" if spec.step is None else f"step {spec.step:g} s"
-        checked = {0.0: "none", 1.0: "all"}.get(spec.check, f"{spec.checked_samples}")
+        repeated = int(self.checked.sum())
+        checked = {0: "none", done: "all"}.get(repeated, f"{repeated:,}")
         lines = [
             ("scene", scene_words(spec)),
             ("start", spec.start.describe([axis.name for axis in spec.axes])),
@@ -369,7 +371,7 @@ class StabilityMap:
             ("classes", self._classes(done)),
             (
                 "worst drift",
-                f"energy {self.energy_drift.max():.1e}, momentum {self.momentum_drift.max():.1e} "
+                f"energy {_worst(self.energy_drift)}, momentum {_worst(self.momentum_drift)} "
                 "(relative)",
             ),
             ("theory", self._theory_line()),
@@ -419,6 +421,11 @@ def wilson(
     lower = np.where(successes == 0, 0.0 * n, (centre - half) / scale)
     upper = np.where(successes == trials, 1.0 + 0.0 * n, (centre + half) / scale)
     return lower, upper
+
+
+def _worst(drifts: NDArray[np.float64]) -> str:
+    known = drifts[~np.isnan(drifts)]
+    return f"{known.max():.1e}" if known.size else "unknown"
 
 
 def _pixel_index(pixel: int | tuple[int, ...], shape: tuple[int, ...]) -> tuple[int, ...]:

@@ -44,7 +44,7 @@ def stability_map(
 
     Nothing is kept per body: memory grows with the pixels, not with the samples or the horizon. The
     same request gives the same bits for any number of threads and any chunking. Ctrl-C ends the run
-    at the next chunk and returns the partial map.
+    within a fraction of a second and returns the partial map of the chunks done.
 
     Parameters
     ----------
@@ -198,6 +198,8 @@ def _empty(status: NDArray[np.uint8]) -> dict[str, NDArray[Any]]:
     }
     counted["status"] = status
     counted["earliest"] = np.full(status.shape, np.inf)
+    counted["energy_drift"] = np.full(status.shape, np.nan)
+    counted["momentum_drift"] = np.full(status.shape, np.nan)
     counted["nanoseconds"] = np.zeros(status.shape)
     return counted
 
@@ -207,7 +209,7 @@ def _merge(counted: dict[str, NDArray[Any]], part: Mapping[str, Any]) -> None:
     for name in (*COUNTS, "steps", "nanoseconds"):
         counted[name][window] += part[name]
     for name in ("energy_drift", "momentum_drift"):
-        np.maximum(counted[name][window], part[name], out=counted[name][window])
+        np.fmax(counted[name][window], part[name], out=counted[name][window])
     np.minimum(counted["earliest"][window], part["earliest"], out=counted["earliest"][window])
 
 

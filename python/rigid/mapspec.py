@@ -107,7 +107,8 @@ class MapSpec:
     @property
     def checked_samples(self) -> int:
         """How many bodies of each pixel are repeated with half the step."""
-        return math.ceil(self.check * self.samples)
+        # 0.07 * 100 is a little more than 7.
+        return math.ceil(self.check * self.samples * (1.0 - 1e-12))
 
     @property
     def criterion(self) -> str:
@@ -214,7 +215,7 @@ def scene_words(spec: MapSpec) -> str:
         return ", ".join("varied" if name in varied else f"{value:g}" for name, value in values)
 
     body = spec.scene.body
-    if body.sides is not None:
+    if body.sides is not None and not any(name.startswith("I") for name in varied):
         sides, mass = numbers(zip("abc", body.sides, strict=True)), [("mass", body.mass or 0.0)]
         words = f"box with sides ({sides}) m and mass {numbers(mass)} kg"
     else:

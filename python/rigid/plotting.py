@@ -124,6 +124,8 @@ def _draw_curve(
     from matplotlib.patheffects import Normal, Stroke
 
     x, y = result.spec.axes
+    if min(curve.field.shape) < 2:
+        return []  # no plane to draw a line in
     lines = ax.contour(
         x.values, y.values, curve.field, levels=[0.0], colors="white", linestyles=dashes
     )

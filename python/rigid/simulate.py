@@ -31,7 +31,7 @@ class Status(IntEnum):
     STOPPED = 1  #: when the question of a map was answered
     STEP_LIMIT = 2  #: not run: it would have needed more than ``max_steps``
     NOT_FINITE = 3  #: a number overflowed or became NaN: the step is too long
-    DRIFTED = 4  #: energy or momentum off by more than 0.1: the step is too long to mean anything
+    DRIFTED = 4  #: energy, momentum or unit lengths off by more than 0.1: the step is too long
 
 
 @dataclass(frozen=True, slots=True)

@@ -134,12 +134,6 @@ pub fn seen_from_body<R: Real>(q: &[R; 4], e: &[R; 3]) -> [R; 3] {
     [0, 1, 2].map(|i| q[0].fma(t[i], e[i] + s[i]))
 }
 
-/// `R e` for the unit attitude `q`: the body direction `e` in space.
-#[inline(always)]
-pub fn seen_from_space<R: Real>(q: &[R; 4], e: &[R; 3]) -> [R; 3] {
-    seen_from_body(&[q[0], -q[1], -q[2], -q[3]], e)
-}
-
 /// exp of a rotation vector, as a unit quaternion.
 #[inline(always)]
 pub fn rotation_by<R: Real>(v: &[R; 3]) -> [R; 4] {

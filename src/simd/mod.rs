@@ -1,5 +1,4 @@
-//! Registers and the choice of the instruction set. With `kernel.rs`, which enters the chosen path, the
-//! only `unsafe` of the crate.
+//! Registers and the choice of the instruction set. `kernel.rs` and `ensemble.rs` enter the chosen path.
 
 mod arr;
 mod isa;

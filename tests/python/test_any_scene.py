@@ -69,7 +69,7 @@ def rates() -> st.SearchStrategy[list[float]]:
 def check(run: rigid.Run) -> None:
     values = [run.omega, run.energy_drift, run.momentum_drift, run.unit_drift]
     values += [array for array in (run.gamma, run.attitude) if array is not None]
-    drift = max(run.energy_drift, run.momentum_drift)
+    drift = max(run.energy_drift, run.momentum_drift, run.unit_drift)
     if run.status in (rigid.Status.FINISHED, rigid.Status.DRIFTED):
         assert all(np.all(np.isfinite(array)) for array in values)
         assert (run.status == rigid.Status.DRIFTED) == (drift > 0.1)

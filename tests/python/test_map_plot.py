@@ -286,3 +286,16 @@ def test_drawing_a_large_map_takes_no_loop_over_its_pixels() -> None:
     ax = pretended(spec, undecided=cells).plot()
     assert len(ax.patches) == 1
     assert len(ax.get_children()) < 30
+
+
+def test_a_plane_one_pixel_high_is_drawn_without_curves() -> None:
+    result = rigid.stability_map(
+        rigid.HeavyTop,
+        axes={"spin": [3.0, 4.0, 5.0], "attitude_noise": [1e-3]},
+        samples=2,
+        t_end=5.0,
+        stable=rigid.tilt_below(0.5),
+        rng=1,
+        progress=False,
+    )
+    assert len(result.plot().collections) == 1

@@ -347,8 +347,8 @@ def test_built_in_maps_run_and_nothing_fails(built_in: tuple[str, rigid.Stabilit
     assert result.undecided.sum() <= 1e-3 * result.samples.sum()
     # RK4 damps an oscillation of y rad a step by y^6/72 in energy: 8e-10 at the 1/16 rad that bound
     # the rates, and no body of these maps takes more than about 1e4 steps.
-    assert result.energy_drift.max() < 1e-5
-    assert result.momentum_drift.max() < 1e-5
+    assert np.nanmax(result.energy_drift) < 1e-5
+    assert np.nanmax(result.momentum_drift) < 1e-5
     assert result.stable.sum() > 0.1 * result.samples.sum()
     assert result.unstable.sum() > 0.1 * result.samples.sum()
     assert result.spec.title

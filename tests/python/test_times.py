@@ -232,3 +232,17 @@ def test_a_body_at_rest(scene: rigid.FreeBody | rigid.HeavyTop) -> None:
         assert np.array_equal(present(run.attitude), [[1.0, 0.0, 0.0, 0.0]] * 3)
     else:
         assert np.abs(run.omega[1]).max() > 0.1
+
+
+def test_an_attitude_that_lost_its_length_is_not_believed() -> None:
+    sphere = rigid.FreeBody(rigid.Body((1.0, 1.0, 1.0)))
+    run = rigid.simulate(sphere, [1.0, 0.0, 0.0], t=[0.0, 100.0], step=2.0)
+    assert run.energy_drift == run.momentum_drift == 0.0
+    assert run.unit_drift > 0.1
+    assert run.status == rigid.Status.DRIFTED
+
+
+def test_a_drift_that_cannot_be_told_is_not_called_finished() -> None:
+    body = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
+    run = rigid.simulate(body, [1e-162, 1e-162, 2e-162], t=[0.0, 1e163], step=3e162)
+    assert run.status == rigid.Status.DRIFTED

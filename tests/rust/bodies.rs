@@ -236,3 +236,16 @@ fn the_unit_of_inertia_does_not_matter() {
         assert_eq!(rates(2.0_f64.powi(exponent)), rates(1.0), "2^{exponent}");
     }
 }
+
+/// A flat body turned any way is still a body: the eigenvalues of its tensor are rounded.
+#[test]
+fn flat_bodies_come_back_from_their_tensors() {
+    let axes = Vector3::new(1.0, 2.0, 3.0);
+    for k in 0..2000 {
+        let angles = [0.37, 1.01, 2.3].map(|step| step * f64::from(k));
+        let turn = Rotation3::from_euler_angles(angles[0], angles[1], angles[2]);
+        let tensor = turn.matrix() * Matrix3::from_diagonal(&axes) * turn.matrix().transpose();
+        let rows = [0, 1, 2].map(|i| [0, 1, 2].map(|j| 0.5 * (tensor[(i, j)] + tensor[(j, i)])));
+        assert!(principal_axes(rows).is_ok(), "{rows:?}");
+    }
+}
