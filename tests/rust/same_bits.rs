@@ -78,6 +78,8 @@ struct Load {
     body: Body,
     watched: i32,
     step: f64,
+    /// Of the tilt, small ones compared by the sine, large ones by the cosine.
+    limit: TiltLimit,
 }
 
 /// The lane that overflows within a few steps, and one whose body turns by radians a step.
@@ -87,7 +89,9 @@ const FAST: usize = 12;
 fn loads(kernel: Kernel) -> Vec<Load> {
     let of_lane = |lane: usize| {
         let mut body = body(lane as u64, kernel.system.is_top(), kernel.table == Table::Rotor);
-        let mut step = 0.01 + 0.001 * lane as f64;
+        // Turns of 0.1 to 0.7 in a step: of such angles up to one in a hundred has another sine by the code for
+        // large angles, of smaller ones hardly any, and a lane that took the wrong code would not be seen.
+        let mut step = 0.1 + 0.01 * lane as f64;
         match lane {
             WILD => body.omega = [1e18; 3],
             FAST => step = 1.7,
@@ -96,7 +100,8 @@ fn loads(kernel: Kernel) -> Vec<Load> {
         }
         // Not the axis of symmetry, about which nothing ever flips.
         let watched = [2, 3, 1, -2, -3, -1][lane % 6];
-        Load { body, watched, step }
+        let limit = TiltLimit::new([0.3, 0.9, 1.6, 3.1][lane % 4]);
+        Load { body, watched, step, limit }
     };
     (0..LANES).map(of_lane).collect()
 }
@@ -106,9 +111,7 @@ fn place(group: &mut Group, lane: usize, kernel: Kernel, compiled: Compiled, it:
     let seat = Seat::of(method, it.body.moments);
     assert_eq!(seat.table, kernel.table);
     load(group, lane, (kernel, compiled), seat, &it.body, it.watched, it.step);
-    // Small and large limits: of the sine and of the cosine.
-    let limit = TiltLimit::new(0.2 + 50.0 * it.step);
-    (group.limit[0].0[lane], group.limit[1].0[lane]) = (limit.cosine, limit.sine2);
+    (group.limit[0].0[lane], group.limit[1].0[lane]) = (it.limit.cosine, it.limit.sine2);
 }
 
 /// 200 steps, in bursts of several lengths.
@@ -235,7 +238,7 @@ fn crowd(is_top: bool) -> Vec<Body> {
 }
 
 fn own_steps(n: usize) -> Vec<f64> {
-    (0..n).map(|i| [0.01, 0.025, 0.003, 0.9][i % 4]).collect()
+    (0..n).map(|i| [0.03, 0.25, 0.003, 0.9][i % 4]).collect()
 }
 
 const TIMES: [f64; 5] = [-0.7, 0.0, 0.3, 0.31, 2.0];
