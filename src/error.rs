@@ -72,4 +72,13 @@ pub enum Error {
         /// The shape it has.
         got: String,
     },
+    /// A closed form is wanted of a motion that has none.
+    #[error(
+        "method = 'exact': body {index} has no closed form (free bodies have one, tops that are symmetric to the bit \
+         with the centre of mass on the axis, and tops that swing in a plane about a principal axis)"
+    )]
+    NoClosedForm {
+        /// Which body.
+        index: usize,
+    },
 }

@@ -11,6 +11,7 @@
 pub mod body;
 pub mod clock;
 pub mod ensemble;
+pub mod exact;
 pub mod error;
 pub mod kernel;
 pub mod method;

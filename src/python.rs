@@ -3,11 +3,12 @@
 use crate::body::{Inertia, principal_axes as axes_of};
 use crate::ensemble::{Criterion, Map, Outcome, Pixel, Statistics};
 use crate::error::Error;
+use crate::exact::Place;
 use crate::method::Method;
 use crate::sample::Law;
 use crate::simd::Isa;
 use crate::start::Body;
-use crate::trajectory::{self, Record, Request, Schedule, States, Status};
+use crate::trajectory::{self, Record, Request, Schedule, Solver, States, Status};
 use numpy::{
     IntoPyArray, PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods,
 };
@@ -32,7 +33,7 @@ impl From<Error> for PyErr {
 #[pymodule(gil_used = false)]
 mod _core {
     #[pymodule_export]
-    use super::{MapJob, build_info, check_moments, methods, principal_axes, simulate};
+    use super::{MapJob, build_info, check_moments, closed_forms, methods, principal_axes, simulate};
 
     /// Version of the library.
     #[pymodule_export]
@@ -189,8 +190,8 @@ fn simulate<'py>(
     times: Option<Vec<f64>>,
     strides: Option<Vec<u64>>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let (is_top, method, record, isa) =
-        (parse_scene(scene)?, Method::parse(method)?, parse_record(record)?, Isa::current()?);
+    let (is_top, solver, record, isa) =
+        (parse_scene(scene)?, Solver::parse(method)?, parse_record(record)?, Isa::current()?);
     let omega = rows::<3>("omega", &omega)?;
     let n = omega.len();
     let bodies = bodies(
@@ -199,9 +200,12 @@ fn simulate<'py>(
         omega,
         rows::<4>("attitude", &attitude)?,
     )?;
-    let steps = match step {
-        Some(step) => step.as_array().to_vec(),
-        None => bodies.iter().map(|b| method.facts().angle_per_step / b.fastest_rate()).collect(),
+    let steps = match (step, solver) {
+        (Some(step), _) => step.as_array().to_vec(),
+        (None, Solver::Steps(method)) => {
+            bodies.iter().map(|b| method.facts().angle_per_step / b.fastest_rate()).collect()
+        }
+        (None, Solver::Exact) => vec![f64::INFINITY; n],
     };
     same_length("step", n, steps.len())?;
     let schedule = match (&times, &strides) {
@@ -209,9 +213,11 @@ fn simulate<'py>(
         (None, Some(strides)) => Schedule::Strides(strides),
         (None, None) => Schedule::Times(&[]),
     };
-    let request = Request { bodies: &bodies, is_top, method, record, schedule, steps: &steps, max_steps };
-    let states = interruptible(py, None, |stop| trajectory::simulate(&request, threads, isa, stop))?
-        .ok_or_else(stopped)?;
+    let request = Request { bodies: &bodies, is_top, solver, record, schedule, steps: &steps, max_steps };
+    let states = interruptible(py, None, |stop| {
+        trajectory::simulate(&request, threads, isa, stop).transpose()
+    })?
+    .ok_or_else(stopped)??;
     states_to_dict(py, states, n, request.schedule.len())
 }
 
@@ -238,6 +244,26 @@ fn bodies(
         attitude: attitude[row(i, attitude.len())],
     };
     Ok((0..n).map(body).collect())
+}
+
+/// The closed form of each body by its name, empty if it has none.
+#[pyfunction]
+#[pyo3(signature = (*, scene, moments, weight, omega, attitude))]
+fn closed_forms(
+    scene: &str,
+    moments: PyReadonlyArray2<'_, f64>,
+    weight: PyReadonlyArray2<'_, f64>,
+    omega: PyReadonlyArray2<'_, f64>,
+    attitude: PyReadonlyArray2<'_, f64>,
+) -> PyResult<Vec<&'static str>> {
+    parse_scene(scene)?;
+    let bodies = bodies(
+        rows::<3>("moments", &moments)?,
+        rows::<3>("weight", &weight)?,
+        rows::<3>("omega", &omega)?,
+        rows::<4>("attitude", &attitude)?,
+    )?;
+    Ok(bodies.iter().map(|body| Place::of(body).map_or("", |place| place.form.name())).collect())
 }
 
 fn states_to_dict(py: Python<'_>, states: States, n: usize, times: usize) -> PyResult<Bound<'_, PyDict>> {

@@ -150,7 +150,7 @@ pub struct State {
 ///
 /// A free body: its energy, and `2 L.L` for `L.L` (so that the number is that of |L|). A top: kinetic energy
 /// plus `mgl`, and |L| plus `sqrt(mgl I_max)`: the invariants themselves may vanish.
-fn invariant_scales(body: &Body, is_top: bool) -> [f64; 2] {
+pub fn invariant_scales(body: &Body, is_top: bool) -> [f64; 2] {
     let momentum = [0, 1, 2].map(|k| body.moments[k] * body.omega[k]);
     let momentum2 = dot(&momentum, &momentum);
     let kinetic: f64 = (0..3).map(|k| 0.5 * body.moments[k] * body.omega[k] * body.omega[k]).sum();

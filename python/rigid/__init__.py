@@ -6,6 +6,7 @@ Conventions: SI or any consistent units; body axes are principal axes; ``omega``
 of space.
 """
 
+from . import exact
 from ._core import __version__
 from .bodies import Body
 from .criteria import no_flip, tilt_below
@@ -15,6 +16,7 @@ from .mapresult import Replay, StabilityMap
 from .maps import stability_map
 from .mapspec import MapSpec
 from .methods import Method, methods
+from .plan import Plan, plan
 from .progress import Progress
 from .scenes import FreeBody, HeavyTop
 from .simulate import Run, Status, simulate
@@ -27,6 +29,7 @@ __all__ = [
     "MapSpec",
     "Method",
     "Noise",
+    "Plan",
     "Progress",
     "Replay",
     "Run",
@@ -36,10 +39,12 @@ __all__ = [
     "__version__",
     "build_info",
     "direction",
+    "exact",
     "load_map",
     "methods",
     "no_flip",
     "normal",
+    "plan",
     "simulate",
     "stability_map",
     "tilt_below",

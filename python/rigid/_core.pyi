@@ -11,9 +11,15 @@ __all__ = [
     "__version__",
     "build_info",
     "check_moments",
+    "closed_forms",
+    "elliptic",
+    "flip_times",
+    "free_quantities",
     "methods",
     "principal_axes",
     "simulate",
+    "tilt_times",
+    "top_quantities",
 ]
 
 __version__: str
@@ -39,6 +45,43 @@ def simulate(
     times: Sequence[float] | None = None,
     strides: Sequence[int] | None = None,
 ) -> dict[str, Any]: ...
+def closed_forms(
+    *,
+    scene: str,
+    moments: NDArray[np.float64],
+    weight: NDArray[np.float64],
+    omega: NDArray[np.float64],
+    attitude: NDArray[np.float64],
+) -> list[str]: ...
+def free_quantities(
+    *, moments: NDArray[np.float64], omega: NDArray[np.float64]
+) -> dict[str, Any]: ...
+def flip_times(
+    *,
+    scene: str,
+    moments: NDArray[np.float64],
+    weight: NDArray[np.float64],
+    omega: NDArray[np.float64],
+    attitude: NDArray[np.float64],
+    axis: int,
+    count: int,
+) -> NDArray[np.float64]: ...
+def top_quantities(
+    *,
+    moments: NDArray[np.float64],
+    weight: NDArray[np.float64],
+    omega: NDArray[np.float64],
+    attitude: NDArray[np.float64],
+) -> dict[str, Any]: ...
+def tilt_times(
+    *,
+    moments: NDArray[np.float64],
+    weight: NDArray[np.float64],
+    omega: NDArray[np.float64],
+    attitude: NDArray[np.float64],
+    limit: float,
+) -> NDArray[np.float64]: ...
+def elliptic(name: str, args: Sequence[NDArray[np.float64]]) -> Any: ...
 
 @final
 class MapJob:

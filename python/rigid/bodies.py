@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _core
 from ._check import finite_float, numbers, vector
 
-__all__ = ["Body"]
+__all__ = ["Body", "box_moments", "possible"]
 
 
 @dataclass(frozen=True, slots=True, init=False)
@@ -189,3 +189,11 @@ def box_moments(a: ArrayLike, b: ArrayLike, c: ArrayLike, mass: ArrayLike) -> ND
         squares = np.stack([b * b + c * c, a * a + c * c, a * a + b * b], axis=-1)
         moments: NDArray[np.float64] = np.asarray(mass)[..., None] / 12.0 * squares
     return moments
+
+
+def possible(moments: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Rows that are moments of a body, with the core's slack for flat ones."""
+    small, middle, large = np.sort(moments, axis=-1).T
+    slack = 4.0 * np.finfo(np.float64).eps * large
+    bodies: NDArray[np.bool_] = (small > 0.0) & (large - middle <= small + slack)
+    return bodies

@@ -9,10 +9,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NoReturn
 
+from ._check import resolve_threads
 from .info import build_info
 from .mapresult import StabilityMap
 from .maps import run_map
-from .mapspec import seed_from
+from .mapspec import MapSpec, seed_from
+from .plan import map_plan
 from .plotting import save_plot
 from .specfile import builtin_names, read_spec
 
@@ -50,7 +52,9 @@ def _map(options: argparse.Namespace) -> int:
     if options.seed is not None:
         spec = dataclasses.replace(spec, seed=seed_from(options.seed))
     stem = _stem(options.out, named.name)
-    result = run_map(spec, threads=options.threads, progress=None if options.progress else False)
+    threads = resolve_threads(options.threads)
+    print(f"{'plan':<12}{_plan(spec)}", flush=True)
+    result = run_map(spec, threads=threads, progress=None if options.progress else False)
     print(result.summary())
     print(f"{'speed':<12}{_speed(result)}")
     data = result.save(stem.with_name(f"{stem.name}.npz"))
@@ -60,6 +64,11 @@ def _map(options: argparse.Namespace) -> int:
         print("rigid: interrupted; the map written is partial", file=sys.stderr)
         return INTERRUPTED
     return 0
+
+
+def _plan(spec: MapSpec) -> str:
+    made = map_plan(spec)
+    return "; ".join([made.method_words(), *made.why])
 
 
 def _maps(options: argparse.Namespace) -> int:

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 __all__ = ["load_map", "map_dataset", "write_map"]
 
 FORMAT = "rigid stability map"
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 _SPEC = "spec.json"
 
@@ -101,7 +101,8 @@ def load_map(path: str | os.PathLike[str]) -> StabilityMap:
     try:
         with zipfile.ZipFile(content) as archive:
             header = json.loads(_read_array(archive, _SPEC).tobytes().decode())
-            arrays = {name: _read_array(archive, name) for name in STORED}
+            ours = isinstance(header, dict) and header.get("format_version") == FORMAT_VERSION
+            arrays = {name: _read_array(archive, name) for name in STORED if ours}
     except Exception as error:  # there is no end to what a damaged archive raises
         raise ValueError(f"{source} is not a stability map: {_one_line(error)}") from None
     if not isinstance(header, dict) or header.get("format") != FORMAT:
@@ -174,6 +175,7 @@ def _array_attributes(spec: MapSpec) -> dict[str, dict[str, Any]]:
         "momentum_drift": {"long_name": "worst relative drift of the momentum", "units": "1"},
         "earliest": {"long_name": "first time of leaving stability", "units": "s"},
         "steps": {"long_name": "time steps", "units": "1"},
+        "exact": {"long_name": "bodies classified in closed form", "units": "1"},
         "nanoseconds": {"long_name": "processor time", "units": "ns"},
         "status": {
             "long_name": "status of the body",

@@ -15,8 +15,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from .bodies import Body
 from .grid import pixels
-from .mapspec import MapSpec, core_job, scene_words
-from .scenes import FreeBody, HeavyTop
+from .mapspec import MapSpec, core_job
+from .methods import AUTO, EXACT, FALLBACK
+from .plan import Plan, map_plan
+from .scenes import FreeBody, HeavyTop, scene_words
 from .simulate import Run, replay_steps, simulate
 
 if TYPE_CHECKING:
@@ -36,6 +38,7 @@ STORED: Mapping[str, type[np.generic]] = {
     "momentum_drift": np.float64,
     "earliest": np.float64,
     "steps": np.int64,
+    "exact": np.int64,
     "status": np.uint8,
 }
 """The arrays of a saved map that the others follow from, with their types."""
@@ -56,6 +59,8 @@ class Replay:
         Values of the axes at this pixel.
     omega, attitude : ndarray, shapes (3,), (4,)
         Where the body started: rad/s in the body; quaternion (w, x, y, z).
+    method : str
+        ``"exact"`` if it was classified in closed form, else the scheme.
     outcome : str
         ``"stable"``, ``"unstable"``, ``"undecided"`` or ``"failed"``.
     status : str
@@ -67,8 +72,9 @@ class Replay:
     tilt : float
         Largest angle seen in rad, NaN if it was not watched.
     energy_drift, momentum_drift : float
+        NaN by closed form, which conserves both.
     step : float
-        Time step in s.
+        Time step in s; NaN by closed form.
     steps : int
     run : Run
         The trajectory until the horizon, with the same method and step.
@@ -79,6 +85,7 @@ class Replay:
     parameters: dict[str, float]
     omega: NDArray[np.float64]
     attitude: NDArray[np.float64]
+    method: str
     outcome: str
     status: str
     flips: int
@@ -114,11 +121,13 @@ class StabilityMap:
         ``lower`` and as stable for ``upper``.
     energy_drift, momentum_drift : ndarray
         Worst relative drift of the conserved quantities in each pixel, failed bodies included; NaN
-        where nothing was integrated.
+        where nothing was integrated, because closed forms do not drift.
     earliest : ndarray
         First time at which a body left stability, s; inf if none did.
     steps : ndarray of int64
         Time steps taken.
+    exact : ndarray of int64
+        Bodies classified in closed form; they take no steps and are not repeated.
     nanoseconds : ndarray
         Processor time spent. A measurement of this machine: not saved, NaN in a loaded map.
     elapsed : float
@@ -142,6 +151,7 @@ class StabilityMap:
     momentum_drift: NDArray[np.float64]
     earliest: NDArray[np.float64]
     steps: NDArray[np.int64]
+    exact: NDArray[np.int64]
     nanoseconds: NDArray[np.float64]
     elapsed: float
     threads: int
@@ -178,6 +188,11 @@ class StabilityMap:
     def complete(self) -> bool:
         """Whether every possible body was computed."""
         return bool((self.samples[self.status == 0] == self.spec.samples).all())
+
+    @property
+    def plan(self) -> Plan:
+        """What was done for this map, what was left out, and why."""
+        return map_plan(self.spec)
 
     def theory(self) -> Theory | None:
         """The prediction for this map, or None where no theory is known."""
@@ -218,8 +233,9 @@ class StabilityMap:
             Number of the body in its pixel, from 0.
         t : array_like, optional
             Times of the trajectory in s, reached by steps no longer than those of the map. By
-            default about 500 ends of the very steps that were taken, until ``t_end``. Of a body
-            that was not run, because of ``max_steps`` say, there is only the start.
+            default about 500 ends of the very steps that were taken, until ``t_end``, or 501 times
+            by closed form. Of a body that was not run, because of ``max_steps`` say, there is only
+            the start.
 
         Returns
         -------
@@ -265,15 +281,19 @@ class StabilityMap:
             else FreeBody(body)
         )
         begin, step = (record["omega"], record["attitude"]), float(record["step"])
-        if not math.isfinite(step):  # it was not run: only its start is known
-            run = simulate(scene, *begin, t=[0.0], method=spec.method)
+        method = record["method"]
+        if method == EXACT:
+            times = np.linspace(0.0, spec.t_end, 501) if t is None else t
+            run = simulate(scene, *begin, t=times, method=method)
+        elif not math.isfinite(step):  # it was not run: only its start is known
+            run = simulate(scene, *begin, t=[0.0], method=method)
         elif t is None:
             total = round(min(spec.t_end / step, spec.max_steps))
             ends = np.linspace(0, total, min(total, 500) + 1).astype(np.int64)
             strides = np.diff(ends, prepend=0).tolist()
-            run = replay_steps(scene, *begin, method=spec.method, step=step, strides=strides)
+            run = replay_steps(scene, *begin, method=method, step=step, strides=strides)
         else:
-            run = simulate(scene, *begin, t=t, method=spec.method, step=step)
+            run = simulate(scene, *begin, t=t, method=method, step=step)
         values = dict(record)
         values["outcome"] = values.pop("class")
         return Replay(
@@ -353,32 +373,47 @@ class StabilityMap:
         spec = self.spec
         done = int(self.samples.sum())
         possible = int((self.status == 0).sum())
-        step = "step chosen for each body" if spec.step is None else f"step {spec.step:g} s"
-        repeated = int(self.checked.sum())
-        checked = {0: "none", done: "all"}.get(repeated, f"{repeated:,}")
+        names = [axis.name for axis in spec.axes]
         lines = [
-            ("scene", scene_words(spec)),
-            ("start", spec.start.describe([axis.name for axis in spec.axes])),
+            ("scene", scene_words(spec.scene, [name.partition("/")[0] for name in names])),
+            ("start", spec.start.describe(names)),
             *((letter, str(axis)) for letter, axis in zip("xy", spec.axes, strict=False)),
             ("stable", spec.criterion),
-            ("method", f"{spec.method}, {step}"),
-            (
-                "samples",
-                f"{spec.samples} per pixel, {checked} repeated with half the step; "
-                f"seed {spec.seed}",
-            ),
+            ("method", self._method(done)),
+            ("samples", self._samples(done)),
             ("bodies", self._bodies(done, possible)),
             ("classes", self._classes(done)),
-            (
-                "worst drift",
-                f"energy {_worst(self.energy_drift)}, momentum {_worst(self.momentum_drift)} "
-                "(relative)",
-            ),
+            ("worst drift", self._drift(done)),
             ("theory", self._theory_line()),
         ]
         if spec.title:
             lines.insert(0, ("map", spec.title))
         return "\n".join(f"{name:<12}{text}" for name, text in lines)
+
+    def _method(self, done: int) -> str:
+        spec, exact = self.spec, int(self.exact.sum())
+        step = "step chosen for each body" if spec.step is None else f"step {spec.step:g} s"
+        if spec.method not in (AUTO, EXACT):
+            return f"{spec.method}, {step}"
+        if exact == done:
+            return f"{spec.method}: closed form"
+        share = f"closed form for {exact:,} bodies, else " if exact else ""
+        return f"{spec.method}: {share}{FALLBACK}, {step}"
+
+    def _samples(self, done: int) -> str:
+        text = f"{self.spec.samples} per pixel"
+        integrated, repeated = done - int(self.exact.sum()), int(self.checked.sum())
+        if integrated:
+            checked = {0: "none", integrated: "all"}.get(repeated, f"{repeated:,}")
+            which = "" if integrated == done else " of those integrated"
+            text += f", {checked}{which} repeated with half the step"
+        return f"{text}; seed {self.spec.seed}"
+
+    def _drift(self, done: int) -> str:
+        if 0 < done == self.exact.sum():
+            return "none: closed form"
+        worst = f"energy {_worst(self.energy_drift)}, momentum {_worst(self.momentum_drift)}"
+        return f"{worst} (relative)"
 
     def _bodies(self, done: int, possible: int) -> str:
         text = f"{done:,}"

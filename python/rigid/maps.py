@@ -15,6 +15,7 @@ from .criteria import Criterion
 from .grid import make_axes
 from .mapresult import COUNTS, STORED, StabilityMap
 from .mapspec import MAX_STEPS, MapSpec, core_job, seed_from
+from .methods import AUTO
 from .progress import Pace, Progress, ProgressOption, Work, interruptible, reporting
 from .scenes import FreeBody, HeavyTop, Scene
 from .starts import Start, normal
@@ -30,7 +31,7 @@ def stability_map(
     t_end: float,
     stable: Criterion,
     start: Start | None = None,
-    method: str = "rk4",
+    method: str | None = None,
     step: float | None = None,
     check: float = 1.0,
     rng: int | np.random.Generator | np.random.SeedSequence | None = None,
@@ -66,13 +67,16 @@ def stability_map(
     start : Start, optional
         By default a free body spins with 1 rad/s about the axis of its middle moment with
         ``noise=normal(1e-3)``, a top with 5 rad/s about axis 3, ``attitude_noise=normal(1e-3)``.
-    method : {"rk4", "splitting"}
-        Classical Runge-Kutta of order 4, or the symplectic splitting of order 2.
+    method : {"auto", "exact", "rk4", "splitting"}, optional
+        ``"auto"``, the default: each body by closed form where it has one for this criterion, else
+        ``"rk4"``. ``"exact"``: closed forms only. Or a scheme: classical Runge-Kutta of order 4, or
+        the symplectic splitting of order 2.
     step : float, optional
-        Time step in s; by default chosen for each body from a bound of its rates.
+        Time step of the bodies that are integrated, s; by default chosen for each body from a bound
+        of its rates.
     check : float
         Share of each pixel's bodies to repeat with half the step, in [0, 1]. A body whose class
-        changes is undecided.
+        changes is undecided. A closed form has no step to halve.
     rng : int, numpy.random.Generator or SeedSequence, optional
         The seed, or where to take its 128 bits from; by default fresh entropy. It is stored in
         ``result.spec.seed``.
@@ -96,8 +100,8 @@ def stability_map(
     ------
     ValueError
         For an unknown name (the nearest is suggested), a name without meaning for this scene and
-        start, or a value out of range. Impossible bodies inside the grid are no error: they get a
-        ``status``.
+        start, a value out of range, or ``"exact"`` where a body has no closed form. Impossible
+        bodies inside the grid are no error: they get a ``status``.
 
     Examples
     --------
@@ -122,7 +126,7 @@ def stability_map(
         stable=stable,
         t_end=t_end,
         samples=samples,
-        method=method,
+        method=AUTO if method is None else method,
         step=step,
         check=check,
         max_steps=max_steps,
@@ -206,7 +210,7 @@ def _empty(status: NDArray[np.uint8]) -> dict[str, NDArray[Any]]:
 
 def _merge(counted: dict[str, NDArray[Any]], part: Mapping[str, Any]) -> None:
     window = slice(part["first"], part["first"] + len(part["stable"]))
-    for name in (*COUNTS, "steps", "nanoseconds"):
+    for name in (*COUNTS, "steps", "exact", "nanoseconds"):
         counted[name][window] += part[name]
     for name in ("energy_drift", "momentum_drift"):
         np.fmax(counted[name][window], part[name], out=counted[name][window])

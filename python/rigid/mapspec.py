@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -14,11 +14,12 @@ from . import _core
 from ._check import finite_float, one_of, positive_int
 from .criteria import Criterion, NoFlip, TiltBelow, criterion_from_dict
 from .grid import Axis, check_applicable, grid_shape, make_axes, pixels
-from .methods import method_names
-from .scenes import HeavyTop, Scene, scene_from_dict
+from .methods import AUTO, EXACT, map_methods
+from .plan import require_closed_forms
+from .scenes import Scene, scene_from_dict
 from .starts import Start
 
-__all__ = ["MAX_STEPS", "MapSpec", "checked_seed", "core_job", "scene_words", "seed_from"]
+__all__ = ["MAX_STEPS", "MapSpec", "checked_seed", "core_job", "seed_from"]
 
 MAX_STEPS = 1_000_000_000
 
@@ -40,10 +41,14 @@ class MapSpec:
     samples : int
         Bodies per pixel.
     method : str
+        ``"auto"``: the closed form for each body that has one, else ``"rk4"``; ``"exact"``: closed
+        forms only; or the name of a scheme.
     step : float or None
-        Time step in s; None: the core picks one for each body from a bound of its rates.
+        Time step of the bodies that are integrated, s; None: the core picks one for each body from
+        a bound of its rates.
     check : float
-        Share of each pixel's bodies that is repeated with half the step, in [0, 1].
+        Share of each pixel's bodies that is repeated with half the step, in [0, 1]. A closed form
+        has no step to halve.
     max_steps : int
         A body that needs more steps counts as failed.
     seed : int
@@ -60,7 +65,7 @@ class MapSpec:
     t_end: float
     samples: int
     seed: int
-    method: str = "rk4"
+    method: str = AUTO
     step: float | None = None
     check: float = 1.0
     max_steps: int = MAX_STEPS
@@ -94,7 +99,9 @@ class MapSpec:
         put("check", finite_float("check", self.check, nonnegative=True))
         if self.check > 1.0:
             raise ValueError(f"check = {self.check}: must lie in [0, 1]")
-        one_of("method", self.method, method_names())
+        one_of("method", self.method, map_methods())
+        if self.method == EXACT:
+            require_closed_forms(self)
         put("seed", checked_seed("seed", self.seed))
         if self.title is not None and not isinstance(self.title, str):
             raise TypeError(f"title = {self.title!r}: must be a string")
@@ -205,23 +212,3 @@ def checked_seed(name: str, seed: object) -> int:
     if not 0 <= int(seed) < 2**128:
         raise ValueError(f"{name} = {seed}: must lie in 0 .. 2**128 - 1")
     return int(seed)
-
-
-def scene_words(spec: MapSpec) -> str:
-    """The scene in words, the varied numbers named as such."""
-    varied = {axis.name.partition("/")[0] for axis in spec.axes}
-
-    def numbers(values: Iterable[tuple[str, float]]) -> str:
-        return ", ".join("varied" if name in varied else f"{value:g}" for name, value in values)
-
-    body = spec.scene.body
-    if body.sides is not None and not any(name.startswith("I") for name in varied):
-        sides, mass = numbers(zip("abc", body.sides, strict=True)), [("mass", body.mass or 0.0)]
-        words = f"box with sides ({sides}) m and mass {numbers(mass)} kg"
-    else:
-        moments = numbers(zip(("I1", "I2", "I3"), body.moments, strict=True))
-        words = f"moments ({moments})"
-    if isinstance(spec.scene, HeavyTop):
-        com = ", ".join(f"{part:g}" for part in spec.scene.com)
-        return f"heavy top, {words}, mgl {numbers([('mgl', spec.scene.mgl)])}, com ({com})"
-    return f"free body, {words}"

@@ -1,4 +1,4 @@
-"""The methods and what they promise."""
+"""The methods, their names, and what the schemes promise."""
 
 from __future__ import annotations
 
@@ -6,12 +6,21 @@ from dataclasses import dataclass
 
 from . import _core
 
-__all__ = ["Method", "methods"]
+__all__ = ["AUTO", "EXACT", "FALLBACK", "Method", "map_methods", "methods", "run_methods"]
+
+EXACT = "exact"
+"""The closed form of the motion, where there is one."""
+
+AUTO = "auto"
+"""In a map: the closed form for each body that has one, else the fallback."""
+
+FALLBACK = "rk4"
+"""The scheme of what has no closed form, unless another one is asked for."""
 
 
 @dataclass(frozen=True, slots=True)
 class Method:
-    """What a method promises, and who found it.
+    """What a scheme promises, and who found it.
 
     Attributes
     ----------
@@ -42,7 +51,7 @@ class Method:
 
 
 def methods() -> tuple[Method, ...]:
-    """All methods.
+    """All schemes; ``"exact"``, which takes no steps, is not among them.
 
     Examples
     --------
@@ -53,6 +62,11 @@ def methods() -> tuple[Method, ...]:
     return tuple(Method(**facts) for facts in _core.methods())
 
 
-def method_names() -> list[str]:
-    """The names of all methods."""
-    return [method.name for method in methods()]
+def run_methods() -> list[str]:
+    """The names that :func:`rigid.simulate` accepts."""
+    return [EXACT, *(method.name for method in methods())]
+
+
+def map_methods() -> list[str]:
+    """The names that a map accepts."""
+    return [AUTO, *run_methods()]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Container, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from ._check import finite_float, one_of, unit_vector
 from .bodies import Body
 
-__all__ = ["FreeBody", "HeavyTop", "Scene", "scene_from_dict"]
+__all__ = ["FreeBody", "HeavyTop", "Scene", "scene_from_dict", "scene_words"]
 
 
 def _check_body(body: object) -> None:
@@ -120,3 +120,22 @@ def scene_from_dict(data: Mapping[str, Any]) -> Scene:
     if kind == FreeBody.kind:
         return FreeBody(body)
     return HeavyTop(body, mgl=data["mgl"], com=data["com"])
+
+
+def scene_words(scene: Scene, varied: Container[str] = ()) -> str:
+    """The scene in words; ``varied`` names the numbers that the axes of a map set."""
+
+    def numbers(values: Iterable[tuple[str, float]]) -> str:
+        return ", ".join("varied" if name in varied else f"{value:g}" for name, value in values)
+
+    body = scene.body
+    moments = list(zip(("I1", "I2", "I3"), body.moments, strict=True))
+    if body.sides is not None and not any(name in varied for name, _ in moments):
+        sides, mass = numbers(zip("abc", body.sides, strict=True)), [("mass", body.mass or 0.0)]
+        words = f"box with sides ({sides}) m and mass {numbers(mass)} kg"
+    else:
+        words = f"moments ({numbers(moments)})"
+    if isinstance(scene, HeavyTop):
+        com = ", ".join(f"{part:g}" for part in scene.com)
+        return f"heavy top, {words}, mgl {numbers([('mgl', scene.mgl)])}, com ({com})"
+    return f"free body, {words}"

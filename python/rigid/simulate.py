@@ -11,17 +11,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
-from ._check import finite_float, one_of, positive_int, resolve_threads, rows, sorted_times
-from .methods import method_names
-from .scenes import FreeBody, HeavyTop, Scene
+from ._check import one_of, positive_int, resolve_threads, sorted_times
+from .columns import check_scene, columns, laid_out
+from .methods import EXACT
+from .plan import RECORDS, Plan, decide
+from .scenes import Scene
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
 __all__ = ["Run", "Status", "simulate"]
-
-_IDENTITY = (1.0, 0.0, 0.0, 0.0)
-_RECORDS = ("rates", "axis", "attitude")
 
 
 class Status(IntEnum):
@@ -59,9 +58,11 @@ class Run:
     status : ndarray of uint8, shape (n,)
         A :class:`Status` for each body.
     steps : ndarray of uint64, shape (n,)
-        Steps taken.
+        Steps taken; 0 by closed form.
     spec : dict
-        Scene, method, step and record, as plain data.
+        Scene, method, step, accuracy and record, as plain data.
+    plan : Plan
+        What was done, what was left out, and why.
     """
 
     t: NDArray[np.float64]
@@ -74,6 +75,7 @@ class Run:
     status: NDArray[np.uint8]
     steps: NDArray[np.uint64]
     spec: dict[str, Any]
+    plan: Plan
 
     def rotation(self) -> Rotation:
         """The attitudes as a SciPy ``Rotation`` of shape ``(n, m)`` (active, body to space).
@@ -98,16 +100,20 @@ def simulate(
     attitude: ArrayLike | Rotation | None = None,
     *,
     t: ArrayLike,
-    method: str = "rk4",
+    method: str | None = None,
     step: float | None = None,
+    accuracy: float | None = None,
     record: str = "attitude",
     max_steps: int = 10**9,
     threads: int | None = None,
 ) -> Run:
-    """Integrate one body or many and return their states at the wanted times.
+    """States of one body or many at the wanted times, by closed form where there is one.
 
-    Each body is independent of the others: its numbers are the same bits alone, in any batch, on
-    any processor and for any number of threads.
+    A free body and a top with two equal moments and its centre of mass on the third axis have a
+    closed form: it is evaluated at each wanted time and takes no steps. Anything else is
+    integrated, unless all tops of the call swing as pendulums about a principal axis. With a given
+    method each body is independent of the others: its numbers are the same bits alone, in any
+    batch, on any processor and for any number of threads.
 
     Parameters
     ----------
@@ -120,11 +126,16 @@ def simulate(
         body and space axes coincide.
     t : array_like, shape (m,)
         Wanted times (s), ascending; negative times are reached backward from 0.
-    method : str
-        One of :func:`rigid.methods`. Steps are equal between wanted times and end exactly on them.
+    method : str, optional
+        ``"exact"``, the closed form, or one of :func:`rigid.methods`. Default: ``"exact"`` where
+        all bodies have a closed form and no step is given, else ``"rk4"``. Steps are equal between
+        wanted times and end exactly on them.
     step : float, optional
         Largest step (s). Default: each body turns by at most 1/16 rad a step, from a bound of its
         rates.
+    accuracy : float, optional
+        Wanted error of the attitude at the last time, rad, instead of a step: that of a scheme then
+        follows from an estimate of its phase error. A closed form needs no step.
     record : {"attitude", "axis", "rates"}
         What is carried: the attitude; or the vertical seen from the body; or rates only. Asking for
         less is faster and changes no bit of the rates.
@@ -142,37 +153,50 @@ def simulate(
     ------
     ValueError
         Naming the argument, its value and the rule: not finite, wrong shape, zero quaternion,
-        unsorted times, unknown method or record, step not positive.
+        unsorted times, unknown method or record, step or accuracy not positive, ``"exact"`` for a
+        body without a closed form.
 
     Examples
     --------
     >>> import numpy as np, rigid
     >>> book = rigid.FreeBody(rigid.Body.box(0.01, 0.08, 0.25, mass=0.3))
-    >>> run = rigid.simulate(book, [1e-10, 1.0, 1e-10], t=[0.0, 26.634], step=0.01)
+    >>> run = rigid.simulate(book, [1e-10, 1.0, 1e-10], t=[0.0, 26.634])
+    >>> run.plan.method, int(run.steps)
+    ('exact', 0)
     >>> bool(abs(run.omega[-1, 1]) < 1e-3)  # it has left the middle axis by then
     True
     """
-    if not isinstance(scene, (FreeBody, HeavyTop)):
-        raise TypeError(f"scene = {scene!r}: must be a rigid.FreeBody or rigid.HeavyTop")
-    rates, single_omega = rows("omega", omega, 3)
-    quaternions, single_attitude = _attitudes(attitude)
-    n = _common_length(rates, quaternions, single_omega, single_attitude)
+    check_scene(scene)
+    one_of("record", record, RECORDS)
+    table, single = columns(scene, omega, attitude)
     times = sorted_times("t", t)
-    one_of("method", method, method_names())
-    one_of("record", record, _RECORDS)
-    if step is not None:
-        step = finite_float("step", step, positive=True)
-    states = _core.simulate(
-        **_columns(scene, rates, quaternions, n),
+    made, steps = decide(
+        scene,
+        record,
+        table=table,
+        span=_span(times),
+        accuracy=accuracy,
         method=method,
+        step=step,
+        states=len(times),
+    )
+    states = _core.simulate(
+        **table,
+        method=made.method,
         record=record,
-        step=None if step is None else np.full(n, step),
+        step=steps,
         max_steps=positive_int("max_steps", max_steps),
         threads=resolve_threads(threads),
         times=times.tolist(),
     )
-    spec = {"scene": scene.to_dict(), "method": method, "step": step, "record": record}
-    return _to_run(states, times, spec, single=single_omega and single_attitude)
+    spec = {
+        "scene": scene.to_dict(),
+        "method": made.method,
+        "step": None if made.method == EXACT else step,
+        "accuracy": accuracy,
+        "record": record,
+    }
+    return _to_run(states, times, spec, made, single=single)
 
 
 def replay_steps(
@@ -185,70 +209,42 @@ def replay_steps(
     strides: Sequence[int],
 ) -> Run:
     """A body of a map again: its states after these numbers of steps of exactly ``step``."""
+    table = laid_out(scene, omega.reshape(1, 3), attitude.reshape(1, 4), 1)
+    times = np.cumsum(strides) * step
+    made, steps = decide(
+        scene, "attitude", table=table, span=_span(times), method=method, step=step
+    )
     states = _core.simulate(
-        **_columns(scene, omega.reshape(1, 3), attitude.reshape(1, 4), 1),
+        **table,
         method=method,
         record="attitude",
-        step=np.array([step]),
+        step=steps,
         max_steps=2**63,
         threads=1,
         strides=list(strides),
     )
-    times = np.cumsum(strides) * step
-    spec = {"scene": scene.to_dict(), "method": method, "step": step, "record": "attitude"}
-    return _to_run(states, times, spec, single=True)
-
-
-def _attitudes(attitude: ArrayLike | Rotation | None) -> tuple[NDArray[np.float64], bool]:
-    """Unit quaternions, and whether there is only one for all bodies."""
-    if attitude is None:
-        return np.array([_IDENTITY]), True
-    if hasattr(attitude, "as_quat"):
-        attitude = attitude.as_quat(scalar_first=True)
-    quaternions, single = rows("attitude", attitude, 4)
-    squares = np.einsum("ni,ni->n", quaternions, quaternions)
-    if not np.all((squares > 1e-200) & (squares < 1e200)):
-        largest = np.abs(quaternions).max(axis=1)
-        if np.any(largest == 0.0):
-            index = int(np.flatnonzero(largest == 0.0)[0])
-            raise ValueError(f"attitude[{index}] = {[0.0] * 4}: a zero quaternion is no attitude")
-        # Scaled by a power of two, which is exact, so that no square leaves the range of doubles.
-        quaternions = np.ldexp(quaternions, -np.frexp(largest)[1][:, None])
-        squares = np.einsum("ni,ni->n", quaternions, quaternions)
-    return quaternions / np.sqrt(squares)[:, None], single
-
-
-def _common_length(
-    rates: NDArray[np.float64],
-    quaternions: NDArray[np.float64],
-    single_omega: bool,
-    single_attitude: bool,
-) -> int:
-    if single_attitude:
-        return len(rates)
-    if single_omega or len(rates) == len(quaternions):
-        return len(quaternions)
-    raise ValueError(
-        f"attitude: expected shape ({len(rates)}, 4) to go with omega {rates.shape}, "
-        f"got {quaternions.shape}"
-    )
-
-
-def _columns(
-    scene: Scene, rates: NDArray[np.float64], quaternions: NDArray[np.float64], n: int
-) -> dict[str, Any]:
-    """The bodies of a scene as the columns that the core reads; one row may serve all."""
-    return {
-        "scene": scene.kind,
-        "moments": np.array([scene.body.moments]),
-        "weight": scene.weight[np.newaxis],
-        "omega": np.ascontiguousarray(np.broadcast_to(rates, (n, 3))),
-        "attitude": quaternions,
+    spec = {
+        "scene": scene.to_dict(),
+        "method": method,
+        "step": step,
+        "accuracy": None,
+        "record": "attitude",
     }
+    return _to_run(states, times, spec, made, single=True)
+
+
+def _span(times: NDArray[np.float64]) -> float:
+    """How much time is covered from 0, backward and forward."""
+    return float(max(times.max(initial=0.0), 0.0) - min(times.min(initial=0.0), 0.0))
 
 
 def _to_run(
-    states: dict[str, Any], times: NDArray[np.float64], spec: dict[str, Any], *, single: bool
+    states: dict[str, Any],
+    times: NDArray[np.float64],
+    spec: dict[str, Any],
+    made: Plan,
+    *,
+    single: bool,
 ) -> Run:
     def of_body(values: Any) -> Any:
         return values[0] if single and values is not None else values
@@ -264,4 +260,5 @@ def _to_run(
         status=of_body(states["status"]),
         steps=of_body(states["steps"]),
         spec=spec,
+        plan=made,
     )

@@ -20,7 +20,7 @@ from .bodies import Body
 from .criteria import Criterion, NoFlip, TiltBelow
 from .grid import PARAMETERS, Axis, check_applicable, make_axes
 from .mapspec import MAX_STEPS, MapSpec, checked_seed, seed_from
-from .methods import method_names
+from .methods import AUTO, map_methods
 from .scenes import FreeBody, HeavyTop, Scene
 from .starts import NOISE_KINDS, Noise, Start
 
@@ -120,7 +120,7 @@ def parse_spec(text: str, file: str) -> MapSpec:
             stable=stable,
             t_end=run.take("t_end", finite_float),
             samples=run.take("samples", positive_int),
-            method=run.choice("method", method_names(), default="rk4"),
+            method=run.choice("method", map_methods(), default=AUTO),
             step=run.take("step", finite_float, default=None),
             check=run.take("check", finite_float, default=1.0),
             max_steps=run.take("max_steps", positive_int, default=MAX_STEPS),

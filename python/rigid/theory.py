@@ -38,6 +38,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from .bodies import possible
 from .criteria import NoFlip, TiltBelow
 from .grid import Pixels, pixels
 from .scenes import FreeBody, HeavyTop
@@ -134,7 +135,7 @@ def _free_no_flip(spec: MapSpec, stable: NoFlip, rows: Pixels) -> Theory | None:
         np.take_along_axis(array, order, axis=1)
         for array in (rows.moments, rows.omega, rows.omega_size)
     )
-    moments[~_possible(rows.moments)] = np.nan
+    moments[~possible(rows.moments)] = np.nan
     place = np.argmax(order == tested, axis=1)  # 0, 1, 2: smallest, middle, largest
     normal = noise is not None and noise.kind == "normal"
     reach = NORMAL_REACH * size if normal else size
@@ -160,14 +161,6 @@ def _free_no_flip(spec: MapSpec, stable: NoFlip, rows: Pixels) -> Theory | None:
             name = "half have flipped by" if normal else "first flip at"
             curves[f"{name} t = {spec.t_end:g} s"] = np.where(np.isnan(law), np.nan, excess)
     return _theory(spec, label, share, curves)
-
-
-def _possible(moments: Floats) -> Flags:
-    """Positive and within the triangle inequality, with the core's slack for flat bodies."""
-    small, middle, large = np.sort(moments, axis=1).T
-    slack = 4.0 * np.finfo(np.float64).eps * large
-    possible: Flags = (small > 0.0) & (large - middle <= small + slack)
-    return possible
 
 
 def _circulation(moments: Floats, w1: Floats, w3: Floats) -> Floats:
@@ -272,7 +265,7 @@ def _symmetric_top(
     axial = rows.moments[:, axis - 1]
     spin = rows.omega[:, axis - 1]
     about_axis = np.abs(rows.omega).sum(axis=1) == np.abs(spin)
-    known = _possible(rows.moments) & about_axis & (cross == rows.moments[:, axis - 3])
+    known = possible(rows.moments) & about_axis & (cross == rows.moments[:, axis - 3])
     known &= (rows.tilt == 0.0) | (rows.attitude_size == 0.0)
     known &= (rows.tilt != 0.0) | (rows.attitude_size > 0.0)
 

@@ -25,8 +25,9 @@ NAMED = (*STORED, "samples", "share", "lower", "upper")
 def small_map(
     scene: Scene | type[rigid.FreeBody] | type[rigid.HeavyTop] = rigid.FreeBody, **options: Any
 ) -> rigid.StabilityMap:
-    """A map of 5 x 7 pixels across the flip of a free body, unless told otherwise."""
+    """An integrated map of 5 x 7 pixels across the flip of a free body, unless told otherwise."""
     chosen: dict[str, Any] = {
+        "method": "rk4",
         "axes": {"I2/I1": np.linspace(1.01, 1.99, 7), "noise": np.geomspace(1e-3, 0.1, 5)},
         "samples": 20,
         "t_end": 20.0,

@@ -90,15 +90,15 @@ def test_a_map_writes_picture_and_data_and_prints_what_was_computed(
     assert facts["x"] == "I1 from 0.4 to 1.3 kg m² (4 values)"
     assert facts["y"] == "noise from 0.001 to 0.1 rad/s (3 values, geometric)"
     assert facts["stable"] == "no flip about axis 2 until t = 20 s"
-    assert facts["method"] == "rk4, step chosen for each body"
-    assert facts["samples"] == "10 per pixel, all repeated with half the step; seed 5"
+    assert facts["plan"] == "exact, closed form: free asymmetric; every body has a closed form"
+    assert facts["method"] == "auto: closed form"
+    assert facts["samples"] == "10 per pixel; seed 5"
     assert facts["bodies"] == "90; 3 impossible pixels"
     result = rigid.load_map("small.npz")
     for name in ("stable", "unstable", "undecided", "failed"):
         count = int(getattr(result, name).sum())
         assert f"{count} {name} ({count / 90:.2%})" in facts["classes"]
-    assert f"energy {np.nanmax(result.energy_drift):.1e}" in facts["worst"]
-    assert f"momentum {np.nanmax(result.momentum_drift):.1e}" in facts["worst"]
+    assert facts["worst"] == "drift none: closed form"
     theory = result.theory()
     assert theory is not None
     compared = int((~np.isnan(theory.share) & ~np.isnan(result.share)).sum())
@@ -108,6 +108,22 @@ def test_a_map_writes_picture_and_data_and_prints_what_was_computed(
     assert " s on " in facts["speed"]
     assert facts["data"] == "small.npz"
     assert facts["picture"] == "small.png"
+
+
+def test_a_scheme_is_told_with_its_steps_and_drifts(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "steps.toml").write_text(SPEC.replace("samples", 'method = "rk4"\nsamples'))
+    assert main(["map", "steps.toml"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    facts = dict(line.split(maxsplit=1) for line in lines if " " in line)
+    assert facts["plan"].startswith("rk4, step ")
+    assert facts["plan"].endswith(" steps; method = 'rk4' was asked for")
+    assert facts["method"] == "rk4, step chosen for each body"
+    assert facts["samples"] == "10 per pixel, all repeated with half the step; seed 5"
+    result = rigid.load_map("steps.npz")
+    assert f"energy {np.nanmax(result.energy_drift):.1e}" in facts["worst"]
+    assert f"momentum {np.nanmax(result.momentum_drift):.1e}" in facts["worst"]
 
 
 def test_the_map_is_that_of_python(capsys: pytest.CaptureFixture[str]) -> None:
@@ -298,7 +314,7 @@ def test_nothing_but_the_facts_is_printed_into_pipes(option: list[str]) -> None:
     done = command("map", "small.toml", *option)
     assert done.returncode == 0
     assert done.stderr == ""
-    assert done.stdout.startswith("map ")
+    assert done.stdout.startswith("plan ")
 
 
 def test_without_matplotlib_the_data_is_written_and_the_rest_told(folder: Path) -> None:

@@ -7,7 +7,7 @@ use std::f64::consts::{FRAC_2_PI, FRAC_PI_4, LOG2_E, SQRT_2};
 
 /// c[0] + c[1] x + c[2] x^2 + …, by Horner's rule.
 #[inline(always)]
-fn polynomial<R: Real, const N: usize>(x: R, c: [f64; N]) -> R {
+pub(super) fn polynomial<R: Real, const N: usize>(x: R, c: [f64; N]) -> R {
     let mut sum = R::splat(c[N - 1]);
     for i in (0..N - 1).rev() {
         sum = sum.fma(x, R::splat(c[i]));
@@ -49,7 +49,7 @@ fn sincos_kernel<R: Real>(x: R) -> (R, R) {
 
 /// sin and cos of x + tail, |x| <= pi/4, the tail below an ulp of x: it joins before the last rounding.
 #[inline(always)]
-fn sincos_kernel_with_tail<R: Real>(x: R, tail: R) -> (R, R) {
+pub(crate) fn sincos_kernel_with_tail<R: Real>(x: R, tail: R) -> (R, R) {
     let z = x * x;
     let half = z * R::splat(0.5);
     let one = R::splat(1.0);
@@ -59,9 +59,10 @@ fn sincos_kernel_with_tail<R: Real>(x: R, tail: R) -> (R, R) {
     (sin, cos)
 }
 
-/// sin and cos by reduction to |r| <= pi/4 with pi/2 in three parts (159 bits).
+/// sin and cos of x + tail, the tail below an ulp of x, by reduction to |r| <= pi/4 with pi/2 in three parts
+/// (159 bits).
 #[inline(always)]
-fn sincos_reduced<R: Real>(x: R) -> (R, R) {
+fn sincos_reduced<R: Real>(x: R, tail: R) -> (R, R) {
     const P1: f64 = std::f64::consts::FRAC_PI_2;
     const P2: f64 = 6.123_233_995_736_766e-17;
     const P3: f64 = -1.497_384_904_859_183_3e-33;
@@ -77,7 +78,7 @@ fn sincos_reduced<R: Real>(x: R) -> (R, R) {
     let r = b - c;
     let back = r - b;
     let r_error = ((b - (r - back)) - (c + back)) + (b_error - c_low);
-    let e = n.fnma(R::splat(P3), r_error);
+    let e = n.fnma(R::splat(P3), r_error) + tail;
     let (s, c) = sincos_kernel_with_tail(r, e);
     // Quadrant n mod 4: odd swaps; sin changes sign with floor(n/2), cos with floor((n+1)/2).
     let (half, quarter) = (R::splat(0.5), R::splat(0.25));
@@ -100,11 +101,40 @@ pub fn sincos<R: Real>(x: R) -> (R, R) {
     let (sin, cos) = sincos_kernel(x);
     let large = R::splat(FRAC_PI_4).lt(x.abs());
     if R::any(large) {
-        let (s, c) = sincos_reduced(x);
+        let (s, c) = sincos_reduced(x, R::splat(0.0));
         (R::select(large, s, sin), R::select(large, c, cos))
     } else {
         (sin, cos)
     }
+}
+
+/// sin and cos of the unevaluated sum x + tail, the tail below an ulp of x: what a long phase is reduced from.
+#[inline(always)]
+pub fn sincos_of_sum<R: Real>(x: R, tail: R) -> (R, R) {
+    sincos_reduced(x, tail)
+}
+
+/// sinh and cosh of |x| below 350, each with a small relative error.
+#[inline(always)]
+pub fn sinhcosh<R: Real>(x: R) -> (R, R) {
+    /// (sinh x - x) / x^3 as a polynomial in x^2, |x| <= 1/2.
+    const SINH: [f64; 7] = [
+        1.0 / 6.0,
+        1.0 / 120.0,
+        1.0 / 5040.0,
+        1.0 / 362_880.0,
+        1.0 / 39_916_800.0,
+        1.0 / 6_227_020_800.0,
+        1.0 / 1_307_674_368_000.0,
+    ];
+    let half = R::splat(0.5);
+    let size = x.abs();
+    let up = exp(size) * half;
+    let down = R::splat(0.25) / up;
+    let z = x * x;
+    let series = (x * z).fma(polynomial(z, SINH), x);
+    let large = R::select(x.lt(R::splat(0.0)), down - up, up - down);
+    (R::select(size.lt(half), series, large), up + down)
 }
 
 /// (sin a)/a and (1 - cos a)/a^2 as functions of z = a^2 >= 0: the two coefficients of Rodrigues' formula.
@@ -117,8 +147,8 @@ pub fn rodrigues<R: Real>(z: R) -> (R, R) {
     let large = limit.lt(z);
     if R::any(large) {
         let angle = R::select(large, z, one).sqrt();
-        let (s, _) = sincos_reduced(angle);
-        let (s2, _) = sincos_reduced(angle * R::splat(0.5));
+        let (s, _) = sincos_reduced(angle, R::splat(0.0));
+        let (s2, _) = sincos_reduced(angle * R::splat(0.5), R::splat(0.0));
         let versine = (s2 * s2) * R::splat(2.0);
         let a2 = R::select(large, z, one);
         (R::select(large, s / angle, first), R::select(large, versine / a2, second))

@@ -1,5 +1,6 @@
-//! States of many bodies at wanted times.
+//! States by steps of a scheme.
 
+use super::{DRIFT_LIMIT, Record, Request, Schedule, States, Status, norm, worse};
 use crate::kernel::{Compiled, DriftRows, Group, Kernel, LANES, System, Watch};
 use crate::method::Method;
 use crate::run::over_blocks;
@@ -8,111 +9,6 @@ use crate::start::{Body, Seat, load, unload};
 use std::ops::Range;
 use std::rc::Rc;
 use std::sync::atomic::{AtomicBool, Ordering};
-
-/// What is carried, and so recorded.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Record {
-    /// Rates (a top needs its vertical with them).
-    Rates,
-    /// Rates and the vertical seen from the body.
-    Axis,
-    /// Rates and attitude.
-    Attitude,
-}
-
-/// When states are wanted.
-pub enum Schedule<'a> {
-    /// At these times, ascending; the start is at time 0.
-    Times(&'a [f64]),
-    /// After these numbers of further steps of exactly the body's own step, the first perhaps 0.
-    Strides(&'a [u64]),
-}
-
-impl Schedule<'_> {
-    /// Number of states.
-    pub fn len(&self) -> usize {
-        match self {
-            Schedule::Times(times) => times.len(),
-            Schedule::Strides(strides) => strides.len(),
-        }
-    }
-
-    /// Whether no state is wanted.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-}
-
-/// The request.
-pub struct Request<'a> {
-    /// The bodies with their starts.
-    pub bodies: &'a [Body],
-    /// Whether they have weight.
-    pub is_top: bool,
-    /// How they move.
-    pub method: Method,
-    /// What is recorded.
-    pub record: Record,
-    /// When.
-    pub schedule: Schedule<'a>,
-    /// Largest step of each body.
-    pub steps: &'a [f64],
-    /// Most steps that a body may take.
-    pub max_steps: u64,
-}
-
-/// How a body ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u8)]
-pub enum Status {
-    /// At the last wanted time.
-    Finished = 0,
-    /// Stopped when the question was answered.
-    Stopped = 1,
-    /// Would have needed more steps than allowed; not run.
-    StepLimit = 2,
-    /// A number overflowed or became NaN.
-    NotFinite = 3,
-    /// The energy, the conserved momentum or the length of a direction or quaternion was lost: the step is too
-    /// long for the motion to mean anything.
-    Drifted = 4,
-}
-
-/// Relative error of an invariant from which on a motion is not to be believed.
-pub const DRIFT_LIMIT: f64 = 0.1;
-
-impl Status {
-    /// The word for it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Status::Finished => "finished",
-            Status::Stopped => "stopped",
-            Status::StepLimit => "step limit",
-            Status::NotFinite => "not finite",
-            Status::Drifted => "drifted",
-        }
-    }
-}
-
-/// States and what is known of their error, body first.
-pub struct States {
-    /// (n, times, 3)
-    pub omega: Vec<f64>,
-    /// (n, times, 3), if recorded.
-    pub vertical: Option<Vec<f64>>,
-    /// (n, times, 4), if recorded.
-    pub attitude: Option<Vec<f64>>,
-    /// Largest energy error at a wanted time, relative.
-    pub energy_drift: Vec<f64>,
-    /// Largest error of the conserved momentum at a wanted time, relative.
-    pub momentum_drift: Vec<f64>,
-    /// Largest deviation of |gamma| and |q| from one.
-    pub unit_drift: Vec<f64>,
-    /// How each body ended.
-    pub status: Vec<Status>,
-    /// Steps that each body took.
-    pub steps: Vec<u64>,
-}
 
 /// Longest burst between two looks at the stop flag.
 const PATIENCE: usize = 1 << 16;
@@ -168,10 +64,13 @@ fn legs(schedule: &Schedule, largest: f64) -> Plan {
 }
 
 /// Runs the request; `None` if it was stopped.
-pub fn simulate(request: &Request, threads: usize, isa: Isa, stop: &AtomicBool) -> Option<States> {
-    let groups = groups(request);
+pub fn simulate(
+    request: &Request,
+    method: Method,
+    threads: usize, isa: Isa, stop: &AtomicBool) -> Option<States> {
+    let groups = groups(request, method);
     let parts = over_blocks(groups.len(), threads, stop, |g| {
-        Passengers::new(request, groups[g].clone(), isa).run(stop)
+        Passengers::new(request, method, groups[g].clone(), isa).run(stop)
     });
     let mut all = States::with_capacity(request);
     for part in parts {
@@ -181,8 +80,8 @@ pub fn simulate(request: &Request, threads: usize, isa: Isa, stop: &AtomicBool) 
 }
 
 /// Runs of neighbours that one kernel moves. The bits do not depend on who shares a group.
-fn groups(request: &Request) -> Vec<Range<usize>> {
-    let table = |body: &Body| Seat::of(request.method, body.moments).table;
+fn groups(request: &Request, method: Method) -> Vec<Range<usize>> {
+    let table = |body: &Body| Seat::of(method, body.moments).table;
     let mut groups = Vec::with_capacity(request.bodies.len().div_ceil(LANES));
     let mut first = 0;
     for run in request.bodies.chunk_by(|a, b| table(a) == table(b)) {
@@ -191,66 +90,6 @@ fn groups(request: &Request) -> Vec<Range<usize>> {
         first = end;
     }
     groups
-}
-
-impl States {
-    /// Whether the vertical and the attitude are recorded.
-    fn columns(request: &Request) -> (bool, bool) {
-        match request.record {
-            Record::Rates => (false, false),
-            Record::Axis => (true, false),
-            Record::Attitude => (request.is_top, true),
-        }
-    }
-
-    /// Nothing yet, with room for all bodies.
-    fn with_capacity(request: &Request) -> States {
-        let n = request.bodies.len();
-        let (vertical, attitude) = States::columns(request);
-        let column = |width: usize| Vec::with_capacity(width * n * request.schedule.len());
-        States {
-            omega: column(3),
-            vertical: vertical.then(|| column(3)),
-            attitude: attitude.then(|| column(4)),
-            energy_drift: Vec::with_capacity(n),
-            momentum_drift: Vec::with_capacity(n),
-            unit_drift: Vec::with_capacity(n),
-            status: Vec::with_capacity(n),
-            steps: Vec::with_capacity(n),
-        }
-    }
-
-    /// `n` bodies that have not moved.
-    fn unknown(request: &Request, n: usize) -> States {
-        let (vertical, attitude) = States::columns(request);
-        let column = |width: usize| vec![f64::NAN; width * n * request.schedule.len()];
-        States {
-            omega: column(3),
-            vertical: vertical.then(|| column(3)),
-            attitude: attitude.then(|| column(4)),
-            energy_drift: vec![f64::NAN; n],
-            momentum_drift: vec![f64::NAN; n],
-            unit_drift: vec![f64::NAN; n],
-            status: vec![Status::Finished; n],
-            steps: vec![0; n],
-        }
-    }
-
-    /// The bodies of `other` after those here.
-    fn append(&mut self, other: States) {
-        self.omega.extend(other.omega);
-        if let (Some(here), Some(there)) = (&mut self.vertical, other.vertical) {
-            here.extend(there);
-        }
-        if let (Some(here), Some(there)) = (&mut self.attitude, other.attitude) {
-            here.extend(there);
-        }
-        self.energy_drift.extend(other.energy_drift);
-        self.momentum_drift.extend(other.momentum_drift);
-        self.unit_drift.extend(other.unit_drift);
-        self.status.extend(other.status);
-        self.steps.extend(other.steps);
-    }
 }
 
 /// The bodies of one group on their way through the schedule.
@@ -265,7 +104,7 @@ struct Passengers<'a> {
 }
 
 impl<'a> Passengers<'a> {
-    fn new(request: &'a Request<'a>, group: Range<usize>, isa: Isa) -> Self {
+    fn new(request: &'a Request<'a>, method: Method, group: Range<usize>, isa: Isa) -> Self {
         let system = match (request.is_top, request.record) {
             (false, Record::Rates) => System::FreeRates,
             (false, Record::Axis) => System::FreeAxis,
@@ -274,7 +113,7 @@ impl<'a> Passengers<'a> {
             (true, Record::Attitude) => System::TopAttitude,
         };
         let bodies = &request.bodies[group.clone()];
-        let seats: Vec<Seat> = bodies.iter().map(|b| Seat::of(request.method, b.moments)).collect();
+        let seats: Vec<Seat> = bodies.iter().map(|b| Seat::of(method, b.moments)).collect();
         let kernel = Kernel { system, table: seats[0].table, watch: Watch::Nothing };
         Passengers {
             request,
@@ -376,11 +215,6 @@ impl<'a> Passengers<'a> {
     }
 }
 
-/// The larger of two errors; a NaN is worse than any number.
-fn worse(old: f64, new: f64) -> f64 {
-    if new <= old || old.is_nan() { old } else { new }
-}
-
 /// Advances every lane by its own number of its own steps; lanes that are done wait with a step of 0.
 fn advance(group: &mut Group, compiled: Compiled, legs: &[Leg], stop: &AtomicBool) -> Option<()> {
     let mut ends: Vec<u64> = legs.iter().map(|leg| leg.steps).collect();
@@ -403,6 +237,3 @@ fn advance(group: &mut Group, compiled: Compiled, legs: &[Leg], stop: &AtomicBoo
     Some(())
 }
 
-fn norm<const N: usize>(v: &[f64; N]) -> f64 {
-    v.iter().map(|x| x * x).sum::<f64>().sqrt()
-}

@@ -1,0 +1,635 @@
+"""The plan of a request: closed form or scheme, what is carried, what is left out, and why.
+
+Leave out what a scene does not need: rates only, no attitude; a closed form, no steps; a class
+wanted, no trajectory. Symmetry counts only if two moments are equal to the bit: a relative
+difference of 1e-16 changes a waking top by 1e-4, so nothing is symmetrised.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _core
+from ._check import finite_float, one_of
+from .bodies import possible
+from .columns import check_scene, columns, each_row
+from .criteria import Criterion, NoFlip, TiltBelow
+from .grid import pixels
+from .methods import AUTO, EXACT, FALLBACK, run_methods
+from .scenes import FreeBody, HeavyTop, Scene, scene_words
+from .starts import Start
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
+
+    from .mapspec import MapSpec
+
+__all__ = [
+    "RECORDS",
+    "Plan",
+    "Question",
+    "decide",
+    "lagrange_axes",
+    "map_plan",
+    "plan",
+    "require_closed_forms",
+]
+
+Floats = NDArray[np.float64]
+Question: TypeAlias = str | Criterion
+
+RECORDS: Mapping[str, str] = {
+    "rates": "rates at wanted times",
+    "axis": "rates and vertical at wanted times",
+    "attitude": "rates and attitude at wanted times",
+}
+"""The questions that are answered by states, in words."""
+
+ANGLE_PER_STEP = 1.0 / 16.0
+"""The angle (rad) that a body turns at most in a step that is left to the core."""
+
+LARGEST_ANGLE_PER_STEP = 0.5
+"""No accuracy is so low that a longer step is trusted to the model of its error."""
+
+ROUNDING = 1e-15
+"""Error of an attitude per radian turned that float64 leaves even to a closed form (rad)."""
+
+PHASE_ERROR: Mapping[str, tuple[int, float]] = {
+    "rk4": (4, 1.0 / 120.0),
+    "splitting": (2, 1.0 / 24.0),
+}
+"""Order p and factor c of the error ``c (h w)^p`` per radian turned at rate w with step h."""
+
+# Nanoseconds on one core: a body and a state of it by closed form; a step by scene and question.
+CLOSED_FORM_COST: Mapping[str, tuple[float, float]] = {
+    "axis spin": (100.0, 20.0),
+    "free symmetric": (100.0, 40.0),
+    "free asymmetric": (400.0, 150.0),
+    "lagrange": (600.0, 250.0),
+    "pendulum": (300.0, 100.0),
+}
+STEP_COST: Mapping[tuple[str, str], Mapping[str, float]] = {
+    ("rk4", "free"): {"rates": 1.3, "axis": 2.6, "attitude": 3.9, "flips": 1.6, "tilt": 3.3},
+    ("rk4", "top"): {"rates": 3.3, "axis": 3.3, "attitude": 6.0, "flips": 3.9, "tilt": 4.0},
+    ("splitting", "free"): {"rates": 4.4, "axis": 6.6, "attitude": 8.9, "flips": 4.7, "tilt": 7.0},
+    ("splitting", "top"): {"rates": 5.8, "axis": 5.8, "attitude": 10.0, "flips": 6.1, "tilt": 6.5},
+}
+
+_STATES_RULE = (
+    "closed forms are known of a free body, of a top with two moments equal to the bit and its "
+    "centre of mass on the third axis, and of a top that swings about a principal axis"
+)
+_CLASS_RULE = (
+    "closed forms are known of no_flip of a free body, and of tilt_below(axis=±k, "
+    "reference='vertical') and no_flip(k) of a top with two moments equal to the bit and its "
+    "centre of mass on the third axis k"
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Plan:
+    """What is done to answer a question about a scene; made by :func:`plan`.
+
+    Attributes
+    ----------
+    scene, question : str
+        What is asked, in words.
+    closed_form : str or None
+        The closed form: ``"free asymmetric"``, ``"free symmetric"``, ``"axis spin"``,
+        ``"lagrange"`` or ``"pendulum"``; several are joined by commas.
+    method : str
+        ``"exact"``, the name of a scheme, or ``"auto"`` for a map where only some bodies have a
+        closed form.
+    carried : tuple of str
+        Variables computed: ``"omega"``, ``"gamma"`` (the vertical in the body), ``"attitude"``.
+    step : float or None
+        Longest step (s), the shortest of many bodies; None for a closed form and where the rates
+        are not known.
+    steps : int or None
+        About how many steps the body takes, the most of many bodies; 0 for a closed form.
+    why, left_out : tuple of str
+        The reasons, and what the scene or the question does not need.
+    cost : float or None
+        Estimate of the processor time of a body, ns; of the costliest of many.
+    error : float or None
+        Estimate of the error of the attitude at the end, rad: ``1e-15`` per radian turned, and for
+        a scheme the phase error of its order. A chaotic top multiplies it.
+    """
+
+    scene: str
+    question: str
+    closed_form: str | None
+    method: str
+    carried: tuple[str, ...]
+    step: float | None
+    steps: int | None
+    why: tuple[str, ...]
+    left_out: tuple[str, ...]
+    cost: float | None
+    error: float | None
+
+    def to_dict(self) -> dict[str, Any]:
+        """The plan as a JSON-able dictionary; :meth:`from_dict` is its inverse."""
+        values = dataclasses.asdict(self)
+        return {name: list(v) if isinstance(v, tuple) else v for name, v in values.items()}
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> Plan:
+        """The plan that :meth:`to_dict` described."""
+        values = dict(data)
+        for name in ("carried", "why", "left_out"):
+            values[name] = tuple(values[name])
+        return cls(**values)
+
+    def to_json(self) -> str:
+        """The plan as JSON text; floats keep all their digits."""
+        return json.dumps(self.to_dict(), allow_nan=False)
+
+    @classmethod
+    def from_json(cls, text: str) -> Plan:
+        """The plan that :meth:`to_json` wrote."""
+        return cls.from_dict(json.loads(text))
+
+    def __str__(self) -> str:
+        lines = [
+            ("scene", self.scene),
+            ("question", self.question),
+            ("method", self.method_words()),
+            ("carried", ", ".join(self.carried) or "nothing"),
+            ("why", "; ".join(self.why)),
+            ("left out", "; ".join(self.left_out) or "nothing"),
+            ("cost", "unknown" if self.cost is None else f"about {_time_words(self.cost)} a body"),
+            ("error", "unknown" if self.error is None else f"about {self.error:.1e} rad"),
+        ]
+        return "\n".join(f"{name:<12}{text}" for name, text in lines)
+
+    def method_words(self) -> str:
+        """Method, closed form and steps in a few words."""
+        if self.method == EXACT:
+            return f"{EXACT}, closed form: {self.closed_form}"
+        parts = [self.method]
+        if self.closed_form:
+            parts.append(f"closed form where there is one: {self.closed_form}")
+        parts.append("step chosen for each body" if self.step is None else f"step {self.step:g} s")
+        if self.steps is not None:
+            parts.append(f"about {self.steps:,} steps")
+        return ", ".join(parts)
+
+
+def plan(
+    scene: Scene,
+    question: Question,
+    *,
+    omega: ArrayLike | None = None,
+    attitude: ArrayLike | Rotation | None = None,
+    t_end: float | None = None,
+    accuracy: float | None = None,
+    method: str | None = None,
+    step: float | None = None,
+) -> Plan:
+    """What :func:`simulate` or a map would do for a question about a scene, without doing it.
+
+    Parameters
+    ----------
+    scene : FreeBody or HeavyTop
+        The body and what acts on it.
+    question : {"rates", "axis", "attitude"}, NoFlip or TiltBelow
+        States at wanted times, or a criterion: :func:`no_flip`, :func:`tilt_below`.
+    omega, attitude : array_like, optional
+        Where the bodies start, as in :func:`simulate`. Known rates give the step, the steps and the
+        error; known starts tell whether a top swings as a pendulum.
+    t_end : float, optional
+        Horizon (s).
+    accuracy : float, optional
+        Wanted error of the attitude at the horizon, rad. A closed form has it; the step of a scheme
+        follows from it, the rates and the horizon.
+    method : str, optional
+        ``"exact"`` or one of :func:`rigid.methods`; by default the closed form if all bodies have
+        one and no step is given, else ``"rk4"``.
+    step : float, optional
+        Longest step (s).
+
+    Returns
+    -------
+    Plan
+
+    Raises
+    ------
+    ValueError
+        If ``"exact"`` is asked for and a body has no closed form, the accuracy is beyond float64,
+        or the rates or the horizon are missing that the step follows from.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> scene = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
+    >>> print(rigid.plan(scene, "rates", omega=[0.1, 1.0, 0.2], t_end=100.0))
+    scene       free body, moments (1, 2, 3)
+    question    rates at wanted times
+    method      exact, closed form: free asymmetric
+    carried     omega
+    why         every body has a closed form
+    left out    closed form: no steps; rates only: no attitude; no weight: no vertical
+    cost        about 550 ns a body
+    error       about 1.6e-13 rad
+    >>> rigid.plan(scene, rigid.tilt_below(0.5)).method
+    'rk4'
+    """
+    check_scene(scene)
+    if omega is None and attitude is not None:
+        raise ValueError("attitude: says nothing without omega; give both")
+    table = None if omega is None else columns(scene, omega, attitude)[0]
+    span = None if t_end is None else finite_float("t_end", t_end, positive=True)
+    return decide(
+        scene,
+        _resolved(scene, question, table),
+        table=table,
+        span=span,
+        accuracy=accuracy,
+        method=method,
+        step=step,
+        states=1 if isinstance(question, str) else 0,
+    )[0]
+
+
+def decide(
+    scene: Scene,
+    question: Question,
+    *,
+    table: Mapping[str, Any] | None,
+    span: float | None,
+    accuracy: float | None = None,
+    method: str | None = None,
+    step: float | None = None,
+    states: int = 1,
+) -> tuple[Plan, Floats | None]:
+    """The plan for the bodies of ``table`` over a time ``span``, and the step of each body.
+
+    The steps are None if there are none or they are left to the core.
+    """
+    if method is not None:
+        one_of("method", method, run_methods())
+    if step is not None:
+        step = finite_float("step", step, positive=True)
+    if accuracy is not None:
+        accuracy = finite_float("accuracy", accuracy, positive=True)
+    if accuracy is not None and step is not None:
+        raise ValueError(
+            f"accuracy = {accuracy:g}, step = {step:g}: exclude each other, "
+            "because the step follows from the accuracy"
+        )
+    forms = closed_forms(question, np.array([scene.body.moments]), scene.weight[np.newaxis])
+    if table is not None and isinstance(question, str) and "" in forms:
+        # Whether a top swings as a pendulum is for its start to say.
+        forms = np.array(_core.closed_forms(**each_row(table)), dtype=np.str_)
+    if method == EXACT and "" in forms:
+        body = int(np.flatnonzero(forms == "")[0])
+        which = f"body {body} of the" if forms.size > 1 else "the"
+        raise ValueError(
+            f"method = {EXACT!r}: no closed form of {_question_words(question)} for {which} "
+            f"{scene_words(scene)}; {_rule(question)}"
+        )
+    chosen, why = _choice(scene, question, forms, method, step)
+    rates = None if table is None else fastest_rates(*(table[name] for name in _COLUMNS))
+    steps = None
+    if accuracy is not None:
+        if rates is not None and span is not None:
+            _check_attainable(accuracy, rates * span)
+        if chosen != EXACT:
+            steps = _steps_for(accuracy, chosen, rates, span)
+            why.append(f"the step follows from the accuracy, {accuracy:g} rad at the end")
+    elif step is not None and rates is not None and chosen != EXACT:
+        steps = np.full(rates.shape, step)
+    made = Plan(
+        scene=scene_words(scene),
+        question=_question_words(question),
+        closed_form=_listed(forms) if chosen == EXACT else None,
+        method=chosen,
+        carried=_carried(scene, question, chosen),
+        why=tuple(why),
+        left_out=_left_out(scene, question, chosen, step),
+        **_numbers(scene.kind, question, chosen, forms, rates, span, steps, step, states),
+    )
+    return made, steps
+
+
+def map_plan(spec: MapSpec) -> Plan:
+    """The plan of a map; its numbers are those of the costliest nominal start, run once."""
+    rows = pixels(spec.scene, spec.start, spec.axes)
+    real = possible(rows.moments)
+    moments, weight = rows.moments[real], rows.weight[real]
+    forms = closed_forms(spec.stable, moments, weight)
+    closed = forms != ""
+    scheme = FALLBACK if spec.method in (AUTO, EXACT) else spec.method
+    if spec.method not in (AUTO, EXACT):
+        chosen, why = scheme, f"method = {scheme!r} was asked for"
+    elif closed.all():
+        chosen, why = EXACT, "every body has a closed form"
+    elif closed.any():
+        chosen, why = AUTO, f"{closed.sum():,} of {closed.size:,} pixels have a closed form"
+    else:
+        chosen, why = scheme, _why_not(spec.scene, spec.stable)
+    rates = fastest_rates(moments, weight, rows.omega[real], rows.attitude[real])
+    if chosen == AUTO:
+        rates = rates[~closed]
+    steps = None if spec.step is None else np.full(rates.shape, spec.step)
+    varied = [axis.name.partition("/")[0] for axis in spec.axes]
+    return Plan(
+        scene=scene_words(spec.scene, varied),
+        question=spec.criterion,
+        closed_form=_listed(forms) if chosen in (AUTO, EXACT) else None,
+        method=chosen,
+        carried=_carried(spec.scene, spec.stable, chosen),
+        why=(why,),
+        left_out=_left_out(spec.scene, spec.stable, chosen, spec.step),
+        **_numbers(
+            spec.scene.kind,
+            spec.stable,
+            EXACT if chosen == EXACT else scheme,
+            forms,
+            rates,
+            spec.t_end,
+            steps,
+            spec.step,
+            0,
+        ),
+    )
+
+
+def require_closed_forms(spec: MapSpec) -> None:
+    """Raise ValueError, naming the first, if a possible body of a map has no closed form."""
+    rows = pixels(spec.scene, spec.start, spec.axes)
+    forms = closed_forms(spec.stable, rows.moments, rows.weight)
+    missing = np.flatnonzero(possible(rows.moments) & (forms == ""))
+    if missing.size:
+        flat = int(missing[0])
+        pixel = tuple(int(i) for i in np.unravel_index(flat, spec.shape))
+        moments = ", ".join(f"{moment:g}" for moment in rows.moments[flat])
+        raise ValueError(
+            f"method = {EXACT!r}: no closed form of {_question_words(spec.stable)} for the body of "
+            f"pixel {pixel}, moments ({moments}); {_rule(spec.stable)}"
+        )
+
+
+def lagrange_axes(moments: Floats, weight: Floats) -> NDArray[np.intp]:
+    """The symmetry axis 1, 2 or 3 of each Lagrange top, 0 for any other body; shape (n,).
+
+    The moments about the other two axes are equal to the bit, the weight lies exactly on the axis.
+    """
+    axes = np.zeros(len(moments), dtype=np.intp)
+    for k in range(3):
+        i, j = (k + 1) % 3, (k + 2) % 3
+        symmetric = moments[:, i] == moments[:, j]
+        on_axis = (weight[:, i] == 0.0) & (weight[:, j] == 0.0) & (weight[:, k] != 0.0)
+        axes[symmetric & on_axis] = k + 1
+    return axes
+
+
+def closed_forms(question: Question, moments: Floats, weight: Floats) -> NDArray[np.str_]:
+    """The closed form that answers the question for each body from any start, or ""; shape (n,)."""
+    first, second, third = moments.T
+    pairs = np.array([first == second, second == third, third == first])
+    free = np.select(
+        [pairs.all(axis=0), pairs.any(axis=0)], ["axis spin", "free symmetric"], "free asymmetric"
+    )
+    weightless = ~weight.any(axis=1)
+    axes = lagrange_axes(moments, weight)
+    known = np.where(weightless, free, np.where(axes > 0, "lagrange", ""))
+    if isinstance(question, NoFlip):
+        return np.where(weightless | (axes == question.axis), known, "")
+    if isinstance(question, TiltBelow):
+        vertical = question.reference == "vertical"
+        return np.where(vertical & (axes == abs(question.axis)) & ~weightless, known, "")
+    return known
+
+
+_COLUMNS = ("moments", "weight", "omega", "attitude")
+
+
+@np.errstate(all="ignore")  # absurd rates get absurd bounds, which the core knows to refuse
+def fastest_rates(moments: Floats, weight: Floats, omega: Floats, attitude: Floats) -> Floats:
+    """Bounds of |omega| over the whole motion from what is conserved (rad/s), shape (n,).
+
+    Those from which the core chooses a step: the polhode of a free body (Landau & Lifshitz § 37);
+    the energy of a top, which can gain the fall from upright, with the constant spin of a Lagrange
+    top; and the frequency of its swing.
+    """
+    twice_kinetic = (moments * omega**2).sum(axis=1)
+    mgl = np.linalg.norm(weight, axis=1)
+    height = (weight * _vertical(attitude)).sum(axis=1)
+    reach = twice_kinetic + 2.0 * np.maximum(mgl + height, 0.0)
+    squares = (reach[:, np.newaxis] / moments).sum(axis=1)
+    axes = lagrange_axes(moments, weight)
+    for axis in (1, 2, 3):
+        spin2, across = omega[:, axis - 1] ** 2, moments[:, axis - 2]
+        held = spin2 + (reach - moments[:, axis - 1] * spin2) / across
+        squares = np.where(axes == axis, held, squares)
+    squares = np.maximum(squares, mgl / moments.min(axis=1))
+    return np.sqrt(np.where(mgl > 0.0, squares, _polhode_bound(moments, omega, twice_kinetic)))
+
+
+def _polhode_bound(moments: Floats, omega: Floats, twice_kinetic: Floats) -> Floats:
+    """Bound of |omega|² of a free body from ``L² - 2 T I1`` and ``2 T I3 - L²``."""
+    order = np.broadcast_to(np.argsort(moments, axis=1, kind="stable"), omega.shape)
+    i1, i2, i3 = np.take_along_axis(np.broadcast_to(moments, omega.shape), order, axis=1).T
+    w1, w2, w3 = np.take_along_axis(omega, order, axis=1).T
+    low = i2 * (i2 - i1) * w2 * w2 + i3 * (i3 - i1) * w3 * w3
+    high = i1 * (i3 - i1) * w1 * w1 + i2 * (i3 - i2) * w2 * w2
+    # A denominator of zero gives no bound.
+    first = np.fmin(twice_kinetic / i1, high / (i1 * (i3 - i1)))
+    second = np.fmin(twice_kinetic / i2, high / (i2 * (i3 - i2)))
+    second = np.fmin(second, low / (i2 * (i2 - i1)))
+    third = np.fmin(twice_kinetic / i3, low / (i3 * (i3 - i1)))
+    bound: Floats = first + second + third
+    return bound
+
+
+def _vertical(attitude: Floats) -> Floats:
+    """The upward vertical seen from bodies with these unit quaternions, shape (n, 3)."""
+    w, x, y, z = attitude.T
+    return np.stack(
+        [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), w * w - x * x - y * y + z * z], axis=-1
+    )
+
+
+def _resolved(scene: Scene, question: object, table: Mapping[str, Any] | None) -> Question:
+    """The question with its defaults filled in."""
+    if isinstance(question, TiltBelow):
+        return question.resolved(scene, Start(spin=0.0))
+    if isinstance(question, NoFlip):
+        if question.axis is None and table is not None and len(table["omega"]) == 1:
+            return question.resolved(scene, Start(omega=table["omega"][0]))
+        if question.axis is None and isinstance(scene, HeavyTop):
+            raise ValueError("no_flip() without an axis: say no_flip(axis) to plan for a top")
+        return question
+    if isinstance(question, str):
+        return one_of("question", question, RECORDS)
+    raise TypeError(
+        f"question = {question!r}: must be one of {', '.join(map(repr, RECORDS))}, "
+        "rigid.no_flip() or rigid.tilt_below(angle)"
+    )
+
+
+def _question_words(question: Question) -> str:
+    return RECORDS[question] if isinstance(question, str) else str(question)
+
+
+def _rule(question: Question) -> str:
+    return _STATES_RULE if isinstance(question, str) else _CLASS_RULE
+
+
+def _listed(forms: NDArray[np.str_]) -> str:
+    """The closed forms that occur."""
+    return ", ".join(sorted(set(forms.tolist()) - {""}))
+
+
+def _choice(
+    scene: Scene,
+    question: Question,
+    forms: NDArray[np.str_],
+    method: str | None,
+    step: float | None,
+) -> tuple[str, list[str]]:
+    """The method, and why."""
+    if method is not None:
+        return method, [f"method = {method!r} was asked for"]
+    if "" in forms:
+        return FALLBACK, [_why_not(scene, question)]
+    if step is not None:
+        return FALLBACK, ["a step was asked for"]
+    return EXACT, ["every body has a closed form"]
+
+
+def _why_not(scene: Scene, question: Question) -> str:
+    """Why there is no closed form."""
+    words = _question_words(question)
+    if isinstance(scene, FreeBody):
+        return f"no closed form of the {words}"
+    first, second, third = scene.body.moments
+    if len({first, second, third}) == 3:
+        return "no closed form: no two moments of the top are equal to the bit"
+    axes = lagrange_axes(np.array([scene.body.moments]), scene.weight[np.newaxis])
+    if not axes[0]:
+        return "no closed form: the centre of mass is not on the symmetry axis"
+    return f"no closed form of {words}: the symmetry axis is {axes[0]}"
+
+
+def _left_out(scene: Scene, question: Question, method: str, step: float | None) -> tuple[str, ...]:
+    """What is not done, and why not."""
+    left = []
+    if method == EXACT:
+        left.append("closed form: no steps")
+        if step is not None:
+            left.append(f"closed form: step = {step:g} is not needed")
+    if not isinstance(question, str):
+        left.append("class only: no trajectory, no attitude")
+    elif question != "attitude":
+        left.append(f"{'rates' if question == 'rates' else 'vertical'} only: no attitude")
+    if isinstance(scene, FreeBody) and question in ("rates", "attitude"):
+        left.append("no weight: no vertical")
+    return tuple(left)
+
+
+def _carried(scene: Scene, question: Question, method: str) -> tuple[str, ...]:
+    """The variables that are computed."""
+    exact = method == EXACT
+    if isinstance(question, NoFlip):
+        return () if exact else ("omega",) if isinstance(scene, FreeBody) else ("omega", "gamma")
+    if isinstance(question, TiltBelow):
+        return () if exact else ("omega", "gamma")
+    heavy = isinstance(scene, HeavyTop) and not exact
+    return {
+        "rates": ("omega", "gamma") if heavy else ("omega",),
+        "axis": ("omega", "gamma"),
+        "attitude": ("omega", "gamma", "attitude") if heavy else ("omega", "attitude"),
+    }[question]
+
+
+def _check_attainable(accuracy: float, angles: Floats) -> None:
+    floor = ROUNDING * (1.0 + angles.max(initial=0.0))
+    if accuracy <= floor:
+        raise ValueError(
+            f"accuracy = {accuracy:g}: must be above {floor:.1e}, which rounding leaves of "
+            f"{angles.max(initial=0.0):.3g} rad turned"
+        )
+
+
+@np.errstate(all="ignore")
+def _steps_for(accuracy: float, method: str, rates: Floats | None, span: float | None) -> Floats:
+    """The step of each body whose phase error at the end is ``accuracy``."""
+    if rates is None or span is None:
+        missing = "omega" if rates is None else "t_end"
+        raise ValueError(
+            f"accuracy = {accuracy:g}: the step of {method!r} follows from the rates and the "
+            f"horizon; {missing} is missing"
+        )
+    order, factor = PHASE_ERROR[method]
+    angles = rates * span
+    turn = ((accuracy - ROUNDING * (1.0 + angles)) / (factor * angles)) ** (1.0 / order)
+    # What does not turn needs no step.
+    return np.where(rates > 0.0, np.minimum(turn, LARGEST_ANGLE_PER_STEP) / rates, np.inf)
+
+
+@np.errstate(all="ignore")
+def _numbers(
+    kind: str,
+    question: Question,
+    method: str,
+    forms: NDArray[np.str_],
+    rates: Floats | None,
+    span: float | None,
+    steps: Floats | None,
+    step: float | None,
+    states: int,
+) -> dict[str, Any]:
+    """Step, steps, cost and error of the worst body, as far as they are known."""
+    angles = None if rates is None or span is None else rates * span
+    error = None if angles is None else ROUNDING * (1.0 + angles)
+    if method == EXACT:
+        costs = [CLOSED_FORM_COST[form] for form in set(forms.tolist())]
+        cost = max((setup + states * state for setup, state in costs), default=0.0)
+        return {"step": None, "steps": 0, "cost": cost, "error": _worst(error)}
+    if rates is None:
+        return {"step": step, "steps": None, "cost": None, "error": None}
+    if steps is None:
+        steps = ANGLE_PER_STEP / rates
+    shortest = float(steps.min(initial=np.inf))
+    taken = math.inf if span is None or shortest == 0.0 else span / shortest
+    counted = taken < 2.0**63
+    if angles is not None and error is not None:
+        order, factor = PHASE_ERROR[method]
+        error = error + angles * factor * np.where(rates > 0.0, rates * steps, 0.0) ** order
+    return {
+        "step": shortest if shortest < np.inf else None,
+        "steps": math.ceil(taken) if counted else None,
+        "cost": math.ceil(taken) * STEP_COST[method, kind][_cost_of(question)] if counted else None,
+        "error": _worst(error),
+    }
+
+
+def _cost_of(question: Question) -> str:
+    """The question as the table of costs names it."""
+    if isinstance(question, str):
+        return question
+    return "flips" if isinstance(question, NoFlip) else "tilt"
+
+
+def _worst(errors: Floats | None) -> float | None:
+    """The largest error, None if none is known."""
+    worst = None if errors is None else float(errors.max(initial=0.0))
+    return worst if worst is not None and math.isfinite(worst) else None
+
+
+def _time_words(nanoseconds: float) -> str:
+    for limit, unit, size in ((1e3, "ns", 1.0), (1e6, "µs", 1e3), (1e9, "ms", 1e6)):
+        if nanoseconds < limit:
+            return f"{nanoseconds / size:.3g} {unit}"
+    return f"{nanoseconds / 1e9:.3g} s"

@@ -1,0 +1,303 @@
+//! The free asymmetric body: rates by Jacobi functions, attitude by one theta function (Jacobi 1849).
+//!
+//! Roles: the axes are renamed, in body and space alike, so that the moments are monotone and axis 3 is the one
+//! that the polhode encircles; a renaming is exact. All differences of energy and momentum are sums of positive
+//! terms (Celledoni et al. 2008, doi 10.1137/070704393; van Zon & Schofield 2007, doi 10.1016/j.jcp.2006.11.019).
+
+use super::{Motion, normalised, power_near, scaled, turn};
+use crate::model::quaternion_product;
+use crate::real::Real;
+use crate::special::theta::{Multiples, Phase, Shifted, Torus};
+use crate::special::{atan2, carlson_rf};
+use std::f64::consts::FRAC_PI_2;
+
+/// The names of the axes, and how to undo them.
+#[derive(Clone, Copy)]
+struct Roles<R: Real> {
+    /// Body axis of each role, as a number.
+    axis: [R; 3],
+    /// -1 where the renaming mirrors: rates are axial vectors.
+    sign: R,
+}
+
+/// Whether a and b (whole numbers) are equal.
+#[inline(always)]
+fn same<R: Real>(a: R, b: f64) -> R::Mask {
+    (a - R::splat(b)).abs().lt(R::splat(0.5))
+}
+
+impl<R: Real> Roles<R> {
+    /// Exchanges two roles where the mask says so.
+    #[inline(always)]
+    fn exchange<const A: usize, const B: usize>(
+        &mut self,
+        swap: R::Mask,
+        moments: &mut [R; 3],
+        omega: &mut [R; 3],
+    ) {
+        for v in [moments, omega, &mut self.axis] {
+            (v[A], v[B]) = (R::select(swap, v[B], v[A]), R::select(swap, v[A], v[B]));
+        }
+        self.sign = R::select(swap, -self.sign, self.sign);
+    }
+
+    /// Components by body axis from components by role.
+    #[inline(always)]
+    fn undo(&self, v: &[R; 3]) -> [R; 3] {
+        let mut out = *v;
+        for k in 0..3 {
+            let component = R::select(
+                same(self.axis[0], k as f64),
+                v[0],
+                R::select(same(self.axis[1], k as f64), v[1], v[2]),
+            );
+            out[k] = component * self.sign;
+        }
+        out
+    }
+
+    /// Components by role from components by body axis.
+    #[inline(always)]
+    fn apply(&self, v: &[R; 3]) -> [R; 3] {
+        let mut out = *v;
+        for k in 0..3 {
+            let a = self.axis[k];
+            out[k] = R::select(same(a, 0.0), v[0], R::select(same(a, 1.0), v[1], v[2])) * self.sign;
+        }
+        out
+    }
+}
+
+/// What the motion of one body is made of.
+#[derive(Clone, Copy)]
+pub struct Free<R: Real> {
+    roles: Roles<R>,
+    /// -1 where the frames were turned by pi about role 1, so that the encircled component is positive.
+    turned: R,
+    /// Power of two by which rates were divided and times multiplied.
+    unit: R,
+    /// The torus of the motion.
+    pub torus: Torus<R>,
+    start: Phase<R>,
+    /// Rate of the series argument.
+    rate: R,
+    /// Amplitudes of the direction of L in the body.
+    amplitude: [R; 3],
+    /// Rates over components of that direction.
+    rates: [R; 3],
+    /// Whether role 3 is the polar axis of the attitude, else role 1.
+    polar3: R::Mask,
+    /// Sense of the theta function's turning.
+    sense: R,
+    /// Sense of the circulation seen from role 3: the sign of I3 - I1.
+    order: R,
+    shifted: Shifted<R>,
+    /// Half the secular rate about L, and half the turn of a quarter period.
+    half_rate: R,
+    half_turn: R,
+    /// From the frame of L to space, at the start.
+    frame: [R; 4],
+    /// The start itself.
+    omega: [R; 3],
+    attitude: [R; 4],
+}
+
+impl<R: Real> Motion<R> for Free<R> {
+    /// The moments differ, and two rates at least are not zero.
+    #[inline(always)]
+    fn new(moments: &[R; 3], _weight: &[R; 3], omega: &[R; 3], attitude: &[R; 4]) -> Self {
+        let (zero, one) = (R::splat(0.0), R::splat(1.0));
+        let (unit, inverse_unit) = power_near(omega);
+        let (_, inverse_size) = power_near(moments);
+        let mut i = scaled(moments, inverse_size);
+        let mut w = scaled(omega, inverse_unit);
+        let mut roles =
+            Roles { axis: [zero, one, R::splat(2.0)], sign: one };
+        let swap = i[1].lt(i[0]);
+        roles.exchange::<0, 1>(swap, &mut i, &mut w);
+        let swap = i[2].lt(i[1]);
+        roles.exchange::<1, 2>(swap, &mut i, &mut w);
+        let swap = i[1].lt(i[0]);
+        roles.exchange::<0, 1>(swap, &mut i, &mut w);
+        // (L^2 - 2 E I2) (I3 - I1): its sign says which axis the polhode encircles.
+        let about3 = (i[2] * (i[2] - i[1])) * (w[2] * w[2]);
+        let about1 = (i[0] * (i[1] - i[0])) * (w[0] * w[0]);
+        let swap = about3.lt(about1);
+        roles.exchange::<0, 2>(swap, &mut i, &mut w);
+        let w = scaled(&w, roles.sign);
+        let turned = R::select(w[2].lt(zero), -one, one);
+        let w = [w[0], w[1] * turned, w[2] * turned];
+
+        let [i1, i2, i3] = i;
+        let inverse_span = one / (i3 - i1);
+        let rho = (i3 - i2) * inverse_span;
+        let rho1 = (i2 - i1) * inverse_span;
+        let l = [i1 * w[0], i2 * w[1], i3 * w[2]];
+        let [e1, e2, e3] = [l[0] * w[0], l[1] * w[1], l[2] * w[2]];
+        let g2 = l[0].fma(l[0], l[1].fma(l[1], l[2] * l[2]));
+        let g = g2.sqrt();
+        // (2 E I3 - L^2) / (I3 - I1), (L^2 - 2 E I1) / (I3 - I1), (L^2 - 2 E I2) / (I3 - I1).
+        let a = e2.fma(rho, e1);
+        let b = e2.fma(rho1, e3);
+        let c = e3.fms(rho, e1 * rho1).max(zero);
+        let inverse_rho_b = one / (rho * b);
+        let m = (rho1 * a) * inverse_rho_b;
+        let mc = c * inverse_rho_b;
+        let inverse_g = one / g;
+        let inverse_g2 = inverse_g * inverse_g;
+        let a1 = (i1 * a) * inverse_g2;
+        let b1 = (i3 * b) * inverse_g2;
+        let a2 = ((i2 * a) * inverse_g2) / rho;
+        let torus = Torus::new(m, mc);
+        let lambda = (((i3 - i2) * (i3 - i1)) * b / ((i1 * i2) * i3)).sqrt();
+        let rate = lambda * torus.scale;
+
+        let order = R::select(i1.lt(i3), one, -one);
+        let s1 = R::select(w[0].lt(zero), -one, one);
+        let s2 = s1 * order;
+        let [u1, u2, u3] = [a1.sqrt(), a2.sqrt(), b1.sqrt()];
+        // A body that spins about role 3 to within 1e-150 has no phase: its amplitudes vanish.
+        let some = R::splat(1e-290).lt(a);
+        let inverse_u = one / (R::select(some, u1, one) * R::select(some, u2, one));
+        let sn = R::select(some, ((s2 * l[1]) * inverse_g) * (inverse_u * u1), zero);
+        let cn = R::select(some, (l[0].abs() * inverse_g) * (inverse_u * u2), one);
+        let dn = R::select(some, (l[2] * inverse_g) / u3, one);
+        let start = torus.phase(sn, cn, dn);
+
+        // The polar axis whose theta function stays away from its zero: sc^2(eta) = b1/a1 or its complement.
+        let polar3 = (m * (b1 * b1)).lt(a1 * a1);
+        let over = R::select(polar3, one, m.fma(b1, a1));
+        let over = one / R::select(some, over, one);
+        let sn2 = R::select(polar3, b1, R::select(some, a1 * over, zero));
+        let cn2 = R::select(polar3, a1, R::select(some, (m * b1) * over, one));
+        let eta = sn2.sqrt() * carlson_rf(cn2, m.fma(sn2, cn2), one);
+        let shifted = Shifted::new::<true>(&torus, eta, one.lt(zero));
+        // The rate about L seen from the polar axis is G / I_a at sn = 0: of the two ways to its mean the one
+        // whose terms all have one sign, from the largest moment.
+        let origin = Phase { quarters: zero, rest: zero };
+        let here = torus.multiples(&origin);
+        let excess = rate * shifted.rate::<true>(&torus, &origin, &here).abs();
+        let difference = ((i3 - i1).abs() * g) / (i1 * i3);
+        let sense = R::select(polar3, order, -order);
+        let from_largest = R::select(zero.lt(sense), difference - excess, excess);
+        let mean = g / i1.max(i3) + from_largest;
+        let half = R::splat(0.5);
+        let turn = shifted.turn - R::select(polar3, R::splat(FRAC_PI_2), zero);
+        let mut body = Free {
+            roles,
+            turned,
+            unit,
+            torus,
+            start,
+            rate,
+            amplitude: [s1 * u1, s2 * u2, u3],
+            rates: [(g / i1) * unit, (g / i2) * unit, (g / i3) * unit],
+            polar3,
+            sense,
+            order,
+            shifted,
+            half_rate: mean * half,
+            half_turn: (sense * turn) * half,
+            frame: *attitude,
+            omega: *omega,
+            attitude: *attitude,
+        };
+        let (direction, x) = body.direction(&start);
+        let [c0, x0, y0, z0] = body.local(zero, &start, &direction, &x);
+        let v = roles.apply(&[attitude[1], attitude[2], attitude[3]]);
+        let q = [attitude[0], v[0], v[1] * turned, v[2] * turned];
+        body.frame = quaternion_product(&q, &[c0, -x0, -y0, -z0]);
+        body
+    }
+
+    #[inline(always)]
+    fn rates(&self, t: R) -> [R; 3] {
+        let phase = self.torus.advance(&self.start, self.rate, t * self.unit);
+        let (u, _) = self.direction(&phase);
+        self.omega_of(&u, t)
+    }
+
+    #[inline(always)]
+    fn state(&self, t: R) -> ([R; 3], [R; 4]) {
+        let time = t * self.unit;
+        let phase = self.torus.advance(&self.start, self.rate, time);
+        let (u, x) = self.direction(&phase);
+        let local = self.local(time, &phase, &u, &x);
+        let [w, x, y, z] = normalised(&quaternion_product(&self.frame, &local));
+        let [x, y, z] = self.roles.undo(&[x, y * self.turned, z * self.turned]);
+        let moved = R::splat(0.0).lt(t.abs());
+        let mut attitude = [w, x, y, z];
+        for k in 0..4 {
+            attitude[k] = R::select(moved, attitude[k], self.attitude[k]);
+        }
+        (self.omega_of(&u, t), attitude)
+    }
+}
+
+impl<R: Real> Free<R> {
+    /// The unit vector along L in the body, by role.
+    #[inline(always)]
+    fn direction(&self, phase: &Phase<R>) -> ([R; 3], Multiples<R>) {
+        let x = self.torus.multiples(phase);
+        let [sn, cn, dn] = self.torus.jacobi(phase, &x);
+        let [u1, u2, u3] = self.amplitude;
+        ([u1 * cn, u2 * sn, u3 * dn], x)
+    }
+
+    /// The rates in the body.
+    #[inline(always)]
+    fn omega_of(&self, u: &[R; 3], t: R) -> [R; 3] {
+        let turned = self.turned;
+        let rates = &self.rates;
+        let mut omega =
+            self.roles.undo(&[u[0] * rates[0], (u[1] * rates[1]) * turned, (u[2] * rates[2]) * turned]);
+        let moved = R::splat(0.0).lt(t.abs());
+        for k in 0..3 {
+            omega[k] = R::select(moved, omega[k], self.omega[k]);
+        }
+        omega
+    }
+
+    /// The attitude relative to the frame of L: the shortest turn that takes L to the polar axis, then a turn
+    /// about L by an angle that is continuous in time.
+    #[inline(always)]
+    fn local(&self, time: R, phase: &Phase<R>, u: &[R; 3], x: &Multiples<R>) -> [R; 4] {
+        let one = R::splat(1.0);
+        let [a, b] = self.shifted.value::<true>(&self.torus, phase, x);
+        // Seen from role 3, (u1, u2) winds around: its quarter turns are counted by the phase. From role 1,
+        // (u3, u2) does not.
+        let [x1, x2] = [u[0] * self.amplitude_sign(), u[1] * (self.amplitude_sign() * self.order)];
+        let odd = R::odd(phase.quarters);
+        let half_turns = phase.quarters.fms(R::splat(0.5), R::splat(0.25)).round();
+        let winding = [
+            R::select(odd, x2, x1).neg_if_odd(half_turns),
+            R::select(odd, -x1, x2).neg_if_odd(half_turns),
+        ];
+        let c = R::select(self.polar3, winding[0], u[2]);
+        let d = R::select(self.polar3, winding[1], u[1] * self.order);
+        let bounded = self.sense * atan2(b.fms(c, a * d), a.fma(c, b * d));
+        let (sin, cos) = turn(&[(self.half_rate, time), (self.half_turn, phase.quarters)], bounded * R::splat(0.5));
+
+        let along = R::select(self.polar3, u[2], u[0]);
+        let next = R::select(self.polar3, u[0], u[1]);
+        let last = R::select(self.polar3, u[1], u[2]);
+        let sum = one + along;
+        let over = one / (sum + sum).sqrt();
+        let (p0, p1, p2) = (sum * over, last * over, -(next * over));
+        let about = sin * p0;
+        let first = p1.fms(cos, p2 * sin);
+        let second = p2.fma(cos, p1 * sin);
+        [
+            cos * p0,
+            R::select(self.polar3, first, about),
+            R::select(self.polar3, second, first),
+            R::select(self.polar3, about, second),
+        ]
+    }
+
+    /// The sign of the component along role 1 at cn > 0.
+    #[inline(always)]
+    fn amplitude_sign(&self) -> R {
+        R::select(self.amplitude[0].lt(R::splat(0.0)), R::splat(-1.0), R::splat(1.0))
+    }
+}

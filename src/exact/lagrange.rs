@@ -1,0 +1,399 @@
+//! The Lagrange top, symmetric with its centre of mass on the axis: each Cayley-Klein parameter is a constant, a
+//! turn at a constant rate and a quotient of theta functions (Klein & Sommerfeld, Theorie des Kreisels, ch. VI).
+//!
+//! `alpha = q0 + i q3`, `beta = q1 + i q2`; with `w = 1 - cos theta`, `|beta|^2 = w/2`, `|alpha|^2 = 1 - w/2`.
+//! Each has one pole of the top as its zero and passes it smoothly: no angle is ever formed.
+
+use super::{Motion, normalised, power_near, scaled, turn};
+use crate::real::Real;
+use crate::special::carlson_rf;
+use crate::special::theta::{Phase, Shifted, Torus};
+
+/// Whether a < b, a <= b kept apart from NaN by the caller.
+#[inline(always)]
+fn at_least<R: Real>(a: R, b: R) -> R::Mask {
+    // !(a < b) without a mask operation.
+    let one = R::splat(1.0);
+    R::splat(0.0).lt(R::select(a.lt(b), -one, one))
+}
+
+/// a b, complex.
+#[inline(always)]
+fn product<R: Real>(a: [R; 2], b: [R; 2]) -> [R; 2] {
+    [a[0].fms(b[0], a[1] * b[1]), a[0].fma(b[1], a[1] * b[0])]
+}
+
+/// a / b, complex.
+#[inline(always)]
+fn over<R: Real>(a: [R; 2], b: [R; 2]) -> [R; 2] {
+    let inverse = R::splat(1.0) / b[0].fma(b[0], b[1] * b[1]);
+    [a[0].fma(b[0], a[1] * b[1]) * inverse, a[1].fms(b[0], a[0] * b[1]) * inverse]
+}
+
+/// The turning points: `w` and `2 - w` there, and their distances, each with its own relative accuracy.
+#[derive(Clone, Copy)]
+pub struct TurningPoints<R> {
+    /// Roots wa <= wb of the cubic between which w moves, and wc <= 0.
+    pub w: [R; 3],
+    /// 2 - wa and 2 - wb.
+    pub rest: [R; 2],
+    /// wb - wa and wa - wc.
+    amplitude: R,
+    gap: R,
+    /// Displacements of wa, wb and wc from the start.
+    displacement: [R; 3],
+}
+
+/// The start of a top, in the variables of its cubic.
+#[derive(Clone, Copy)]
+struct Start<R> {
+    i1: R,
+    weight: R,
+    /// 1 - cos theta and 1 + cos theta.
+    w: R,
+    rest: R,
+    /// dw/dt.
+    slope: R,
+    /// Spin momentum a = I3 omega3, and p_phi -+ a.
+    spin: R,
+    top: R,
+    bottom: R,
+    /// omega1^2 + omega2^2, and omega . gamma without its third term.
+    transverse2: R,
+    lift: R,
+}
+
+impl<R: Real> Start<R> {
+    /// Roots of the cubic of w, for the displacement from the start, so that a turning point at the start is a
+    /// root exactly; near a pole the roots follow from the conserved momentum that keeps the top off it.
+    #[inline(always)]
+    fn turning_points(&self) -> TurningPoints<R> {
+        let (zero, one, half) = (R::splat(0.0), R::splat(1.0), R::splat(0.5));
+        let Start { i1, weight, w, rest, slope, spin, top, bottom, transverse2, lift } = *self;
+        let k = (i1 + i1) * weight;
+        let inverse_k = one / k;
+        let cosine = (rest - w) * half;
+        let is = i1 * slope;
+        // (yb - y)(y - ya)(y - yc) = -y^3 + f2 y^2 + f1 y + f0.
+        let f0 = (is * is) * inverse_k;
+        let f1 = w.fma(rest, ((i1 * transverse2).fms(cosine, spin * lift)) / weight);
+        let f2 = (i1 * (R::splat(4.0) * weight).fms(cosine, i1 * transverse2) - spin * spin) * inverse_k;
+        // The outer root that stands alone, from x^3 - 3 x = 2 rho on [sqrt 3, 2] about the centre.
+        let third = R::splat(1.0 / 3.0);
+        let centre = f2 * third;
+        let p = (centre.fma(centre, f1 * third)).max(zero);
+        let value = (f2 - centre).fma(centre, f1).fma(centre, f0);
+        let above = zero.lt(value);
+        let size = p.sqrt();
+        let rho2 = R::select(zero.lt(p), value.abs() / R::select(zero.lt(p), p * size, one), zero).min(R::splat(2.0));
+        let mut x = rho2.fma(R::splat(0.133_974_596_215_561_35), R::splat(1.732_050_807_568_877_2));
+        for _ in 0..3 {
+            let x2 = x * x;
+            x = (x2 * (x + x)).fma(one, rho2) / (R::splat(3.0) * (x2 - one));
+        }
+        let far = size * x;
+        let mut alone = centre + R::select(above, far, -far);
+        for _ in 0..2 {
+            let now = (f2 - alone).fma(alone, f1).fma(alone, f0);
+            let rate = (f2 + (f2 - R::splat(3.0) * alone)).fma(alone, f1);
+            let steep = zero.lt(rate.abs());
+            alone = alone - R::select(steep, now / R::select(steep, rate, one), zero);
+        }
+        alone = R::select(above, alone.max(zero), alone.min(zero));
+        // Deflation from the end that does not cancel.
+        let cubed = (alone * alone) * alone;
+        let backward = f0.lt(cubed.abs());
+        let divisor = one / R::select(backward, alone, one);
+        let product_back = f0 * divisor;
+        let sum = R::select(backward, -((f1 + product_back) * divisor), f2 - alone);
+        let product = R::select(backward, product_back, -alone.fma(sum, f1));
+        let root = sum.fma(sum, R::splat(-4.0) * product).max(zero).sqrt();
+        // The other two: the larger in size first, the other from the product.
+        let low = (sum - root) * half;
+        let high = (sum + root) * half;
+        let positive = zero.lt(sum);
+        let larger = R::select(positive, high, low);
+        let some = zero.lt(larger.abs());
+        let other = R::select(some, product / R::select(some, larger, one), zero);
+        let (low, high) = (R::select(positive, other, low), R::select(positive, high, other));
+        let mut yc = R::select(above, low, alone).min(zero);
+        let mut ya = R::select(above, high, low).min(zero);
+        let mut yb = R::select(above, alone, high).max(zero);
+        let mut gap = R::select(above, root, ya - yc);
+        let (mut wa, mut wb, mut wc) = ((w + ya).max(zero), w + yb, (w + yc).min(zero));
+        let (mut rest_a, mut rest_b) = (rest - ya, (rest - yb).max(zero));
+        // Near the top, wa and wc from their product, -b^2 / (k wb), and their sum.
+        let b_zero = R::select(zero.lt(top.abs()), zero, one);
+        let small = R::select((wa + wa).lt(w), R::select(wa.lt(R::splat(0.1)), one, zero), zero);
+        let near = zero.lt(small.max(b_zero));
+        let inverse_b = one / R::select(near, wb, one);
+        let energy = (i1 * half).fms(transverse2, weight * w);
+        let pi = -((top * top) * (inverse_k * inverse_b));
+        let c1 = ((R::splat(4.0) * i1).fms(energy, (spin + spin) * top)) * inverse_k;
+        let s = -((c1 + pi) * inverse_b);
+        let r = s.fma(s, R::splat(-4.0) * pi).sqrt();
+        let positive = at_least(s, zero);
+        let larger = R::select(positive, s + r, s - r) * half;
+        let some = zero.lt(larger.abs());
+        let other = R::select(some, pi / R::select(some, larger, one), zero);
+        let (top_a, top_c) =
+            (R::select(positive, larger, other).max(zero), R::select(positive, other, larger).min(zero));
+        wa = R::select(near, top_a, wa);
+        wc = R::select(near, top_c, wc);
+        gap = R::select(near, r, gap);
+        rest_a = R::select(near, R::splat(2.0) - top_a, rest_a);
+        let off = zero.lt(R::select(near, R::select((top_a + top_a).lt(w), one, zero), zero));
+        ya = R::select(off, top_a - w, ya);
+        yc = R::select(off, top_c - w, yc);
+        // Near the bottom, 2 - wb from b2.
+        let b2_zero = R::select(zero.lt(bottom.abs()), zero, one);
+        let small = R::select((rest_b + rest_b).lt(rest), R::select(rest_b.lt(R::splat(0.1)), one, zero), zero);
+        let near_bottom = zero.lt(small.max(b2_zero));
+        let two = R::splat(2.0);
+        let under = (bottom * bottom) / (k * (rest_a * (two - wc)));
+        rest_b = R::select(near_bottom, under, rest_b);
+        wb = R::select(near_bottom, two - under, wb);
+        let off = zero.lt(R::select(near_bottom, R::select((under + under).lt(rest), one, zero), zero));
+        yb = R::select(off, rest - under, yb);
+        let exact = zero.lt(b_zero.max(b2_zero));
+        let amplitude = R::select(exact, wb - wa, yb - ya);
+        TurningPoints { w: [wa, wb, wc], rest: [rest_a, rest_b], amplitude, gap, displacement: [ya, yb, yc] }
+    }
+}
+
+/// One Cayley-Klein parameter: `c exp(i (rate t + turn n)) theta(x + i y) / theta(x)`, n the quarter periods.
+#[derive(Clone, Copy)]
+struct Parameter<R: Real> {
+    shifted: Shifted<R>,
+    /// -1 where the function turns clockwise.
+    sense: R,
+    rate: R,
+    constant: [R; 2],
+}
+
+impl<R: Real> Parameter<R> {
+    /// Value and time derivative, without the constant.
+    #[inline(always)]
+    fn bare<const ALTERNATE: bool>(
+        &self,
+        torus: &Torus<R>,
+        phase_rate: R,
+        time: R,
+        phase: &Phase<R>,
+        x: &crate::special::theta::Multiples<R>,
+    ) -> [[R; 2]; 2] {
+        let ([a, b], [da, db]) = self.shifted.quotient::<ALTERNATE>(torus, phase, x);
+        let (sin, cos) =
+            turn(&[(self.rate, time), (self.sense * self.shifted.turn, phase.quarters)], R::splat(0.0));
+        let (b, db) = (b * self.sense, db * self.sense);
+        let slope = [phase_rate.fms(da, self.rate * b), phase_rate.fma(db, self.rate * a)];
+        [product([cos, sin], [a, b]), product([cos, sin], slope)]
+    }
+
+    /// Value and time derivative.
+    #[inline(always)]
+    fn at<const ALTERNATE: bool>(
+        &self,
+        torus: &Torus<R>,
+        phase_rate: R,
+        time: R,
+        phase: &Phase<R>,
+        x: &crate::special::theta::Multiples<R>,
+    ) -> [[R; 2]; 2] {
+        let [value, slope] = self.bare::<ALTERNATE>(torus, phase_rate, time, phase, x);
+        [product(self.constant, value), product(self.constant, slope)]
+    }
+}
+
+/// What the motion of one top is made of.
+#[derive(Clone, Copy)]
+pub struct Lagrange<R: Real> {
+    /// Power of two by which rates were divided and times multiplied.
+    unit: R,
+    /// -1 where the frame was turned by pi about axis 1, because the centre of mass lies on -axis 3.
+    turned: R,
+    /// The torus of the nutation; w = wb at the phase 0.
+    pub torus: Torus<R>,
+    /// Phase at the start.
+    pub start: Phase<R>,
+    /// Rate of the series argument.
+    pub rate: R,
+    /// Turning points of the nutation.
+    pub points: TurningPoints<R>,
+    spin: R,
+    alpha: Parameter<R>,
+    beta: Parameter<R>,
+    omega: [R; 3],
+    attitude: [R; 4],
+}
+
+impl<R: Real> Motion<R> for Lagrange<R> {
+    /// Symmetric about axis 3 with the weight on it, not upright at rest.
+    #[inline(always)]
+    fn new(moments: &[R; 3], weight: &[R; 3], omega: &[R; 3], attitude: &[R; 4]) -> Self {
+        let (zero, one, half) = (R::splat(0.0), R::splat(1.0), R::splat(0.5));
+        let (_, inverse_size) = power_near(moments);
+        let [i1, _, i3] = scaled(moments, inverse_size);
+        let swing = (weight[2].abs() * inverse_size / i1).sqrt();
+        let (unit, inverse_unit) = power_near(&[omega[0].abs().max(swing), omega[1], omega[2]]);
+        let turned = R::select(weight[2].lt(zero), -one, one);
+        let mu = ((weight[2].abs() * inverse_size) * inverse_unit) * inverse_unit;
+        let w = scaled(omega, inverse_unit);
+        let [w1, w2, w3] = [w[0], w[1] * turned, w[2] * turned];
+        let down = turned.lt(zero);
+        let [q0, q1, q2, q3] = *attitude;
+        let (q0, q1, q2, q3) = (
+            R::select(down, -q1, q0),
+            R::select(down, q0, q1),
+            R::select(down, q3, q2),
+            R::select(down, -q2, q3),
+        );
+        let two = R::splat(2.0);
+        let g1 = two * q1.fms(q3, q0 * q2);
+        let g2 = two * q2.fma(q3, q0 * q1);
+        let tilt = two * q1.fma(q1, q2 * q2);
+        let rest = two * q3.fma(q3, q0 * q0);
+        let spin = i3 * w3;
+        let lift = w1.fma(g1, w2 * g2);
+        let start = Start {
+            i1,
+            weight: mu,
+            w: tilt,
+            rest,
+            slope: g2.fms(w1, g1 * w2),
+            spin,
+            top: i1.fms(lift, spin * tilt),
+            bottom: i1.fma(lift, spin * rest),
+            transverse2: w1.fma(w1, w2 * w2),
+            lift,
+        };
+        let points = start.turning_points();
+        let [wa, wb, wc] = points.w;
+        let [rest_a, rest_b] = points.rest;
+        let [ya, yb, yc] = points.displacement;
+        let extent = wb - wc;
+        let inverse_extent = one / extent;
+        let (m, mc) = (points.amplitude * inverse_extent, points.gap * inverse_extent);
+        let torus = Torus::new(m, mc);
+        let rate = ((mu * extent) / (i1 + i1)).sqrt() * torus.scale;
+        let moving = zero.lt(yb - ya);
+        let span = one / R::select(moving, yb - ya, one);
+        let sn = R::select(moving, (yb * span).sqrt(), zero);
+        let cn = R::select(moving, (-ya * span).sqrt(), one);
+        let dn = ((-yc).max(zero) * inverse_extent).sqrt();
+        let phase = torus.phase(R::select(zero.lt(start.slope), -sn, sn), cn, dn);
+
+        // The zeros of 2 - w and of w, as imaginary parts below K'/2; the odd functions have them there.
+        let k = torus.moduli[0];
+        let odd = at_least(points.amplitude, k * rest_b);
+        let sn2 = R::select(odd, rest_b / rest_a, extent / (two - wc));
+        let cn2 = R::select(odd, points.amplitude / rest_a, rest_b / (two - wc));
+        let eta = sn2.sqrt() * carlson_rf(cn2, m.fma(sn2, cn2), one);
+        let sense = R::select(start.bottom.lt(zero), -one, one);
+        let mut alpha = Parameter {
+            shifted: Shifted::new::<true>(&torus, eta, odd),
+            sense: R::select(odd, -sense, sense),
+            rate: zero,
+            constant: [one, zero],
+        };
+        let (ea, ec) = (wa * extent, -(wc * points.amplitude));
+        let odd = (k * ea).lt(ec);
+        let parted = zero.lt(points.gap);
+        let under = one / R::select(parted, points.gap, one);
+        let both = R::select(odd, under / wb, under);
+        let sn2 = R::select(parted, R::select(odd, ea, -wc) * both, zero);
+        let cn2 = R::select(parted, R::select(odd, ec, wa) * both, one);
+        let eta = sn2.sqrt() * carlson_rf(cn2, m.fma(sn2, cn2), one);
+        let sense = R::select(start.top.lt(zero), -one, one);
+        let mut beta = Parameter {
+            shifted: Shifted::new::<false>(&torus, eta, odd),
+            sense: R::select(odd, -sense, sense),
+            rate: zero,
+            constant: [one, zero],
+        };
+        // The rates of the arguments are known where w is far from the zero: at wa for alpha, at wb for beta.
+        let spin_excess = ((i1 - i3) * w3) / i1;
+        let at_wa = Phase { quarters: one, rest: zero };
+        let at_wb = Phase { quarters: zero, rest: zero };
+        let local = alpha.shifted.rate::<true>(&torus, &at_wa, &torus.multiples(&at_wa));
+        alpha.rate = half * (spin_excess + start.bottom / (i1 * rest_a)) - alpha.sense * (rate * local);
+        let local = beta.shifted.rate::<false>(&torus, &at_wb, &torus.multiples(&at_wb));
+        beta.rate = half * (start.top / (i1 * wb) - spin_excess) - beta.sense * (rate * local);
+
+        // The constants from the start; exactly at a pole, from the derivative.
+        let x = torus.multiples(&phase);
+        let (a, b) = ([q0, q3], [q1, q2]);
+        let rates = [w1, w2];
+        let tiny = R::splat(1e-100);
+        let at_bottom = a[0].abs().max(a[1].abs()).lt(tiny);
+        let at_top = b[0].abs().max(b[1].abs()).lt(tiny);
+        let [value, slope] = alpha.bare::<true>(&torus, rate, zero, &phase, &x);
+        let moved = product(b, [rates[0], -rates[1]]);
+        let from = [R::select(at_bottom, -(moved[0] * half), a[0]), R::select(at_bottom, -(moved[1] * half), a[1])];
+        let by = [R::select(at_bottom, slope[0], value[0]), R::select(at_bottom, slope[1], value[1])];
+        alpha.constant = over(from, by);
+        let [value, slope] = beta.bare::<false>(&torus, rate, zero, &phase, &x);
+        let moved = product(a, rates);
+        let from = [R::select(at_top, moved[0] * half, b[0]), R::select(at_top, moved[1] * half, b[1])];
+        let by = [R::select(at_top, slope[0], value[0]), R::select(at_top, slope[1], value[1])];
+        beta.constant = over(from, by);
+        Lagrange {
+            unit,
+            turned,
+            torus,
+            start: phase,
+            rate,
+            points,
+            spin: w3,
+            alpha,
+            beta,
+            omega: *omega,
+            attitude: *attitude,
+        }
+    }
+
+    #[inline(always)]
+    fn rates(&self, t: R) -> [R; 3] {
+        self.state(t).0
+    }
+
+    #[inline(always)]
+    fn state(&self, t: R) -> ([R; 3], [R; 4]) {
+        let half = R::splat(0.5);
+        let time = t * self.unit;
+        let phase = self.torus.advance(&self.start, self.rate, time);
+        let x = self.torus.multiples(&phase);
+        let [a, da] = self.alpha.at::<true>(&self.torus, self.rate, time, &phase, &x);
+        let [b, db] = self.beta.at::<false>(&self.torus, self.rate, time, &phase, &x);
+        // beta' = (alpha W - i omega3 beta)/2, alpha' = (i omega3 alpha - beta conj W)/2 with W = omega1 + i omega2:
+        // from the one that is not small.
+        let spin = self.spin * half;
+        let upper = [spin.fnma(b[1], db[0]), spin.fma(b[0], db[1])];
+        let lower = [-spin.fma(a[1], da[0]), spin.fms(a[0], da[1])];
+        let high = b[0].fma(b[0], b[1] * b[1]).lt(a[0].fma(a[0], a[1] * a[1]));
+        let from = [R::select(high, upper[0], lower[0]), R::select(high, upper[1], lower[1])];
+        let by = [R::select(high, a[0], b[0]), R::select(high, a[1], b[1])];
+        let transverse = over(from, by);
+        let transverse = [transverse[0] + transverse[0], transverse[1] + transverse[1]];
+        let w2 = R::select(high, transverse[1], -transverse[1]) * self.turned;
+        let [q0, q1, q2, q3] = normalised(&[a[0], b[0], b[1], a[1]]);
+        let down = self.turned.lt(R::splat(0.0));
+        let q = [
+            R::select(down, q1, q0),
+            R::select(down, -q0, q1),
+            R::select(down, -q3, q2),
+            R::select(down, q2, q3),
+        ];
+        let moved = R::splat(0.0).lt(t.abs());
+        let mut attitude = self.attitude;
+        for i in 0..4 {
+            attitude[i] = R::select(moved, q[i], self.attitude[i]);
+        }
+        let omega = [
+            R::select(moved, transverse[0] * self.unit, self.omega[0]),
+            R::select(moved, w2 * self.unit, self.omega[1]),
+            self.omega[2],
+        ];
+        (omega, attitude)
+    }
+}

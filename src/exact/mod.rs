@@ -1,0 +1,72 @@
+//! Closed forms: the motion of a body at any time, evaluated and not integrated.
+
+mod evaluate;
+mod free;
+mod lagrange;
+mod place;
+mod symmetric;
+
+pub use evaluate::{Evaluator, StartRows, StateRows};
+pub use free::Free;
+pub use lagrange::Lagrange;
+pub use place::{Form, Kind, Place};
+pub use symmetric::Symmetric;
+
+use crate::real::Real;
+use crate::special::sincos_of_sum;
+
+/// A motion in closed form.
+pub trait Motion<R: Real>: Copy {
+    /// The motion from its start: moments, `mgl com`, rates in the body, unit quaternion.
+    fn new(moments: &[R; 3], weight: &[R; 3], omega: &[R; 3], attitude: &[R; 4]) -> Self;
+    /// The rates in the body at the time `t`.
+    fn rates(&self, t: R) -> [R; 3];
+    /// Rates and attitude at the time `t`.
+    fn state(&self, t: R) -> ([R; 3], [R; 4]);
+}
+
+/// `v` times a number.
+#[inline(always)]
+fn scaled<R: Real, const N: usize>(v: &[R; N], by: R) -> [R; N] {
+    let mut out = *v;
+    for x in &mut out {
+        *x = *x * by;
+    }
+    out
+}
+
+/// The power of two below the largest of three sizes, and its inverse: motions do not depend on units, to the bit.
+#[inline(always)]
+fn power_near<R: Real>(v: &[R; 3]) -> (R, R) {
+    let (_, e) = v[0].abs().max(v[1].abs().max(v[2].abs())).frexp();
+    let e = e.max(R::splat(-1020.0)).min(R::splat(1020.0));
+    (e.exp2i(), (-e).exp2i())
+}
+
+/// sin and cos of the sum of products and a small angle; the products are not rounded before the reduction.
+#[inline(always)]
+fn turn<R: Real, const N: usize>(products: &[(R, R); N], angle: R) -> (R, R) {
+    let (mut high, mut low) = (angle, R::splat(0.0));
+    for &(a, b) in products {
+        let product = a * b;
+        let product_low = a.fms(b, product);
+        // Knuth's exact sum.
+        let sum = high + product;
+        let back = sum - high;
+        low = low + (((high - (sum - back)) + (product - back)) + product_low);
+        high = sum;
+    }
+    sincos_of_sum(high, low)
+}
+
+/// A quaternion of nearly unit length made a unit quaternion, by one step of Newton.
+#[inline(always)]
+fn normalised<R: Real>(q: &[R; 4]) -> [R; 4] {
+    let length2 = q[0].fma(q[0], q[1].fma(q[1], q[2].fma(q[2], q[3] * q[3])));
+    let correction = (length2 - R::splat(1.0)) * R::splat(-0.5);
+    let mut out = *q;
+    for x in &mut out {
+        *x = correction.fma(*x, *x);
+    }
+    out
+}

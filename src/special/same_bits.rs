@@ -1,0 +1,94 @@
+//! Duplications stop in a lane when that lane has converged: the same bits alone, beside any neighbours, and in every
+//! register.
+
+use super::{agm, carlson_rc, carlson_rd, carlson_rf, carlson_rj};
+use super::{complete_e, complete_k, complete_pi, exp, jacobi};
+use crate::real::Pack;
+use crate::simd::{Arr, Isa};
+
+const ROWS: usize = 4096;
+const ARGUMENTS: usize = 4;
+
+/// The n-th number of the k-th of a few sequences that fill 0 to 1 evenly, neighbours far apart.
+fn even(n: usize, k: usize) -> f64 {
+    (n as f64 * [0.754_877_666, 0.569_840_291, 0.618_033_989, 0.414_213_562][k]).fract()
+}
+
+/// One sequence after another: positive numbers in ranges of all widths, a first one that may be 0, the last a
+/// complementary parameter: of every size, 0 and 1.
+fn arguments() -> Vec<Vec<f64>> {
+    let of_row = |n: usize, k: usize| {
+        let width = [0.05, 1.0, 10.0, 60.0, 200.0][n % 5];
+        match (n % 7, k) {
+            (0, 0) | (3, 3) => 0.0,
+            (5, 3) => 1.0,
+            (_, 3) if n % 2 == 0 => even(n, k),
+            (_, 3) => exp(-width * even(n, k)),
+            _ => exp(width * (2.0 * even(n, k) - 1.0)),
+        }
+    };
+    (0..ARGUMENTS).map(|k| (0..ROWS).map(|n| of_row(n, k)).collect()).collect()
+}
+
+/// Every function at every row, `P::LANES` rows at a time.
+#[inline(always)]
+fn results<P: Pack>(arguments: &[Vec<f64>]) -> Vec<[u64; ROWS]> {
+    let mut table = vec![[0; ROWS]; 13];
+    for start in (0..ROWS).step_by(P::LANES) {
+        let [x, y, z, mc] = [0, 1, 2, 3].map(|k| P::load(&arguments[k][start..start + P::LANES]));
+        let (sn, cn, dn) = jacobi(x - y, mc);
+        let integrals =
+            [carlson_rf(x, y, z), carlson_rd(x, y, z), carlson_rj(x, y, z, y), carlson_rj(x, y, y, z)];
+        let simple = [carlson_rc(x, y), carlson_rc(y, z - x), agm(y, z)];
+        let complete = [complete_k(mc), complete_e(mc), complete_pi(P::splat(0.5) - x, mc)];
+        let all = integrals.into_iter().chain(simple).chain(complete).chain([sn, cn, dn]);
+        for (row, value) in table.iter_mut().zip(all) {
+            let mut lanes = [0.0; 64];
+            value.store(&mut lanes);
+            for lane in 0..P::LANES {
+                // A NaN equals any NaN: its payload is no number.
+                let x = lanes[lane];
+                row[start + lane] = if x.is_nan() { f64::NAN.to_bits() } else { x.to_bits() };
+            }
+        }
+    }
+    table
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,avx2,fma")]
+fn avx512(arguments: &[Vec<f64>]) -> [Vec<[u64; ROWS]>; 2] {
+    use crate::simd::V8;
+    [results::<V8>(arguments), results::<Arr<V8, 2>>(arguments)]
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma")]
+fn avx2(arguments: &[Vec<f64>]) -> [Vec<[u64; ROWS]>; 2] {
+    use crate::simd::V4;
+    [results::<V4>(arguments), results::<Arr<V4, 2>>(arguments)]
+}
+
+#[test]
+fn elliptic_functions_have_the_same_bits_in_every_register() {
+    let arguments = arguments();
+    let alone = results::<f64>(&arguments);
+    for row in &alone {
+        let numbers = row.iter().filter(|&&bits| f64::from_bits(bits).is_finite()).count();
+        assert!(numbers > ROWS / 2, "{numbers} of {ROWS} results are finite");
+    }
+    assert!(results::<Arr<f64, 8>>(&arguments) == alone, "several scalars");
+    #[cfg(target_arch = "x86_64")]
+    for isa in Isa::available() {
+        let tables = match isa {
+            // Safety: the features have just been seen.
+            Isa::Avx512 => unsafe { avx512(&arguments) },
+            Isa::Avx2 => unsafe { avx2(&arguments) },
+            Isa::Scalar => continue,
+        };
+        for (function, (a, b)) in tables.iter().flat_map(|t| t.iter().zip(&alone)).enumerate() {
+            let other = (0..ROWS).find(|&n| a[n] != b[n]);
+            assert_eq!(other, None, "{isa:?}, function {}", function % alone.len());
+        }
+    }
+}

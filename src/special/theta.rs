@@ -1,0 +1,384 @@
+//! Theta series on the rectangular torus of an elliptic motion.
+//!
+//! A motion with parameter `m` and complement `mc = 1 - m` is a quotient of theta functions of the phase `u`.
+//! For `m <= 1/2` they are trigonometric series with the nome `q`; for `m > 1/2` Jacobi's imaginary
+//! transformation turns them into hyperbolic series with the complementary nome. Either nome is at most
+//! `exp(-pi)`, and the phase is reduced to half a quarter period: the first term left out of any series here
+//! is below `q^14 < 1e-19` of the first. Sources: Whittaker & Watson, ch. 21; DLMF §20.2, 20.7, 20.11.
+
+use super::carlson::carlson_rf;
+use super::elementary::{ln, sincos, sincos_kernel_with_tail, sinhcosh};
+use crate::real::Real;
+use std::f64::consts::FRAC_PI_2;
+
+/// Highest multiple of the phase in a series.
+const TOP: usize = 8;
+
+/// cos and sin, or cosh and sinh, of the multiples 0 to 7 of an argument.
+#[derive(Clone, Copy)]
+pub struct Multiples<R> {
+    even: [R; TOP],
+    odd: [R; TOP],
+}
+
+impl<R: Real> Multiples<R> {
+    /// cos(k x) and sin(k x).
+    #[inline(always)]
+    fn circular((sin, cos): (R, R)) -> Self {
+        let (one, zero) = (R::splat(1.0), R::splat(0.0));
+        let cos2 = (sin + sin).fnma(sin, one);
+        let sin2 = (sin + sin) * cos;
+        let mut x = Multiples { even: [one; TOP], odd: [zero; TOP] };
+        (x.even[1], x.odd[1]) = (cos, sin);
+        (x.even[2], x.odd[2]) = (cos2, sin2);
+        for k in 3..TOP {
+            x.even[k] = x.even[k - 2].fms(cos2, x.odd[k - 2] * sin2);
+            x.odd[k] = x.odd[k - 2].fma(cos2, x.even[k - 2] * sin2);
+        }
+        x
+    }
+
+    /// `d_k cosh(k x)` and `d_k sinh(k x)` with the powers of the nome that go with them in a theta series:
+    /// `q^(k^2/4)` for even k, `q^((k^2-1)/4)` for odd k. The products stay small where the factors overflow.
+    #[inline(always)]
+    fn hyperbolic(nome: R, x: R) -> Self {
+        let (one, zero) = (R::splat(1.0), R::splat(0.0));
+        let (sinh, cosh) = sinhcosh(x);
+        let scaled = (nome * sinh) * (sinh + sinh);
+        let cosh2 = scaled + nome;
+        let sinh2 = (nome * sinh) * (cosh + cosh);
+        let mut x = Multiples { even: [one; TOP], odd: [zero; TOP] };
+        (x.even[1], x.odd[1]) = (cosh, sinh);
+        (x.even[2], x.odd[2]) = (cosh2, sinh2);
+        let mut power = nome;
+        for k in 3..TOP {
+            let (c, s) = (x.even[k - 2], x.odd[k - 2]);
+            x.even[k] = power * c.fma(cosh2, s * sinh2);
+            x.odd[k] = power * s.fma(cosh2, c * sinh2);
+            power = power * nome;
+        }
+        x
+    }
+}
+
+/// The torus of a motion: its nome and the scale of its phases.
+#[derive(Clone, Copy)]
+pub struct Torus<R: Real> {
+    /// Whether the series are hyperbolic, `m > 1/2`, or circular.
+    hyperbolic: R::Mask,
+    circular: R::Mask,
+    /// The smaller nome and its square root.
+    nome: R,
+    root: R,
+    /// Powers of the nome that the multiples 2 to 6 still want in a theta series; the hyperbolic ones carry them.
+    power: [R; 7],
+    /// sn, cn and dn over their quotients of theta series.
+    quotient: [R; 3],
+    /// Series argument over elliptic argument: 1 / theta3(0)^2.
+    pub scale: R,
+    /// A quarter period in units of the series argument: pi/2, or -ln(q)/2.
+    quarter: R,
+    /// What `quarter` misses.
+    quarter_low: R,
+    /// k and k', the square roots of the parameter and its complement.
+    pub moduli: [R; 2],
+}
+
+/// A phase: whole quarter periods, and the rest of the series argument.
+#[derive(Clone, Copy)]
+pub struct Phase<R> {
+    /// Quarter periods.
+    pub quarters: R,
+    /// What is left, relative to the nearest quarter period.
+    pub rest: R,
+}
+
+impl<R: Real> Torus<R> {
+    /// The torus of the parameter `m` and its complement, each with its own relative accuracy.
+    #[inline(always)]
+    pub fn new(m: R, mc: R) -> Self {
+        let (one, half, zero) = (R::splat(1.0), R::splat(0.5), R::splat(0.0));
+        let hyperbolic = mc.lt(m);
+        let (small, large) = (R::select(hyperbolic, mc, m), R::select(hyperbolic, m, mc));
+        let modulus = large.sqrt();
+        let root = modulus.sqrt();
+        // Nome by Weierstrass's series; 1 - sqrt(k') is formed from the parameter.
+        let rise = one + root;
+        let e = (small * half) / ((one + modulus) * (rise * rise));
+        let e2 = e * e;
+        let e4 = e2 * e2;
+        let series = e4.fma(R::splat(1707.0), R::splat(150.0));
+        let series = e4.fma(e4.fma(series, R::splat(15.0)), R::splat(2.0));
+        let nome = e.fma(e4 * series, e);
+        let q2 = nome * nome;
+        let (q4, q6) = (q2 * q2, q2 * q2 * q2);
+        let q9 = q4 * q4 * nome;
+        let power = [one, one, nome, q2, q4, q6, q9];
+        let mut power = power;
+        for p in &mut power {
+            *p = R::select(hyperbolic, one, *p);
+        }
+        // theta2(0) / (2 q^(1/4)), theta3(0), theta4(0).
+        let null2 = q2.fma(one + q4, one);
+        let null3 = R::splat(2.0).fma(nome + (q4 + q9), one);
+        let null4 = R::splat(2.0).fnma(nome - (q4 - q9), one);
+        let quotient = [
+            null3 / R::select(hyperbolic, null4, null2),
+            R::select(hyperbolic, null2, null4) / R::select(hyperbolic, null4, null2),
+            R::select(hyperbolic, null2, null4) / null3,
+        ];
+        // On the separatrix the quarter period is infinite: every phase is its own rest.
+        let finite = zero.lt(nome);
+        let logarithm = ln(R::select(finite, nome, one)) * R::splat(-0.5);
+        let endless = R::select(finite, logarithm, R::splat(f64::INFINITY));
+        let minor = small.sqrt();
+        Torus {
+            hyperbolic,
+            circular: R::select(hyperbolic, one, zero).lt(half),
+            nome,
+            root: nome.sqrt(),
+            power,
+            quotient,
+            scale: one / (null3 * null3),
+            quarter: R::select(hyperbolic, endless, R::splat(FRAC_PI_2)),
+            quarter_low: R::select(hyperbolic, zero, R::splat(6.123_233_995_736_766e-17)),
+            moduli: [R::select(hyperbolic, modulus, minor), R::select(hyperbolic, minor, modulus)],
+        }
+    }
+
+    /// Quarter period K.
+    #[inline(always)]
+    pub fn quarter_period(&self) -> R {
+        self.quarter / self.scale
+    }
+
+    /// The phase with these sn, cn >= 0 and dn, measured from its nearer end, 0 or K: both small distances keep
+    /// their relative accuracy.
+    #[inline(always)]
+    pub fn phase(&self, sn: R, cn: R, dn: R) -> Phase<R> {
+        let (zero, one) = (R::splat(0.0), R::splat(1.0));
+        let size = sn.abs();
+        let kc = self.moduli[1];
+        // sn^2(K/2) = 1/(1 + k').
+        let far = (cn * cn).lt((kc * size) * size);
+        let inverse = one / R::select(far, dn, one);
+        let c = R::select(far, (kc * size) * inverse, cn);
+        let d = R::select(far, kc * inverse, dn);
+        let s = R::select(far, cn * inverse, size);
+        let argument = (s * carlson_rf(c * c, d * d, one)) * self.scale;
+        let rest = R::select(far, -argument, argument);
+        let quarters = R::select(far, one, zero);
+        let back = sn.lt(zero);
+        Phase { quarters: R::select(back, -quarters, quarters), rest: R::select(back, -rest, rest) }
+    }
+
+    /// The phase after the time `t` at this rate of the series argument; the product is not rounded before the
+    /// whole quarter periods are taken off.
+    #[inline(always)]
+    pub fn advance(&self, start: &Phase<R>, rate: R, t: R) -> Phase<R> {
+        let product = rate * t;
+        let product_low = rate.fms(t, product);
+        let high = product + start.rest;
+        let back = high - product;
+        let low = ((product - (high - back)) + (start.rest - back)) + product_low;
+        let turns = (high / self.quarter).round();
+        let whole = turns * self.quarter;
+        let whole = R::select(turns.abs().lt(R::splat(0.5)), R::splat(0.0), whole);
+        let whole_low = R::select(turns.abs().lt(R::splat(0.5)), R::splat(0.0), turns.fms(self.quarter, whole));
+        let rest = (high - whole) + (low - turns.fma(self.quarter_low, whole_low));
+        Phase { quarters: start.quarters + turns, rest }
+    }
+
+    /// The multiples that all series at this phase are made of.
+    #[inline(always)]
+    pub fn multiples(&self, phase: &Phase<R>) -> Multiples<R> {
+        let (zero, one) = (R::splat(0.0), R::splat(1.0));
+        let mut x = Multiples { even: [one; TOP], odd: [zero; TOP] };
+        if R::any(self.circular) {
+            let (s, c) = sincos_kernel_with_tail(R::select(self.hyperbolic, zero, phase.rest), zero);
+            let swap = R::odd(phase.quarters);
+            let (half, quarter) = (R::splat(0.5), R::splat(0.25));
+            let sin_sign = phase.quarters.fms(half, quarter).round();
+            let cos_sign = (phase.quarters + one).fms(half, quarter).round();
+            let sin = R::select(swap, c, s).neg_if_odd(sin_sign);
+            let cos = R::select(swap, s, c).neg_if_odd(cos_sign);
+            x = Multiples::circular((sin, cos));
+        }
+        if R::any(self.hyperbolic) {
+            // On the separatrix there is nothing to see beyond sech(300) = 1e-130.
+            let bounded = phase.rest.min(R::splat(300.0)).max(R::splat(-300.0));
+            let h = Multiples::hyperbolic(self.nome, R::select(self.hyperbolic, bounded, zero));
+            for k in 0..TOP {
+                x.even[k] = R::select(self.hyperbolic, h.even[k], x.even[k]);
+                x.odd[k] = R::select(self.hyperbolic, h.odd[k], x.odd[k]);
+            }
+        }
+        x
+    }
+
+    /// sn, cn and dn.
+    #[inline(always)]
+    pub fn jacobi(&self, phase: &Phase<R>, x: &Multiples<R>) -> [R; 3] {
+        let (one, zero, two) = (R::splat(1.0), R::splat(0.0), R::splat(2.0));
+        let p = &self.power;
+        let th1 = p[5].fma(x.odd[5], p[3].fnma(x.odd[3], x.odd[1]));
+        let th2 = p[5].fma(x.even[5], p[3].fma(x.even[3], x.even[1]));
+        let (e2, e4, e6) = (p[2] * x.even[2], p[4] * x.even[4], p[6] * x.even[6]);
+        let th3 = two.fma(e2 + (e4 + e6), one);
+        let th4 = two.fnma(e2 - (e4 - e6), one);
+        // A hyperbolic series past an odd number of quarter periods: K + u in terms of u.
+        let past = zero.lt(R::select(self.hyperbolic, R::select(R::odd(phase.quarters), one, zero), zero));
+        let half_turns = phase.quarters.fms(R::splat(0.5), R::splat(0.25)).round();
+        let half_turns = R::select(self.hyperbolic, half_turns, zero);
+        let small = R::splat(4.0) * self.root;
+        let inverse = one / R::select(self.hyperbolic, R::select(past, th3, th2), th4);
+        let sn = R::select(past, th4, th1);
+        let cn = R::select(past, -(small * th1), R::select(self.hyperbolic, th4, th2));
+        let dn = R::select(past, small * th2, th3);
+        [
+            ((self.quotient[0] * sn) * inverse).neg_if_odd(half_turns),
+            ((self.quotient[1] * cn) * inverse).neg_if_odd(half_turns),
+            (self.quotient[2] * dn) * inverse,
+        ]
+    }
+
+    /// The theta function that belongs under sn, cn and dn, and its derivative; the hyperbolic one at the rest.
+    #[inline(always)]
+    fn denominator(&self, phase: &Phase<R>, x: &Multiples<R>) -> (R, R) {
+        let (one, two) = (R::splat(1.0), R::splat(2.0));
+        let p = &self.power;
+        // Circular: theta4. Hyperbolic: theta2 / q^(1/4), or theta3 past an odd number of quarter periods.
+        let sign = R::select(self.hyperbolic, two, -two);
+        let even = (p[2] * sign).fma(x.even[2], (p[4] * two).fma(x.even[4], (p[6] * sign).fma(x.even[6], one)));
+        let slope = (p[2] * two).fma(
+            x.odd[2],
+            (p[4] * (sign + sign)).fma(x.odd[4], (p[6] * R::splat(6.0)).fma(x.odd[6], R::splat(0.0))),
+        );
+        let even_slope = slope * two;
+        let odd = two * (x.even[1] + (x.even[3] + (x.even[5] + x.even[7])));
+        let odd_slope = two
+            * R::splat(7.0).fma(
+                x.odd[7],
+                R::splat(5.0).fma(x.odd[5], R::splat(3.0).fma(x.odd[3], x.odd[1])),
+            );
+        let zero = R::splat(0.0);
+        let between = zero.lt(R::select(self.hyperbolic, R::select(R::odd(phase.quarters), zero, one), zero));
+        (R::select(between, odd, even), R::select(between, odd_slope, even_slope))
+    }
+}
+
+/// A theta function of `x + iy` along real `x`, `A + iB`: what turns the phase of a closed form.
+///
+/// `theta4` and `theta3` are even, `theta2` and `theta1` odd multiples; `theta4` and `theta1` alternate in sign.
+#[derive(Clone, Copy)]
+pub struct Shifted<R: Real> {
+    real: [R; TOP],
+    imaginary: [R; TOP],
+    /// Whether the circular series has odd multiples.
+    odd: R::Mask,
+    /// Angle by which a hyperbolic series turns in a quarter period.
+    pub turn: R,
+}
+
+impl<R: Real> Shifted<R> {
+    /// The function at the imaginary elliptic argument `eta <= K'/2`: `odd` chooses theta1 over theta4 (ALTERNATE)
+    /// or theta2 over theta3. A constant factor of modulus one is left out.
+    #[inline(always)]
+    pub fn new<const ALTERNATE: bool>(torus: &Torus<R>, eta: R, odd: R::Mask) -> Self {
+        let (zero, one) = (R::splat(0.0), R::splat(1.0));
+        let y = eta * torus.scale;
+        let turn = y - R::select(odd, R::splat(FRAC_PI_2), zero);
+        let turn = R::select(torus.hyperbolic, turn, zero);
+        let mut real = [one; TOP];
+        let mut imaginary = [zero; TOP];
+        if R::any(torus.hyperbolic) {
+            // theta(x + iy) is a theta function of Y - iX.
+            let x = Multiples::circular(sincos(turn));
+            for k in 1..TOP {
+                (real[k], imaginary[k]) = (x.even[k] + x.even[k], x.odd[k] + x.odd[k]);
+            }
+        }
+        if R::any(torus.circular) {
+            let x = Multiples::hyperbolic(torus.nome, R::select(torus.circular, y, zero));
+            for k in 1..TOP {
+                let negative = ALTERNATE && (k / 2) % 2 == 1;
+                let (cosh, sinh) = (x.even[k] + x.even[k], x.odd[k] + x.odd[k]);
+                let (a, b) = if ALTERNATE && k % 2 == 1 { (sinh, -cosh) } else { (cosh, -sinh) };
+                real[k] = R::select(torus.circular, if negative { -a } else { a }, real[k]);
+                imaginary[k] = R::select(torus.circular, if negative { -b } else { b }, imaginary[k]);
+            }
+        }
+        Shifted { real, imaginary, odd, turn }
+    }
+
+    /// Whether the odd multiples count at this phase.
+    #[inline(always)]
+    fn odd_at<const ALTERNATE: bool>(&self, torus: &Torus<R>, phase: &Phase<R>) -> R::Mask {
+        let (zero, one) = (R::splat(0.0), R::splat(1.0));
+        let (even, odd) = if ALTERNATE { (one, zero) } else { (zero, one) };
+        let hyperbolic = R::select(R::odd(phase.quarters), odd, even);
+        zero.lt(R::select(torus.hyperbolic, hyperbolic, R::select(self.odd, one, zero)))
+    }
+
+    /// Real and imaginary part.
+    #[inline(always)]
+    pub fn value<const ALTERNATE: bool>(&self, torus: &Torus<R>, phase: &Phase<R>, x: &Multiples<R>) -> [R; 2] {
+        let (a, b) = (&self.real, &self.imaginary);
+        let odd = self.odd_at::<ALTERNATE>(torus, phase);
+        let even_real = a[6].fma(x.even[6], a[4].fma(x.even[4], a[2].fma(x.even[2], a[0])));
+        let odd_real = a[7].fma(x.even[7], a[5].fma(x.even[5], a[3].fma(x.even[3], a[1] * x.even[1])));
+        let even_imaginary = b[6].fma(x.odd[6], b[4].fma(x.odd[4], b[2] * x.odd[2]));
+        let odd_imaginary = b[7].fma(x.odd[7], b[5].fma(x.odd[5], b[3].fma(x.odd[3], b[1] * x.odd[1])));
+        [R::select(odd, odd_real, even_real), R::select(odd, odd_imaginary, even_imaginary)]
+    }
+
+    /// Derivatives of real and imaginary part.
+    #[inline(always)]
+    fn slope<const ALTERNATE: bool>(&self, torus: &Torus<R>, phase: &Phase<R>, x: &Multiples<R>) -> [R; 2] {
+        let (a, b) = (&self.real, &self.imaginary);
+        let odd = self.odd_at::<ALTERNATE>(torus, phase);
+        let (n2, n3, n4) = (R::splat(2.0), R::splat(3.0), R::splat(4.0));
+        let (n5, n6, n7) = (R::splat(5.0), R::splat(6.0), R::splat(7.0));
+        let even_real = (n6 * a[6]).fma(x.odd[6], (n4 * a[4]).fma(x.odd[4], (n2 * a[2]) * x.odd[2]));
+        let odd_real = (n7 * a[7])
+            .fma(x.odd[7], (n5 * a[5]).fma(x.odd[5], (n3 * a[3]).fma(x.odd[3], a[1] * x.odd[1])));
+        let even_imaginary = (n6 * b[6]).fma(x.even[6], (n4 * b[4]).fma(x.even[4], (n2 * b[2]) * x.even[2]));
+        let odd_imaginary = (n7 * b[7])
+            .fma(x.even[7], (n5 * b[5]).fma(x.even[5], (n3 * b[3]).fma(x.even[3], b[1] * x.even[1])));
+        let real = R::select(odd, odd_real, even_real);
+        // (cos)' = -sin, (cosh)' = sinh.
+        [R::select(torus.hyperbolic, real, -real), R::select(odd, odd_imaginary, even_imaginary)]
+    }
+
+    /// Rate of the argument of the function, per unit of the series argument.
+    #[inline(always)]
+    pub fn rate<const ALTERNATE: bool>(&self, torus: &Torus<R>, phase: &Phase<R>, x: &Multiples<R>) -> R {
+        let [a, b] = self.value::<ALTERNATE>(torus, phase, x);
+        let [da, db] = self.slope::<ALTERNATE>(torus, phase, x);
+        db.fms(a, da * b) / a.fma(a, b * b)
+    }
+
+    /// The function over the denominator of sn, cn and dn, and the derivative of that quotient.
+    #[inline(always)]
+    pub fn quotient<const ALTERNATE: bool>(
+        &self,
+        torus: &Torus<R>,
+        phase: &Phase<R>,
+        x: &Multiples<R>,
+    ) -> ([R; 2], [R; 2]) {
+        let value = self.value::<ALTERNATE>(torus, phase, x);
+        let slope = self.slope::<ALTERNATE>(torus, phase, x);
+        let (under, under_slope) = torus.denominator(phase, x);
+        let one = R::splat(1.0);
+        let mut inverse = one / under;
+        let decay = under_slope * inverse;
+        if !ALTERNATE {
+            // theta2 / theta3 has twice the fourth root of the nome more than theta4 / theta2 has less.
+            let past = R::select(R::odd(phase.quarters), torus.root, one);
+            inverse = inverse * R::select(torus.hyperbolic, past, one);
+        }
+        let quotient = [value[0] * inverse, value[1] * inverse];
+        let rate = [quotient[0].fnma(decay, slope[0] * inverse), quotient[1].fnma(decay, slope[1] * inverse)];
+        (quotient, rate)
+    }
+}

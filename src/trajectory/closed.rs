@@ -1,0 +1,170 @@
+//! States in closed form: many bodies side by side, or many times of one.
+
+use super::{Record, Request, States, Status, norm, worse};
+use crate::exact::{Evaluator, Place, StartRows, StateRows};
+use crate::kernel::{LANES, Row};
+use crate::model::{dot, seen_from_body};
+use crate::run::over_blocks;
+use crate::simd::Isa;
+use crate::start::{Body, invariant_scales};
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Rows of times evaluated between two looks at the stop flag.
+const PATIENCE: usize = 256;
+
+/// The vertical of space.
+const VERTICAL: [f64; 3] = [0.0, 0.0, 1.0];
+
+/// Runs the request; `None` if it was stopped.
+pub fn simulate(
+    request: &Request,
+    times: &[f64],
+    places: &[Place],
+    threads: usize,
+    isa: Isa,
+    stop: &AtomicBool,
+) -> Option<States> {
+    let groups = groups(places);
+    let parts = over_blocks(groups.len(), threads, stop, |g| {
+        let group = groups[g].clone();
+        let mut riders = Riders { request, times, places: &places[group.clone()], group, isa };
+        riders.run(stop)
+    });
+    let mut all = States::with_capacity(request);
+    for part in parts {
+        all.append(part??);
+    }
+    Some(all)
+}
+
+/// Runs of neighbours with the same kind of closed form.
+fn groups(places: &[Place]) -> Vec<Range<usize>> {
+    let mut groups = Vec::with_capacity(places.len().div_ceil(LANES));
+    let mut first = 0;
+    for run in places.chunk_by(|a, b| a.kind == b.kind) {
+        let end = first + run.len();
+        groups.extend((first..end).step_by(LANES).map(|begin| begin..end.min(begin + LANES)));
+        first = end;
+    }
+    groups
+}
+
+/// The bodies of one group.
+struct Riders<'a> {
+    request: &'a Request<'a>,
+    times: &'a [f64],
+    places: &'a [Place],
+    group: Range<usize>,
+    isa: Isa,
+}
+
+impl Riders<'_> {
+    fn run(&mut self, stop: &AtomicBool) -> Option<States> {
+        let evaluator = Evaluator::new(self.places[0].kind, self.isa);
+        let mut states = States::unknown(self.request, self.places.len());
+        for drift in [&mut states.energy_drift, &mut states.momentum_drift, &mut states.unit_drift] {
+            drift.fill(0.0);
+        }
+        let mut out = vec![StateRows::ZERO; PATIENCE];
+        let evaluate = |starts: &StartRows, rows: &[Row], out: &mut [StateRows]| {
+            if self.with_attitude() {
+                evaluator.states(starts, rows, out);
+            } else {
+                evaluator.rates(starts, rows, out);
+            }
+        };
+        // One body a lane, or one time a lane: whatever leaves fewer lanes empty. The bits are the same.
+        if self.times.len() <= self.places.len() * self.times.len().div_ceil(LANES) {
+            let mut starts = StartRows::filled(&self.places[0].body);
+            for (lane, place) in self.places.iter().enumerate() {
+                starts.set(lane, &place.body);
+            }
+            let rows: Vec<Row> = self.times.iter().map(|&t| Row([t; LANES])).collect();
+            for (first, rows) in rows.chunks(PATIENCE).enumerate() {
+                if stop.load(Ordering::Relaxed) {
+                    return None;
+                }
+                evaluate(&starts, rows, &mut out);
+                for (k, state) in out[..rows.len()].iter().enumerate() {
+                    for lane in 0..self.places.len() {
+                        self.record(&mut states, lane, first * PATIENCE + k, state, lane);
+                    }
+                }
+            }
+        } else {
+            for body in 0..self.places.len() {
+                let starts = StartRows::filled(&self.places[body].body);
+                for (first, times) in self.times.chunks(PATIENCE * LANES).enumerate() {
+                    if stop.load(Ordering::Relaxed) {
+                        return None;
+                    }
+                    let row = |part: &[f64]| {
+                        let mut row = Row([part[0]; LANES]);
+                        row.0[..part.len()].copy_from_slice(part);
+                        row
+                    };
+                    let rows: Vec<Row> = times.chunks(LANES).map(row).collect();
+                    evaluate(&starts, &rows, &mut out);
+                    for k in 0..times.len() {
+                        let time = first * PATIENCE * LANES + k;
+                        self.record(&mut states, body, time, &out[k / LANES], k % LANES);
+                    }
+                }
+            }
+        }
+        Some(states)
+    }
+
+    /// Writes the state of a body and updates its drifts.
+    fn record(&self, states: &mut States, index: usize, time: usize, rows: &StateRows, lane: usize) {
+        let body = &self.request.bodies[self.group.start + index];
+        let place = &self.places[index];
+        let mut omega = rows.omega.map(|row| row.0[lane]);
+        let mut attitude = rows.attitude.map(|row| row.0[lane]);
+        (omega, attitude) = place.back(omega, attitude);
+        if self.times[time] == 0.0 {
+            // Through other variables and back, the start would return rounded.
+            (omega, attitude) = (body.omega, body.attitude);
+        }
+        let at = index * self.times.len() + time;
+        states.omega[3 * at..][..3].copy_from_slice(&omega);
+        let mut vertical = [0.0; 3];
+        if self.with_attitude() {
+            vertical = seen_from_body(&attitude, &VERTICAL);
+            if let Some(column) = &mut states.vertical {
+                column[3 * at..][..3].copy_from_slice(&vertical);
+            }
+            if let Some(column) = &mut states.attitude {
+                column[4 * at..][..4].copy_from_slice(&attitude);
+            }
+            states.unit_drift[index] = worse(states.unit_drift[index], (norm(&attitude) - 1.0).abs());
+        }
+        let [energy, momentum] = self.invariants(body, omega, vertical);
+        let [energy_at_start, momentum_at_start] = self.invariants(body, body.omega, body.vertical());
+        let [energy_scale, momentum_scale] = invariant_scales(body, self.request.is_top);
+        let moves = body.omega.iter().chain(&body.weight).any(|&x| x != 0.0);
+        if moves {
+            let drift = (energy - energy_at_start).abs() / energy_scale;
+            states.energy_drift[index] = worse(states.energy_drift[index], drift);
+            let drift = (momentum - momentum_at_start).abs() / momentum_scale;
+            states.momentum_drift[index] = worse(states.momentum_drift[index], drift);
+        }
+        if !omega.iter().chain(&attitude).all(|x| x.is_finite()) {
+            states.status[index] = Status::NotFinite;
+        }
+    }
+
+    /// Whether the attitude is evaluated: it is wanted, or the energy needs the vertical.
+    fn with_attitude(&self) -> bool {
+        self.request.is_top || self.request.record != Record::Rates
+    }
+
+    /// Energy and conserved momentum: `L.L` of a free body, `L.gamma` of a top.
+    fn invariants(&self, body: &Body, omega: [f64; 3], vertical: [f64; 3]) -> [f64; 2] {
+        let momentum = [0, 1, 2].map(|k| body.moments[k] * omega[k]);
+        let energy = 0.5 * dot(&momentum, &omega) + dot(&body.weight, &vertical);
+        let conserved = dot(&momentum, if self.request.is_top { &vertical } else { &momentum });
+        [energy, conserved]
+    }
+}

@@ -1,0 +1,228 @@
+//! States of bodies at the times that a user wants, stepped or in closed form.
+
+mod closed;
+mod stepped;
+
+use crate::error::Error;
+use crate::exact::Place;
+use crate::method::Method;
+use crate::simd::Isa;
+use crate::start::Body;
+use std::sync::atomic::AtomicBool;
+
+/// How a body is moved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Solver {
+    /// By its closed form.
+    Exact,
+    /// By a scheme.
+    Steps(Method),
+}
+
+impl Solver {
+    /// The name of the closed forms among the methods.
+    pub const EXACT: &str = "exact";
+
+    /// The solver of that name.
+    pub fn parse(name: &str) -> Result<Solver, Error> {
+        if name == Solver::EXACT { Ok(Solver::Exact) } else { Method::parse(name).map(Solver::Steps) }
+    }
+}
+
+/// What is carried, and so recorded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Record {
+    /// Rates (a top needs its vertical with them).
+    Rates,
+    /// Rates and the vertical seen from the body.
+    Axis,
+    /// Rates and attitude.
+    Attitude,
+}
+
+/// When states are wanted.
+pub enum Schedule<'a> {
+    /// At these times, ascending; the start is at time 0.
+    Times(&'a [f64]),
+    /// After these numbers of further steps of exactly the body's own step, the first perhaps 0.
+    Strides(&'a [u64]),
+}
+
+impl Schedule<'_> {
+    /// Number of states.
+    pub fn len(&self) -> usize {
+        match self {
+            Schedule::Times(times) => times.len(),
+            Schedule::Strides(strides) => strides.len(),
+        }
+    }
+
+    /// Whether no state is wanted.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+/// The request.
+pub struct Request<'a> {
+    /// The bodies with their starts.
+    pub bodies: &'a [Body],
+    /// Whether they have weight.
+    pub is_top: bool,
+    /// How they are moved.
+    pub solver: Solver,
+    /// What is recorded.
+    pub record: Record,
+    /// When.
+    pub schedule: Schedule<'a>,
+    /// Largest step of each body.
+    pub steps: &'a [f64],
+    /// Most steps that a body may take.
+    pub max_steps: u64,
+}
+
+/// How a body ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Status {
+    /// At the last wanted time.
+    Finished = 0,
+    /// Stopped when the question was answered.
+    Stopped = 1,
+    /// Would have needed more steps than allowed; not run.
+    StepLimit = 2,
+    /// A number overflowed or became NaN.
+    NotFinite = 3,
+    /// The energy, the conserved momentum or the length of a direction or quaternion was lost: the step is too
+    /// long for the motion to mean anything.
+    Drifted = 4,
+}
+
+/// Relative error of an invariant from which on a motion is not to be believed.
+pub const DRIFT_LIMIT: f64 = 0.1;
+
+impl Status {
+    /// The word for it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Status::Finished => "finished",
+            Status::Stopped => "stopped",
+            Status::StepLimit => "step limit",
+            Status::NotFinite => "not finite",
+            Status::Drifted => "drifted",
+        }
+    }
+}
+
+/// States and what is known of their error, body first.
+pub struct States {
+    /// (n, times, 3)
+    pub omega: Vec<f64>,
+    /// (n, times, 3), if recorded.
+    pub vertical: Option<Vec<f64>>,
+    /// (n, times, 4), if recorded.
+    pub attitude: Option<Vec<f64>>,
+    /// Largest energy error at a wanted time, relative.
+    pub energy_drift: Vec<f64>,
+    /// Largest error of the conserved momentum at a wanted time, relative.
+    pub momentum_drift: Vec<f64>,
+    /// Largest deviation of |gamma| and |q| from one.
+    pub unit_drift: Vec<f64>,
+    /// How each body ended.
+    pub status: Vec<Status>,
+    /// Steps that each body took.
+    pub steps: Vec<u64>,
+}
+
+/// Runs the request; `None` if it was stopped.
+///
+/// # Errors
+/// If closed forms are wanted and a body has none.
+pub fn simulate(
+    request: &Request,
+    threads: usize,
+    isa: Isa,
+    stop: &AtomicBool,
+) -> Result<Option<States>, Error> {
+    match request.solver {
+        Solver::Steps(method) => Ok(stepped::simulate(request, method, threads, isa, stop)),
+        Solver::Exact => {
+            let place = |(index, body)| Place::of(body).ok_or(Error::NoClosedForm { index });
+            let places: Result<Vec<Place>, Error> = request.bodies.iter().enumerate().map(place).collect();
+            let Schedule::Times(times) = request.schedule else {
+                let value = Solver::EXACT.to_string();
+                return Err(Error::Value { argument: "method", value, rule: "a closed form takes no steps" });
+            };
+            Ok(closed::simulate(request, times, &places?, threads, isa, stop))
+        }
+    }
+}
+
+impl States {
+    /// Whether the vertical and the attitude are recorded.
+    fn columns(request: &Request) -> (bool, bool) {
+        match request.record {
+            Record::Rates => (false, false),
+            Record::Axis => (true, false),
+            Record::Attitude => (request.is_top, true),
+        }
+    }
+
+    /// Nothing yet, with room for all bodies.
+    fn with_capacity(request: &Request) -> States {
+        let n = request.bodies.len();
+        let (vertical, attitude) = States::columns(request);
+        let column = |width: usize| Vec::with_capacity(width * n * request.schedule.len());
+        States {
+            omega: column(3),
+            vertical: vertical.then(|| column(3)),
+            attitude: attitude.then(|| column(4)),
+            energy_drift: Vec::with_capacity(n),
+            momentum_drift: Vec::with_capacity(n),
+            unit_drift: Vec::with_capacity(n),
+            status: Vec::with_capacity(n),
+            steps: Vec::with_capacity(n),
+        }
+    }
+
+    /// `n` bodies that have not moved.
+    fn unknown(request: &Request, n: usize) -> States {
+        let (vertical, attitude) = States::columns(request);
+        let column = |width: usize| vec![f64::NAN; width * n * request.schedule.len()];
+        States {
+            omega: column(3),
+            vertical: vertical.then(|| column(3)),
+            attitude: attitude.then(|| column(4)),
+            energy_drift: vec![f64::NAN; n],
+            momentum_drift: vec![f64::NAN; n],
+            unit_drift: vec![f64::NAN; n],
+            status: vec![Status::Finished; n],
+            steps: vec![0; n],
+        }
+    }
+
+    /// The bodies of `other` after those here.
+    fn append(&mut self, other: States) {
+        self.omega.extend(other.omega);
+        if let (Some(here), Some(there)) = (&mut self.vertical, other.vertical) {
+            here.extend(there);
+        }
+        if let (Some(here), Some(there)) = (&mut self.attitude, other.attitude) {
+            here.extend(there);
+        }
+        self.energy_drift.extend(other.energy_drift);
+        self.momentum_drift.extend(other.momentum_drift);
+        self.unit_drift.extend(other.unit_drift);
+        self.status.extend(other.status);
+        self.steps.extend(other.steps);
+    }
+}
+
+/// The larger of two errors; a NaN is worse than any number.
+fn worse(old: f64, new: f64) -> f64 {
+    if new <= old || old.is_nan() { old } else { new }
+}
+
+fn norm<const N: usize>(v: &[f64; N]) -> f64 {
+    v.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
