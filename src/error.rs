@@ -81,4 +81,14 @@ pub enum Error {
         /// Which body.
         index: usize,
     },
+    /// A verdict in closed form is wanted where there is none.
+    #[error(
+        "method = 'exact': the criterion has no closed form in pixel {pixel} (there is one for no_flip of a free body, \
+         and for no_flip and the tilt from the vertical of the symmetry axis of a top that is symmetric to the bit \
+         with the centre of mass on that axis)"
+    )]
+    NoClosedVerdict {
+        /// Which pixel, flat.
+        pixel: usize,
+    },
 }

@@ -29,6 +29,17 @@ impl Body {
         seen_from_body(&self.attitude, &VERTICAL)
     }
 
+    /// Whether the centre of mass lies on this body axis.
+    pub fn is_weighed_along(&self, axis: usize) -> bool {
+        self.weight[axis] != 0.0 && self.weight[(axis + 1) % 3] == 0.0 && self.weight[(axis + 2) % 3] == 0.0
+    }
+
+    /// 1 - cos of the angle between the upward vertical and the centre of mass on this axis.
+    pub fn depth(&self, axis: usize) -> f64 {
+        let vertical = self.vertical()[axis];
+        1.0 - if self.weight[axis] < 0.0 { -vertical } else { vertical }
+    }
+
     /// A bound of |omega| over the whole motion, from what is conserved.
     ///
     /// Each component is bounded by the energy, `omega_k^2 <= 2 T / I_k`, where a top can gain the fall from

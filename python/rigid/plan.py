@@ -121,7 +121,7 @@ class Plan:
         Estimate of the processor time of a body, ns; of the costliest of many.
     error : float or None
         Estimate of the error of the attitude at the end, rad: ``1e-15`` per radian turned, and for
-        a scheme the phase error of its order. A chaotic top multiplies it.
+        a scheme the phase error of its order. Saddles and chaos multiply it.
     """
 
     scene: str

@@ -1,6 +1,6 @@
 //! Closed forms of bodies side by side: where the generic motions meet instruction sets.
 
-use super::{Free, Kind, Lagrange, Motion, Symmetric};
+use super::{Exit, Free, Kind, Lagrange, Motion, Symmetric};
 use crate::kernel::{LANES, Row};
 use crate::real::Pack;
 use crate::simd::Isa;
@@ -99,6 +99,37 @@ fn states<P: Pack, M: Motion<P>, const ATTITUDE: bool>(
     }
 }
 
+/// What each lane may leave; see `Exit`.
+#[derive(Clone, Copy)]
+pub struct ExitRows {
+    /// Watched component.
+    pub axis: Row,
+    /// Limit.
+    pub limit: Row,
+    /// Direction.
+    pub direction: Row,
+}
+
+/// The time at which each lane leaves what is asked for.
+#[inline(always)]
+fn exits<P: Pack, M: Motion<P>>(starts: &StartRows, questions: &ExitRows, out: &mut Row) {
+    for at in (0..LANES).step_by(P::LANES) {
+        let motion = M::new(
+            &load(&starts.moments, at),
+            &load(&starts.weight, at),
+            &load(&starts.omega, at),
+            &load(&starts.attitude, at),
+        );
+        let question = Exit {
+            axis: P::load(&questions.axis.0[at..]),
+            limit: P::load(&questions.limit.0[at..]),
+            direction: P::load(&questions.direction.0[at..]),
+        };
+        motion.exit(&question).store(&mut out.0[at..]);
+    }
+}
+
+type Exits = unsafe fn(&StartRows, &ExitRows, &mut Row);
 type States = unsafe fn(&StartRows, &[Row], &mut [StateRows]);
 
 /// The closed form of a kind, compiled for an instruction set that this CPU has.
@@ -106,6 +137,7 @@ type States = unsafe fn(&StartRows, &[Row], &mut [StateRows]);
 pub struct Evaluator {
     rates: States,
     states: States,
+    exits: Exits,
 }
 
 macro_rules! evaluator {
@@ -117,10 +149,10 @@ macro_rules! evaluator {
         evaluator!(@functions scalar, [], f64, $motion);
         match $isa {
             #[cfg(target_arch = "x86_64")]
-            Isa::Avx512 => Evaluator { rates: avx512::rates, states: avx512::full },
+            Isa::Avx512 => Evaluator { rates: avx512::rates, states: avx512::full, exits: avx512::exits_of },
             #[cfg(target_arch = "x86_64")]
-            Isa::Avx2 => Evaluator { rates: avx2::rates, states: avx2::full },
-            _ => Evaluator { rates: scalar::rates, states: scalar::full },
+            Isa::Avx2 => Evaluator { rates: avx2::rates, states: avx2::full, exits: avx2::exits_of },
+            _ => Evaluator { rates: scalar::rates, states: scalar::full, exits: scalar::exits_of },
         }
     }};
     (@functions $name:ident, [$($feature:tt)*], $pack:ty, $motion:ident) => {
@@ -133,6 +165,10 @@ macro_rules! evaluator {
             $($feature)*
             pub fn full(starts: &StartRows, times: &[Row], out: &mut [StateRows]) {
                 states::<$pack, $motion<$pack>, true>(starts, times, out)
+            }
+            $($feature)*
+            pub fn exits_of(starts: &StartRows, questions: &ExitRows, out: &mut Row) {
+                exits::<$pack, $motion<$pack>>(starts, questions, out)
             }
         }
     };
@@ -159,5 +195,11 @@ impl Evaluator {
     pub fn states(self, starts: &StartRows, times: &[Row], out: &mut [StateRows]) {
         // Safety: as above.
         unsafe { (self.states)(starts, times, out) }
+    }
+
+    /// The times at which the lanes leave what is asked for.
+    pub fn exits(self, starts: &StartRows, questions: &ExitRows, out: &mut Row) {
+        // Safety: as above.
+        unsafe { (self.exits)(starts, questions, out) }
     }
 }

@@ -4,7 +4,7 @@
 //! that the polhode encircles; a renaming is exact. All differences of energy and momentum are sums of positive
 //! terms (Celledoni et al. 2008, doi 10.1137/070704393; van Zon & Schofield 2007, doi 10.1016/j.jcp.2006.11.019).
 
-use super::{Motion, normalised, power_near, scaled, turn};
+use super::{Exit, Motion, normalised, power_near, scaled, to_next_zero, turn};
 use crate::model::quaternion_product;
 use crate::real::Real;
 use crate::special::theta::{Multiples, Phase, Shifted, Torus};
@@ -211,6 +211,19 @@ impl<R: Real> Motion<R> for Free<R> {
     }
 
     #[inline(always)]
+    fn exit(&self, question: &Exit<R>) -> R {
+        let (zero, never) = (R::splat(0.0), R::splat(f64::INFINITY));
+        let half = R::splat(0.5);
+        let first = (question.axis - self.roles.axis[0]).abs().lt(half);
+        let third = (question.axis - self.roles.axis[2]).abs().lt(half);
+        // cn vanishes at odd quarter periods, sn at even ones, dn nowhere.
+        let distance = to_next_zero(&self.start, self.torus.quarter(), first);
+        let time = distance / (self.rate * self.unit);
+        let changes = zero.lt(self.amplitude[0].abs());
+        R::select(third, never, R::select(changes, time, never))
+    }
+
+    #[inline(always)]
     fn rates(&self, t: R) -> [R; 3] {
         let phase = self.torus.advance(&self.start, self.rate, t * self.unit);
         let (u, _) = self.direction(&phase);
@@ -235,6 +248,36 @@ impl<R: Real> Motion<R> for Free<R> {
 }
 
 impl<R: Real> Free<R> {
+    /// Half the period of the rates; every component that changes its sign does so once in it.
+    #[inline(always)]
+    pub fn half_period(&self) -> R {
+        let quarter = self.torus.quarter();
+        (quarter + quarter) / (self.rate * self.unit)
+    }
+
+    /// Mean rate at which the encircled axis precesses about L.
+    #[inline(always)]
+    pub fn precession(&self) -> R {
+        let per_quarter = self.rate / self.torus.quarter();
+        let mean = self.half_turn.fma(per_quarter, self.half_rate);
+        (self.order * R::splat(FRAC_PI_2)).fma(per_quarter, mean + mean) * self.unit
+    }
+
+    /// Largest size of each component of the rates.
+    #[inline(always)]
+    pub fn amplitude(&self) -> [R; 3] {
+        let [u1, u2, u3] = self.amplitude;
+        let [r1, r2, r3] = self.rates;
+        let v = self.roles.undo(&[u1 * r1, u2 * r2, u3 * r3]);
+        [v[0].abs(), v[1].abs(), v[2].abs()]
+    }
+
+    /// The body axis that the polhode encircles, 0 to 2, and the sign of the rate along it.
+    #[inline(always)]
+    pub fn encircled(&self) -> (R, R) {
+        (self.roles.axis[2], self.turned * self.roles.sign)
+    }
+
     /// The unit vector along L in the body, by role.
     #[inline(always)]
     fn direction(&self, phase: &Phase<R>) -> ([R; 3], Multiples<R>) {

@@ -4,7 +4,7 @@
 //! `alpha = q0 + i q3`, `beta = q1 + i q2`; with `w = 1 - cos theta`, `|beta|^2 = w/2`, `|alpha|^2 = 1 - w/2`.
 //! Each has one pole of the top as its zero and passes it smoothly: no angle is ever formed.
 
-use super::{Motion, normalised, power_near, scaled, turn};
+use super::{Exit, Motion, normalised, power_near, scaled, turn};
 use crate::real::Real;
 use crate::special::carlson_rf;
 use crate::special::theta::{Phase, Shifted, Torus};
@@ -215,16 +215,51 @@ pub struct Lagrange<R: Real> {
     /// The torus of the nutation; w = wb at the phase 0.
     pub torus: Torus<R>,
     /// Phase at the start.
-    pub start: Phase<R>,
+    start: Phase<R>,
     /// Rate of the series argument.
-    pub rate: R,
+    rate: R,
     /// Turning points of the nutation.
     pub points: TurningPoints<R>,
+    /// 1 - cos theta at the start.
+    tilt_at_start: R,
+    momenta: [R; 2],
     spin: R,
     alpha: Parameter<R>,
     beta: Parameter<R>,
     omega: [R; 3],
     attitude: [R; 4],
+}
+
+impl<R: Real> Lagrange<R> {
+    /// Period of the nutation.
+    #[inline(always)]
+    pub fn period(&self) -> R {
+        let quarter = self.torus.quarter();
+        (quarter + quarter) / (self.rate * self.unit)
+    }
+
+    /// p_phi - p_psi and p_psi, in the units of the set-up.
+    #[inline(always)]
+    pub fn momenta(&self) -> [R; 2] {
+        self.momenta
+    }
+
+    /// 1 - cos theta at the start.
+    #[inline(always)]
+    pub fn tilt_at_start(&self) -> R {
+        self.tilt_at_start
+    }
+
+    /// Advance of phi and psi in a period of the nutation.
+    #[inline(always)]
+    pub fn advances(&self) -> [R; 2] {
+        let period = self.period() * self.unit;
+        let advance = |parameter: &Parameter<R>| {
+            parameter.rate.fma(period, parameter.sense * parameter.shifted.winding(&self.torus))
+        };
+        let (alpha, beta) = (advance(&self.alpha), advance(&self.beta));
+        [alpha + beta, alpha - beta]
+    }
 }
 
 impl<R: Real> Motion<R> for Lagrange<R> {
@@ -344,12 +379,42 @@ impl<R: Real> Motion<R> for Lagrange<R> {
             start: phase,
             rate,
             points,
+            tilt_at_start: tilt,
+            momenta: [start.top, spin],
             spin: w3,
             alpha,
             beta,
             omega: *omega,
             attitude: *attitude,
         }
+    }
+
+    #[inline(always)]
+    fn exit(&self, question: &Exit<R>) -> R {
+        let (zero, one) = (R::splat(0.0), R::splat(1.0));
+        let never = R::splat(f64::INFINITY);
+        let [wa, wb, _] = self.points.w;
+        let w = question.limit;
+        // Where w = wa sn^2 + wb cn^2 is at the limit; it rises there before the phase 0 and falls after it.
+        let (up, down) = ((wb - w).max(zero), (w - wa).max(zero));
+        let span = up + down;
+        let crossed = zero.lt(up.min(down));
+        let inverse = one / R::select(crossed, span, one);
+        let [m, mc] = [self.torus.moduli[0] * self.torus.moduli[0], self.torus.moduli[1] * self.torus.moduli[1]];
+        let (sn2, cn2) = (R::select(crossed, up * inverse, zero), R::select(crossed, down * inverse, one));
+        let there = self.torus.phase(sn2.sqrt(), cn2.sqrt(), m.fma(cn2, mc).sqrt());
+        let rising = zero.lt(question.direction);
+        let quarter = self.torus.quarter();
+        let sign = R::select(rising, -one, one);
+        let quarters = sign.fms(there.quarters, self.start.quarters);
+        let rests = sign.fms(there.rest, self.start.rest);
+        let distance = R::select(zero.lt(quarters.abs()), quarters * quarter, zero) + rests;
+        let distance = R::select(distance.lt(zero), (quarter + quarter) + distance, distance);
+        let time = distance / (self.rate * self.unit);
+        // Beyond the limit from the start.
+        let now = self.tilt_at_start;
+        let beyond = R::select(rising, now - w, w - now);
+        R::select(zero.lt(beyond), zero, R::select(crossed, time, never))
     }
 
     #[inline(always)]

@@ -1,12 +1,13 @@
 //! Closed forms: the motion of a body at any time, evaluated and not integrated.
 
+pub mod derived;
 mod evaluate;
 mod free;
 mod lagrange;
 mod place;
 mod symmetric;
 
-pub use evaluate::{Evaluator, StartRows, StateRows};
+pub use evaluate::{Evaluator, ExitRows, StartRows, StateRows};
 pub use free::Free;
 pub use lagrange::Lagrange;
 pub use place::{Form, Kind, Place};
@@ -14,6 +15,7 @@ pub use symmetric::Symmetric;
 
 use crate::real::Real;
 use crate::special::sincos_of_sum;
+use crate::special::theta::Phase;
 
 /// A motion in closed form.
 pub trait Motion<R: Real>: Copy {
@@ -23,6 +25,32 @@ pub trait Motion<R: Real>: Copy {
     fn rates(&self, t: R) -> [R; 3];
     /// Rates and attitude at the time `t`.
     fn state(&self, t: R) -> ([R; 3], [R; 4]);
+    /// First time after the start at which the motion leaves what is asked for; infinite if it never does.
+    fn exit(&self, question: &Exit<R>) -> R;
+}
+
+/// What a motion may leave. A free motion reads the axis, a top the rest.
+#[derive(Clone, Copy)]
+pub struct Exit<R> {
+    /// 0, 1 or 2: the component of the rates whose sign is watched.
+    pub axis: R,
+    /// 1 - cos of the angle between the vertical and the centre of mass that must not be passed.
+    pub limit: R,
+    /// Passed upward (1) or downward (-1).
+    pub direction: R,
+}
+
+/// Distance in phase to the next of the zeros that lie two quarter periods apart, one of them at an even (or odd)
+/// number of quarters; a zero at the start itself is not the next one.
+#[inline(always)]
+fn to_next_zero<R: Real>(start: &Phase<R>, quarter: R, odd: R::Mask) -> R {
+    let (zero, one) = (R::splat(0.0), R::splat(1.0));
+    let parity = R::select(R::odd(start.quarters), one, zero);
+    let wanted = R::select(odd, one, zero);
+    let here = (parity - wanted).abs().lt(R::splat(0.5));
+    let ahead = start.rest.lt(zero);
+    let whole = R::select(here, R::select(ahead, zero, quarter + quarter), quarter);
+    whole - start.rest
 }
 
 /// `v` times a number.

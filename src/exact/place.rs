@@ -172,6 +172,14 @@ impl Place {
         Some(Place { form: Form::Pendulum, kind: Kind::Lagrange, body, way })
     }
 
+    /// The axis of the closed form that is this body axis.
+    pub fn axis(&self, body_axis: usize) -> usize {
+        let turn = match self.way {
+            Way::Renamed(turn) | Way::Turned { turn, .. } => turn,
+        };
+        (body_axis + 3 - turn) % 3
+    }
+
     /// Rates and attitude of the body from those of its closed form.
     pub fn back(&self, omega: [f64; 3], attitude: [f64; 4]) -> ([f64; 3], [f64; 4]) {
         match self.way {

@@ -3,9 +3,11 @@
 //! `R(t) = exp(L t / I1) R(0) exp(e3 Om t)`, `Om = (1 - I3/I1) omega3`: prolate, oblate, spherical and at rest
 //! without a branch (Landau & Lifshitz, Mechanics, §33 and §35).
 
-use super::{Motion, normalised, power_near, scaled, turn};
+use super::{Exit, Motion, normalised, power_near, scaled, turn};
 use crate::model::quaternion_product;
 use crate::real::Real;
+use crate::special::atan2;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 /// The motion of a body that is symmetric about axis 3.
 #[derive(Clone, Copy)]
@@ -13,7 +15,7 @@ pub struct Symmetric<R> {
     /// Power of two by which rates were divided and times multiplied.
     unit: R,
     /// Rate at which the transverse rates turn in the body, backwards, and half of it.
-    pub body_rate: R,
+    body_rate: R,
     half_body_rate: R,
     /// Half the rate about L.
     half_rate: R,
@@ -21,6 +23,14 @@ pub struct Symmetric<R> {
     direction: [R; 3],
     omega: [R; 3],
     attitude: [R; 4],
+}
+
+impl<R: Real> Symmetric<R> {
+    /// Rate at which the transverse rates turn in the body, backwards, and the rate about L.
+    #[inline(always)]
+    pub fn turning(&self) -> [R; 2] {
+        [self.body_rate * self.unit, (self.half_rate + self.half_rate) * self.unit]
+    }
 }
 
 impl<R: Real> Motion<R> for Symmetric<R> {
@@ -45,6 +55,28 @@ impl<R: Real> Motion<R> for Symmetric<R> {
             omega: *omega,
             attitude: *attitude,
         }
+    }
+
+    #[inline(always)]
+    fn exit(&self, question: &Exit<R>) -> R {
+        let (zero, one, half) = (R::splat(0.0), R::splat(1.0), R::splat(0.5));
+        let never = R::splat(f64::INFINITY);
+        // The transverse rates are cos and sin of an angle that falls at the body rate.
+        let [w1, w2, _] = self.omega;
+        let falling = zero.lt(self.body_rate);
+        let first = question.axis.lt(half);
+        let angle = R::select(falling, atan2(w2, w1), -atan2(w2, w1));
+        let above = R::select(first, angle + R::splat(FRAC_PI_2), angle) / R::splat(PI);
+        // Half turns to the next zero, in (0, 1].
+        let floor = above.round();
+        let floor = R::select(above.lt(floor), floor - one, floor);
+        let fraction = above - floor;
+        let fraction = R::select(zero.lt(fraction), fraction, one);
+        let rate = self.body_rate.abs() * self.unit;
+        let changes = zero.lt(rate * w1.abs().max(w2.abs()));
+        let third = R::splat(1.5).lt(question.axis);
+        let time = fraction * R::splat(PI) / R::select(changes, rate, one);
+        R::select(third, never, R::select(changes, time, never))
     }
 
     #[inline(always)]

@@ -68,7 +68,7 @@ fn apart<R: Real, const N: usize>(mean: R, spread: f64, arguments: [R; N]) -> R:
 
 /// R_F(x, y, z): half the integral of 1 / sqrt((t + x)(t + y)(t + z)) over t > 0; arguments >= 0, at most one of them 0.
 ///
-/// Within 4 ulp for arguments 0 and 1e-300 to 1e300; infinity where two are 0.
+/// Within 4 ulp for arguments 0 and 1e-300 to 1e300 (measured: 3.7); infinity where two are 0.
 #[inline(always)]
 pub fn carlson_rf<R: Real>(x: R, y: R, z: R) -> R {
     // The terms of degree 12, the first left out, are below 0.01 SPREAD^12 < 1e-17.
@@ -129,7 +129,7 @@ fn rc_of_difference<R: Real>(x: R, y: R, difference: R) -> R {
 
 /// R_C(x, y) = R_F(x, y, y) for x >= 0, y > 0; Cauchy's principal value for x > 0, y < 0.
 ///
-/// Within 4 ulp for arguments 0 and 1e-300 to 1e300.
+/// Within 6 ulp for arguments 0 and 1e-300 to 1e300 (measured: 5.2, above 0 4.3).
 #[inline(always)]
 pub fn carlson_rc<R: Real>(x: R, y: R) -> R {
     let zero = R::splat(0.0);
@@ -171,7 +171,7 @@ const RJ_SPREAD: f64 = 0.007;
 
 /// R_D(x, y, z) = R_J(x, y, z, z): arguments >= 0, z > 0, at most one of x and y 0.
 ///
-/// Within 6 ulp for arguments 0 and 1e-100 to 1e100.
+/// Within 6 ulp for arguments 0 and 1e-100 to 1e100 (measured: 5.4).
 #[inline(always)]
 pub fn carlson_rd<R: Real>(x: R, y: R, z: R) -> R {
     let (mut x, mut y, mut z) = (x, y, z);
@@ -208,8 +208,8 @@ pub fn carlson_rd<R: Real>(x: R, y: R, z: R) -> R {
 /// R_J(x, y, z, p): 3/2 of the integral of 1 / ((t + p) sqrt((t + x)(t + y)(t + z))) over t > 0; x, y, z >= 0, at most
 /// one of them 0, p > 0.
 ///
-/// Within 8 ulp where p is at most 1e3 times the largest of x, y, z, and all between 1e-100 and 1e100 or 0. A larger p
-/// only quarters at each duplication.
+/// Within 8 ulp for arguments 0 and 1e-100 to 1e100 (measured: 7.1). Slow where p is far above the others: it only
+/// quarters at each duplication.
 #[inline(always)]
 pub fn carlson_rj<R: Real>(x: R, y: R, z: R, p: R) -> R {
     // A quotient p / max(x, y, z) anywhere in the range of doubles.
@@ -253,7 +253,7 @@ pub fn carlson_rj<R: Real>(x: R, y: R, z: R, p: R) -> R {
 
 /// Gauss's arithmetic-geometric mean of two numbers >= 0.
 ///
-/// Within 3 ulp where the product of the two is a normal number.
+/// Within 4 ulp where their product and the square of the larger are normal numbers (measured: 3.3); 0 if one is 0.
 #[inline(always)]
 pub fn agm<R: Real>(a: R, b: R) -> R {
     // What the last mean misses is SPREAD^2 / 16 of it.

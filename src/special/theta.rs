@@ -9,7 +9,7 @@
 use super::carlson::carlson_rf;
 use super::elementary::{ln, sincos, sincos_kernel_with_tail, sinhcosh};
 use crate::real::Real;
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Highest multiple of the phase in a series.
 const TOP: usize = 8;
@@ -146,10 +146,10 @@ impl<R: Real> Torus<R> {
         }
     }
 
-    /// Quarter period K.
+    /// A quarter period in units of the series argument; infinite on the separatrix.
     #[inline(always)]
-    pub fn quarter_period(&self) -> R {
-        self.quarter / self.scale
+    pub fn quarter(&self) -> R {
+        self.quarter
     }
 
     /// The phase with these sn, cn >= 0 and dn, measured from its nearer end, 0 or K: both small distances keep
@@ -292,10 +292,14 @@ impl<R: Real> Shifted<R> {
         let mut real = [one; TOP];
         let mut imaginary = [zero; TOP];
         if R::any(torus.hyperbolic) {
-            // theta(x + iy) is a theta function of Y - iX.
-            let x = Multiples::circular(sincos(turn));
+            // theta(x + iy) is a theta function of Y - iX; the odd ones of Y - pi/2 - iX, by exact quarter turns.
+            let x = Multiples::circular(sincos(R::select(torus.hyperbolic, y, zero)));
             for k in 1..TOP {
-                (real[k], imaginary[k]) = (x.even[k] + x.even[k], x.odd[k] + x.odd[k]);
+                let negative = (k / 2) % 2 == 1;
+                let (cos, sin) = (x.even[k] + x.even[k], x.odd[k] + x.odd[k]);
+                let (a, b) = if k % 2 == 1 { (sin, -cos) } else { (cos, sin) };
+                real[k] = R::select(odd, if negative { -a } else { a }, cos);
+                imaginary[k] = R::select(odd, if negative { -b } else { b }, sin);
             }
         }
         if R::any(torus.circular) {
@@ -309,6 +313,14 @@ impl<R: Real> Shifted<R> {
             }
         }
         Shifted { real, imaginary, odd, turn }
+    }
+
+    /// Angle by which the function turns in half a period.
+    #[inline(always)]
+    pub fn winding(&self, torus: &Torus<R>) -> R {
+        // The odd circular series goes with exp(-ix).
+        let circular = R::select(self.odd, R::splat(-PI), R::splat(0.0));
+        R::select(torus.hyperbolic, self.turn + self.turn, circular)
     }
 
     /// Whether the odd multiples count at this phase.

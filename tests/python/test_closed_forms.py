@@ -16,7 +16,7 @@ with np.load(GOLDEN / "closed_forms.npz") as _file:
     TABLE = dict(_file)
 FAMILIES: list[str] = TABLE["families"].tolist()
 FREE = [name for name in FAMILIES if name.startswith("free")]
-TOPS = [name for name in FAMILIES if name.startswith("top")]
+TOPS = [name for name in FAMILIES if name.startswith("top")]  # without plane swings
 
 
 @dataclass(frozen=True)
@@ -41,6 +41,11 @@ class Case:
     @property
     def fastest(self) -> float:
         return self.angle / abs(self.t)
+
+    @property
+    def tips_over(self) -> bool:
+        """Whether rounding the inputs decides the motion: upright at rest, long on a separatrix."""
+        return self.kappa_att * ROUNDOFF > 0.1
 
     def bars(self) -> tuple[float, float]:
         """Allowed error of the rates, relative to the fastest, and of the attitude (rad).
@@ -82,7 +87,10 @@ def scene(moments: Floats, weight: Floats) -> Scene:
 def moved(scene: Scene, omega: Floats, attitude: Floats, t: float) -> tuple[Floats, Floats]:
     """Rates and attitude at time t, (..., 3) and (..., 4)."""
     run = rigid.simulate(scene, omega, attitude, t=[t], method="exact")
-    return run.omega[..., 0, :], present(run.attitude)[..., 0, :]
+    rates, turned = run.omega[..., 0, :], present(run.attitude)[..., 0, :]
+    assert np.isfinite(rates).all()
+    assert np.isfinite(turned).all()
+    return rates, turned
 
 
 def apart(attitude: Floats, high: Floats, low: Floats) -> float:
@@ -116,12 +124,13 @@ def test_rates_and_attitude_are_those_of_400_bits(family: str) -> None:
     for case in cases(family):
         omega, attitude = moved(case.scene, case.omega0, case.attitude0, case.t)
         bars = case.bars()
+        if case.tips_over:
+            continue
         error = float(np.linalg.norm(omega - case.omega[0] - case.omega[1]))
         relative = error / case.fastest if case.fastest else error
         turned = apart(attitude, *case.attitude)
         shares.append((relative / bars[0], turned / bars[1]))
     worst = np.array(shares)
-    assert np.isfinite(worst).all()
     assert (np.quantile(worst, 0.99, axis=0) <= 1.0).all()
     assert (worst <= 20.0).all()
 
@@ -141,11 +150,11 @@ def legs(case: Case, first: float, second: float) -> tuple[tuple[Floats, Floats]
     turns[4:, 1:] = np.eye(3) * turn / 2.0
     after = moved(case.scene, omega, product(middle[1], turns), second)
     rates = np.linalg.norm(after[0][1:] - after[0][0], axis=-1).sum() / (case.fastest or 1.0)
-    angle = rotation_angle(after[1][1:], after[1][0]).sum()
+    angle = rotation_angle(*np.broadcast_arrays(after[1][1:], after[1][0])).sum()
     return (after[0][0], after[1][0]), rates, angle
 
 
-@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("family", FREE + TOPS)
 def test_a_state_is_a_start(family: str) -> None:
     """The way in two halves is the whole way."""
     for case in cases(family, 9):
@@ -156,7 +165,7 @@ def test_a_state_is_a_start(family: str) -> None:
         assert apart(attitude, *case.attitude) <= 20.0 * (bars[1] + angle)
 
 
-@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("family", FREE + TOPS)
 def test_the_way_back_is_the_way(family: str) -> None:
     """Minus the time, from where it led."""
     for case in cases(family, 9):
@@ -223,12 +232,11 @@ def test_a_turn_of_space_about_the_vertical_turns_the_motion(family: str) -> Non
         # tilt: what that costs is seen by turning back.
         again = moved(case.scene, case.omega0, product(turn * [1, -1, -1, -1], start), case.t)
         bars = case.bars()
-        lost = np.linalg.norm(again[0] - case.omega[0]) / (case.fastest or 1.0)
-        off = np.linalg.norm(omega - case.omega[0])
-        assert off <= 20.0 * (bars[0] + lost) * case.fastest
-        lost = rotation_angle(again[1], case.attitude[0])
-        off = rotation_angle(attitude, product(turn, case.attitude[0]))
-        assert off <= 20.0 * (bars[1] + lost)
+        lost, off = (np.linalg.norm(rates - case.omega[0]) for rates in (again[0], omega))
+        assert off <= 20.0 * (bars[0] * case.fastest + lost)
+        strayed = rotation_angle(again[1], case.attitude[0])
+        angle = rotation_angle(attitude, product(turn, case.attitude[0]))
+        assert angle <= 20.0 * (bars[1] + strayed)
 
 
 def test_nothing_jumps_at_the_separatrix() -> None:
@@ -246,7 +254,7 @@ def test_nothing_jumps_at_the_separatrix() -> None:
         speed = np.linalg.norm(on)
         allowed = 64.0 * ROUNDOFF * (1.0 + speed * abs(t)) * np.exp(speed * abs(t) / 3.0)
         assert np.abs(rates - rates[4]).max() <= allowed * speed
-        assert rotation_angle(attitude, attitude[4]).max() <= allowed
+        assert rotation_angle(*np.broadcast_arrays(attitude, attitude[4])).max() <= allowed
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])

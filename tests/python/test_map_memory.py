@@ -17,8 +17,8 @@ result = rigid.stability_map(
     rigid.FreeBody,
     axes={"spin": [1.0 + i / pixels for i in range(pixels)]},
     start=rigid.Start(spin=1.0, axis=3, noise=rigid.normal(0.01)),
-    samples=samples, t_end=t_end, stable=rigid.no_flip(), step=0.05, check=0.0, rng=1,
-    threads=2, progress=False,
+    samples=samples, t_end=t_end, stable=rigid.no_flip(), method="rk4", step=0.05, check=0.0,
+    rng=1, threads=2, progress=False,
 )
 assert result.complete and result.stable.sum() == pixels * samples
 print([line for line in open("/proc/self/status") if line.startswith("VmHWM")][0].split()[1])

@@ -28,7 +28,7 @@ def pretended(spec: rigid.MapSpec, **changes: Any) -> rigid.StabilityMap:
     """A result with 20 stable bodies in every pixel but for these changes."""
     arrays: dict[str, Any] = {
         name: np.zeros(spec.shape, dtype=np.int64)
-        for name in ("unstable", "undecided", "failed", "checked", "steps")
+        for name in ("unstable", "undecided", "failed", "checked", "steps", "exact")
     }
     arrays["stable"] = np.full(spec.shape, 20)
     arrays["status"] = np.zeros(spec.shape, dtype=np.uint8)

@@ -30,7 +30,8 @@ IMPORTS = "import numpy as np, rigid, sys, time\n"
 SHORT = """
 result = rigid.stability_map(
     rigid.FreeBody, axes={"spin": [0.5, 1.0, 1.5, 2.0, 1e200]}, samples=4000, t_end=200.0,
-    stable=rigid.no_flip(3), start=rigid.Start(spin=1.0, axis=3, tilt=0.1), rng=1, step=0.05,
+    stable=rigid.no_flip(3), start=rigid.Start(spin=1.0, axis=3, tilt=0.1), rng=1,
+    method="rk4", step=0.05,
 """
 
 
@@ -262,7 +263,7 @@ def test_ctrl_c_returns_within_two_seconds(size: str) -> None:
 print("ready", flush=True)
 result = rigid.stability_map(
     rigid.FreeBody, {LONG[size]}, stable=rigid.no_flip(), rng=1, progress=False,
-    start=rigid.Start(spin=1.0, axis=3, noise=rigid.normal(0.01)),
+    method="rk4", start=rigid.Start(spin=1.0, axis=3, noise=rigid.normal(0.01)),
 )
 done = int(result.samples.sum())
 assert not result.complete and done == result.stable.sum() + result.unstable.sum()
@@ -303,6 +304,7 @@ noise = { kind = "normal", size = 0.01 }
 criterion = "no_flip"
 [run]
 t_end = 2000.0
+method = "rk4"
 samples = 100_000_000
 seed = 1
 """

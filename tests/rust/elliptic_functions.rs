@@ -1,7 +1,8 @@
 //! Carlson's integrals, the arithmetic-geometric mean, Jacobi's functions and Legendre's complete integrals against
 //! values of far more than 40 digits (tests/golden/make_elliptic.py), and against the relations between them.
 //!
-//! Bounds in ulp are the worst that was measured over the table and some 1e5 random points beside it, rounded up.
+//! Bounds in ulp are the worst that was measured over some 1e4 random points of each function, rounded up; the table
+//! has those points.
 
 use rigid::special::{
     agm, carlson_rc, carlson_rd, carlson_rf, carlson_rj, complete_e, complete_k, complete_pi, jacobi,
@@ -67,7 +68,7 @@ fn first_symmetric_integral() {
 
 #[test]
 fn degenerate_symmetric_integral() {
-    within_ulps(4.0, "rc", |[x, y]| carlson_rc(x, y));
+    within_ulps(6.0, "rc", |[x, y]| carlson_rc(x, y));
 }
 
 #[test]
@@ -87,7 +88,7 @@ fn arithmetic_geometric_mean() {
 
 #[test]
 fn complete_integrals() {
-    within_ulps(4.0, "complete_k", |[mc]| complete_k(mc));
+    within_ulps(5.0, "complete_k", |[mc]| complete_k(mc));
     within_ulps(4.0, "complete_e", |[mc]| complete_e(mc));
     within_ulps(6.0, "complete_pi", |[n, mc]| complete_pi(n, mc));
 }
@@ -179,7 +180,7 @@ fn symmetric_integrals_are_symmetric() {
 fn equal_arguments_degenerate() {
     for ([x, y, z], _) in golden("rd") {
         close(carlson_rj(x, y, z, z), carlson_rd(x, y, z), 14.0, "R_J(x, y, z, z)");
-        close(carlson_rf(x, z, z), carlson_rc(x, z), 8.0, "R_F(x, z, z)");
+        close(carlson_rf(x, z, z), carlson_rc(x, z), 10.0, "R_F(x, z, z)");
     }
     // The lemniscate constants, DLMF 19.20.2 and 19.20.22.
     close(carlson_rf(0.0, 1.0, 2.0), 1.311_028_777_146_059_9, 4.0, "R_F(0, 1, 2)");
@@ -187,8 +188,8 @@ fn equal_arguments_degenerate() {
     close(1.0 / agm(1.0, SQRT_2), 0.834_626_841_674_073_2, 4.0, "Gauss's constant");
 }
 
-/// Legendre's relation, E K' + E' K - K K' = pi/2. Each product has two factors of at most 4 ulp and a rounding: 9
-/// roundings of the largest, twice a rounding of the sums.
+/// Legendre's relation, E K' + E' K - K K' = pi/2: three products, each of two factors off by 5 ulp at most and rounded
+/// once, and two sums. An ulp is at most 2^-52 of the value.
 #[test]
 fn legendre_relation() {
     for ([mc], _) in golden::<1>("complete_k") {
@@ -200,12 +201,16 @@ fn legendre_relation() {
         let (e, e_other) = (complete_e(mc), complete_e(m));
         let sum = e * k_other + (e_other * k - k * k_other);
         let largest = (k * k_other).max(e * k_other).max(e_other * k);
-        assert!((sum - FRAC_PI_2).abs() <= 3.0 * 10.0 * f64::EPSILON * largest, "mc = {mc}: {sum}");
+        let allowed = (3.0 * (5.0 + 5.0 + 0.5) + 2.0 * 0.5) * f64::EPSILON * largest;
+        assert!((sum - FRAC_PI_2).abs() <= allowed, "mc = {mc}: {sum}");
     }
 }
 
-/// The inverse of sn is R_F, up to the quarter period: what the functions lose there is the argument's rounding and
-/// their own 5 ulp over the slope, and the integral has 4 ulp.
+/// u = sn R_F(cn^2, dn^2, 1) up to half the quarter period.
+///
+/// The shift of the argument, 4 2^-53 |u|, is common to the three functions and comes back as it is: 2 eps. Their own
+/// 5 eps: sn's counts once; cn^2 and dn^2 are off by 2 5 + 1/2, and R_F, of degree -1/2 and falling in each
+/// argument, by at most half of that. R_F itself 4, the product 1/2.
 #[test]
 fn the_integral_inverts_the_functions() {
     for ([u, mc], _) in golden("jacobi") {
@@ -214,12 +219,8 @@ fn the_integral_inverts_the_functions() {
         }
         let (sn, cn, dn) = jacobi(u, mc);
         let back = sn * carlson_rf(cn * cn, dn * dn, 1.0);
-        // 5 + 4 ulp, 4 roundings, the product, two squares of 5 ulp each: relative to u, sn's error counts by
-        // sn / (u cn dn) <= sqrt(2 (1 + k')) and those of cn and dn by less than half.
-        assert!(
-            (back - u).abs() <= 32.0 * 0.5 * f64::EPSILON * u.abs() * 2.0,
-            "u = {u:e}, mc = {mc:e}: {back:e}"
-        );
+        let allowed = (2.0 + 5.0 + 0.5 * 10.5 + 4.0 + 0.5) * f64::EPSILON * u.abs();
+        assert!((back - u).abs() <= allowed, "u = {u:e}, mc = {mc:e}: {back:e}");
     }
 }
 

@@ -1,7 +1,9 @@
 //! The face towards Python: arrays in, arrays out. No mathematics.
 
+mod exact;
+
 use crate::body::{Inertia, principal_axes as axes_of};
-use crate::ensemble::{Criterion, Map, Outcome, Pixel, Statistics};
+use crate::ensemble::{Criterion, Judge, Map, Outcome, Pixel, Statistics};
 use crate::error::Error;
 use crate::exact::Place;
 use crate::method::Method;
@@ -34,6 +36,8 @@ impl From<Error> for PyErr {
 mod _core {
     #[pymodule_export]
     use super::{MapJob, build_info, check_moments, closed_forms, methods, principal_axes, simulate};
+    #[pymodule_export]
+    use super::exact::{elliptic, flip_times, free_quantities_of, tilt_times, top_quantities_of};
 
     /// Version of the library.
     #[pymodule_export]
@@ -292,11 +296,12 @@ struct MapJob {
 /// A column of the statistics: its name and its value in a pixel.
 type Column<T> = (&'static str, fn(&Statistics) -> T);
 
-const COUNTS: [Column<u64>; 6] = [
+const COUNTS: [Column<u64>; 7] = [
     ("stable", |s| s.stable),
     ("unstable", |s| s.unstable),
     ("undecided", |s| s.undecided),
     ("failed", |s| s.failed),
+    ("exact", |s| s.exact),
     ("checked", |s| s.checked),
     ("steps", |s| s.steps),
 ];
@@ -385,7 +390,7 @@ impl MapJob {
         };
         let map = Map {
             is_top: parse_scene(scene)?,
-            method: Method::parse(method)?,
+            judge: Judge::parse(method)?,
             pixels: (0..pixels).map(pixel).collect(),
             omega_law: Law::parse("omega_noise", omega_noise)?,
             attitude_law: Law::parse("attitude_noise", attitude_noise)?,
@@ -398,6 +403,11 @@ impl MapJob {
             checked,
             key: [seed as u64, (seed >> 64) as u64],
         };
+        if map.judge == Judge::Only(Solver::Exact)
+            && let Some(pixel) = map.first_without_closed_form()
+        {
+            return Err(Error::NoClosedVerdict { pixel }.into());
+        }
         Ok(MapJob { map, status, isa: Isa::current()? })
     }
 
@@ -453,7 +463,7 @@ impl MapJob {
         let (body, class, outcome) =
             interruptible(py, None, |interrupt| self.map.sample(pixel, sample, self.isa, interrupt))?
                 .ok_or_else(stopped)?;
-        let Outcome { status, flips, left, tilt, energy_drift, momentum_drift, step, steps, .. } = outcome;
+        let Outcome { status, flips, left, tilt, energy_drift, momentum_drift, step, steps, exact, .. } = outcome;
         let dict = PyDict::new(py);
         dict.set_item("omega", body.omega.to_vec().into_pyarray(py))?;
         dict.set_item("attitude", body.attitude.to_vec().into_pyarray(py))?;
@@ -466,6 +476,7 @@ impl MapJob {
         dict.set_item("momentum_drift", momentum_drift)?;
         dict.set_item("step", step)?;
         dict.set_item("steps", steps)?;
+        dict.set_item("method", if exact { Solver::EXACT } else { self.map.judge.method().facts().name })?;
         Ok(dict)
     }
 }

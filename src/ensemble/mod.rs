@@ -1,6 +1,9 @@
 //! The Monte Carlo map: a block from its samples to its statistics, finished lanes refilled on the way.
 
+mod closed;
+
 use crate::clock::thread_nanoseconds;
+use crate::error::Error;
 use crate::kernel::{Compiled, Group, Kernel, LANES, System, Table, Watch};
 use crate::method::Method;
 use crate::observe::{TiltLimit, largest_tilt};
@@ -8,12 +11,16 @@ use crate::run::over_blocks;
 use crate::sample::{self, Law};
 use crate::simd::Isa;
 use crate::start::{Body, Seat, load};
-use crate::trajectory::{DRIFT_LIMIT, Status};
+use crate::trajectory::{DRIFT_LIMIT, Solver, Status};
+use closed::Question;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A sample takes whole bursts of this many steps; after each it may stop. What is seen at the ends of bursts
 /// then depends on the sample alone, whoever shares its group.
 pub const BURST: u64 = 16;
+
+/// A verdict in closed form in units of RK4 steps, to share the processor time of a block.
+const EXACT_AS_STEPS: u64 = 20;
 
 /// Samples of a block: a millisecond of work or more.
 const BLOCK: u64 = 1024;
@@ -42,13 +49,45 @@ pub struct Pixel {
     pub possible: bool,
 }
 
+/// How the samples of a map are judged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Judge {
+    /// In closed form where there is one, else by the default scheme.
+    Auto,
+    /// As said; a sample without a closed form is then not possible.
+    Only(Solver),
+}
+
+impl Judge {
+    /// The name that leaves the choice to each sample.
+    pub const AUTO: &str = "auto";
+
+    /// The judge of that name.
+    pub fn parse(name: &str) -> Result<Judge, Error> {
+        if name == Judge::AUTO { Ok(Judge::Auto) } else { Solver::parse(name).map(Judge::Only) }
+    }
+
+    /// Whether closed forms are used.
+    fn exact(self) -> bool {
+        matches!(self, Judge::Auto | Judge::Only(Solver::Exact))
+    }
+
+    /// The scheme of what has no closed form.
+    pub fn method(self) -> Method {
+        match self {
+            Judge::Only(Solver::Steps(method)) => method,
+            _ => Method::Rk4,
+        }
+    }
+}
+
 /// Everything that the statistics of a map depend on.
 #[derive(Clone, Debug)]
 pub struct Map {
     /// Whether the bodies have weight.
     pub is_top: bool,
-    /// How they move.
-    pub method: Method,
+    /// How the samples are judged.
+    pub judge: Judge,
     /// The pixels.
     pub pixels: Vec<Pixel>,
     /// Law of the perturbation of the rates.
@@ -119,6 +158,8 @@ pub struct Outcome {
     pub step: f64,
     /// Steps made.
     pub steps: u64,
+    /// Judged in closed form: nothing drifts, and there are no steps.
+    pub exact: bool,
 }
 
 /// The statistics of a pixel. All merge without order: sums of whole numbers, largest, smallest.
@@ -132,6 +173,8 @@ pub struct Statistics {
     pub undecided: u64,
     /// Samples without a verdict.
     pub failed: u64,
+    /// Samples judged in closed form.
+    pub exact: u64,
     /// Samples repeated with half the step.
     pub checked: u64,
     /// Largest energy drift, NaN if nothing was run.
@@ -163,6 +206,7 @@ impl Statistics {
         self.unstable += other.unstable;
         self.undecided += other.undecided;
         self.failed += other.failed;
+        self.exact += other.exact;
         self.checked += other.checked;
         self.energy_drift = self.energy_drift.max(other.energy_drift);
         self.momentum_drift = self.momentum_drift.max(other.momentum_drift);
@@ -179,8 +223,9 @@ impl Statistics {
             Class::Failed => self.failed += 1,
         }
         self.checked += u64::from(checked);
+        self.exact += u64::from(outcome.exact);
         // A sample that was not run has no drift: `max` passes over its NaN. One that overflowed lost all.
-        let lost = |drift: f64| if drift.is_nan() && outcome.was_run() { f64::INFINITY } else { drift };
+        let lost = |drift: f64| if drift.is_nan() && outcome.took_steps() { f64::INFINITY } else { drift };
         self.energy_drift = self.energy_drift.max(lost(outcome.energy_drift));
         self.momentum_drift = self.momentum_drift.max(lost(outcome.momentum_drift));
         if verdict == Class::Unstable {
@@ -253,6 +298,16 @@ impl Map {
         }
     }
 
+    /// The question to a closed form, where one judges the sample.
+    fn question(&self, body: &Body) -> Option<Question> {
+        if self.judge.exact() { Question::of(self, body) } else { None }
+    }
+
+    /// The first pixel with a possible body whose verdict has no closed form.
+    pub fn first_without_closed_form(&self) -> Option<usize> {
+        self.pixels.iter().position(|pixel| pixel.possible && self.question(&pixel.body).is_none())
+    }
+
     fn kernel(&self, table: Table) -> Kernel {
         let (system, watch) = match (self.is_top, self.criterion) {
             (false, Criterion::NoFlip) => (System::FreeRates, Watch::Flips),
@@ -268,7 +323,7 @@ impl Map {
     fn steps_of(&self, body: &Body) -> u64 {
         let largest = self.step.unwrap_or_else(|| {
             let rate = body.fastest_rate();
-            if rate > 0.0 { self.method.facts().angle_per_step / rate } else { self.t_end }
+            if rate > 0.0 { self.judge.method().facts().angle_per_step / rate } else { self.t_end }
         });
         let bursts = (self.t_end / largest / BURST as f64).ceil().max(1.0);
         // A NaN or an absurd number becomes one that no limit allows.
@@ -328,10 +383,16 @@ impl Map {
             })
             .collect();
         let mut jobs: [Vec<Job>; 3] = Default::default();
+        let (mut asked, mut questions) = (Vec::new(), Vec::new());
         for (index, flat) in (start..stop).enumerate() {
             let (pixel, sample) = place(flat);
             if self.pixels[pixel as usize].possible {
-                let table = Seat::of(self.method, bodies[index].moments).table;
+                if let Some(question) = self.question(&bodies[index]) {
+                    asked.push(index);
+                    questions.push(question);
+                    continue;
+                }
+                let table = Seat::of(self.judge.method(), bodies[index].moments).table;
                 jobs[table as usize].push(Job { index, halved: false });
                 if sample < self.checked {
                     jobs[table as usize].push(Job { index, halved: true });
@@ -339,6 +400,9 @@ impl Map {
             }
         }
         let mut outcomes: [Vec<Option<Outcome>>; 2] = [vec![None; bodies.len()], vec![None; bodies.len()]];
+        for (index, outcome) in asked.into_iter().zip(closed::answers(self, &questions, isa)) {
+            outcomes[0][index] = Some(outcome);
+        }
         for (jobs, table) in jobs.iter().zip(Table::ALL) {
             let kernel = self.kernel(table);
             self.ride(&bodies, jobs, kernel, isa, interrupt, |job, outcome| {
@@ -361,9 +425,11 @@ impl Map {
             }
         }
         let elapsed = (thread_nanoseconds() - begin) as f64;
-        let total: u64 = pixels.iter().map(|(_, s)| s.steps).sum();
+        // A closed form costs about what some tens of steps do.
+        let work = |s: &Statistics| (s.steps + EXACT_AS_STEPS * s.exact) as f64;
+        let total: f64 = pixels.iter().map(|(_, s)| work(s)).sum();
         for (_, statistics) in &mut pixels {
-            statistics.nanoseconds = elapsed * statistics.steps as f64 / total.max(1) as f64;
+            statistics.nanoseconds = elapsed * work(statistics) / total.max(1.0);
         }
         Some(pixels)
     }
@@ -397,7 +463,7 @@ impl Map {
                         continue;
                     }
                     let step = self.t_end / steps as f64;
-                    let seat = Seat::of(self.method, body.moments);
+                    let seat = Seat::of(self.judge.method(), body.moments);
                     load(&mut group, lane, (kernel, compiled), seat, body, self.axis, step);
                     if let Some(limit) = limit {
                         group.limit[0].0[lane] = limit.cosine;
@@ -475,6 +541,7 @@ impl Map {
             momentum_drift,
             step: passenger.step,
             steps: steps as u64,
+            exact: false,
         }
     }
 
@@ -491,11 +558,15 @@ impl Map {
         if !self.pixels[pixel as usize].possible {
             return Some((body, Class::Failed, Outcome::refused()));
         }
+        if let Some(question) = self.question(&body) {
+            let outcome = closed::answers(self, &[question], isa)[0];
+            return Some((body, outcome.class, outcome));
+        }
         let mut jobs = vec![Job { index: 0, halved: false }];
         if sample < self.checked {
             jobs.push(Job { index: 0, halved: true });
         }
-        let kernel = self.kernel(Seat::of(self.method, body.moments).table);
+        let kernel = self.kernel(Seat::of(self.judge.method(), body.moments).table);
         let mut outcomes = [None, None];
         self.ride(&[body], &jobs, kernel, isa, interrupt, |job, outcome| {
             outcomes[usize::from(job.halved)] = Some(outcome);
@@ -510,6 +581,10 @@ impl Outcome {
         self.status != Status::StepLimit
     }
 
+    fn took_steps(&self) -> bool {
+        self.was_run() && !self.exact
+    }
+
     /// A sample that would need more steps than allowed.
     fn refused() -> Outcome {
         Outcome {
@@ -522,6 +597,7 @@ impl Outcome {
             momentum_drift: f64::NAN,
             step: f64::NAN,
             steps: 0,
+            exact: false,
         }
     }
 }
