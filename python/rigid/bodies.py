@@ -194,6 +194,8 @@ def box_moments(a: ArrayLike, b: ArrayLike, c: ArrayLike, mass: ArrayLike) -> ND
 def possible(moments: NDArray[np.float64]) -> NDArray[np.bool_]:
     """Rows that are moments of a body, with the core's slack for flat ones."""
     small, middle, large = np.sort(moments, axis=-1).T
-    slack = 4.0 * np.finfo(np.float64).eps * large
-    bodies: NDArray[np.bool_] = (small > 0.0) & (large - middle <= small + slack)
+    with np.errstate(invalid="ignore"):  # what is not finite is no body
+        slack = 4.0 * np.finfo(np.float64).eps * large
+        triangle = large - middle <= small + slack
+    bodies: NDArray[np.bool_] = (small > 0.0) & triangle & np.isfinite(large)
     return bodies

@@ -20,8 +20,9 @@ from . import _core
 from ._check import finite_float, numbers, positive_int, rows
 from .bodies import Body
 from .columns import check_scene, columns, each_row
-from .plan import lagrange_axes
-from .scenes import FreeBody, HeavyTop, Scene
+from .criteria import NoFlip
+from .plan import closed_forms, lagrange_axes
+from .scenes import FreeBody, HeavyTop, Scene, scene_words
 from .starts import body_axis
 
 if TYPE_CHECKING:
@@ -55,8 +56,8 @@ class FreeMotion:
     Attributes
     ----------
     axis : ndarray of int8, shape (n,)
-        The body axis 1, 2 or 3 that the polhode encircles, with the sign of the rate along it; 0 at
-        rest, on the separatrix and for a spherical body.
+        The body axis 1, 2 or 3 that the polhode encircles, with the sign of the rate along it; 0
+        where there is none: at rest, on the separatrix and for a spherical body.
     m, mc : ndarray, shape (n,)
         Parameter of the elliptic functions and ``1 - m``, which keeps its digits near the
         separatrix.
@@ -69,7 +70,7 @@ class FreeMotion:
     precession : ndarray, shape (n,)
         Mean rate of turning about the angular momentum (rad/s).
     turn : ndarray, shape (n,)
-        Angle of that turning in a period (rad).
+        Angle of that turning in a period (rad); inf without a period.
     """
 
     axis: NDArray[np.int8]
@@ -92,17 +93,20 @@ class TopMotion:
     Attributes
     ----------
     kind : str, or tuple of str of length n
-        ``"sleeping"``, ``"hanging"``, ``"steady"``, ``"cusp"``, ``"loop"`` or ``"monotone"``.
+        ``"cusp"``, ``"loop"`` or ``"monotone"`` by the path of the axis; ``"steady"``;
+        ``"spherical pendulum"`` without spin, ``"planar"`` if it swings in a plane; ``"sleeping"``,
+        ``"upright"`` (it would fall) or ``"hanging"`` if it stands on the vertical.
     retrograde : ndarray of bool, shape (n,)
         Whether the mean precession is against the spin.
     tilt_min, tilt_max : ndarray, shape (n,)
         Turning points of the nutation (rad).
     period : ndarray, shape (n,)
-        Period of the nutation (s); inf on the homoclinic orbit.
+        Period of the nutation (s); inf on the homoclinic orbit and on the vertical.
     precession_advance, spin_advance : ndarray, shape (n,)
-        Advance of the Euler angles phi and psi in a period of the nutation (rad).
+        Advance of the Euler angles phi and psi in a period of the nutation, about the upward
+        vertical and about the direction to the centre of mass (rad); NaN on the vertical.
     precession : ndarray, shape (n,)
-        Mean rate of precession (rad/s).
+        Mean rate of precession (rad/s); NaN on the vertical.
     mc : ndarray, shape (n,)
         Complementary parameter ``1 - m`` of the elliptic functions.
     """
@@ -171,7 +175,8 @@ def flip_times(
     Parameters
     ----------
     scene : FreeBody or HeavyTop
-        The body; a top must be one that :func:`lagrange_top` accepts, or swing as a pendulum.
+        The body; a top must be one that :func:`lagrange_top` accepts, and the axis that of its
+        symmetry, about which the rate is constant.
     omega, attitude : array_like
         Where the bodies start, as in :func:`rigid.simulate`.
     axis : {1, 2, 3}, optional
@@ -187,7 +192,7 @@ def flip_times(
     Raises
     ------
     ValueError
-        If there is no closed form, or the largest rate is not a single one.
+        If there is no closed form, or no single largest rate.
 
     Examples
     --------
@@ -204,6 +209,11 @@ def flip_times(
     table = each_row(table)
     times = np.empty((len(table["omega"]), number))
     for chosen in np.unique(axes).tolist():
+        if "" in closed_forms(NoFlip(chosen), table["moments"][:1], table["weight"]):
+            raise ValueError(
+                f"axis = {chosen}: no closed form for the {scene_words(scene)}; there is one for a "
+                "free body, and for the symmetry axis of a Lagrange top"
+            )
         mine = np.broadcast_to(axes == chosen, len(times))
         some = {name: _pick(values, mine) for name, values in table.items()}
         times[mine] = _core.flip_times(**some, axis=int(chosen), count=number)
@@ -565,8 +575,7 @@ def _called(name: str, *arrays: Floats) -> tuple[Floats, ...]:
     """A function of the core at each element of arrays of one shape."""
     flat = [np.ascontiguousarray(array).ravel() for array in arrays]
     values = _core.elliptic(name, flat)
-    several = values if isinstance(values, (tuple, list)) else (values,)
-    return tuple(value.reshape(arrays[0].shape)[()] for value in several)
+    return tuple(value.reshape(arrays[0].shape)[()] for value in values)
 
 
 def _finite(name: str, value: ArrayLike) -> Floats:

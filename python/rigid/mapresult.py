@@ -109,7 +109,8 @@ class StabilityMap:
     status : ndarray of uint8
         0 possible body; 1 a moment is not finite; 2 not positive; 3 triangle inequality broken.
     stable, unstable, undecided, failed : ndarray of int64
-        Bodies of each class. Undecided: the class changes when the step is halved.
+        Bodies of each class. Undecided: the class changes when the step is halved; in closed form,
+        the body leaves stability within rounding of the horizon.
     checked : ndarray of int64
         Bodies repeated with half the step.
     samples : ndarray of int64

@@ -122,10 +122,11 @@ impl<R: Real> Start<R> {
         let mut gap = R::select(above, root, ya - yc);
         let (mut wa, mut wb, mut wc) = ((w + ya).max(zero), w + yb, (w + yc).min(zero));
         let (mut rest_a, mut rest_b) = (rest - ya, (rest - yb).max(zero));
-        // Near the top, wa and wc from their product, -b^2 / (k wb), and their sum.
-        let b_zero = R::select(zero.lt(top.abs()), zero, one);
-        let small = R::select((wa + wa).lt(w), R::select(wa.lt(R::splat(0.1)), one, zero), zero);
-        let near = zero.lt(small.max(b_zero));
+        // Near the top, wa and wc from their product, -b^2 / (k wb), and their sum; with b = 0 one of them is 0.
+        let no_b = R::select(zero.lt(top.abs()), zero, one);
+        let close = R::select(wa.lt(R::splat(0.1)), one, zero);
+        let within = R::select((wa + wa).lt(w), one, no_b);
+        let near = half.lt(close * within);
         let inverse_b = one / R::select(near, wb, one);
         let energy = (i1 * half).fms(transverse2, weight * w);
         let pi = -((top * top) * (inverse_k * inverse_b));
@@ -136,27 +137,31 @@ impl<R: Real> Start<R> {
         let larger = R::select(positive, s + r, s - r) * half;
         let some = zero.lt(larger.abs());
         let other = R::select(some, pi / R::select(some, larger, one), zero);
-        let (top_a, top_c) =
-            (R::select(positive, larger, other).max(zero), R::select(positive, other, larger).min(zero));
-        wa = R::select(near, top_a, wa);
-        wc = R::select(near, top_c, wc);
-        gap = R::select(near, r, gap);
-        rest_a = R::select(near, R::splat(2.0) - top_a, rest_a);
-        let off = zero.lt(R::select(near, R::select((top_a + top_a).lt(w), one, zero), zero));
-        ya = R::select(off, top_a - w, ya);
-        yc = R::select(off, top_c - w, yc);
+        let top_a = R::select(positive, larger, other).max(zero);
+        let top_c = R::select(positive, other, larger).min(zero);
+        // A turning point at the start stays one.
+        let off = half.lt(R::select(near, R::select((top_a + top_a).lt(w), one, zero), zero));
+        (wa, ya) = (R::select(off, top_a, wa), R::select(off, top_a - w, ya));
+        rest_a = R::select(off, R::splat(2.0) - top_a, rest_a);
+        (wc, yc) = (R::select(near, top_c, wc), R::select(near, top_c - w, yc));
+        gap = R::select(near, R::select(off, r, wa - top_c), gap);
+        // A small wc beside a larger wa comes from the product alone.
+        let beside = half.lt(R::select(near, zero, R::select((-(wc + wc)).lt(wa), one, zero)));
+        let product = -((top * top) * inverse_k) / R::select(beside, wa * wb, one);
+        (wc, yc) = (R::select(beside, product, wc), R::select(beside, product - w, yc));
+        gap = R::select(beside, wa - product, gap);
         // Near the bottom, 2 - wb from b2.
-        let b2_zero = R::select(zero.lt(bottom.abs()), zero, one);
-        let small = R::select((rest_b + rest_b).lt(rest), R::select(rest_b.lt(R::splat(0.1)), one, zero), zero);
-        let near_bottom = zero.lt(small.max(b2_zero));
+        let no_b2 = R::select(zero.lt(bottom.abs()), zero, one);
+        let close = R::select(rest_b.lt(R::splat(0.1)), one, no_b2);
+        let within = R::select((rest_b + rest_b).lt(rest), one, no_b2);
+        let near = half.lt(close * within);
         let two = R::splat(2.0);
         let under = (bottom * bottom) / (k * (rest_a * (two - wc)));
-        rest_b = R::select(near_bottom, under, rest_b);
-        wb = R::select(near_bottom, two - under, wb);
-        let off = zero.lt(R::select(near_bottom, R::select((under + under).lt(rest), one, zero), zero));
+        let off = half.lt(R::select(near, R::select((under + under).lt(rest), one, no_b2), zero));
+        rest_b = R::select(near, under, rest_b);
+        wb = R::select(near, two - under, wb);
         yb = R::select(off, rest - under, yb);
-        let exact = zero.lt(b_zero.max(b2_zero));
-        let amplitude = R::select(exact, wb - wa, yb - ya);
+        let amplitude = yb - ya;
         TurningPoints { w: [wa, wb, wc], rest: [rest_a, rest_b], amplitude, gap, displacement: [ya, yb, yc] }
     }
 }

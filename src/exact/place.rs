@@ -2,6 +2,7 @@
 
 use crate::model::quaternion_product;
 use crate::start::Body;
+use std::f64::consts::FRAC_1_SQRT_2;
 
 /// The closed forms.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,13 +58,41 @@ pub struct Place {
 enum Way {
     /// Axis i of body and space is axis (i + turn) mod 3 of before: exact.
     Renamed(usize),
-    /// The body frame alone was turned: axes renamed, then perhaps turned about the new axis 1.
-    Turned { by: [f64; 4], turn: usize },
+    /// The body frame alone was turned so that this axis became the third.
+    QuarterTurned(usize),
+    /// The body frame alone was turned: this axis became the first, then the quaternion.
+    Turned { by: [f64; 4], first: usize },
 }
 
-/// The quaternion of the cyclic renaming of the body axes by `turn`.
-fn cyclic(turn: usize) -> [f64; 4] {
-    [[1.0, 0.0, 0.0, 0.0], [0.5, 0.5, 0.5, 0.5], [0.5, -0.5, -0.5, -0.5]][turn]
+/// The axes of a body frame turned by a quarter so that each axis becomes the third.
+const TO_THIRD: [[i8; 3]; 3] = [[-3, 2, 1], [1, -3, 2], [1, 2, 3]];
+
+/// An attitude after the turn of `TO_THIRD` (1) or its inverse (-1). Sums before products: what is vertical to the
+/// bit stays so.
+fn quarter_turned([w, x, y, z]: [f64; 4], axis: usize, sense: f64) -> [f64; 4] {
+    let turned = match axis {
+        0 => [w - sense * y, x - sense * z, y + sense * w, z + sense * x],
+        1 => [w + sense * x, x - sense * w, y - sense * z, z + sense * y],
+        _ => return [w, x, y, z],
+    };
+    turned.map(|c| c * FRAC_1_SQRT_2)
+}
+
+/// The cyclic renaming of the axes of a body frame that makes each axis the first.
+const TO_FIRST: [[f64; 4]; 3] = [[1.0, 0.0, 0.0, 0.0], [0.5, 0.5, 0.5, 0.5], [0.5, -0.5, -0.5, -0.5]];
+
+/// Components along signed axes.
+fn along(columns: [i8; 3], v: [f64; 3]) -> [f64; 3] {
+    columns.map(|c| f64::from(c.signum()) * v[usize::from(c.unsigned_abs()) - 1])
+}
+
+/// The inverse of `along`.
+fn back_along(columns: [i8; 3], v: [f64; 3]) -> [f64; 3] {
+    let mut out = [0.0; 3];
+    for (c, x) in columns.into_iter().zip(v) {
+        out[usize::from(c.unsigned_abs()) - 1] = f64::from(c.signum()) * x;
+    }
+    out
 }
 
 fn conjugate([w, x, y, z]: [f64; 4]) -> [f64; 4] {
@@ -117,26 +146,23 @@ impl Place {
             moments[i] == moments[j] && weight[i] == 0.0 && weight[j] == 0.0
         });
         if let Some(axis) = symmetry {
-            let turn = (axis + 1) % 3;
-            let renamed = Body {
-                moments: rename(moments, turn),
-                weight: rename(weight, turn),
-                omega: rename(omega, turn),
-                attitude: if turn == 0 {
-                    body.attitude
-                } else {
-                    quaternion_product(&body.attitude, &cyclic(turn))
-                },
-            };
-            let way = Way::Turned { by: cyclic(turn), turn };
-            let [w, x, y, z] = renamed.attitude;
+            let attitude = quarter_turned(body.attitude, axis, 1.0);
+            let omega = along(TO_THIRD[axis], omega);
+            let [w, x, y, z] = attitude;
             let vertical = (x == 0.0 && y == 0.0) || (w == 0.0 && z == 0.0);
-            if vertical && renamed.omega[0] == 0.0 && renamed.omega[1] == 0.0 {
-                let moments = [moments[axis]; 3];
-                let body = Body { moments, weight: [0.0; 3], ..*body };
+            if vertical && omega[0] == 0.0 && omega[1] == 0.0 {
+                let body = Body { moments: [moments[axis]; 3], weight: [0.0; 3], ..*body };
                 return Some(Place { form: Form::Spin, kind: Kind::Symmetric, body, way: Way::Renamed(0) });
             }
-            return Some(Place { form: Form::Lagrange, kind: Kind::Lagrange, body: renamed, way });
+            let transverse = moments[(axis + 1) % 3];
+            let body = Body {
+                moments: [transverse, transverse, moments[axis]],
+                weight: [0.0, 0.0, weight[axis]],
+                omega,
+                attitude,
+            };
+            let way = Way::QuarterTurned(axis);
+            return Some(Place { form: Form::Lagrange, kind: Kind::Lagrange, body, way });
         }
         Place::pendulum(body, moments, weight, omega)
     }
@@ -150,8 +176,7 @@ impl Place {
             omega[i] == 0.0 && omega[j] == 0.0 && weight[k] == 0.0 && vertical[k] == 0.0
         })?;
         // Axis k becomes axis 1 and the direction of the weight axis 3.
-        let turn = axis;
-        let renamed = rename(weight, turn);
+        let renamed = rename(weight, axis);
         let mgl = (renamed[1] * renamed[1] + renamed[2] * renamed[2]).sqrt();
         let (sin, cos) = (-renamed[1] / mgl, renamed[2] / mgl);
         let half = if cos >= 0.0 {
@@ -161,23 +186,26 @@ impl Place {
             let s = (0.5 * (1.0 - cos)).sqrt();
             [0.5 * sin / s, s]
         };
-        let turned = quaternion_product(&cyclic(turn), &[half[0], half[1], 0.0, 0.0]);
+        let by = quaternion_product(&TO_FIRST[axis], &[half[0], half[1], 0.0, 0.0]);
         let body = Body {
             moments: [moments[axis]; 3],
             weight: [0.0, 0.0, mgl],
             omega: [omega[axis], 0.0, 0.0],
-            attitude: quaternion_product(&body.attitude, &turned),
+            attitude: quaternion_product(&body.attitude, &by),
         };
-        let way = Way::Turned { by: turned, turn };
+        let way = Way::Turned { by, first: axis };
         Some(Place { form: Form::Pendulum, kind: Kind::Lagrange, body, way })
     }
 
-    /// The axis of the closed form that is this body axis.
+    /// The axis of the closed form that lies along this body axis.
     pub fn axis(&self, body_axis: usize) -> usize {
-        let turn = match self.way {
-            Way::Renamed(turn) | Way::Turned { turn, .. } => turn,
-        };
-        (body_axis + 3 - turn) % 3
+        match self.way {
+            Way::Renamed(turn) | Way::Turned { first: turn, .. } => (body_axis + 3 - turn) % 3,
+            Way::QuarterTurned(axis) => {
+                let along = |c: &i8| usize::from(c.unsigned_abs()) == body_axis + 1;
+                TO_THIRD[axis].iter().position(along).unwrap_or(body_axis)
+            }
+        }
     }
 
     /// Rates and attitude of the body from those of its closed form.
@@ -189,10 +217,13 @@ impl Place {
                 let [x, y, z] = rename([x, y, z], undo);
                 (rename(omega, undo), [w, x, y, z])
             }
-            Way::Turned { by, turn } => {
+            Way::QuarterTurned(axis) => {
+                (back_along(TO_THIRD[axis], omega), quarter_turned(attitude, axis, -1.0))
+            }
+            Way::Turned { by, first } => {
                 // A swing stays in its plane.
-                let omega = if self.form == Form::Pendulum { [omega[0], 0.0, 0.0] } else { omega };
-                (rename(omega, (3 - turn) % 3), quaternion_product(&attitude, &conjugate(by)))
+                let along_first = [omega[0], 0.0, 0.0];
+                (rename(along_first, (3 - first) % 3), quaternion_product(&attitude, &conjugate(by)))
             }
         }
     }

@@ -1,5 +1,5 @@
-//! Carlson's symmetric elliptic integrals over `Real`, by duplication (Carlson 1995, "Numerical computation of real
-//! or complex elliptic integrals", Numer. Algorithms 10).
+//! Carlson's symmetric elliptic integrals over `Real`, by duplication (Carlson 1995, "Numerical computation of
+//! real or complex elliptic integrals", Numer. Algorithms 10).
 //!
 //! A lane that has converged is frozen: its numbers do not depend on how long its neighbours take. Roots and
 //! divisions are the cost, so the series are long and the duplications few.
@@ -7,8 +7,8 @@
 use super::elementary::{atan2, ln, polynomial};
 use crate::real::Real;
 
-/// Duplications after which arguments anywhere in the range of doubles have come together: the logarithm of their
-/// ratio, below 2100 bits, halves at each until it is of order one, then the distance is quartered.
+/// Duplications after which arguments anywhere in the range of doubles have come together: the logarithm of
+/// their ratio, below 2100 bits, halves at each until it is of order one, then the distance is quartered.
 const DUPLICATIONS: usize = 20;
 
 /// n! of a small n, as a double.
@@ -42,7 +42,7 @@ const ARCTANGENT: [f64; 22] = {
     row
 };
 
-/// Coefficients of E3^n E2^0, E3^n E2^1, … in the series of R_F about equal arguments (DLMF 19.19.7), its 1 left out.
+/// Coefficients of E3^n E2^0, E3^n E2^1, … in the series of R_F about equal arguments, less its 1 (DLMF 19.19.7).
 const fn rf_series<const N: usize>(n: u32) -> [f64; N] {
     let mut row = [0.0; N];
     let mut m = 0;
@@ -66,7 +66,8 @@ fn apart<R: Real, const N: usize>(mean: R, spread: f64, arguments: [R; N]) -> R:
     (mean * R::splat(spread)).lt(farthest)
 }
 
-/// R_F(x, y, z): half the integral of 1 / sqrt((t + x)(t + y)(t + z)) over t > 0; arguments >= 0, at most one of them 0.
+/// R_F(x, y, z): half the integral of 1 / sqrt((t + x)(t + y)(t + z)) over t > 0; arguments >= 0, at most one of
+/// them 0.
 ///
 /// Within 4 ulp for arguments 0 and 1e-300 to 1e300 (measured: 3.7); infinity where two are 0.
 #[inline(always)]
@@ -101,7 +102,7 @@ pub fn carlson_rf<R: Real>(x: R, y: R, z: R) -> R {
     let (e2, e3) = (dz.fnma(dz, product), -(product * dz));
     let first = e3.fma(polynomial(e2, SERIES_3), polynomial(e2, SERIES_2));
     let series = e3.fma(e3.fma(first, polynomial(e2, SERIES_1)), polynomial(e2, SERIES));
-    // The root and its reciprocal are off by half an ulp each: one step of Newton's, its residual without rounding.
+    // The root and its reciprocal are off by half an ulp each: one step of Newton's, with an exact residual.
     let product = mean * root;
     let rest = product.fnma(root, one) - mean.fms(root, product) * root;
     let value = root.fma(rest.fma(R::splat(0.5), series), root);
@@ -111,7 +112,7 @@ pub fn carlson_rf<R: Real>(x: R, y: R, z: R) -> R {
 /// R_C(x, y) for x >= 0, y > 0, of which the difference y - x is known better than their roundings.
 #[inline(always)]
 fn rc_of_difference<R: Real>(x: R, y: R, difference: R) -> R {
-    // The first term left out is below NEAR^22 / 45 < 1e-17. Closer to 1, the logarithm would lose what it needs.
+    // The first term left out is below NEAR^22 / 45 < 1e-17. Closer to 1 the logarithm would lose digits.
     const NEAR: f64 = 0.2;
     let size = difference.abs();
     let far = (x * R::splat(NEAR)).lt(size);
@@ -165,8 +166,8 @@ fn rj_series<R: Real>(e2: R, e3: R, e4: R, e5: R) -> R {
     e2.fma(polynomial(e2, [C2, C22, C222]), e3.fma(of_e3, e4.fma(of_e4, e5 * of_e5)))
 }
 
-/// Distance from the mean, in units of it, at which the first terms left out of `rj_series` are below 1.4 SPREAD^8 <
-/// 1e-17.
+/// Distance from the mean, in units of it, at which the first terms left out of `rj_series` are below
+/// 1.4 SPREAD^8 < 1e-17.
 const RJ_SPREAD: f64 = 0.007;
 
 /// R_D(x, y, z) = R_J(x, y, z, z): arguments >= 0, z > 0, at most one of x and y 0.
@@ -205,11 +206,11 @@ pub fn carlson_rd<R: Real>(x: R, y: R, z: R) -> R {
     sum.fma(three, last.fma(rj_series(e2, e3, e4, e5), last))
 }
 
-/// R_J(x, y, z, p): 3/2 of the integral of 1 / ((t + p) sqrt((t + x)(t + y)(t + z))) over t > 0; x, y, z >= 0, at most
-/// one of them 0, p > 0.
+/// R_J(x, y, z, p): 3/2 of the integral of 1 / ((t + p) sqrt((t + x)(t + y)(t + z))) over t > 0; x, y, z >= 0,
+/// at most one of them 0, p > 0.
 ///
-/// Within 8 ulp for arguments 0 and 1e-100 to 1e100 (measured: 7.1). Slow where p is far above the others: it only
-/// quarters at each duplication.
+/// Within 8 ulp for arguments 0 and 1e-100 to 1e100 (measured: 7.1). Slow where p is far above the others: it
+/// only quarters at each duplication.
 #[inline(always)]
 pub fn carlson_rj<R: Real>(x: R, y: R, z: R, p: R) -> R {
     // A quotient p / max(x, y, z) anywhere in the range of doubles.
@@ -253,7 +254,7 @@ pub fn carlson_rj<R: Real>(x: R, y: R, z: R, p: R) -> R {
 
 /// Gauss's arithmetic-geometric mean of two numbers >= 0.
 ///
-/// Within 4 ulp where their product and the square of the larger are normal numbers (measured: 3.3); 0 if one is 0.
+/// Within 4 ulp where their product and the square of the larger are normal numbers (measured: 3.3); 0 of a 0.
 #[inline(always)]
 pub fn agm<R: Real>(a: R, b: R) -> R {
     // What the last mean misses is SPREAD^2 / 16 of it.

@@ -1,5 +1,5 @@
-//! Duplications stop in a lane when that lane has converged: the same bits alone, beside any neighbours, and in every
-//! register.
+//! Duplications stop in a lane when that lane has converged: the same bits alone, beside any neighbours, and in
+//! every register.
 
 use super::{agm, carlson_rc, carlson_rd, carlson_rf, carlson_rj};
 use super::{complete_e, complete_k, complete_pi, exp, jacobi};
@@ -22,7 +22,7 @@ fn arguments() -> Vec<Vec<f64>> {
         match (n % 7, k) {
             (0, 0) | (3, 3) => 0.0,
             (5, 3) => 1.0,
-            (_, 3) if n % 2 == 0 => even(n, k),
+            (_, 3) if n.is_multiple_of(2) => even(n, k),
             (_, 3) => exp(-width * even(n, k)),
             _ => exp(width * (2.0 * even(n, k) - 1.0)),
         }

@@ -1,8 +1,8 @@
-//! Carlson's integrals, the arithmetic-geometric mean, Jacobi's functions and Legendre's complete integrals against
-//! values of far more than 40 digits (tests/golden/make_elliptic.py), and against the relations between them.
+//! Carlson's integrals, the arithmetic-geometric mean, Jacobi's functions and Legendre's complete integrals
+//! against values of far more than 40 digits (tests/golden/make_elliptic.py), and against their relations.
 //!
-//! Bounds in ulp are the worst that was measured over some 1e4 random points of each function, rounded up; the table
-//! has those points.
+//! Bounds in ulp are the worst that was measured over some 1e4 random points of each function, rounded up; the
+//! table has those points.
 
 use rigid::special::{
     agm, carlson_rc, carlson_rd, carlson_rf, carlson_rj, complete_e, complete_k, complete_pi, jacobi,
@@ -93,7 +93,7 @@ fn complete_integrals() {
     within_ulps(6.0, "complete_pi", |[n, mc]| complete_pi(n, mc));
 }
 
-/// sn, cn and dn: 5 ulp, and 4 roundings of the argument times the derivative: the period is known to a few of them.
+/// sn, cn and dn: 5 ulp, and 4 roundings of the argument times the derivative: the period is no better.
 #[test]
 fn elliptic_sine_cosine_and_delta() {
     let mut worst = [(0.0, [f64::NAN; 2]); 3];
@@ -188,8 +188,8 @@ fn equal_arguments_degenerate() {
     close(1.0 / agm(1.0, SQRT_2), 0.834_626_841_674_073_2, 4.0, "Gauss's constant");
 }
 
-/// Legendre's relation, E K' + E' K - K K' = pi/2: three products, each of two factors off by 5 ulp at most and rounded
-/// once, and two sums. An ulp is at most 2^-52 of the value.
+/// Legendre's relation, E K' + E' K - K K' = pi/2: three products, each of two factors off by 5 ulp at most and
+/// rounded once, and two sums. An ulp is at most 2^-52 of the value.
 #[test]
 fn legendre_relation() {
     for ([mc], _) in golden::<1>("complete_k") {
@@ -208,9 +208,9 @@ fn legendre_relation() {
 
 /// u = sn R_F(cn^2, dn^2, 1) up to half the quarter period.
 ///
-/// The shift of the argument, 4 2^-53 |u|, is common to the three functions and comes back as it is: 2 eps. Their own
-/// 5 eps: sn's counts once; cn^2 and dn^2 are off by 2 5 + 1/2, and R_F, of degree -1/2 and falling in each
-/// argument, by at most half of that. R_F itself 4, the product 1/2.
+/// The shift of the argument, 4 2^-53 |u|, is common to the three functions and comes back as it is: 2 eps.
+/// Their own 5 eps: sn's counts once; cn^2 and dn^2 are off by 2 5 + 1/2, and R_F, of degree -1/2 and falling in
+/// each argument, by at most half of that. R_F itself 4, the product 1/2.
 #[test]
 fn the_integral_inverts_the_functions() {
     for ([u, mc], _) in golden("jacobi") {

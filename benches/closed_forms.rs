@@ -1,0 +1,103 @@
+//! What a closed form costs: set-up, rates, one state with attitude, one verdict.
+//!
+//! The unit beside them is one full-range sincos of a long phase in the same registers: the rates of a symmetric
+//! body, which are that and nine operations more.
+//!
+//! `cargo bench --bench closed_forms`. Thread CPU time, the parts in turn, medians.
+
+use rigid::clock::thread_nanoseconds;
+use rigid::exact::{Evaluator, ExitRows, Kind, StartRows, StateRows};
+use rigid::kernel::{LANES, Row};
+use rigid::simd::Isa;
+use rigid::start::Body;
+use std::hint::black_box;
+
+const REPEATS: usize = 31;
+const ROUNDS: usize = 100;
+
+/// Bodies of one kind: away from all limits, or close to a separatrix, or both mixed in a register.
+fn starts(kind: Kind, tame: bool, mixed: bool) -> StartRows {
+    let body = |lane: usize| {
+        let x = 1e-3 * lane as f64;
+        let near = !tame && (!mixed || lane % 2 == 0);
+        let small = if near { 1e-6 } else { 0.8 };
+        let (moments, weight) = match kind {
+            Kind::Symmetric => ([1.0, 1.0, 0.7], [0.0; 3]),
+            Kind::Free => ([1.0, 1.6, 2.1], [0.0; 3]),
+            Kind::Lagrange => ([1.0, 1.0, 0.5], [0.0, 0.0, 1.0]),
+        };
+        let omega = match kind {
+            Kind::Lagrange if near => [1e-6, 2e-6, 2.5 + x],
+            Kind::Lagrange => [0.3 + x, -0.2, 6.0],
+            _ => [small + x * small, 1.0, small],
+        };
+        Body { moments, weight, omega, attitude: [0.8, 0.36, 0.48, 0.0] }
+    };
+    let mut rows = StartRows::filled(&body(0));
+    for lane in 0..LANES {
+        rows.set(lane, &body(lane));
+    }
+    rows
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
+
+/// Nanoseconds per body of a call on all lanes.
+fn timed(mut call: impl FnMut()) -> f64 {
+    let begin = thread_nanoseconds();
+    for _ in 0..ROUNDS {
+        call();
+    }
+    (thread_nanoseconds() - begin) as f64 / (ROUNDS * LANES) as f64
+}
+
+fn main() {
+    const TIMES: usize = 64;
+    let times: Vec<Row> = (0..TIMES).map(|k| Row([3.0 + 1.7 * k as f64; LANES])).collect();
+    let mut out = vec![StateRows::ZERO; TIMES];
+    println!(
+        "{:32} {:>7} {:>9} {:>9} {:>9} {:>9} {:>8} {:>8}",
+        "ns per body", "path", "set-up", "rates", "state", "verdict", "sincos", "state/sc"
+    );
+    for isa in Isa::available() {
+        if isa == Isa::Scalar {
+            continue;
+        }
+        let (symmetric, spinning) = (Evaluator::new(Kind::Symmetric, isa), starts(Kind::Symmetric, true, false));
+        for kind in [Kind::Symmetric, Kind::Free, Kind::Lagrange] {
+            for (name, tame, mixed) in [("tame", true, false), ("separatrix", false, false), ("mixed", false, true)] {
+                let starts = starts(kind, tame, mixed);
+                let evaluator = Evaluator::new(kind, isa);
+                let questions =
+                    ExitRows { axis: Row([1.0; LANES]), limit: Row([0.3; LANES]), direction: Row([1.0; LANES]) };
+                let mut exits = Row([0.0; LANES]);
+                let mut columns: [Vec<f64>; 6] = Default::default();
+                for _ in 0..REPEATS {
+                    let starts = black_box(&starts);
+                    let one = timed(|| evaluator.states(starts, black_box(&times[..1]), &mut out[..1]));
+                    let all = timed(|| evaluator.states(starts, black_box(&times), &mut out));
+                    let rates = timed(|| evaluator.rates(starts, black_box(&times), &mut out));
+                    let rate = timed(|| evaluator.rates(starts, black_box(&times[..1]), &mut out[..1]));
+                    let verdict = timed(|| evaluator.exits(starts, black_box(&questions), &mut exits));
+                    let sincos = timed(|| symmetric.rates(&spinning, black_box(&times), &mut out));
+                    let first = timed(|| symmetric.rates(&spinning, black_box(&times[..1]), &mut out[..1]));
+                    let sc = (sincos - first) / (TIMES - 1) as f64;
+                    let state = (all - one) / (TIMES - 1) as f64;
+                    let values = [one - state, (rates - rate) / (TIMES - 1) as f64, state, verdict, sc, state / sc];
+                    for (column, value) in columns.iter_mut().zip(values) {
+                        column.push(value);
+                    }
+                }
+                let [setup, rates, state, verdict, sc, ratio] = columns.map(median);
+                println!(
+                    "{:32} {:>7} {setup:>9.1} {rates:>9.2} {state:>9.2} {verdict:>9.1} {sc:>8.3} {ratio:>8.1}",
+                    format!("{kind:?} {name}"),
+                    isa.name()
+                );
+            }
+        }
+    }
+}
