@@ -88,7 +88,7 @@ pub(super) fn answers(map: &Map, questions: &[Question], isa: Isa) -> Vec<Outcom
 }
 
 fn outcome(map: &Map, left: f64) -> Outcome {
-    let doubtful = (left - map.t_end).abs() <= DOUBT * (left + map.t_end);
+    let doubtful = left.is_finite() && (left - map.t_end).abs() <= DOUBT * (left + map.t_end);
     let (class, status) = if left.is_nan() {
         (Class::Failed, Status::NotFinite)
     } else if doubtful {

@@ -51,7 +51,8 @@ pub fn free_quantities_of<'py>(
     dict.set_item("period", column(|q| 2.0 * q.flip_time))?;
     dict.set_item("flip_time", column(|q| q.flip_time))?;
     dict.set_item("precession", column(|q| q.precession))?;
-    dict.set_item("turn", column(|q| 2.0 * q.flip_time * q.precession))?;
+    let turn = column(|q| if q.precession == 0.0 { 0.0 } else { 2.0 * q.flip_time * q.precession });
+    dict.set_item("turn", turn)?;
     let amplitude: Vec<f64> = all.iter().flat_map(|q| q.amplitude).collect();
     dict.set_item("amplitude", amplitude.into_pyarray(py).reshape([all.len(), 3])?)?;
     Ok(dict)

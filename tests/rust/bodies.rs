@@ -7,7 +7,7 @@ use rigid::error::Error;
 use rigid::method::Method;
 use rigid::simd::Isa;
 use rigid::start::Body;
-use rigid::trajectory::{Record, Request, Schedule, Status, simulate};
+use rigid::trajectory::{Record, Request, Schedule, Solver, Status, simulate};
 use std::sync::atomic::AtomicBool;
 
 /// The refusal of these moments, in any order.
@@ -220,13 +220,13 @@ fn the_unit_of_inertia_does_not_matter() {
             let request = Request {
                 bodies: &[body],
                 is_top: false,
-                method,
+                solver: Solver::Steps(method),
                 record: Record::Rates,
                 schedule: Schedule::Times(&[5.0]),
                 steps: &[0.01],
                 max_steps: 1000,
             };
-            let states = simulate(&request, 1, Isa::Scalar, &AtomicBool::new(false)).unwrap();
+            let states = simulate(&request, 1, Isa::Scalar, &AtomicBool::new(false)).unwrap().unwrap();
             assert_eq!(states.status[0], Status::Finished);
             states.omega
         })

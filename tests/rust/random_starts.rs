@@ -209,7 +209,7 @@ fn draws_do_not_shift_each_other() {
         let pixel_of = Pixel { body, omega_size: [0.5, 0.25, 2.0], attitude_size: 0.1, possible: true };
         let map = Map {
             is_top: false,
-            method: Method::Rk4,
+            judge: Judge::Only(Solver::Steps(Method::Rk4)),
             pixels: vec![pixel_of; 3],
             omega_law,
             attitude_law,

@@ -261,13 +261,13 @@ fn run(bodies: &[Body], is_top: bool, method: Method) -> States {
     let request = Request {
         bodies,
         is_top,
-        method,
+        solver: Solver::Steps(method),
         record: Record::Attitude,
         schedule: Schedule::Strides(&[1, 199]),
         steps: &steps,
         max_steps: 1000,
     };
-    simulate(&request, 1, Isa::available()[0], &AtomicBool::new(false)).unwrap()
+    simulate(&request, 1, Isa::available()[0], &AtomicBool::new(false)).unwrap().unwrap()
 }
 
 /// The body with its axes renamed: new axis i is old axis i + 1. The quaternion of the renaming is
