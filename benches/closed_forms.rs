@@ -20,7 +20,6 @@ fn starts(kind: Kind, tame: bool, mixed: bool) -> StartRows {
     let body = |lane: usize| {
         let x = 1e-3 * lane as f64;
         let near = !tame && (!mixed || lane % 2 == 0);
-        let small = if near { 1e-6 } else { 0.8 };
         let (moments, weight) = match kind {
             Kind::Symmetric => ([1.0, 1.0, 0.7], [0.0; 3]),
             Kind::Free => ([1.0, 1.6, 2.1], [0.0; 3]),
@@ -29,7 +28,8 @@ fn starts(kind: Kind, tame: bool, mixed: bool) -> StartRows {
         let omega = match kind {
             Kind::Lagrange if near => [1e-6, 2e-6, 2.5 + x],
             Kind::Lagrange => [0.3 + x, -0.2, 6.0],
-            _ => [small + x * small, 1.0, small],
+            _ if near => [1e-6 + 1e-6 * x, 1.0, 1e-6],
+            _ => [0.2 + x, 0.3, 1.0],
         };
         Body { moments, weight, omega, attitude: [0.8, 0.36, 0.48, 0.0] }
     };
@@ -66,13 +66,19 @@ fn main() {
         if isa == Isa::Scalar {
             continue;
         }
-        let (symmetric, spinning) = (Evaluator::new(Kind::Symmetric, isa), starts(Kind::Symmetric, true, false));
+        let (symmetric, spinning) =
+            (Evaluator::new(Kind::Symmetric, isa), starts(Kind::Symmetric, true, false));
         for kind in [Kind::Symmetric, Kind::Free, Kind::Lagrange] {
-            for (name, tame, mixed) in [("tame", true, false), ("separatrix", false, false), ("mixed", false, true)] {
+            for (name, tame, mixed) in
+                [("tame", true, false), ("separatrix", false, false), ("mixed", false, true)]
+            {
                 let starts = starts(kind, tame, mixed);
                 let evaluator = Evaluator::new(kind, isa);
-                let questions =
-                    ExitRows { axis: Row([1.0; LANES]), limit: Row([0.3; LANES]), direction: Row([1.0; LANES]) };
+                let questions = ExitRows {
+                    axis: Row([1.0; LANES]),
+                    limit: Row([0.3; LANES]),
+                    direction: Row([1.0; LANES]),
+                };
                 let mut exits = Row([0.0; LANES]);
                 let mut columns: [Vec<f64>; 6] = Default::default();
                 for _ in 0..REPEATS {
@@ -86,7 +92,8 @@ fn main() {
                     let first = timed(|| symmetric.rates(&spinning, black_box(&times[..1]), &mut out[..1]));
                     let sc = (sincos - first) / (TIMES - 1) as f64;
                     let state = (all - one) / (TIMES - 1) as f64;
-                    let values = [one - state, (rates - rate) / (TIMES - 1) as f64, state, verdict, sc, state / sc];
+                    let values =
+                        [one - state, (rates - rate) / (TIMES - 1) as f64, state, verdict, sc, state / sc];
                     for (column, value) in columns.iter_mut().zip(values) {
                         column.push(value);
                     }

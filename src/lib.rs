@@ -11,8 +11,8 @@
 pub mod body;
 pub mod clock;
 pub mod ensemble;
-pub mod exact;
 pub mod error;
+pub mod exact;
 pub mod kernel;
 pub mod method;
 pub mod model;

@@ -6,6 +6,7 @@
 
 use crate::error::Error;
 use crate::model::{quaternion_product, rotation_by};
+use crate::real::Real;
 use crate::special::{ln, sincos};
 use std::f64::consts::TAU;
 
@@ -72,26 +73,27 @@ impl Law {
 
 /// Two independent standard normals from two uniforms.
 #[inline(always)]
-fn box_muller(u: f64, v: f64) -> [f64; 2] {
-    let radius = (-2.0 * ln(1.0 - u)).sqrt();
-    let (sin, cos) = sincos(TAU * v);
+fn box_muller<R: Real>(u: R, v: R) -> [R; 2] {
+    let radius = (R::splat(-2.0) * ln(R::splat(1.0) - u)).sqrt();
+    let (sin, cos) = sincos(R::splat(TAU) * v);
     [radius * cos, radius * sin]
 }
 
 /// Three numbers of the law, of unit size.
 #[inline(always)]
-pub fn vector(law: Law, u: [f64; 4]) -> [f64; 3] {
+pub fn vector<R: Real>(law: Law, u: [R; 4]) -> [R; 3] {
+    let (one, two) = (R::splat(1.0), R::splat(2.0));
     match law {
-        Law::None | Law::UniformAttitude => [0.0; 3],
+        Law::None | Law::UniformAttitude => [R::splat(0.0); 3],
         Law::Normal => {
             let [a, b] = box_muller(u[0], u[1]);
             [a, b, box_muller(u[2], u[3])[0]]
         }
-        Law::Uniform => [2.0 * u[0] - 1.0, 2.0 * u[1] - 1.0, 2.0 * u[2] - 1.0],
+        Law::Uniform => [two * u[0] - one, two * u[1] - one, two * u[2] - one],
         Law::Direction => {
-            let z = 2.0 * u[0] - 1.0;
-            let radius = ((1.0 - z) * (1.0 + z)).sqrt();
-            let (sin, cos) = sincos(TAU * u[1]);
+            let z = two * u[0] - one;
+            let radius = ((one - z) * (one + z)).sqrt();
+            let (sin, cos) = sincos(R::splat(TAU) * u[1]);
             [radius * cos, radius * sin, z]
         }
     }
@@ -99,13 +101,13 @@ pub fn vector(law: Law, u: [f64; 4]) -> [f64; 3] {
 
 /// A perturbed attitude: `q` turned in the body by a rotation vector of the law, or any attitude at all.
 #[inline(always)]
-pub fn attitude(law: Law, size: f64, q: [f64; 4], u: [f64; 4]) -> [f64; 4] {
+pub fn attitude<R: Real>(law: Law, size: R, q: [R; 4], u: [R; 4]) -> [R; 4] {
     match law {
         Law::None => q,
         Law::UniformAttitude => {
-            let (s1, c1) = sincos(TAU * u[1]);
-            let (s2, c2) = sincos(TAU * u[2]);
-            let (a, b) = ((1.0 - u[0]).sqrt(), u[0].sqrt());
+            let (s1, c1) = sincos(R::splat(TAU) * u[1]);
+            let (s2, c2) = sincos(R::splat(TAU) * u[2]);
+            let (a, b) = ((R::splat(1.0) - u[0]).sqrt(), u[0].sqrt());
             [a * s1, a * c1, b * s2, b * c2]
         }
         _ => {

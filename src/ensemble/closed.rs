@@ -13,7 +13,7 @@ const DOUBT: f64 = 1e-14;
 
 /// A sample whose verdict has a closed form.
 #[derive(Clone, Copy)]
-pub(super) struct Question {
+struct Question {
     place: Place,
     /// Watched component, in the variables of the closed form.
     axis: usize,
@@ -27,7 +27,7 @@ pub(super) struct Question {
 impl Question {
     /// The question that a map asks of a body, if it is answered in closed form.
     #[inline(always)]
-    pub(super) fn of(map: &Map, body: &Body) -> Option<Question> {
+    fn of(map: &Map, body: &Body) -> Option<Question> {
         let place = Place::of(body)?;
         let watched = map.axis.unsigned_abs() as usize - 1;
         let axis = place.axis(watched);
@@ -56,35 +56,83 @@ impl Question {
     }
 }
 
-/// The outcomes of questions, in their order.
-pub(super) fn answers(map: &Map, questions: &[Question], isa: Isa) -> Vec<Outcome> {
-    let mut left: Vec<f64> = questions.iter().map(|q| q.known.unwrap_or(f64::NAN)).collect();
-    for kind in [Kind::Symmetric, Kind::Free, Kind::Lagrange] {
-        let asked: Vec<usize> = (0..questions.len())
-            .filter(|&i| questions[i].known.is_none() && questions[i].place.kind == kind)
-            .collect();
-        if asked.is_empty() {
-            continue;
+/// Whether the verdict on this body has a closed form.
+pub(super) fn answers(map: &Map, body: &Body) -> bool {
+    Question::of(map, body).is_some()
+}
+
+/// Samples of one kind that wait for a full register.
+struct Waiting {
+    evaluator: Evaluator,
+    starts: StartRows,
+    exits: ExitRows,
+    indices: [usize; LANES],
+    filled: usize,
+}
+
+/// Judges samples as they come, by full registers.
+pub(super) struct Referee<'a> {
+    map: &'a Map,
+    isa: Isa,
+    waiting: [Option<Box<Waiting>>; 3],
+}
+
+impl<'a> Referee<'a> {
+    pub(super) fn new(map: &'a Map, isa: Isa) -> Self {
+        Referee { map, isa, waiting: [None, None, None] }
+    }
+
+    /// Takes the sample if its verdict has a closed form; some outcomes may then be ready.
+    #[inline(always)]
+    pub(super) fn take(&mut self, index: usize, body: &Body, outcomes: &mut [Option<Outcome>]) -> bool {
+        let Some(question) = Question::of(self.map, body) else { return false };
+        if let Some(left) = question.known {
+            outcomes[index] = Some(outcome(self.map, left));
+            return true;
         }
-        let evaluator = Evaluator::new(kind, isa);
-        for indices in asked.chunks(LANES) {
-            let mut starts = StartRows::filled(&questions[indices[0]].place.body);
+        let kind = question.place.kind();
+        let isa = self.isa;
+        let waiting = self.waiting[kind as usize].get_or_insert_with(|| {
             let nothing = Row([0.0; LANES]);
-            let mut exits = ExitRows { axis: nothing, limit: nothing, direction: nothing };
-            for (lane, &i) in indices.iter().enumerate() {
-                starts.set(lane, &questions[i].place.body);
-                exits.axis.0[lane] = questions[i].axis as f64;
-                exits.limit.0[lane] = questions[i].limit;
-                exits.direction.0[lane] = questions[i].direction;
-            }
-            let mut times = nothing;
-            evaluator.exits(&starts, &exits, &mut times);
-            for (lane, &i) in indices.iter().enumerate() {
-                left[i] = times.0[lane];
-            }
+            Box::new(Waiting {
+                evaluator: Evaluator::new(kind, isa),
+                starts: StartRows::filled(&question.place.canonical(body)),
+                exits: ExitRows { axis: nothing, limit: nothing, direction: nothing },
+                indices: [0; LANES],
+                filled: 0,
+            })
+        });
+        let lane = waiting.filled;
+        match kind {
+            Kind::Free => waiting.starts.set(lane, body),
+            _ => waiting.starts.set(lane, &question.place.canonical(body)),
+        }
+        waiting.exits.axis.0[lane] = question.axis as f64;
+        waiting.exits.limit.0[lane] = question.limit;
+        waiting.exits.direction.0[lane] = question.direction;
+        waiting.indices[lane] = index;
+        waiting.filled += 1;
+        if waiting.filled == LANES {
+            judge(self.map, waiting, outcomes);
+        }
+        true
+    }
+
+    /// Judges what still waits.
+    pub(super) fn finish(mut self, outcomes: &mut [Option<Outcome>]) {
+        for waiting in self.waiting.iter_mut().flatten() {
+            judge(self.map, waiting, outcomes);
         }
     }
-    left.iter().map(|&left| outcome(map, left)).collect()
+}
+
+fn judge(map: &Map, waiting: &mut Waiting, outcomes: &mut [Option<Outcome>]) {
+    let mut times = Row([0.0; LANES]);
+    waiting.evaluator.exits(&waiting.starts, &waiting.exits, &mut times);
+    for (lane, &index) in waiting.indices[..waiting.filled].iter().enumerate() {
+        outcomes[index] = Some(outcome(map, times.0[lane]));
+    }
+    waiting.filled = 0;
 }
 
 fn outcome(map: &Map, left: f64) -> Outcome {

@@ -1,6 +1,7 @@
 //! The Monte Carlo map: a block from its samples to its statistics, finished lanes refilled on the way.
 
 mod closed;
+mod draw;
 
 use crate::clock::thread_nanoseconds;
 use crate::error::Error;
@@ -8,11 +9,12 @@ use crate::kernel::{Compiled, Group, Kernel, LANES, System, Table, Watch};
 use crate::method::Method;
 use crate::observe::{TiltLimit, largest_tilt};
 use crate::run::over_blocks;
-use crate::sample::{self, Law};
+use crate::sample::Law;
 use crate::simd::Isa;
 use crate::start::{Body, Seat, load};
 use crate::trajectory::{DRIFT_LIMIT, Solver, Status};
-use closed::Question;
+use closed::Referee;
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A sample takes whole bursts of this many steps; after each it may stop. What is seen at the ends of bursts
@@ -260,52 +262,23 @@ impl Map {
         self.len() == 0
     }
 
-    /// The start of a sample: a pure function of seed, pixel and sample.
-    #[inline(always)]
-    fn draw_generic(&self, pixel: u64, sample: u64) -> Body {
-        let Pixel { body, omega_size, attitude_size, .. } = self.pixels[pixel as usize];
-        let mut start = body;
-        if self.omega_law != Law::None {
-            let v = sample::vector(self.omega_law, sample::uniforms(self.key, 0, sample, pixel));
-            for k in 0..3 {
-                start.omega[k] = omega_size[k].mul_add(v[k], body.omega[k]);
+    /// Pixel and sample of a range in pixel-major order. Counted, not divided: a division costs as much as a draw.
+    fn places(&self, range: Range<u64>) -> impl Iterator<Item = (u64, u64)> {
+        let (mut pixel, mut sample) = (range.start / self.samples, range.start % self.samples);
+        let samples = self.samples;
+        range.map(move |_| {
+            let place = (pixel, sample);
+            sample += 1;
+            if sample == samples {
+                (pixel, sample) = (pixel + 1, 0);
             }
-        }
-        if self.attitude_law != Law::None {
-            let u = sample::uniforms(self.key, 1, sample, pixel);
-            start.attitude = sample::attitude(self.attitude_law, attitude_size, body.attitude, u);
-        }
-        start
-    }
-
-    /// The same with the FMA instruction: same bits, ten times faster.
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2,fma")]
-    fn draw_fma(&self, pixel: u64, sample: u64) -> Body {
-        self.draw_generic(pixel, sample)
-    }
-
-    /// The start of a sample, by the path of that instruction set.
-    pub fn draw(&self, isa: Isa, pixel: u64, sample: u64) -> Body {
-        match isa {
-            #[cfg(target_arch = "x86_64")]
-            Isa::Avx512 | Isa::Avx2 => {
-                assert!(isa.is_available());
-                // Safety: asked the line before.
-                unsafe { self.draw_fma(pixel, sample) }
-            }
-            _ => self.draw_generic(pixel, sample),
-        }
-    }
-
-    /// The question to a closed form, where one judges the sample.
-    fn question(&self, body: &Body) -> Option<Question> {
-        if self.judge.exact() { Question::of(self, body) } else { None }
+            place
+        })
     }
 
     /// The first pixel with a possible body whose verdict has no closed form.
     pub fn first_without_closed_form(&self) -> Option<usize> {
-        self.pixels.iter().position(|pixel| pixel.possible && self.question(&pixel.body).is_none())
+        self.pixels.iter().position(|pixel| pixel.possible && !closed::answers(self, &pixel.body))
     }
 
     fn kernel(&self, table: Table) -> Kernel {
@@ -374,22 +347,13 @@ impl Map {
         interrupt: &AtomicBool,
     ) -> Option<Vec<(u64, Statistics)>> {
         let begin = thread_nanoseconds();
-        let place = |flat: u64| (flat / self.samples, flat % self.samples);
-        let bodies: Vec<Body> = (start..stop)
-            .map(|flat| {
-                let (pixel, sample) = place(flat);
-                let Pixel { body, possible, .. } = self.pixels[pixel as usize];
-                if possible { self.draw(isa, pixel, sample) } else { body }
-            })
-            .collect();
+        let bodies = self.draw(isa, start..stop);
+        let mut outcomes: [Vec<Option<Outcome>>; 2] = [vec![None; bodies.len()], Vec::new()];
+        let mut referee = Referee::new(self, isa);
         let mut jobs: [Vec<Job>; 3] = Default::default();
-        let (mut asked, mut questions) = (Vec::new(), Vec::new());
-        for (index, flat) in (start..stop).enumerate() {
-            let (pixel, sample) = place(flat);
+        for (index, (pixel, sample)) in self.places(start..stop).enumerate() {
             if self.pixels[pixel as usize].possible {
-                if let Some(question) = self.question(&bodies[index]) {
-                    asked.push(index);
-                    questions.push(question);
+                if self.judge.exact() && referee.take(index, &bodies[index], &mut outcomes[0]) {
                     continue;
                 }
                 let table = Seat::of(self.judge.method(), bodies[index].moments).table;
@@ -399,9 +363,9 @@ impl Map {
                 }
             }
         }
-        let mut outcomes: [Vec<Option<Outcome>>; 2] = [vec![None; bodies.len()], vec![None; bodies.len()]];
-        for (index, outcome) in asked.into_iter().zip(closed::answers(self, &questions, isa)) {
-            outcomes[0][index] = Some(outcome);
+        referee.finish(&mut outcomes[0]);
+        if jobs.iter().flatten().any(|job| job.halved) {
+            outcomes[1] = vec![None; bodies.len()];
         }
         for (jobs, table) in jobs.iter().zip(Table::ALL) {
             let kernel = self.kernel(table);
@@ -411,14 +375,13 @@ impl Map {
         }
 
         let mut pixels: Vec<(u64, Statistics)> = Vec::new();
-        for (index, flat) in (start..stop).enumerate() {
-            let pixel = place(flat).0;
+        for (index, (pixel, _)) in self.places(start..stop).enumerate() {
             if pixels.last().is_none_or(|&(last, _)| last != pixel) {
                 pixels.push((pixel, Statistics::none()));
             }
             let statistics = &mut pixels.last_mut().expect("pushed above").1;
             if let Some(first) = &outcomes[0][index] {
-                let halved = outcomes[1][index].as_ref();
+                let halved = outcomes[1].get(index).and_then(Option::as_ref);
                 let checked = halved.is_some_and(Outcome::was_run);
                 statistics.add(Map::verdict(first, halved), first, checked);
                 statistics.steps += first.steps + halved.map_or(0, |h| h.steps);
@@ -554,13 +517,19 @@ impl Map {
         isa: Isa,
         interrupt: &AtomicBool,
     ) -> Option<(Body, Class, Outcome)> {
-        let body = self.draw(isa, pixel, sample);
+        let flat = pixel * self.samples + sample;
+        let body = self.draw(isa, flat..flat + 1)[0];
         if !self.pixels[pixel as usize].possible {
             return Some((body, Class::Failed, Outcome::refused()));
         }
-        if let Some(question) = self.question(&body) {
-            let outcome = closed::answers(self, &[question], isa)[0];
-            return Some((body, outcome.class, outcome));
+        if self.judge.exact() {
+            let mut outcome = [None];
+            let mut referee = Referee::new(self, isa);
+            referee.take(0, &body, &mut outcome);
+            referee.finish(&mut outcome);
+            if let [Some(outcome)] = outcome {
+                return Some((body, outcome.class, outcome));
+            }
         }
         let mut jobs = vec![Job { index: 0, halved: false }];
         if sample < self.checked {

@@ -72,20 +72,20 @@ with_fma! {
 }
 
 #[inline(always)]
-fn motion<M: Motion<f64>>(body: &Body) -> M {
+fn motion<M: Motion<f64>>(place: &Place, body: &Body) -> M {
+    let body = place.canonical(body);
     M::new(&body.moments, &body.weight, &body.omega, &body.attitude)
 }
 
 #[inline(always)]
 fn free(body: &Body) -> FreeQuantities {
-    let Some(place) = Place::of(&Body { weight: [0.0; 3], ..*body }) else {
-        unreachable!("every free body has a closed form")
-    };
+    let body = &Body { weight: [0.0; 3], ..*body };
+    let Some(place) = Place::of(body) else { unreachable!("every free body has a closed form") };
     let never = f64::INFINITY;
     let omega = body.omega;
     match place.form {
         Form::Asymmetric => {
-            let m: Free<f64> = motion(&place.body);
+            let m: Free<f64> = motion(&place, body);
             let (axis, sign) = m.encircled();
             let [k, kc] = m.torus.moduli;
             let circulates = kc > 0.0;
@@ -98,9 +98,9 @@ fn free(body: &Body) -> FreeQuantities {
             }
         }
         Form::Symmetric => {
-            let m: Symmetric<f64> = motion(&place.body);
+            let m: Symmetric<f64> = motion(&place, body);
             let [body_rate, about_l] = m.turning();
-            let [w1, w2, w3] = place.body.omega;
+            let [w1, w2, w3] = place.canonical(body).omega;
             let transverse = (w1 * w1 + w2 * w2).sqrt();
             let axis = (0..3).find(|&k| place.axis(k) == 2).unwrap_or(2);
             let mut amplitude = [transverse; 3];
@@ -136,11 +136,11 @@ fn changes(body: &Body, axis: usize) -> Option<[f64; 2]> {
     match place.form {
         Form::Spin => never,
         Form::Symmetric => {
-            let m: Symmetric<f64> = motion(&place.body);
+            let m: Symmetric<f64> = motion(&place, body);
             Some([m.exit(&question), PI / m.turning()[0].abs()])
         }
         Form::Asymmetric => {
-            let m: Free<f64> = motion(&place.body);
+            let m: Free<f64> = motion(&place, body);
             Some([m.exit(&question), m.half_period()])
         }
         Form::Lagrange if place.axis(axis) == 2 => never,
@@ -157,10 +157,10 @@ fn angle(versine: f64, rest: f64) -> f64 {
 #[inline(always)]
 fn top(body: &Body) -> Option<TopQuantities> {
     let place = Place::of(body)?;
-    if place.kind != Kind::Lagrange {
+    if place.kind() != Kind::Lagrange {
         return upright(body, &place);
     }
-    let m: Lagrange<f64> = motion(&place.body);
+    let m: Lagrange<f64> = motion(&place, body);
     let [wa, wb, _] = m.points.w;
     let [rest_a, rest_b] = m.points.rest;
     let [top, spin] = m.momenta();
@@ -217,11 +217,11 @@ fn time_of_tilt(body: &Body, limit: f64) -> Option<f64> {
     let place = Place::of(body)?;
     let (sin, _) = sincos(0.5 * limit);
     let versine = 2.0 * sin * sin;
-    if place.kind != Kind::Lagrange {
+    if place.kind() != Kind::Lagrange {
         let axis = (0..3).find(|&k| body.is_weighed_along(k))?;
         return Some(if body.depth(axis) == versine { 0.0 } else { f64::INFINITY });
     }
-    let m: Lagrange<f64> = motion(&place.body);
+    let m: Lagrange<f64> = motion(&place, body);
     let direction = if m.tilt_at_start() <= versine { 1.0 } else { -1.0 };
     Some(m.exit(&Exit { axis: 2.0, limit: versine, direction }))
 }

@@ -5,7 +5,7 @@ use crate::kernel::{LANES, Row};
 use crate::real::Pack;
 use crate::simd::Isa;
 #[cfg(target_arch = "x86_64")]
-use crate::simd::{V4, V8};
+use crate::simd::{Arr, V4, V8};
 use crate::start::Body;
 
 /// Bodies at their start, one in each lane, in the variables of their closed form.
@@ -52,8 +52,7 @@ pub struct StateRows {
 
 impl StateRows {
     /// Zeros.
-    pub const ZERO: StateRows =
-        StateRows { omega: [Row([0.0; LANES]); 3], attitude: [Row([0.0; LANES]); 4] };
+    pub const ZERO: StateRows = StateRows { omega: [Row([0.0; LANES]); 3], attitude: [Row([0.0; LANES]); 4] };
 }
 
 #[inline(always)]
@@ -141,11 +140,12 @@ pub struct Evaluator {
 }
 
 macro_rules! evaluator {
-    ($isa:ident, $motion:ident) => {{
+    ($isa:ident, $motion:ident, $avx512:ty, $avx2:ty) => {{
         #[cfg(target_arch = "x86_64")]
-        evaluator!(@functions avx512, [#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,avx2,fma")]], V8, $motion);
+        evaluator!(@functions avx512, [#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,avx2,fma")]],
+            $avx512, $motion);
         #[cfg(target_arch = "x86_64")]
-        evaluator!(@functions avx2, [#[target_feature(enable = "avx2,fma")]], V4, $motion);
+        evaluator!(@functions avx2, [#[target_feature(enable = "avx2,fma")]], $avx2, $motion);
         evaluator!(@functions scalar, [], f64, $motion);
         match $isa {
             #[cfg(target_arch = "x86_64")]
@@ -179,9 +179,10 @@ impl Evaluator {
     pub fn new(kind: Kind, isa: Isa) -> Evaluator {
         assert!(isa.is_available(), "{} is not available on this CPU", isa.name());
         match kind {
-            Kind::Symmetric => evaluator!(isa, Symmetric),
-            Kind::Free => evaluator!(isa, Free),
-            Kind::Lagrange => evaluator!(isa, Lagrange),
+            Kind::Symmetric => evaluator!(isa, Symmetric, V8, V4),
+            // Two packs in flight hide the latency of its square roots (benches/README.md).
+            Kind::Free => evaluator!(isa, Free, Arr<V8, 2>, Arr<V4, 2>),
+            Kind::Lagrange => evaluator!(isa, Lagrange, V8, V4),
         }
     }
 

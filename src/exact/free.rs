@@ -7,8 +7,8 @@
 use super::{Exit, Motion, normalised, power_near, scaled, to_next_zero, turn};
 use crate::model::quaternion_product;
 use crate::real::Real;
-use crate::special::theta::{Multiples, Phase, Shifted, Torus};
-use crate::special::{atan2, carlson_rf};
+use crate::special::carlson_rf;
+use crate::special::theta::{Phase, Shifted, Torus};
 use std::f64::consts::FRAC_PI_2;
 
 /// The names of the axes, and how to undo them.
@@ -55,17 +55,6 @@ impl<R: Real> Roles<R> {
         }
         out
     }
-
-    /// Components by role from components by body axis.
-    #[inline(always)]
-    fn apply(&self, v: &[R; 3]) -> [R; 3] {
-        let mut out = *v;
-        for k in 0..3 {
-            let a = self.axis[k];
-            out[k] = R::select(same(a, 0.0), v[0], R::select(same(a, 1.0), v[1], v[2])) * self.sign;
-        }
-        out
-    }
 }
 
 /// What the motion of one body is made of.
@@ -81,14 +70,19 @@ pub struct Free<R: Real> {
     start: Phase<R>,
     /// Rate of the series argument.
     rate: R,
-    /// Amplitudes of the direction of L in the body.
+    /// Amplitudes of the direction of L in the body, by role; they carry the constants of sn, cn and dn.
     amplitude: [R; 3],
-    /// Rates over components of that direction.
+    /// Rates over components of that direction, by role.
     rates: [R; 3],
+    /// From components by role to components by body axis, and from those by polar frame: renaming and signs.
+    to_body: [[R; 3]; 3],
+    from_polar: [[R; 3]; 3],
     /// Whether role 3 is the polar axis of the attitude, else role 1.
     polar3: R::Mask,
     /// Sense of the theta function's turning.
     sense: R,
+    /// Signs of the components along roles 1 and 2 that make the phase wind forwards.
+    winding: [R; 2],
     /// Sense of the circulation seen from role 3: the sign of I3 - I1.
     order: R,
     shifted: Shifted<R>,
@@ -111,8 +105,7 @@ impl<R: Real> Motion<R> for Free<R> {
         let (_, inverse_size) = power_near(moments);
         let mut i = scaled(moments, inverse_size);
         let mut w = scaled(omega, inverse_unit);
-        let mut roles =
-            Roles { axis: [zero, one, R::splat(2.0)], sign: one };
+        let mut roles = Roles { axis: [zero, one, R::splat(2.0)], sign: one };
         let swap = i[1].lt(i[0]);
         roles.exchange::<0, 1>(swap, &mut i, &mut w);
         let swap = i[2].lt(i[1]);
@@ -183,6 +176,22 @@ impl<R: Real> Motion<R> for Free<R> {
         let mean = g / i1.max(i3) + from_largest;
         let half = R::splat(0.5);
         let turn = shifted.turn - R::select(polar3, R::splat(FRAC_PI_2), zero);
+        let [fs, fc, fd] = torus.quotient;
+        let amplitude = [(s1 * u1) * fc, (s2 * u2) * fs, u3 * fd];
+        let (mut to_body, mut from_polar) = ([[zero; 3]; 3], [[zero; 3]; 3]);
+        for role in 0..3 {
+            let mut unit_vector = [zero; 3];
+            unit_vector[role] = if role == 0 { one } else { turned };
+            let column = roles.undo(&unit_vector);
+            for k in 0..3 {
+                to_body[k][role] = column[k];
+            }
+        }
+        for k in 0..3 {
+            let [r1, r2, r3] = to_body[k];
+            // Polar, next, last axis: roles 3, 1, 2 or 1, 2, 3.
+            from_polar[k] = [R::select(polar3, r3, r1), R::select(polar3, r1, r2), R::select(polar3, r2, r3)];
+        }
         let mut body = Free {
             roles,
             turned,
@@ -190,8 +199,11 @@ impl<R: Real> Motion<R> for Free<R> {
             torus,
             start,
             rate,
-            amplitude: [s1 * u1, s2 * u2, u3],
+            amplitude,
             rates: [(g / i1) * unit, (g / i2) * unit, (g / i3) * unit],
+            to_body,
+            from_polar,
+            winding: [s1, s2],
             polar3,
             sense,
             order,
@@ -202,11 +214,8 @@ impl<R: Real> Motion<R> for Free<R> {
             omega: *omega,
             attitude: *attitude,
         };
-        let (direction, x) = body.direction(&start);
-        let [c0, x0, y0, z0] = body.local(zero, &start, &direction, &x);
-        let v = roles.apply(&[attitude[1], attitude[2], attitude[3]]);
-        let q = [attitude[0], v[0], v[1] * turned, v[2] * turned];
-        body.frame = quaternion_product(&q, &[c0, -x0, -y0, -z0]);
+        let [c0, x0, y0, z0] = body.evaluate(zero, &start).1;
+        body.frame = quaternion_product(attitude, &[c0, -x0, -y0, -z0]);
         body
     }
 
@@ -226,24 +235,22 @@ impl<R: Real> Motion<R> for Free<R> {
     #[inline(always)]
     fn rates(&self, t: R) -> [R; 3] {
         let phase = self.torus.advance(&self.start, self.rate, t * self.unit);
-        let (u, _) = self.direction(&phase);
-        self.omega_of(&u, t)
+        let (series, under) = self.torus.series(&phase, &self.torus.multiples(&phase));
+        self.omega_of(&self.direction(&series), R::splat(1.0) / under, t)
     }
 
     #[inline(always)]
     fn state(&self, t: R) -> ([R; 3], [R; 4]) {
         let time = t * self.unit;
         let phase = self.torus.advance(&self.start, self.rate, time);
-        let (u, x) = self.direction(&phase);
-        let local = self.local(time, &phase, &u, &x);
-        let [w, x, y, z] = normalised(&quaternion_product(&self.frame, &local));
-        let [x, y, z] = self.roles.undo(&[x, y * self.turned, z * self.turned]);
+        let ((direction, inverse), local) = self.evaluate(time, &phase);
+        let q = normalised(&quaternion_product(&self.frame, &local));
         let moved = R::splat(0.0).lt(t.abs());
-        let mut attitude = [w, x, y, z];
+        let mut attitude = self.attitude;
         for k in 0..4 {
-            attitude[k] = R::select(moved, attitude[k], self.attitude[k]);
+            attitude[k] = R::select(moved, q[k], self.attitude[k]);
         }
-        (self.omega_of(&u, t), attitude)
+        (self.omega_of(&direction, inverse, t), attitude)
     }
 }
 
@@ -267,8 +274,9 @@ impl<R: Real> Free<R> {
     #[inline(always)]
     pub fn amplitude(&self) -> [R; 3] {
         let [u1, u2, u3] = self.amplitude;
+        let [fs, fc, fd] = self.torus.quotient;
         let [r1, r2, r3] = self.rates;
-        let v = self.roles.undo(&[u1 * r1, u2 * r2, u3 * r3]);
+        let v = self.roles.undo(&[u1 * r1 / fc, u2 * r2 / fs, u3 * r3 / fd]);
         [v[0].abs(), v[1].abs(), v[2].abs()]
     }
 
@@ -278,69 +286,69 @@ impl<R: Real> Free<R> {
         (self.roles.axis[2], self.turned * self.roles.sign)
     }
 
-    /// The unit vector along L in the body, by role.
+    /// The direction of L in the body, by role, times the series under it.
     #[inline(always)]
-    fn direction(&self, phase: &Phase<R>) -> ([R; 3], Multiples<R>) {
-        let x = self.torus.multiples(phase);
-        let [sn, cn, dn] = self.torus.jacobi(phase, &x);
+    fn direction(&self, [sn, cn, dn]: &[R; 3]) -> [R; 3] {
         let [u1, u2, u3] = self.amplitude;
-        ([u1 * cn, u2 * sn, u3 * dn], x)
+        [u1 * *cn, u2 * *sn, u3 * *dn]
     }
 
-    /// The rates in the body.
+    /// The rates in the body from that direction and the inverse of the series.
     #[inline(always)]
-    fn omega_of(&self, u: &[R; 3], t: R) -> [R; 3] {
-        let turned = self.turned;
-        let rates = &self.rates;
-        let mut omega =
-            self.roles.undo(&[u[0] * rates[0], (u[1] * rates[1]) * turned, (u[2] * rates[2]) * turned]);
+    fn omega_of(&self, v: &[R; 3], inverse: R, t: R) -> [R; 3] {
+        let [r1, r2, r3] = self.rates;
+        let [w1, w2, w3] = [(v[0] * r1) * inverse, (v[1] * r2) * inverse, (v[2] * r3) * inverse];
         let moved = R::splat(0.0).lt(t.abs());
+        let mut omega = self.omega;
         for k in 0..3 {
-            omega[k] = R::select(moved, omega[k], self.omega[k]);
+            // One of the three is not zero times a component: the sum is exact.
+            let [m1, m2, m3] = self.to_body[k];
+            omega[k] = R::select(moved, m1.fma(w1, m2.fma(w2, m3 * w3)), self.omega[k]);
         }
         omega
     }
 
-    /// The attitude relative to the frame of L: the shortest turn that takes L to the polar axis, then a turn
-    /// about L by an angle that is continuous in time.
+    /// The direction of L with the inverse of the series under it, and the attitude relative to the frame of L: the
+    /// shortest turn that takes L to the polar axis, then a turn about L by an angle that is continuous in time.
     #[inline(always)]
-    fn local(&self, time: R, phase: &Phase<R>, u: &[R; 3], x: &Multiples<R>) -> [R; 4] {
-        let one = R::splat(1.0);
-        let [a, b] = self.shifted.value::<true>(&self.torus, phase, x);
-        // Seen from role 3, (u1, u2) winds around: its quarter turns are counted by the phase. From role 1,
-        // (u3, u2) does not.
-        let [x1, x2] = [u[0] * self.amplitude_sign(), u[1] * (self.amplitude_sign() * self.order)];
+    fn evaluate(&self, time: R, phase: &Phase<R>) -> (([R; 3], R), [R; 4]) {
+        let x = self.torus.multiples(phase);
+        let (series, under) = self.torus.series(phase, &x);
+        let v = self.direction(&series);
+        let [a, b] = self.shifted.value::<true>(&self.torus, phase, &x);
+        // Seen from role 3, (v1, v2) winds around: its quarter turns are counted by the phase. From role 1,
+        // (v3, v2) does not.
+        let (x1, x2) = (v[0] * self.winding[0], v[1] * self.winding[1]);
         let odd = R::odd(phase.quarters);
         let half_turns = phase.quarters.fms(R::splat(0.5), R::splat(0.25)).round();
-        let winding = [
-            R::select(odd, x2, x1).neg_if_odd(half_turns),
-            R::select(odd, -x1, x2).neg_if_odd(half_turns),
-        ];
-        let c = R::select(self.polar3, winding[0], u[2]);
-        let d = R::select(self.polar3, winding[1], u[1] * self.order);
-        let bounded = self.sense * atan2(b.fms(c, a * d), a.fma(c, b * d));
-        let (sin, cos) = turn(&[(self.half_rate, time), (self.half_turn, phase.quarters)], bounded * R::splat(0.5));
+        let c = R::select(odd, x2, x1).neg_if_odd(half_turns);
+        let d = R::select(odd, -x1, x2).neg_if_odd(half_turns);
+        let c = R::select(self.polar3, c, v[2]);
+        let d = R::select(self.polar3, d, v[1] * self.order);
+        // Half of the bounded angle, as a complex number of any length; its real part is positive.
+        let (re, im) = (a.fma(c, b * d), b.fms(c, a * d) * self.sense);
+        let length = re.fma(re, im * im).sqrt();
+        let half = length + re;
+        let (sin, cos) = turn(&[(self.half_rate, time), (self.half_turn, phase.quarters)], R::splat(0.0));
+        let (cos, sin) = (cos.fms(half, sin * im), cos.fma(im, sin * half));
 
-        let along = R::select(self.polar3, u[2], u[0]);
-        let next = R::select(self.polar3, u[0], u[1]);
-        let last = R::select(self.polar3, u[1], u[2]);
-        let sum = one + along;
-        let over = one / (sum + sum).sqrt();
-        let (p0, p1, p2) = (sum * over, last * over, -(next * over));
-        let about = sin * p0;
-        let first = p1.fms(cos, p2 * sin);
-        let second = p2.fma(cos, p1 * sin);
-        [
-            cos * p0,
-            R::select(self.polar3, first, about),
-            R::select(self.polar3, second, first),
-            R::select(self.polar3, about, second),
-        ]
-    }
-
-    /// The sign of the component along role 1 at cn > 0.
-    #[inline(always)]
-    fn amplitude_sign(&self) -> R {
-        R::select(self.amplitude[0].lt(R::splat(0.0)), R::splat(-1.0), R::splat(1.0))
+        let along = R::select(self.polar3, v[2], v[0]);
+        let next = R::select(self.polar3, v[0], v[1]);
+        let last = R::select(self.polar3, v[1], v[2]);
+        let sum = under + along;
+        // |(half, im)|^2 = 2 length half and |(sum, last, -next)|^2 = 2 under sum: one division for all. (Two roots,
+        // because the product of the four leaves the range of doubles near a separatrix.)
+        let two = R::splat(2.0);
+        let root = (two * (length * half)).sqrt() * (two * (under * sum)).sqrt();
+        let inverse = R::splat(1.0) / (under * root);
+        let (scale, inverse_under) = (under * inverse, root * inverse);
+        let (cos, sin) = (cos * scale, sin * scale);
+        let polar = [sin * sum, cos.fma(last, sin * next), sin.fms(last, cos * next)];
+        let mut local = [cos * sum; 4];
+        for k in 0..3 {
+            let [m1, m2, m3] = self.from_polar[k];
+            local[k + 1] = m1.fma(polar[0], m2.fma(polar[1], m3 * polar[2]));
+        }
+        ((v, inverse_under), local)
     }
 }

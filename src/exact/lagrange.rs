@@ -17,6 +17,16 @@ fn at_least<R: Real>(a: R, b: R) -> R::Mask {
     R::splat(0.0).lt(R::select(a.lt(b), -one, one))
 }
 
+/// a b - (c d)^2 with products that are not rounded before the difference.
+#[inline(always)]
+fn margin_of<R: Real>(a: R, b: R, c: R, d: R) -> R {
+    let (left, momentum) = (a * b, c * d);
+    let (left_low, momentum_low) = (a.fms(b, left), c.fms(d, momentum));
+    let right = momentum * momentum;
+    let right_low = (momentum + momentum).fma(momentum_low, momentum.fms(momentum, right));
+    (left - right) + (left_low - right_low)
+}
+
 /// a b, complex.
 #[inline(always)]
 fn product<R: Real>(a: [R; 2], b: [R; 2]) -> [R; 2] {
@@ -61,6 +71,8 @@ struct Start<R> {
     /// omega1^2 + omega2^2, and omega . gamma without its third term.
     transverse2: R,
     lift: R,
+    /// 4 I1 mgl - a^2, the distance from the threshold of the sleeping top.
+    margin: R,
 }
 
 impl<R: Real> Start<R> {
@@ -68,8 +80,8 @@ impl<R: Real> Start<R> {
     /// root exactly; near a pole the roots follow from the conserved momentum that keeps the top off it.
     #[inline(always)]
     fn turning_points(&self) -> TurningPoints<R> {
-        let (zero, one, half) = (R::splat(0.0), R::splat(1.0), R::splat(0.5));
-        let Start { i1, weight, w, rest, slope, spin, top, bottom, transverse2, lift } = *self;
+        let (zero, one, half, two) = (R::splat(0.0), R::splat(1.0), R::splat(0.5), R::splat(2.0));
+        let Start { i1, weight, w, rest, slope, spin, top, bottom, transverse2, lift, margin } = *self;
         let k = (i1 + i1) * weight;
         let inverse_k = one / k;
         let cosine = (rest - w) * half;
@@ -77,7 +89,7 @@ impl<R: Real> Start<R> {
         // (yb - y)(y - ya)(y - yc) = -y^3 + f2 y^2 + f1 y + f0.
         let f0 = (is * is) * inverse_k;
         let f1 = w.fma(rest, ((i1 * transverse2).fms(cosine, spin * lift)) / weight);
-        let f2 = (i1 * (R::splat(4.0) * weight).fms(cosine, i1 * transverse2) - spin * spin) * inverse_k;
+        let f2 = (-(i1 * transverse2)).fma(i1, -(two * (k * w)) + margin) * inverse_k;
         // The outer root that stands alone, from x^3 - 3 x = 2 rho on [sqrt 3, 2] about the centre.
         let third = R::splat(1.0 / 3.0);
         let centre = f2 * third;
@@ -85,7 +97,8 @@ impl<R: Real> Start<R> {
         let value = (f2 - centre).fma(centre, f1).fma(centre, f0);
         let above = zero.lt(value);
         let size = p.sqrt();
-        let rho2 = R::select(zero.lt(p), value.abs() / R::select(zero.lt(p), p * size, one), zero).min(R::splat(2.0));
+        let rho2 = R::select(zero.lt(p), value.abs() / R::select(zero.lt(p), p * size, one), zero)
+            .min(R::splat(2.0));
         let mut x = rho2.fma(R::splat(0.133_974_596_215_561_35), R::splat(1.732_050_807_568_877_2));
         for _ in 0..3 {
             let x2 = x * x;
@@ -99,6 +112,9 @@ impl<R: Real> Start<R> {
             let steep = zero.lt(rate.abs());
             alone = alone - R::select(steep, now / R::select(steep, rate, one), zero);
         }
+        // With a turning point at the start one root is 0: Newton's steps towards it end in a residue.
+        let residue = R::select(zero.lt(f0), zero, size * R::splat(1e-20));
+        alone = R::select(alone.abs().lt(residue), zero, alone);
         alone = R::select(above, alone.max(zero), alone.min(zero));
         // Deflation from the end that does not cancel.
         let cubed = (alone * alone) * alone;
@@ -155,7 +171,6 @@ impl<R: Real> Start<R> {
         let close = R::select(rest_b.lt(R::splat(0.1)), one, no_b2);
         let within = R::select((rest_b + rest_b).lt(rest), one, no_b2);
         let near = half.lt(close * within);
-        let two = R::splat(2.0);
         let under = (bottom * bottom) / (k * (rest_a * (two - wc)));
         let off = half.lt(R::select(near, R::select((under + under).lt(rest), one, no_b2), zero));
         rest_b = R::select(near, under, rest_b);
@@ -306,6 +321,7 @@ impl<R: Real> Motion<R> for Lagrange<R> {
             bottom: i1.fma(lift, spin * rest),
             transverse2: w1.fma(w1, w2 * w2),
             lift,
+            margin: margin_of(i1 * R::splat(4.0), mu, i3, w3),
         };
         let points = start.turning_points();
         let [wa, wb, wc] = points.w;
@@ -369,7 +385,8 @@ impl<R: Real> Motion<R> for Lagrange<R> {
         let at_top = b[0].abs().max(b[1].abs()).lt(tiny);
         let [value, slope] = alpha.bare::<true>(&torus, rate, zero, &phase, &x);
         let moved = product(b, [rates[0], -rates[1]]);
-        let from = [R::select(at_bottom, -(moved[0] * half), a[0]), R::select(at_bottom, -(moved[1] * half), a[1])];
+        let from =
+            [R::select(at_bottom, -(moved[0] * half), a[0]), R::select(at_bottom, -(moved[1] * half), a[1])];
         let by = [R::select(at_bottom, slope[0], value[0]), R::select(at_bottom, slope[1], value[1])];
         alpha.constant = over(from, by);
         let [value, slope] = beta.bare::<false>(&torus, rate, zero, &phase, &x);
@@ -405,7 +422,8 @@ impl<R: Real> Motion<R> for Lagrange<R> {
         let span = up + down;
         let crossed = zero.lt(up.min(down));
         let inverse = one / R::select(crossed, span, one);
-        let [m, mc] = [self.torus.moduli[0] * self.torus.moduli[0], self.torus.moduli[1] * self.torus.moduli[1]];
+        let [m, mc] =
+            [self.torus.moduli[0] * self.torus.moduli[0], self.torus.moduli[1] * self.torus.moduli[1]];
         let (sn2, cn2) = (R::select(crossed, up * inverse, zero), R::select(crossed, down * inverse, one));
         let there = self.torus.phase(sn2.sqrt(), cn2.sqrt(), m.fma(cn2, mc).sqrt());
         let rising = zero.lt(question.direction);

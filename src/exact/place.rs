@@ -41,27 +41,25 @@ pub enum Kind {
     Lagrange,
 }
 
-/// A body in the variables of its closed form, and the way back.
+/// The closed form of a body, and the change to its variables and back.
 #[derive(Clone, Copy, Debug)]
 pub struct Place {
     /// The closed form.
     pub form: Form,
-    /// Who evaluates it.
-    pub kind: Kind,
-    /// The body as that code wants it: axis 3 is the distinct one.
-    pub body: Body,
     way: Way,
 }
 
-/// How the variables were changed.
+/// How the variables are changed.
 #[derive(Clone, Copy, Debug)]
 enum Way {
     /// Axis i of body and space is axis (i + turn) mod 3 of before: exact.
     Renamed(usize),
+    /// The body turns about this axis, or not at all: all moments may be that of the axis.
+    Spin(usize),
     /// The body frame alone was turned so that this axis became the third.
     QuarterTurned(usize),
-    /// The body frame alone was turned: this axis became the first, then the quaternion.
-    Turned { by: [f64; 4], first: usize },
+    /// The body frame alone was turned: this axis, about which it swings, became the first and the weight the third.
+    Swing(usize),
 }
 
 /// The axes of a body frame turned by a quarter so that each axis becomes the third.
@@ -104,103 +102,126 @@ fn rename(v: [f64; 3], turn: usize) -> [f64; 3] {
     [v[turn % 3], v[(turn + 1) % 3], v[(turn + 2) % 3]]
 }
 
+/// The quaternion that turns the body frame of a swing about `axis`.
+fn swing_frame(weight: [f64; 3], axis: usize) -> [f64; 4] {
+    let [_, next, last] = rename(weight, axis);
+    let mgl = (next * next + last * last).sqrt();
+    let (sin, cos) = (-next / mgl, last / mgl);
+    // Half of the angle, from the half that does not cancel.
+    let half = if cos >= 0.0 {
+        let c = (0.5 * (1.0 + cos)).sqrt();
+        [c, 0.5 * sin / c]
+    } else {
+        let s = (0.5 * (1.0 - cos)).sqrt();
+        [0.5 * sin / s, s]
+    };
+    quaternion_product(&TO_FIRST[axis], &[half[0], half[1], 0.0, 0.0])
+}
+
 impl Place {
     /// The place of a body, if it has a closed form.
+    #[inline(always)]
     pub fn of(body: &Body) -> Option<Place> {
-        let Body { moments, weight, omega, .. } = *body;
-        if weight == [0.0; 3] { Some(Place::free(body)) } else { Place::top(body, moments, weight, omega) }
+        if body.weight == [0.0; 3] { Some(Place::free(body)) } else { Place::top(body) }
     }
 
+    #[inline(always)]
     fn free(body: &Body) -> Place {
-        let turning = (0..3).filter(|&k| body.omega[k] != 0.0);
-        let equal = |i: usize, j: usize| body.moments[i] == body.moments[j];
-        let spherical = equal(0, 1) && equal(1, 2);
-        if spherical || turning.clone().count() <= 1 {
-            let axis = turning.last().unwrap_or(0);
-            let moments = [body.moments[axis]; 3];
-            let body = Body { moments, ..*body };
-            return Place { form: Form::Spin, kind: Kind::Symmetric, body, way: Way::Renamed(0) };
+        let turns = body.omega.map(|rate| rate != 0.0);
+        let count = turns.iter().filter(|&&turns| turns).count();
+        let [a, b, c] = body.moments;
+        let (first, second, third) = (b == c, c == a, a == b);
+        if count <= 1 || (first && second) {
+            let axis = turns.iter().position(|&turns| turns).unwrap_or(0);
+            return Place { form: Form::Spin, way: Way::Spin(axis) };
         }
-        match (0..3).find(|&k| equal((k + 1) % 3, (k + 2) % 3)) {
-            Some(axis) => {
-                let turn = (axis + 1) % 3;
-                let [w, x, y, z] = body.attitude;
+        let turn = if third {
+            0
+        } else if first {
+            1
+        } else if second {
+            2
+        } else {
+            return Place { form: Form::Asymmetric, way: Way::Renamed(0) };
+        };
+        Place { form: Form::Symmetric, way: Way::Renamed(turn) }
+    }
+
+    fn top(body: &Body) -> Option<Place> {
+        let symmetry = (0..3)
+            .find(|&k| body.moments[(k + 1) % 3] == body.moments[(k + 2) % 3] && body.is_weighed_along(k));
+        let Some(axis) = symmetry else { return Place::pendulum(body) };
+        let [w, x, y, z] = quarter_turned(body.attitude, axis, 1.0);
+        let vertical = (x == 0.0 && y == 0.0) || (w == 0.0 && z == 0.0);
+        if vertical && body.omega[(axis + 1) % 3] == 0.0 && body.omega[(axis + 2) % 3] == 0.0 {
+            return Some(Place { form: Form::Spin, way: Way::Spin(axis) });
+        }
+        Some(Place { form: Form::Lagrange, way: Way::QuarterTurned(axis) })
+    }
+
+    /// A swing about a principal axis that is level, with the centre of mass beside it.
+    fn pendulum(body: &Body) -> Option<Place> {
+        let vertical = body.vertical();
+        let axis = (0..3).find(|&k| {
+            let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+            body.omega[i] == 0.0 && body.omega[j] == 0.0 && body.weight[k] == 0.0 && vertical[k] == 0.0
+        })?;
+        Some(Place { form: Form::Pendulum, way: Way::Swing(axis) })
+    }
+
+    /// Who evaluates it.
+    #[inline(always)]
+    pub fn kind(&self) -> Kind {
+        match self.form {
+            Form::Spin | Form::Symmetric => Kind::Symmetric,
+            Form::Asymmetric => Kind::Free,
+            Form::Lagrange | Form::Pendulum => Kind::Lagrange,
+        }
+    }
+
+    /// The body in the variables of its closed form: axis 3 is the distinct one and carries the weight.
+    pub fn canonical(&self, body: &Body) -> Body {
+        let [w, x, y, z] = body.attitude;
+        match self.way {
+            Way::Renamed(0) => *body,
+            Way::Renamed(turn) => {
                 let [x, y, z] = rename([x, y, z], turn);
-                let body = Body {
+                Body {
                     moments: rename(body.moments, turn),
                     weight: [0.0; 3],
                     omega: rename(body.omega, turn),
                     attitude: [w, x, y, z],
-                };
-                Place { form: Form::Symmetric, kind: Kind::Symmetric, body, way: Way::Renamed(turn) }
+                }
             }
-            None => {
-                Place { form: Form::Asymmetric, kind: Kind::Free, body: *body, way: Way::Renamed(0) }
+            Way::Spin(axis) => Body { moments: [body.moments[axis]; 3], weight: [0.0; 3], ..*body },
+            Way::QuarterTurned(axis) => {
+                let transverse = body.moments[(axis + 1) % 3];
+                Body {
+                    moments: [transverse, transverse, body.moments[axis]],
+                    weight: [0.0, 0.0, body.weight[axis]],
+                    omega: along(TO_THIRD[axis], body.omega),
+                    attitude: quarter_turned(body.attitude, axis, 1.0),
+                }
+            }
+            // The same motion as that of a spherical top with the moment of the axis.
+            Way::Swing(axis) => {
+                let [_, next, last] = rename(body.weight, axis);
+                Body {
+                    moments: [body.moments[axis]; 3],
+                    weight: [0.0, 0.0, (next * next + last * last).sqrt()],
+                    omega: [body.omega[axis], 0.0, 0.0],
+                    attitude: quaternion_product(&body.attitude, &swing_frame(body.weight, axis)),
+                }
             }
         }
-    }
-
-    fn top(body: &Body, moments: [f64; 3], weight: [f64; 3], omega: [f64; 3]) -> Option<Place> {
-        let symmetry = (0..3).find(|&k| {
-            let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-            moments[i] == moments[j] && weight[i] == 0.0 && weight[j] == 0.0
-        });
-        if let Some(axis) = symmetry {
-            let attitude = quarter_turned(body.attitude, axis, 1.0);
-            let omega = along(TO_THIRD[axis], omega);
-            let [w, x, y, z] = attitude;
-            let vertical = (x == 0.0 && y == 0.0) || (w == 0.0 && z == 0.0);
-            if vertical && omega[0] == 0.0 && omega[1] == 0.0 {
-                let body = Body { moments: [moments[axis]; 3], weight: [0.0; 3], ..*body };
-                return Some(Place { form: Form::Spin, kind: Kind::Symmetric, body, way: Way::Renamed(0) });
-            }
-            let transverse = moments[(axis + 1) % 3];
-            let body = Body {
-                moments: [transverse, transverse, moments[axis]],
-                weight: [0.0, 0.0, weight[axis]],
-                omega,
-                attitude,
-            };
-            let way = Way::QuarterTurned(axis);
-            return Some(Place { form: Form::Lagrange, kind: Kind::Lagrange, body, way });
-        }
-        Place::pendulum(body, moments, weight, omega)
-    }
-
-    /// A swing about principal axis k with the centre of mass beside it and the axis level: the same motion as
-    /// that of a spherical top with the moment of that axis, its weight on axis 3.
-    fn pendulum(body: &Body, moments: [f64; 3], weight: [f64; 3], omega: [f64; 3]) -> Option<Place> {
-        let vertical = body.vertical();
-        let axis = (0..3).find(|&k| {
-            let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-            omega[i] == 0.0 && omega[j] == 0.0 && weight[k] == 0.0 && vertical[k] == 0.0
-        })?;
-        // Axis k becomes axis 1 and the direction of the weight axis 3.
-        let renamed = rename(weight, axis);
-        let mgl = (renamed[1] * renamed[1] + renamed[2] * renamed[2]).sqrt();
-        let (sin, cos) = (-renamed[1] / mgl, renamed[2] / mgl);
-        let half = if cos >= 0.0 {
-            let c = (0.5 * (1.0 + cos)).sqrt();
-            [c, 0.5 * sin / c]
-        } else {
-            let s = (0.5 * (1.0 - cos)).sqrt();
-            [0.5 * sin / s, s]
-        };
-        let by = quaternion_product(&TO_FIRST[axis], &[half[0], half[1], 0.0, 0.0]);
-        let body = Body {
-            moments: [moments[axis]; 3],
-            weight: [0.0, 0.0, mgl],
-            omega: [omega[axis], 0.0, 0.0],
-            attitude: quaternion_product(&body.attitude, &by),
-        };
-        let way = Way::Turned { by, first: axis };
-        Some(Place { form: Form::Pendulum, kind: Kind::Lagrange, body, way })
     }
 
     /// The axis of the closed form that lies along this body axis.
+    #[inline(always)]
     pub fn axis(&self, body_axis: usize) -> usize {
         match self.way {
-            Way::Renamed(turn) | Way::Turned { first: turn, .. } => (body_axis + 3 - turn) % 3,
+            Way::Spin(_) => body_axis,
+            Way::Renamed(turn) | Way::Swing(turn) => (body_axis + 3 - turn) % 3,
             Way::QuarterTurned(axis) => {
                 let along = |c: &i8| usize::from(c.unsigned_abs()) == body_axis + 1;
                 TO_THIRD[axis].iter().position(along).unwrap_or(body_axis)
@@ -209,21 +230,22 @@ impl Place {
     }
 
     /// Rates and attitude of the body from those of its closed form.
-    pub fn back(&self, omega: [f64; 3], attitude: [f64; 4]) -> ([f64; 3], [f64; 4]) {
+    pub fn back(&self, body: &Body, omega: [f64; 3], attitude: [f64; 4]) -> ([f64; 3], [f64; 4]) {
+        let [w, x, y, z] = attitude;
         match self.way {
+            Way::Renamed(0) | Way::Spin(_) => (omega, attitude),
             Way::Renamed(turn) => {
-                let undo = (3 - turn) % 3;
-                let [w, x, y, z] = attitude;
+                let undo = 3 - turn;
                 let [x, y, z] = rename([x, y, z], undo);
                 (rename(omega, undo), [w, x, y, z])
             }
             Way::QuarterTurned(axis) => {
                 (back_along(TO_THIRD[axis], omega), quarter_turned(attitude, axis, -1.0))
             }
-            Way::Turned { by, first } => {
-                // A swing stays in its plane.
-                let along_first = [omega[0], 0.0, 0.0];
-                (rename(along_first, (3 - first) % 3), quaternion_product(&attitude, &conjugate(by)))
+            // A swing stays in its plane.
+            Way::Swing(axis) => {
+                let frame = conjugate(swing_frame(body.weight, axis));
+                (rename([omega[0], 0.0, 0.0], (3 - axis) % 3), quaternion_product(&attitude, &frame))
             }
         }
     }

@@ -81,7 +81,8 @@ pub fn flip_times<'py>(
     let bodies = bodies_of(&moments, &weight, &omega, &attitude)?;
     let mut times = Vec::with_capacity(bodies.len() * count);
     for (index, body) in bodies.iter().enumerate() {
-        let [first, interval] = sign_changes(isa, body, axis - 1).ok_or(Error::NoClosedVerdict { pixel: index })?;
+        let [first, interval] =
+            sign_changes(isa, body, axis - 1).ok_or(Error::NoClosedVerdict { pixel: index })?;
         let never = first == f64::INFINITY;
         times.extend((0..count).map(|k| if never || k == 0 { first } else { first + k as f64 * interval }));
     }
@@ -174,8 +175,10 @@ pub fn elliptic<'py>(
         "agm" => one(&|i| agm(x(0, i), x(1, i))),
         "complete_k" => one(&|i| crate::special::complete_k(x(0, i))),
         _ => {
-            let all: Vec<(f64, f64, f64)> = (0..n).map(|i| crate::special::jacobi(x(0, i), x(1, i))).collect();
-            let part = |of: fn(&(f64, f64, f64)) -> f64| all.iter().map(of).collect::<Vec<f64>>().into_pyarray(py);
+            let all: Vec<(f64, f64, f64)> =
+                (0..n).map(|i| crate::special::jacobi(x(0, i), x(1, i))).collect();
+            let part =
+                |of: fn(&(f64, f64, f64)) -> f64| all.iter().map(of).collect::<Vec<f64>>().into_pyarray(py);
             vec![part(|s| s.0), part(|s| s.1), part(|s| s.2)]
         }
     })

@@ -35,9 +35,9 @@ impl From<Error> for PyErr {
 #[pymodule(gil_used = false)]
 mod _core {
     #[pymodule_export]
-    use super::{MapJob, build_info, check_moments, closed_forms, methods, principal_axes, simulate};
-    #[pymodule_export]
     use super::exact::{elliptic, flip_times, free_quantities_of, tilt_times, top_quantities_of};
+    #[pymodule_export]
+    use super::{MapJob, build_info, check_moments, closed_forms, methods, principal_axes, simulate};
 
     /// Version of the library.
     #[pymodule_export]
@@ -99,7 +99,8 @@ fn rows<'a, const N: usize>(
     array: &'a PyReadonlyArray2<'_, f64>,
 ) -> PyResult<&'a [[f64; N]]> {
     let shape = array.shape();
-    let slice = array.as_slice().ok().filter(|_| shape[1] == N).ok_or_else(|| Error::Shape {
+    let usable = shape[1] == N && array.is_c_contiguous();
+    let slice = array.as_slice().ok().filter(|_| usable).ok_or_else(|| Error::Shape {
         argument,
         expected: format!("(n, {N}), C-contiguous"),
         got: format!("({}, {})", shape[0], shape[1]),
@@ -218,10 +219,9 @@ fn simulate<'py>(
         (None, None) => Schedule::Times(&[]),
     };
     let request = Request { bodies: &bodies, is_top, solver, record, schedule, steps: &steps, max_steps };
-    let states = interruptible(py, None, |stop| {
-        trajectory::simulate(&request, threads, isa, stop).transpose()
-    })?
-    .ok_or_else(stopped)??;
+    let states =
+        interruptible(py, None, |stop| trajectory::simulate(&request, threads, isa, stop).transpose())?
+            .ok_or_else(stopped)??;
     states_to_dict(py, states, n, request.schedule.len())
 }
 
@@ -463,7 +463,8 @@ impl MapJob {
         let (body, class, outcome) =
             interruptible(py, None, |interrupt| self.map.sample(pixel, sample, self.isa, interrupt))?
                 .ok_or_else(stopped)?;
-        let Outcome { status, flips, left, tilt, energy_drift, momentum_drift, step, steps, exact, .. } = outcome;
+        let Outcome { status, flips, left, tilt, energy_drift, momentum_drift, step, steps, exact, .. } =
+            outcome;
         let dict = PyDict::new(py);
         dict.set_item("omega", body.omega.to_vec().into_pyarray(py))?;
         dict.set_item("attitude", body.attitude.to_vec().into_pyarray(py))?;

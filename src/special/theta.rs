@@ -73,13 +73,14 @@ pub struct Torus<R: Real> {
     /// Powers of the nome that the multiples 2 to 6 still want in a theta series; the hyperbolic ones carry them.
     power: [R; 7],
     /// sn, cn and dn over their quotients of theta series.
-    quotient: [R; 3],
+    pub quotient: [R; 3],
     /// Series argument over elliptic argument: 1 / theta3(0)^2.
     pub scale: R,
     /// A quarter period in units of the series argument: pi/2, or -ln(q)/2.
     quarter: R,
     /// What `quarter` misses.
     quarter_low: R,
+    inverse_quarter: R,
     /// k and k', the square roots of the parameter and its complement.
     pub moduli: [R; 2],
 }
@@ -132,6 +133,7 @@ impl<R: Real> Torus<R> {
         let logarithm = ln(R::select(finite, nome, one)) * R::splat(-0.5);
         let endless = R::select(finite, logarithm, R::splat(f64::INFINITY));
         let minor = small.sqrt();
+        let quarter = R::select(hyperbolic, endless, R::splat(FRAC_PI_2));
         Torus {
             hyperbolic,
             circular: R::select(hyperbolic, one, zero).lt(half),
@@ -140,7 +142,8 @@ impl<R: Real> Torus<R> {
             power,
             quotient,
             scale: one / (null3 * null3),
-            quarter: R::select(hyperbolic, endless, R::splat(FRAC_PI_2)),
+            quarter,
+            inverse_quarter: one / quarter,
             quarter_low: R::select(hyperbolic, zero, R::splat(6.123_233_995_736_766e-17)),
             moduli: [R::select(hyperbolic, modulus, minor), R::select(hyperbolic, minor, modulus)],
         }
@@ -181,10 +184,11 @@ impl<R: Real> Torus<R> {
         let high = product + start.rest;
         let back = high - product;
         let low = ((product - (high - back)) + (start.rest - back)) + product_low;
-        let turns = (high / self.quarter).round();
+        let turns = (high * self.inverse_quarter).round();
         let whole = turns * self.quarter;
         let whole = R::select(turns.abs().lt(R::splat(0.5)), R::splat(0.0), whole);
-        let whole_low = R::select(turns.abs().lt(R::splat(0.5)), R::splat(0.0), turns.fms(self.quarter, whole));
+        let whole_low =
+            R::select(turns.abs().lt(R::splat(0.5)), R::splat(0.0), turns.fms(self.quarter, whole));
         let rest = (high - whole) + (low - turns.fma(self.quarter_low, whole_low));
         Phase { quarters: start.quarters + turns, rest }
     }
@@ -205,8 +209,8 @@ impl<R: Real> Torus<R> {
             x = Multiples::circular((sin, cos));
         }
         if R::any(self.hyperbolic) {
-            // On the separatrix there is nothing to see beyond sech(300) = 1e-130.
-            let bounded = phase.rest.min(R::splat(300.0)).max(R::splat(-300.0));
+            // On the separatrix there is nothing to see beyond sech(170) = 1e-74.
+            let bounded = phase.rest.min(R::splat(170.0)).max(R::splat(-170.0));
             let h = Multiples::hyperbolic(self.nome, R::select(self.hyperbolic, bounded, zero));
             for k in 0..TOP {
                 x.even[k] = R::select(self.hyperbolic, h.even[k], x.even[k]);
@@ -219,6 +223,16 @@ impl<R: Real> Torus<R> {
     /// sn, cn and dn.
     #[inline(always)]
     pub fn jacobi(&self, phase: &Phase<R>, x: &Multiples<R>) -> [R; 3] {
+        let (numerators, under) = self.series(phase, x);
+        let inverse = R::splat(1.0) / under;
+        let [sn, cn, dn] = numerators;
+        let [s, c, d] = self.quotient;
+        [(s * sn) * inverse, (c * cn) * inverse, (d * dn) * inverse]
+    }
+
+    /// sn, cn and dn over their constants, as numerators and the positive series under them.
+    #[inline(always)]
+    pub fn series(&self, phase: &Phase<R>, x: &Multiples<R>) -> ([R; 3], R) {
         let (one, zero, two) = (R::splat(1.0), R::splat(0.0), R::splat(2.0));
         let p = &self.power;
         let th1 = p[5].fma(x.odd[5], p[3].fnma(x.odd[3], x.odd[1]));
@@ -226,20 +240,20 @@ impl<R: Real> Torus<R> {
         let (e2, e4, e6) = (p[2] * x.even[2], p[4] * x.even[4], p[6] * x.even[6]);
         let th3 = two.fma(e2 + (e4 + e6), one);
         let th4 = two.fnma(e2 - (e4 - e6), one);
+        if !R::any(self.hyperbolic) {
+            return ([th1, th2, th3], th4);
+        }
         // A hyperbolic series past an odd number of quarter periods: K + u in terms of u.
-        let past = zero.lt(R::select(self.hyperbolic, R::select(R::odd(phase.quarters), one, zero), zero));
+        let odd = R::odd(phase.quarters);
         let half_turns = phase.quarters.fms(R::splat(0.5), R::splat(0.25)).round();
         let half_turns = R::select(self.hyperbolic, half_turns, zero);
         let small = R::splat(4.0) * self.root;
-        let inverse = one / R::select(self.hyperbolic, R::select(past, th3, th2), th4);
-        let sn = R::select(past, th4, th1);
-        let cn = R::select(past, -(small * th1), R::select(self.hyperbolic, th4, th2));
-        let dn = R::select(past, small * th2, th3);
-        [
-            ((self.quotient[0] * sn) * inverse).neg_if_odd(half_turns),
-            ((self.quotient[1] * cn) * inverse).neg_if_odd(half_turns),
-            (self.quotient[2] * dn) * inverse,
-        ]
+        let sn = R::select(odd, th4, th1).neg_if_odd(half_turns);
+        let cn = R::select(odd, -(small * th1), th4).neg_if_odd(half_turns);
+        let dn = R::select(odd, small * th2, th3);
+        let under = R::select(odd, th3, th2);
+        let h = self.hyperbolic;
+        ([R::select(h, sn, th1), R::select(h, cn, th2), R::select(h, dn, th3)], R::select(h, under, th4))
     }
 
     /// The theta function that belongs under sn, cn and dn, and its derivative; the hyperbolic one at the rest.
@@ -249,7 +263,8 @@ impl<R: Real> Torus<R> {
         let p = &self.power;
         // Circular: theta4. Hyperbolic: theta2 / q^(1/4), or theta3 past an odd number of quarter periods.
         let sign = R::select(self.hyperbolic, two, -two);
-        let even = (p[2] * sign).fma(x.even[2], (p[4] * two).fma(x.even[4], (p[6] * sign).fma(x.even[6], one)));
+        let even =
+            (p[2] * sign).fma(x.even[2], (p[4] * two).fma(x.even[4], (p[6] * sign).fma(x.even[6], one)));
         let slope = (p[2] * two).fma(
             x.odd[2],
             (p[4] * (sign + sign)).fma(x.odd[4], (p[6] * R::splat(6.0)).fma(x.odd[6], R::splat(0.0))),
@@ -257,10 +272,7 @@ impl<R: Real> Torus<R> {
         let even_slope = slope * two;
         let odd = two * (x.even[1] + (x.even[3] + (x.even[5] + x.even[7])));
         let odd_slope = two
-            * R::splat(7.0).fma(
-                x.odd[7],
-                R::splat(5.0).fma(x.odd[5], R::splat(3.0).fma(x.odd[3], x.odd[1])),
-            );
+            * R::splat(7.0).fma(x.odd[7], R::splat(5.0).fma(x.odd[5], R::splat(3.0).fma(x.odd[3], x.odd[1])));
         let zero = R::splat(0.0);
         let between = zero.lt(R::select(self.hyperbolic, R::select(R::odd(phase.quarters), zero, one), zero));
         (R::select(between, odd, even), R::select(between, odd_slope, even_slope))
@@ -332,14 +344,28 @@ impl<R: Real> Shifted<R> {
         zero.lt(R::select(torus.hyperbolic, hyperbolic, R::select(self.odd, one, zero)))
     }
 
+    /// Whether odd multiples count in some lane; only to skip what no lane would use.
+    #[inline(always)]
+    fn any_odd(&self, torus: &Torus<R>) -> bool {
+        R::any(torus.hyperbolic) || R::any(self.odd)
+    }
+
     /// Real and imaginary part.
     #[inline(always)]
-    pub fn value<const ALTERNATE: bool>(&self, torus: &Torus<R>, phase: &Phase<R>, x: &Multiples<R>) -> [R; 2] {
+    pub fn value<const ALTERNATE: bool>(
+        &self,
+        torus: &Torus<R>,
+        phase: &Phase<R>,
+        x: &Multiples<R>,
+    ) -> [R; 2] {
         let (a, b) = (&self.real, &self.imaginary);
-        let odd = self.odd_at::<ALTERNATE>(torus, phase);
         let even_real = a[6].fma(x.even[6], a[4].fma(x.even[4], a[2].fma(x.even[2], a[0])));
-        let odd_real = a[7].fma(x.even[7], a[5].fma(x.even[5], a[3].fma(x.even[3], a[1] * x.even[1])));
         let even_imaginary = b[6].fma(x.odd[6], b[4].fma(x.odd[4], b[2] * x.odd[2]));
+        if !self.any_odd(torus) {
+            return [even_real, even_imaginary];
+        }
+        let odd = self.odd_at::<ALTERNATE>(torus, phase);
+        let odd_real = a[7].fma(x.even[7], a[5].fma(x.even[5], a[3].fma(x.even[3], a[1] * x.even[1])));
         let odd_imaginary = b[7].fma(x.odd[7], b[5].fma(x.odd[5], b[3].fma(x.odd[3], b[1] * x.odd[1])));
         [R::select(odd, odd_real, even_real), R::select(odd, odd_imaginary, even_imaginary)]
     }
@@ -352,8 +378,8 @@ impl<R: Real> Shifted<R> {
         let (n2, n3, n4) = (R::splat(2.0), R::splat(3.0), R::splat(4.0));
         let (n5, n6, n7) = (R::splat(5.0), R::splat(6.0), R::splat(7.0));
         let even_real = (n6 * a[6]).fma(x.odd[6], (n4 * a[4]).fma(x.odd[4], (n2 * a[2]) * x.odd[2]));
-        let odd_real = (n7 * a[7])
-            .fma(x.odd[7], (n5 * a[5]).fma(x.odd[5], (n3 * a[3]).fma(x.odd[3], a[1] * x.odd[1])));
+        let odd_real =
+            (n7 * a[7]).fma(x.odd[7], (n5 * a[5]).fma(x.odd[5], (n3 * a[3]).fma(x.odd[3], a[1] * x.odd[1])));
         let even_imaginary = (n6 * b[6]).fma(x.even[6], (n4 * b[4]).fma(x.even[4], (n2 * b[2]) * x.even[2]));
         let odd_imaginary = (n7 * b[7])
             .fma(x.even[7], (n5 * b[5]).fma(x.even[5], (n3 * b[3]).fma(x.even[3], b[1] * x.even[1])));

@@ -42,7 +42,7 @@ pub fn simulate(
 fn groups(places: &[Place]) -> Vec<Range<usize>> {
     let mut groups = Vec::with_capacity(places.len().div_ceil(LANES));
     let mut first = 0;
-    for run in places.chunk_by(|a, b| a.kind == b.kind) {
+    for run in places.chunk_by(|a, b| a.kind() == b.kind()) {
         let end = first + run.len();
         groups.extend((first..end).step_by(LANES).map(|begin| begin..end.min(begin + LANES)));
         first = end;
@@ -61,7 +61,8 @@ struct Riders<'a> {
 
 impl Riders<'_> {
     fn run(&mut self, stop: &AtomicBool) -> Option<States> {
-        let evaluator = Evaluator::new(self.places[0].kind, self.isa);
+        let evaluator = Evaluator::new(self.places[0].kind(), self.isa);
+        let canonical = |index: usize| self.places[index].canonical(self.body(index));
         let mut states = States::unknown(self.request, self.places.len());
         for drift in [&mut states.energy_drift, &mut states.momentum_drift, &mut states.unit_drift] {
             drift.fill(0.0);
@@ -76,9 +77,9 @@ impl Riders<'_> {
         };
         // One body a lane, or one time a lane: whatever leaves fewer lanes empty. The bits are the same.
         if self.times.len() <= self.places.len() * self.times.len().div_ceil(LANES) {
-            let mut starts = StartRows::filled(&self.places[0].body);
-            for (lane, place) in self.places.iter().enumerate() {
-                starts.set(lane, &place.body);
+            let mut starts = StartRows::filled(&canonical(0));
+            for lane in 1..self.places.len() {
+                starts.set(lane, &canonical(lane));
             }
             let rows: Vec<Row> = self.times.iter().map(|&t| Row([t; LANES])).collect();
             for (first, rows) in rows.chunks(PATIENCE).enumerate() {
@@ -94,7 +95,7 @@ impl Riders<'_> {
             }
         } else {
             for body in 0..self.places.len() {
-                let starts = StartRows::filled(&self.places[body].body);
+                let starts = StartRows::filled(&canonical(body));
                 for (first, times) in self.times.chunks(PATIENCE * LANES).enumerate() {
                     if stop.load(Ordering::Relaxed) {
                         return None;
@@ -118,11 +119,10 @@ impl Riders<'_> {
 
     /// Writes the state of a body and updates its drifts.
     fn record(&self, states: &mut States, index: usize, time: usize, rows: &StateRows, lane: usize) {
-        let body = &self.request.bodies[self.group.start + index];
-        let place = &self.places[index];
+        let body = self.body(index);
         let mut omega = rows.omega.map(|row| row.0[lane]);
         let mut attitude = rows.attitude.map(|row| row.0[lane]);
-        (omega, attitude) = place.back(omega, attitude);
+        (omega, attitude) = self.places[index].back(body, omega, attitude);
         if self.times[time] == 0.0 {
             // Through other variables and back, the start would return rounded.
             (omega, attitude) = (body.omega, body.attitude);
@@ -153,6 +153,10 @@ impl Riders<'_> {
         if !omega.iter().chain(&attitude).all(|x| x.is_finite()) {
             states.status[index] = Status::NotFinite;
         }
+    }
+
+    fn body(&self, index: usize) -> &Body {
+        &self.request.bodies[self.group.start + index]
     }
 
     /// Whether the attitude is evaluated: it is wanted, or the energy needs the vertical.

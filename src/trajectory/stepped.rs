@@ -67,7 +67,10 @@ fn legs(schedule: &Schedule, largest: f64) -> Plan {
 pub fn simulate(
     request: &Request,
     method: Method,
-    threads: usize, isa: Isa, stop: &AtomicBool) -> Option<States> {
+    threads: usize,
+    isa: Isa,
+    stop: &AtomicBool,
+) -> Option<States> {
     let groups = groups(request, method);
     let parts = over_blocks(groups.len(), threads, stop, |g| {
         Passengers::new(request, method, groups[g].clone(), isa).run(stop)
@@ -236,4 +239,3 @@ fn advance(group: &mut Group, compiled: Compiled, legs: &[Leg], stop: &AtomicBoo
     }
     Some(())
 }
-

@@ -1,7 +1,7 @@
 //! sincos, exp, ln, atan2 and the coefficients of Rodrigues' formula against 40-digit values
 //! (tests/golden/make_elementary.py).
 
-use rigid::special::{atan2, exp, ln, rodrigues, sincos};
+use rigid::special::{atan2, exp, ln, rodrigues, sincos, sincos_of_sum};
 use serde_json::Value;
 use std::f64::consts::{FRAC_PI_4, TAU};
 
@@ -68,6 +68,27 @@ fn sine_and_cosine() {
         let (sin, cos) = sincos(x);
         vec![sin, cos]
     });
+}
+
+/// A long phase in two parts: what is left of it after the quarter turns is of the size of its tail, or below.
+///
+/// The tail is at most half an ulp of the phase. sin and cos of either part are off by an ulp at most, their products
+/// and the sum by three roundings, the function itself by an ulp: 2 + 3/2 + 1 ulp of 1, each at most eps.
+#[test]
+fn sine_of_a_sum() {
+    for phase in [1.0, 22.0, 355.0, 1e4, 1e6, 833_719.5, 1e8, 3e10, 1e12, 1e14_f64] {
+        for near in 0..40 {
+            let x = phase * (1.0 + 1e-3 * f64::from(near));
+            for part in [0.5, -0.5, 0.3, -1e-3, 0.0] {
+                let tail = part * ulp(x);
+                let (sin, cos) = sincos_of_sum(x, tail);
+                let ((s, c), (s_tail, c_tail)) = (sincos(x), sincos(tail));
+                let expected = (s.mul_add(c_tail, c * s_tail), c.mul_add(c_tail, -(s * s_tail)));
+                let miss = (sin - expected.0).abs().max((cos - expected.1).abs());
+                assert!(miss <= 4.5 * f64::EPSILON, "{x:e} + {tail:e}: {miss:e}");
+            }
+        }
+    }
 }
 
 #[test]

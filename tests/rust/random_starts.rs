@@ -4,11 +4,12 @@
 //! The draws are fixed, so the tests are: a mean of n draws is held to 4 of its standard errors.
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
-use rigid::ensemble::{Criterion, Map, Pixel};
+use rigid::ensemble::{Criterion, Judge, Map, Pixel};
 use rigid::method::Method;
 use rigid::sample::{Law, attitude, philox4x64, uniforms, vector};
 use rigid::simd::Isa;
 use rigid::start::Body;
+use rigid::trajectory::Solver;
 
 const N: u64 = 100_000;
 const KEY: [u64; 2] = [20_261_121, 0];
@@ -222,7 +223,8 @@ fn draws_do_not_shift_each_other() {
             checked: 0,
             key: KEY,
         };
-        map.draw(Isa::Scalar, pixel, sample)
+        let flat = pixel * samples + sample;
+        map.draw(Isa::Scalar, flat..flat + 1)[0]
     };
     let laws = [Law::Normal, Law::Uniform, Law::Direction];
     for law in laws {

@@ -3,14 +3,16 @@
 //!
 //! No tolerance appears here. A NaN equals any NaN: its payload is no number.
 
-use rigid::ensemble::{Class, Criterion, Map, Pixel, Statistics};
+use rigid::ensemble::{Class, Criterion, Judge, Map, Pixel, Statistics};
+use rigid::exact::derived::{free_quantities, sign_changes, tilt_time, top_quantities};
+use rigid::exact::{Evaluator, ExitRows, Kind, Place, StartRows, StateRows};
 use rigid::kernel::{Compiled, Group, Kernel, LANES, Row, System, Table, Watch};
 use rigid::method::Method;
 use rigid::observe::TiltLimit;
 use rigid::sample::{Law, uniforms};
 use rigid::simd::Isa;
 use rigid::start::{Body, Seat, load};
-use rigid::trajectory::{Record, Request, Schedule, States, Status, simulate};
+use rigid::trajectory::{Record, Request, Schedule, Solver, States, Status, simulate};
 use std::sync::atomic::AtomicBool;
 
 static GO: AtomicBool = AtomicBool::new(false);
@@ -256,8 +258,9 @@ impl Question {
     fn ask(self, bodies: &[Body], steps: &[f64], threads: usize, isa: Isa) -> States {
         let schedule = if self.at_times { Schedule::Times(&TIMES) } else { Schedule::Strides(&STRIDES) };
         let Question { is_top, method, record, .. } = self;
-        let request = Request { bodies, is_top, method, record, schedule, steps, max_steps: 500 };
-        simulate(&request, threads, isa, &GO).unwrap()
+        let solver = Solver::Steps(method);
+        let request = Request { bodies, is_top, solver, record, schedule, steps, max_steps: 500 };
+        simulate(&request, threads, isa, &GO).unwrap().unwrap()
     }
 }
 
@@ -361,12 +364,253 @@ fn less_asked_is_the_same() {
     }
 }
 
+// --- Closed forms ---------------------------------------------------------------------------------------------
+
+/// Bodies of a closed form in its variables: ordinary ones, and beside them in the same registers those at every
+/// border of its code: separatrices, near and met exactly, poles, turning points, stable axes, extreme units.
+fn placed(kind: Kind) -> Vec<Body> {
+    let special = |number: u64| -> Body {
+        let ordinary = body(number, kind == Kind::Lagrange, kind != Kind::Free);
+        let tiny = 10.0_f64.powi(-((number / 14) as i32) - 4);
+        let free = |moments, omega| Body { moments, omega, ..ordinary };
+        let top = |theta: f64, omega: [f64; 3], mgl| {
+            let attitude = [(0.5 * theta).cos(), (0.5 * theta).sin(), 0.0, 0.0];
+            Body { moments: [1.0, 1.0, 0.5], weight: [0.0, 0.0, mgl], omega, attitude }
+        };
+        let upright = |q| Body { attitude: q, ..top(0.0, [1.5, -0.5, 6.0], 4.0) };
+        match (kind, number % 14) {
+            (Kind::Free, 1) => free([1.0, 2.0, 3.0], [tiny, 1.0, tiny]),
+            (Kind::Free, 2) => free([3.0, 2.0, 1.0], [0.0, -1.0, tiny]),
+            (Kind::Free, 3) => free([1.0, 2.0, 2.25], [-0.375, 0.25, 0.5]),
+            (Kind::Free, 4) => free([1.0, 3.0, 2.0], [tiny, 1.0, -tiny]),
+            (Kind::Free, 5) => free([1.0, 1.0 + tiny, 1.5], [0.4, -0.3, 1.2]),
+            (Kind::Free, 6) => free([1e-150, 2e-150, 2.5e-150], [3e8, 1e8, -2e8]),
+            (Kind::Symmetric, 1) => free([1.5; 3], [0.3, 1.0, -2.0]),
+            (Kind::Symmetric, 2) => free([2.0, 2.0, 3.0], [0.0; 3]),
+            (Kind::Symmetric, 3) => free([2.0, 2.0, 3.0], [0.0, 0.0, -1e-200]),
+            (Kind::Symmetric, 4) => free([1.0, 1.0, 0.2], [tiny, 0.0, 1e3]),
+            (Kind::Lagrange, 1) => top(tiny, [0.0, 0.0, 3.0], 4.0),
+            (Kind::Lagrange, 2) => top(tiny, [0.0, 0.0, 12.0], 4.0),
+            (Kind::Lagrange, 3) => upright([1.0, 0.0, 0.0, 0.0]),
+            (Kind::Lagrange, 4) => upright([0.0, 0.6, 0.8, 0.0]),
+            (Kind::Lagrange, 5) => top(1.2, [0.0; 3], -4.0),
+            (Kind::Lagrange, 6) => top(1.2, [2.0, 0.0, 0.0], 4.0),
+            (Kind::Lagrange, 7) => top(1.2, [0.0, 0.7, 0.0], 4.0),
+            (Kind::Lagrange, 8) => top(1.2, [0.3, 0.7, 6.0], -4.0),
+            // Through the bottom at the speed that just reaches the top.
+            (Kind::Lagrange, 9) => Body { attitude: [0.0, 1.0, 0.0, 0.0], ..top(0.0, [4.0, 0.0, 0.0], 4.0) },
+            (Kind::Lagrange, 10) => top(1.2, [2.0, 0.3, 1e5], 1e-4),
+            _ => ordinary,
+        }
+    };
+    let places = (0..140).map(special).map(|body| (Place::of(&body).unwrap(), body));
+    let of_kind = places.filter(|(place, _)| place.kind() == kind);
+    let bodies: Vec<Body> = of_kind.map(|(place, body)| place.canonical(&body)).collect();
+    assert!(bodies.len() >= 130, "{kind:?}: {}", bodies.len());
+    bodies
+}
+
+const MOMENTS_OF_TIME: [f64; 6] = [2.0, -3.7, 0.0, 0.3, 41.3, 1e4];
+
+/// What each lane is asked; see `Exit`.
+fn asked(number: usize) -> [f64; 3] {
+    [(number % 3) as f64, [0.05, 0.6, 1.0, 1.9][number % 4], [1.0, -1.0][number / 2 % 2]]
+}
+
+/// States, rates and exit of each lane: numbered bodies, the lanes at different times.
+fn evaluated(kind: Kind, isa: Isa, lanes: &[(usize, Body)]) -> Vec<Vec<u64>> {
+    let mut starts = StartRows::filled(&lanes[0].1);
+    let nothing = Row([0.0; LANES]);
+    let mut exits = ExitRows { axis: nothing, limit: nothing, direction: nothing };
+    let mut times = [nothing; MOMENTS_OF_TIME.len()];
+    for (lane, (number, body)) in lanes.iter().enumerate() {
+        starts.set(lane, body);
+        let [axis, limit, direction] = asked(*number);
+        (exits.axis.0[lane], exits.limit.0[lane], exits.direction.0[lane]) = (axis, limit, direction);
+        for (k, row) in times.iter_mut().enumerate() {
+            row.0[lane] = MOMENTS_OF_TIME[(k + number) % MOMENTS_OF_TIME.len()];
+        }
+    }
+    let evaluator = Evaluator::new(kind, isa);
+    let mut states = [StateRows::ZERO; MOMENTS_OF_TIME.len()];
+    let mut rates = states;
+    let mut left = nothing;
+    evaluator.states(&starts, &times, &mut states);
+    evaluator.rates(&starts, &times, &mut rates);
+    evaluator.exits(&starts, &exits, &mut left);
+    let of_lane = |lane: usize| {
+        let of_state = |state: &StateRows| {
+            let rows = state.omega.iter().chain(&state.attitude);
+            rows.map(|row| bits(row.0[lane])).collect::<Vec<u64>>()
+        };
+        let mut numbers: Vec<u64> = states.iter().chain(&rates).flat_map(of_state).collect();
+        numbers.push(bits(left.0[lane]));
+        numbers
+    };
+    (0..lanes.len()).map(of_lane).collect()
+}
+
+/// A body in all lanes at once, and among others in every lane, has the same bits.
+#[test]
+fn closed_forms_on_every_instruction_set_and_in_every_lane() {
+    for kind in [Kind::Symmetric, Kind::Free, Kind::Lagrange] {
+        let bodies: Vec<(usize, Body)> = placed(kind).into_iter().enumerate().collect();
+        let alone = |it: &(usize, Body)| evaluated(kind, Isa::Scalar, &[*it; LANES]).swap_remove(0);
+        let once: Vec<Vec<u64>> = bodies.iter().map(alone).collect();
+        // A start that is no number would compare equal to anything that is none.
+        let unknown = once.iter().flatten().filter(|&&x| x == f64::NAN.to_bits()).count();
+        assert_eq!(unknown, 0, "{kind:?}");
+        for isa in Isa::available() {
+            for (it, expected) in bodies.iter().zip(&once) {
+                for (lane, got) in evaluated(kind, isa, &[*it; LANES]).iter().enumerate() {
+                    assert_eq!(got, expected, "{kind:?} {isa:?} lane {lane}: {it:?}");
+                }
+            }
+            for shift in 0..LANES {
+                let mut shifted = bodies.clone();
+                shifted.rotate_left(shift);
+                for lanes in shifted.chunks(LANES) {
+                    for ((number, body), got) in lanes.iter().zip(evaluated(kind, isa, lanes)) {
+                        assert_eq!(got, once[*number], "{kind:?} {isa:?} shift {shift}: {body:?}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// What is said of a whole motion.
+#[test]
+fn derived_quantities_on_every_instruction_set() {
+    for is_top in [false, true] {
+        for body in exact_crowd(is_top) {
+            // As text, which shows every bit of a number and in which a NaN equals itself.
+            let told = |isa| {
+                let changes: Vec<_> = (0..3).map(|axis| sign_changes(isa, &body, axis)).collect();
+                let times: Vec<_> = [0.1, 1.0, 2.0].map(|limit| tilt_time(isa, &body, limit)).into();
+                let quantities = (free_quantities(isa, &body), top_quantities(isa, &body));
+                format!("{changes:?} {times:?} {quantities:?}")
+            };
+            let scalar = told(Isa::Scalar);
+            for isa in Isa::available() {
+                assert_eq!(told(isa), scalar, "{isa:?} {body:?}");
+            }
+        }
+    }
+}
+
+/// Bodies with every closed form in turn, those of one code side by side and not.
+fn exact_crowd(is_top: bool) -> Vec<Body> {
+    let bodies = |i: u64| {
+        let mut body = body(i, is_top, is_top || i.is_multiple_of(3) || i > 150);
+        match i % 11 {
+            // A spin, an upright top, a hanging one, a swing in a plane.
+            3 if !is_top => body.omega = [0.0, 0.7, 0.0],
+            3 => {
+                body = Body { weight: [0.0, 0.0, 1.5], moments: [1.0, 1.0, 1.2], ..body };
+                (body.omega, body.attitude) = ([0.0, 0.0, 2.0], [0.6, 0.0, 0.0, 0.8]);
+            }
+            5 if is_top => {
+                body = Body { moments: [1.0, 1.4, 0.9], weight: [0.0, 0.3, -0.7], ..body };
+                (body.omega, body.attitude) = ([1.5, 0.0, 0.0], [0.8, 0.6, 0.0, 0.0]);
+            }
+            _ => {}
+        }
+        body
+    };
+    (0..203).map(bodies).collect()
+}
+
+fn ask_exactly(
+    (is_top, bodies): (bool, &[Body]),
+    times: &[f64],
+    record: Record,
+    threads: usize,
+    isa: Isa,
+) -> States {
+    let steps = vec![f64::NAN; bodies.len()];
+    let (solver, schedule) = (Solver::Exact, Schedule::Times(times));
+    let request = Request { bodies, is_top, solver, record, schedule, steps: &steps, max_steps: 0 };
+    simulate(&request, threads, isa, &GO).unwrap().unwrap()
+}
+
+/// A body alone has its times in the lanes, a crowd has bodies in them.
+#[test]
+fn closed_forms_with_times_or_bodies_in_the_lanes() {
+    let few = TIMES.to_vec();
+    // More than are evaluated between two looks at the stop flag.
+    let many: Vec<f64> = (0..300).map(|k| 0.37 * f64::from(k) - 40.0).collect();
+    for is_top in [false, true] {
+        let bodies = exact_crowd(is_top);
+        for record in [Record::Rates, Record::Axis, Record::Attitude] {
+            for times in [&few, &many] {
+                let ask = |bodies: &[Body], threads, isa| {
+                    ask_exactly((is_top, bodies), times, record, threads, isa)
+                };
+                let everything = |threads, isa| {
+                    let states = ask(&bodies, threads, isa);
+                    (0..bodies.len()).map(|i| of_body(&states, i)).collect::<Vec<_>>()
+                };
+                let once = everything(1, Isa::Scalar);
+                assert!(once.iter().all(|body| body.1 == Status::Finished));
+                for isa in Isa::available() {
+                    for threads in [1, 2, 3] {
+                        assert_eq!(everything(threads, isa), once, "{threads} threads, {isa:?}");
+                    }
+                    for i in 0..bodies.len() {
+                        let alone = ask(&bodies[i..=i], 1, isa);
+                        assert_eq!(of_body(&alone, 0), once[i], "body {i}, {isa:?}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The state at a time does not depend on the other times, however many.
+#[test]
+fn closed_forms_at_any_number_of_times() {
+    let times: Vec<f64> = (0..2 * 8192 + 5).map(|k| 0.01 * f64::from(k)).collect();
+    for is_top in [false, true] {
+        let bodies = &exact_crowd(is_top)[..2];
+        let isa = Isa::available()[0];
+        let omega = |times: &[f64]| ask_exactly((is_top, bodies), times, Record::Rates, 1, isa).omega;
+        let all = omega(&times);
+        for at in [0, 1, 31, 8191, 8192, 16383, 16384, 16388] {
+            let single = omega(&times[at..=at]);
+            for body in 0..2 {
+                let in_all = &all[3 * (body * times.len() + at)..][..3];
+                assert_eq!(all_bits(&single[3 * body..][..3]), all_bits(in_all), "body {body}, time {at}");
+            }
+        }
+    }
+}
+
+/// What else is recorded does not touch the rates.
+#[test]
+fn less_asked_of_closed_forms_is_the_same() {
+    for is_top in [false, true] {
+        let bodies = exact_crowd(is_top);
+        let isa = Isa::available()[0];
+        let ask = |record| ask_exactly((is_top, &bodies), &TIMES, record, 2, isa).omega;
+        let attitude = ask(Record::Attitude);
+        for record in [Record::Rates, Record::Axis] {
+            let less = ask(record);
+            for (i, body) in bodies.iter().enumerate() {
+                let [a, b] =
+                    [&less, &attitude].map(|w| all_bits(&w[3 * TIMES.len() * i..][..3 * TIMES.len()]));
+                assert_eq!(a, b, "{record:?} {body:?}");
+            }
+        }
+    }
+}
+
 // --- Maps -----------------------------------------------------------------------------------------------------
 
 const SAMPLES: u64 = 1000;
 
 /// Pixels of both tables of a splitting, one impossible, one that overflows or needs too many steps.
-fn map(is_top: bool, method: Method, criterion: Criterion, step: Option<f64>) -> Map {
+fn map(is_top: bool, judge: Judge, criterion: Criterion, step: Option<f64>) -> Map {
     let pixel = |number, symmetric| Pixel {
         body: body(number, is_top, symmetric),
         omega_size: [0.3, 0.2, 0.1],
@@ -378,7 +622,7 @@ fn map(is_top: bool, method: Method, criterion: Criterion, step: Option<f64>) ->
     pixels[3].body.omega = [1e17; 3];
     Map {
         is_top,
-        method,
+        judge,
         pixels,
         omega_law: Law::Normal,
         attitude_law: Law::Direction,
@@ -394,13 +638,28 @@ fn map(is_top: bool, method: Method, criterion: Criterion, step: Option<f64>) ->
 }
 
 fn maps() -> Vec<Map> {
+    let [rk4, splitting] = [Method::Rk4, Method::Splitting].map(|method| Judge::Only(Solver::Steps(method)));
     vec![
-        map(false, Method::Rk4, Criterion::NoFlip, Some(0.05)),
-        map(false, Method::Splitting, Criterion::TiltFromStart(1.5), None),
-        map(true, Method::Rk4, Criterion::TiltFromVertical(2.2), None),
-        map(true, Method::Splitting, Criterion::NoFlip, Some(0.05)),
-        map(true, Method::Splitting, Criterion::TiltFromStart(2.6), Some(0.05)),
+        map(false, rk4, Criterion::NoFlip, Some(0.05)),
+        map(false, splitting, Criterion::TiltFromStart(1.5), None),
+        map(true, rk4, Criterion::TiltFromVertical(2.2), None),
+        map(true, splitting, Criterion::NoFlip, Some(0.05)),
+        map(true, splitting, Criterion::TiltFromStart(2.6), Some(0.05)),
     ]
+}
+
+/// Free bodies all in closed form; tops of one pixel in closed form, of the others stepped, in the same blocks.
+fn maps_in_closed_form() -> Vec<Map> {
+    let mut maps = vec![
+        map(false, Judge::Auto, Criterion::NoFlip, None),
+        map(false, Judge::Only(Solver::Exact), Criterion::NoFlip, None),
+        map(true, Judge::Auto, Criterion::TiltFromVertical(2.2), None),
+    ];
+    for map in &mut maps {
+        // Symmetric about the watched axis, a top's centre of mass on it.
+        map.pixels[0].body = body(4, map.is_top, true);
+    }
+    maps
 }
 
 /// Everything but the time that it took.
@@ -415,6 +674,7 @@ fn merged(a: Statistics, b: Statistics) -> Statistics {
         unstable: a.unstable + b.unstable,
         undecided: a.undecided + b.undecided,
         failed: a.failed + b.failed,
+        exact: a.exact + b.exact,
         checked: a.checked + b.checked,
         energy_drift: a.energy_drift.max(b.energy_drift),
         momentum_drift: a.momentum_drift.max(b.momentum_drift),
@@ -437,33 +697,43 @@ fn in_pieces(map: &Map, cut: u64, threads: usize, isa: Isa) -> Vec<Statistics> {
     all
 }
 
+/// The statistics of all samples of a map, after they were compared however it is cut and shared out.
+fn compared(map: &Map) -> Statistics {
+    let widest = Isa::available()[0];
+    let whole = in_pieces(map, map.len(), 1, widest);
+    for threads in [2, 3, 7] {
+        assert_eq!(in_pieces(map, map.len(), threads, widest), whole, "{threads} threads");
+    }
+    for cut in [1, 13, 4096] {
+        assert_eq!(in_pieces(map, cut, 1, widest), whole, "pieces of {cut}");
+    }
+    assert_eq!(in_pieces(map, 13, 3, widest), whole);
+    for isa in Isa::available() {
+        assert_eq!(in_pieces(map, map.len(), 2, isa), whole, "{isa:?}");
+    }
+    whole.into_iter().reduce(merged).unwrap()
+}
+
 #[test]
 fn a_map_however_it_is_cut_and_shared_out() {
     for map in maps() {
-        let widest = Isa::available()[0];
-        let whole = in_pieces(&map, map.len(), 1, widest);
-        for threads in [2, 3, 7] {
-            assert_eq!(in_pieces(&map, map.len(), threads, widest), whole, "{threads} threads");
-        }
-        for cut in [1, 13, 4096] {
-            assert_eq!(in_pieces(&map, cut, 1, widest), whole, "pieces of {cut}");
-        }
-        assert_eq!(in_pieces(&map, 13, 3, widest), whole);
-        for isa in Isa::available() {
-            assert_eq!(in_pieces(&map, map.len(), 2, isa), whole, "{isa:?}");
-        }
-
         // The case is worth comparing.
-        let total = whole.iter().copied().reduce(merged).unwrap();
+        let total = compared(&map);
         assert!(total.stable > 0 && total.unstable > 0 && total.failed >= SAMPLES, "{total:?}");
         assert_eq!(total.stable + total.unstable + total.undecided + total.failed, 4 * SAMPLES);
         assert!(total.energy_drift > 0.0 && total.earliest < map.t_end);
+    }
+    for map in maps_in_closed_form() {
+        let total = compared(&map);
+        assert!(total.stable > 0 && total.unstable > 0 && total.earliest < map.t_end, "{total:?}");
+        assert_eq!(total.exact, if map.is_top { SAMPLES } else { 4 * SAMPLES });
+        assert_eq!(total.steps > 0, map.is_top, "{total:?}");
     }
 }
 
 #[test]
 fn a_sample_alone_is_the_sample_of_the_map() {
-    for mut map in maps() {
+    for mut map in maps().into_iter().chain(maps_in_closed_form()) {
         // Counted once: the steps of a statistic are those of both runs.
         map.checked = 0;
         let isa = Isa::available()[0];
@@ -485,7 +755,8 @@ fn a_sample_alone_is_the_sample_of_the_map() {
                     Class::Failed => expected.failed = 1,
                 }
                 expected.steps = outcome.steps;
-                if outcome.status != Status::StepLimit {
+                expected.exact = u64::from(outcome.exact);
+                if outcome.status != Status::StepLimit && !outcome.exact {
                     // What overflowed lost all.
                     let lost = |drift: f64| if drift.is_nan() { f64::INFINITY } else { drift };
                     expected.energy_drift = lost(outcome.energy_drift);
@@ -497,7 +768,7 @@ fn a_sample_alone_is_the_sample_of_the_map() {
             }
             // As text, in which a NaN equals itself.
             assert_eq!(format!("{:?}", timeless(statistics)), format!("{expected:?}"), "sample {flat}");
-            assert_eq!(body, map.draw(isa, pixel, sample));
+            assert_eq!(body, map.draw(isa, flat..flat + 1)[0]);
         }
     }
 }
@@ -509,10 +780,16 @@ fn draws_on_every_instruction_set() {
     for omega_law in laws {
         for attitude_law in laws {
             let map = Map { omega_law, attitude_law, ..maps().swap_remove(2) };
-            for sample in 0..200 {
-                let scalar = numbers(map.draw(Isa::Scalar, 1, sample));
-                for isa in Isa::available() {
-                    assert_eq!(numbers(map.draw(isa, 1, sample)), scalar, "{omega_law:?} {attitude_law:?}");
+            // From the last samples of a pixel to the first of the next but one.
+            let range = 2 * SAMPLES - 40..3 * SAMPLES + 45;
+            let alone = |flat: u64| numbers(map.draw(Isa::Scalar, flat..flat + 1)[0]);
+            let scalar: Vec<_> = range.clone().map(alone).collect();
+            for isa in Isa::available() {
+                // Other cuts put a sample into other lanes.
+                for offset in [0, 1, 7, 33] {
+                    let drawn = map.draw(isa, range.start + offset..range.end);
+                    let drawn: Vec<_> = drawn.into_iter().map(numbers).collect();
+                    assert_eq!(drawn, scalar[offset as usize..], "{isa:?} {omega_law:?} {attitude_law:?}");
                 }
             }
         }

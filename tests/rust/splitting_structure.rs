@@ -9,7 +9,7 @@ use rigid::model::{Attitude, AxisAttitude, Free, Layout, Model, Parameters, Top}
 use rigid::sample::{Law, attitude, uniforms};
 use rigid::simd::Isa;
 use rigid::start::Body;
-use rigid::trajectory::{Record, Request, Schedule, States, simulate};
+use rigid::trajectory::{Record, Request, Schedule, Solver, States, simulate};
 use std::sync::atomic::AtomicBool;
 
 const EPS: f64 = f64::EPSILON;
