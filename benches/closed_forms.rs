@@ -19,7 +19,7 @@ const ROUNDS: usize = 100;
 fn starts(kind: Kind, tame: bool, mixed: bool) -> StartRows {
     let body = |lane: usize| {
         let x = 1e-3 * lane as f64;
-        let near = !tame && (!mixed || lane % 2 == 0);
+        let near = !tame && (!mixed || lane.is_multiple_of(2));
         let (moments, weight) = match kind {
             Kind::Symmetric => ([1.0, 1.0, 0.7], [0.0; 3]),
             Kind::Free => ([1.0, 1.6, 2.1], [0.0; 3]),

@@ -336,12 +336,10 @@ impl<R: Real> Free<R> {
         let next = R::select(self.polar3, v[0], v[1]);
         let last = R::select(self.polar3, v[1], v[2]);
         let sum = under + along;
-        // |(half, im)|^2 = 2 length half and |(sum, last, -next)|^2 = 2 under sum: one division for all. (Two roots,
-        // because the product of the four leaves the range of doubles near a separatrix.)
+        // |(half, im)|^2 = 2 length half and |(sum, last, -next)|^2 = 2 under sum. (Two roots, because the product
+        // of the four leaves the range of doubles near a separatrix.)
         let two = R::splat(2.0);
-        let root = (two * (length * half)).sqrt() * (two * (under * sum)).sqrt();
-        let inverse = R::splat(1.0) / (under * root);
-        let (scale, inverse_under) = (under * inverse, root * inverse);
+        let scale = R::splat(1.0) / ((two * (length * half)).sqrt() * (two * (under * sum)).sqrt());
         let (cos, sin) = (cos * scale, sin * scale);
         let polar = [sin * sum, cos.fma(last, sin * next), sin.fms(last, cos * next)];
         let mut local = [cos * sum; 4];
@@ -349,6 +347,6 @@ impl<R: Real> Free<R> {
             let [m1, m2, m3] = self.from_polar[k];
             local[k + 1] = m1.fma(polar[0], m2.fma(polar[1], m3 * polar[2]));
         }
-        ((v, inverse_under), local)
+        ((v, R::splat(1.0) / under), local)
     }
 }

@@ -9,14 +9,6 @@ use crate::real::Real;
 use crate::special::carlson_rf;
 use crate::special::theta::{Phase, Shifted, Torus};
 
-/// Whether a < b, a <= b kept apart from NaN by the caller.
-#[inline(always)]
-fn at_least<R: Real>(a: R, b: R) -> R::Mask {
-    // !(a < b) without a mask operation.
-    let one = R::splat(1.0);
-    R::splat(0.0).lt(R::select(a.lt(b), -one, one))
-}
-
 /// a b - (c d)^2 with products that are not rounded before the difference.
 #[inline(always)]
 fn margin_of<R: Real>(a: R, b: R, c: R, d: R) -> R {
@@ -149,7 +141,7 @@ impl<R: Real> Start<R> {
         let c1 = ((R::splat(4.0) * i1).fms(energy, (spin + spin) * top)) * inverse_k;
         let s = -((c1 + pi) * inverse_b);
         let r = s.fma(s, R::splat(-4.0) * pi).sqrt();
-        let positive = at_least(s, zero);
+        let positive = zero.lt(s);
         let larger = R::select(positive, s + r, s - r) * half;
         let some = zero.lt(larger.abs());
         let other = R::select(some, pi / R::select(some, larger, one), zero);
@@ -341,7 +333,7 @@ impl<R: Real> Motion<R> for Lagrange<R> {
 
         // The zeros of 2 - w and of w, as imaginary parts below K'/2; the odd functions have them there.
         let k = torus.moduli[0];
-        let odd = at_least(points.amplitude, k * rest_b);
+        let odd = (k * rest_b).lt(points.amplitude);
         let sn2 = R::select(odd, rest_b / rest_a, extent / (two - wc));
         let cn2 = R::select(odd, points.amplitude / rest_a, rest_b / (two - wc));
         let eta = sn2.sqrt() * carlson_rf(cn2, m.fma(sn2, cn2), one);

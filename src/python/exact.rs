@@ -86,7 +86,7 @@ pub fn flip_times<'py>(
         let never = first == f64::INFINITY;
         times.extend((0..count).map(|k| if never || k == 0 { first } else { first + k as f64 * interval }));
     }
-    Ok(times.into_pyarray(py).reshape([bodies.len(), count])?)
+    times.into_pyarray(py).reshape([bodies.len(), count])
 }
 
 /// Turning points, period and advances of symmetric tops.

@@ -59,10 +59,9 @@ pub(crate) fn sincos_kernel_with_tail<R: Real>(x: R, tail: R) -> (R, R) {
     (sin, cos)
 }
 
-/// sin and cos of x + tail, the tail below an ulp of x, by reduction to |r| <= pi/4 with pi/2 in three parts
-/// (159 bits).
+/// Multiples of pi/2 in x and what is left, |r| <= pi/4 as an unevaluated sum, with pi/2 in three parts (159 bits).
 #[inline(always)]
-fn sincos_reduced<R: Real>(x: R, tail: R) -> (R, R) {
+fn reduced<R: Real>(x: R) -> (R, R, R) {
     const P1: f64 = std::f64::consts::FRAC_PI_2;
     const P2: f64 = 6.123_233_995_736_766e-17;
     const P3: f64 = -1.497_384_904_859_183_3e-33;
@@ -78,7 +77,12 @@ fn sincos_reduced<R: Real>(x: R, tail: R) -> (R, R) {
     let r = b - c;
     let back = r - b;
     let r_error = ((b - (r - back)) - (c + back)) + (b_error - c_low);
-    let e = n.fnma(R::splat(P3), r_error) + tail;
+    (n, r, n.fnma(R::splat(P3), r_error))
+}
+
+/// sin and cos of n pi/2 + r + e, where x is that sum.
+#[inline(always)]
+fn sincos_in_quadrant<R: Real>(x: R, n: R, r: R, e: R) -> (R, R) {
     let (s, c) = sincos_kernel_with_tail(r, e);
     // Quadrant n mod 4: odd swaps; sin changes sign with floor(n/2), cos with floor((n+1)/2).
     let (half, quarter) = (R::splat(0.5), R::splat(0.25));
@@ -93,6 +97,13 @@ fn sincos_reduced<R: Real>(x: R, tail: R) -> (R, R) {
     (R::select(known, sin, nan), R::select(known, cos, nan))
 }
 
+/// sin and cos by reduction.
+#[inline(always)]
+fn sincos_reduced<R: Real>(x: R) -> (R, R) {
+    let (n, r, e) = reduced(x);
+    sincos_in_quadrant(x, n, r, e)
+}
+
 /// sin and cos, within 1 ulp for |x| <= 1e8; NaN from 2^50 on.
 ///
 /// The reduction is skipped when no lane needs it; a lane that does not need it never uses it.
@@ -101,7 +112,7 @@ pub fn sincos<R: Real>(x: R) -> (R, R) {
     let (sin, cos) = sincos_kernel(x);
     let large = R::splat(FRAC_PI_4).lt(x.abs());
     if R::any(large) {
-        let (s, c) = sincos_reduced(x, R::splat(0.0));
+        let (s, c) = sincos_reduced(x);
         (R::select(large, s, sin), R::select(large, c, cos))
     } else {
         (sin, cos)
@@ -111,7 +122,12 @@ pub fn sincos<R: Real>(x: R) -> (R, R) {
 /// sin and cos of the unevaluated sum x + tail, the tail below an ulp of x: what a long phase is reduced from.
 #[inline(always)]
 pub fn sincos_of_sum<R: Real>(x: R, tail: R) -> (R, R) {
-    sincos_reduced(x, tail)
+    let (n, r, e) = reduced(x);
+    // An ulp of x may be many of r: their sum again in two parts.
+    let e = e + tail;
+    let sum = r + e;
+    let back = sum - r;
+    sincos_in_quadrant(x, n, sum, (r - (sum - back)) + (e - back))
 }
 
 /// sinh and cosh of |x| below 350, each with a small relative error.
@@ -147,8 +163,8 @@ pub fn rodrigues<R: Real>(z: R) -> (R, R) {
     let large = limit.lt(z);
     if R::any(large) {
         let angle = R::select(large, z, one).sqrt();
-        let (s, _) = sincos_reduced(angle, R::splat(0.0));
-        let (s2, _) = sincos_reduced(angle * R::splat(0.5), R::splat(0.0));
+        let (s, _) = sincos_reduced(angle);
+        let (s2, _) = sincos_reduced(angle * R::splat(0.5));
         let versine = (s2 * s2) * R::splat(2.0);
         let a2 = R::select(large, z, one);
         (R::select(large, s / angle, first), R::select(large, versine / a2, second))

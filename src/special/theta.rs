@@ -70,8 +70,9 @@ pub struct Torus<R: Real> {
     /// The smaller nome and its square root.
     nome: R,
     root: R,
-    /// Powers of the nome that the multiples 2 to 6 still want in a theta series; the hyperbolic ones carry them.
-    power: [R; 7],
+    /// Powers of the nome that the multiples still want in a theta series; the hyperbolic ones carry them. The
+    /// seventh counts in those only: q^12 < 1e-16.
+    power: [R; TOP],
     /// sn, cn and dn over their quotients of theta series.
     pub quotient: [R; 3],
     /// Series argument over elliptic argument: 1 / theta3(0)^2.
@@ -114,7 +115,7 @@ impl<R: Real> Torus<R> {
         let q2 = nome * nome;
         let (q4, q6) = (q2 * q2, q2 * q2 * q2);
         let q9 = q4 * q4 * nome;
-        let power = [one, one, nome, q2, q4, q6, q9];
+        let power = [one, one, nome, q2, q4, q6, q9, zero];
         let mut power = power;
         for p in &mut power {
             *p = R::select(hyperbolic, one, *p);
@@ -235,8 +236,8 @@ impl<R: Real> Torus<R> {
     pub fn series(&self, phase: &Phase<R>, x: &Multiples<R>) -> ([R; 3], R) {
         let (one, zero, two) = (R::splat(1.0), R::splat(0.0), R::splat(2.0));
         let p = &self.power;
-        let th1 = p[5].fma(x.odd[5], p[3].fnma(x.odd[3], x.odd[1]));
-        let th2 = p[5].fma(x.even[5], p[3].fma(x.even[3], x.even[1]));
+        let th1 = p[7].fnma(x.odd[7], p[5].fma(x.odd[5], p[3].fnma(x.odd[3], x.odd[1])));
+        let th2 = p[7].fma(x.even[7], p[5].fma(x.even[5], p[3].fma(x.even[3], x.even[1])));
         let (e2, e4, e6) = (p[2] * x.even[2], p[4] * x.even[4], p[6] * x.even[6]);
         let th3 = two.fma(e2 + (e4 + e6), one);
         let th4 = two.fnma(e2 - (e4 - e6), one);

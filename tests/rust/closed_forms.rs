@@ -336,7 +336,7 @@ fn golden_trajectories() {
     assert!(count(Form::Spin) >= 2 && count(Form::Pendulum) >= 1, "{seen:?}");
 }
 
-/// A start near the intermediate axis with equal perturbations, 29 flips and 1000 s later, 25-digit arithmetic.
+/// A start near the intermediate axis with equal perturbations, nine flips later, 25-digit arithmetic.
 #[test]
 fn after_many_flips() {
     let (omega, _) = motion(&free([1.0, 2.0, 3.0], [1e-14, 1.0, 1e-14]), &[1000.0])[0];
