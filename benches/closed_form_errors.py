@@ -2,8 +2,8 @@
 
     python benches/closed_form_errors.py > table
 
-The bar is that of the tests: 1e-15 of the angle turned and 1 rad, or what an error of 4 roundings
-in each input costs (4 u kappa, u = 2^-53), whatever is larger.
+The bar is that of the tests: 1e-15 (1 + angle turned), or what an error of four roundings in the
+inputs costs (4 u kappa, u = 2^-53), whatever is larger.
 """
 
 from __future__ import annotations

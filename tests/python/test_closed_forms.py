@@ -154,10 +154,21 @@ def legs(case: Case, first: float, second: float) -> tuple[tuple[Floats, Floats]
     return (after[0][0], after[1][0]), rates, angle
 
 
+def handed_over(case: Case) -> bool:
+    """Whether a state in doubles can say on which side of the separatrix it is, and how far.
+
+    In the middle of a flip the distance, the complementary parameter, is a difference of numbers of
+    order one.
+    """
+    if not isinstance(case.scene, rigid.FreeBody):
+        return True
+    return bool(rigid.exact.free_body(case.scene, case.omega0).mc > 1e-10)
+
+
 @pytest.mark.parametrize("family", FREE + TOPS)
 def test_a_state_is_a_start(family: str) -> None:
     """The way in two halves is the whole way."""
-    for case in cases(family, 9):
+    for case in filter(handed_over, cases(family, 9)):
         (omega, attitude), rates, angle = legs(case, case.t / 2.0, case.t / 2.0)
         bars = case.bars()
         error = float(np.linalg.norm(omega - case.omega[0] - case.omega[1]))
@@ -168,7 +179,7 @@ def test_a_state_is_a_start(family: str) -> None:
 @pytest.mark.parametrize("family", FREE + TOPS)
 def test_the_way_back_is_the_way(family: str) -> None:
     """Minus the time, from where it led."""
-    for case in cases(family, 9):
+    for case in filter(handed_over, cases(family, 9)):
         (omega, attitude), rates, angle = legs(case, case.t, -case.t)
         bars = case.bars()
         assert np.linalg.norm(omega - case.omega0) <= 4.0 * (bars[0] + rates) * case.fastest
