@@ -31,7 +31,8 @@ fn starts(kind: Kind, tame: bool, mixed: bool) -> StartRows {
             _ if near => [1e-6 + 1e-6 * x, 1.0, 1e-6],
             _ => [0.2 + x, 0.3, 1.0],
         };
-        Body { moments, weight, omega, attitude: [0.8, 0.36, 0.48, 0.0] }
+        let attitude = if near { [1.0, 1e-6, 0.0, 0.0] } else { [0.8, 0.36, 0.48, 0.0] };
+        Body { moments, weight, omega, attitude }
     };
     let mut rows = StartRows::filled(&body(0));
     for lane in 0..LANES {

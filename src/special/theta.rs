@@ -70,8 +70,7 @@ pub struct Torus<R: Real> {
     /// The smaller nome and its square root.
     nome: R,
     root: R,
-    /// Powers of the nome that the multiples still want in a theta series; the hyperbolic ones carry them. The
-    /// seventh counts in those only: q^12 < 1e-16.
+    /// Powers of the nome that the multiples still want in a theta series; the hyperbolic ones carry them.
     power: [R; TOP],
     /// sn, cn and dn over their quotients of theta series.
     pub quotient: [R; 3],
@@ -115,8 +114,7 @@ impl<R: Real> Torus<R> {
         let q2 = nome * nome;
         let (q4, q6) = (q2 * q2, q2 * q2 * q2);
         let q9 = q4 * q4 * nome;
-        let power = [one, one, nome, q2, q4, q6, q9, zero];
-        let mut power = power;
+        let mut power = [one, one, nome, q2, q4, q6, q9, q6 * q6];
         for p in &mut power {
             *p = R::select(hyperbolic, one, *p);
         }
@@ -191,7 +189,9 @@ impl<R: Real> Torus<R> {
         let whole_low =
             R::select(turns.abs().lt(R::splat(0.5)), R::splat(0.0), turns.fms(self.quarter, whole));
         let rest = (high - whole) + (low - turns.fma(self.quarter_low, whole_low));
-        Phase { quarters: start.quarters + turns, rest }
+        // From 2^50 quarter periods on, a phase in doubles is no phase.
+        let known = turns.abs().lt(R::splat(1_125_899_906_842_624.0));
+        Phase { quarters: start.quarters + turns, rest: R::select(known, rest, R::splat(f64::NAN)) }
     }
 
     /// The multiples that all series at this phase are made of.
@@ -211,7 +211,9 @@ impl<R: Real> Torus<R> {
         }
         if R::any(self.hyperbolic) {
             // On the separatrix there is nothing to see beyond sech(170) = 1e-74.
-            let bounded = phase.rest.min(R::splat(170.0)).max(R::splat(-170.0));
+            let end = R::splat(170.0);
+            let edge = R::select(phase.rest.lt(zero), -end, end);
+            let bounded = R::select(end.lt(phase.rest.abs()), edge, phase.rest);
             let h = Multiples::hyperbolic(self.nome, R::select(self.hyperbolic, bounded, zero));
             for k in 0..TOP {
                 x.even[k] = R::select(self.hyperbolic, h.even[k], x.even[k]);

@@ -3,7 +3,6 @@
 use super::{Record, Request, States, Status, norm, worse};
 use crate::exact::{Evaluator, Place, StartRows, StateRows};
 use crate::kernel::{LANES, Row};
-use crate::model::{dot, seen_from_body};
 use crate::run::over_blocks;
 use crate::simd::Isa;
 use crate::start::{Body, invariant_scales};
@@ -12,9 +11,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Rows of times evaluated between two looks at the stop flag.
 const PATIENCE: usize = 256;
-
-/// The vertical of space.
-const VERTICAL: [f64; 3] = [0.0, 0.0, 1.0];
 
 /// Runs the request; `None` if it was stopped.
 pub fn simulate(
@@ -28,8 +24,9 @@ pub fn simulate(
     let groups = groups(places);
     let parts = over_blocks(groups.len(), threads, stop, |g| {
         let group = groups[g].clone();
-        let mut riders = Riders { request, times, places: &places[group.clone()], group, isa };
-        riders.run(stop)
+        let known =
+            request.bodies[group.clone()].iter().map(|b| Invariants::new(b, request.is_top)).collect();
+        Riders { request, times, places: &places[group.clone()], group, isa, known }.run(stop)
     });
     let mut all = States::with_capacity(request);
     for part in parts {
@@ -57,17 +54,19 @@ struct Riders<'a> {
     places: &'a [Place],
     group: Range<usize>,
     isa: Isa,
+    /// Of each body.
+    known: Vec<Invariants>,
 }
 
 impl Riders<'_> {
-    fn run(&mut self, stop: &AtomicBool) -> Option<States> {
+    fn run(&self, stop: &AtomicBool) -> Option<States> {
         let evaluator = Evaluator::new(self.places[0].kind(), self.isa);
         let canonical = |index: usize| self.places[index].canonical(self.body(index));
         let mut states = States::unknown(self.request, self.places.len());
         for drift in [&mut states.energy_drift, &mut states.momentum_drift, &mut states.unit_drift] {
             drift.fill(0.0);
         }
-        let mut out = vec![StateRows::ZERO; PATIENCE];
+        let mut out = vec![StateRows::ZERO; PATIENCE.min(self.times.len())];
         let evaluate = |starts: &StartRows, rows: &[Row], out: &mut [StateRows]| {
             if self.with_attitude() {
                 evaluator.states(starts, rows, out);
@@ -120,8 +119,8 @@ impl Riders<'_> {
     /// Writes the state of a body and updates its drifts.
     fn record(&self, states: &mut States, index: usize, time: usize, rows: &StateRows, lane: usize) {
         let body = self.body(index);
-        let mut omega = rows.omega.map(|row| row.0[lane]);
-        let mut attitude = rows.attitude.map(|row| row.0[lane]);
+        let mut omega = [0, 1, 2].map(|k| rows.omega[k].0[lane]);
+        let mut attitude = [0, 1, 2, 3].map(|k| rows.attitude[k].0[lane]);
         (omega, attitude) = self.places[index].back(body, omega, attitude);
         if self.times[time] == 0.0 {
             // Through other variables and back, the start would return rounded.
@@ -131,7 +130,7 @@ impl Riders<'_> {
         states.omega[3 * at..][..3].copy_from_slice(&omega);
         let mut vertical = [0.0; 3];
         if self.with_attitude() {
-            vertical = seen_from_body(&attitude, &VERTICAL);
+            vertical = vertical_of(attitude);
             if let Some(column) = &mut states.vertical {
                 column[3 * at..][..3].copy_from_slice(&vertical);
             }
@@ -140,16 +139,11 @@ impl Riders<'_> {
             }
             states.unit_drift[index] = worse(states.unit_drift[index], (norm(&attitude) - 1.0).abs());
         }
-        let [energy, momentum] = self.invariants(body, omega, vertical);
-        let [energy_at_start, momentum_at_start] = self.invariants(body, body.omega, body.vertical());
-        let [energy_scale, momentum_scale] = invariant_scales(body, self.request.is_top);
-        let moves = body.omega.iter().chain(&body.weight).any(|&x| x != 0.0);
-        if moves {
-            let drift = (energy - energy_at_start).abs() / energy_scale;
-            states.energy_drift[index] = worse(states.energy_drift[index], drift);
-            let drift = (momentum - momentum_at_start).abs() / momentum_scale;
-            states.momentum_drift[index] = worse(states.momentum_drift[index], drift);
-        }
+        let now = invariants(body, self.request.is_top, omega, vertical);
+        let Invariants { start, inverse_scale } = self.known[index];
+        let drift = [0, 1].map(|k| (now[k] - start[k]).abs() * inverse_scale[k]);
+        states.energy_drift[index] = worse(states.energy_drift[index], drift[0]);
+        states.momentum_drift[index] = worse(states.momentum_drift[index], drift[1]);
         if !omega.iter().chain(&attitude).all(|x| x.is_finite()) {
             states.status[index] = Status::NotFinite;
         }
@@ -163,12 +157,38 @@ impl Riders<'_> {
     fn with_attitude(&self) -> bool {
         self.request.is_top || self.request.record != Record::Rates
     }
+}
 
-    /// Energy and conserved momentum: `L.L` of a free body, `L.gamma` of a top.
-    fn invariants(&self, body: &Body, omega: [f64; 3], vertical: [f64; 3]) -> [f64; 2] {
-        let momentum = [0, 1, 2].map(|k| body.moments[k] * omega[k]);
-        let energy = 0.5 * dot(&momentum, &omega) + dot(&body.weight, &vertical);
-        let conserved = dot(&momentum, if self.request.is_top { &vertical } else { &momentum });
-        [energy, conserved]
+/// Energy and conserved momentum at the start, and one over the scales of their drifts.
+#[derive(Clone, Copy)]
+struct Invariants {
+    start: [f64; 2],
+    inverse_scale: [f64; 2],
+}
+
+impl Invariants {
+    fn new(body: &Body, is_top: bool) -> Self {
+        let start = invariants(body, is_top, body.omega, vertical_of(body.attitude));
+        let moves = body.omega.iter().chain(&body.weight).any(|&x| x != 0.0);
+        // Of a body that cannot move nothing can drift.
+        let inverse = |scale: f64| if moves { 1.0 / scale } else { 0.0 };
+        Invariants { start, inverse_scale: invariant_scales(body, is_top).map(inverse) }
     }
+}
+
+/// Energy and conserved momentum: `L.L` of a free body, `L.gamma` of a top.
+fn invariants(body: &Body, is_top: bool, omega: [f64; 3], vertical: [f64; 3]) -> [f64; 2] {
+    let momentum = [0, 1, 2].map(|k| body.moments[k] * omega[k]);
+    let energy = 0.5 * plain_dot(momentum, omega) + plain_dot(body.weight, vertical);
+    [energy, plain_dot(momentum, if is_top { vertical } else { momentum })]
+}
+
+/// a . b. Without `fma`, which costs a call outside the kernels.
+fn plain_dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// The vertical seen from the body.
+fn vertical_of([w, x, y, z]: [f64; 4]) -> [f64; 3] {
+    [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)]
 }
