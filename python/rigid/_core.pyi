@@ -13,6 +13,7 @@ __all__ = [
     "check_moments",
     "closed_forms",
     "elliptic",
+    "fastest_rates",
     "flip_times",
     "free_quantities",
     "methods",
@@ -53,6 +54,14 @@ def closed_forms(
     omega: NDArray[np.float64],
     attitude: NDArray[np.float64],
 ) -> list[str]: ...
+def fastest_rates(
+    *,
+    scene: str,
+    moments: NDArray[np.float64],
+    weight: NDArray[np.float64],
+    omega: NDArray[np.float64],
+    attitude: NDArray[np.float64],
+) -> NDArray[np.float64]: ...
 def free_quantities(
     *, moments: NDArray[np.float64], omega: NDArray[np.float64]
 ) -> dict[str, Any]: ...

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import dataclasses
 import json
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -21,6 +20,7 @@ from . import _core
 from ._check import finite_float, one_of
 from .bodies import possible
 from .columns import check_scene, columns, each_row
+from .costs import check_attainable, numbers, steps_for
 from .criteria import Criterion, NoFlip, TiltBelow
 from .grid import pixels
 from .methods import AUTO, EXACT, FALLBACK, run_methods
@@ -52,36 +52,6 @@ RECORDS: Mapping[str, str] = {
     "attitude": "rates and attitude at wanted times",
 }
 """The questions that are answered by states, in words."""
-
-ANGLE_PER_STEP = 1.0 / 16.0
-"""The angle (rad) that a body turns at most in a step that is left to the core."""
-
-LARGEST_ANGLE_PER_STEP = 0.5
-"""No accuracy is so low that a longer step is trusted to the model of its error."""
-
-ROUNDING = 1e-15
-"""Error of an attitude per radian turned that float64 leaves even to a closed form (rad)."""
-
-PHASE_ERROR: Mapping[str, tuple[int, float]] = {
-    "rk4": (4, 1.0 / 120.0),
-    "splitting": (2, 1.0 / 24.0),
-}
-"""Order p and factor c of the error ``c (h w)^p`` per radian turned at rate w with step h."""
-
-# Nanoseconds on one core: a body and a state of it by closed form; a step by scene and question.
-CLOSED_FORM_COST: Mapping[str, tuple[float, float]] = {
-    "axis spin": (200.0, 160.0),
-    "free symmetric": (200.0, 160.0),
-    "free asymmetric": (250.0, 180.0),
-    "lagrange": (300.0, 230.0),
-    "pendulum": (350.0, 220.0),
-}
-STEP_COST: Mapping[tuple[str, str], Mapping[str, float]] = {
-    ("rk4", "free"): {"rates": 1.3, "axis": 2.6, "attitude": 3.9, "flips": 1.6, "tilt": 3.3},
-    ("rk4", "top"): {"rates": 3.3, "axis": 3.3, "attitude": 6.0, "flips": 3.9, "tilt": 4.0},
-    ("splitting", "free"): {"rates": 4.4, "axis": 6.6, "attitude": 8.9, "flips": 4.7, "tilt": 7.0},
-    ("splitting", "top"): {"rates": 5.8, "axis": 5.8, "attitude": 10.0, "flips": 6.1, "tilt": 6.5},
-}
 
 _STATES_RULE = (
     "closed forms are known of a free body, of a top with two moments equal to the bit and its "
@@ -237,8 +207,8 @@ def plan(
     method      exact, closed form: free asymmetric
     carried     omega
     why         every body has a closed form
-    left out    closed form: no steps; rates only: no attitude; no weight: no vertical
-    cost        about 430 ns a body
+    left out    no torque: no steps; rates only: no attitude; no weight: no vertical
+    cost        about 240 ns a body
     error       about 1.6e-13 rad
     >>> rigid.plan(scene, rigid.tilt_below(0.5)).method
     'rk4'
@@ -299,13 +269,13 @@ def decide(
             f"{scene_words(scene)}; {_rule(question)}"
         )
     chosen, why = _choice(scene, question, forms, method, step)
-    rates = None if table is None else fastest_rates(*(table[name] for name in _COLUMNS))
+    rates = None if table is None else _core.fastest_rates(**each_row(table))
     steps = None
     if accuracy is not None:
         if rates is not None and span is not None:
-            _check_attainable(accuracy, rates * span)
+            check_attainable(accuracy, rates * span)
         if chosen != EXACT:
-            steps = _steps_for(accuracy, chosen, rates, span)
+            steps = steps_for(accuracy, chosen, rates, span)
             why.append(f"the step follows from the accuracy, {accuracy:g} rad at the end")
     elif step is not None and rates is not None and chosen != EXACT:
         steps = np.full(rates.shape, step)
@@ -316,8 +286,8 @@ def decide(
         method=chosen,
         carried=_carried(scene, question, chosen),
         why=tuple(why),
-        left_out=_left_out(scene, question, chosen, step),
-        **_numbers(scene.kind, question, chosen, forms, rates, span, steps, step, states),
+        left_out=_left_out(scene, question, chosen, step, forms),
+        **numbers(scene.kind, question, chosen, forms, rates, span, steps, step, states),
     )
     return made, steps
 
@@ -338,7 +308,13 @@ def map_plan(spec: MapSpec) -> Plan:
         chosen, why = AUTO, f"{closed.sum():,} of {closed.size:,} pixels have a closed form"
     else:
         chosen, why = scheme, _why_not(spec.stable, moments[0], weight[0])
-    rates = fastest_rates(moments, weight, rows.omega[real], rows.attitude[real])
+    rates = _core.fastest_rates(
+        scene=spec.scene.kind,
+        moments=moments,
+        weight=weight,
+        omega=np.ascontiguousarray(rows.omega[real]),
+        attitude=np.ascontiguousarray(rows.attitude[real]),
+    )
     if chosen == AUTO:
         rates = rates[~closed]
     steps = None if spec.step is None else np.full(rates.shape, spec.step)
@@ -350,8 +326,8 @@ def map_plan(spec: MapSpec) -> Plan:
         method=chosen,
         carried=_carried(spec.scene, spec.stable, chosen),
         why=(why,),
-        left_out=_left_out(spec.scene, spec.stable, chosen, spec.step),
-        **_numbers(
+        left_out=_left_out(spec.scene, spec.stable, chosen, spec.step, forms),
+        **numbers(
             spec.scene.kind,
             spec.stable,
             EXACT if chosen == EXACT else scheme,
@@ -410,60 +386,6 @@ def closed_forms(question: Question, moments: Floats, weight: Floats) -> NDArray
         vertical = question.reference == "vertical"
         return np.where(vertical & (axes == abs(question.axis)) & ~weightless, known, "")
     return known
-
-
-_COLUMNS = ("moments", "weight", "omega", "attitude")
-
-
-@np.errstate(all="ignore")  # absurd rates get absurd bounds, which the core knows to refuse
-def fastest_rates(moments: Floats, weight: Floats, omega: Floats, attitude: Floats) -> Floats:
-    """Bounds of |omega| over the whole motion from what is conserved (rad/s), shape (n,).
-
-    Those from which the core chooses a step: the polhode of a free body (Landau & Lifshitz § 37);
-    the energy of a top, which can gain the fall from upright, with the constant spin of a Lagrange
-    top; and the frequency of its swing.
-    """
-    heavy = weight.any(axis=1)
-    twice_kinetic = np.einsum("ij,ij,ij->i", moments, omega, omega)
-    if not heavy.any():
-        return np.sqrt(_polhode_bound(moments, omega, twice_kinetic))
-    fall = np.linalg.norm(weight, axis=1) + np.einsum("ij,ij->i", weight, _vertical(attitude))
-    reach = twice_kinetic + 2.0 * np.maximum(fall, 0.0)
-    squares = reach * (1.0 / moments).sum(axis=1)
-    axes = lagrange_axes(moments, weight)
-    for axis in np.unique(axes[axes > 0]).tolist():
-        spin2, across = omega[:, axis - 1] ** 2, moments[:, axis - 2]
-        held = spin2 + (reach - moments[:, axis - 1] * spin2) / across
-        squares = np.where(axes == axis, held, squares)
-    squares = np.maximum(squares, np.linalg.norm(weight, axis=1) / moments.min(axis=1))
-    if not heavy.all():
-        squares = np.where(heavy, squares, _polhode_bound(moments, omega, twice_kinetic))
-    rates: Floats = np.sqrt(squares)
-    return rates
-
-
-def _polhode_bound(moments: Floats, omega: Floats, twice_kinetic: Floats) -> Floats:
-    """Bound of |omega|² of a free body from ``L² - 2 T I1`` and ``2 T I3 - L²``."""
-    order = np.argsort(moments, axis=1, kind="stable")
-    i1, i2, i3 = np.take_along_axis(moments, order, axis=1).T
-    w1, w2, w3 = np.take_along_axis(omega, np.broadcast_to(order, omega.shape), axis=1).T
-    # From components, because the differences of the invariants cancel.
-    low = i2 * (i2 - i1) * w2 * w2 + i3 * (i3 - i1) * w3 * w3
-    high = i1 * (i3 - i1) * w1 * w1 + i2 * (i3 - i2) * w2 * w2
-    # A denominator of zero gives no bound.
-    first = np.fmin(twice_kinetic / i1, high / (i1 * (i3 - i1)))
-    second = np.fmin(twice_kinetic / i2, high / (i2 * (i3 - i2)))
-    second = np.fmin(second, low / (i2 * (i2 - i1)))
-    third = np.fmin(twice_kinetic / i3, low / (i3 * (i3 - i1)))
-    bound: Floats = first + second + third
-    return bound
-
-
-def _vertical(attitude: Floats) -> Floats:
-    """The upward vertical seen from bodies with these unit quaternions, shape (n, 3)."""
-    w, x, y, z = attitude.T
-    gamma = [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), w * w - x * x - y * y + z * z]
-    return np.stack(gamma, axis=-1)
 
 
 def _resolved(scene: Scene, question: object, table: Mapping[str, Any] | None) -> Question:
@@ -525,11 +447,24 @@ def _why_not(question: Question, moments: Floats, weight: Floats) -> str:
     return "no closed form: the centre of mass is not on the symmetry axis"
 
 
-def _left_out(scene: Scene, question: Question, method: str, step: float | None) -> tuple[str, ...]:
+def _left_out(
+    scene: Scene,
+    question: Question,
+    method: str,
+    step: float | None,
+    forms: NDArray[np.str_],
+) -> tuple[str, ...]:
     """What is not done, and why not."""
     left = []
     if method == EXACT:
-        left.append("closed form: no steps")
+        reasons = {
+            "free symmetric": "symmetric: no elliptic functions",
+            "lagrange": "symmetric: closed form, no steps",
+            "pendulum": "plane swing: closed form, no steps",
+        }
+        if isinstance(scene, FreeBody):
+            left.append("no torque: no steps")
+        left.extend(reasons[form] for form in sorted(set(forms.tolist())) if form in reasons)
         if step is not None:
             left.append(f"closed form: step = {step:g} is not needed")
     if not isinstance(question, str):
@@ -554,81 +489,6 @@ def _carried(scene: Scene, question: Question, method: str) -> tuple[str, ...]:
         "axis": ("omega", "gamma"),
         "attitude": ("omega", "gamma", "attitude") if heavy else ("omega", "attitude"),
     }[question]
-
-
-def _check_attainable(accuracy: float, angles: Floats) -> None:
-    floor = ROUNDING * (1.0 + angles.max(initial=0.0))
-    if accuracy <= floor:
-        raise ValueError(
-            f"accuracy = {accuracy:g}: must be above {floor:.1e}, which rounding leaves of "
-            f"{angles.max(initial=0.0):.3g} rad turned"
-        )
-
-
-@np.errstate(all="ignore")
-def _steps_for(accuracy: float, method: str, rates: Floats | None, span: float | None) -> Floats:
-    """The step of each body whose phase error at the end is ``accuracy``."""
-    if rates is None or span is None:
-        missing = "omega" if rates is None else "t_end"
-        raise ValueError(
-            f"accuracy = {accuracy:g}: the step of {method!r} follows from the rates and the "
-            f"horizon; {missing} is missing"
-        )
-    order, factor = PHASE_ERROR[method]
-    angles = rates * span
-    turn = ((accuracy - ROUNDING * (1.0 + angles)) / (factor * angles)) ** (1.0 / order)
-    # What does not turn needs no step.
-    return np.where(rates > 0.0, np.minimum(turn, LARGEST_ANGLE_PER_STEP) / rates, np.inf)
-
-
-@np.errstate(all="ignore")
-def _numbers(
-    kind: str,
-    question: Question,
-    method: str,
-    forms: NDArray[np.str_],
-    rates: Floats | None,
-    span: float | None,
-    steps: Floats | None,
-    step: float | None,
-    states: int,
-) -> dict[str, Any]:
-    """Step, steps, cost and error of the worst body, as far as they are known."""
-    angles = None if rates is None or span is None else rates * span
-    error = None if angles is None else ROUNDING * (1.0 + angles)
-    if method == EXACT:
-        costs = [CLOSED_FORM_COST[form] for form in set(forms.tolist())]
-        cost = max((setup + states * state for setup, state in costs), default=0.0)
-        return {"step": None, "steps": 0, "cost": cost, "error": _worst(error)}
-    if rates is None:
-        return {"step": step, "steps": None, "cost": None, "error": None}
-    if steps is None:
-        steps = ANGLE_PER_STEP / rates
-    shortest = float(steps.min(initial=np.inf))
-    taken = math.inf if span is None or shortest == 0.0 else span / shortest
-    counted = taken < 2.0**63
-    if angles is not None and error is not None:
-        order, factor = PHASE_ERROR[method]
-        error = error + angles * factor * np.where(rates > 0.0, rates * steps, 0.0) ** order
-    return {
-        "step": shortest if shortest < np.inf else None,
-        "steps": math.ceil(taken) if counted else None,
-        "cost": math.ceil(taken) * STEP_COST[method, kind][_cost_of(question)] if counted else None,
-        "error": _worst(error),
-    }
-
-
-def _cost_of(question: Question) -> str:
-    """The question as the table of costs names it."""
-    if isinstance(question, str):
-        return question
-    return "flips" if isinstance(question, NoFlip) else "tilt"
-
-
-def _worst(errors: Floats | None) -> float | None:
-    """The largest error, None if none is known."""
-    worst = None if errors is None else float(errors.max(initial=0.0))
-    return worst if worst is not None and math.isfinite(worst) else None
 
 
 def _time_words(nanoseconds: float) -> str:

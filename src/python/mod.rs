@@ -37,7 +37,9 @@ mod _core {
     #[pymodule_export]
     use super::exact::{elliptic, flip_times, free_quantities_of, tilt_times, top_quantities_of};
     #[pymodule_export]
-    use super::{MapJob, build_info, check_moments, closed_forms, methods, principal_axes, simulate};
+    use super::{MapJob, build_info, check_moments, closed_forms, fastest_rates, methods};
+    #[pymodule_export]
+    use super::{principal_axes, simulate};
 
     /// Version of the library.
     #[pymodule_export]
@@ -268,6 +270,27 @@ fn closed_forms(
         rows::<4>("attitude", &attitude)?,
     )?;
     Ok(bodies.iter().map(|body| Place::of(body).map_or("", |place| place.form.name())).collect())
+}
+
+/// Bounds of |omega| over the whole motion, from what is conserved: those that a step is chosen from.
+#[pyfunction]
+#[pyo3(signature = (*, scene, moments, weight, omega, attitude))]
+fn fastest_rates<'py>(
+    py: Python<'py>,
+    scene: &str,
+    moments: PyReadonlyArray2<'py, f64>,
+    weight: PyReadonlyArray2<'py, f64>,
+    omega: PyReadonlyArray2<'py, f64>,
+    attitude: PyReadonlyArray2<'py, f64>,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    parse_scene(scene)?;
+    let bodies = bodies(
+        rows::<3>("moments", &moments)?,
+        rows::<3>("weight", &weight)?,
+        rows::<3>("omega", &omega)?,
+        rows::<4>("attitude", &attitude)?,
+    )?;
+    Ok(bodies.iter().map(Body::fastest_rate).collect::<Vec<f64>>().into_pyarray(py))
 }
 
 fn states_to_dict(py: Python<'_>, states: States, n: usize, times: usize) -> PyResult<Bound<'_, PyDict>> {

@@ -87,7 +87,7 @@ def test_less_is_carried_where_less_is_asked() -> None:
     assert rigid.plan(HEAVY, rigid.no_flip(1)).carried == ("omega", "gamma")
     assert "rates only: no attitude" in rigid.plan(FREE, "rates").left_out
     assert "no weight: no vertical" in rigid.plan(FREE, "rates").left_out
-    assert "closed form: no steps" in rigid.plan(FREE, "rates").left_out
+    assert "no torque: no steps" in rigid.plan(FREE, "rates").left_out
     assert "class only: no trajectory, no attitude" in rigid.plan(FREE, rigid.no_flip()).left_out
 
 
