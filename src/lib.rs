@@ -4,8 +4,8 @@
 //!
 //! ```text
 //! real ← simd        real ← special ← model ← method ← observe ← kernel
-//! {body, kernel} ← start        special ← sample
-//! {start, sample, run} ← trajectory ← ensemble ← python
+//! {body, kernel} ← start ← exact        special ← sample
+//! {exact, sample, run} ← trajectory ← ensemble ← python
 //! ```
 
 pub mod body;

@@ -34,6 +34,11 @@ impl Body {
         self.weight[axis] != 0.0 && self.weight[(axis + 1) % 3] == 0.0 && self.weight[(axis + 2) % 3] == 0.0
     }
 
+    /// Whether the two moments across this axis are equal, to the bit.
+    pub fn is_symmetric_about(&self, axis: usize) -> bool {
+        self.moments[(axis + 1) % 3] == self.moments[(axis + 2) % 3]
+    }
+
     /// 1 - cos of the angle between the upward vertical and the centre of mass on this axis.
     pub fn depth(&self, axis: usize) -> f64 {
         let vertical = self.vertical()[axis];
@@ -69,7 +74,7 @@ impl Body {
     fn lagrange_axis(&self) -> Option<usize> {
         (0..3).find(|&k| {
             let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-            self.moments[i] == self.moments[j] && self.weight[i] == 0.0 && self.weight[j] == 0.0
+            self.is_symmetric_about(k) && self.weight[i] == 0.0 && self.weight[j] == 0.0
         })
     }
 

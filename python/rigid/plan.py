@@ -302,6 +302,8 @@ def map_plan(spec: MapSpec) -> Plan:
     scheme = FALLBACK if spec.method in (AUTO, EXACT) else spec.method
     if spec.method not in (AUTO, EXACT):
         chosen, why = scheme, f"method = {scheme!r} was asked for"
+    elif not closed.size:
+        chosen, why = EXACT, "no pixel has a possible body: nothing is done"
     elif closed.all():
         chosen, why = EXACT, "every body has a closed form"
     elif closed.any():
@@ -322,7 +324,7 @@ def map_plan(spec: MapSpec) -> Plan:
     return Plan(
         scene=scene_words(spec.scene, varied),
         question=spec.criterion,
-        closed_form=_listed(forms) or None if chosen in (AUTO, EXACT) else None,
+        closed_form=_listed(forms) if chosen in (AUTO, EXACT) else None,
         method=chosen,
         carried=_carried(spec.scene, spec.stable, chosen),
         why=(why,),
@@ -414,9 +416,9 @@ def _rule(question: Question) -> str:
     return _STATES_RULE if isinstance(question, str) else _CLASS_RULE
 
 
-def _listed(forms: NDArray[np.str_]) -> str:
+def _listed(forms: NDArray[np.str_]) -> str | None:
     """The closed forms that occur."""
-    return ", ".join(sorted(set(forms.tolist()) - {""}))
+    return ", ".join(sorted(set(forms.tolist()) - {""})) or None
 
 
 def _choice(
@@ -433,6 +435,8 @@ def _choice(
         return FALLBACK, [_why_not(question, np.array(scene.body.moments), scene.weight)]
     if step is not None:
         return FALLBACK, ["a step was asked for"]
+    if not forms.size:
+        return EXACT, ["there are no bodies: nothing is done"]
     return EXACT, ["every body has a closed form"]
 
 
@@ -442,9 +446,12 @@ def _why_not(question: Question, moments: Floats, weight: Floats) -> str:
     if axis or not weight.any():
         symmetry = f": the symmetry axis is {axis}" if axis else ""
         return f"no closed form of {_question_words(question)}{symmetry}"
-    if len(set(moments.tolist())) == 3:
-        return "no closed form: no two moments of the top are equal to the bit"
-    return "no closed form: the centre of mass is not on the symmetry axis"
+    reasons = {
+        1: "the centre of mass is on no principal axis",
+        2: "the centre of mass is not on the symmetry axis",
+        3: "no two moments of the top are equal to the bit",
+    }
+    return f"no closed form: {reasons[len(set(moments.tolist()))]}"
 
 
 def _left_out(
@@ -468,8 +475,12 @@ def _left_out(
         if step is not None:
             left.append(f"closed form: step = {step:g} is not needed")
     if not isinstance(question, str):
-        left.append("class only: no trajectory, no attitude")
-    elif question != "attitude":
+        left.append(
+            "class only: no trajectory, no attitude"
+            if method == EXACT
+            else "class only: no attitude, no trajectory kept"
+        )
+    elif question != "attitude" and "attitude" not in _carried(scene, question, method):
         left.append(f"{'rates' if question == 'rates' else 'vertical'} only: no attitude")
     if isinstance(scene, FreeBody) and question in ("rates", "attitude"):
         left.append("no weight: no vertical")
@@ -483,7 +494,14 @@ def _carried(scene: Scene, question: Question, method: str) -> tuple[str, ...]:
         return () if exact else ("omega",) if isinstance(scene, FreeBody) else ("omega", "gamma")
     if isinstance(question, TiltBelow):
         return () if exact else ("omega", "gamma")
-    heavy = isinstance(scene, HeavyTop) and not exact
+    heavy = isinstance(scene, HeavyTop)
+    if exact:
+        # The rates of a top and every vertical come from the attitude.
+        return {
+            "rates": ("omega", "attitude") if heavy else ("omega",),
+            "axis": ("omega", "gamma", "attitude"),
+            "attitude": ("omega", "attitude"),
+        }[question]
     return {
         "rates": ("omega", "gamma") if heavy else ("omega",),
         "axis": ("omega", "gamma"),

@@ -126,7 +126,13 @@ def scene_words(scene: Scene, varied: Container[str] = ()) -> str:
     """The scene in words; ``varied`` names the numbers that the axes of a map set."""
 
     def numbers(values: Iterable[tuple[str, float]]) -> str:
-        return ", ".join("varied" if name in varied else f"{value:g}" for name, value in values)
+        pairs = list(values)
+        # Numbers that differ must not look equal.
+        short = len({f"{value:g}" for _, value in pairs}) == len({value for _, value in pairs})
+        return ", ".join(
+            "varied" if name in varied else f"{value:g}" if short else repr(value)
+            for name, value in pairs
+        )
 
     body = scene.body
     moments = list(zip(("I1", "I2", "I3"), body.moments, strict=True))

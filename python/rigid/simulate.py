@@ -29,7 +29,7 @@ class Status(IntEnum):
     FINISHED = 0  #: at the last wanted time
     STOPPED = 1  #: when the question of a map was answered
     STEP_LIMIT = 2  #: not run: it would have needed more than ``max_steps``
-    NOT_FINITE = 3  #: a number overflowed or became NaN: the step is too long
+    NOT_FINITE = 3  #: overflow or NaN: too long a step, or a phase beyond 2**50 turns
     DRIFTED = 4  #: energy, momentum or unit lengths off by more than 0.1: the step is too long
 
 

@@ -31,16 +31,19 @@ impl Question {
         let place = Place::of(body)?;
         let watched = map.axis.unsigned_abs() as usize - 1;
         let axis = place.axis(watched);
+        // What the plan of a map can know: a top that stands still by chance is not singled out.
+        let symmetric =
+            body.is_symmetric_about(watched) && (body.weight == [0.0; 3] || body.is_weighed_along(watched));
         let plain = Question { place, axis, limit: 0.0, direction: 1.0, known: None };
         match (map.criterion, place.form) {
-            (Criterion::NoFlip, Form::Spin) => Some(Question { known: Some(f64::INFINITY), ..plain }),
+            (Criterion::NoFlip, Form::Spin) if !map.is_top || symmetric => {
+                Some(Question { known: Some(f64::INFINITY), ..plain })
+            }
             (Criterion::NoFlip, Form::Symmetric | Form::Asymmetric) => Some(plain),
             (Criterion::NoFlip, Form::Lagrange) if axis == 2 => {
                 Some(Question { known: Some(f64::INFINITY), ..plain })
             }
-            (Criterion::TiltFromVertical(angle), Form::Lagrange | Form::Spin)
-                if map.is_top && body.is_weighed_along(watched) =>
-            {
+            (Criterion::TiltFromVertical(angle), Form::Lagrange | Form::Spin) if map.is_top && symmetric => {
                 let half = crate::special::sincos(0.5 * angle);
                 let along = (map.axis > 0) == (body.weight[watched] > 0.0);
                 let part = if along { half.0 } else { half.1 };

@@ -18,7 +18,7 @@ pub struct FreeQuantities {
     pub flip_time: f64,
     /// Largest size of each component of the rates.
     pub amplitude: [f64; 3],
-    /// Mean rate at which the encircled axis precesses about L.
+    /// Mean rate at which the encircled axis precesses about L; the rate about L where the axis is at rest.
     pub precession: f64,
 }
 
@@ -103,9 +103,9 @@ fn free(body: &Body) -> FreeQuantities {
             let [w1, w2, w3] = place.canonical(body).omega;
             let transverse = (w1 * w1 + w2 * w2).sqrt();
             let axis = (0..3).find(|&k| place.axis(k) == 2).unwrap_or(2);
-            let mut amplitude = [transverse; 3];
-            amplitude[axis] = w3.abs();
             let turns = body_rate != 0.0 && transverse > 0.0;
+            let mut amplitude = if turns { [transverse; 3] } else { omega.map(f64::abs) };
+            amplitude[axis] = w3.abs();
             FreeQuantities {
                 axis: if w3 == 0.0 { 0 } else { (axis + 1) as i8 * if w3 < 0.0 { -1 } else { 1 } },
                 parameter: [0.0, 1.0],
@@ -222,6 +222,17 @@ fn time_of_tilt(body: &Body, limit: f64) -> Option<f64> {
         return Some(if body.depth(axis) == versine { 0.0 } else { f64::INFINITY });
     }
     let m: Lagrange<f64> = motion(&place, body);
+    // A turning point is reached without being passed.
+    let at = |w: f64| (w - versine).abs() <= 4.0 * f64::EPSILON * w;
+    let [wa, wb, _] = m.points.w;
+    if at(m.tilt_at_start()) {
+        return Some(0.0);
+    }
+    for (w, time) in [wa, wb].into_iter().zip(m.turning_times()) {
+        if at(w) {
+            return Some(time);
+        }
+    }
     let direction = if m.tilt_at_start() <= versine { 1.0 } else { -1.0 };
     Some(m.exit(&Exit { axis: 2.0, limit: versine, direction }))
 }

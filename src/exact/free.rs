@@ -57,6 +57,20 @@ impl<R: Real> Roles<R> {
     }
 }
 
+/// `i (a - b) w^2` as a sum of two numbers.
+#[inline(always)]
+fn energy_product<R: Real>(i: R, a: R, b: R, w: R) -> [R; 2] {
+    let difference = a - b;
+    let back = a - difference;
+    let difference_low = (a - (difference + back)) + (back - b);
+    let first = i * difference;
+    let first_low = i.fma(difference_low, i.fms(difference, first));
+    let second = first * w;
+    let second_low = first_low.fma(w, first.fms(w, second));
+    let third = second * w;
+    [third, second_low.fma(w, second.fms(w, third))]
+}
+
 /// What the motion of one body is made of.
 #[derive(Clone, Copy)]
 pub struct Free<R: Real> {
@@ -112,10 +126,12 @@ impl<R: Real> Motion<R> for Free<R> {
         roles.exchange::<1, 2>(swap, &mut i, &mut w);
         let swap = i[1].lt(i[0]);
         roles.exchange::<0, 1>(swap, &mut i, &mut w);
-        // (L^2 - 2 E I2) (I3 - I1): its sign says which axis the polhode encircles.
-        let about3 = (i[2] * (i[2] - i[1])) * (w[2] * w[2]);
-        let about1 = (i[0] * (i[1] - i[0])) * (w[0] * w[0]);
-        let swap = about3.lt(about1);
+        // (L^2 - 2 E I2) (I3 - I1): its sign says which axis the polhode encircles. All products in two parts: on the
+        // separatrix it is zero, and next to it all digits count.
+        let about3 = energy_product(i[2], i[2], i[1], w[2]);
+        let about1 = energy_product(i[0], i[1], i[0], w[0]);
+        let distance = (about3[0] - about1[0]) + (about3[1] - about1[1]);
+        let swap = distance.lt(zero);
         roles.exchange::<0, 2>(swap, &mut i, &mut w);
         let w = scaled(&w, roles.sign);
         let turned = R::select(w[2].lt(zero), -one, one);
@@ -132,7 +148,7 @@ impl<R: Real> Motion<R> for Free<R> {
         // (2 E I3 - L^2) / (I3 - I1), (L^2 - 2 E I1) / (I3 - I1), (L^2 - 2 E I2) / (I3 - I1).
         let a = e2.fma(rho, e1);
         let b = e2.fma(rho1, e3);
-        let c = e3.fms(rho, e1 * rho1).max(zero);
+        let c = distance.abs() * inverse_span.abs();
         let inverse_rho_b = one / (rho * b);
         let m = (rho1 * a) * inverse_rho_b;
         let mc = c * inverse_rho_b;

@@ -250,6 +250,22 @@ impl<R: Real> Lagrange<R> {
         (quarter + quarter) / (self.rate * self.unit)
     }
 
+    /// Phase at the start, in units of the argument: 0 at the largest tilt, falling from there.
+    #[inline(always)]
+    fn phase_at_start(&self) -> R {
+        let (zero, quarters) = (R::splat(0.0), self.start.quarters);
+        R::select(zero.lt(quarters.abs()), quarters * self.torus.quarter(), zero) + self.start.rest
+    }
+
+    /// First time of the least and of the largest tilt.
+    #[inline(always)]
+    pub fn turning_times(&self) -> [R; 2] {
+        let (zero, quarter) = (R::splat(0.0), self.torus.quarter());
+        let phase = self.phase_at_start();
+        let to_largest = R::select(zero.lt(phase), (quarter + quarter) - phase, -phase);
+        [quarter - phase, to_largest].map(|distance| distance / (self.rate * self.unit))
+    }
+
     /// p_phi - p_psi and p_psi, in the units of the set-up.
     #[inline(always)]
     pub fn momenta(&self) -> [R; 2] {
@@ -412,19 +428,23 @@ impl<R: Real> Motion<R> for Lagrange<R> {
         // Where w = wa sn^2 + wb cn^2 is at the limit; it rises there before the phase 0 and falls after it.
         let (up, down) = ((wb - w).max(zero), (w - wa).max(zero));
         let span = up + down;
-        let crossed = zero.lt(up.min(down));
+        let rising = zero.lt(question.direction);
+        let crossed = zero.lt(R::select(rising, up, down));
         let inverse = one / R::select(crossed, span, one);
         let [m, mc] =
             [self.torus.moduli[0] * self.torus.moduli[0], self.torus.moduli[1] * self.torus.moduli[1]];
         let (sn2, cn2) = (R::select(crossed, up * inverse, zero), R::select(crossed, down * inverse, one));
         let there = self.torus.phase(sn2.sqrt(), cn2.sqrt(), m.fma(cn2, mc).sqrt());
-        let rising = zero.lt(question.direction);
         let quarter = self.torus.quarter();
         let sign = R::select(rising, -one, one);
         let quarters = sign.fms(there.quarters, self.start.quarters);
         let rests = sign.fms(there.rest, self.start.rest);
         let distance = R::select(zero.lt(quarters.abs()), quarters * quarter, zero) + rests;
-        let distance = R::select(distance.lt(zero), (quarter + quarter) + distance, distance);
+        // A start that moves towards the limit is not past it, whatever the rounding says.
+        let phase = self.phase_at_start();
+        let approaches = R::select(rising, -phase, phase);
+        let wrapped = R::select(zero.lt(approaches), zero, (quarter + quarter) + distance);
+        let distance = R::select(distance.lt(zero), wrapped, distance);
         let time = distance / (self.rate * self.unit);
         // Beyond the limit from the start.
         let now = self.tilt_at_start;

@@ -7,7 +7,7 @@ use std::f64::consts::FRAC_1_SQRT_2;
 /// The closed forms.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
-    /// Free: spherical, at rest or turning about a principal axis, or a top upright or hanging without swing.
+    /// Free: spherical, at rest or turning about a principal axis; or a top upright or hanging without swing.
     Spin,
     /// Free, two moments equal.
     Symmetric,
@@ -61,6 +61,9 @@ enum Way {
     /// The body frame alone was turned: this axis, about which it swings, became the first and the weight the third.
     Swing(usize),
 }
+
+/// Share of a motion below which something is not part of it.
+const NEGLIGIBLE: f64 = 1e-150;
 
 /// The axes of a body frame turned by a quarter so that each axis becomes the third.
 const TO_THIRD: [[i8; 3]; 3] = [[-3, 2, 1], [1, -3, 2], [1, 2, 3]];
@@ -118,6 +121,12 @@ fn swing_frame(weight: [f64; 3], axis: usize) -> [f64; 4] {
     quaternion_product(&TO_FIRST[axis], &[half[0], half[1], 0.0, 0.0])
 }
 
+/// Whether a body axis is upright or hangs.
+fn is_vertical(body: &Body, axis: usize) -> bool {
+    let [w, x, y, z] = quarter_turned(body.attitude, axis, 1.0);
+    (x.abs() <= NEGLIGIBLE && y.abs() <= NEGLIGIBLE) || (w.abs() <= NEGLIGIBLE && z.abs() <= NEGLIGIBLE)
+}
+
 impl Place {
     /// The place of a body, if it has a closed form.
     #[inline(always)]
@@ -127,7 +136,9 @@ impl Place {
 
     #[inline(always)]
     fn free(body: &Body) -> Place {
-        let turns = body.omega.map(|rate| rate != 0.0);
+        // What is below 1e-150 of the fastest rate has squares outside the range of doubles: it counts as none.
+        let fastest = body.omega.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+        let turns = body.omega.map(|rate| rate.abs() > NEGLIGIBLE * fastest);
         let count = turns.iter().filter(|&&turns| turns).count();
         let [a, b, c] = body.moments;
         let (first, second, third) = (b == c, c == a, a == b);
@@ -148,24 +159,40 @@ impl Place {
     }
 
     fn top(body: &Body) -> Option<Place> {
-        let symmetry = (0..3)
-            .find(|&k| body.moments[(k + 1) % 3] == body.moments[(k + 2) % 3] && body.is_weighed_along(k));
-        let Some(axis) = symmetry else { return Place::pendulum(body) };
-        let [w, x, y, z] = quarter_turned(body.attitude, axis, 1.0);
-        let vertical = (x == 0.0 && y == 0.0) || (w == 0.0 && z == 0.0);
-        if vertical && body.omega[(axis + 1) % 3] == 0.0 && body.omega[(axis + 2) % 3] == 0.0 {
+        let mgl = body.weight.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+        let kinetic = (0..3).map(|k| body.moments[k] * body.omega[k] * body.omega[k]).fold(0.0_f64, f64::max);
+        if mgl < NEGLIGIBLE * kinetic {
+            return Some(Place::free(body));
+        }
+        let heavy = (0..3).find(|&k| body.is_weighed_along(k));
+        let Some(axis) = heavy.filter(|&k| body.is_symmetric_about(k)) else {
+            return Place::pendulum(body, heavy);
+        };
+        let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
+        let rate = body.omega[axis].abs().max((mgl / body.moments[next]).sqrt());
+        let still = |k: usize| body.omega[k].abs() <= NEGLIGIBLE * rate;
+        if still(next) && still(last) && is_vertical(body, axis) {
             return Some(Place { form: Form::Spin, way: Way::Spin(axis) });
         }
         Some(Place { form: Form::Lagrange, way: Way::QuarterTurned(axis) })
     }
 
-    /// A swing about a principal axis that is level, with the centre of mass beside it.
-    fn pendulum(body: &Body) -> Option<Place> {
+    /// A swing about a principal axis that is level, with the centre of mass beside it; or no swing at all.
+    fn pendulum(body: &Body, heavy: Option<usize>) -> Option<Place> {
+        let rest = body.omega == [0.0; 3];
+        if let Some(axis) = heavy.filter(|&k| rest && is_vertical(body, k)) {
+            return Some(Place { form: Form::Spin, way: Way::Spin(axis) });
+        }
         let vertical = body.vertical();
         let axis = (0..3).find(|&k| {
             let (i, j) = ((k + 1) % 3, (k + 2) % 3);
             body.omega[i] == 0.0 && body.omega[j] == 0.0 && body.weight[k] == 0.0 && vertical[k] == 0.0
         })?;
+        let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+        // The weight has no lever: a body at rest stays so.
+        if rest && vertical[i] * body.weight[j] == vertical[j] * body.weight[i] {
+            return Some(Place { form: Form::Spin, way: Way::Spin(axis) });
+        }
         Some(Place { form: Form::Pendulum, way: Way::Swing(axis) })
     }
 

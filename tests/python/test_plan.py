@@ -78,11 +78,11 @@ def test_a_plan_is_read_in_eight_lines(make: Callable[[], rigid.Plan]) -> None:
 
 def test_less_is_carried_where_less_is_asked() -> None:
     carried = [rigid.plan(FREE, record).carried for record in RECORDS]
-    assert carried == [("omega",), ("omega", "gamma"), ("omega", "attitude")]
+    assert carried == [("omega",), ("omega", "gamma", "attitude"), ("omega", "attitude")]
     # A scheme needs the vertical of a top for its torque, a closed form does not.
     carried = [rigid.plan(HEAVY, record).carried for record in RECORDS]
     assert carried == [("omega", "gamma"), ("omega", "gamma"), ("omega", "gamma", "attitude")]
-    assert rigid.plan(LAGRANGE, "rates").carried == ("omega",)
+    assert rigid.plan(LAGRANGE, "rates").carried == ("omega", "attitude")
     assert rigid.plan(FREE, rigid.no_flip()).carried == ()
     assert rigid.plan(HEAVY, rigid.no_flip(1)).carried == ("omega", "gamma")
     assert "rates only: no attitude" in rigid.plan(FREE, "rates").left_out
@@ -161,6 +161,7 @@ UP, DOWN = np.nextafter(1.0, [2.0, 0.0])
         ((1.0, 1.0, 0.5), (1e-300, 0.0, 1.0), "the centre of mass is not on the symmetry axis"),
         ((1.0, 1.0, 0.5), (1.0, 0.0, 0.0), "the centre of mass is not on the symmetry axis"),
         ((1.0, 0.5, 1.0), (0.0, 0.0, 1.0), "the centre of mass is not on the symmetry axis"),
+        ((1.0, 1.0, 1.0), (0.6, 0.8, 0.0), "the centre of mass is on no principal axis"),
     ],
 )
 def test_what_is_nearly_symmetric_is_not_made_symmetric(
@@ -178,6 +179,7 @@ def test_what_is_nearly_symmetric_is_not_made_symmetric(
 
 def test_a_nearly_symmetric_free_body_is_asymmetric() -> None:
     scene = rigid.FreeBody(rigid.Body((1.0, UP, 0.5)))
+    assert rigid.plan(scene, "rates").scene == f"free body, moments (1.0, {float(UP)!r}, 0.5)"
     assert rigid.plan(scene, "rates").closed_form == "free asymmetric"
 
 

@@ -8,7 +8,7 @@ use rigid::exact::{Form, Kind, Place};
 use rigid::model::seen_from_body;
 use rigid::simd::Isa;
 use rigid::special::theta::{Phase, Torus};
-use rigid::special::{complete_k, jacobi};
+use rigid::special::{complete_k, jacobi, sincos};
 use rigid::start::Body;
 use rigid::trajectory::{Record, Request, Schedule, Solver, States, Status, simulate};
 use serde_json::Value;
@@ -726,7 +726,9 @@ fn symmetric_to_the_bit_only() {
         assert_eq!(form(&body([1.0, 1.0, 1.0], omega)), Some(Form::Spin));
         assert_eq!(form(&body([1.0, 1.0, one_more], omega)), Some(Form::Symmetric));
         assert_eq!(form(&body([1.0, 1.3, 1.5], [0.0, 0.0, 0.5])), Some(Form::Spin));
-        assert_eq!(form(&body([1.0, 1.3, 1.5], [0.0, 5e-324, 0.5])), Some(Form::Asymmetric));
+        assert_eq!(form(&body([1.0, 1.3, 1.5], [0.0, 1e-140, 0.5])), Some(Form::Asymmetric));
+        // The square of this is no double.
+        assert_eq!(form(&body([1.0, 1.3, 1.5], [0.0, 5e-324, 0.5])), Some(Form::Spin));
 
         let weight = turned([0.0, 0.0, -2.0]);
         let heavy = |moments, omega| Body { weight, ..body(moments, omega) };
@@ -757,9 +759,54 @@ fn upright_hanging_and_plane_swings() {
         for attitude in [[0.6, 0.0, 0.0, 0.8], [0.0, 0.6, 0.8, 0.0]] {
             let spin = |w1, w3| top(axis, 2.0, 0.7, [w1, 0.0, w3], attitude);
             assert_eq!(form(&spin(0.0, 3.0)), Some(Form::Spin), "axis {axis} {attitude:?}");
-            assert_eq!(form(&spin(1e-200, 3.0)), Some(Form::Lagrange), "axis {axis} {attitude:?}");
+            assert_eq!(form(&spin(1e-140, 3.0)), Some(Form::Lagrange), "axis {axis} {attitude:?}");
+            assert_eq!(form(&spin(1e-200, 3.0)), Some(Form::Spin), "axis {axis} {attitude:?}");
         }
     }
+    // A top without symmetry that stands or hangs at rest stays; so does one whose weight has no lever.
+    for attitude in [[1.0, 0.0, 0.0, 0.0], [0.6, 0.0, 0.0, 0.8], [0.0, 1.0, 0.0, 0.0]] {
+        let still = body([0.0; 3], attitude);
+        assert_eq!(form(&still), Some(Form::Spin), "{attitude:?}");
+        assert_eq!(motion(&still, &[7.0]), [([0.0; 3], attitude)]);
+    }
+    let no_lever =
+        Body { weight: [0.0, 0.6, 0.8], ..body([0.0; 3], [0.9_f64.sqrt(), -(0.1_f64.sqrt()), 0.0, 0.0]) };
+    for (omega, attitude) in motion(&no_lever, &[1.0, 10.0]) {
+        assert!(omega.iter().chain(&attitude).all(|x| x.is_finite()));
+    }
+}
+
+/// The sign of 2 E I2 - L^2 is found without rounding: exactly on the separatrix no flip comes back, one rounding
+/// beside it the next flip is where 50 digits have it.
+#[test]
+fn separatrix_to_the_last_bit() {
+    let third = (1.0_f64 / 3.0).sqrt();
+    let flip = |moments, omega: [f64; 3]| free_quantities(Isa::Scalar, &free(moments, omega)).flip_time;
+    assert_eq!(flip([2.0, 4.0, 4.5], [0.75, 0.5, 1.0]), f64::INFINITY);
+    for (rate, expected) in [(0.75 * third, 76.543_175_864), (0.75 * third * (1.0 + 1e-15), 70.894_027_206)] {
+        let found = flip([1.0, 2.0, 3.0], [0.75, 0.5, rate]);
+        assert!((found - expected).abs() < 1e-8, "{found}");
+    }
+}
+
+/// A release at the limit leaves at once if it falls, a touch of the turning point counts as reaching it.
+#[test]
+fn limits_at_the_turning_points() {
+    let at = |tilt: f64, omega| {
+        let (sin, cos) = sincos(0.5 * tilt);
+        top(3, 0.5, 1.0, omega, [cos, sin, 0.0, 0.0])
+    };
+    let time = |body: &Body, limit| tilt_time(Isa::Scalar, body, limit).unwrap();
+    let release = at(0.5, [0.0, 0.0, 5.0]);
+    let nutation = top_quantities(Isa::Scalar, &release).unwrap();
+    assert_eq!(time(&release, 0.5), 0.0);
+    let touched = time(&release, nutation.tilt[1]);
+    assert!((touched - 0.5 * nutation.period).abs() <= 4.0 * EPS * nutation.period, "{touched} {nutation:?}");
+    let beyond = nutation.tilt[1] * (1.0 + 1e-12);
+    assert_eq!(time(&release, beyond), f64::INFINITY);
+    // A swing through the top reaches it.
+    let over = at(0.5, [3.0, 0.0, 0.0]);
+    assert!(time(&over, std::f64::consts::PI) < top_quantities(Isa::Scalar, &over).unwrap().period);
 }
 
 /// The start comes back to the bit at time 0, from every form, on every axis.
