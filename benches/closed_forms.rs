@@ -7,7 +7,7 @@
 
 use rigid::clock::thread_nanoseconds;
 use rigid::exact::{Evaluator, ExitRows, Kind, StartRows, StateRows};
-use rigid::kernel::{LANES, Row};
+use rigid::group::{LANES, Row};
 use rigid::simd::Isa;
 use rigid::start::Body;
 use std::hint::black_box;

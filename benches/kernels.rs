@@ -3,7 +3,8 @@
 //! `cargo bench --bench kernels`. Thread CPU time, best of several repeats, the two sides interleaved.
 
 use rigid::clock::thread_nanoseconds;
-use rigid::kernel::{Compiled, Group, Kernel, LANES, Row, System, Table, Watch};
+use rigid::group::{Group, LANES, Row};
+use rigid::kernel::{Compiled, Kernel, System, Table, Watch};
 use rigid::simd::Isa;
 use std::hint::black_box;
 

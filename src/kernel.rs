@@ -1,141 +1,18 @@
-//! Bodies side by side, and the one place where generic kernels meet instruction sets.
+//! The one place where generic schemes meet instruction sets.
 //!
-//! A `Group` holds `LANES` bodies, component by component. A burst advances all of them by some steps; the
-//! code that fills and empties lanes around it is ordinary scalar code. No lane looks at another.
+//! A burst advances all bodies of a `Group` by some steps; the code that fills and empties lanes around it is
+//! ordinary scalar code. No lane looks at another.
 
-use crate::method::{Form, PlanarStrang, Rk4, RotorStrang, RungeKutta, Scheme, Splitting};
+use crate::group::{DriftRows, Group, LANES, MAX_STATE, Row};
+use crate::method::{Form, Planar, Rk4, Rotor, RungeKutta, Scheme, Splitting};
 use crate::model::{
     Attitude, Axis, AxisAttitude, Free, Layout, Model, Parameters, Rates, Top, TwoAxes, direction, dot,
 };
-use crate::observe::{Flips, Nothing, Observe, Tilt, Watched};
+use crate::observe::{Flips, Tilt, Watched};
 use crate::real::{Pack, Real};
 use crate::simd::Isa;
 #[cfg(target_arch = "x86_64")]
 use crate::simd::{Arr, V4, V8};
-use std::sync::OnceLock;
-
-/// Bodies in a group: four AVX-512 registers, so that each hides the latency of the others.
-pub const LANES: usize = 32;
-
-/// Longest state: rates, vertical and quaternion.
-pub const MAX_STATE: usize = 10;
-
-/// One number for each body of a group.
-#[derive(Clone, Copy)]
-#[repr(C, align(64))]
-pub struct Row(pub [f64; LANES]);
-
-impl Row {
-    const ZERO: Row = Row([0.0; LANES]);
-}
-
-/// The invariants at the start and the largest deviation from them seen at the ends of bursts.
-#[derive(Clone, Copy)]
-pub struct DriftRows {
-    /// Value at the start.
-    pub start: Row,
-    /// One over the scale that the deviation is measured in.
-    pub inverse_scale: Row,
-    /// Largest deviation.
-    pub worst: Row,
-}
-
-/// The bodies in flight and all that is known of them.
-#[derive(Clone)]
-pub struct Group {
-    /// Rates or momenta, directions, quaternion.
-    pub state: [Row; MAX_STATE],
-    /// Principal moments.
-    pub moments: [Row; 3],
-    /// `mgl com`.
-    pub weight: [Row; 3],
-    /// Time step; 0 makes a lane wait.
-    pub step: Row,
-    /// Steps made.
-    pub count: Row,
-    /// See `Watched`.
-    pub axis: [Row; 3],
-    /// See `Watched`.
-    pub side: Row,
-    /// See `Watched`.
-    pub flips: Row,
-    /// See `Watched`.
-    pub left: Row,
-    /// See `Watched`.
-    pub cosine: Row,
-    /// See `Watched`.
-    pub sine2: Row,
-    /// See `Watched`.
-    pub limit: [Row; 2],
-    /// Energy.
-    pub energy: DriftRows,
-    /// `L.L` of a free body, `L.gamma` of a top.
-    pub momentum: DriftRows,
-    /// Largest deviation of the length of a direction from one.
-    pub unit: Row,
-}
-
-impl Group {
-    /// Lanes that wait.
-    pub fn waiting() -> Group {
-        static WAITING: OnceLock<Group> = OnceLock::new();
-        WAITING.get_or_init(Group::all_waiting).clone()
-    }
-
-    fn all_waiting() -> Group {
-        let drift = DriftRows { start: Row::ZERO, inverse_scale: Row::ZERO, worst: Row::ZERO };
-        let mut group = Group {
-            state: [Row::ZERO; MAX_STATE],
-            moments: [Row([1.0; LANES]); 3],
-            weight: [Row::ZERO; 3],
-            step: Row::ZERO,
-            count: Row::ZERO,
-            axis: [Row::ZERO; 3],
-            side: Row::ZERO,
-            flips: Row::ZERO,
-            left: Row::ZERO,
-            cosine: Row::ZERO,
-            sine2: Row::ZERO,
-            limit: [Row::ZERO; 2],
-            energy: drift,
-            momentum: drift,
-            unit: Row::ZERO,
-        };
-        for lane in 0..LANES {
-            group.wait(lane);
-        }
-        group
-    }
-
-    /// Makes a lane wait: a unit sphere at rest, its watched axis where it started, and a step of 0.
-    pub fn wait(&mut self, lane: usize) {
-        for row in &mut self.state {
-            row.0[lane] = 0.0;
-        }
-        for direction in [3, 6] {
-            self.state[direction].0[lane] = 1.0;
-        }
-        for k in 0..3 {
-            self.moments[k].0[lane] = 1.0;
-            self.weight[k].0[lane] = 0.0;
-            self.axis[k].0[lane] = if k == 0 { 1.0 } else { 0.0 };
-        }
-        self.step.0[lane] = 0.0;
-        self.side.0[lane] = 0.0;
-        self.flips.0[lane] = 0.0;
-        self.left.0[lane] = f64::INFINITY;
-        self.cosine.0[lane] = 1.0;
-        self.sine2.0[lane] = 0.0;
-        self.limit[0].0[lane] = f64::NEG_INFINITY;
-        self.limit[1].0[lane] = f64::INFINITY;
-        self.unit.0[lane] = 0.0;
-        for drift in [&mut self.energy, &mut self.momentum] {
-            drift.start.0[lane] = 0.0;
-            drift.inverse_scale.0[lane] = 0.0;
-            drift.worst.0[lane] = 0.0;
-        }
-    }
-}
 
 /// Which model moves and what is carried beside the rates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -147,6 +24,8 @@ pub enum System {
     TopAxis,
     TopTwoAxes,
     TopAttitude,
+    SpinFreeAxis,
+    SpinFreeAttitude,
 }
 
 /// Which table moves it.
@@ -184,23 +63,32 @@ impl System {
     pub fn len(self) -> usize {
         match self {
             System::FreeRates => Rates::LEN,
-            System::FreeAxis | System::TopAxis => Axis::LEN,
+            System::FreeAxis | System::TopAxis | System::SpinFreeAxis => Axis::LEN,
             System::FreeAttitude => Attitude::LEN,
             System::TopTwoAxes => TwoAxes::LEN,
-            System::TopAttitude => AxisAttitude::LEN,
+            System::TopAttitude | System::SpinFreeAttitude => AxisAttitude::LEN,
         }
     }
 
     /// Whether there is weight; the vertical is then the first direction carried.
     pub fn is_top(self) -> bool {
-        matches!(self, System::TopAxis | System::TopTwoAxes | System::TopAttitude)
+        !matches!(self, System::FreeRates | System::FreeAxis | System::FreeAttitude)
+    }
+
+    /// Whether this can be watched: sign changes of the rates, or the tilt from the last direction carried.
+    pub fn shows(self, watch: Watch) -> bool {
+        match watch {
+            Watch::Nothing => true,
+            Watch::Flips => matches!(self, System::FreeRates | System::TopAxis),
+            Watch::Tilt => matches!(self, System::FreeAxis | System::TopAxis | System::TopTwoAxes),
+        }
     }
 
     /// Where the quaternion begins, if one is carried.
     pub fn quaternion_at(self) -> Option<usize> {
         match self {
             System::FreeAttitude => Some(Attitude::QUATERNION_AT),
-            System::TopAttitude => Some(AxisAttitude::QUATERNION_AT),
+            System::TopAttitude | System::SpinFreeAttitude => Some(AxisAttitude::QUATERNION_AT),
             _ => None,
         }
     }
@@ -209,6 +97,11 @@ impl System {
 impl Table {
     /// All tables.
     pub const ALL: [Table; 3] = [Table::Rk4, Table::Planar, Table::Rotor];
+
+    /// Whether it moves a Lagrange top in its spin-free frame. The two oldest are kept as they were published.
+    pub fn moves_spin_free(self) -> bool {
+        !matches!(self, Table::Rk4 | Table::Planar | Table::Rotor)
+    }
 
     /// The variables that it moves.
     pub fn form(self) -> Form {
@@ -255,13 +148,12 @@ fn update_drift<P: Pack>(rows: &mut DriftRows, at: usize, now: P) {
 
 /// Advances all lanes by `steps`, the packs side by side, and compares the invariants at the end.
 #[inline(always)]
-fn burst<P, const PACKS: usize, M, L, S, W, const D: usize>(g: &mut Group, steps: usize)
+fn burst<P, const PACKS: usize, M, L, S, const D: usize>(g: &mut Group, steps: usize, watch: Watch)
 where
     P: Pack,
     M: Model<P>,
     L: Layout,
     S: Scheme<P, M, L, D>,
-    W: Observe,
 {
     const { assert!(D == L::LEN && PACKS * P::LANES == LANES) };
     let mut p = [Parameters {
@@ -291,10 +183,14 @@ where
             for d in 0..D {
                 y[d].store(&mut g.state[d].0[at..]);
             }
-            if const { W::WATCHES } {
+            if watch != Watch::Nothing {
                 let mut watched = load_watched::<P>(g, at);
                 let time = (P::load(&g.count.0[at..]) + P::splat(i as f64)) * p[b].step;
-                W::after_step::<P, M, L, S, D>(&schemes[b], &p[b], &mut watched, time, &before, &y);
+                if watch == Watch::Flips {
+                    Flips::after_step::<P, M, L, S, D>(&schemes[b], &p[b], &mut watched, time, &before, &y);
+                } else if const { L::VECTORS > 0 } {
+                    Tilt::after_step::<P, M, L, S, D>(&schemes[b], &p[b], &mut watched, time, &before, &y);
+                }
                 store_watched(g, at, &watched);
             }
         }
@@ -349,69 +245,77 @@ macro_rules! engines {
 }
 engines! {
     Rk4: RungeKutta<R, M>, V8, V4;
-    PlanarStrang: Splitting<R>, Arr<V8, 2>, Arr<V4, 2>;
-    RotorStrang: Splitting<R>, V8, V4;
+    Planar: Splitting<R>, Arr<V8, 2>, Arr<V4, 2>;
+    Rotor: Splitting<R>, V8, V4;
 }
 
 /// Advances all lanes of a group by some steps.
-type Advance = unsafe fn(&mut Group, usize);
+type Advance = unsafe fn(&mut Group, usize, Watch);
 /// Energy and conserved momentum of one body, with the arithmetic of the kernel.
 type Invariants = unsafe fn(&Parameters<f64>, &[f64; MAX_STATE]) -> [f64; 2];
 
-/// A kernel compiled for an instruction set that this CPU has.
+/// The code of a kernel for an instruction set.
 #[derive(Clone, Copy)]
-pub struct Compiled {
+struct Code {
     advance: Advance,
     invariants: Invariants,
 }
 
+/// A kernel compiled for an instruction set that this CPU has.
+#[derive(Clone, Copy)]
+pub struct Compiled {
+    code: Code,
+    watch: Watch,
+}
+
 impl Compiled {
-    /// The kernel for that instruction set; panics if the CPU lacks it.
+    /// The kernel for that instruction set; panics if the CPU lacks it, or if the system cannot be watched so.
     pub fn new(kernel: Kernel, isa: Isa) -> Compiled {
         assert!(isa.is_available(), "{} is not available on this CPU", isa.name());
-        entry(kernel, isa)
+        let Kernel { system, watch, .. } = kernel;
+        assert!(system.shows(watch), "{watch:?} is not watched on {system:?}");
+        Compiled { code: code(kernel, isa), watch }
     }
 
     /// Advances every lane of the group.
     pub fn advance(self, group: &mut Group, steps: usize) {
         // Safety: `new` has seen the features that the entry point needs.
-        unsafe { (self.advance)(group, steps) }
+        unsafe { (self.code.advance)(group, steps, self.watch) }
     }
 
     /// Energy and conserved momentum of one body.
     pub fn invariants(self, p: &Parameters<f64>, y: &[f64; MAX_STATE]) -> [f64; 2] {
         // Safety: as above.
-        unsafe { (self.invariants)(p, y) }
+        unsafe { (self.code.invariants)(p, y) }
     }
 }
 
-/// The functions of a model, layout, table and observable for an instruction set.
-macro_rules! compiled {
-    ($isa:ident, $model:ident, $layout:ident, $d:literal, $table:ident, $watch:ident) => {{
+/// The functions of a model, layout and table for an instruction set.
+macro_rules! code_of {
+    ($isa:expr, $model:ident, $layout:ident, $d:literal, $table:ident) => {{
         #[cfg(target_arch = "x86_64")]
-        compiled!(@functions avx512, [#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,avx2,fma")]],
-            <$table as Engine>::Avx512, $model, $layout, $d, $table, $watch);
+        code_of!(@functions avx512, [#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,avx2,fma")]],
+            <$table as Engine>::Avx512, $model, $layout, $d, $table);
         #[cfg(target_arch = "x86_64")]
-        compiled!(@functions avx2, [#[target_feature(enable = "avx2,fma")]],
-            <$table as Engine>::Avx2, $model, $layout, $d, $table, $watch);
-        compiled!(@functions scalar, [], f64, $model, $layout, $d, $table, $watch);
+        code_of!(@functions avx2, [#[target_feature(enable = "avx2,fma")]],
+            <$table as Engine>::Avx2, $model, $layout, $d, $table);
+        code_of!(@functions scalar, [], f64, $model, $layout, $d, $table);
         match $isa {
             #[cfg(target_arch = "x86_64")]
-            Isa::Avx512 => Compiled { advance: avx512::advance, invariants: avx512::invariants_of },
+            Isa::Avx512 => Code { advance: avx512::advance, invariants: avx512::invariants_of },
             #[cfg(target_arch = "x86_64")]
-            Isa::Avx2 => Compiled { advance: avx2::advance, invariants: avx2::invariants_of },
-            _ => Compiled { advance: scalar::advance, invariants: scalar::invariants_of },
+            Isa::Avx2 => Code { advance: avx2::advance, invariants: avx2::invariants_of },
+            _ => Code { advance: scalar::advance, invariants: scalar::invariants_of },
         }
     }};
-    (@functions $name:ident, [$($feature:tt)*], $pack:ty,
-     $model:ident, $layout:ident, $d:literal, $table:ident, $watch:ident) => {
+    (@functions $name:ident, [$($feature:tt)*], $pack:ty, $model:ident, $layout:ident, $d:literal, $table:ident) => {
         mod $name {
             use super::*;
             type P = $pack;
             type Scheme<R> = <$table as Engine>::Scheme<R, $model<R>>;
             $($feature)*
-            pub fn advance(g: &mut Group, steps: usize) {
-                burst::<P, { LANES / P::LANES }, $model<P>, $layout, Scheme<P>, $watch, $d>(g, steps)
+            pub fn advance(g: &mut Group, steps: usize, watch: Watch) {
+                burst::<P, { LANES / P::LANES }, $model<P>, $layout, Scheme<P>, $d>(g, steps, watch)
             }
             $($feature)*
             pub fn invariants_of(p: &Parameters<f64>, y: &[f64; MAX_STATE]) -> [f64; 2] {
@@ -423,36 +327,26 @@ macro_rules! compiled {
     };
 }
 
-/// The match from a kernel to its compiled forms: every listed pair of system and observable with every table.
-macro_rules! entries {
-    ($($system:ident $watch:ident: $model:ident, $layout:ident, $d:literal;)*) => {
-        fn entry(kernel: Kernel, isa: Isa) -> Compiled {
-            match (kernel.system, kernel.watch, kernel.table) {
-                $(
-                    (System::$system, Watch::$watch, Table::Rk4) => {
-                        compiled!(isa, $model, $layout, $d, Rk4, $watch)
-                    }
-                    (System::$system, Watch::$watch, Table::Planar) => {
-                        compiled!(isa, $model, $layout, $d, PlanarStrang, $watch)
-                    }
-                    (System::$system, Watch::$watch, Table::Rotor) => {
-                        compiled!(isa, $model, $layout, $d, RotorStrang, $watch)
-                    }
-                )*
-                (system, watch, _) => unreachable!("{watch:?} is not watched on {system:?}"),
-            }
+/// The match from a table to its code, over the tables that move the system.
+macro_rules! among {
+    ($kernel:ident, $isa:ident: $model:ident, $layout:ident, $d:literal; $($table:ident)*) => {
+        match $kernel.table {
+            $(Table::$table => code_of!($isa, $model, $layout, $d, $table),)*
+            #[allow(unreachable_patterns)] // Some systems are moved by all tables.
+            table => unreachable!("{table:?} does not move {:?}", $kernel.system),
         }
     };
 }
-entries! {
-    FreeRates Nothing: Free, Rates, 3;
-    FreeRates Flips: Free, Rates, 3;
-    FreeAxis Nothing: Free, Axis, 6;
-    FreeAxis Tilt: Free, Axis, 6;
-    FreeAttitude Nothing: Free, Attitude, 7;
-    TopAxis Nothing: Top, Axis, 6;
-    TopAxis Flips: Top, Axis, 6;
-    TopAxis Tilt: Top, Axis, 6;
-    TopTwoAxes Tilt: Top, TwoAxes, 9;
-    TopAttitude Nothing: Top, AxisAttitude, 10;
+
+fn code(kernel: Kernel, isa: Isa) -> Code {
+    match kernel.system {
+        System::FreeRates => among!(kernel, isa: Free, Rates, 3; Rk4 Planar Rotor),
+        System::FreeAxis => among!(kernel, isa: Free, Axis, 6; Rk4 Planar Rotor),
+        System::FreeAttitude => among!(kernel, isa: Free, Attitude, 7; Rk4 Planar Rotor),
+        System::TopAxis => among!(kernel, isa: Top, Axis, 6; Rk4 Planar Rotor),
+        System::TopTwoAxes => among!(kernel, isa: Top, TwoAxes, 9; Rk4 Planar Rotor),
+        System::TopAttitude => among!(kernel, isa: Top, AxisAttitude, 10; Rk4 Planar Rotor),
+        System::SpinFreeAxis => among!(kernel, isa: SpinFree, Axis, 6; ),
+        System::SpinFreeAttitude => among!(kernel, isa: SpinFree, AxisAttitude, 10; ),
+    }
 }

@@ -3,7 +3,7 @@
 //! Read from left to right; nothing points back.
 //!
 //! ```text
-//! real ← simd        real ← special ← model ← method ← observe ← kernel
+//! real ← simd        real ← special ← model ← method ← observe ← group ← kernel
 //! {body, kernel} ← start ← exact        special ← sample
 //! {exact, sample, run} ← trajectory ← ensemble ← python
 //! ```
@@ -13,6 +13,7 @@ pub mod clock;
 pub mod ensemble;
 pub mod error;
 pub mod exact;
+pub mod group;
 pub mod kernel;
 pub mod method;
 pub mod model;

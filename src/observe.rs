@@ -46,43 +46,11 @@ impl TiltLimit {
     }
 }
 
-/// An observable: looks at each step from `before` to `after`, which began at `time`.
-pub trait Observe {
-    /// Whether there is anything to look at.
-    const WATCHES: bool = true;
-    /// Updates `watched`.
-    fn after_step<R: Real, M: Model<R>, L: Layout, S: Scheme<R, M, L, D>, const D: usize>(
-        scheme: &S,
-        p: &Parameters<R>,
-        watched: &mut Watched<R>,
-        time: R,
-        before: &[R; D],
-        after: &[R; D],
-    );
-}
-
-/// Nothing.
-pub struct Nothing;
-
 /// Sign changes of one component of the rates, located inside the step.
 pub struct Flips;
 
 /// Largest angle between a body axis and a space-fixed direction (the last one carried).
 pub struct Tilt;
-
-impl Observe for Nothing {
-    const WATCHES: bool = false;
-    #[inline(always)]
-    fn after_step<R: Real, M: Model<R>, L: Layout, S: Scheme<R, M, L, D>, const D: usize>(
-        _scheme: &S,
-        _p: &Parameters<R>,
-        _watched: &mut Watched<R>,
-        _time: R,
-        _before: &[R; D],
-        _after: &[R; D],
-    ) {
-    }
-}
 
 /// The component along the watched axis. The axis is a unit vector of the frame, so the sum is exact.
 #[inline(always)]
@@ -90,9 +58,10 @@ fn along<R: Real>(axis: &[R; 3], v: &[R; 3]) -> R {
     axis[0].fma(v[0], axis[1].fma(v[1], axis[2] * v[2]))
 }
 
-impl Observe for Flips {
+impl Flips {
+    /// Looks at a step from `before` to `after`, which began at `time`.
     #[inline(always)]
-    fn after_step<R: Real, M: Model<R>, L: Layout, S: Scheme<R, M, L, D>, const D: usize>(
+    pub fn after_step<R: Real, M: Model<R>, L: Layout, S: Scheme<R, M, L, D>, const D: usize>(
         scheme: &S,
         p: &Parameters<R>,
         watched: &mut Watched<R>,
@@ -135,9 +104,10 @@ fn hermite_root<R: Real>(begin: R, begin_rate: R, end: R, end_rate: R) -> R {
     s
 }
 
-impl Observe for Tilt {
+impl Tilt {
+    /// Looks at a step from `before` to `after`, which began at `time`.
     #[inline(always)]
-    fn after_step<R: Real, M: Model<R>, L: Layout, S: Scheme<R, M, L, D>, const D: usize>(
+    pub fn after_step<R: Real, M: Model<R>, L: Layout, S: Scheme<R, M, L, D>, const D: usize>(
         _scheme: &S,
         p: &Parameters<R>,
         watched: &mut Watched<R>,

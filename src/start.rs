@@ -1,10 +1,12 @@
 //! A body at its start, its way into a lane of a group and back.
 
 use crate::body::Inertia;
-use crate::kernel::{Compiled, Group, Kernel, MAX_STATE, System, Table, Watch};
+use crate::group::{Group, MAX_STATE};
+use crate::kernel::{Compiled, Kernel, System, Table, Watch};
 use crate::method::{Form, Method};
-use crate::model::{Parameters, dot, seen_from_body};
+use crate::model::{Parameters, dot, quaternion_product, seen_from_body};
 use crate::observe::tilt;
+use crate::special::sincos;
 
 /// One body with its start.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,6 +72,11 @@ impl Body {
         squares.max(mgl / smallest).sqrt()
     }
 
+    /// The axis (0, 1, 2) of the smallest moment.
+    fn smallest_moment(&self) -> usize {
+        (1..3).fold(0, |s, k| if self.moments[k] < self.moments[s] { k } else { s })
+    }
+
     /// The axis about which a top is symmetric with its centre of mass on it: its spin is then constant.
     fn lagrange_axis(&self) -> Option<usize> {
         (0..3).find(|&k| {
@@ -102,29 +109,53 @@ impl Body {
 /// How a body is laid into a kernel: the table, and the cyclic renaming of the body axes that the table wants.
 ///
 /// A cyclic renaming is exact. Kernel axis i is body axis (i + turn) mod 3.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Seat {
     /// Which table moves it.
     pub table: Table,
     /// The renaming.
     turn: usize,
+    /// Of a top that is moved in its spin-free frame: the moment about the symmetry axis.
+    spin_moment: Option<f64>,
 }
 
 impl Seat {
-    /// The seat of a body with these moments.
+    /// The seat of a body, in its own frame.
     ///
     /// The rotor wants the symmetry axis third; the planar rotations want the smallest moment first: in the
     /// middle of the sequence it costs a factor of four to eight in the error.
-    pub fn of(method: Method, moments: [f64; 3]) -> Seat {
-        match method {
-            Method::Rk4 => Seat { table: Table::Rk4, turn: 0 },
-            Method::Splitting => match Inertia::new(moments).ok().and_then(Inertia::symmetry_axis) {
-                Some(axis) => Seat { table: Table::Rotor, turn: (axis + 1) % 3 },
-                None => {
-                    let smallest = (1..3).fold(0, |s, k| if moments[k] < moments[s] { k } else { s });
-                    Seat { table: Table::Planar, turn: smallest }
-                }
+    pub fn of(method: Method, body: &Body) -> Seat {
+        let symmetry = || Inertia::new(body.moments).ok().and_then(Inertia::symmetry_axis);
+        let (table, turn) = match method {
+            Method::Rk4 => (Table::Rk4, 0),
+            Method::Splitting => match symmetry() {
+                Some(axis) => (Table::Rotor, (axis + 1) % 3),
+                None => (Table::Planar, body.smallest_moment()),
             },
+        };
+        Seat { table, turn, spin_moment: None }
+    }
+
+    /// The seat of a body whose path alone is wanted: a Lagrange top leaves its spin out, if the method can.
+    pub fn of_path(method: Method, body: &Body) -> Seat {
+        let seat = Seat::of(method, body);
+        match body.lagrange_axis().filter(|_| seat.table.moves_spin_free() && body.weight != [0.0; 3]) {
+            Some(axis) => Seat { turn: (axis + 1) % 3, spin_moment: Some(body.moments[axis]), ..seat },
+            None => seat,
+        }
+    }
+
+    /// Whether the spin is left out.
+    pub fn is_spin_free(self) -> bool {
+        self.spin_moment.is_some()
+    }
+
+    /// Moments and rates in the variables of the kernel.
+    fn lay(self, body: &Body) -> ([f64; 3], [f64; 3]) {
+        let (moments, omega) = (self.rename(body.moments), self.rename(body.omega));
+        match self.spin_moment {
+            Some(moment) => ([moments[0]; 3], [omega[0], omega[1], omega[2] * (moment / moments[0])]),
+            None => (moments, omega),
         }
     }
 
@@ -182,8 +213,7 @@ pub fn invariant_scales(body: &Body, is_top: bool) -> [f64; 2] {
 /// The state of a body in the variables of a kernel.
 fn kernel_state(system: System, seat: Seat, body: &Body, watched_axis: [f64; 3]) -> [f64; MAX_STATE] {
     let mut y = [0.0; MAX_STATE];
-    let omega = seat.rename(body.omega);
-    let moments = seat.rename(body.moments);
+    let (moments, omega) = seat.lay(body);
     for k in 0..3 {
         y[k] = match seat.table.form() {
             Form::Rates => omega[k],
@@ -196,7 +226,11 @@ fn kernel_state(system: System, seat: Seat, body: &Body, watched_axis: [f64; 3])
             y[3..6].copy_from_slice(&seat.rename(body.vertical()));
         }
         System::FreeAxis => y[3..6].copy_from_slice(&watched_axis),
-        System::TopAxis | System::TopAttitude | System::TopTwoAxes => {
+        System::TopAxis
+        | System::TopAttitude
+        | System::TopTwoAxes
+        | System::SpinFreeAxis
+        | System::SpinFreeAttitude => {
             y[3..6].copy_from_slice(&seat.rename(body.vertical()));
             if system == System::TopTwoAxes {
                 y[6..9].copy_from_slice(&watched_axis);
@@ -229,8 +263,7 @@ pub fn load(
     }
     let unit = seat.rename(unit);
     let y = kernel_state(kernel.system, seat, body, unit);
-    let parameters =
-        Parameters { moments: seat.rename(body.moments), weight: seat.rename(body.weight), step };
+    let parameters = Parameters { moments: seat.lay(body).0, weight: seat.rename(body.weight), step };
     for d in 0..kernel.system.len() {
         group.state[d].0[lane] = y[d];
     }
@@ -303,37 +336,65 @@ fn rates_soon(body: &Body) -> [f64; 3] {
     sum
 }
 
-/// Reads a lane back.
-pub fn unload(group: &Group, lane: usize, (kernel, compiled): (Kernel, Compiled), seat: Seat) -> State {
+/// Reads a lane back, `time` after its start.
+pub fn unload(
+    group: &Group,
+    lane: usize,
+    (kernel, compiled): (Kernel, Compiled),
+    seat: Seat,
+    time: f64,
+) -> State {
     let mut y = [0.0; MAX_STATE];
     for d in 0..kernel.system.len() {
         y[d] = group.state[d].0[lane];
     }
-    let at = |rows: &[crate::kernel::Row; 3]| [rows[0].0[lane], rows[1].0[lane], rows[2].0[lane]];
+    let at = |rows: &[crate::group::Row; 3]| [rows[0].0[lane], rows[1].0[lane], rows[2].0[lane]];
     let moments = at(&group.moments);
     let parameters = Parameters { moments, weight: at(&group.weight), step: 0.0 };
-    let first = [y[0], y[1], y[2]];
-    let omega = match seat.table.form() {
-        Form::Rates => first,
-        Form::Momenta => [first[0] / moments[0], first[1] / moments[1], first[2] / moments[2]],
-    };
     let invariants = compiled.invariants(&parameters, &y);
-    let has_direction = !matches!(kernel.system, System::FreeRates | System::FreeAttitude);
-    let attitude = kernel.system.quaternion_at().map(|at| {
-        let [x, y1, z] = seat.restore([y[at + 1], y[at + 2], y[at + 3]]);
-        [y[at], x, y1, z]
-    });
-    let invariants_of_attitude = attitude.filter(|_| kernel.system.is_top()).map(|q| {
+    let quaternion = kernel.system.quaternion_at();
+    let invariants_of_attitude = quaternion.filter(|_| kernel.system.is_top()).map(|at| {
+        let q = [y[at], y[at + 1], y[at + 2], y[at + 3]];
         let length = q.iter().map(|x| x * x).sum::<f64>().sqrt();
         let mut of_attitude = y;
-        of_attitude[3..6].copy_from_slice(&seat.rename(seen_from_body(&q.map(|x| x / length), &VERTICAL)));
+        of_attitude[3..6].copy_from_slice(&seen_from_body(&q.map(|x| x / length), &VERTICAL));
         compiled.invariants(&parameters, &of_attitude)
     });
+    if seat.table.form() == Form::Momenta {
+        for k in 0..3 {
+            y[k] /= moments[k];
+        }
+    }
+    if let Some(moment) = seat.spin_moment {
+        add_spin(&mut y, quaternion, moments[0] / moment, time);
+    }
+    let has_direction = !matches!(kernel.system, System::FreeRates | System::FreeAttitude);
     State {
-        omega: seat.restore(omega),
+        omega: seat.restore([y[0], y[1], y[2]]),
         direction: has_direction.then(|| seat.restore([y[3], y[4], y[5]])),
-        attitude,
+        attitude: quaternion.map(|at| {
+            let [x, y1, z] = seat.restore([y[at + 1], y[at + 2], y[at + 3]]);
+            [y[at], x, y1, z]
+        }),
         invariants,
         invariants_of_attitude,
+    }
+}
+
+/// From the spin-free frame into the body: `ratio` is I1 / I3.
+fn add_spin(y: &mut [f64; MAX_STATE], quaternion: Option<usize>, ratio: f64, time: f64) {
+    // (1/I3 - 1/I1) L3, with L3 = I1 y3.
+    let angle = (ratio - 1.0) * y[2] * time;
+    let (s, c) = sincos(angle);
+    for at in [0, 3] {
+        let (a, b) = (y[at], y[at + 1]);
+        y[at] = c * a + s * b;
+        y[at + 1] = c * b - s * a;
+    }
+    y[2] *= ratio;
+    if let Some(at) = quaternion {
+        let (s, c) = sincos(0.5 * angle);
+        let q = [y[at], y[at + 1], y[at + 2], y[at + 3]];
+        y[at..at + 4].copy_from_slice(&quaternion_product(&q, &[c, 0.0, 0.0, s]));
     }
 }

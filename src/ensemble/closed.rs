@@ -2,7 +2,7 @@
 
 use super::{Class, Criterion, Map, Outcome};
 use crate::exact::{Evaluator, ExitRows, Form, Kind, Place, StartRows};
-use crate::kernel::{LANES, Row};
+use crate::group::{LANES, Row};
 use crate::simd::Isa;
 use crate::start::Body;
 use crate::trajectory::Status;

@@ -1,7 +1,7 @@
 //! The starts of samples, drawn side by side: each a pure function of seed, pixel and sample.
 
 use super::{Map, Pixel};
-use crate::kernel::{LANES, Row};
+use crate::group::{LANES, Row};
 use crate::real::Pack;
 use crate::sample::{self, Law};
 use crate::simd::Isa;

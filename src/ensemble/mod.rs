@@ -5,7 +5,8 @@ mod draw;
 
 use crate::clock::thread_nanoseconds;
 use crate::error::Error;
-use crate::kernel::{Compiled, Group, Kernel, LANES, System, Table, Watch};
+use crate::group::{Group, LANES};
+use crate::kernel::{Compiled, Kernel, System, Table, Watch};
 use crate::method::Method;
 use crate::observe::{TiltLimit, largest_tilt};
 use crate::run::over_blocks;
@@ -356,7 +357,7 @@ impl Map {
                 if self.judge.exact() && referee.take(index, &bodies[index], &mut outcomes[0]) {
                     continue;
                 }
-                let table = Seat::of(self.judge.method(), bodies[index].moments).table;
+                let table = Seat::of(self.judge.method(), &bodies[index]).table;
                 jobs[table as usize].push(Job { index, halved: false });
                 if sample < self.checked {
                     jobs[table as usize].push(Job { index, halved: true });
@@ -426,7 +427,7 @@ impl Map {
                         continue;
                     }
                     let step = self.t_end / steps as f64;
-                    let seat = Seat::of(self.judge.method(), body.moments);
+                    let seat = Seat::of(self.judge.method(), body);
                     load(&mut group, lane, (kernel, compiled), seat, body, self.axis, step);
                     if let Some(limit) = limit {
                         group.limit[0].0[lane] = limit.cosine;
@@ -535,7 +536,7 @@ impl Map {
         if sample < self.checked {
             jobs.push(Job { index: 0, halved: true });
         }
-        let kernel = self.kernel(Seat::of(self.judge.method(), body.moments).table);
+        let kernel = self.kernel(Seat::of(self.judge.method(), &body).table);
         let mut outcomes = [None, None];
         self.ride(&[body], &jobs, kernel, isa, interrupt, |job, outcome| {
             outcomes[usize::from(job.halved)] = Some(outcome);

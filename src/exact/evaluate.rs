@@ -1,7 +1,7 @@
 //! Closed forms of bodies side by side: where the generic motions meet instruction sets.
 
 use super::{Exit, Free, Kind, Lagrange, Motion, Symmetric};
-use crate::kernel::{LANES, Row};
+use crate::group::{LANES, Row};
 use crate::real::Pack;
 use crate::simd::Isa;
 #[cfg(target_arch = "x86_64")]

@@ -65,11 +65,11 @@ pub struct Rk4;
 
 /// Planar rotations about the principal axes, for any body.
 #[derive(Clone, Copy)]
-pub struct PlanarStrang;
+pub struct Planar;
 
 /// Exact rotor of a body that is symmetric about its axis 3.
 #[derive(Clone, Copy)]
-pub struct RotorStrang;
+pub struct Rotor;
 
 /// A method as users name it; a splitting takes the rotor where the body is symmetric.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -88,7 +88,7 @@ impl Method {
     pub fn facts(self) -> Facts {
         match self {
             Method::Rk4 => Rk4::FACTS,
-            Method::Splitting => PlanarStrang::FACTS,
+            Method::Splitting => Planar::FACTS,
         }
     }
 

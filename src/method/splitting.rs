@@ -3,7 +3,7 @@
 //! The flow of `L_k^2 / 2 I_k` is a rotation about body axis k; the flow of the potential is a kick of the
 //! momentum; a symmetric body moves exactly. Each keeps the Poisson structure, so their composition does.
 
-use super::{Facts, Form, PlanarStrang, RotorStrang, Scheme};
+use super::{Facts, Form, Planar, Rotor, Scheme};
 use crate::model::{self, Layout, Model, Parameters};
 use crate::real::Real;
 use crate::special::{rodrigues, sincos};
@@ -28,7 +28,7 @@ pub trait Composition: Copy {
     const STAGES: &'static [(Flow, f64)];
 }
 
-impl Composition for PlanarStrang {
+impl Composition for Planar {
     const FACTS: Facts = Facts {
         name: "splitting",
         title: "symplectic splitting: planar rotations, or the exact rotor of a symmetric body; weight as a kick",
@@ -57,8 +57,8 @@ impl Composition for PlanarStrang {
     ];
 }
 
-impl Composition for RotorStrang {
-    const FACTS: Facts = Facts { stages: 3, ..PlanarStrang::FACTS };
+impl Composition for Rotor {
+    const FACTS: Facts = Facts { stages: 3, ..Planar::FACTS };
     const STAGES: &'static [(Flow, f64)] = &[(Flow::Kick, 0.5), (Flow::Rotor, 1.0), (Flow::Kick, 0.5)];
 }
 
@@ -87,8 +87,8 @@ const fn slot(flow: Flow) -> usize {
         Flow::Kick => 4,
     }
 }
-const _: () = check::<PlanarStrang>();
-const _: () = check::<RotorStrang>();
+const _: () = check::<Planar>();
+const _: () = check::<Rotor>();
 
 /// Most flows of any table here.
 const MAX_STAGES: usize = 7;

@@ -4,9 +4,11 @@
 //! that are fixed in space and seen from the body, then a quaternion if the attitude is wanted.
 
 mod free;
+mod spin_free;
 mod top;
 
 pub use free::Free;
+pub use spin_free::SpinFree;
 pub use top::Top;
 
 use crate::real::Real;
@@ -61,6 +63,8 @@ layouts! {
 
 /// A scene: the torque and the conserved quantities. `y[3..6]` is the vertical wherever there is weight.
 pub trait Model<R: Real>: Copy {
+    /// Whether all moments are the same, and no torque acts along axis 3.
+    const SPIN_FREE: bool = false;
     /// Constants of the equations of motion from those of the body.
     fn new(p: &Parameters<R>) -> Self;
     /// Euler's equations: the rate of change of `omega` in the body.

@@ -2,7 +2,7 @@
 
 use super::{Record, Request, States, Status, norm, worse};
 use crate::exact::{Evaluator, Place, StartRows, StateRows};
-use crate::kernel::{LANES, Row};
+use crate::group::{LANES, Row};
 use crate::run::over_blocks;
 use crate::simd::Isa;
 use crate::start::{Body, invariant_scales};

@@ -1,7 +1,8 @@
 //! States by steps of a scheme.
 
 use super::{DRIFT_LIMIT, Record, Request, Schedule, States, Status, norm, worse};
-use crate::kernel::{Compiled, DriftRows, Group, Kernel, LANES, System, Watch};
+use crate::group::{DriftRows, Group, LANES};
+use crate::kernel::{Compiled, Kernel, System, Watch};
 use crate::method::Method;
 use crate::run::over_blocks;
 use crate::simd::Isa;
@@ -82,12 +83,23 @@ pub fn simulate(
     Some(all)
 }
 
+/// The seat of a body. Strides repeat the steps of a map, which are made in the frame of the body.
+fn seat_of(request: &Request, method: Method, body: &Body) -> Seat {
+    match request.schedule {
+        Schedule::Times(_) => Seat::of_path(method, body),
+        Schedule::Strides(_) => Seat::of(method, body),
+    }
+}
+
 /// Runs of neighbours that one kernel moves. The bits do not depend on who shares a group.
 fn groups(request: &Request, method: Method) -> Vec<Range<usize>> {
-    let table = |body: &Body| Seat::of(method, body.moments).table;
+    let engine = |body: &Body| {
+        let seat = seat_of(request, method, body);
+        (seat.table, seat.is_spin_free())
+    };
     let mut groups = Vec::with_capacity(request.bodies.len().div_ceil(LANES));
     let mut first = 0;
-    for run in request.bodies.chunk_by(|a, b| table(a) == table(b)) {
+    for run in request.bodies.chunk_by(|a, b| engine(a) == engine(b)) {
         let end = first + run.len();
         groups.extend((first..end).step_by(LANES).map(|begin| begin..end.min(begin + LANES)));
         first = end;
@@ -108,15 +120,17 @@ struct Passengers<'a> {
 
 impl<'a> Passengers<'a> {
     fn new(request: &'a Request<'a>, method: Method, group: Range<usize>, isa: Isa) -> Self {
+        let bodies = &request.bodies[group.clone()];
+        let seats: Vec<Seat> = bodies.iter().map(|body| seat_of(request, method, body)).collect();
         let system = match (request.is_top, request.record) {
             (false, Record::Rates) => System::FreeRates,
             (false, Record::Axis) => System::FreeAxis,
             (false, Record::Attitude) => System::FreeAttitude,
+            (true, Record::Rates | Record::Axis) if seats[0].is_spin_free() => System::SpinFreeAxis,
+            (true, Record::Attitude) if seats[0].is_spin_free() => System::SpinFreeAttitude,
             (true, Record::Rates | Record::Axis) => System::TopAxis,
             (true, Record::Attitude) => System::TopAttitude,
         };
-        let bodies = &request.bodies[group.clone()];
-        let seats: Vec<Seat> = bodies.iter().map(|b| Seat::of(method, b.moments)).collect();
         let kernel = Kernel { system, table: seats[0].table, watch: Watch::Nothing };
         Passengers {
             request,
@@ -177,7 +191,11 @@ impl<'a> Passengers<'a> {
 
     /// Writes the state of a lane and updates the drifts.
     fn record(&mut self, group: &Group, lane: usize, state: usize, moved: bool) {
-        let mut now = unload(group, lane, (self.kernel, self.compiled), self.seats[lane]);
+        let time = match self.request.schedule {
+            Schedule::Times(times) => times[state],
+            Schedule::Strides(_) => f64::NAN,
+        };
+        let mut now = unload(group, lane, (self.kernel, self.compiled), self.seats[lane], time);
         if !moved {
             // Through the momenta and back, the rates would return rounded.
             now.omega = self.bodies[lane].omega;

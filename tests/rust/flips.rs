@@ -1,9 +1,10 @@
 //! Flips: sign changes of a component of the rates, counted once each and located inside the step.
 
-use rigid::kernel::{Compiled, Group, Kernel, LANES, System, Table, Watch};
+use rigid::group::{Group, LANES};
+use rigid::kernel::{Compiled, Kernel, System, Table, Watch};
 use rigid::method::{Method, Rk4, RungeKutta, Scheme};
 use rigid::model::{Free, Parameters, Rates};
-use rigid::observe::{self, Flips, Observe};
+use rigid::observe::{self, Flips};
 use rigid::simd::Isa;
 use rigid::start::{Body, Seat, load};
 
@@ -21,7 +22,7 @@ struct Watched {
 
 impl Watched {
     fn new(body: &Body, method: Method, axis: i32, step: f64) -> Watched {
-        let seat = Seat::of(method, body.moments);
+        let seat = Seat::of(method, &body);
         let is_top = body.weight != [0.0; 3];
         let system = if is_top { System::TopAxis } else { System::FreeRates };
         let kernel = Kernel { system, table: seat.table, watch: Watch::Flips };
@@ -301,7 +302,7 @@ fn stable_spin_for_a_million_steps() {
         for axis in 1..=3 {
             let kernel = Kernel {
                 system: System::FreeRates,
-                table: Seat::of(method, [1.0, 1.6, 2.0]).table,
+                table: Seat::of(method, &free([1.0, 1.6, 2.0], [0.0; 3])).table,
                 watch: Watch::Flips,
             };
             let compiled = Compiled::new(kernel, Isa::available()[0]);
@@ -312,7 +313,7 @@ fn stable_spin_for_a_million_steps() {
                 let mut omega = [1e-3 * angle.sin(), 1e-3 * angle.cos(), 1e-3 * (2.0 * angle).sin()];
                 omega[axis - 1] += 1.0 + 0.01 * angle;
                 let body = free([1.0, 1.6, 2.0], omega);
-                let seat = Seat::of(method, body.moments);
+                let seat = Seat::of(method, &body);
                 load(&mut group, lane, (kernel, compiled), seat, &body, axis as i32, 1.0 / 16.0);
             }
             compiled.advance(

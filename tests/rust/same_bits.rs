@@ -6,7 +6,8 @@
 use rigid::ensemble::{Class, Criterion, Judge, Map, Pixel, Statistics};
 use rigid::exact::derived::{free_quantities, sign_changes, tilt_time, top_quantities};
 use rigid::exact::{Evaluator, ExitRows, Kind, Place, StartRows, StateRows};
-use rigid::kernel::{Compiled, Group, Kernel, LANES, Row, System, Table, Watch};
+use rigid::group::{Group, LANES, Row};
+use rigid::kernel::{Compiled, Kernel, System, Table, Watch};
 use rigid::method::Method;
 use rigid::observe::TiltLimit;
 use rigid::sample::{Law, uniforms};
@@ -110,7 +111,7 @@ fn loads(kernel: Kernel) -> Vec<Load> {
 
 fn place(group: &mut Group, lane: usize, kernel: Kernel, compiled: Compiled, it: &Load) {
     let method = if kernel.table == Table::Rk4 { Method::Rk4 } else { Method::Splitting };
-    let seat = Seat::of(method, it.body.moments);
+    let seat = Seat::of(method, &it.body);
     assert_eq!(seat.table, kernel.table);
     load(group, lane, (kernel, compiled), seat, &it.body, it.watched, it.step);
     (group.limit[0].0[lane], group.limit[1].0[lane]) = (it.limit.cosine, it.limit.sine2);

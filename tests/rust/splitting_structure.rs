@@ -2,9 +2,7 @@
 //! body, and the names of the axes. And that one step of each scheme is what its table says, written out naively.
 
 use nalgebra::{Quaternion, SVector, Unit, UnitQuaternion, Vector3};
-use rigid::method::{
-    Composition, Facts, Flow, Method, PlanarStrang, Rk4, RotorStrang, RungeKutta, Scheme, Splitting,
-};
+use rigid::method::{Composition, Facts, Flow, Method, Planar, Rk4, Rotor, RungeKutta, Scheme, Splitting};
 use rigid::model::{Attitude, AxisAttitude, Free, Layout, Model, Parameters, Top};
 use rigid::sample::{Law, attitude, uniforms};
 use rigid::simd::Isa;
@@ -98,10 +96,10 @@ fn there_and_back() {
     let (p, y) = general();
     let (twist, free) = (symmetric().0, without_vertical(y));
     for (trip, bound) in [
-        round_trip::<Splitting<PlanarStrang, f64>, Free<f64>, Attitude, 7>(p, free),
-        round_trip::<Splitting<PlanarStrang, f64>, Top<f64>, AxisAttitude, 10>(p, y),
-        round_trip::<Splitting<RotorStrang, f64>, Free<f64>, Attitude, 7>(twist, free),
-        round_trip::<Splitting<RotorStrang, f64>, Top<f64>, AxisAttitude, 10>(twist, y),
+        round_trip::<Splitting<Planar, f64>, Free<f64>, Attitude, 7>(p, free),
+        round_trip::<Splitting<Planar, f64>, Top<f64>, AxisAttitude, 10>(p, y),
+        round_trip::<Splitting<Rotor, f64>, Free<f64>, Attitude, 7>(twist, free),
+        round_trip::<Splitting<Rotor, f64>, Top<f64>, AxisAttitude, 10>(twist, y),
     ] {
         println!("{trip:.1e} of {bound:.1e}");
         assert!(trip <= bound && bound < 1e-9, "{trip:e}, bound {bound:e}");
@@ -119,7 +117,7 @@ fn there_and_back() {
 struct OneWay;
 
 impl Composition for OneWay {
-    const FACTS: Facts = Facts { stages: 4, order: 1, reversible: false, ..PlanarStrang::FACTS };
+    const FACTS: Facts = Facts { stages: 4, order: 1, reversible: false, ..Planar::FACTS };
     const STAGES: &'static [(Flow, f64)] =
         &[(Flow::Turn(0), 1.0), (Flow::Turn(1), 1.0), (Flow::Turn(2), 1.0), (Flow::Kick, 1.0)];
 }
@@ -152,11 +150,11 @@ fn lengths_at_rounding() {
     let constant = LONG as f64 * EPS;
     let (p, y) = general();
     let (twist, free) = (symmetric().0, without_vertical(y));
-    let planar = lengths::<Splitting<PlanarStrang, f64>, Free<f64>, Attitude, 7>(p, free);
-    let rotor = lengths::<Splitting<RotorStrang, f64>, Free<f64>, Attitude, 7>(twist, free);
+    let planar = lengths::<Splitting<Planar, f64>, Free<f64>, Attitude, 7>(p, free);
+    let rotor = lengths::<Splitting<Rotor, f64>, Free<f64>, Attitude, 7>(twist, free);
     // The weight changes |L|; the vertical and the attitude keep their lengths.
-    let planar_top = lengths::<Splitting<PlanarStrang, f64>, Top<f64>, AxisAttitude, 10>(p, y);
-    let rotor_top = lengths::<Splitting<RotorStrang, f64>, Top<f64>, AxisAttitude, 10>(twist, y);
+    let planar_top = lengths::<Splitting<Planar, f64>, Top<f64>, AxisAttitude, 10>(p, y);
+    let rotor_top = lengths::<Splitting<Rotor, f64>, Top<f64>, AxisAttitude, 10>(twist, y);
     assert!(planar_top[0] > 1e-3 && rotor_top[0] > 1e-3);
     for (lengths, bound) in [
         (&planar[..], changing),
@@ -198,21 +196,21 @@ where
 fn energy_does_not_drift() {
     let (p, y) = general();
     let halved = Parameters { step: p.step / 2.0, ..p };
-    type Planar = Splitting<PlanarStrang, f64>;
-    type Rotor = Splitting<RotorStrang, f64>;
+    type PlanarSteps = Splitting<Planar, f64>;
+    type RotorSteps = Splitting<Rotor, f64>;
     let twist = symmetric().0;
     let cases = [
         (
-            energy_errors::<Planar, Free<f64>, Attitude, 7>(p, without_vertical(y)),
-            energy_errors::<Planar, Free<f64>, Attitude, 7>(halved, without_vertical(y)),
+            energy_errors::<PlanarSteps, Free<f64>, Attitude, 7>(p, without_vertical(y)),
+            energy_errors::<PlanarSteps, Free<f64>, Attitude, 7>(halved, without_vertical(y)),
         ),
         (
-            energy_errors::<Planar, Top<f64>, AxisAttitude, 10>(p, y),
-            energy_errors::<Planar, Top<f64>, AxisAttitude, 10>(halved, y),
+            energy_errors::<PlanarSteps, Top<f64>, AxisAttitude, 10>(p, y),
+            energy_errors::<PlanarSteps, Top<f64>, AxisAttitude, 10>(halved, y),
         ),
         (
-            energy_errors::<Rotor, Top<f64>, AxisAttitude, 10>(twist, y),
-            energy_errors::<Rotor, Top<f64>, AxisAttitude, 10>(Parameters { step: 0.01, ..twist }, y),
+            energy_errors::<RotorSteps, Top<f64>, AxisAttitude, 10>(twist, y),
+            energy_errors::<RotorSteps, Top<f64>, AxisAttitude, 10>(Parameters { step: 0.01, ..twist }, y),
         ),
     ];
     for ([early, worst], [_, half]) in cases {
@@ -232,10 +230,10 @@ fn the_rotor_is_exact_for_any_step() {
     let y = without_vertical(y);
     for h in [1e-3, 0.1, 1.0, 10.0, 100.0, -7.0] {
         let mut once = y;
-        go::<Splitting<RotorStrang, f64>, Free<f64>, Attitude, 7>(&Parameters { step: h, ..p }, &mut once, 1);
+        go::<Splitting<Rotor, f64>, Free<f64>, Attitude, 7>(&Parameters { step: h, ..p }, &mut once, 1);
         let mut often = y;
         let small = Parameters { step: h / 64.0, ..p };
-        go::<Splitting<RotorStrang, f64>, Free<f64>, Attitude, 7>(&small, &mut often, 64);
+        go::<Splitting<Rotor, f64>, Free<f64>, Attitude, 7>(&small, &mut often, 64);
 
         // In closed form: a turn by |L| h / I1 about L, then by (1/I3 - 1/I1) L3 h about axis 3.
         let l = Vector3::new(y[0], y[1], y[2]);
@@ -424,17 +422,17 @@ fn one_step_as_its_table_says() {
         let twist = Parameters { moments: [moments[0], moments[0], moments[2]], ..p };
 
         let mut planar = state;
-        go::<Splitting<PlanarStrang, f64>, Top<f64>, AxisAttitude, 10>(&p, &mut planar, 1);
+        go::<Splitting<Planar, f64>, Top<f64>, AxisAttitude, 10>(&p, &mut planar, 1);
         let mut rotor = state;
-        go::<Splitting<RotorStrang, f64>, Top<f64>, AxisAttitude, 10>(&twist, &mut rotor, 1);
+        go::<Splitting<Rotor, f64>, Top<f64>, AxisAttitude, 10>(&twist, &mut rotor, 1);
         let mut rk4 = state;
         go::<RungeKutta<Rk4, f64, Top<f64>>, Top<f64>, AxisAttitude, 10>(&p, &mut rk4, 1);
 
         // Numbers of size one, at most ten roundings of eps/2 on either side: no number is off by more than
         // 10 eps, and in the mean square of ten numbers by less.
         for (name, got, naive) in [
-            ("planar", planar, naive_splitting::<PlanarStrang>(&p, &state)),
-            ("rotor", rotor, naive_splitting::<RotorStrang>(&twist, &state)),
+            ("planar", planar, naive_splitting::<Planar>(&p, &state)),
+            ("rotor", rotor, naive_splitting::<Rotor>(&twist, &state)),
             ("rk4", rk4, naive_rk4(&p, &state)),
         ] {
             let miss = distance(&got, &naive);
