@@ -98,9 +98,14 @@ impl Table {
     /// All tables.
     pub const ALL: [Table; 3] = [Table::Rk4, Table::Planar, Table::Rotor];
 
-    /// Whether it moves a Lagrange top in its spin-free frame. The two oldest are kept as they were published.
-    pub fn moves_spin_free(self) -> bool {
-        !matches!(self, Table::Rk4 | Table::Planar | Table::Rotor)
+    /// Whether it moves that system. The oldest schemes are kept in the frame of the body, as they were published.
+    pub fn moves(self, system: System) -> bool {
+        match system {
+            System::SpinFreeAxis | System::SpinFreeAttitude => {
+                !matches!(self, Table::Rk4 | Table::Planar | Table::Rotor)
+            }
+            _ => true,
+        }
     }
 
     /// The variables that it moves.

@@ -139,7 +139,10 @@ impl Seat {
     /// The seat of a body whose path alone is wanted: a Lagrange top leaves its spin out, if the method can.
     pub fn of_path(method: Method, body: &Body) -> Seat {
         let seat = Seat::of(method, body);
-        match body.lagrange_axis().filter(|_| seat.table.moves_spin_free() && body.weight != [0.0; 3]) {
+        match body
+            .lagrange_axis()
+            .filter(|_| seat.table.moves(System::SpinFreeAxis) && body.weight != [0.0; 3])
+        {
             Some(axis) => Seat { turn: (axis + 1) % 3, spin_moment: Some(body.moments[axis]), ..seat },
             None => seat,
         }
@@ -357,7 +360,9 @@ pub fn unload(
         let q = [y[at], y[at + 1], y[at + 2], y[at + 3]];
         let length = q.iter().map(|x| x * x).sum::<f64>().sqrt();
         let mut of_attitude = y;
-        of_attitude[3..6].copy_from_slice(&seen_from_body(&q.map(|x| x / length), &VERTICAL));
+        // The axes of space are renamed with those of the body.
+        let vertical = seen_from_body(&q.map(|x| x / length), &seat.rename(VERTICAL));
+        of_attitude[3..6].copy_from_slice(&vertical);
         compiled.invariants(&parameters, &of_attitude)
     });
     if seat.table.form() == Form::Momenta {
