@@ -4,9 +4,10 @@
 //! ordinary scalar code. No lane looks at another.
 
 use crate::group::{DriftRows, Group, LANES, MAX_STATE, Row};
-use crate::method::{Form, Planar, Rk4, Rotor, RungeKutta, Scheme, Splitting};
+use crate::method::{Dop853, Form, Planar, Rk4, Rotor, RungeKutta, Scheme, Splitting};
 use crate::model::{
-    Attitude, Axis, AxisAttitude, Free, Layout, Model, Parameters, Rates, Top, TwoAxes, direction, dot,
+    Attitude, Axis, AxisAttitude, Free, Layout, Model, Parameters, Rates, SpinFree, Top, TwoAxes, direction,
+    dot,
 };
 use crate::observe::{Flips, Tilt, Watched};
 use crate::real::{Pack, Real};
@@ -33,6 +34,7 @@ pub enum System {
 #[allow(missing_docs)] // The names are those of `method`.
 pub enum Table {
     Rk4,
+    Dop853,
     Planar,
     Rotor,
 }
@@ -96,7 +98,7 @@ impl System {
 
 impl Table {
     /// All tables.
-    pub const ALL: [Table; 3] = [Table::Rk4, Table::Planar, Table::Rotor];
+    pub const ALL: [Table; 4] = [Table::Rk4, Table::Dop853, Table::Planar, Table::Rotor];
 
     /// Whether it moves that system. The oldest schemes are kept in the frame of the body, as they were published.
     pub fn moves(self, system: System) -> bool {
@@ -111,7 +113,7 @@ impl Table {
     /// The variables that it moves.
     pub fn form(self) -> Form {
         match self {
-            Table::Rk4 => Form::Rates,
+            Table::Rk4 | Table::Dop853 => Form::Rates,
             Table::Planar | Table::Rotor => Form::Momenta,
         }
     }
@@ -250,6 +252,7 @@ macro_rules! engines {
 }
 engines! {
     Rk4: RungeKutta<R, M>, V8, V4;
+    Dop853: RungeKutta<R, M>, V8, V4;
     Planar: Splitting<R>, Arr<V8, 2>, Arr<V4, 2>;
     Rotor: Splitting<R>, V8, V4;
 }
@@ -345,13 +348,13 @@ macro_rules! among {
 
 fn code(kernel: Kernel, isa: Isa) -> Code {
     match kernel.system {
-        System::FreeRates => among!(kernel, isa: Free, Rates, 3; Rk4 Planar Rotor),
-        System::FreeAxis => among!(kernel, isa: Free, Axis, 6; Rk4 Planar Rotor),
-        System::FreeAttitude => among!(kernel, isa: Free, Attitude, 7; Rk4 Planar Rotor),
-        System::TopAxis => among!(kernel, isa: Top, Axis, 6; Rk4 Planar Rotor),
-        System::TopTwoAxes => among!(kernel, isa: Top, TwoAxes, 9; Rk4 Planar Rotor),
-        System::TopAttitude => among!(kernel, isa: Top, AxisAttitude, 10; Rk4 Planar Rotor),
-        System::SpinFreeAxis => among!(kernel, isa: SpinFree, Axis, 6; ),
-        System::SpinFreeAttitude => among!(kernel, isa: SpinFree, AxisAttitude, 10; ),
+        System::FreeRates => among!(kernel, isa: Free, Rates, 3; Rk4 Dop853 Planar Rotor),
+        System::FreeAxis => among!(kernel, isa: Free, Axis, 6; Rk4 Dop853 Planar Rotor),
+        System::FreeAttitude => among!(kernel, isa: Free, Attitude, 7; Rk4 Dop853 Planar Rotor),
+        System::TopAxis => among!(kernel, isa: Top, Axis, 6; Rk4 Dop853 Planar Rotor),
+        System::TopTwoAxes => among!(kernel, isa: Top, TwoAxes, 9; Rk4 Dop853 Planar Rotor),
+        System::TopAttitude => among!(kernel, isa: Top, AxisAttitude, 10; Rk4 Dop853 Planar Rotor),
+        System::SpinFreeAxis => among!(kernel, isa: SpinFree, Axis, 6; Dop853),
+        System::SpinFreeAttitude => among!(kernel, isa: SpinFree, AxisAttitude, 10; Dop853),
     }
 }

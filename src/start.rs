@@ -128,6 +128,7 @@ impl Seat {
         let symmetry = || Inertia::new(body.moments).ok().and_then(Inertia::symmetry_axis);
         let (table, turn) = match method {
             Method::Rk4 => (Table::Rk4, 0),
+            Method::Dop853 => (Table::Dop853, 0),
             Method::Splitting => match symmetry() {
                 Some(axis) => (Table::Rotor, (axis + 1) % 3),
                 None => (Table::Planar, body.smallest_moment()),

@@ -63,6 +63,10 @@ pub trait Scheme<R: Real, M: Model<R>, L: Layout, const D: usize>: Copy {
 #[derive(Clone, Copy)]
 pub struct Rk4;
 
+/// Dormand-Prince of order 8.
+#[derive(Clone, Copy)]
+pub struct Dop853;
+
 /// Planar rotations about the principal axes, for any body.
 #[derive(Clone, Copy)]
 pub struct Planar;
@@ -76,18 +80,21 @@ pub struct Rotor;
 pub enum Method {
     /// `rk4`.
     Rk4,
+    /// `dop853`.
+    Dop853,
     /// `splitting`.
     Splitting,
 }
 
 impl Method {
     /// The one list of methods: everything that is said of all methods is said over it.
-    pub const ALL: [Method; 2] = [Method::Rk4, Method::Splitting];
+    pub const ALL: [Method; 3] = [Method::Rk4, Method::Dop853, Method::Splitting];
 
     /// What it promises.
     pub fn facts(self) -> Facts {
         match self {
             Method::Rk4 => Rk4::FACTS,
+            Method::Dop853 => Dop853::FACTS,
             Method::Splitting => Planar::FACTS,
         }
     }

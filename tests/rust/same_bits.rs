@@ -96,7 +96,8 @@ const FAST: usize = 12;
 
 fn loads(kernel: Kernel) -> Vec<Load> {
     let of_lane = |lane: usize| {
-        let mut body = body(lane as u64, kernel.system.is_top(), kernel.table == Table::Rotor);
+        let spin_free = matches!(kernel.system, System::SpinFreeAxis | System::SpinFreeAttitude);
+        let mut body = body(lane as u64, kernel.system.is_top(), spin_free || kernel.table == Table::Rotor);
         // Turns of 0.1 to 0.7 in a step: of such angles up to one in a hundred has another sine by the code for
         // large angles, of smaller ones hardly any, and a lane that took the wrong code would not be seen.
         let mut step = 0.1 + 0.01 * lane as f64;
@@ -114,10 +115,19 @@ fn loads(kernel: Kernel) -> Vec<Load> {
     (0..LANES).map(of_lane).collect()
 }
 
+/// The seat that some method gives the body in this kernel.
+fn seat_of(kernel: Kernel, body: &Body) -> Seat {
+    let spin_free = matches!(kernel.system, System::SpinFreeAxis | System::SpinFreeAttitude);
+    let seats = Method::ALL.into_iter().map(|method| match spin_free {
+        true => Seat::of_path(method, body),
+        false => Seat::of(method, body),
+    });
+    let mut fitting = seats.filter(|seat| seat.table == kernel.table && seat.is_spin_free() == spin_free);
+    fitting.next().unwrap_or_else(|| panic!("no method seats {body:?} in {kernel:?}"))
+}
+
 fn place(group: &mut Group, lane: usize, kernel: Kernel, compiled: Compiled, it: &Load) {
-    let method = if kernel.table == Table::Rk4 { Method::Rk4 } else { Method::Splitting };
-    let seat = Seat::of(method, &it.body);
-    assert_eq!(seat.table, kernel.table);
+    let seat = seat_of(kernel, &it.body);
     load(group, lane, (kernel, compiled), seat, &it.body, it.watched, it.step);
     (group.limit[0].0[lane], group.limit[1].0[lane]) = (it.limit.cosine, it.limit.sine2);
 }
