@@ -2,49 +2,74 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .criteria import Criterion, NoFlip
-from .methods import EXACT
+from .methods import EXACT, angle_per_step, order_of
 
-__all__ = ["check_attainable", "numbers", "steps_for"]
+__all__ = ["ROUNDING", "Scheme", "cheapest", "check_attainable", "numbers", "schemes", "steps_for"]
 
 Floats = NDArray[np.float64]
-
-ANGLE_PER_STEP = 1.0 / 16.0
-"""The angle (rad) that a body turns at most in a step that is left to the core."""
-
-LARGEST_ANGLE_PER_STEP = 0.5
-"""No accuracy is so low that a longer step is trusted to the model of its error."""
 
 ROUNDING = 1e-15
 """Error of an attitude per radian turned that float64 leaves even to a closed form (rad)."""
 
-PHASE_ERROR: Mapping[str, tuple[int, float]] = {
-    "rk4": (4, 1.0 / 120.0),
-    "splitting": (2, 1.0 / 24.0),
-}
-"""Order p and factor c of the error ``c (h w)^p`` per radian turned at rate w with step h."""
+WATCHING: Mapping[str, float] = {"flips": 0.5, "tilt": 0.8}
+"""Nanoseconds a step that watching costs."""
 
-# Nanoseconds on one core: a body, a state of it and its class by closed form; a step by scene and
-# question. The states pay for their way into arrays of Python.
+
+@dataclass(frozen=True, slots=True)
+class Scheme:
+    """What is known by measurement of a scheme on a class of bodies.
+
+    The error of a run is about ``factor theta**order`` per radian turned, ``theta`` being the angle
+    that the body turns in a step, up to ``largest``.
+    """
+
+    order: int
+    factor: float
+    largest: float
+    nanoseconds: Mapping[str, float]
+
+
+@cache
+def schemes() -> dict[tuple[str, str], Scheme]:
+    """All that is measured, by name and class; ``benches/calibrate.py`` wrote it."""
+    text = resources.files("rigid").joinpath("calibration.json").read_text(encoding="utf-8")
+    return {
+        (name, kind): Scheme(order_of(name), **entry)
+        for name, kinds in json.loads(text)["methods"].items()
+        for kind, entry in kinds.items()
+    }
+
+
+def cheapest(accuracy: float, kind: str, question: str | Criterion, angle: float) -> str:
+    """The scheme that needs the least time for this error after turning by ``angle`` (rad)."""
+
+    def time(name: str) -> float:
+        scheme = schemes()[name, kind]
+        return _step_cost(scheme, question) / _turn(scheme, accuracy, np.array(angle)).item()
+
+    return min((name for name, known in schemes() if known == kind), key=time)
+
+
+# Nanoseconds on one core: a body, a state of it and its class by closed form. The states pay for
+# their way into arrays of Python.
 CLOSED_FORM_COST: Mapping[str, tuple[float, float, float]] = {
     "axis spin": (100.0, 70.0, 30.0),
     "free symmetric": (100.0, 70.0, 60.0),
     "free asymmetric": (130.0, 110.0, 75.0),
     "lagrange": (190.0, 120.0, 120.0),
     "pendulum": (200.0, 130.0, 120.0),
-}
-STEP_COST: Mapping[tuple[str, str], Mapping[str, float]] = {
-    ("rk4", "free"): {"rates": 1.3, "axis": 2.6, "attitude": 3.9, "flips": 1.6, "tilt": 3.3},
-    ("rk4", "top"): {"rates": 3.3, "axis": 3.3, "attitude": 6.0, "flips": 3.9, "tilt": 4.0},
-    ("splitting", "free"): {"rates": 4.4, "axis": 6.6, "attitude": 8.9, "flips": 4.7, "tilt": 7.0},
-    ("splitting", "top"): {"rates": 5.8, "axis": 5.8, "attitude": 10.0, "flips": 6.1, "tilt": 6.5},
 }
 
 
@@ -59,19 +84,18 @@ def check_attainable(accuracy: float, angles: Floats) -> None:
 
 
 @np.errstate(all="ignore")
-def steps_for(accuracy: float, method: str, rates: Floats | None, span: float | None) -> Floats:
-    """The step of each body whose phase error at the end is ``accuracy``."""
-    if rates is None or span is None:
-        missing = "omega" if rates is None else "t_end"
-        raise ValueError(
-            f"accuracy = {accuracy:g}: the step of {method!r} follows from the rates and the "
-            f"horizon; {missing} is missing"
-        )
-    order, factor = PHASE_ERROR[method]
-    angles = rates * span
-    turn = ((accuracy - ROUNDING * (1.0 + angles)) / (factor * angles)) ** (1.0 / order)
+def steps_for(accuracy: float, scheme: Scheme, rates: Floats, span: float) -> Floats:
+    """The step of each body whose error at the end is ``accuracy``."""
     # What does not turn needs no step.
-    return np.where(rates > 0.0, np.minimum(turn, LARGEST_ANGLE_PER_STEP) / rates, np.inf)
+    return np.where(rates > 0.0, _turn(scheme, accuracy, rates * span) / rates, np.inf)
+
+
+def _turn(scheme: Scheme, accuracy: float, angles: Floats) -> Floats:
+    """The angle turned in a step for this error after these angles."""
+    left = np.maximum(accuracy - ROUNDING * (1.0 + angles), 0.5 * accuracy)
+    turn = (left / (scheme.factor * angles)) ** (1.0 / scheme.order)
+    shorter: Floats = np.minimum(turn, scheme.largest)
+    return shorter
 
 
 @np.errstate(all="ignore")
@@ -100,26 +124,29 @@ def numbers(
     if rates is None:
         return {"step": step, "steps": None, "cost": None, "error": None}
     if steps is None:
-        steps = ANGLE_PER_STEP / rates
+        steps = angle_per_step(method) / rates
     shortest = float(steps.min(initial=np.inf))
     taken = math.inf if span is None or shortest == 0.0 else span / shortest
     counted = taken < 2.0**63
+    scheme = schemes()[method, kind]
     if angles is not None and error is not None:
-        order, factor = PHASE_ERROR[method]
-        error = error + angles * factor * np.where(rates > 0.0, rates * steps, 0.0) ** order
+        turn = np.where(rates > 0.0, rates * steps, 0.0)
+        error = error + angles * scheme.factor * turn**scheme.order
     return {
         "step": shortest if shortest < np.inf else None,
         "steps": math.ceil(taken) if counted else None,
-        "cost": math.ceil(taken) * STEP_COST[method, kind][_cost_of(question)] if counted else None,
+        "cost": math.ceil(taken) * _step_cost(scheme, question) if counted else None,
         "error": _worst(error),
     }
 
 
-def _cost_of(question: str | Criterion) -> str:
-    """The question as the table of costs names it."""
+def _step_cost(scheme: Scheme, question: str | Criterion) -> float:
+    """Nanoseconds a step."""
     if isinstance(question, str):
-        return question
-    return "flips" if isinstance(question, NoFlip) else "tilt"
+        return scheme.nanoseconds[question]
+    if isinstance(question, NoFlip):
+        return scheme.nanoseconds["rates"] + WATCHING["flips"]
+    return scheme.nanoseconds["axis"] + WATCHING["tilt"]
 
 
 def _worst(errors: Floats | None) -> float | None:

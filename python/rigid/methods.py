@@ -3,10 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 from . import _core
 
-__all__ = ["AUTO", "EXACT", "FALLBACK", "Method", "map_methods", "methods", "run_methods"]
+__all__ = [
+    "AUTO",
+    "EXACT",
+    "FALLBACK",
+    "Method",
+    "angle_per_step",
+    "map_methods",
+    "methods",
+    "order_of",
+    "run_methods",
+]
 
 EXACT = "exact"
 """The closed form of the motion, where there is one."""
@@ -35,6 +46,8 @@ class Method:
     symplectic, reversible, group_preserving : bool
         Preserves the Poisson structure; a step forward and one back is the identity; ``|L|`` of the
         free body, ``|gamma|`` and ``|q|`` stay as they are, up to rounding.
+    angle_per_step : float
+        How far (rad) a body turns at most in a step that is left to the method.
     citation, doi : str
         Where it comes from.
     """
@@ -46,6 +59,7 @@ class Method:
     symplectic: bool
     reversible: bool
     group_preserving: bool
+    angle_per_step: float
     citation: str
     doi: str
 
@@ -57,9 +71,24 @@ def methods() -> tuple[Method, ...]:
     --------
     >>> import rigid
     >>> [(method.name, method.order) for method in rigid.methods()]
-    [('rk4', 4), ('splitting', 2)]
+    [('rk4', 4), ('dop853', 8), ('splitting', 2)]
     """
     return tuple(Method(**facts) for facts in _core.methods())
+
+
+def order_of(name: str) -> int:
+    """The order of a scheme."""
+    return _named(name).order
+
+
+def angle_per_step(name: str) -> float:
+    """How far a body turns at most in a step that is left to the scheme (rad)."""
+    return _named(name).angle_per_step
+
+
+@cache
+def _named(name: str) -> Method:
+    return next(method for method in methods() if method.name == name)
 
 
 def run_methods() -> list[str]:

@@ -20,7 +20,7 @@ from . import _core
 from ._check import finite_float, one_of
 from .bodies import possible
 from .columns import check_scene, columns, each_row
-from .costs import check_attainable, numbers, steps_for
+from .costs import cheapest, check_attainable, numbers, schemes, steps_for
 from .criteria import Criterion, NoFlip, TiltBelow
 from .grid import pixels
 from .methods import AUTO, EXACT, FALLBACK, run_methods
@@ -179,8 +179,8 @@ def plan(
     t_end : float, optional
         Horizon (s).
     accuracy : float, optional
-        Wanted error of the attitude at the horizon, rad. A closed form has it; the step of a scheme
-        follows from it, the rates and the horizon.
+        Wanted error of the last state relative to its size. A closed form has it; otherwise the
+        cheapest scheme and its step follow from it, the rates and the horizon.
     method : str, optional
         ``"exact"`` or one of :func:`rigid.methods`; by default the closed form if all bodies have
         one and no step is given, else ``"rk4"``.
@@ -271,12 +271,21 @@ def decide(
     chosen, why = _choice(scene, question, forms, method, step)
     rates = None if table is None else _core.fastest_rates(**each_row(table))
     steps = None
+    kind = _kind(scene)
     if accuracy is not None:
         if rates is not None and span is not None:
             check_attainable(accuracy, rates * span)
         if chosen != EXACT:
-            steps = steps_for(accuracy, chosen, rates, span)
-            why.append(f"the step follows from the accuracy, {accuracy:g} rad at the end")
+            if rates is None or span is None:
+                raise ValueError(
+                    f"accuracy = {accuracy:g}: the step follows from the rates and the horizon; "
+                    f"{'omega' if rates is None else 't_end'} is missing"
+                )
+            if method is None:
+                chosen = cheapest(accuracy, kind, question, float(rates.max(initial=0.0) * span))
+                why.append(f"{chosen} is the cheapest scheme for it")
+            steps = steps_for(accuracy, schemes()[chosen, kind], rates, span)
+            why.append(f"the step follows from the accuracy, {accuracy:g} at the end")
     elif step is not None and rates is not None and chosen != EXACT:
         steps = np.full(rates.shape, step)
     made = Plan(
@@ -287,9 +296,17 @@ def decide(
         carried=_carried(scene, question, chosen),
         why=tuple(why),
         left_out=_left_out(scene, question, chosen, step, forms),
-        **numbers(scene.kind, question, chosen, forms, rates, span, steps, step, states),
+        **numbers(kind, question, chosen, forms, rates, span, steps, step, states),
     )
     return made, steps
+
+
+def _kind(scene: Scene) -> str:
+    """The class of bodies that a scheme is calibrated on."""
+    if isinstance(scene, FreeBody) or not scene.weight.any():
+        return scene.kind
+    axes = lagrange_axes(np.array([scene.body.moments]), scene.weight[np.newaxis])
+    return "lagrange" if axes[0] else scene.kind
 
 
 def map_plan(spec: MapSpec) -> Plan:

@@ -12,10 +12,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _core
 from ._check import one_of, positive_int, resolve_threads, sorted_times
+from .belief import Belief, span_of
 from .columns import check_scene, columns, laid_out
 from .methods import EXACT
 from .plan import RECORDS, Plan, decide
 from .scenes import Scene
+from .stepping import Request, by_steps, of_closed_form
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -59,6 +61,17 @@ class Run:
         A :class:`Status` for each body.
     steps : ndarray of uint64, shape (n,)
         Steps taken; 0 by closed form.
+    error : ndarray, shape (n,)
+        What the run believes its error to be: of the rates relative to the fastest, of the vertical
+        and the attitude in rad, the largest at up to 16 of the times, the last among them. By steps
+        it is twice the difference from a second run with shorter steps; of a call with more than 32
+        bodies and no ``accuracy``, a sample of 32 is run again and the others are given its largest
+        error. By closed form, ``1e-15`` per radian turned. NaN for a body that was not run.
+    lost_from : ndarray, shape (n,)
+        Time from which on the error is 1 or more: from there the state is numerical, not physical.
+        Infinite if there is none.
+    nanoseconds : int
+        Processor time of the states, of all threads together; not that of the second run.
     spec : dict
         Scene, method, step, accuracy and record, as plain data.
     plan : Plan
@@ -74,8 +87,18 @@ class Run:
     unit_drift: NDArray[np.float64]
     status: NDArray[np.uint8]
     steps: NDArray[np.uint64]
+    error: NDArray[np.float64]
+    lost_from: NDArray[np.float64]
+    nanoseconds: int
     spec: dict[str, Any]
     plan: Plan
+
+    @property
+    def flagged(self) -> NDArray[np.bool_]:
+        """Whether the error is above the accuracy asked for, or, if none was, 1 or more."""
+        wanted = self.spec["accuracy"]
+        flagged: NDArray[np.bool_] = np.asarray(self.error) >= (1.0 if wanted is None else wanted)
+        return flagged
 
     def rotation(self) -> Rotation:
         """The attitudes as a SciPy ``Rotation`` of shape ``(n, m)`` (active, body to space).
@@ -134,8 +157,10 @@ def simulate(
         Largest step (s). Default: each body turns by at most 1/16 rad a step, from a bound of its
         rates.
     accuracy : float, optional
-        Wanted error of the attitude at the last time, rad, instead of a step: that of a scheme then
-        follows from an estimate of its phase error. A closed form needs no step.
+        Wanted error of the last state, relative to its size (see :attr:`Run.error`), instead of a
+        step. Method and step follow from a calibrated model of the error; every body is then run
+        again with shorter steps, and with shorter ones still until its error is below. A body that
+        cannot be brought there, by chaos or rounding, is :attr:`Run.flagged`.
     record : {"attitude", "axis", "rates"}
         What is carried: the attitude; or the vertical seen from the body; or rates only. Asking for
         less is faster and changes no bit of the rates.
@@ -174,21 +199,25 @@ def simulate(
         scene,
         record,
         table=table,
-        span=_span(times),
+        span=span_of(times),
         accuracy=accuracy,
         method=method,
         step=step,
         states=len(times),
     )
-    states = _core.simulate(
-        **table,
+    request = Request(
+        table=table,
+        times=times,
         method=made.method,
         record=record,
-        step=steps,
         max_steps=positive_int("max_steps", max_steps),
         threads=resolve_threads(threads),
-        times=times.tolist(),
     )
+    if made.method == EXACT:
+        states = request.states(table, None)
+        belief = of_closed_form(table, times)
+    else:
+        states, belief = by_steps(request, steps, accuracy)
     spec = {
         "scene": scene.to_dict(),
         "method": made.method,
@@ -196,7 +225,7 @@ def simulate(
         "accuracy": accuracy,
         "record": record,
     }
-    return _to_run(states, times, spec, made, single=single)
+    return _to_run(states, times, belief, spec, made, single=single)
 
 
 def replay_steps(
@@ -212,7 +241,7 @@ def replay_steps(
     table = laid_out(scene, omega.reshape(1, 3), attitude.reshape(1, 4), 1)
     times = np.cumsum(strides) * step
     made, steps = decide(
-        scene, "attitude", table=table, span=_span(times), method=method, step=step
+        scene, "attitude", table=table, span=span_of(times), method=method, step=step
     )
     states = _core.simulate(
         **table,
@@ -230,17 +259,15 @@ def replay_steps(
         "accuracy": None,
         "record": "attitude",
     }
-    return _to_run(states, times, spec, made, single=True)
-
-
-def _span(times: NDArray[np.float64]) -> float:
-    """How much time is covered from 0, backward and forward."""
-    return float(max(times.max(initial=0.0), 0.0) - min(times.min(initial=0.0), 0.0))
+    # The map that this sample comes from knows what is believed of it.
+    unknown = Belief(np.full(1, np.nan), np.full(1, np.nan))
+    return _to_run(states, times, unknown, spec, made, single=True)
 
 
 def _to_run(
     states: dict[str, Any],
     times: NDArray[np.float64],
+    belief: Belief,
     spec: dict[str, Any],
     made: Plan,
     *,
@@ -259,6 +286,9 @@ def _to_run(
         unit_drift=of_body(states["unit_drift"]),
         status=of_body(states["status"]),
         steps=of_body(states["steps"]),
+        error=of_body(belief.error),
+        lost_from=of_body(belief.lost_from),
+        nanoseconds=states["nanoseconds"],
         spec=spec,
         plan=made,
     )

@@ -74,6 +74,7 @@ fn methods(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
         entry.set_item("symplectic", facts.symplectic)?;
         entry.set_item("reversible", facts.reversible)?;
         entry.set_item("group_preserving", facts.group_preserving)?;
+        entry.set_item("angle_per_step", facts.angle_per_step)?;
         entry.set_item("citation", facts.citation)?;
         entry.set_item("doi", facts.doi)?;
         Ok(entry)
@@ -305,6 +306,7 @@ fn states_to_dict(py: Python<'_>, states: States, n: usize, times: usize) -> PyR
     let status: Vec<u8> = states.status.iter().map(|&s| s as u8).collect();
     dict.set_item("status", status.into_pyarray(py))?;
     dict.set_item("steps", states.steps.into_pyarray(py))?;
+    dict.set_item("nanoseconds", states.nanoseconds)?;
     Ok(dict)
 }
 

@@ -26,7 +26,8 @@ pub fn simulate(
         let group = groups[g].clone();
         let known =
             request.bodies[group.clone()].iter().map(|b| Invariants::new(b, request.is_top)).collect();
-        Riders { request, times, places: &places[group.clone()], group, isa, known }.run(stop)
+        let riders = Riders { request, times, places: &places[group.clone()], group, isa, known };
+        States::timed(|| riders.run(stop))
     });
     let mut all = States::with_capacity(request);
     for part in parts {

@@ -3,6 +3,7 @@
 mod closed;
 mod stepped;
 
+use crate::clock::thread_nanoseconds;
 use crate::error::Error;
 use crate::exact::Place;
 use crate::method::Method;
@@ -132,6 +133,8 @@ pub struct States {
     pub status: Vec<Status>,
     /// Steps that each body took.
     pub steps: Vec<u64>,
+    /// Processor time of all threads, ns.
+    pub nanoseconds: u64,
 }
 
 /// Runs the request; `None` if it was stopped.
@@ -182,6 +185,7 @@ impl States {
             unit_drift: Vec::with_capacity(n),
             status: Vec::with_capacity(n),
             steps: Vec::with_capacity(n),
+            nanoseconds: 0,
         }
     }
 
@@ -198,6 +202,7 @@ impl States {
             unit_drift: vec![f64::NAN; n],
             status: vec![Status::Finished; n],
             steps: vec![0; n],
+            nanoseconds: 0,
         }
     }
 
@@ -215,12 +220,24 @@ impl States {
         self.unit_drift.extend(other.unit_drift);
         self.status.extend(other.status);
         self.steps.extend(other.steps);
+        self.nanoseconds += other.nanoseconds;
+    }
+
+    /// The states that `work` returns, with the processor time that it took.
+    fn timed(work: impl FnOnce() -> Option<States>) -> Option<States> {
+        let begin = thread_nanoseconds();
+        let mut states = work()?;
+        states.nanoseconds = thread_nanoseconds() - begin;
+        Some(states)
     }
 }
 
 /// The larger of two errors; a NaN is worse than any number.
 fn worse(old: f64, new: f64) -> f64 {
-    if new <= old || old.is_nan() { old } else { new }
+    if old.is_nan() || new.is_nan() {
+        return f64::NAN;
+    }
+    if new <= old { old } else { new }
 }
 
 fn norm<const N: usize>(v: &[f64; N]) -> f64 {

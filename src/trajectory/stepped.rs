@@ -74,7 +74,7 @@ pub fn simulate(
 ) -> Option<States> {
     let groups = groups(request, method);
     let parts = over_blocks(groups.len(), threads, stop, |g| {
-        Passengers::new(request, method, groups[g].clone(), isa).run(stop)
+        States::timed(|| Passengers::new(request, method, groups[g].clone(), isa).run(stop))
     });
     let mut all = States::with_capacity(request);
     for part in parts {
@@ -202,15 +202,19 @@ impl<'a> Passengers<'a> {
         }
         let states = &mut self.states;
         let at = lane * self.request.schedule.len() + state;
+        // The sign of a NaN depends on the instruction set.
+        canonical(&mut now.omega);
         states.omega[3 * at..][..3].copy_from_slice(&now.omega);
         let mut units = 0.0_f64;
-        if let Some(direction) = now.direction {
+        if let Some(mut direction) = now.direction {
+            canonical(&mut direction);
             units = worse(units, (norm(&direction) - 1.0).abs());
             if let Some(vertical) = &mut states.vertical {
                 vertical[3 * at..][..3].copy_from_slice(&direction);
             }
         }
-        if let (Some(now), Some(attitude)) = (now.attitude, &mut states.attitude) {
+        if let (Some(mut now), Some(attitude)) = (now.attitude, &mut states.attitude) {
+            canonical(&mut now);
             units = worse(units, (norm(&now) - 1.0).abs());
             attitude[4 * at..][..4].copy_from_slice(&now);
         }
@@ -232,6 +236,15 @@ impl<'a> Passengers<'a> {
             if !drifts.iter().all(|&drift| drift <= DRIFT_LIMIT) {
                 states.status[lane] = Status::Drifted;
             }
+        }
+    }
+}
+
+/// One NaN for all.
+fn canonical(numbers: &mut [f64]) {
+    for x in numbers {
+        if x.is_nan() {
+            *x = f64::NAN;
         }
     }
 }

@@ -18,6 +18,10 @@ Floats = NDArray[np.float64]
 #: Everything that is said of all methods is tested over this list.
 METHODS = rigid.methods()
 
+#: Their names, and as an error message lists those of a run.
+NAMES = [method.name for method in METHODS]
+LISTED = ", ".join(map(repr, ["exact", *NAMES]))
+
 #: Unit roundoff of float64.
 ROUNDOFF = 2.0**-53
 
@@ -89,6 +93,11 @@ def _golden(scene: dict[str, Any]) -> Golden:
         kappa_omega=column("kappa_omega"),
         kappa_att=column("kappa_att"),
     )
+
+
+def telling(step: float, method: rigid.Method) -> float:
+    """A step at which a method errs about as much as one of order 4 does at ``step``."""
+    return float(step ** (4.0 / max(method.order, 4)))
 
 
 def present(array: Floats | None) -> Floats:

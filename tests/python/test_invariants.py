@@ -18,6 +18,7 @@ from physics import (
     golden_scene,
     present,
     rotation_angle,
+    telling,
     tilted,
     vertical,
 )
@@ -152,7 +153,7 @@ REVERSAL = ["free_asymmetric/generic", "heavy_asymmetric/regular_tumbling", "lag
 def test_a_reversible_method_finds_the_way_back(method: rigid.Method, identifier: str) -> None:
     """Forward to the end, and from there as far into the past."""
     case = golden_scene(identifier)
-    end, step = float(case.t[3]), 0.02
+    end, step = float(case.t[3]), telling(0.02, method)
     options: dict[str, Any] = {"step": step, "method": method.name}
     there = rigid.simulate(case.scene, case.omega0, case.attitude0, t=end, **options)
     back = rigid.simulate(case.scene, there.omega[0], present(there.attitude)[0], t=-end, **options)
@@ -177,7 +178,7 @@ def test_the_group_is_preserved_as_stated(
     method: rigid.Method, table: dict[str, tuple[Scene, tuple[float, float, float], float]]
 ) -> None:
     for scene, rates, short in table.values():
-        omega, step = np.array(rates), 5.0 * short
+        omega, step = np.array(rates), telling(5.0 * short, method)
         run = rigid.simulate(scene, omega, START, t=2000 * step, step=step, method=method.name)
         worst = max(np.abs(d).max() for d in lengths(scene, run, omega).values())
         if method.group_preserving:

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import rigid
-from physics import METHODS, present, rotation_angle, tilted
+from physics import LISTED, METHODS, present, rotation_angle, tilted
 from rigid.scenes import Scene
 from small_maps import small_map
 
@@ -372,8 +372,8 @@ def test_an_exact_map_is_refused_for_the_pixel_without_a_closed_form() -> None:
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"method": "rk5"}, "method = 'rk5': must be one of 'exact', 'rk4', 'splitting'"),
-        ({"method": "auto"}, "method = 'auto': must be one of 'exact', 'rk4', 'splitting'"),
+        ({"method": "rk5"}, f"method = 'rk5': must be one of {LISTED}"),
+        ({"method": "auto"}, f"method = 'auto': must be one of {LISTED}"),
         ({"step": 0.0}, "step = 0.0: must be positive"),
         ({"t_end": -1.0}, "t_end = -1.0: must be positive"),
         ({"accuracy": 0.0}, "accuracy = 0.0: must be positive"),

@@ -1,0 +1,140 @@
+"""How far a run by steps can be believed: the same bodies again with shorter steps.
+
+With steps shorter by ``2**(2/p)`` the truncation error of a method of order ``p`` falls to a
+quarter, so the difference of the two runs is three quarters of it. Where rounding rules, or chaos
+amplifies it, the two runs differ by about as much as each of them errs. In both cases twice the
+difference is stated: more than the error nearly always, and seldom much more. The extrapolation is
+Richardson's (Hairer, Nørsett, Wanner, *Solving Ordinary Differential Equations I*, § II.4).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _core
+from .columns import each_row
+
+__all__ = ["SAMPLE", "Belief", "ahead", "believe", "distances", "evenly", "span_of", "taken_from"]
+
+Floats = NDArray[np.float64]
+
+SAMPLE = 32
+"""Bodies of a call that are run again: as many as go side by side."""
+
+SAFETY = 2.0
+"""The difference of two runs times this is stated as the error."""
+
+CHECKS = 16
+"""Times of a run, at most, at which the two runs are compared."""
+
+ROUNDING = 1.2e-16
+"""What rounding leaves per radian turned even of two runs that agree to the bit (rad)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Belief:
+    """Errors of some bodies: the largest at the checked times, and from when on it is lost."""
+
+    error: Floats
+    lost_from: Floats
+
+
+def evenly(count: int, most: int) -> NDArray[np.intp]:
+    """At most ``most`` indices below ``count``, evenly spread, the last one among them."""
+    spread = np.linspace(0, count - 1, min(count, most))
+    indices: NDArray[np.intp] = np.unique(spread.round().astype(np.intp))
+    return indices
+
+
+def taken_from(table: Mapping[str, Any], bodies: NDArray[np.intp]) -> dict[str, Any]:
+    """The columns of some of the bodies."""
+    count = len(table["omega"])
+    return {
+        name: values[bodies] if isinstance(values, np.ndarray) and len(values) == count else values
+        for name, values in table.items()
+    }
+
+
+def distances(states: Mapping[str, Any], other: Mapping[str, Any]) -> Floats:
+    """Relative distance of the states of two runs, shape (n, m).
+
+    The largest of ``|d omega|`` over the largest ``|omega|`` of the body, of the angle between the
+    verticals and of the angle between the attitudes.
+    """
+    rates, others = states["omega"], other["omega"]
+    size = np.linalg.norm(others, axis=-1).max(axis=1, initial=0.0)
+    moving = np.where(size > 0.0, size, 1.0)
+    parts = [np.linalg.norm(rates - others, axis=-1) / moving[:, None]]
+    if states["vertical"] is not None:
+        parts.append(np.linalg.norm(states["vertical"] - other["vertical"], axis=-1))
+    if states["attitude"] is not None:
+        a, b = states["attitude"], other["attitude"]
+        apart = np.minimum(np.linalg.norm(a - b, axis=-1), np.linalg.norm(a + b, axis=-1))
+        parts.append(2.0 * apart)
+    largest: Floats = np.max(parts, axis=0)
+    return largest
+
+
+def believe(
+    table: Mapping[str, Any],
+    times: Floats,
+    states: Mapping[str, Any],
+    *,
+    method: str,
+    record: str,
+    order: int,
+    max_steps: int,
+    threads: int,
+) -> Belief:
+    """The error of states that were made by steps, from a second run with shorter ones."""
+    taken = states["steps"].astype(np.float64)
+    span = span_of(times)
+    rates = _core.fastest_rates(**each_row(table))
+    floor = ROUNDING * (1.0 + rates * span)
+    count = len(taken)
+    unknown = Belief(np.full(count, np.nan), np.full(count, np.nan))
+    if span == 0.0 or not len(times):
+        return Belief(np.zeros(count), np.full(count, np.inf))
+    if not taken.any():
+        return unknown
+    # Several steps to each check, so that the shorter ones differ from them.
+    checks = evenly(len(times), int(np.clip(taken[taken > 0].min() // 4, 1, CHECKS)))
+    if times[0] < 0.0:
+        checks = np.union1d(checks, [0])
+    shorter = span / np.maximum(taken, 1.0) / 2.0 ** (2.0 / order)
+    again = _core.simulate(
+        **table,
+        method=method,
+        record=record,
+        step=shorter,
+        max_steps=min(4 * max_steps, 2**63),
+        threads=threads,
+        times=times[checks].tolist(),
+    )
+    seen = {
+        name: None if states[name] is None else states[name][:, checks]
+        for name in ("omega", "vertical", "attitude")
+    }
+    with np.errstate(invalid="ignore", over="ignore"):
+        error = SAFETY * distances(seen, again) + floor[:, None]
+    # What is not a number is not known; a body that was not run has no error.
+    error = np.where(np.isfinite(error), error, np.inf)
+    error[taken == 0] = np.nan
+    lost = np.abs(times[checks])
+    lost_from = np.where(error >= 1.0, lost, np.inf).min(axis=1)
+    return Belief(error.max(axis=1), lost_from)
+
+
+def ahead(error: float, wanted: float, order: int) -> float:
+    """By which factor shorter steps bring an error below the wanted one."""
+    return float(np.clip((2.0 * error / wanted) ** (1.0 / order), 1.05, 8.0))
+
+
+def span_of(times: Floats) -> float:
+    """How much time is covered from 0, backward and forward."""
+    return float(max(times.max(initial=0.0), 0.0) - min(times.min(initial=0.0), 0.0))
