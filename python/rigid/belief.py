@@ -80,6 +80,7 @@ def distances(states: Mapping[str, Any], other: Mapping[str, Any]) -> Floats:
     return largest
 
 
+@np.errstate(all="ignore")
 def believe(
     table: Mapping[str, Any],
     times: Floats,
@@ -120,8 +121,7 @@ def believe(
         name: None if states[name] is None else states[name][:, checks]
         for name in ("omega", "vertical", "attitude")
     }
-    with np.errstate(invalid="ignore", over="ignore"):
-        error = SAFETY * distances(seen, again) + floor[:, None]
+    error = SAFETY * distances(seen, again) + floor[:, None]
     # What is not a number is not known; a body that was not run has no error.
     error = np.where(np.isfinite(error), error, np.inf)
     error[taken == 0] = np.nan

@@ -257,13 +257,14 @@ def test_the_steps_that_are_planned_are_taken(scene: Scene, method: rigid.Method
 def test_the_step_for_an_accuracy_gives_it(
     scene: Scene, method: rigid.Method, accuracy: float
 ) -> None:
-    accuracy **= method.order / 4.0  # a method of order 2 would take a million steps
+    accuracy **= min(method.order, 4) / 4.0  # a method of order 2 would take a million steps
     omega, t = [0.4, 0.3, 2.0], [20.0]
     truth = rigid.simulate(scene, omega, tilted(0.7), t=t, method="exact")
     run = rigid.simulate(scene, omega, tilted(0.7), t=t, method=method.name, accuracy=accuracy)
     error = rotation_angle(present(run.attitude), present(truth.attitude))[0]
     assert error < accuracy
-    assert present_float(run.plan.error) == pytest.approx(accuracy, rel=1e-6)
+    assert present_float(run.plan.error) <= accuracy * (1.0 + 1e-6)
+    assert error <= run.error[0] <= accuracy
     assert run.spec["accuracy"] == accuracy
 
 
@@ -381,7 +382,7 @@ def test_an_exact_map_is_refused_for_the_pixel_without_a_closed_form() -> None:
         ({"accuracy": 1e-6, "step": 0.1}, "accuracy = 1e-06, step = 0.1: exclude each other"),
         (
             {"accuracy": 1e-6, "t_end": 1.0},
-            "of 'rk4' follows from the rates and the horizon; omega",
+            "follows from the rates and the horizon; omega is",
         ),
         ({"accuracy": 1e-6, "omega": RATES}, "t_end is missing"),
         ({"accuracy": 1e-15, "omega": RATES, "t_end": 1.0}, "1e-15: must be above 6.0e-15"),
