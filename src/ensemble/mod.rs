@@ -351,7 +351,7 @@ impl Map {
         let bodies = self.draw(isa, start..stop);
         let mut outcomes: [Vec<Option<Outcome>>; 2] = [vec![None; bodies.len()], Vec::new()];
         let mut referee = Referee::new(self, isa);
-        let mut jobs: [Vec<Job>; 3] = Default::default();
+        let mut jobs: [Vec<Job>; Table::ALL.len()] = Default::default();
         for (index, (pixel, sample)) in self.places(start..stop).enumerate() {
             if self.pixels[pixel as usize].possible {
                 if self.judge.exact() && referee.take(index, &bodies[index], &mut outcomes[0]) {

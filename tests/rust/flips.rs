@@ -100,7 +100,7 @@ fn located_to_the_order_of_the_scheme() {
     for (body, axis, nth) in cases {
         // Converged: RK4 with a step 16 times smaller than the finest, 16^-4 of its error.
         let exact = time_of_flip(&body, Method::Rk4, axis, 0.05 / 64.0, nth);
-        for method in Method::ALL {
+        for method in Method::ALL.into_iter().filter(|method| method.facts().order <= 4) {
             let error = |h: f64| (time_of_flip(&body, method, axis, h, nth) - exact).abs();
             let errors = [0.05, 0.025, 0.0125].map(error);
             let expected = 2.0_f64.powi(method.facts().order as i32);
@@ -316,10 +316,9 @@ fn stable_spin_for_a_million_steps() {
                 let seat = Seat::of(method, &body);
                 load(&mut group, lane, (kernel, compiled), seat, &body, axis as i32, 1.0 / 16.0);
             }
-            compiled.advance(
-                &mut group,
-                if kernel.table == Table::Rk4 || axis != 2 { 1_000_000 } else { 10_000 },
-            );
+            // Fewer of those that are dear.
+            let steps = if method.facts().order <= 4 { 1_000_000 } else { 50_000 };
+            compiled.advance(&mut group, if method.facts().symplectic && axis == 2 { 10_000 } else { steps });
             for lane in 0..LANES {
                 assert_eq!(group.flips.0[lane] > 0.0, axis == 2, "{method:?} axis {axis} lane {lane}");
                 // The worst drift is at the end of the burst: what was not conserved would not prove stability.
