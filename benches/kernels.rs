@@ -89,6 +89,31 @@ fn flops(kernel: Kernel) -> Option<f64> {
         (System::FreeRates, Table::Rk4, Watch::Nothing) => Some(24.0 + 18.0 + 21.0),
         // 4 x (6 mul + 6 fma; 3 mul + 3 fma), 18 stage fma, 6 x (2 fma + 1 add + 1 fma).
         (System::TopAxis, Table::Rk4, Watch::Nothing) => Some(4.0 * 27.0 + 36.0 + 42.0),
+        (system, table, Watch::Nothing) => {
+            let order = taylor_order(table)?;
+            let vectors = (system.len() - 3) / 3;
+            // Products; Euler's equations and the factor of each order; the sum and its compensation.
+            let [products, of_order] = match system {
+                System::FreeRates => [3.0, 3.0 + 1.0 + 3.0],
+                System::TopAxis | System::TopTwoAxes => {
+                    [3.0 + 6.0 * vectors as f64, 15.0 + 1.0 + system.len() as f64]
+                }
+                _ => return None,
+            };
+            let numbers = system.len() as f64;
+            Some(products * order * (order + 1.0) + of_order * order + numbers * (order - 1.0 + 7.0))
+        }
+        _ => None,
+    }
+}
+
+fn taylor_order(table: Table) -> Option<f64> {
+    match table {
+        Table::Taylor8 => Some(8.0),
+        Table::Taylor12 => Some(12.0),
+        Table::Taylor16 => Some(16.0),
+        Table::Taylor20 => Some(20.0),
+        Table::Taylor26 => Some(26.0),
         _ => None,
     }
 }
@@ -109,9 +134,11 @@ fn main() {
         (TopAxis, Watch::Tilt),
         (TopTwoAxes, Watch::Tilt),
         (TopAttitude, Watch::Nothing),
+        (SpinFreeAxis, Watch::Nothing),
+        (SpinFreeAttitude, Watch::Nothing),
     ];
-    for table in [Table::Rk4, Table::Planar, Table::Rotor] {
-        for (system, watch) in systems {
+    for table in Table::ALL {
+        for (system, watch) in systems.into_iter().filter(|&(system, _)| table.moves(system)) {
             let kernel = Kernel { system, table, watch };
             let name = format!("{system:?} {table:?} {watch:?}");
             if filter.as_ref().is_some_and(|f| !name.contains(f.as_str())) {

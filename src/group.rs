@@ -33,6 +33,8 @@ pub struct DriftRows {
 pub struct Group {
     /// Rates or momenta, directions, quaternion.
     pub state: [Row; MAX_STATE],
+    /// What the state has lost to rounding, of schemes that carry it on.
+    pub carry: [Row; MAX_STATE],
     /// Principal moments.
     pub moments: [Row; 3],
     /// `mgl com`.
@@ -74,6 +76,7 @@ impl Group {
         let drift = DriftRows { start: Row::ZERO, inverse_scale: Row::ZERO, worst: Row::ZERO };
         let mut group = Group {
             state: [Row::ZERO; MAX_STATE],
+            carry: [Row::ZERO; MAX_STATE],
             moments: [Row([1.0; LANES]); 3],
             weight: [Row::ZERO; 3],
             step: Row::ZERO,
@@ -97,7 +100,7 @@ impl Group {
 
     /// Makes a lane wait: a unit sphere at rest, its watched axis where it started, and a step of 0.
     pub fn wait(&mut self, lane: usize) {
-        for row in &mut self.state {
+        for row in self.state.iter_mut().chain(&mut self.carry) {
             row.0[lane] = 0.0;
         }
         for direction in [3, 6] {

@@ -4,7 +4,10 @@
 //! ordinary scalar code. No lane looks at another.
 
 use crate::group::{DriftRows, Group, LANES, MAX_STATE, Row};
-use crate::method::{Dop853, Form, Planar, Rk4, Rotor, RungeKutta, Scheme, Splitting};
+use crate::method::{
+    Dop853, Form, Planar, Rk4, Rotor, RungeKutta, Scheme, Splitting, Taylor, Taylor8, Taylor12, Taylor16,
+    Taylor20, Taylor26,
+};
 use crate::model::{
     Attitude, Axis, AxisAttitude, Free, Layout, Model, Parameters, Rates, SpinFree, Top, TwoAxes, direction,
     dot,
@@ -37,6 +40,11 @@ pub enum Table {
     Dop853,
     Planar,
     Rotor,
+    Taylor8,
+    Taylor12,
+    Taylor16,
+    Taylor20,
+    Taylor26,
 }
 
 /// What is looked at after each step.
@@ -98,7 +106,17 @@ impl System {
 
 impl Table {
     /// All tables.
-    pub const ALL: [Table; 4] = [Table::Rk4, Table::Dop853, Table::Planar, Table::Rotor];
+    pub const ALL: [Table; 9] = [
+        Table::Rk4,
+        Table::Dop853,
+        Table::Planar,
+        Table::Rotor,
+        Table::Taylor8,
+        Table::Taylor12,
+        Table::Taylor16,
+        Table::Taylor20,
+        Table::Taylor26,
+    ];
 
     /// Whether it moves that system. The oldest schemes are kept in the frame of the body, as they were published.
     pub fn moves(self, system: System) -> bool {
@@ -113,8 +131,8 @@ impl Table {
     /// The variables that it moves.
     pub fn form(self) -> Form {
         match self {
-            Table::Rk4 | Table::Dop853 => Form::Rates,
             Table::Planar | Table::Rotor => Form::Momenta,
+            _ => Form::Rates,
         }
     }
 }
@@ -186,7 +204,18 @@ where
                 y[d] = P::load(&g.state[d].0[at..]);
             }
             let before = y;
-            schemes[b].step(&p[b], &mut y);
+            if S::CARRIES {
+                let mut carry = y;
+                for d in 0..D {
+                    carry[d] = P::load(&g.carry[d].0[at..]);
+                }
+                schemes[b].step_carrying(&p[b], &mut y, &mut carry);
+                for d in 0..D {
+                    carry[d].store(&mut g.carry[d].0[at..]);
+                }
+            } else {
+                schemes[b].step(&p[b], &mut y);
+            }
             for d in 0..D {
                 y[d].store(&mut g.state[d].0[at..]);
             }
@@ -255,6 +284,11 @@ engines! {
     Dop853: RungeKutta<R, M>, V8, V4;
     Planar: Splitting<R>, Arr<V8, 2>, Arr<V4, 2>;
     Rotor: Splitting<R>, V8, V4;
+    Taylor8: Taylor<R, M>, V8, V4;
+    Taylor12: Taylor<R, M>, V8, V4;
+    Taylor16: Taylor<R, M>, V8, V4;
+    Taylor20: Taylor<R, M>, V8, V4;
+    Taylor26: Taylor<R, M>, V8, V4;
 }
 
 /// Advances all lanes of a group by some steps.
@@ -335,12 +369,16 @@ macro_rules! code_of {
     };
 }
 
-/// The match from a table to its code, over the tables that move the system.
+/// The match from a table to its code, over the tables that move the system: those that move every system, and more.
 macro_rules! among {
-    ($kernel:ident, $isa:ident: $model:ident, $layout:ident, $d:literal; $($table:ident)*) => {
+    ($kernel:ident, $isa:ident: $model:ident, $layout:ident, $d:literal; $($more:ident)*) => {
+        among!(@all $kernel, $isa: $model, $layout, $d;
+            Dop853 Taylor8 Taylor12 Taylor16 Taylor20 Taylor26 $($more)*)
+    };
+    (@all $kernel:ident, $isa:ident: $model:ident, $layout:ident, $d:literal; $($table:ident)*) => {
         match $kernel.table {
             $(Table::$table => code_of!($isa, $model, $layout, $d, $table),)*
-            #[allow(unreachable_patterns)] // Some systems are moved by all tables.
+            #[allow(unreachable_patterns)] // Most systems are moved by all tables.
             table => unreachable!("{table:?} does not move {:?}", $kernel.system),
         }
     };
@@ -348,13 +386,13 @@ macro_rules! among {
 
 fn code(kernel: Kernel, isa: Isa) -> Code {
     match kernel.system {
-        System::FreeRates => among!(kernel, isa: Free, Rates, 3; Rk4 Dop853 Planar Rotor),
-        System::FreeAxis => among!(kernel, isa: Free, Axis, 6; Rk4 Dop853 Planar Rotor),
-        System::FreeAttitude => among!(kernel, isa: Free, Attitude, 7; Rk4 Dop853 Planar Rotor),
-        System::TopAxis => among!(kernel, isa: Top, Axis, 6; Rk4 Dop853 Planar Rotor),
-        System::TopTwoAxes => among!(kernel, isa: Top, TwoAxes, 9; Rk4 Dop853 Planar Rotor),
-        System::TopAttitude => among!(kernel, isa: Top, AxisAttitude, 10; Rk4 Dop853 Planar Rotor),
-        System::SpinFreeAxis => among!(kernel, isa: SpinFree, Axis, 6; Dop853),
-        System::SpinFreeAttitude => among!(kernel, isa: SpinFree, AxisAttitude, 10; Dop853),
+        System::FreeRates => among!(kernel, isa: Free, Rates, 3; Rk4 Planar Rotor),
+        System::FreeAxis => among!(kernel, isa: Free, Axis, 6; Rk4 Planar Rotor),
+        System::FreeAttitude => among!(kernel, isa: Free, Attitude, 7; Rk4 Planar Rotor),
+        System::TopAxis => among!(kernel, isa: Top, Axis, 6; Rk4 Planar Rotor),
+        System::TopTwoAxes => among!(kernel, isa: Top, TwoAxes, 9; Rk4 Planar Rotor),
+        System::TopAttitude => among!(kernel, isa: Top, AxisAttitude, 10; Rk4 Planar Rotor),
+        System::SpinFreeAxis => among!(kernel, isa: SpinFree, Axis, 6;),
+        System::SpinFreeAttitude => among!(kernel, isa: SpinFree, AxisAttitude, 10;),
     }
 }

@@ -129,6 +129,11 @@ impl Seat {
         let (table, turn) = match method {
             Method::Rk4 => (Table::Rk4, 0),
             Method::Dop853 => (Table::Dop853, 0),
+            Method::Taylor8 => (Table::Taylor8, 0),
+            Method::Taylor12 => (Table::Taylor12, 0),
+            Method::Taylor16 => (Table::Taylor16, 0),
+            Method::Taylor20 => (Table::Taylor20, 0),
+            Method::Taylor26 => (Table::Taylor26, 0),
             Method::Splitting => match symmetry() {
                 Some(axis) => (Table::Rotor, (axis + 1) % 3),
                 None => (Table::Planar, body.smallest_moment()),
@@ -270,6 +275,7 @@ pub fn load(
     let parameters = Parameters { moments: seat.lay(body).0, weight: seat.rename(body.weight), step };
     for d in 0..kernel.system.len() {
         group.state[d].0[lane] = y[d];
+        group.carry[d].0[lane] = 0.0;
     }
     for k in 0..3 {
         group.moments[k].0[lane] = parameters.moments[k];

@@ -2,11 +2,13 @@
 
 mod runge_kutta;
 mod splitting;
+mod taylor;
 
 pub use runge_kutta::{RungeKutta, Tableau};
 pub use splitting::{Composition, Flow, Splitting};
+pub use taylor::{Series, Taylor};
 
-use crate::model::{Layout, Model, Parameters};
+use crate::model::{Layout, Model, Parameters, dot};
 use crate::real::Real;
 
 /// What the first three numbers of a state are.
@@ -27,7 +29,8 @@ pub struct Facts {
     pub title: &'static str,
     /// Error of a run ~ step^order.
     pub order: u32,
-    /// Evaluations of the equations of motion (Runge-Kutta) or exact partial flows (splitting) a step.
+    /// Evaluations of the equations of motion (Runge-Kutta), exact partial flows (splitting) or orders of the
+    /// series (Taylor) a step.
     pub stages: usize,
     /// Preserves the symplectic (Poisson) structure.
     pub symplectic: bool,
@@ -47,10 +50,17 @@ pub struct Facts {
 pub trait Scheme<R: Real, M: Model<R>, L: Layout, const D: usize>: Copy {
     /// The variables that it moves.
     const FORM: Form;
+    /// Whether it keeps what rounding took from the state of one step for the next.
+    const CARRIES: bool = false;
     /// Prepares the constants of the step.
     fn new(p: &Parameters<R>) -> Self;
     /// Advances the state by one step.
     fn step(&self, p: &Parameters<R>, y: &mut [R; D]);
+    /// The same; `carry` is what the state has lost to rounding so far.
+    #[inline(always)]
+    fn step_carrying(&self, p: &Parameters<R>, y: &mut [R; D], _carry: &mut [R; D]) {
+        self.step(p, y);
+    }
     /// Rate of change of the first three numbers of the state.
     fn velocity(&self, p: &Parameters<R>, y: &[R; D]) -> [R; 3];
     /// The angular momentum in the body.
@@ -75,6 +85,38 @@ pub struct Planar;
 #[derive(Clone, Copy)]
 pub struct Rotor;
 
+macro_rules! taylor_tables {
+    ($($(#[$doc:meta])* $table:ident;)*) => {$(
+        $(#[$doc])*
+        #[derive(Clone, Copy)]
+        pub struct $table;
+    )*};
+}
+taylor_tables! {
+    /// Taylor series of order 8.
+    Taylor8;
+    /// Taylor series of order 12.
+    Taylor12;
+    /// Taylor series of order 16.
+    Taylor16;
+    /// Taylor series of order 20.
+    Taylor20;
+    /// Taylor series of order 26.
+    Taylor26;
+}
+
+/// The angular momentum, of rates.
+#[inline(always)]
+fn momentum_of_rates<R: Real, const D: usize>(p: &Parameters<R>, y: &[R; D]) -> [R; 3] {
+    [p.moments[0] * y[0], p.moments[1] * y[1], p.moments[2] * y[2]]
+}
+
+/// Kinetic energy, of rates.
+#[inline(always)]
+fn kinetic_of_rates<R: Real, const D: usize>(p: &Parameters<R>, y: &[R; D]) -> R {
+    dot(&momentum_of_rates(p, y), &[y[0], y[1], y[2]]) * R::splat(0.5)
+}
+
 /// A method as users name it; a splitting takes the rotor where the body is symmetric.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
@@ -84,11 +126,30 @@ pub enum Method {
     Dop853,
     /// `splitting`.
     Splitting,
+    /// `taylor8`.
+    Taylor8,
+    /// `taylor12`.
+    Taylor12,
+    /// `taylor16`.
+    Taylor16,
+    /// `taylor20`.
+    Taylor20,
+    /// `taylor26`.
+    Taylor26,
 }
 
 impl Method {
     /// The one list of methods: everything that is said of all methods is said over it.
-    pub const ALL: [Method; 3] = [Method::Rk4, Method::Dop853, Method::Splitting];
+    pub const ALL: [Method; 8] = [
+        Method::Rk4,
+        Method::Dop853,
+        Method::Splitting,
+        Method::Taylor8,
+        Method::Taylor12,
+        Method::Taylor16,
+        Method::Taylor20,
+        Method::Taylor26,
+    ];
 
     /// What it promises.
     pub fn facts(self) -> Facts {
@@ -96,6 +157,11 @@ impl Method {
             Method::Rk4 => Rk4::FACTS,
             Method::Dop853 => Dop853::FACTS,
             Method::Splitting => Planar::FACTS,
+            Method::Taylor8 => Taylor8::FACTS,
+            Method::Taylor12 => Taylor12::FACTS,
+            Method::Taylor16 => Taylor16::FACTS,
+            Method::Taylor20 => Taylor20::FACTS,
+            Method::Taylor26 => Taylor26::FACTS,
         }
     }
 

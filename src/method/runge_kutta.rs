@@ -1,6 +1,6 @@
 //! Explicit Runge-Kutta methods: one engine, any tableau.
 
-use super::{Dop853, Facts, Form, Rk4, Scheme};
+use super::{Dop853, Facts, Form, Rk4, Scheme, kinetic_of_rates, momentum_of_rates};
 use crate::model::{self, Layout, Model, Parameters};
 use crate::real::Real;
 use std::marker::PhantomData;
@@ -361,12 +361,11 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Scheme<R, M, L
 
     #[inline(always)]
     fn momentum(p: &Parameters<R>, y: &[R; D]) -> [R; 3] {
-        [p.moments[0] * y[0], p.moments[1] * y[1], p.moments[2] * y[2]]
+        momentum_of_rates(p, y)
     }
 
     #[inline(always)]
     fn kinetic(p: &Parameters<R>, y: &[R; D]) -> R {
-        let momentum = <Self as Scheme<R, M, L, D>>::momentum(p, y);
-        model::dot(&momentum, &[y[0], y[1], y[2]]) * R::splat(0.5)
+        kinetic_of_rates(p, y)
     }
 }

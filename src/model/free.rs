@@ -17,10 +17,9 @@ impl<R: Real> Model<R> for Free<R> {
         Free { ratios: [(i2 - i3) / i1, (i3 - i1) / i2, (i1 - i2) / i3] }
     }
     #[inline(always)]
-    fn acceleration<const D: usize>(&self, omega: &[R; 3], _y: &[R; D]) -> [R; 3] {
-        let [w1, w2, w3] = *omega;
+    fn euler<const D: usize>(&self, products: &[R; 3], _y: &[R; D]) -> [R; 3] {
         let [a1, a2, a3] = self.ratios;
-        [a1 * (w2 * w3), a2 * (w3 * w1), a3 * (w1 * w2)]
+        [a1 * products[0], a2 * products[1], a3 * products[2]]
     }
     #[inline(always)]
     fn kick<const D: usize>(_p: &Parameters<R>, _h: R, _momentum: &mut [R; 3], _y: &[R; D]) {}

@@ -67,8 +67,15 @@ pub trait Model<R: Real>: Copy {
     const SPIN_FREE: bool = false;
     /// Constants of the equations of motion from those of the body.
     fn new(p: &Parameters<R>) -> Self;
+    /// Euler's equations from the products `w2 w3`, `w3 w1`, `w1 w2`. They are linear in these and in the vertical,
+    /// so the Cauchy products of two series and the vertical of one order give the rate of change of that order.
+    fn euler<const D: usize>(&self, products: &[R; 3], y: &[R; D]) -> [R; 3];
     /// Euler's equations: the rate of change of `omega` in the body.
-    fn acceleration<const D: usize>(&self, omega: &[R; 3], y: &[R; D]) -> [R; 3];
+    #[inline(always)]
+    fn acceleration<const D: usize>(&self, omega: &[R; 3], y: &[R; D]) -> [R; 3] {
+        let [w1, w2, w3] = *omega;
+        self.euler(&[w2 * w3, w3 * w1, w1 * w2], y)
+    }
     /// Exact flow of the potential alone over the time `h`.
     fn kick<const D: usize>(p: &Parameters<R>, h: R, momentum: &mut [R; 3], y: &[R; D]);
     /// Torque of the potential in the body.
@@ -115,6 +122,39 @@ pub fn attitude_rate<R: Real>(q: &[R; 4], omega: &[R; 3]) -> [R; 4] {
         q1.fnma(v3, q3.fma(v1, q0 * v2)),
         q2.fnma(v1, q1.fma(v2, q0 * v3)),
     ]
+}
+
+/// `sum` and `n x omega`, from the rates across axis 3.
+#[inline(always)]
+pub fn add_turn_across<R: Real>(n: &[R; 3], [w1, w2]: [R; 2], sum: &mut [R; 3]) {
+    let [n1, n2, n3] = *n;
+    *sum = [n3.fnma(w2, sum[0]), n3.fma(w1, sum[1]), n2.fnma(w1, n1.fma(w2, sum[2]))];
+}
+
+/// The same, from the rate about axis 3.
+#[inline(always)]
+pub fn add_turn_along<R: Real>(n: &[R; 3], w3: R, sum: &mut [R; 3]) {
+    let [n1, n2, _] = *n;
+    (sum[0], sum[1]) = (n2.fma(w3, sum[0]), n1.fnma(w3, sum[1]));
+}
+
+/// `sum` and `q (0, omega)`, from the rates across axis 3.
+#[inline(always)]
+pub fn add_roll_across<R: Real>(q: &[R; 4], [w1, w2]: [R; 2], sum: &mut [R; 4]) {
+    let [q0, q1, q2, q3] = *q;
+    *sum = [
+        q2.fnma(w2, q1.fnma(w1, sum[0])),
+        q3.fnma(w2, q0.fma(w1, sum[1])),
+        q3.fma(w1, q0.fma(w2, sum[2])),
+        q2.fnma(w1, q1.fma(w2, sum[3])),
+    ];
+}
+
+/// The same, from the rate about axis 3.
+#[inline(always)]
+pub fn add_roll_along<R: Real>(q: &[R; 4], w3: R, sum: &mut [R; 4]) {
+    let [q0, q1, q2, q3] = *q;
+    *sum = [q3.fnma(w3, sum[0]), q2.fma(w3, sum[1]), q1.fnma(w3, sum[2]), q0.fma(w3, sum[3])];
 }
 
 /// Hamilton product of two quaternions, scalar first.

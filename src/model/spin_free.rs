@@ -21,7 +21,7 @@ impl<R: Real> Model<R> for SpinFree<R> {
         SpinFree { rate: p.weight[2] / p.moments[0] }
     }
     #[inline(always)]
-    fn acceleration<const D: usize>(&self, _omega: &[R; 3], y: &[R; D]) -> [R; 3] {
+    fn euler<const D: usize>(&self, _products: &[R; 3], y: &[R; D]) -> [R; 3] {
         let [g1, g2, _] = direction(y, 0);
         [self.rate * g2, -(self.rate * g1), R::splat(0.0)]
     }

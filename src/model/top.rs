@@ -25,14 +25,13 @@ impl<R: Real> Model<R> for Top<R> {
         }
     }
     #[inline(always)]
-    fn acceleration<const D: usize>(&self, omega: &[R; 3], y: &[R; D]) -> [R; 3] {
-        let [w1, w2, w3] = *omega;
+    fn euler<const D: usize>(&self, products: &[R; 3], y: &[R; D]) -> [R; 3] {
         let [g1, g2, g3] = direction(y, 0);
         let Top { ratios: a, plus: p, minus: m } = self;
         [
-            g3.fnma(m[0], g2.fma(p[0], a[0] * (w2 * w3))),
-            g1.fnma(m[1], g3.fma(p[1], a[1] * (w3 * w1))),
-            g2.fnma(m[2], g1.fma(p[2], a[2] * (w1 * w2))),
+            g3.fnma(m[0], g2.fma(p[0], a[0] * products[0])),
+            g1.fnma(m[1], g3.fma(p[1], a[1] * products[1])),
+            g2.fnma(m[2], g1.fma(p[2], a[2] * products[2])),
         ]
     }
     #[inline(always)]

@@ -264,7 +264,7 @@ def test_the_step_for_an_accuracy_gives_it(
     error = rotation_angle(present(run.attitude), present(truth.attitude))[0]
     assert error < accuracy
     assert present_float(run.plan.error) <= accuracy * (1.0 + 1e-6)
-    assert error <= run.error[0] <= accuracy
+    assert error <= run.error <= accuracy
     assert run.spec["accuracy"] == accuracy
 
 

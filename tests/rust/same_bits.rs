@@ -51,9 +51,10 @@ fn kernels() -> Vec<Kernel> {
 
 #[test]
 fn the_list_of_kernels_is_complete() {
-    for (system, watches) in SYSTEMS.into_iter().filter(|&(system, _)| Table::Rk4.moves(system)) {
+    for (system, watches) in SYSTEMS {
+        let table = Table::ALL.into_iter().find(|table| table.moves(system)).unwrap();
         for watch in [Watch::Nothing, Watch::Flips, Watch::Tilt] {
-            let kernel = Kernel { system, table: Table::Rk4, watch };
+            let kernel = Kernel { system, table, watch };
             let exists = std::panic::catch_unwind(|| Compiled::new(kernel, Isa::Scalar)).is_ok();
             assert_eq!(exists, watches.contains(&watch), "{kernel:?}");
         }
@@ -96,8 +97,8 @@ const FAST: usize = 12;
 
 fn loads(kernel: Kernel) -> Vec<Load> {
     let of_lane = |lane: usize| {
-        let spin_free = matches!(kernel.system, System::SpinFreeAxis | System::SpinFreeAttitude);
-        let mut body = body(lane as u64, kernel.system.is_top(), spin_free || kernel.table == Table::Rotor);
+        let symmetric = kernel.table == Table::Rotor || is_spin_free(kernel.system);
+        let mut body = body(lane as u64, kernel.system.is_top(), symmetric);
         // Turns of 0.1 to 0.7 in a step: of such angles up to one in a hundred has another sine by the code for
         // large angles, of smaller ones hardly any, and a lane that took the wrong code would not be seen.
         let mut step = 0.1 + 0.01 * lane as f64;
@@ -115,26 +116,27 @@ fn loads(kernel: Kernel) -> Vec<Load> {
     (0..LANES).map(of_lane).collect()
 }
 
-/// The seat that some method gives the body in this kernel.
-fn seat_of(kernel: Kernel, body: &Body) -> Seat {
-    let spin_free = matches!(kernel.system, System::SpinFreeAxis | System::SpinFreeAttitude);
-    let seats = Method::ALL.into_iter().map(|method| match spin_free {
-        true => Seat::of_path(method, body),
-        false => Seat::of(method, body),
-    });
-    let mut fitting = seats.filter(|seat| seat.table == kernel.table && seat.is_spin_free() == spin_free);
-    fitting.next().unwrap_or_else(|| panic!("no method seats {body:?} in {kernel:?}"))
+fn is_spin_free(system: System) -> bool {
+    matches!(system, System::SpinFreeAxis | System::SpinFreeAttitude)
 }
 
 fn place(group: &mut Group, lane: usize, kernel: Kernel, compiled: Compiled, it: &Load) {
-    let seat = seat_of(kernel, &it.body);
+    let mut seats = Method::ALL.into_iter().map(|method| match is_spin_free(kernel.system) {
+        true => Seat::of_path(method, &it.body),
+        false => Seat::of(method, &it.body),
+    });
+    let seat = seats.find(|seat| seat.table == kernel.table).expect("some method has this table");
+    assert_eq!(seat.is_spin_free(), is_spin_free(kernel.system));
     load(group, lane, (kernel, compiled), seat, &it.body, it.watched, it.step);
     (group.limit[0].0[lane], group.limit[1].0[lane]) = (it.limit.cosine, it.limit.sine2);
 }
 
-/// 200 steps, in bursts of several lengths.
-fn run(group: &mut Group, compiled: Compiled) {
-    for steps in [1, 16, 83, 100] {
+/// Steps in bursts of several lengths: 200, or 40 of those that are long and dear.
+fn run(group: &mut Group, kernel: Kernel, compiled: Compiled) {
+    let is_series = Method::ALL.into_iter().any(|method| {
+        method.facts().order > 4 && Seat::of(method, &body(0, false, false)).table == kernel.table
+    });
+    for steps in if is_series { [1, 5, 14, 20] } else { [1, 16, 83, 100] } {
         compiled.advance(group, steps);
     }
 }
@@ -151,7 +153,7 @@ fn rows(g: &Group) -> Vec<&Row> {
     let singles = [&g.step, &g.count, &g.side, &g.flips, &g.left, &g.cosine, &g.sine2, &g.unit];
     let drifts = [&g.energy, &g.momentum].into_iter().flat_map(|d| [&d.start, &d.inverse_scale, &d.worst]);
     let vectors = g.moments.iter().chain(&g.weight).chain(&g.axis).chain(&g.limit);
-    let rows: Vec<_> = g.state.iter().chain(vectors).chain(singles).chain(drifts).collect();
+    let rows: Vec<_> = g.state.iter().chain(&g.carry).chain(vectors).chain(singles).chain(drifts).collect();
     // Nothing of a group is left out.
     assert_eq!(size_of::<Group>(), rows.len() * size_of::<Row>());
     rows
@@ -171,7 +173,7 @@ fn every_kernel_on_every_instruction_set() {
         let after = |isa| {
             let compiled = Compiled::new(kernel, isa);
             let mut group = full_group(kernel, compiled);
-            run(&mut group, compiled);
+            run(&mut group, kernel, compiled);
             group
         };
         let scalar = after(Isa::Scalar);
@@ -211,12 +213,12 @@ fn every_lane_is_alone() {
         for isa in Isa::available() {
             let compiled = Compiled::new(kernel, isa);
             let mut company = full_group(kernel, compiled);
-            run(&mut company, compiled);
+            run(&mut company, kernel, compiled);
             for (lane, it) in loads(kernel).iter().enumerate() {
                 let elsewhere = (lane + 17) % LANES;
                 let mut group = Group::waiting();
                 place(&mut group, elsewhere, kernel, compiled, it);
-                run(&mut group, compiled);
+                run(&mut group, kernel, compiled);
                 assert_eq!(
                     lane_bits(&group, elsewhere),
                     lane_bits(&company, lane),
@@ -235,7 +237,7 @@ fn a_waiting_lane_stays() {
             let compiled = Compiled::new(kernel, isa);
             let start = full_group(kernel, compiled);
             let mut group = start.clone();
-            run(&mut group, compiled);
+            run(&mut group, kernel, compiled);
             assert_eq!(state(&group, 20), state(&start, 20), "{kernel:?} {isa:?}");
             assert_ne!(state(&group, 19), state(&start, 19), "{kernel:?} {isa:?}");
             let lane = |row: Row| row.0[20];
@@ -345,10 +347,11 @@ fn trajectories_on_any_number_of_threads_and_instruction_set() {
             (0..bodies.len()).map(|i| of_body(&states, i)).collect::<Vec<_>>()
         };
         let once = everything(1, Isa::Scalar);
+        for threads in [1, 2, 3, 7] {
+            assert_eq!(everything(threads, Isa::available()[0]), once, "{threads} threads");
+        }
         for isa in Isa::available() {
-            for threads in [1, 2, 3, 7] {
-                assert_eq!(everything(threads, isa), once, "{threads} threads, {isa:?}");
-            }
+            assert_eq!(everything(2, isa), once, "{isa:?}");
         }
     }
 }

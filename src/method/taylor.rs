@@ -1,0 +1,274 @@
+//! Taylor series in time: one engine, any order.
+//!
+//! The equations of motion are quadratic, so each order follows from the Cauchy products of the lower ones
+//! (Jorba & Zou 2005, §2). Coefficients are those of powers of t / step: their sum is the state after a step.
+
+use super::{Facts, Form, Scheme, kinetic_of_rates, momentum_of_rates};
+use super::{Taylor8, Taylor12, Taylor16, Taylor20, Taylor26};
+use crate::model::{
+    Layout, Model, Parameters, add_roll_across, add_roll_along, add_turn_across, add_turn_along, direction,
+};
+use crate::real::Real;
+use std::marker::PhantomData;
+use std::mem::MaybeUninit;
+
+/// Highest order of any table here.
+pub const MAX_ORDER: usize = 26;
+
+/// The table of a Taylor method: its order, an even number.
+pub trait Series: Copy {
+    /// Name, order, properties, citation.
+    const FACTS: Facts;
+    /// Order of the highest coefficient.
+    const ORDER: usize;
+}
+
+macro_rules! series {
+    ($($table:ident: $order:literal, $name:literal, $angle:expr;)*) => {$(
+        impl Series for $table {
+            const FACTS: Facts = Facts {
+                name: $name,
+                title: concat!("Taylor series of order ", $order, ", summed with compensation"),
+                order: $order,
+                stages: $order,
+                symplectic: false,
+                reversible: false,
+                group_preserving: false,
+                angle_per_step: $angle,
+                citation: "A. Jorba, M. Zou, A software package for the numerical integration of ODEs by means of \
+                           high-order Taylor methods, Exp. Math. 14 (2005) 99-117; F. Biscani, D. Izzo, \
+                           Revisiting high-order Taylor methods for astrodynamics and celestial mechanics, \
+                           Mon. Not. R. Astron. Soc. 504 (2021) 2614-2628, doi 10.1093/mnras/stab1032",
+                doi: "10.1080/10586458.2005.10128904",
+            };
+            const ORDER: usize = $order;
+        }
+        const _: () = assert!($order <= MAX_ORDER && $order % 2 == 0);
+    )*};
+}
+// Angles a step at which the attitudes of 600 random bodies and tops were off by 4e-14 rad a radian turned at worst.
+series! {
+    Taylor8: 8, "taylor8", 1.0 / 8.0;
+    Taylor12: 12, "taylor12", 2.0 / 5.0;
+    Taylor16: 16, "taylor16", 3.0 / 4.0;
+    Taylor20: 20, "taylor20", 9.0 / 10.0;
+    Taylor26: 26, "taylor26", 9.0 / 8.0;
+}
+
+/// 1 / k.
+const INVERSE: [f64; MAX_ORDER + 1] = {
+    let mut inverse = [0.0; MAX_ORDER + 1];
+    let mut k = 1;
+    while k <= MAX_ORDER {
+        inverse[k] = 1.0 / k as f64;
+        k += 1;
+    }
+    inverse
+};
+
+/// Coefficients of a state, lowest order first, in memory that nobody has to clear.
+pub struct Coefficients<R, const D: usize> {
+    rows: [MaybeUninit<[R; D]>; MAX_ORDER + 1],
+    known: usize,
+}
+
+impl<R: Real, const D: usize> Coefficients<R, D> {
+    #[inline(always)]
+    fn new() -> Self {
+        Coefficients { rows: [const { MaybeUninit::uninit() }; MAX_ORDER + 1], known: 0 }
+    }
+
+    #[inline(always)]
+    fn push(&mut self, row: [R; D]) {
+        self.rows[self.known].write(row);
+        self.known += 1;
+    }
+
+    /// The coefficients of one order.
+    #[inline(always)]
+    fn order(&self, k: usize) -> &[R; D] {
+        assert!(k < self.known);
+        // Safety: `push` has written all rows below `known`.
+        unsafe { self.rows[k].assume_init_ref() }
+    }
+}
+
+/// Cauchy products of one order: of the rates with each other, with the directions and with the quaternion.
+#[derive(Clone, Copy)]
+struct Products<R> {
+    rates: [R; 3],
+    directions: [[R; 3]; 2],
+    quaternion: [R; 4],
+}
+
+impl<R: Real> Products<R> {
+    #[inline(always)]
+    fn none() -> Self {
+        let zero = R::splat(0.0);
+        Products { rates: [zero; 3], directions: [[zero; 3]; 2], quaternion: [zero; 4] }
+    }
+
+    /// Adds the products of the rates of one order with everything of another.
+    #[inline(always)]
+    fn add<M: Model<R>, L: Layout, const D: usize>(&mut self, a: &[R; D], b: &[R; D]) {
+        let [w1, w2, w3] = [a[0], a[1], a[2]];
+        if !M::SPIN_FREE {
+            self.rates[0] = w2.fma(b[2], self.rates[0]);
+            self.rates[1] = w3.fma(b[0], self.rates[1]);
+            self.rates[2] = w1.fma(b[1], self.rates[2]);
+            self.add_spin::<L, D>(w3, b);
+        }
+        for v in 0..L::VECTORS {
+            add_turn_across(&direction(b, v), [w1, w2], &mut self.directions[v]);
+        }
+        if L::QUATERNION {
+            add_roll_across(&quaternion::<R, L, D>(b), [w1, w2], &mut self.quaternion);
+        }
+    }
+
+    /// The share of the rate about axis 3. Where the spin is left out that rate is constant: its series has one
+    /// term, and no sum over orders is needed.
+    #[inline(always)]
+    fn add_spin<L: Layout, const D: usize>(&mut self, w3: R, b: &[R; D]) {
+        for v in 0..L::VECTORS {
+            add_turn_along(&direction(b, v), w3, &mut self.directions[v]);
+        }
+        if L::QUATERNION {
+            add_roll_along(&quaternion::<R, L, D>(b), w3, &mut self.quaternion);
+        }
+    }
+}
+
+#[inline(always)]
+fn quaternion<R: Real, L: Layout, const D: usize>(y: &[R; D]) -> [R; 4] {
+    let at = L::QUATERNION_AT;
+    [y[at], y[at + 1], y[at + 2], y[at + 3]]
+}
+
+/// The engine.
+pub struct Taylor<T, R, M> {
+    model: M,
+    step: R,
+    table: PhantomData<T>,
+}
+
+impl<T, R: Copy, M: Copy> Clone for Taylor<T, R, M> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+impl<T, R: Copy, M: Copy> Copy for Taylor<T, R, M> {}
+
+impl<T: Series, R: Real, M: Model<R>> Taylor<T, R, M> {
+    /// All coefficients of the motion that starts at `y`.
+    #[inline(always)]
+    fn coefficients<L: Layout, const D: usize>(&self, y: &[R; D]) -> Coefficients<R, D> {
+        let mut c = Coefficients::new();
+        c.push(*y);
+        let spin = y[2];
+        for half in 0..T::ORDER / 2 {
+            let k = 2 * half;
+            let (mut sums, mut after) = (Products::none(), Products::none());
+            for j in 1..k {
+                sums.add::<M, L, D>(c.order(j), c.order(k - j));
+                after.add::<M, L, D>(c.order(j + 1), c.order(k - j));
+            }
+            if k > 0 {
+                sums.add::<M, L, D>(c.order(0), c.order(k));
+                after.add::<M, L, D>(c.order(1), c.order(k));
+            }
+            sums.add::<M, L, D>(c.order(k), c.order(0));
+            let next = self.next::<L, D>(sums, spin, c.order(k), k);
+            c.push(next);
+            after.add::<M, L, D>(c.order(0), c.order(k + 1));
+            after.add::<M, L, D>(c.order(k + 1), c.order(0));
+            let next = self.next::<L, D>(after, spin, c.order(k + 1), k + 1);
+            c.push(next);
+        }
+        c
+    }
+
+    /// The coefficients of order k + 1 from the products and the coefficients of order k.
+    #[inline(always)]
+    fn next<L: Layout, const D: usize>(
+        &self,
+        mut sums: Products<R>,
+        spin: R,
+        of_k: &[R; D],
+        k: usize,
+    ) -> [R; D] {
+        let factor = self.step * R::splat(INVERSE[k + 1]);
+        let acceleration = self.model.euler(&sums.rates, of_k);
+        if M::SPIN_FREE {
+            sums.add_spin::<L, D>(spin, of_k);
+        }
+        let mut next = *of_k;
+        for i in 0..3 {
+            next[i] = factor * acceleration[i];
+            for v in 0..L::VECTORS {
+                next[3 + 3 * v + i] = factor * sums.directions[v][i];
+            }
+        }
+        if L::QUATERNION {
+            let half = factor * R::splat(0.5);
+            for i in 0..4 {
+                next[L::QUATERNION_AT + i] = half * sums.quaternion[i];
+            }
+        }
+        next
+    }
+}
+
+/// `a + b` and what rounding took from it (Knuth, TAOCP 2, §4.2.2).
+#[inline(always)]
+fn two_sum<R: Real>(a: R, b: R) -> (R, R) {
+    let sum = a + b;
+    let of_b = sum - a;
+    (sum, (a - (sum - of_b)) + (b - of_b))
+}
+
+impl<T: Series, R: Real, M: Model<R>, L: Layout, const D: usize> Scheme<R, M, L, D> for Taylor<T, R, M> {
+    const FORM: Form = Form::Rates;
+    const CARRIES: bool = true;
+
+    #[inline(always)]
+    fn new(p: &Parameters<R>) -> Self {
+        Taylor { model: M::new(p), step: p.step, table: PhantomData }
+    }
+
+    #[inline(always)]
+    fn step(&self, p: &Parameters<R>, y: &mut [R; D]) {
+        let mut carry = [R::splat(0.0); D];
+        <Self as Scheme<R, M, L, D>>::step_carrying(self, p, y, &mut carry);
+    }
+
+    #[inline(always)]
+    fn step_carrying(&self, _p: &Parameters<R>, y: &mut [R; D], carry: &mut [R; D]) {
+        let c = self.coefficients::<L, D>(y);
+        // Small terms first; the state, the largest, last.
+        let mut rise = *c.order(T::ORDER);
+        for k in (1..T::ORDER).rev() {
+            for d in 0..D {
+                rise[d] = rise[d] + c.order(k)[d];
+            }
+        }
+        for d in 0..D {
+            (y[d], carry[d]) = two_sum(y[d], rise[d] + carry[d]);
+        }
+    }
+
+    #[inline(always)]
+    fn velocity(&self, _p: &Parameters<R>, y: &[R; D]) -> [R; 3] {
+        self.model.acceleration(&[y[0], y[1], y[2]], y)
+    }
+
+    #[inline(always)]
+    fn momentum(p: &Parameters<R>, y: &[R; D]) -> [R; 3] {
+        momentum_of_rates(p, y)
+    }
+
+    #[inline(always)]
+    fn kinetic(p: &Parameters<R>, y: &[R; D]) -> R {
+        kinetic_of_rates(p, y)
+    }
+}
