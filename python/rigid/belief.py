@@ -2,7 +2,7 @@
 
 With steps shorter by ``2**(2/p)`` the truncation error of a method of order ``p`` falls to a
 quarter, so the difference of the two runs is three quarters of it. Where rounding rules, or chaos
-amplifies it, the two runs differ by about as much as each of them errs. In both cases twice the
+amplifies it, the two runs differ by about as much as each of them errs. In both cases three times the
 difference is stated: more than the error nearly always, and seldom much more. The extrapolation is
 Richardson's (Hairer, Nørsett, Wanner, *Solving Ordinary Differential Equations I*, § II.4).
 """
@@ -26,14 +26,14 @@ Floats = NDArray[np.float64]
 SAMPLE = 32
 """Bodies of a call that are run again: as many as go side by side."""
 
-SAFETY = 2.0
+SAFETY = 3.0
 """The difference of two runs times this is stated as the error."""
 
 CHECKS = 16
 """Times of a run, at most, at which the two runs are compared."""
 
-ROUNDING = 1.2e-16
-"""What rounding leaves per radian turned even of two runs that agree to the bit (rad)."""
+ROUNDING = 5e-16
+"""What rounding may leave per radian turned of two runs that agree to the bit (rad)."""
 
 
 @dataclass(frozen=True, slots=True)

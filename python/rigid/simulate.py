@@ -64,7 +64,7 @@ class Run:
     error : ndarray, shape (n,)
         What the run believes its error to be: of the rates relative to the fastest, of the vertical
         and the attitude in rad, the largest at up to 16 of the times, the last among them. By steps
-        it is twice the difference from a second run with shorter steps; of a call with more than 32
+        it is three times the difference from a second run with shorter steps; of a call with more than 32
         bodies and no ``accuracy``, a sample of 32 is run again and the others are given its largest
         error. By closed form, ``1e-15`` per radian turned. NaN for a body that was not run.
     lost_from : ndarray, shape (n,)

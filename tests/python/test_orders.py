@@ -72,7 +72,8 @@ def fitted_order(identifier: str, method: rigid.Method, until: float) -> float:
 
 
 LOW = [method for method in METHODS if method.order <= 4]
-HIGH = [method for method in METHODS if method.order > 4]
+# The order of the Taylor series is measured in single steps, by the tests of the core.
+HIGH = [m for m in METHODS if m.order > 4 and not m.name.startswith("taylor")]
 
 
 @pytest.mark.parametrize(("identifier", "until", "largest"), REGIMES)
