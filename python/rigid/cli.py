@@ -1,4 +1,4 @@
-"""The command line ``rigid``: compute maps and reports, list the built-in ones, describe the build."""
+"""The command line ``rigid``: compute maps and reports, list those built in, describe the build."""
 
 from __future__ import annotations
 

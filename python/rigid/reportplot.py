@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from itertools import product
+from itertools import pairwise, product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -33,9 +33,9 @@ TOP = 3.0
 def plot_report(report: Report, *, ax: Axes | None = None) -> Axes:
     """Draw error against processor time, a line for each method, both axes logarithmic.
 
-    The grey band follows the Pareto front; nothing is known in the hatched region below the
-    uncertainty of the reference. Small points are rows whose error is a bound, because it is lost
-    in that uncertainty.
+    The grey band follows the Pareto front of the schemes; nothing is known in the hatched region
+    below the uncertainty of the reference. Small points are rows whose error is a bound, because
+    it is lost in that uncertainty.
 
     Parameters
     ----------
@@ -120,7 +120,7 @@ def _limits(ax: Axes, report: Report, rows: list[Row]) -> None:
 
 
 def _draw_front(ax: Axes, report: Report) -> None:
-    front = [row for row in report.front if row.error > 0.0]
+    front = [row for row in report.scheme_front if row.error > 0.0]
     if not front:
         return
     # Between two rows of the front the better of both is to be had for the price of the slower.
@@ -175,7 +175,7 @@ def _label(
     taken: list[Bbox] = []
     obstacles = np.concatenate([_along(ax, rows) for rows in lines.values()])
     frame = ax.get_window_extent()
-    points = ax.figure.dpi / 72.0  # type: ignore[union-attr]
+    points = ax.figure.dpi / 72.0
     labels = []
     for method, row, colour in sorted(ends, key=lambda end: (end[1].error, end[1].nanoseconds)):
         label = ax.annotate(
@@ -213,7 +213,7 @@ def _along(ax: Axes, rows: list[Row]) -> NDArray[np.float64]:
     """Points along a line, a few pixels apart."""
     corners = ax.transData.transform([(row.nanoseconds, row.error) for row in rows])
     share = np.linspace(0.0, 1.0, 25)[:, None]
-    pieces = [a + share * (b - a) for a, b in zip(corners, corners[1:], strict=False)]
+    pieces = [a + share * (b - a) for a, b in pairwise(corners)]
     return np.concatenate([corners, *pieces])
 
 
@@ -249,7 +249,9 @@ def _cost(
     """How bad a place is: another name is worst, then the frame, then lines, then the distance."""
     roomy = box.padded(1.5 * points)
     names = sum(roomy.overlaps(other) for other in taken)
-    outside = not (frame.x0 < box.x0 and box.x1 < frame.x1 and frame.y0 < box.y0 < box.y1 < frame.y1)
+    outside = not (
+        frame.x0 < box.x0 and box.x1 < frame.x1 and frame.y0 < box.y0 < box.y1 < frame.y1
+    )
     inside = np.all((obstacles > (roomy.x0, roomy.y0)) & (obstacles < (roomy.x1, roomy.y1)), axis=1)
     middle = np.array([0.5 * (box.x0 + box.x1), 0.5 * (box.y0 + box.y1)])
     gap: Any = np.linalg.norm((middle - anchor) / (2.5 * points, points))

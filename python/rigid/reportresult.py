@@ -6,7 +6,7 @@ import dataclasses
 import json
 import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -133,12 +133,12 @@ class Report:
 
         Rows with an error of 1 or more do not compete.
         """
-        best, front = 1.0, []
-        for row in sorted(self.rows, key=lambda row: (row.nanoseconds, row.error)):
-            if row.error < best:
-                best = row.error
-                front.append(row)
-        return tuple(front)
+        return _front(self.rows)
+
+    @property
+    def scheme_front(self) -> tuple[Row, ...]:
+        """The Pareto front of the schemes alone: a closed form often beats them all."""
+        return _front(row for row in self.rows if row.method != EXACT)
 
     def cost(self, method: str, error: float) -> float | None:
         """Processor time per body and unit of time (ns) for a wanted error, None if not reached.
@@ -156,10 +156,17 @@ class Report:
             before = row
         return None
 
-    def cheapest(self, error: float) -> str | None:
-        """The method that reaches a wanted error in the shortest time, None if none does."""
+    def cheapest(self, error: float, *, schemes: bool = False) -> str | None:
+        """The method that reaches a wanted error in the shortest time, None if none does.
+
+        With ``schemes`` the closed form does not compete.
+        """
         costs = {method: self.cost(method, error) for method in self.methods}
-        reached = {method: cost for method, cost in costs.items() if cost is not None}
+        reached = {
+            method: cost
+            for method, cost in costs.items()
+            if cost is not None and not (schemes and method == EXACT)
+        }
         return min(reached, key=lambda method: reached[method]) if reached else None
 
     def order(self, method: str) -> float | None:
@@ -239,19 +246,19 @@ class Report:
     def _head(self) -> list[str]:
         spec, reference = self.spec, self.reference
         how = "closed form" if reference.method == EXACT else f"{reference.steps:,} steps"
-        clock = "processor time, ns per body and"
+        unit, attitude = spec.unit, f"({_listed(spec.attitude)})"
         lines = [
             ("report", spec.title or "error against run time"),
             ("scene", scene_words(spec.scene)),
-            ("start", f"omega ({_listed(spec.omega)}) rad/{spec.unit}, attitude ({_listed(spec.attitude)})"),
-            ("bodies", f"{spec.bodies} close to it, seed {spec.seed}; t = {spec.t_end:g} {spec.unit}"),
+            ("start", f"omega ({_listed(spec.omega)}) rad/{unit}, attitude {attitude}"),
+            ("bodies", f"{spec.bodies} close to it, seed {spec.seed}; t = {spec.t_end:g} {unit}"),
             (
                 "reference",
                 f"{reference.method}, {how}; may be off by {reference.uncertainty:.1e}, "
                 f"worst {reference.worst:.1e}",
             ),
             ("error", "median of the bodies: of the rates, relative, or of the attitude, rad"),
-            ("time", f"{clock} {spec.unit} of motion; median of {self.rounds}"),
+            ("time", f"processor time, ns per body and {unit} of motion; median of {self.rounds}"),
             ("machine", ", ".join(self.machine[name] for name in ("cpu", "isa") if self.machine)),
         ]
         if not self.complete:
@@ -260,32 +267,33 @@ class Report:
         return [f"{name:<12}{text}" for name, text in lines]
 
     def _costs(self) -> list[str]:
-        """Per method the time for each wanted error; the cheapest has a star."""
+        """Per method the time for each wanted error; the cheapest, and cheapest scheme, starred."""
         wanted = self.spec.errors
-        table = [["method", "order", *(f"{error:.0e}" for error in wanted)]]
-        winners = [self.cheapest(error) for error in wanted]
+        table = [["* cheapest", "order", *(f"{error:.0e} " for error in wanted)]]
+        winners = [{self.cheapest(error), self.cheapest(error, schemes=True)} for error in wanted]
         for method in self.methods:
             order = self.order(method)
             cells = [method, "-" if order is None else f"{order:.1f}"]
-            for error, winner in zip(wanted, winners, strict=True):
+            for error, best in zip(wanted, winners, strict=True):
                 cost = self.cost(method, error)
-                star = "*" if winner == method else " "
-                cells.append("- " if cost is None else f"{cost:,.4g}{star}")
+                star = "*" if method in best else " "
+                cells.append("- " if cost is None else f"{_time(cost)}{star}")
             table.append(cells)
         return _aligned(table)
 
     def _front_table(self) -> list[str]:
         head = ["front", "steps", "rad/step", "time", "±", "total", "error", "worst", "energy"]
         table = [[*head, "momentum", ""]]
-        for row in self.front:
+        closed = [row for row in self.front if row.method == EXACT]
+        for row in [*closed, *self.scheme_front]:
             table.append(
                 [
                     row.method,
                     f"{row.steps:,}",
                     "-" if row.angle is None else f"{row.angle:.2g}",
-                    f"{row.nanoseconds:,.4g}",
-                    "-" if row.spread is None else f"{row.spread:.1g}",
-                    f"{row.total:,.4g}",
+                    _time(row.nanoseconds),
+                    "-" if row.spread is None else _time(row.spread, 1),
+                    _time(row.total),
                     f"{row.error:.1e}",
                     f"{row.worst:.1e}",
                     f"{row.energy_drift:.0e}",
@@ -296,12 +304,27 @@ class Report:
         return _aligned(table)
 
 
+def _front(rows: Iterable[Row]) -> tuple[Row, ...]:
+    best, front = 1.0, []
+    for row in sorted(rows, key=lambda row: (row.nanoseconds, row.error)):
+        if row.error < best:
+            best = row.error
+            front.append(row)
+    return tuple(front)
+
+
 def _listed(values: Sequence[float]) -> str:
     return ", ".join(f"{value:g}" for value in values)
 
 
+def _time(nanoseconds: float, digits: int = 3) -> str:
+    """Three digits, or all before the point."""
+    small = nanoseconds < 10.0**digits
+    return f"{nanoseconds:.{digits}g}" if small else f"{nanoseconds:,.0f}"
+
+
 def _brief(method: str, why: str) -> str:
-    """The beginning of a refusal: the method is known, and what else there might be is for later."""
+    """The beginning of a refusal, without the name of the method."""
     text = why.removeprefix(f"method = {method!r}: ").partition(";")[0]
     return text if len(text) <= 100 else f"{text[:97]}..."
 
