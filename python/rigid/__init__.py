@@ -19,7 +19,7 @@ from .methods import Method, methods
 from .plan import Plan, plan
 from .progress import Progress
 from .report import report
-from .reportresult import Report
+from .reportresult import Report, Row
 from .scenes import FreeBody, HeavyTop
 from .simulate import Run, Status, simulate
 from .starts import Noise, Start, direction, normal, uniform, uniform_attitude
@@ -35,6 +35,7 @@ __all__ = [
     "Progress",
     "Replay",
     "Report",
+    "Row",
     "Run",
     "StabilityMap",
     "Start",

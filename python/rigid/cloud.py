@@ -110,8 +110,9 @@ class Reference:
         Its steps; 0 by closed form.
     uncertainty, worst : float
         By how much the reference itself may be off: median and largest of the cloud. By closed
-        form: the difference between one leap and two; of a scheme: between its step and twice its
-        step. At least what rounding leaves, ``1e-15`` per radian turned.
+        form: the difference between one leap and two; of a scheme: the larger difference to half
+        and twice its step, or, if the time was over, to twice its step. At least what rounding
+        leaves, ``1e-15`` per radian turned.
     """
 
     method: str
@@ -169,12 +170,14 @@ def find_reference(
         steps *= 2
         truth = cloud.run(name, steps)
         apart.append(np.maximum(*cloud.distance(before, truth)))
-        before, middle = truth, [float(np.median(one)) for one in apart[-2:]]
-        if len(apart) > 2 and middle[1] < CONVERGED and middle[1] > 0.5 * middle[0]:
-            # Only rounding is left. Either difference may be small by chance.
-            return _reference(name, steps, np.maximum(*apart[-2:]), cloud), truth
+        medians = [float(np.median(one)) for one in apart[-2:]]
+        if len(apart) > 2 and medians[1] < CONVERGED and medians[1] > 0.5 * medians[0]:
+            # Only rounding is left, and the more of it the more steps: the run before is better,
+            # and stands between two that show how far it is off.
+            return _reference(name, steps // 2, np.maximum(*apart[-2:]), cloud), before
         if len(apart) > 1 and not allowed(2.0 * (time.perf_counter() - begun)):
             return _reference(name, steps, apart[-1], cloud), truth
+        before = truth
 
 
 def _in_two_leaps(cloud: Cloud, truth: Run) -> Floats:
