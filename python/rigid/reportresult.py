@@ -335,7 +335,9 @@ def _aligned(table: Sequence[Sequence[str]]) -> list[str]:
     lines = []
     for cells in table:
         first = f"{cells[0]:<{max(widths[0], 10)}}"
-        rest = (f"{cell:>{width}}" for cell, width in zip(cells[1:], widths[1:], strict=True))
+        rest = [f"{cell:>{width}}" for cell, width in zip(cells[1:], widths[1:], strict=True)]
+        if not table[0][-1]:
+            rest[-1] = cells[-1]
         lines.append("  ".join([first, *rest]).rstrip())
     return lines
 
