@@ -193,14 +193,14 @@ def _label(
         anchor = ax.transData.transform((row.nanoseconds, row.error))
         box = label.get_window_extent()
         size = np.array([box.width, box.height])
-        best, place = math.inf, (8.0, 0.0)
-        for offset in _offsets(size / points):
+        best, place, distance = math.inf, (8.0, 0.0), 8.0
+        for radius, *offset in _offsets(size / points):
             moved = _box_at(anchor + points * np.array(offset), size)
             cost = _cost(moved, frame, taken, obstacles, anchor, points)
             if cost < best:
-                best, place = cost, offset
+                best, place, distance = cost, (offset[0], offset[1]), radius
         label.set_position(place)
-        if math.hypot(*place) < 14.0 and place[0] > 0.0 and label.arrow_patch is not None:
+        if distance < 14.0 and label.arrow_patch is not None:
             label.arrow_patch.set_visible(False)
         taken.append(_box_at(anchor + points * np.array(place), size))
         labels.append(label)
@@ -215,8 +215,8 @@ def _along(ax: Axes, rows: list[Row]) -> NDArray[np.float64]:
     return np.concatenate([corners, *pieces])
 
 
-def _offsets(size: NDArray[np.float64]) -> list[tuple[float, float]]:
-    """Places of the left middle of a label around its point, in points, near ones first."""
+def _offsets(size: NDArray[np.float64]) -> list[tuple[float, float, float]]:
+    """Distances and places of the left middle of a label around its point, in points."""
     width = float(size[0])
     places = []
     for radius in (8.0, 13.0, 20.0, 28.0, 38.0, 50.0, 64.0, 80.0, 98.0, 120.0):
@@ -225,7 +225,7 @@ def _offsets(size: NDArray[np.float64]) -> list[tuple[float, float]]:
             y = radius * math.sin(math.radians(degrees))
             # Left of the point the label ends there; above and below it is centred.
             shift = 0.0 if x > 0.5 * radius else width if x < -0.5 * radius else 0.5 * width
-            places.append((x - shift, y))
+            places.append((radius, x - shift, y))
     return places
 
 

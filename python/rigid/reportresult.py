@@ -319,7 +319,7 @@ def _listed(values: Sequence[float]) -> str:
 
 def _time(nanoseconds: float, digits: int = 3) -> str:
     """Three digits, or all before the point."""
-    small = nanoseconds < 10.0**digits
+    small = nanoseconds < 10.0**digits - 0.5
     return f"{nanoseconds:.{digits}g}" if small else f"{nanoseconds:,.0f}"
 
 
