@@ -122,8 +122,8 @@ class Measured:
     ----------
     steps : int
         Steps until ``t_end``.
-    errors, rates, attitude : ndarray, shape (n,)
-        Error of each body: the larger one, that of the rates, that of the attitude.
+    rates, attitude : ndarray, shape (n,)
+        Errors of each body.
     energy_drift, momentum_drift : float
         Worst of the cloud.
     call : float
