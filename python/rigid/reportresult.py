@@ -44,8 +44,8 @@ class Row:
     step, angle : float or None
         Step in units of time, and a bound of the angle turned in it (rad).
     nanoseconds, spread : float; float or None
-        Time per unit of time of the motion: median, and distance of the quartiles; None if the run
-        was stopped before the timing, and the time is that of a single call with all around it.
+        Time per unit of time of the motion: median, and distance of the quartiles; None of a
+        single timing. In a partial report that may be a call with all that is around it.
     total : float
         Time until ``t_end``.
     error, worst : float

@@ -168,7 +168,7 @@ class Measured:
             step=spec.t_end / self.steps if self.steps else None,
             angle=cloud.angle / self.steps if self.steps else None,
             nanoseconds=middle / spec.t_end,
-            spread=(high - low) / spec.t_end if self.times else None,
+            spread=(high - low) / spec.t_end if len(self.times) > 1 else None,
             total=middle,
             error=max(self.error, floor),
             worst=max(float(errors.max()), reference.worst if floor else 0.0),
