@@ -18,6 +18,8 @@ from .mapspec import MapSpec
 from .methods import Method, methods
 from .plan import Plan, plan
 from .progress import Progress
+from .report import report
+from .reportresult import Report, Row
 from .scenes import FreeBody, HeavyTop
 from .simulate import Run, Status, simulate
 from .starts import Noise, Start, direction, normal, uniform, uniform_attitude
@@ -32,6 +34,8 @@ __all__ = [
     "Plan",
     "Progress",
     "Replay",
+    "Report",
+    "Row",
     "Run",
     "StabilityMap",
     "Start",
@@ -45,6 +49,7 @@ __all__ = [
     "no_flip",
     "normal",
     "plan",
+    "report",
     "simulate",
     "stability_map",
     "tilt_below",

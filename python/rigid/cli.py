@@ -1,11 +1,11 @@
-"""The command line ``rigid``: compute a map, list the built-in ones, describe the build."""
+"""The command line ``rigid``: compute maps and reports, list those built in, describe the build."""
 
 from __future__ import annotations
 
 import argparse
 import dataclasses
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NoReturn
 
@@ -16,12 +16,17 @@ from .maps import run_map
 from .mapspec import MapSpec, seed_from
 from .plan import map_plan
 from .plotting import save_plot
-from .specfile import builtin_names, read_spec
+from .report import run_report
+from .reportplot import save_report_plot
+from .specfile import builtin_names, read_report, read_spec, report_names
 
 __all__ = ["main"]
 
 USAGE_ERROR = 2
 INTERRUPTED = 130
+
+SECONDS, LONG_SECONDS = 30.0, 120.0
+"""What a report takes unless told otherwise."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -34,7 +39,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     try:
         options = _parser().parse_args(arguments)
-        command = {"map": _map, "maps": _maps, "info": _info}[options.command]
+        command = {
+            "map": _map,
+            "maps": _maps,
+            "report": _report,
+            "reports": _reports,
+            "info": _info,
+        }[options.command]
         return command(options)
     except (OSError, RuntimeError, ValueError) as error:
         print(f"rigid: {error}", file=sys.stderr)
@@ -51,7 +62,7 @@ def _map(options: argparse.Namespace) -> int:
         spec = dataclasses.replace(spec, samples=options.samples)
     if options.seed is not None:
         spec = dataclasses.replace(spec, seed=seed_from(options.seed))
-    stem = _stem(options.out, named.name)
+    stem = _stem(options.out, named.name, (".npz", ".png"))
     threads = resolve_threads(options.threads)
     print(f"{'plan':<12}{_plan(spec)}", flush=True)
     result = run_map(spec, threads=threads, progress=None if options.progress else False)
@@ -59,7 +70,8 @@ def _map(options: argparse.Namespace) -> int:
     print(f"{'speed':<12}{_speed(result)}")
     data = result.save(stem.with_name(f"{stem.name}.npz"))
     print(f"{'data':<12}{data}")
-    print(f"{'picture':<12}{_picture(result, stem.with_name(f'{stem.name}.png'))}")
+    picture = stem.with_name(f"{stem.name}.png")
+    print(f"{'picture':<12}{_drawn(lambda: save_plot(result, picture))}")
     if not result.complete:
         print("rigid: interrupted; the map written is partial", file=sys.stderr)
         return INTERRUPTED
@@ -80,6 +92,36 @@ def _maps(options: argparse.Namespace) -> int:
     return 0
 
 
+def _report(options: argparse.Namespace) -> int:
+    named = read_report(options.report, methods=options.method)
+    spec = named.spec
+    if options.long:
+        spec = dataclasses.replace(spec, t_end=named.t_end_long)
+    seconds = options.seconds
+    if seconds is None:
+        seconds = LONG_SECONDS if options.long else SECONDS
+    stem = _stem(options.out, f"report-{named.name}", (".json", ".png"))
+    result = run_report(spec, seconds=seconds, progress=None if options.progress else False)
+    print(result)
+    print()
+    print(f"{'data':<12}{result.save(stem.with_name(f'{stem.name}.json'))}")
+    picture = stem.with_name(f"{stem.name}.png")
+    print(f"{'picture':<12}{_drawn(lambda: save_report_plot(result, picture))}")
+    if not result.complete:
+        print("rigid: interrupted; the report written is partial", file=sys.stderr)
+        return INTERRUPTED
+    return 0
+
+
+def _reports(options: argparse.Namespace) -> int:
+    names = report_names()
+    width = max(map(len, names)) + 2
+    for name in names:
+        spec = read_report(name).spec
+        print(f"{name:<{width}}{spec.title} (t = {spec.t_end:g} {spec.unit})")
+    return 0
+
+
 def _info(options: argparse.Namespace) -> int:
     facts = {name: _words(value) for name, value in build_info().items()}
     width = max(map(len, facts)) + 2
@@ -94,14 +136,14 @@ def _words(value: object) -> str:
     return "unknown" if value is None else str(value)
 
 
-def _stem(out: str | None, name: str) -> Path:
+def _stem(out: str | None, name: str, suffixes: tuple[str, ...]) -> Path:
     """Where to write, without suffix; complains before the work and not after it."""
     stem = Path(out or name)
-    if stem.suffix in (".png", ".npz"):
+    if stem.suffix in suffixes:
         stem = stem.with_suffix("")
     if not stem.name:
         raise ValueError(f"--out: {str(stem)!r} names a directory, not a file")
-    for suffix in (".npz", ".png"):
+    for suffix in suffixes:
         if stem.with_name(stem.name + suffix).is_dir():
             raise ValueError(f"--out: {str(stem) + suffix!r} is a directory")
     if not stem.parent.is_dir():
@@ -116,9 +158,10 @@ def _speed(result: StabilityMap) -> str:
     return f"{rate:,.0f} bodies per second, {result.elapsed:.2f} s on {threads}"
 
 
-def _picture(result: StabilityMap, path: Path) -> str:
+def _drawn(draw: Callable[[], Path]) -> str:
+    """The picture that was written, or why there is none."""
     try:
-        return str(save_plot(result, path))
+        return str(draw())
     except ImportError as error:
         return f"none: {error}"
 
@@ -143,6 +186,25 @@ def _parser() -> _Parser:
         "--no-progress", dest="progress", action="store_false", help="no progress bar"
     )
     commands.add_parser("maps", help="list the built-in maps")
+    report = commands.add_parser("report", help="error against run time of all methods")
+    report.add_argument("report", metavar="NAME|FILE.toml", help="a built-in scene or your own")
+    report.add_argument("--long", action="store_true", help="the longer horizon, and more time")
+    report.add_argument(
+        "--seconds",
+        type=float,
+        metavar="S",
+        help=f"about how long to measure (default: {SECONDS:g}, with --long {LONG_SECONDS:g})",
+    )
+    report.add_argument(
+        "--method", action="append", metavar="NAME", help="only this one; may be repeated"
+    )
+    report.add_argument(
+        "--out", metavar="PATH", help="writes PATH.png and PATH.json (default: ./report-NAME)"
+    )
+    report.add_argument(
+        "--no-progress", dest="progress", action="store_false", help="no progress bar"
+    )
+    commands.add_parser("reports", help="list the built-in reports")
     commands.add_parser("info", help="describe this build")
     return parser
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from .mapresult import StabilityMap
     from .theory import Curve, Theory
 
-__all__ = ["plot_map", "save_plot"]
+__all__ = ["new_figure", "plot_map", "save_plot"]
 
 UNDECIDED = 0.05
 """Cells with more than this share of undecided (or of failed) bodies are hatched."""
@@ -66,7 +66,7 @@ def plot_map(result: StabilityMap, *, ax: Axes | None = None) -> Axes:
     >>> result.plot().figure.savefig("map.png")  # doctest: +SKIP
     """
     if ax is None:
-        ax = _figure().add_subplot()
+        ax = new_figure().add_subplot()
     draw = _draw_plane if len(result.spec.axes) == 2 else _draw_line
     handles = draw(result, ax, result.theory())
     _set_scale(ax, "x", result.spec.axes[0])
@@ -87,13 +87,14 @@ def plot_map(result: StabilityMap, *, ax: Axes | None = None) -> Axes:
 
 def save_plot(result: StabilityMap, path: Path) -> Path:
     """Write the picture of :func:`plot_map` to a file; the suffix tells the format."""
-    figure = _figure()
+    figure = new_figure()
     plot_map(result, ax=figure.add_subplot())
     figure.savefig(path)
     return path
 
 
-def _figure() -> Figure:
+def new_figure() -> Figure:
+    """A figure that pyplot does not know; ImportError without matplotlib."""
     try:
         from matplotlib.figure import Figure
     except ImportError:

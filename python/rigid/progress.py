@@ -60,7 +60,9 @@ ProgressOption: TypeAlias = bool | Callable[[Progress], object] | None
 
 
 @contextmanager
-def reporting(option: ProgressOption, total: int) -> Iterator[Callable[[Progress], object]]:
+def reporting(
+    option: ProgressOption, total: int, *, unit: str = " bodies"
+) -> Iterator[Callable[[Progress], object]]:
     """What to call with a :class:`Progress` after each chunk.
 
     Parameters
@@ -69,7 +71,9 @@ def reporting(option: ProgressOption, total: int) -> Iterator[Callable[[Progress
         ``None``: a tqdm bar if tqdm is installed and stderr is a terminal. ``True``: a tqdm bar
         anyway. ``False``: silence. A callable is called itself.
     total : int
-        Number of bodies.
+        Number of bodies, or of what else is counted.
+    unit : str
+        What the bar counts.
 
     Raises
     ------
@@ -92,7 +96,7 @@ def reporting(option: ProgressOption, total: int) -> Iterator[Callable[[Progress
             if option:
                 raise ImportError("a progress bar needs tqdm: pip install 'rigid[maps]'") from None
         else:
-            with tqdm(total=total, unit=" bodies", unit_scale=True, file=sys.stderr) as bar:
+            with tqdm(total=total, unit=unit, unit_scale=True, file=sys.stderr) as bar:
 
                 def show(progress: Progress) -> None:
                     if progress.failures:

@@ -1,4 +1,4 @@
-"""Map specifications in TOML, the built-in ones and the user's own.
+"""Specifications of maps and reports in TOML, the built-in ones and the user's own.
 
 Every mistake is one line that names the file, the place in it, and the nearest valid name.
 """
@@ -6,10 +6,11 @@ Every mistake is one line that names the file, the place in it, and the nearest 
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal, localcontext
 from importlib import resources
+from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -18,16 +19,28 @@ from numpy.typing import ArrayLike
 from ._check import finite_float, nearest, one_of, positive_int, vector
 from .bodies import Body
 from .criteria import Criterion, NoFlip, TiltBelow
-from .grid import PARAMETERS, Axis, check_applicable, make_axes
+from .grid import PARAMETERS, Axis, check_applicable, make_axes, pixels
 from .mapspec import MAX_STEPS, MapSpec, checked_seed, seed_from
 from .methods import AUTO, map_methods
+from .reportspec import ERRORS, ReportSpec, make_spec
 from .scenes import FreeBody, HeavyTop, Scene
 from .starts import NOISE_KINDS, Noise, Start
 
-__all__ = ["NamedSpec", "SpecError", "builtin_names", "parse_spec", "read_spec"]
+__all__ = [
+    "NamedReport",
+    "NamedSpec",
+    "SpecError",
+    "builtin_names",
+    "parse_report",
+    "parse_spec",
+    "read_report",
+    "read_spec",
+    "report_names",
+]
 
 _T = TypeVar("_T")
 _BUILTIN = resources.files("rigid") / "builtin"
+_BUILTIN_REPORTS = _BUILTIN / "reports"
 
 
 class SpecError(ValueError):
@@ -42,10 +55,18 @@ class NamedSpec:
     spec: MapSpec
 
 
+@dataclass(frozen=True, slots=True)
+class NamedReport:
+    """The specification of a report with its name and the horizon of its long version."""
+
+    name: str
+    spec: ReportSpec
+    t_end_long: float
+
+
 def builtin_names() -> list[str]:
     """Names of the built-in maps, sorted."""
-    names = (entry.name for entry in _BUILTIN.iterdir())
-    return sorted(name.removesuffix(".toml") for name in names if name.endswith(".toml"))
+    return _names(_BUILTIN)
 
 
 def read_spec(source: str) -> NamedSpec:
@@ -71,23 +92,50 @@ def read_spec(source: str) -> NamedSpec:
     >>> read_spec("thrown-box").spec.samples
     64
     """
+    name, text, file = _read(source, "map", _BUILTIN)
+    return NamedSpec(name, parse_spec(text, file))
+
+
+def report_names() -> list[str]:
+    """Names of the built-in reports, sorted."""
+    return _names(_BUILTIN_REPORTS)
+
+
+def read_report(source: str, *, methods: Sequence[str] | None = None) -> NamedReport:
+    """Read a built-in report by its name, or a file by its path; as :func:`read_spec`.
+
+    Examples
+    --------
+    >>> from rigid.specfile import read_report
+    >>> read_report("lagrange-top").spec.scene.mgl
+    1.0
+    """
+    name, text, file = _read(source, "report", _BUILTIN_REPORTS)
+    return parse_report(name, text, file, methods)
+
+
+def _names(folder: Traversable) -> list[str]:
+    names = (entry.name for entry in folder.iterdir())
+    return sorted(name.removesuffix(".toml") for name in names if name.endswith(".toml"))
+
+
+def _read(source: str, what: str, folder: Traversable) -> tuple[str, str, str]:
+    """Name, text and file name of a specification."""
     path = Path(source)
     if path.suffix != ".toml" and path.name == source:
-        names = builtin_names()
+        names = _names(folder)
         if source not in names:
             raise SpecError(
-                f"no built-in map is called {source!r}{nearest(source, names)} "
+                f"no built-in {what} is called {source!r}{nearest(source, names)} "
                 f"(known: {', '.join(names)}; a file ends in .toml)"
             )
-        text = (_BUILTIN / f"{source}.toml").read_text(encoding="utf-8")
-        return NamedSpec(source, parse_spec(text, f"{source}.toml"))
+        return source, (folder / f"{source}.toml").read_text(encoding="utf-8"), f"{source}.toml"
     try:
-        text = path.read_text(encoding="utf-8")
+        return path.stem, path.read_text(encoding="utf-8"), path.name
     except OSError as error:
         raise SpecError(f"{source}: cannot be read: {error.strerror}") from None
     except UnicodeDecodeError:
         raise SpecError(f"{source}: is not UTF-8 text") from None
-    return NamedSpec(path.stem, parse_spec(text, path.name))
 
 
 def parse_spec(text: str, file: str) -> MapSpec:
@@ -98,10 +146,7 @@ def parse_spec(text: str, file: str) -> MapSpec:
     SpecError
         See :func:`read_spec`.
     """
-    try:
-        content = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise SpecError(f"{file}: is not valid TOML: {error}") from None
+    content = _parsed(text, file)
     document = _Table(file, "", content)
     document.only("title", "scene", "x", "y", "start", "stable", "run")
     scene = _scene(document.table("scene"))
@@ -128,6 +173,44 @@ def parse_spec(text: str, file: str) -> MapSpec:
             title=document.take("title", _text, default=None),
         )
     )
+
+
+def parse_report(
+    name: str, text: str, file: str, methods: Sequence[str] | None = None
+) -> NamedReport:
+    """The report that a TOML text describes; ``methods`` replaces those of the text."""
+    document = _Table(file, "", _parsed(text, file))
+    document.only("title", "scene", "start", "run")
+    scene = _scene(document.table("scene"))
+    nominal = document.table("start")
+    nominal.only("omega", "spin", "axis", "tilt")
+    start = _start(nominal, [])
+    run = document.table("run")
+    run.only("t_end", "t_end_long", "unit", "bodies", "errors", "seed", "methods")
+    row = document.build(lambda: pixels(scene, start, ()))
+    t_end = run.take("t_end", finite_float)
+    spec = run.build(
+        lambda: make_spec(
+            scene,
+            row.omega[0],
+            row.attitude[0],
+            t_end=t_end,
+            methods=run.take("methods", _as_is, default=None) if methods is None else methods,
+            bodies=run.take("bodies", positive_int, default=64),
+            errors=run.take("errors", _as_is, default=ERRORS),
+            seed=run.take("seed", checked_seed, default=0),
+            unit=run.take("unit", _text, default="s"),
+            title=document.take("title", _text, default=None),
+        )
+    )
+    return NamedReport(name, spec, run.take("t_end_long", _positive, default=t_end))
+
+
+def _parsed(text: str, file: str) -> dict[str, Any]:
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise SpecError(f"{file}: is not valid TOML: {error}") from None
 
 
 _REQUIRED: Any = object()
@@ -199,6 +282,10 @@ def _mapping(key: str, value: object) -> Mapping[str, Any]:
     if not isinstance(value, dict):
         raise TypeError(f"{key} = {value!r}: must be a table")
     return value
+
+
+def _positive(key: str, value: object) -> float:
+    return finite_float(key, value, positive=True)
 
 
 def _three(key: str, value: ArrayLike) -> tuple[float, float, float]:

@@ -36,7 +36,16 @@ def test_docstrings(name: str) -> None:
 
 def test_the_public_names_with_arguments_have_examples() -> None:
     finder = doctest.DocTestFinder()
-    for name in ("Body", "FreeBody", "HeavyTop", "simulate", "plan", "methods", "build_info"):
+    for name in (
+        "Body",
+        "FreeBody",
+        "HeavyTop",
+        "simulate",
+        "plan",
+        "report",
+        "methods",
+        "build_info",
+    ):
         found = finder.find(getattr(rigid, name), name)
         assert any(test.examples for test in found), name
 
