@@ -2,9 +2,9 @@
 
 With steps shorter by ``2**(2/p)`` the truncation error of a method of order ``p`` falls to a
 quarter, so the difference of the two runs is three quarters of it. Where rounding rules, or chaos
-amplifies it, the two runs differ by about as much as each of them errs. In both cases three times the
-difference is stated: more than the error nearly always, and seldom much more. The extrapolation is
-Richardson's (Hairer, Nørsett, Wanner, *Solving Ordinary Differential Equations I*, § II.4).
+amplifies it, the two runs differ by about as much as each of them errs. In both cases three times
+the difference is stated: more than the error nearly always, and seldom much more. The extrapolation
+is Richardson's (Hairer, Nørsett, Wanner, *Solving Ordinary Differential Equations I*, § II.4).
 """
 
 from __future__ import annotations

@@ -68,6 +68,7 @@ class Cloud:
             t=[times * self.spec.t_end],
             method=method,
             step=step,
+            check=False,
             max_steps=2**62,
             threads=1,
         )

@@ -64,9 +64,9 @@ class Run:
     error : ndarray, shape (n,)
         What the run believes its error to be: of the rates relative to the fastest, of the vertical
         and the attitude in rad, the largest at up to 16 of the times, the last among them. By steps
-        it is three times the difference from a second run with shorter steps; of a call with more than 32
-        bodies and no ``accuracy``, a sample of 32 is run again and the others are given its largest
-        error. By closed form, ``1e-15`` per radian turned. NaN for a body that was not run.
+        it is three times the difference from a second run with shorter steps; of a call with more
+        than 32 bodies and no ``accuracy``, a sample of 32 is run again and the others are given its
+        largest error. By closed form, ``1e-15`` per radian turned. NaN for a body that was not run.
     lost_from : ndarray, shape (n,)
         Time from which on the error is 1 or more: from there the state is numerical, not physical.
         Infinite if there is none.
@@ -127,6 +127,7 @@ def simulate(
     step: float | None = None,
     accuracy: float | None = None,
     record: str = "attitude",
+    check: bool = True,
     max_steps: int = 10**9,
     threads: int | None = None,
 ) -> Run:
@@ -164,6 +165,9 @@ def simulate(
     record : {"attitude", "axis", "rates"}
         What is carried: the attitude; or the vertical seen from the body; or rates only. Asking for
         less is faster and changes no bit of the rates.
+    check : bool
+        Whether steps are checked by a second run with shorter ones, which tells the error. Without
+        it the error is NaN; an ``accuracy`` cannot do without.
     max_steps : int
         A body that would need more is not run and has the status ``STEP_LIMIT``.
     threads : int, optional
@@ -217,7 +221,7 @@ def simulate(
         states = request.states(table, None)
         belief = of_closed_form(table, times)
     else:
-        states, belief = by_steps(request, steps, accuracy)
+        states, belief = by_steps(request, steps, accuracy, check=check)
     spec = {
         "scene": scene.to_dict(),
         "method": made.method,

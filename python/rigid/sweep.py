@@ -1,13 +1,10 @@
 """The measurement of a report: what each method costs, and how wrong it is, step by step.
 
-Time is processor time of the whole process around :func:`rigid.simulate` on one thread: the core
-works on a thread of its own, which the clock of the calling thread does not see, and other people's
-work on the machine does not count. The way into Python and back costs some 0.2 ms a call and must
-not count either. For a scheme the horizon is lengthened until a call works for at least 4 ms, and
-the time of a call with a single step is subtracted. A closed form costs nothing per step, so it is
-evaluated for 1024 bodies, and the time of a call with as many bodies and one step of a scheme is
-subtracted: what remains is known to about ten nanoseconds. Rows are measured in turns, in an order
-that is shuffled anew each round; the result is the median of the rounds with the distance of the
+Time is the processor time that the core needed on one thread: neither the way into Python and back
+nor other people's work on the machine counts. For a scheme the horizon is lengthened until a call
+works for at least 4 ms; a closed form costs nothing per step, so it is evaluated for 1024 bodies.
+Rows are measured in turns, in an order that is shuffled anew each round; the result is the median
+of the rounds with the distance of the
 quartiles.
 """
 
@@ -23,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .cloud import Cloud, Reference
-from .methods import EXACT, FALLBACK
+from .methods import EXACT
 from .reportresult import AT_UNCERTAINTY, FAILED, REFERENCE, USELESS, Row
 from .simulate import Run, simulate
 
@@ -127,7 +124,7 @@ class Measured:
     energy_drift, momentum_drift : float
         Worst of the cloud.
     call : float
-        Processor time of the run that gave the errors, with everything around it (ns).
+        Processor time of the run that gave the errors (ns).
     times : list of float
         Processor time of a body until ``t_end`` (ns), once each round.
     """
@@ -224,14 +221,12 @@ def sweep_methods(
 
 
 def _measure(cloud: Cloud, truth: Run, method: str, steps: int) -> Measured:
-    begun = time.process_time_ns()
     run = cloud.run(method, steps)
-    call = time.process_time_ns() - begun
     rates, attitude = cloud.distance(run, truth)
     taken = int(run.steps.max())
     with np.errstate(invalid="ignore"):
         energy, momentum = float(run.energy_drift.max()), float(run.momentum_drift.max())
-    return Measured(taken, rates, attitude, energy, momentum, float(call))
+    return Measured(taken, rates, attitude, energy, momentum, float(run.nanoseconds))
 
 
 def time_sweeps(
@@ -246,7 +241,6 @@ def time_sweeps(
     """
     generator = np.random.Generator(np.random.Philox(key=cloud.spec.seed))
     pairs = [(sweep, run) for sweep in sweeps for run in sweep.runs.values()]
-    per_step = {sweep.method: _per_step(sweep) for sweep in sweeps}
     for number in range(MOST_ROUNDS):
         begun = time.perf_counter()
         for done, k in enumerate(generator.permutation(len(pairs)).tolist()):
@@ -254,51 +248,24 @@ def time_sweeps(
             if sweep.method == EXACT:
                 spent = _time_closed_form(cloud)
             else:
-                work = per_step[sweep.method] * run.steps
-                spent = _time_scheme(cloud, sweep.method, run.steps, work)
+                spent = _time_scheme(cloud, sweep.method, run.steps, run.call)
             run.times.append(spent)
             told((number + done / len(pairs)) / MOST_ROUNDS)
         if not allowed(time.perf_counter() - begun):
             break
 
 
-def _per_step(sweep: Sweep) -> float:
-    """Processor time of a step of the whole cloud (ns), from the run with the most steps."""
-    most = max(sweep.runs)
-    calls = [run.call for run in sweep.runs.values()]
-    return max(sweep.runs[most].call - min(calls), 0.02 * min(calls)) / max(most, 1)
-
-
 def _time_scheme(cloud: Cloud, method: str, steps: int, work: float) -> float:
-    """Processor time of a body until ``t_end`` (ns)."""
+    """Processor time of a body until ``t_end`` (ns); ``work`` is about that of the cloud."""
     times = max(1, math.ceil(WORK / max(work, 1.0)))
     times = min(times, max(1, MOST_STEPS // steps))
-    begun = time.process_time_ns()
     run = cloud.run(method, steps, times=times)
-    middle = time.process_time_ns()
-    cloud.run(method, 1)
-    ended = time.process_time_ns()
-    spent = max((middle - begun) - (ended - middle), 0.01 * (middle - begun))
-    return spent * steps / (float(run.steps.mean()) * cloud.spec.bodies)
+    return run.nanoseconds * steps / (float(run.steps.mean()) * cloud.spec.bodies)
 
 
 def _time_closed_form(cloud: Cloud) -> float:
-    """Processor time of a body (ns), all that is done for it in Python left out."""
+    """Processor time of a body (ns)."""
     spec = cloud.spec
     omega = np.resize(cloud.omega, (CLOSED_FORM_BODIES, 3))
-
-    def call(method: str, t: float, step: float | None) -> int:
-        begun = time.process_time_ns()
-        simulate(spec.scene, omega, spec.attitude, t=[t], method=method, step=step, threads=1)
-        return time.process_time_ns() - begun
-
-    def exact() -> int:
-        return call(EXACT, spec.t_end, None)
-
-    def one_step() -> int:
-        return call(FALLBACK, 1e-3 * cloud.step(max(1, math.ceil(cloud.angle))), spec.t_end)
-
-    # Each as often before the other as after it: memory just freed is cheaper to get.
-    calls = [(exact(), one_step(), one_step(), exact()) for _ in range(3)]
-    pairs = [(a - b, d - c) for a, b, c, d in calls]
-    return float(np.median(pairs)) / CLOSED_FORM_BODIES
+    run = simulate(spec.scene, omega, spec.attitude, t=[spec.t_end], method=EXACT, threads=1)
+    return run.nanoseconds / CLOSED_FORM_BODIES
