@@ -29,6 +29,7 @@ pub enum System {
     TopTwoAxes,
     TopAttitude,
     SpinFreeAxis,
+    SpinFreeTwoAxes,
     SpinFreeAttitude,
 }
 
@@ -75,7 +76,7 @@ impl System {
             System::FreeRates => Rates::LEN,
             System::FreeAxis | System::TopAxis | System::SpinFreeAxis => Axis::LEN,
             System::FreeAttitude => Attitude::LEN,
-            System::TopTwoAxes => TwoAxes::LEN,
+            System::TopTwoAxes | System::SpinFreeTwoAxes => TwoAxes::LEN,
             System::TopAttitude | System::SpinFreeAttitude => AxisAttitude::LEN,
         }
     }
@@ -121,11 +122,18 @@ impl Table {
     /// Whether it moves that system. The oldest schemes are kept in the frame of the body, as they were published.
     pub fn moves(self, system: System) -> bool {
         match system {
-            System::SpinFreeAxis | System::SpinFreeAttitude => {
-                !matches!(self, Table::Rk4 | Table::Planar | Table::Rotor)
-            }
+            System::SpinFreeAxis => !matches!(self, Table::Rk4 | Table::Planar | Table::Rotor),
+            System::SpinFreeTwoAxes => self.carries_rows(),
+            System::SpinFreeAttitude => self.moves(System::SpinFreeAxis) && !self.carries_rows(),
+            System::TopAttitude => !self.carries_rows(),
             _ => true,
         }
+    }
+
+    /// Whether it carries the attitude of a top as two rows of its matrix: the vertical, which the torque needs
+    /// anyway, and another direction cost less than the vertical and a quaternion.
+    pub fn carries_rows(self) -> bool {
+        !matches!(self, Table::Rk4 | Table::Planar | Table::Rotor)
     }
 
     /// The variables that it moves.
@@ -369,13 +377,13 @@ macro_rules! code_of {
     };
 }
 
-/// The match from a table to its code, over the tables that move the system: those that move every system, and more.
+/// The match from a table to its code, over the tables that move the system.
 macro_rules! among {
-    ($kernel:ident, $isa:ident: $model:ident, $layout:ident, $d:literal; $($more:ident)*) => {
-        among!(@all $kernel, $isa: $model, $layout, $d;
+    ($kernel:ident, $isa:ident: $model:ident, $layout:ident, $d:literal; smooth $($more:ident)*) => {
+        among!($kernel, $isa: $model, $layout, $d;
             Dop853 Taylor8 Taylor12 Taylor16 Taylor20 Taylor26 $($more)*)
     };
-    (@all $kernel:ident, $isa:ident: $model:ident, $layout:ident, $d:literal; $($table:ident)*) => {
+    ($kernel:ident, $isa:ident: $model:ident, $layout:ident, $d:literal; $($table:ident)*) => {
         match $kernel.table {
             $(Table::$table => code_of!($isa, $model, $layout, $d, $table),)*
             #[allow(unreachable_patterns)] // Most systems are moved by all tables.
@@ -386,13 +394,14 @@ macro_rules! among {
 
 fn code(kernel: Kernel, isa: Isa) -> Code {
     match kernel.system {
-        System::FreeRates => among!(kernel, isa: Free, Rates, 3; Rk4 Planar Rotor),
-        System::FreeAxis => among!(kernel, isa: Free, Axis, 6; Rk4 Planar Rotor),
-        System::FreeAttitude => among!(kernel, isa: Free, Attitude, 7; Rk4 Planar Rotor),
-        System::TopAxis => among!(kernel, isa: Top, Axis, 6; Rk4 Planar Rotor),
-        System::TopTwoAxes => among!(kernel, isa: Top, TwoAxes, 9; Rk4 Planar Rotor),
+        System::FreeRates => among!(kernel, isa: Free, Rates, 3; smooth Rk4 Planar Rotor),
+        System::FreeAxis => among!(kernel, isa: Free, Axis, 6; smooth Rk4 Planar Rotor),
+        System::FreeAttitude => among!(kernel, isa: Free, Attitude, 7; smooth Rk4 Planar Rotor),
+        System::TopAxis => among!(kernel, isa: Top, Axis, 6; smooth Rk4 Planar Rotor),
+        System::TopTwoAxes => among!(kernel, isa: Top, TwoAxes, 9; smooth Rk4 Planar Rotor),
         System::TopAttitude => among!(kernel, isa: Top, AxisAttitude, 10; Rk4 Planar Rotor),
-        System::SpinFreeAxis => among!(kernel, isa: SpinFree, Axis, 6;),
+        System::SpinFreeAxis => among!(kernel, isa: SpinFree, Axis, 6; smooth),
+        System::SpinFreeTwoAxes => among!(kernel, isa: SpinFree, TwoAxes, 9; smooth),
         System::SpinFreeAttitude => among!(kernel, isa: SpinFree, AxisAttitude, 10;),
     }
 }

@@ -4,7 +4,7 @@ use crate::body::Inertia;
 use crate::group::{Group, MAX_STATE};
 use crate::kernel::{Compiled, Kernel, System, Table, Watch};
 use crate::method::{Form, Method};
-use crate::model::{Parameters, dot, quaternion_product, seen_from_body};
+use crate::model::{Layout, Parameters, TwoAxes, cross, dot, quaternion_product, seen_from_body};
 use crate::observe::tilt;
 use crate::special::sincos;
 
@@ -239,10 +239,15 @@ fn kernel_state(system: System, seat: Seat, body: &Body, watched_axis: [f64; 3])
         | System::TopAttitude
         | System::TopTwoAxes
         | System::SpinFreeAxis
+        | System::SpinFreeTwoAxes
         | System::SpinFreeAttitude => {
             y[3..6].copy_from_slice(&seat.rename(body.vertical()));
-            if system == System::TopTwoAxes {
-                y[6..9].copy_from_slice(&watched_axis);
+            if system.len() == TwoAxes::LEN {
+                let second = match watched_axis {
+                    [0.0, 0.0, 0.0] => seat.rename(seen_from_body(&body.attitude, &[1.0, 0.0, 0.0])),
+                    watched => watched,
+                };
+                y[6..9].copy_from_slice(&second);
             }
         }
     }
@@ -384,13 +389,44 @@ pub fn unload(
     State {
         omega: seat.restore([y[0], y[1], y[2]]),
         direction: has_direction.then(|| seat.restore([y[3], y[4], y[5]])),
-        attitude: quaternion.map(|at| {
-            let [x, y1, z] = seat.restore([y[at + 1], y[at + 2], y[at + 3]]);
-            [y[at], x, y1, z]
-        }),
+        attitude: match quaternion {
+            Some(at) => {
+                let [x, y1, z] = seat.restore([y[at + 1], y[at + 2], y[at + 3]]);
+                Some([y[at], x, y1, z])
+            }
+            None if kernel.system.len() == TwoAxes::LEN => {
+                let [third, first] = [3, 6].map(|at| seat.restore([y[at], y[at + 1], y[at + 2]]));
+                Some(attitude_of_rows(&first, &third))
+            }
+            None => None,
+        },
         invariants,
         invariants_of_attitude,
     }
+}
+
+/// The quaternion of the rotation matrix whose first and third row these are, up to its sign (Shepperd 1978: the
+/// largest component comes from a square root, the others from differences over it).
+fn attitude_of_rows(first: &[f64; 3], third: &[f64; 3]) -> [f64; 4] {
+    let second = cross(third, first);
+    let [r0, r1, r2] = [first, &second, third];
+    let squares = [
+        1.0 + r0[0] + r1[1] + r2[2],
+        1.0 + r0[0] - r1[1] - r2[2],
+        1.0 - r0[0] + r1[1] - r2[2],
+        1.0 - r0[0] - r1[1] + r2[2],
+    ];
+    let [wx, wy, wz] = [r2[1] - r1[2], r0[2] - r2[0], r1[0] - r0[1]];
+    let [yz, zx, xy] = [r2[1] + r1[2], r0[2] + r2[0], r1[0] + r0[1]];
+    let largest = (1..4).fold(0, |best, k| if squares[k] > squares[best] { k } else { best });
+    let q = match largest {
+        0 => [squares[0], wx, wy, wz],
+        1 => [wx, squares[1], xy, zx],
+        2 => [wy, xy, squares[2], yz],
+        _ => [wz, zx, yz, squares[3]],
+    };
+    let scale = 0.5 / squares[largest].sqrt();
+    q.map(|x| x * scale)
 }
 
 /// From the spin-free frame into the body: `ratio` is I1 / I3.
@@ -398,7 +434,7 @@ fn add_spin(y: &mut [f64; MAX_STATE], quaternion: Option<usize>, ratio: f64, tim
     // (1/I3 - 1/I1) L3, with L3 = I1 y3.
     let angle = (ratio - 1.0) * y[2] * time;
     let (s, c) = sincos(angle);
-    for at in [0, 3] {
+    for at in [0, 3, 6].into_iter().filter(|&at| quaternion != Some(at)) {
         let (a, b) = (y[at], y[at + 1]);
         y[at] = c * a + s * b;
         y[at + 1] = c * b - s * a;

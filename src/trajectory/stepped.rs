@@ -116,6 +116,8 @@ struct Passengers<'a> {
     kernel: Kernel,
     compiled: Compiled,
     states: States,
+    /// The attitude of each lane when it was last read.
+    last: Vec<[f64; 4]>,
 }
 
 impl<'a> Passengers<'a> {
@@ -127,9 +129,13 @@ impl<'a> Passengers<'a> {
             (false, Record::Axis) => System::FreeAxis,
             (false, Record::Attitude) => System::FreeAttitude,
             (true, Record::Rates | Record::Axis) if seats[0].is_spin_free() => System::SpinFreeAxis,
-            (true, Record::Attitude) if seats[0].is_spin_free() => System::SpinFreeAttitude,
             (true, Record::Rates | Record::Axis) => System::TopAxis,
-            (true, Record::Attitude) => System::TopAttitude,
+            (true, Record::Attitude) => match (seats[0].is_spin_free(), seats[0].table.carries_rows()) {
+                (false, false) => System::TopAttitude,
+                (false, true) => System::TopTwoAxes,
+                (true, false) => System::SpinFreeAttitude,
+                (true, true) => System::SpinFreeTwoAxes,
+            },
         };
         let kernel = Kernel { system, table: seats[0].table, watch: Watch::Nothing };
         Passengers {
@@ -140,6 +146,7 @@ impl<'a> Passengers<'a> {
             kernel,
             compiled: Compiled::new(kernel, isa),
             states: States::unknown(request, bodies.len()),
+            last: bodies.iter().map(|body| body.attitude).collect(),
         }
     }
 
@@ -167,6 +174,7 @@ impl<'a> Passengers<'a> {
         for pass in (0..2).filter(|&pass| !plans[0][pass].is_empty()) {
             let mut group = Group::waiting();
             for (lane, body) in self.bodies.iter().enumerate() {
+                self.last[lane] = body.attitude;
                 load(&mut group, lane, (self.kernel, self.compiled), self.seats[lane], body, 0, 0.0);
             }
             let mut moved = [false; LANES];
@@ -215,6 +223,10 @@ impl<'a> Passengers<'a> {
         }
         if let (Some(mut now), Some(attitude)) = (now.attitude, &mut states.attitude) {
             canonical(&mut now);
+            if dot4(&now, &self.last[lane]) < 0.0 {
+                now = now.map(|x| -x);
+            }
+            self.last[lane] = now;
             units = worse(units, (norm(&now) - 1.0).abs());
             attitude[4 * at..][..4].copy_from_slice(&now);
         }
@@ -238,6 +250,10 @@ impl<'a> Passengers<'a> {
             }
         }
     }
+}
+
+fn dot4(a: &[f64; 4], b: &[f64; 4]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]
 }
 
 /// One NaN for all.

@@ -26,7 +26,7 @@ fn all_bits(numbers: &[f64]) -> Vec<u64> {
     numbers.iter().map(|&x| bits(x)).collect()
 }
 
-const SYSTEMS: [(System, &[Watch]); 8] = [
+const SYSTEMS: [(System, &[Watch]); 9] = [
     (System::FreeRates, &[Watch::Nothing, Watch::Flips]),
     (System::FreeAxis, &[Watch::Nothing, Watch::Tilt]),
     (System::FreeAttitude, &[Watch::Nothing]),
@@ -34,6 +34,7 @@ const SYSTEMS: [(System, &[Watch]); 8] = [
     (System::TopTwoAxes, &[Watch::Nothing, Watch::Tilt]),
     (System::TopAttitude, &[Watch::Nothing]),
     (System::SpinFreeAxis, &[Watch::Nothing]),
+    (System::SpinFreeTwoAxes, &[Watch::Nothing]),
     (System::SpinFreeAttitude, &[Watch::Nothing]),
 ];
 
@@ -117,7 +118,7 @@ fn loads(kernel: Kernel) -> Vec<Load> {
 }
 
 fn is_spin_free(system: System) -> bool {
-    matches!(system, System::SpinFreeAxis | System::SpinFreeAttitude)
+    matches!(system, System::SpinFreeAxis | System::SpinFreeTwoAxes | System::SpinFreeAttitude)
 }
 
 fn place(group: &mut Group, lane: usize, kernel: Kernel, compiled: Compiled, it: &Load) {
