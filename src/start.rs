@@ -368,13 +368,17 @@ pub fn unload(
     let parameters = Parameters { moments, weight: at(&group.weight), step: 0.0 };
     let invariants = compiled.invariants(&parameters, &y);
     let quaternion = kernel.system.quaternion_at();
-    let invariants_of_attitude = quaternion.filter(|_| kernel.system.is_top()).map(|at| {
-        let q = [y[at], y[at + 1], y[at + 2], y[at + 3]];
+    let in_rows = kernel.system.len() == TwoAxes::LEN;
+    let row = |y: &[f64; MAX_STATE], at: usize| [y[at], y[at + 1], y[at + 2]];
+    // Of a quaternion the axes of space are renamed with those of the body.
+    let carried = match quaternion {
+        Some(at) => Some(([y[at], y[at + 1], y[at + 2], y[at + 3]], seat.rename(VERTICAL))),
+        None => in_rows.then(|| (attitude_of_rows(&row(&y, 6), &row(&y, 3)), VERTICAL)),
+    };
+    let invariants_of_attitude = carried.filter(|_| kernel.system.is_top()).map(|(q, vertical)| {
         let length = q.iter().map(|x| x * x).sum::<f64>().sqrt();
         let mut of_attitude = y;
-        // The axes of space are renamed with those of the body.
-        let vertical = seen_from_body(&q.map(|x| x / length), &seat.rename(VERTICAL));
-        of_attitude[3..6].copy_from_slice(&vertical);
+        of_attitude[3..6].copy_from_slice(&seen_from_body(&q.map(|x| x / length), &vertical));
         compiled.invariants(&parameters, &of_attitude)
     });
     if seat.table.form() == Form::Momenta {
@@ -391,14 +395,10 @@ pub fn unload(
         direction: has_direction.then(|| seat.restore([y[3], y[4], y[5]])),
         attitude: match quaternion {
             Some(at) => {
-                let [x, y1, z] = seat.restore([y[at + 1], y[at + 2], y[at + 3]]);
+                let [x, y1, z] = seat.restore(row(&y, at + 1));
                 Some([y[at], x, y1, z])
             }
-            None if kernel.system.len() == TwoAxes::LEN => {
-                let [third, first] = [3, 6].map(|at| seat.restore([y[at], y[at + 1], y[at + 2]]));
-                Some(attitude_of_rows(&first, &third))
-            }
-            None => None,
+            None => in_rows.then(|| attitude_of_rows(&seat.restore(row(&y, 6)), &seat.restore(row(&y, 3)))),
         },
         invariants,
         invariants_of_attitude,

@@ -1,10 +1,11 @@
 """How far a run by steps can be believed: the same bodies again with shorter steps.
 
-With steps shorter by ``2**(2/p)`` the truncation error of a method of order ``p`` falls to a
-quarter, so the difference of the two runs is three quarters of it. Where rounding rules, or chaos
-amplifies it, the two runs differ by about as much as each of them errs. In both cases three times
-the difference is stated: more than the error nearly always, and seldom much more. The extrapolation
-is Richardson's (Hairer, Nørsett, Wanner, *Solving Ordinary Differential Equations I*, § II.4).
+With steps shorter by ``2**(2/p)``, and at least by a sixth, the truncation error of a method of
+order ``p`` falls to a quarter or less: the difference of the two runs is nearly all of it. Where
+rounding rules, or chaos amplifies it, the two runs differ by about as much as each of them errs. In
+both cases three times the difference is stated: more than the error nearly always, and seldom much
+more. The extrapolation is Richardson's (Hairer, Nørsett, Wanner, *Solving Ordinary Differential
+Equations I*, § II.4).
 """
 
 from __future__ import annotations
@@ -107,7 +108,7 @@ def believe(
     checks = evenly(len(times), int(np.clip(taken[taken > 0].min() // 4, 1, CHECKS)))
     if times[0] < 0.0:
         checks = np.union1d(checks, [0])
-    shorter = span / np.maximum(taken, 1.0) / 2.0 ** (2.0 / order)
+    shorter = span / np.maximum(taken, 1.0) / max(2.0 ** (2.0 / order), 1.2)
     again = _core.simulate(
         **table,
         method=method,

@@ -18,6 +18,7 @@ from physics import (
     golden,
     golden_number,
     present,
+    rotation_angle,
     rotation_matrix,
     tilted,
     vertical,
@@ -184,7 +185,11 @@ def test_without_weight_it_is_the_free_body_bit_for_bit(
     if record == "axis":
         assert present(free.gamma).tobytes() == present(top.gamma).tobytes()
     if record == "attitude":
-        assert present(free.attitude).tobytes() == present(top.attitude).tobytes()
+        attitudes = present(free.attitude), present(top.attitude)
+        if method.name in ("rk4", "splitting"):
+            assert attitudes[0].tobytes() == attitudes[1].tobytes()
+        else:  # carries the attitude of a top as rows of its matrix, of a free body as quaternion
+            assert rotation_angle(*attitudes).max() < 1e-9
     assert free.energy_drift == top.energy_drift
     assert free.steps == top.steps
 
