@@ -9,6 +9,7 @@ of space.
 from . import exact
 from ._core import __version__
 from .bodies import Body
+from .citing import cite
 from .criteria import no_flip, tilt_below
 from .info import build_info
 from .mapfile import load_map
@@ -42,6 +43,7 @@ __all__ = [
     "Status",
     "__version__",
     "build_info",
+    "cite",
     "direction",
     "exact",
     "load_map",

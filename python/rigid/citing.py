@@ -1,0 +1,118 @@
+"""What to cite: the software, and who found the methods that were used."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from . import _core
+from .methods import AUTO, EXACT, FALLBACK, Method, methods
+from .plan import Plan
+
+if TYPE_CHECKING:
+    from .mapresult import StabilityMap
+    from .reportresult import Report
+    from .simulate import Run
+
+__all__ = ["cite"]
+
+CLOSED_FORMS: Mapping[str, tuple[str, str, str]] = {
+    "free": (
+        "jacobi",
+        "C. G. J. Jacobi, Sur la rotation d'un corps, J. reine angew. Math. 39 (1850) 293-350",
+        "10.1515/crll.1850.39.293",
+    ),
+    "spin": (
+        "euler",
+        "L. Euler, Du mouvement de rotation des corps solides autour d'un axe variable, "
+        "Mém. Acad. Sci. Berlin 14 (1765) 154-193",
+        "",
+    ),
+    "lagrange": (
+        "klein",
+        "F. Klein, A. Sommerfeld, Über die Theorie des Kreisels, Teubner (1897-1910)",
+        "",
+    ),
+}
+"""Key, reference and DOI of the closed forms."""
+
+_OF_FORM: Mapping[str, str] = {
+    "axis spin": "spin",
+    "free symmetric": "spin",
+    "free asymmetric": "free",
+    "lagrange": "lagrange",
+    "pendulum": "lagrange",
+}
+
+
+def cite(used: Run | StabilityMap | Report | Plan | Method | str) -> str:
+    """BibTeX of this software and of the methods that a result was made with.
+
+    Parameters
+    ----------
+    used : Run, StabilityMap, Report, Plan, Method or str
+        What was used; a string is the name of a method or ``"exact"``.
+
+    Returns
+    -------
+    str
+        Entries that BibTeX reads; the key of a method is ``rigid-`` and its name.
+
+    Raises
+    ------
+    ValueError
+        If there is no method of that name.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> print(rigid.cite("rk4").split("\\n\\n")[1])
+    @misc{rigid-rk4,
+      note = {W. Kutta, Beitrag zur näherungsweisen Integration totaler Differentialgleichungen, Z. Math. Phys. 46 (1901) 435-453},
+    }
+    """  # noqa: E501
+    names, forms = _used(used)
+    known = {method.name: method for method in methods()}
+    entries = [_software()]
+    for name in names:
+        if name not in known:
+            raise ValueError(
+                f"used = {name!r}: must be a result, a plan, 'exact' or one of {', '.join(known)}"
+            )
+        entries.append(_entry(f"rigid-{name}", known[name].citation, known[name].doi))
+    for form in sorted({_OF_FORM[form] for form in forms}):
+        key, note, doi = CLOSED_FORMS[form]
+        entries.append(_entry(f"rigid-exact-{key}", note, doi))
+    return "\n\n".join(entries)
+
+
+def _used(used: Run | StabilityMap | Report | Plan | Method | str) -> tuple[list[str], list[str]]:
+    """The names of the schemes, and the closed forms."""
+    if isinstance(used, Method):
+        return [used.name], []
+    if isinstance(used, str):
+        return ([], list(_OF_FORM)) if used == EXACT else ([used], [])
+    if hasattr(used, "rows"):
+        names = list(dict.fromkeys(row.method for row in used.rows))
+        return [name for name in names if name != EXACT], list(_OF_FORM) if EXACT in names else []
+    plan = used if isinstance(used, Plan) else used.plan
+    forms = plan.closed_form.split(", ") if plan.closed_form else []
+    scheme = FALLBACK if plan.method == AUTO else plan.method
+    return ([] if scheme == EXACT else [scheme]), forms
+
+
+def _software() -> str:
+    return (
+        "@software{rigid,\n"
+        "  title = {rigid: rotation of rigid bodies with stated errors},\n"
+        "  author = {{The rigid developers}},\n"
+        f"  version = {{{_core.__version__}}},\n"
+        "}"
+    )
+
+
+def _entry(key: str, note: str, doi: str) -> str:
+    lines = [f"@misc{{{key},", f"  note = {{{note}}},"]
+    if doi:
+        lines.append(f"  doi = {{{doi}}},")
+    return "\n".join([*lines, "}"])

@@ -1,0 +1,50 @@
+"""Whatever was used can be cited."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+import rigid
+from physics import METHODS
+from small_maps import small_map
+
+FREE = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
+HEAVY = rigid.HeavyTop(rigid.Body((1.0, 1.4, 0.7)), mgl=1.0)
+LAGRANGE = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.7)), mgl=1.0)
+RATES = [0.1, 0.2, 2.0]
+
+
+def keys(bibtex: str) -> list[str]:
+    """The keys of the entries, each of which is well formed."""
+    entries = bibtex.split("\n\n")
+    for entry in entries:
+        assert re.fullmatch(r"@(software|misc)\{[\w-]+,\n(  \w+ = \{.+\},\n)+\}", entry)
+        assert entry.count("{") == entry.count("}")
+    return [re.split("[{,]", entry)[1] for entry in entries]
+
+
+@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
+def test_every_method_has_a_source(method: rigid.Method) -> None:
+    assert keys(rigid.cite(method)) == ["rigid", f"rigid-{method.name}"]
+    assert rigid.cite(method) == rigid.cite(method.name)
+    assert method.citation in rigid.cite(method)
+    assert method.doi in rigid.cite(method)
+    assert method.doi.startswith("10.") or method.name == "rk4"
+
+
+def test_results_know_what_they_were_made_with() -> None:
+    exact = rigid.simulate(FREE, RATES, t=[1.0])
+    assert keys(rigid.cite(exact)) == ["rigid", "rigid-exact-jacobi"]
+    assert "rigid-exact-klein" in rigid.cite(rigid.simulate(LAGRANGE, RATES, t=[1.0]))
+    stepped = rigid.simulate(HEAVY, RATES, t=[1.0], method="dop853")
+    assert keys(rigid.cite(stepped)) == ["rigid", "rigid-dop853"]
+    assert rigid.cite(stepped) == rigid.cite(stepped.plan)
+    assert keys(rigid.cite(small_map(method="rk4"))) == ["rigid", "rigid-rk4"]
+    assert len(keys(rigid.cite("exact"))) == 4
+
+
+def test_a_method_that_is_none() -> None:
+    with pytest.raises(ValueError, match="used = 'rk5': must be a result, a plan, 'exact' or one"):
+        rigid.cite("rk5")
