@@ -10,17 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .criteria import Criterion, NoFlip
-from .methods import EXACT
+from .methods import EXACT, methods
 
 __all__ = ["check_attainable", "numbers", "steps_for"]
 
 Floats = NDArray[np.float64]
 
-ANGLE_PER_STEP = 1.0 / 16.0
+ANGLE_PER_STEP: Mapping[str, float] = {method.name: method.angle_per_step for method in methods()}
 """The angle (rad) that a body turns at most in a step that is left to the core."""
-
-LARGEST_ANGLE_PER_STEP = 0.5
-"""No accuracy is so low that a longer step is trusted to the model of its error."""
 
 ROUNDING = 1e-15
 """Error of an attitude per radian turned that float64 leaves even to a closed form (rad)."""
@@ -28,8 +25,19 @@ ROUNDING = 1e-15
 PHASE_ERROR: Mapping[str, tuple[int, float]] = {
     "rk4": (4, 1.0 / 120.0),
     "splitting": (2, 1.0 / 24.0),
+    "taylor8": (8, 2e-5),
+    "taylor12": (12, 5e-8),
+    "taylor16": (16, 1.5e-10),
+    "taylor20": (20, 5e-13),
+    "taylor26": (26, 1e-16),
 }
-"""Order p and factor c of the error ``c (h w)^p`` per radian turned at rate w with step h."""
+"""Order p and factor c of the error ``c (h w)^p`` per radian turned at rate w with step h; of the
+Taylor series the largest c seen on free bodies and tops up to the largest angle below."""
+
+LARGEST_ANGLE_PER_STEP: Mapping[str, float] = {
+    name: 0.5 if order <= 4 else 1.0 if order <= 8 else 2.0 for name, (order, _) in PHASE_ERROR.items()
+}
+"""No accuracy is so low that a longer step is trusted to the model of its error (rad)."""
 
 # Nanoseconds on one core: a body, a state of it and its class by closed form; a step by scene and
 # question. The states pay for their way into arrays of Python.
@@ -71,7 +79,7 @@ def steps_for(accuracy: float, method: str, rates: Floats | None, span: float | 
     angles = rates * span
     turn = ((accuracy - ROUNDING * (1.0 + angles)) / (factor * angles)) ** (1.0 / order)
     # What does not turn needs no step.
-    return np.where(rates > 0.0, np.minimum(turn, LARGEST_ANGLE_PER_STEP) / rates, np.inf)
+    return np.where(rates > 0.0, np.minimum(turn, LARGEST_ANGLE_PER_STEP[method]) / rates, np.inf)
 
 
 @np.errstate(all="ignore")
@@ -100,7 +108,7 @@ def numbers(
     if rates is None:
         return {"step": step, "steps": None, "cost": None, "error": None}
     if steps is None:
-        steps = ANGLE_PER_STEP / rates
+        steps = ANGLE_PER_STEP[method] / rates
     shortest = float(steps.min(initial=np.inf))
     taken = math.inf if span is None or shortest == 0.0 else span / shortest
     counted = taken < 2.0**63

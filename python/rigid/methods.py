@@ -31,10 +31,12 @@ class Method:
     order : int
         The error of a run falls as ``step**order``.
     stages : int
-        Evaluations of the equations of motion, or exact partial flows, a step.
+        Evaluations of the equations of motion, exact partial flows, or orders of a series, a step.
     symplectic, reversible, group_preserving : bool
         Preserves the Poisson structure; a step forward and one back is the identity; ``|L|`` of the
         free body, ``|gamma|`` and ``|q|`` stay as they are, up to rounding.
+    angle_per_step : float
+        The angle (rad) that a body turns at most in a step that is left to the method.
     citation, doi : str
         Where it comes from.
     """
@@ -46,6 +48,7 @@ class Method:
     symplectic: bool
     reversible: bool
     group_preserving: bool
+    angle_per_step: float
     citation: str
     doi: str
 
@@ -56,8 +59,8 @@ def methods() -> tuple[Method, ...]:
     Examples
     --------
     >>> import rigid
-    >>> [(method.name, method.order) for method in rigid.methods()]
-    [('rk4', 4), ('splitting', 2)]
+    >>> [(method.name, method.order) for method in rigid.methods()][:3]
+    [('rk4', 4), ('splitting', 2), ('taylor8', 8)]
     """
     return tuple(Method(**facts) for facts in _core.methods())
 

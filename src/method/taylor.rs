@@ -86,7 +86,7 @@ impl<R: Real, const D: usize> Coefficients<R, D> {
 
     /// The coefficients of one order.
     #[inline(always)]
-    fn order(&self, k: usize) -> &[R; D] {
+    pub fn order(&self, k: usize) -> &[R; D] {
         assert!(k < self.known);
         // Safety: `push` has written all rows below `known`.
         unsafe { self.rows[k].assume_init_ref() }
@@ -160,9 +160,10 @@ impl<T, R: Copy, M: Copy> Clone for Taylor<T, R, M> {
 impl<T, R: Copy, M: Copy> Copy for Taylor<T, R, M> {}
 
 impl<T: Series, R: Real, M: Model<R>> Taylor<T, R, M> {
-    /// All coefficients of the motion that starts at `y`.
+    /// All coefficients of the motion that starts at `y`. Two orders are summed side by side: what is loaded serves
+    /// both, and the newest rows come last, so that their sums may still be under way.
     #[inline(always)]
-    fn coefficients<L: Layout, const D: usize>(&self, y: &[R; D]) -> Coefficients<R, D> {
+    fn expand<L: Layout, const D: usize>(&self, unit: R, y: &[R; D]) -> Coefficients<R, D> {
         let mut c = Coefficients::new();
         c.push(*y);
         let spin = y[2];
@@ -178,11 +179,11 @@ impl<T: Series, R: Real, M: Model<R>> Taylor<T, R, M> {
                 after.add::<M, L, D>(c.order(1), c.order(k));
             }
             sums.add::<M, L, D>(c.order(k), c.order(0));
-            let next = self.next::<L, D>(sums, spin, c.order(k), k);
+            let next = self.next::<L, D>(unit, sums, spin, c.order(k), k);
             c.push(next);
             after.add::<M, L, D>(c.order(0), c.order(k + 1));
             after.add::<M, L, D>(c.order(k + 1), c.order(0));
-            let next = self.next::<L, D>(after, spin, c.order(k + 1), k + 1);
+            let next = self.next::<L, D>(unit, after, spin, c.order(k + 1), k + 1);
             c.push(next);
         }
         c
@@ -192,12 +193,13 @@ impl<T: Series, R: Real, M: Model<R>> Taylor<T, R, M> {
     #[inline(always)]
     fn next<L: Layout, const D: usize>(
         &self,
+        unit: R,
         mut sums: Products<R>,
         spin: R,
         of_k: &[R; D],
         k: usize,
     ) -> [R; D] {
-        let factor = self.step * R::splat(INVERSE[k + 1]);
+        let factor = unit * R::splat(INVERSE[k + 1]);
         let acceleration = self.model.euler(&sums.rates, of_k);
         if M::SPIN_FREE {
             sums.add_spin::<L, D>(spin, of_k);
@@ -221,7 +223,7 @@ impl<T: Series, R: Real, M: Model<R>> Taylor<T, R, M> {
 
 /// `a + b` and what rounding took from it (Knuth, TAOCP 2, §4.2.2).
 #[inline(always)]
-fn two_sum<R: Real>(a: R, b: R) -> (R, R) {
+pub fn two_sum<R: Real>(a: R, b: R) -> (R, R) {
     let sum = a + b;
     let of_b = sum - a;
     (sum, (a - (sum - of_b)) + (b - of_b))
@@ -230,6 +232,7 @@ fn two_sum<R: Real>(a: R, b: R) -> (R, R) {
 impl<T: Series, R: Real, M: Model<R>, L: Layout, const D: usize> Scheme<R, M, L, D> for Taylor<T, R, M> {
     const FORM: Form = Form::Rates;
     const CARRIES: bool = true;
+    const ORDER: usize = T::ORDER;
 
     #[inline(always)]
     fn new(p: &Parameters<R>) -> Self {
@@ -244,7 +247,7 @@ impl<T: Series, R: Real, M: Model<R>, L: Layout, const D: usize> Scheme<R, M, L,
 
     #[inline(always)]
     fn step_carrying(&self, _p: &Parameters<R>, y: &mut [R; D], carry: &mut [R; D]) {
-        let c = self.coefficients::<L, D>(y);
+        let c = self.expand::<L, D>(self.step, y);
         // Small terms first; the state, the largest, last.
         let mut rise = *c.order(T::ORDER);
         for k in (1..T::ORDER).rev() {
@@ -255,6 +258,11 @@ impl<T: Series, R: Real, M: Model<R>, L: Layout, const D: usize> Scheme<R, M, L,
         for d in 0..D {
             (y[d], carry[d]) = two_sum(y[d], rise[d] + carry[d]);
         }
+    }
+
+    #[inline(always)]
+    fn coefficients(&self, unit: R, y: &[R; D]) -> Coefficients<R, D> {
+        self.expand::<L, D>(unit, y)
     }
 
     #[inline(always)]

@@ -1,7 +1,7 @@
 //! Flips: sign changes of a component of the rates, counted once each and located inside the step.
 
 use rigid::group::{Group, LANES};
-use rigid::kernel::{Compiled, Kernel, System, Table, Watch};
+use rigid::kernel::{Compiled, Kernel, System, Watch};
 use rigid::method::{Method, Rk4, RungeKutta, Scheme};
 use rigid::model::{Free, Parameters, Rates};
 use rigid::observe::{self, Flips};
