@@ -68,7 +68,8 @@ where
                 y[d] = P::load(&g.state[d].0[at..]);
                 carry[d] = P::load(&g.carry[d].0[at..]);
             }
-            let c = bodies[b].1.coefficients(unit, &y);
+            let mut c = Coefficients::new();
+            bodies[b].1.coefficients(unit, &y, &mut c);
             let inverse_rate = P::load(&l.inverse_rate.0[at..]);
             let reach = reach::<P, D>(&c, S::ORDER, inverse_rate, P::splat(l.tolerance));
             let mut rise = *c.order(S::ORDER);

@@ -6,7 +6,16 @@ from dataclasses import dataclass
 
 from . import _core
 
-__all__ = ["AUTO", "EXACT", "FALLBACK", "Method", "map_methods", "methods", "run_methods"]
+__all__ = [
+    "AUTO",
+    "EXACT",
+    "FALLBACK",
+    "Method",
+    "map_methods",
+    "methods",
+    "run_methods",
+    "series_methods",
+]
 
 EXACT = "exact"
 """The closed form of the motion, where there is one."""
@@ -68,6 +77,11 @@ def methods() -> tuple[Method, ...]:
 def run_methods() -> list[str]:
     """The names that :func:`rigid.simulate` accepts."""
     return [EXACT, *(method.name for method in methods())]
+
+
+def series_methods() -> list[str]:
+    """The names of the Taylor methods, which may choose their steps by a tolerance."""
+    return [method.name for method in methods() if method.name.startswith("taylor")]
 
 
 def map_methods() -> list[str]:

@@ -64,9 +64,10 @@ pub trait Scheme<R: Real, M: Model<R>, L: Layout, const D: usize>: Copy {
     }
     /// Of a series: the order of its highest coefficient; else 0.
     const ORDER: usize = 0;
-    /// Of a series: the coefficients of the motion from `y` on, in powers of the time over `unit`.
+    /// Of a series: the coefficients of the motion from `y` on, in powers of the time over `unit`; written where they
+    /// are wanted, because moving them would cost a tenth of finding them.
     #[inline(always)]
-    fn coefficients(&self, _unit: R, _y: &[R; D]) -> Coefficients<R, D> {
+    fn coefficients(&self, _unit: R, _y: &[R; D], _to: &mut Coefficients<R, D>) {
         unreachable!("only series have coefficients")
     }
     /// Rate of change of the first three numbers of the state.

@@ -73,8 +73,10 @@ pub struct Coefficients<R, const D: usize> {
 }
 
 impl<R: Real, const D: usize> Coefficients<R, D> {
+    /// Nothing known yet.
     #[inline(always)]
-    fn new() -> Self {
+    #[allow(clippy::new_without_default)] // A default would be taken for zero.
+    pub fn new() -> Self {
         Coefficients { rows: [const { MaybeUninit::uninit() }; MAX_ORDER + 1], known: 0 }
     }
 
@@ -163,8 +165,8 @@ impl<T: Series, R: Real, M: Model<R>> Taylor<T, R, M> {
     /// All coefficients of the motion that starts at `y`. Two orders are summed side by side: what is loaded serves
     /// both, and the newest rows come last, so that their sums may still be under way.
     #[inline(always)]
-    fn expand<L: Layout, const D: usize>(&self, unit: R, y: &[R; D]) -> Coefficients<R, D> {
-        let mut c = Coefficients::new();
+    fn expand<L: Layout, const D: usize>(&self, unit: R, y: &[R; D], c: &mut Coefficients<R, D>) {
+        c.known = 0;
         c.push(*y);
         let spin = y[2];
         for half in 0..T::ORDER / 2 {
@@ -186,7 +188,6 @@ impl<T: Series, R: Real, M: Model<R>> Taylor<T, R, M> {
             let next = self.next::<L, D>(unit, after, spin, c.order(k + 1), k + 1);
             c.push(next);
         }
-        c
     }
 
     /// The coefficients of order k + 1 from the products and the coefficients of order k.
@@ -247,7 +248,8 @@ impl<T: Series, R: Real, M: Model<R>, L: Layout, const D: usize> Scheme<R, M, L,
 
     #[inline(always)]
     fn step_carrying(&self, _p: &Parameters<R>, y: &mut [R; D], carry: &mut [R; D]) {
-        let c = self.expand::<L, D>(self.step, y);
+        let mut c = Coefficients::new();
+        self.expand::<L, D>(self.step, y, &mut c);
         // Small terms first; the state, the largest, last.
         let mut rise = *c.order(T::ORDER);
         for k in (1..T::ORDER).rev() {
@@ -261,8 +263,8 @@ impl<T: Series, R: Real, M: Model<R>, L: Layout, const D: usize> Scheme<R, M, L,
     }
 
     #[inline(always)]
-    fn coefficients(&self, unit: R, y: &[R; D]) -> Coefficients<R, D> {
-        self.expand::<L, D>(unit, y)
+    fn coefficients(&self, unit: R, y: &[R; D], c: &mut Coefficients<R, D>) {
+        self.expand::<L, D>(unit, y, c);
     }
 
     #[inline(always)]
