@@ -21,6 +21,9 @@ pub trait Series: Copy {
     const FACTS: Facts;
     /// Order of the highest coefficient.
     const ORDER: usize;
+    /// Whether what rounding takes from the state is carried on. It costs 4 % of a step of order 16, and 13 % of one
+    /// of order 8, whose steps are seldom short enough for rounding to matter.
+    const CARRIES: bool = Self::ORDER >= 16;
 }
 
 macro_rules! series {
@@ -28,7 +31,7 @@ macro_rules! series {
         impl Series for $table {
             const FACTS: Facts = Facts {
                 name: $name,
-                title: concat!("Taylor series of order ", $order, ", summed with compensation"),
+                title: concat!("Taylor series of order ", $order),
                 order: $order,
                 stages: $order,
                 symplectic: false,
@@ -232,7 +235,7 @@ pub fn two_sum<R: Real>(a: R, b: R) -> (R, R) {
 
 impl<T: Series, R: Real, M: Model<R>, L: Layout, const D: usize> Scheme<R, M, L, D> for Taylor<T, R, M> {
     const FORM: Form = Form::Rates;
-    const CARRIES: bool = true;
+    const CARRIES: bool = T::CARRIES;
     const ORDER: usize = T::ORDER;
 
     #[inline(always)]
@@ -258,7 +261,11 @@ impl<T: Series, R: Real, M: Model<R>, L: Layout, const D: usize> Scheme<R, M, L,
             }
         }
         for d in 0..D {
-            (y[d], carry[d]) = two_sum(y[d], rise[d] + carry[d]);
+            if T::CARRIES {
+                (y[d], carry[d]) = two_sum(y[d], rise[d] + carry[d]);
+            } else {
+                y[d] = y[d] + rise[d];
+            }
         }
     }
 

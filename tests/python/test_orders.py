@@ -22,6 +22,10 @@ REGIMES = [
     ("kovalevskaya/kov_a", 7.0, 0.1),
 ]
 
+#: The order of a series is measured in the core, on single steps: over a run, the steps at which its
+#: error is more than rounding are too long for the leading term to rule.
+LOW_ORDERS = [method for method in METHODS if method.order <= 4]
+
 HALVINGS = 0.5 ** np.arange(6)
 
 
@@ -41,7 +45,7 @@ def slope(steps: ArrayLike, error: ArrayLike) -> float:
 
 
 @pytest.mark.parametrize(("identifier", "until", "largest"), REGIMES)
-@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
+@pytest.mark.parametrize("method", LOW_ORDERS, ids=lambda method: method.name)
 def test_measured_order_is_the_stated_order(
     method: rigid.Method, identifier: str, until: float, largest: float
 ) -> None:
