@@ -4,6 +4,7 @@
 //! ordinary scalar code. No lane looks at another.
 
 use crate::group::{DriftRows, Group, LANES, MAX_STATE, Row};
+use crate::leaps::{Leaps, inside, leap};
 use crate::method::{
     Dop853, Form, Planar, Rk4, Rotor, RungeKutta, Scheme, Splitting, Taylor, Taylor8, Taylor12, Taylor16,
     Taylor20, Taylor26,
@@ -179,6 +180,34 @@ fn update_drift<P: Pack>(rows: &mut DriftRows, at: usize, now: P) {
     P::load(&rows.worst.0[at..]).max(off).store(&mut rows.worst.0[at..]);
 }
 
+/// The constants of the bodies and of their schemes, pack by pack.
+#[inline(always)]
+fn prepared<P, const PACKS: usize, M, L, S, const D: usize>(g: &Group) -> [(Parameters<P>, S); PACKS]
+where
+    P: Pack,
+    M: Model<P>,
+    L: Layout,
+    S: Scheme<P, M, L, D>,
+{
+    const { assert!(D == L::LEN && PACKS * P::LANES == LANES) };
+    let mut p = Parameters {
+        moments: load3::<P>(&g.moments, 0),
+        weight: load3::<P>(&g.weight, 0),
+        step: P::load(&g.step.0),
+    };
+    let mut bodies = [(p, S::new(&p)); PACKS];
+    for b in 1..PACKS {
+        let at = b * P::LANES;
+        p = Parameters {
+            moments: load3(&g.moments, at),
+            weight: load3(&g.weight, at),
+            step: P::load(&g.step.0[at..]),
+        };
+        bodies[b] = (p, S::new(&p));
+    }
+    bodies
+}
+
 /// Advances all lanes by `steps`, the packs side by side, and compares the invariants at the end.
 #[inline(always)]
 fn burst<P, const PACKS: usize, M, L, S, const D: usize>(g: &mut Group, steps: usize, watch: Watch)
@@ -188,22 +217,7 @@ where
     L: Layout,
     S: Scheme<P, M, L, D>,
 {
-    const { assert!(D == L::LEN && PACKS * P::LANES == LANES) };
-    let mut p = [Parameters {
-        moments: load3::<P>(&g.moments, 0),
-        weight: load3::<P>(&g.weight, 0),
-        step: P::load(&g.step.0),
-    }; PACKS];
-    let mut schemes = [S::new(&p[0]); PACKS];
-    for b in 1..PACKS {
-        let at = b * P::LANES;
-        p[b] = Parameters {
-            moments: load3(&g.moments, at),
-            weight: load3(&g.weight, at),
-            step: P::load(&g.step.0[at..]),
-        };
-        schemes[b] = S::new(&p[b]);
-    }
+    let bodies = prepared::<P, PACKS, M, L, S, D>(g);
     for i in 0..steps {
         for b in 0..PACKS {
             let at = b * P::LANES;
@@ -212,28 +226,29 @@ where
                 y[d] = P::load(&g.state[d].0[at..]);
             }
             let before = y;
+            let (p, scheme) = &bodies[b];
             if S::CARRIES {
                 let mut carry = y;
                 for d in 0..D {
                     carry[d] = P::load(&g.carry[d].0[at..]);
                 }
-                schemes[b].step_carrying(&p[b], &mut y, &mut carry);
+                scheme.step_carrying(p, &mut y, &mut carry);
                 for d in 0..D {
                     carry[d].store(&mut g.carry[d].0[at..]);
                 }
             } else {
-                schemes[b].step(&p[b], &mut y);
+                scheme.step(p, &mut y);
             }
             for d in 0..D {
                 y[d].store(&mut g.state[d].0[at..]);
             }
             if watch != Watch::Nothing {
                 let mut watched = load_watched::<P>(g, at);
-                let time = (P::load(&g.count.0[at..]) + P::splat(i as f64)) * p[b].step;
+                let time = (P::load(&g.count.0[at..]) + P::splat(i as f64)) * p.step;
                 if watch == Watch::Flips {
-                    Flips::after_step::<P, M, L, S, D>(&schemes[b], &p[b], &mut watched, time, &before, &y);
+                    Flips::after_step::<P, M, L, S, D>(scheme, p, &mut watched, time, &before, &y);
                 } else if const { L::VECTORS > 0 } {
-                    Tilt::after_step::<P, M, L, S, D>(&schemes[b], &p[b], &mut watched, time, &before, &y);
+                    Tilt::after_step::<P, M, L, S, D>(scheme, p, &mut watched, time, &before, &y);
                 }
                 store_watched(g, at, &watched);
             }
@@ -245,7 +260,7 @@ where
         for d in 0..D {
             y[d] = P::load(&g.state[d].0[at..]);
         }
-        let [energy, momentum] = invariants::<P, M, L, S, D>(&p[b], &y);
+        let [energy, momentum] = invariants::<P, M, L, S, D>(&bodies[b].0, &y);
         update_drift(&mut g.energy, at, energy);
         update_drift(&mut g.momentum, at, momentum);
         for v in 0..L::VECTORS {
@@ -304,11 +319,18 @@ type Advance = unsafe fn(&mut Group, usize, Watch);
 /// Energy and conserved momentum of one body, with the arithmetic of the kernel.
 type Invariants = unsafe fn(&Parameters<f64>, &[f64; MAX_STATE]) -> [f64; 2];
 
+/// Advances all lanes by steps of their own; see `leaps::leap`.
+type Leap = unsafe fn(&mut Group, &mut Leaps, usize) -> usize;
+/// A state of one lane inside its last step; see `leaps::inside`.
+type Inside = unsafe fn(&Leaps, usize, f64) -> [f64; MAX_STATE];
+
 /// The code of a kernel for an instruction set.
 #[derive(Clone, Copy)]
 struct Code {
     advance: Advance,
     invariants: Invariants,
+    leap: Leap,
+    inside: Inside,
 }
 
 /// A kernel compiled for an instruction set that this CPU has.
@@ -333,6 +355,18 @@ impl Compiled {
         unsafe { (self.code.advance)(group, steps, self.watch) }
     }
 
+    /// Advances every lane by steps of its own until one has to be looked at; only of series.
+    pub fn leap(self, group: &mut Group, leaps: &mut Leaps, most: usize) -> usize {
+        // Safety: as above.
+        unsafe { (self.code.leap)(group, leaps, most) }
+    }
+
+    /// The state of a lane inside its last step, that many of its units after its begin.
+    pub fn inside(self, leaps: &Leaps, lane: usize, units: f64) -> [f64; MAX_STATE] {
+        // Safety: as above.
+        unsafe { (self.code.inside)(leaps, lane, units) }
+    }
+
     /// Energy and conserved momentum of one body.
     pub fn invariants(self, p: &Parameters<f64>, y: &[f64; MAX_STATE]) -> [f64; 2] {
         // Safety: as above.
@@ -350,12 +384,22 @@ macro_rules! code_of {
         code_of!(@functions avx2, [#[target_feature(enable = "avx2,fma")]],
             <$table as Engine>::Avx2, $model, $layout, $d, $table);
         code_of!(@functions scalar, [], f64, $model, $layout, $d, $table);
+        macro_rules! code {
+            ($path:ident) => {
+                Code {
+                    advance: $path::advance,
+                    invariants: $path::invariants_of,
+                    leap: $path::leap_of,
+                    inside: $path::inside_of,
+                }
+            };
+        }
         match $isa {
             #[cfg(target_arch = "x86_64")]
-            Isa::Avx512 => Code { advance: avx512::advance, invariants: avx512::invariants_of },
+            Isa::Avx512 => code!(avx512),
             #[cfg(target_arch = "x86_64")]
-            Isa::Avx2 => Code { advance: avx2::advance, invariants: avx2::invariants_of },
-            _ => Code { advance: scalar::advance, invariants: scalar::invariants_of },
+            Isa::Avx2 => code!(avx2),
+            _ => code!(scalar),
         }
     }};
     (@functions $name:ident, [$($feature:tt)*], $pack:ty, $model:ident, $layout:ident, $d:literal, $table:ident) => {
@@ -366,6 +410,18 @@ macro_rules! code_of {
             $($feature)*
             pub fn advance(g: &mut Group, steps: usize, watch: Watch) {
                 burst::<P, { LANES / P::LANES }, $model<P>, $layout, Scheme<P>, $d>(g, steps, watch)
+            }
+            $($feature)*
+            pub fn leap_of(g: &mut Group, l: &mut Leaps, most: usize) -> usize {
+                const PACKS: usize = LANES / P::LANES;
+                let bodies = prepared::<P, PACKS, $model<P>, $layout, Scheme<P>, $d>(g);
+                leap::<P, PACKS, $model<P>, $layout, Scheme<P>, $d>(g, l, &bodies, most)
+            }
+            $($feature)*
+            pub fn inside_of(l: &Leaps, lane: usize, units: f64) -> [f64; MAX_STATE] {
+                type S = Scheme<f64>;
+                let order = <S as crate::method::Scheme<f64, $model<f64>, $layout, $d>>::ORDER;
+                inside::<$d>(l, order, lane, units)
             }
             $($feature)*
             pub fn invariants_of(p: &Parameters<f64>, y: &[f64; MAX_STATE]) -> [f64; 2] {

@@ -3,7 +3,7 @@
 //! Read from left to right; nothing points back.
 //!
 //! ```text
-//! real ← simd        real ← special ← model ← method ← observe ← group ← kernel
+//! real ← simd        real ← special ← model ← method ← observe ← group ← leaps ← kernel
 //! {body, kernel} ← start ← exact        special ← sample
 //! {exact, sample, run} ← trajectory ← ensemble ← python
 //! ```
@@ -15,6 +15,7 @@ pub mod error;
 pub mod exact;
 pub mod group;
 pub mod kernel;
+pub mod leaps;
 pub mod method;
 pub mod model;
 pub mod observe;

@@ -352,17 +352,23 @@ fn rates_soon(body: &Body) -> [f64; 3] {
 }
 
 /// Reads a lane back, `time` after its start.
-pub fn unload(
+pub fn unload(group: &Group, lane: usize, kernel: (Kernel, Compiled), seat: Seat, time: f64) -> State {
+    let mut y = [0.0; MAX_STATE];
+    for d in 0..kernel.0.system.len() {
+        y[d] = group.state[d].0[lane];
+    }
+    read(group, lane, kernel, seat, y, time)
+}
+
+/// Reads `y`, a state of the body in that lane `time` after its start.
+pub fn read(
     group: &Group,
     lane: usize,
     (kernel, compiled): (Kernel, Compiled),
     seat: Seat,
+    mut y: [f64; MAX_STATE],
     time: f64,
 ) -> State {
-    let mut y = [0.0; MAX_STATE];
-    for d in 0..kernel.system.len() {
-        y[d] = group.state[d].0[lane];
-    }
     let at = |rows: &[crate::group::Row; 3]| [rows[0].0[lane], rows[1].0[lane], rows[2].0[lane]];
     let moments = at(&group.moments);
     let parameters = Parameters { moments, weight: at(&group.weight), step: 0.0 };

@@ -45,6 +45,7 @@ def simulate(
     threads: int,
     times: Sequence[float] | None = None,
     strides: Sequence[int] | None = None,
+    tolerance: float | None = None,
 ) -> dict[str, Any]: ...
 def closed_forms(
     *,

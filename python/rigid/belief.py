@@ -92,6 +92,7 @@ def believe(
     order: int,
     max_steps: int,
     threads: int,
+    tolerance: float | None,
 ) -> Belief:
     """The error of states that were made by steps, from a second run with shorter ones."""
     taken = states["steps"].astype(np.float64)
@@ -108,7 +109,8 @@ def believe(
     checks = evenly(len(times), int(np.clip(taken[taken > 0].min() // 4, 1, CHECKS)))
     if times[0] < 0.0:
         checks = np.union1d(checks, [0])
-    shorter = span / np.maximum(taken, 1.0) / max(2.0 ** (2.0 / order), 1.2)
+    ratio = max(2.0 ** (2.0 / order), 1.2)
+    shorter = span / np.maximum(taken, 1.0) / ratio
     again = _core.simulate(
         **table,
         method=method,
@@ -117,6 +119,8 @@ def believe(
         max_steps=min(4 * max_steps, 2**63),
         threads=threads,
         times=times[checks].tolist(),
+        # Steps of their own size go with the tolerance to the power of one over the order.
+        tolerance=None if tolerance is None else tolerance / ratio**order,
     )
     seen = {
         name: None if states[name] is None else states[name][:, checks]

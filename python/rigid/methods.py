@@ -17,6 +17,7 @@ __all__ = [
     "methods",
     "order_of",
     "run_methods",
+    "series_methods",
 ]
 
 EXACT = "exact"
@@ -42,7 +43,7 @@ class Method:
     order : int
         The error of a run falls as ``step**order``.
     stages : int
-        Evaluations of the equations of motion, or exact partial flows, a step.
+        Evaluations of the equations of motion, exact partial flows, or orders of a series, a step.
     symplectic, reversible, group_preserving : bool
         Preserves the Poisson structure; a step forward and one back is the identity; ``|L|`` of the
         free body, ``|gamma|`` and ``|q|`` stay as they are, up to rounding.
@@ -94,6 +95,11 @@ def _named(name: str) -> Method:
 def run_methods() -> list[str]:
     """The names that :func:`rigid.simulate` accepts."""
     return [EXACT, *(method.name for method in methods())]
+
+
+def series_methods() -> list[str]:
+    """The names of the Taylor methods, which may choose their steps by a tolerance."""
+    return [method.name for method in methods() if method.name.startswith("taylor")]
 
 
 def map_methods() -> list[str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 from typing import TYPE_CHECKING, Any
 
@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
-from ._check import one_of, positive_int, resolve_threads, sorted_times
+from ._check import finite_float, one_of, positive_int, resolve_threads, sorted_times
 from .belief import Belief, span_of
 from .columns import check_scene, columns, laid_out
-from .methods import EXACT
+from .methods import EXACT, series_methods
 from .plan import RECORDS, Plan, decide
 from .scenes import Scene
 from .stepping import Request, by_steps, of_closed_form
@@ -30,7 +30,7 @@ class Status(IntEnum):
 
     FINISHED = 0  #: at the last wanted time
     STOPPED = 1  #: when the question of a map was answered
-    STEP_LIMIT = 2  #: not run: it would have needed more than ``max_steps``
+    STEP_LIMIT = 2  #: it would have needed more than ``max_steps``: not run, or stopped there
     NOT_FINITE = 3  #: overflow or NaN: too long a step, or a phase beyond 2**50 turns
     DRIFTED = 4  #: energy, momentum or unit lengths off by more than 0.1: the step is too long
 
@@ -73,7 +73,7 @@ class Run:
     nanoseconds : int
         Processor time of the states, of all threads together; not that of the second run.
     spec : dict
-        Scene, method, step, accuracy and record, as plain data.
+        Scene, method, step, accuracy, tolerance and record, as plain data.
     plan : Plan
         What was done, what was left out, and why.
     """
@@ -126,6 +126,7 @@ def simulate(
     method: str | None = None,
     step: float | None = None,
     accuracy: float | None = None,
+    tolerance: float | None = None,
     record: str = "attitude",
     check: bool = True,
     max_steps: int = 10**9,
@@ -155,13 +156,17 @@ def simulate(
         all bodies have a closed form and no step is given, else ``"rk4"``. Steps are equal between
         wanted times and end exactly on them.
     step : float, optional
-        Largest step (s). Default: each body turns by at most 1/16 rad a step, from a bound of its
-        rates.
+        Largest step (s). Default: each body turns by at most the ``angle_per_step`` of the method a
+        step, from a bound of its rates.
     accuracy : float, optional
         Wanted error of the last state, relative to its size (see :attr:`Run.error`), instead of a
         step. Method and step follow from a calibrated model of the error; every body is then run
         again with shorter steps, and with shorter ones still until its error is below. A body that
         cannot be brought there, by chaos or rounding, is :attr:`Run.flagged`.
+    tolerance : float, optional
+        Of a Taylor method, instead of a step: each body takes steps of its own, as long as the last
+        terms of its series stay below this share of the largest rate and of a unit vector. Wanted
+        times between two steps cost no step.
     record : {"attitude", "axis", "rates"}
         What is carried: the attitude; or the vertical seen from the body; or rates only. Asking for
         less is faster and changes no bit of the rates.
@@ -169,7 +174,8 @@ def simulate(
         Whether steps are checked by a second run with shorter ones, which tells the error. Without
         it the error is NaN; an ``accuracy`` cannot do without.
     max_steps : int
-        A body that would need more is not run and has the status ``STEP_LIMIT``.
+        A body that would need more has the status ``STEP_LIMIT``: it is not run, or with a tolerance
+        stopped there.
     threads : int, optional
         Default: ``RIGID_NUM_THREADS``, else the cores that this process may use.
 
@@ -182,8 +188,8 @@ def simulate(
     ------
     ValueError
         Naming the argument, its value and the rule: not finite, wrong shape, zero quaternion,
-        unsorted times, unknown method or record, step or accuracy not positive, ``"exact"`` for a
-        body without a closed form.
+        unsorted times, unknown method or record, step, accuracy or tolerance not positive, a
+        tolerance for what is no Taylor method, ``"exact"`` for a body without a closed form.
 
     Examples
     --------
@@ -199,6 +205,8 @@ def simulate(
     one_of("record", record, RECORDS)
     table, single = columns(scene, omega, attitude)
     times = sorted_times("t", t)
+    if tolerance is not None:
+        tolerance = _checked_tolerance(tolerance, method, step, accuracy)
     made, steps = decide(
         scene,
         record,
@@ -209,6 +217,9 @@ def simulate(
         step=step,
         states=len(times),
     )
+    if tolerance is not None:
+        own = f"each body takes its own steps, last terms below {tolerance:g}"
+        made = replace(made, why=(*made.why, own), step=None, steps=None, cost=None, error=None)
     request = Request(
         table=table,
         times=times,
@@ -216,6 +227,7 @@ def simulate(
         record=record,
         max_steps=positive_int("max_steps", max_steps),
         threads=resolve_threads(threads),
+        tolerance=tolerance,
     )
     if made.method == EXACT:
         states = request.states(table, None)
@@ -227,6 +239,7 @@ def simulate(
         "method": made.method,
         "step": None if made.method == EXACT else step,
         "accuracy": accuracy,
+        "tolerance": tolerance,
         "record": record,
     }
     return _to_run(states, times, belief, spec, made, single=single)
@@ -261,11 +274,33 @@ def replay_steps(
         "method": method,
         "step": step,
         "accuracy": None,
+        "tolerance": None,
         "record": "attitude",
     }
     # The map that this sample comes from knows what is believed of it.
     unknown = Belief(np.full(1, np.nan), np.full(1, np.nan))
     return _to_run(states, times, unknown, spec, made, single=True)
+
+
+def _checked_tolerance(
+    tolerance: float, method: str | None, step: float | None, accuracy: float | None
+) -> float:
+    """The tolerance, if it is one and if the method chooses its steps by it."""
+    tolerance = finite_float("tolerance", tolerance, positive=True)
+    if tolerance >= 1.0:
+        raise ValueError(f"tolerance = {tolerance:g}: must be below one")
+    for name, value in (("step", step), ("accuracy", accuracy)):
+        if value is not None:
+            raise ValueError(
+                f"tolerance = {tolerance:g}, {name} = {value:g}: exclude each other, "
+                "because the steps follow from the tolerance"
+            )
+    if method not in series_methods():
+        raise ValueError(
+            f"tolerance = {tolerance:g}, method = {method!r}: only "
+            f"{', '.join(map(repr, series_methods()))} choose their steps by a tolerance"
+        )
+    return tolerance
 
 
 def _to_run(

@@ -33,6 +33,7 @@ class Request:
     record: str
     max_steps: int
     threads: int
+    tolerance: float | None
 
     def states(self, table: Mapping[str, Any], steps: Floats | None) -> dict[str, Any]:
         """The states of some bodies, each with its longest step."""
@@ -44,6 +45,7 @@ class Request:
             max_steps=self.max_steps,
             threads=self.threads,
             times=self.times.tolist(),
+            tolerance=self.tolerance,
         )
 
     def belief(self, table: Mapping[str, Any], states: Mapping[str, Any]) -> Belief:
@@ -57,6 +59,7 @@ class Request:
             order=order_of(self.method),
             max_steps=self.max_steps,
             threads=self.threads,
+            tolerance=self.tolerance,
         )
 
 

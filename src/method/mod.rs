@@ -6,7 +6,8 @@ mod taylor;
 
 pub use runge_kutta::{RungeKutta, Tableau};
 pub use splitting::{Composition, Flow, Splitting};
-pub use taylor::{Series, Taylor};
+pub use taylor::{Coefficients, Series, Taylor};
+pub(crate) use taylor::{MAX_ORDER, two_sum};
 
 use crate::model::{Layout, Model, Parameters, dot};
 use crate::real::Real;
@@ -60,6 +61,14 @@ pub trait Scheme<R: Real, M: Model<R>, L: Layout, const D: usize>: Copy {
     #[inline(always)]
     fn step_carrying(&self, p: &Parameters<R>, y: &mut [R; D], _carry: &mut [R; D]) {
         self.step(p, y);
+    }
+    /// Of a series: the order of its highest coefficient; else 0.
+    const ORDER: usize = 0;
+    /// Of a series: the coefficients of the motion from `y` on, in powers of the time over `unit`; written where they
+    /// are wanted, because moving them would cost a tenth of finding them.
+    #[inline(always)]
+    fn coefficients(&self, _unit: R, _y: &[R; D], _to: &mut Coefficients<R, D>) {
+        unreachable!("only series have coefficients")
     }
     /// Rate of change of the first three numbers of the state.
     fn velocity(&self, p: &Parameters<R>, y: &[R; D]) -> [R; 3];
@@ -163,6 +172,11 @@ impl Method {
             Method::Taylor20 => Taylor20::FACTS,
             Method::Taylor26 => Taylor26::FACTS,
         }
+    }
+
+    /// Whether it is a series, and so chooses its steps where it is given a tolerance.
+    pub fn is_series(self) -> bool {
+        !matches!(self, Method::Rk4 | Method::Splitting)
     }
 
     /// The method of that name.

@@ -181,7 +181,7 @@ fn stopped() -> PyErr {
 
 /// States of bodies at wanted times; see `rigid.simulate`.
 #[pyfunction]
-#[pyo3(signature = (*, scene, method, record, moments, weight, omega, attitude, step, max_steps, threads, times=None, strides=None))]
+#[pyo3(signature = (*, scene, method, record, moments, weight, omega, attitude, step, max_steps, threads, times=None, strides=None, tolerance=None))]
 #[allow(clippy::too_many_arguments)] // The request of `trajectory`, column by column.
 fn simulate<'py>(
     py: Python<'py>,
@@ -197,6 +197,7 @@ fn simulate<'py>(
     threads: usize,
     times: Option<Vec<f64>>,
     strides: Option<Vec<u64>>,
+    tolerance: Option<f64>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (is_top, solver, record, isa) =
         (parse_scene(scene)?, Solver::parse(method)?, parse_record(record)?, Isa::current()?);
@@ -221,7 +222,8 @@ fn simulate<'py>(
         (None, Some(strides)) => Schedule::Strides(strides),
         (None, None) => Schedule::Times(&[]),
     };
-    let request = Request { bodies: &bodies, is_top, solver, record, schedule, steps: &steps, max_steps };
+    let steps = &steps;
+    let request = Request { bodies: &bodies, is_top, solver, record, schedule, steps, tolerance, max_steps };
     let states =
         interruptible(py, None, |stop| trajectory::simulate(&request, threads, isa, stop).transpose())?
             .ok_or_else(stopped)??;

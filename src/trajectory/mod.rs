@@ -1,14 +1,17 @@
 //! States of bodies at the times that a user wants, stepped or in closed form.
 
+mod adaptive;
 mod closed;
 mod stepped;
 
 use crate::clock::thread_nanoseconds;
 use crate::error::Error;
 use crate::exact::Place;
+use crate::group::Group;
+use crate::kernel::System;
 use crate::method::Method;
 use crate::simd::Isa;
-use crate::start::Body;
+use crate::start::{Body, Seat, State};
 use std::sync::atomic::AtomicBool;
 
 /// How a body is moved.
@@ -76,8 +79,10 @@ pub struct Request<'a> {
     pub record: Record,
     /// When.
     pub schedule: Schedule<'a>,
-    /// Largest step of each body.
+    /// Largest step of each body; with a tolerance its first.
     pub steps: &'a [f64],
+    /// Of a Taylor series: the last terms of each step relative to the state; each body then takes its own steps.
+    pub tolerance: Option<f64>,
     /// Most steps that a body may take.
     pub max_steps: u64,
 }
@@ -90,7 +95,7 @@ pub enum Status {
     Finished = 0,
     /// Stopped when the question was answered.
     Stopped = 1,
-    /// Would have needed more steps than allowed; not run.
+    /// Would have needed more steps than allowed: not run, or stopped there if it chooses its steps itself.
     StepLimit = 2,
     /// A number overflowed or became NaN.
     NotFinite = 3,
@@ -135,12 +140,14 @@ pub struct States {
     pub steps: Vec<u64>,
     /// Processor time of all threads, ns.
     pub nanoseconds: u64,
+    /// Steps of all lanes under way, those that waited too; of bodies that choose their steps.
+    pub lane_steps: u64,
 }
 
 /// Runs the request; `None` if it was stopped.
 ///
 /// # Errors
-/// If closed forms are wanted and a body has none.
+/// If closed forms are wanted and a body has none, or a tolerance of what is no series.
 pub fn simulate(
     request: &Request,
     threads: usize,
@@ -148,6 +155,9 @@ pub fn simulate(
     stop: &AtomicBool,
 ) -> Result<Option<States>, Error> {
     match request.solver {
+        Solver::Steps(method) if request.tolerance.is_some() => {
+            adaptive::simulate(request, method, threads, isa, stop)
+        }
         Solver::Steps(method) => Ok(stepped::simulate(request, method, threads, isa, stop)),
         Solver::Exact => {
             let place = |(index, body)| Place::of(body).ok_or(Error::NoClosedForm { index });
@@ -186,6 +196,7 @@ impl States {
             status: Vec::with_capacity(n),
             steps: Vec::with_capacity(n),
             nanoseconds: 0,
+            lane_steps: 0,
         }
     }
 
@@ -203,6 +214,7 @@ impl States {
             status: vec![Status::Finished; n],
             steps: vec![0; n],
             nanoseconds: 0,
+            lane_steps: 0,
         }
     }
 
@@ -221,6 +233,7 @@ impl States {
         self.status.extend(other.status);
         self.steps.extend(other.steps);
         self.nanoseconds += other.nanoseconds;
+        self.lane_steps += other.lane_steps;
     }
 
     /// The states that `work` returns, with the processor time that it took.
@@ -229,6 +242,83 @@ impl States {
         let mut states = work()?;
         states.nanoseconds = thread_nanoseconds() - begin;
         Some(states)
+    }
+
+    /// Writes the state of a body, number `at` of all, and updates its drifts, given start and inverse scale of energy
+    /// and conserved momentum. Of the two signs of an attitude that nearer to the last one is written.
+    fn record(
+        &mut self,
+        body: usize,
+        at: usize,
+        mut now: State,
+        (invariants, last): ([[f64; 2]; 2], &mut [f64; 4]),
+    ) {
+        canonical(&mut now.omega);
+        self.omega[3 * at..][..3].copy_from_slice(&now.omega);
+        let mut units = 0.0_f64;
+        if let Some(direction) = &mut now.direction {
+            canonical(direction);
+            units = worse(units, (norm(direction) - 1.0).abs());
+            if let Some(vertical) = &mut self.vertical {
+                vertical[3 * at..][..3].copy_from_slice(direction);
+            }
+        }
+        if let (Some(now), Some(attitude)) = (&mut now.attitude, &mut self.attitude) {
+            canonical(now);
+            if (0..4).map(|k| now[k] * last[k]).sum::<f64>() < 0.0 {
+                *now = now.map(|x| -x);
+            }
+            *last = *now;
+            units = worse(units, (norm(now) - 1.0).abs());
+            attitude[4 * at..][..4].copy_from_slice(now);
+        }
+        for now in [Some(now.invariants), now.invariants_of_attitude].into_iter().flatten() {
+            let [energy, momentum] = [0, 1].map(|i| (now[i] - invariants[i][0]).abs() * invariants[i][1]);
+            self.energy_drift[body] = worse(self.energy_drift[body], energy);
+            self.momentum_drift[body] = worse(self.momentum_drift[body], momentum);
+        }
+        self.unit_drift[body] = worse(self.unit_drift[body], units);
+        let finite = now.omega.iter().chain(&now.invariants).all(|x| x.is_finite()) && units.is_finite();
+        if !finite {
+            self.status[body] = Status::NotFinite;
+        } else if self.status[body] == Status::Finished {
+            let drifts = [self.energy_drift[body], self.momentum_drift[body], self.unit_drift[body]];
+            // A NaN is not below the limit.
+            if !drifts.iter().all(|&drift| drift <= DRIFT_LIMIT) {
+                self.status[body] = Status::Drifted;
+            }
+        }
+    }
+}
+
+/// What moves: no more than what is recorded needs.
+fn system_of(request: &Request, seat: Seat) -> System {
+    match (request.is_top, request.record) {
+        (false, Record::Rates) => System::FreeRates,
+        (false, Record::Axis) => System::FreeAxis,
+        (false, Record::Attitude) => System::FreeAttitude,
+        (true, Record::Rates | Record::Axis) if seat.is_spin_free() => System::SpinFreeAxis,
+        (true, Record::Rates | Record::Axis) => System::TopAxis,
+        (true, Record::Attitude) => match (seat.is_spin_free(), seat.table.carries_rows()) {
+            (false, false) => System::TopAttitude,
+            (false, true) => System::TopTwoAxes,
+            (true, false) => System::SpinFreeAttitude,
+            (true, true) => System::SpinFreeTwoAxes,
+        },
+    }
+}
+
+/// Start and inverse scale of energy and conserved momentum of the body in a lane.
+fn invariants_at_start(group: &Group, lane: usize) -> [[f64; 2]; 2] {
+    [&group.energy, &group.momentum].map(|rows| [rows.start.0[lane], rows.inverse_scale.0[lane]])
+}
+
+/// One NaN for all: its sign depends on the instruction set.
+fn canonical(numbers: &mut [f64]) {
+    for x in numbers {
+        if x.is_nan() {
+            *x = f64::NAN;
+        }
     }
 }
 

@@ -1,8 +1,8 @@
 //! States by steps of a scheme.
 
-use super::{DRIFT_LIMIT, Record, Request, Schedule, States, Status, norm, worse};
-use crate::group::{DriftRows, Group, LANES};
-use crate::kernel::{Compiled, Kernel, System, Watch};
+use super::{Request, Schedule, States, Status, invariants_at_start, system_of};
+use crate::group::{Group, LANES};
+use crate::kernel::{Compiled, Kernel, Watch};
 use crate::method::Method;
 use crate::run::over_blocks;
 use crate::simd::Isa;
@@ -124,19 +124,7 @@ impl<'a> Passengers<'a> {
     fn new(request: &'a Request<'a>, method: Method, group: Range<usize>, isa: Isa) -> Self {
         let bodies = &request.bodies[group.clone()];
         let seats: Vec<Seat> = bodies.iter().map(|body| seat_of(request, method, body)).collect();
-        let system = match (request.is_top, request.record) {
-            (false, Record::Rates) => System::FreeRates,
-            (false, Record::Axis) => System::FreeAxis,
-            (false, Record::Attitude) => System::FreeAttitude,
-            (true, Record::Rates | Record::Axis) if seats[0].is_spin_free() => System::SpinFreeAxis,
-            (true, Record::Rates | Record::Axis) => System::TopAxis,
-            (true, Record::Attitude) => match (seats[0].is_spin_free(), seats[0].table.carries_rows()) {
-                (false, false) => System::TopAttitude,
-                (false, true) => System::TopTwoAxes,
-                (true, false) => System::SpinFreeAttitude,
-                (true, true) => System::SpinFreeTwoAxes,
-            },
-        };
+        let system = system_of(request, seats[0]);
         let kernel = Kernel { system, table: seats[0].table, watch: Watch::Nothing };
         Passengers {
             request,
@@ -208,60 +196,8 @@ impl<'a> Passengers<'a> {
             // Through the momenta and back, the rates would return rounded.
             now.omega = self.bodies[lane].omega;
         }
-        let states = &mut self.states;
         let at = lane * self.request.schedule.len() + state;
-        // The sign of a NaN depends on the instruction set.
-        canonical(&mut now.omega);
-        states.omega[3 * at..][..3].copy_from_slice(&now.omega);
-        let mut units = 0.0_f64;
-        if let Some(mut direction) = now.direction {
-            canonical(&mut direction);
-            units = worse(units, (norm(&direction) - 1.0).abs());
-            if let Some(vertical) = &mut states.vertical {
-                vertical[3 * at..][..3].copy_from_slice(&direction);
-            }
-        }
-        if let (Some(mut now), Some(attitude)) = (now.attitude, &mut states.attitude) {
-            canonical(&mut now);
-            if dot4(&now, &self.last[lane]) < 0.0 {
-                now = now.map(|x| -x);
-            }
-            self.last[lane] = now;
-            units = worse(units, (norm(&now) - 1.0).abs());
-            attitude[4 * at..][..4].copy_from_slice(&now);
-        }
-        for invariants in [Some(now.invariants), now.invariants_of_attitude].into_iter().flatten() {
-            let drift = |rows: &DriftRows, value: f64| {
-                (value - rows.start.0[lane]).abs() * rows.inverse_scale.0[lane]
-            };
-            states.energy_drift[lane] = worse(states.energy_drift[lane], drift(&group.energy, invariants[0]));
-            states.momentum_drift[lane] =
-                worse(states.momentum_drift[lane], drift(&group.momentum, invariants[1]));
-        }
-        states.unit_drift[lane] = worse(states.unit_drift[lane], units);
-        let finite = now.omega.iter().chain(&now.invariants).all(|x| x.is_finite()) && units.is_finite();
-        if !finite {
-            states.status[lane] = Status::NotFinite;
-        } else if states.status[lane] == Status::Finished {
-            let drifts = [states.energy_drift[lane], states.momentum_drift[lane], states.unit_drift[lane]];
-            // A NaN is not below the limit.
-            if !drifts.iter().all(|&drift| drift <= DRIFT_LIMIT) {
-                states.status[lane] = Status::Drifted;
-            }
-        }
-    }
-}
-
-fn dot4(a: &[f64; 4], b: &[f64; 4]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]
-}
-
-/// One NaN for all.
-fn canonical(numbers: &mut [f64]) {
-    for x in numbers {
-        if x.is_nan() {
-            *x = f64::NAN;
-        }
+        self.states.record(lane, at, now, (invariants_at_start(group, lane), &mut self.last[lane]));
     }
 }
 

@@ -26,6 +26,7 @@ fn solved(body: &Body, times: &[f64]) -> States {
         record: Record::Attitude,
         schedule: Schedule::Times(times),
         steps: &[f64::NAN],
+        tolerance: None,
         max_steps: 0,
     };
     simulate(&request, 1, Isa::available()[0], &AtomicBool::new(false)).unwrap().unwrap()
@@ -865,6 +866,7 @@ fn what_has_no_closed_form_is_refused() {
             record: Record::Attitude,
             schedule,
             steps: &[f64::NAN; 2],
+            tolerance: None,
             max_steps: 0,
         };
         simulate(&request, 1, Isa::Scalar, &AtomicBool::new(false)).err().map(|error| error.to_string())

@@ -278,7 +278,8 @@ impl Question {
         let schedule = if self.at_times { Schedule::Times(&TIMES) } else { Schedule::Strides(&STRIDES) };
         let Question { is_top, method, record, .. } = self;
         let solver = Solver::Steps(method);
-        let request = Request { bodies, is_top, solver, record, schedule, steps, max_steps: 500 };
+        let request =
+            Request { bodies, is_top, solver, record, schedule, steps, tolerance: None, max_steps: 500 };
         simulate(&request, threads, isa, &GO).unwrap().unwrap()
     }
 }
@@ -550,7 +551,8 @@ fn ask_exactly(
 ) -> States {
     let steps = vec![f64::NAN; bodies.len()];
     let (solver, schedule) = (Solver::Exact, Schedule::Times(times));
-    let request = Request { bodies, is_top, solver, record, schedule, steps: &steps, max_steps: 0 };
+    let request =
+        Request { bodies, is_top, solver, record, schedule, steps: &steps, tolerance: None, max_steps: 0 };
     simulate(&request, threads, isa, &GO).unwrap().unwrap()
 }
 

@@ -263,6 +263,7 @@ fn run(bodies: &[Body], is_top: bool, method: Method) -> States {
         record: Record::Attitude,
         schedule: Schedule::Strides(&[1, 199]),
         steps: &steps,
+        tolerance: None,
         max_steps: 1000,
     };
     simulate(&request, 1, Isa::available()[0], &AtomicBool::new(false)).unwrap().unwrap()

@@ -19,6 +19,7 @@ fn run(bodies: &[Body], solver: Solver, step: f64, times: &[f64]) -> States {
         record: Record::Attitude,
         schedule: Schedule::Times(times),
         steps: &vec![step; bodies.len()],
+        tolerance: None,
         max_steps: u64::MAX,
     };
     simulate(&request, 1, Isa::available()[0], &AtomicBool::new(false)).unwrap().unwrap()
