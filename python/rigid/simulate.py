@@ -174,8 +174,8 @@ def simulate(
         Whether steps are checked by a second run with shorter ones, which tells the error. Without
         it the error is NaN; an ``accuracy`` cannot do without.
     max_steps : int
-        A body that would need more has the status ``STEP_LIMIT``: it is not run, or with a tolerance
-        stopped there.
+        A body that would need more has the status ``STEP_LIMIT``: it is not run, or with a
+        tolerance stopped there.
     threads : int, optional
         Default: ``RIGID_NUM_THREADS``, else the cores that this process may use.
 
