@@ -4,9 +4,9 @@
 //! ordinary scalar code. No lane looks at another.
 
 use crate::group::{DriftRows, Group, LANES, MAX_STATE, Row};
-use crate::method::{Form, Planar, Rk4, Rotor, RungeKutta, Scheme, Splitting};
+use crate::method::{self, Composition, Dmv10, Form, Numbers, Planar, Rk4, Rotor, RungeKutta, Scheme, Splitting};
 use crate::model::{
-    Attitude, Axis, AxisAttitude, Free, Layout, Model, Parameters, Rates, Top, TwoAxes, direction, dot,
+    Attitude, Axis, AxisAttitude, Free, Layout, Model, Parameters, Rates, SpinFree, Top, TwoAxes, direction, dot,
 };
 use crate::observe::{Flips, Tilt, Watched};
 use crate::real::{Pack, Real};
@@ -28,13 +28,36 @@ pub enum System {
     SpinFreeAttitude,
 }
 
-/// Which table moves it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(missing_docs)] // The names are those of `method`.
-pub enum Table {
-    Rk4,
-    Planar,
-    Rotor,
+macro_rules! tables {
+    ($rk4:ident; $($name:ident)*) => {
+        /// Which table moves it.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[allow(missing_docs)] // The names are those of `method`.
+        pub enum Table {
+            $rk4,
+            $($name,)*
+        }
+        impl Table {
+            /// All tables.
+            pub const ALL: [Table; [Table::$rk4, $(Table::$name),*].len()] = [Table::$rk4, $(Table::$name),*];
+
+            /// Its numbers, if it is a splitting.
+            fn numbers(self) -> &'static Numbers {
+                match self {
+                    Table::$rk4 => &NO_NUMBERS,
+                    $(Table::$name => const { &<method::$name as Composition>::NUMBERS },)*
+                }
+            }
+        }
+    };
+}
+const NO_NUMBERS: Numbers = Numbers::of(&[]);
+tables! {
+    Rk4;
+    Planar Planar4 Planar6 Planar8
+    Rotor Rotor4 Rotor6 Rotor8 Chin4a Srkn6 Srkn11 Srkn14 Pmlf4 Pmlf6
+    DmvChin4a DmvSrkn6 DmvSrkn11 DmvSrkn14 DmvPmlf4 DmvPmlf6
+    Dmv2 Dmv4 Dmv6 Dmv8 Dmv10
 }
 
 /// What is looked at after each step.
@@ -95,16 +118,58 @@ impl System {
 }
 
 impl Table {
-    /// All tables.
-    pub const ALL: [Table; 3] = [Table::Rk4, Table::Planar, Table::Rotor];
-
-    /// Whether it moves that system. The oldest schemes are kept in the frame of the body, as they were published.
+    /// Whether it moves that system. The oldest schemes are kept in the frame of the body, as they were published;
+    /// kicks need weight, drifts alone do not know it.
     pub fn moves(self, system: System) -> bool {
-        match system {
-            System::SpinFreeAxis | System::SpinFreeAttitude => {
-                !matches!(self, Table::Rk4 | Table::Planar | Table::Rotor)
+        use System::*;
+        match self {
+            Table::Rk4 | Table::Planar | Table::Planar4 | Table::Planar6 | Table::Planar8 | Table::Rotor => {
+                !matches!(system, SpinFreeAxis | SpinFreeAttitude)
             }
-            _ => true,
+            _ if self.is_drift() => matches!(system, FreeRates | FreeAxis | FreeAttitude),
+            _ if self.is_for_symmetric() => system.is_top() && !(self.is_processed() && system == TopTwoAxes),
+            _ => matches!(system, TopAxis | TopAttitude) || (system == TopTwoAxes && !self.is_processed()),
+        }
+    }
+
+    /// Whether it moves bodies symmetric about their axis 3 only.
+    pub fn is_for_symmetric(self) -> bool {
+        use Table::*;
+        matches!(self, Rotor | Rotor4 | Rotor6 | Rotor8 | Chin4a | Srkn6 | Srkn11 | Srkn14 | Pmlf4 | Pmlf6)
+    }
+
+    /// Whether it is free motion alone.
+    fn is_drift(self) -> bool {
+        use Table::*;
+        matches!(self, Dmv2 | Dmv4 | Dmv6 | Dmv8 | Dmv10)
+    }
+
+    /// Whether its steps are made in other variables than the state: nothing can be watched on the way.
+    pub fn is_processed(self) -> bool {
+        use Table::*;
+        matches!(self, Pmlf4 | Pmlf6 | DmvPmlf4 | DmvPmlf6)
+    }
+
+    /// What is left of it in a scene without weight: the drift alone.
+    pub fn without_weight(self) -> Table {
+        use Table::*;
+        match self {
+            DmvChin4a | DmvSrkn6 => Dmv6,
+            DmvSrkn11 | DmvPmlf4 => Dmv8,
+            DmvSrkn14 | DmvPmlf6 => Dmv10,
+            _ if self.is_for_symmetric() => Rotor,
+            _ => self,
+        }
+    }
+
+    /// The table whose code it shares.
+    fn engine(self) -> Table {
+        use Table::*;
+        match self {
+            Rk4 => Rk4,
+            Planar | Planar4 | Planar6 | Planar8 => Planar,
+            _ if self.is_for_symmetric() => Rotor,
+            _ => Dmv10,
         }
     }
 
@@ -112,7 +177,7 @@ impl Table {
     pub fn form(self) -> Form {
         match self {
             Table::Rk4 => Form::Rates,
-            Table::Planar | Table::Rotor => Form::Momenta,
+            _ => Form::Momenta,
         }
     }
 }
@@ -153,8 +218,12 @@ fn update_drift<P: Pack>(rows: &mut DriftRows, at: usize, now: P) {
 
 /// Advances all lanes by `steps`, the packs side by side, and compares the invariants at the end.
 #[inline(always)]
-fn burst<P, const PACKS: usize, M, L, S, const D: usize>(g: &mut Group, steps: usize, watch: Watch)
-where
+fn burst<P, const PACKS: usize, M, L, S, const D: usize>(
+    g: &mut Group,
+    steps: usize,
+    watch: Watch,
+    numbers: &'static Numbers,
+) where
     P: Pack,
     M: Model<P>,
     L: Layout,
@@ -166,7 +235,7 @@ where
         weight: load3::<P>(&g.weight, 0),
         step: P::load(&g.step.0),
     }; PACKS];
-    let mut schemes = [S::new(&p[0]); PACKS];
+    let mut schemes = [S::with(&p[0], numbers); PACKS];
     for b in 1..PACKS {
         let at = b * P::LANES;
         p[b] = Parameters {
@@ -174,7 +243,7 @@ where
             weight: load3(&g.weight, at),
             step: P::load(&g.step.0[at..]),
         };
-        schemes[b] = S::new(&p[b]);
+        schemes[b] = S::with(&p[b], numbers);
     }
     for i in 0..steps {
         for b in 0..PACKS {
@@ -219,6 +288,38 @@ where
     }
 }
 
+/// Takes the lanes with a step into the variables of their steps, or back; the others keep every bit.
+#[inline(always)]
+fn process<P, const PACKS: usize, M, L, S, const D: usize>(
+    g: &mut Group,
+    leaving: bool,
+    numbers: &'static Numbers,
+) where
+    P: Pack,
+    M: Model<P>,
+    L: Layout,
+    S: Scheme<P, M, L, D>,
+{
+    for b in 0..PACKS {
+        let at = b * P::LANES;
+        let p = Parameters {
+            moments: load3::<P>(&g.moments, at),
+            weight: load3(&g.weight, at),
+            step: P::load(&g.step.0[at..]),
+        };
+        let mut y = [P::splat(0.0); D];
+        for d in 0..D {
+            y[d] = P::load(&g.state[d].0[at..]);
+        }
+        let before = y;
+        S::with(&p, numbers).process(&p, &mut y, leaving);
+        let steps = P::splat(0.0).lt(p.step.abs());
+        for d in 0..D {
+            P::select(steps, y[d], before[d]).store(&mut g.state[d].0[at..]);
+        }
+    }
+}
+
 /// Energy and conserved momentum of a state.
 #[inline(always)]
 fn invariants<R: Real, M: Model<R>, L: Layout, S: Scheme<R, M, L, D>, const D: usize>(
@@ -252,10 +353,13 @@ engines! {
     Rk4: RungeKutta<R, M>, V8, V4;
     Planar: Splitting<R>, Arr<V8, 2>, Arr<V4, 2>;
     Rotor: Splitting<R>, V8, V4;
+    Dmv10: Splitting<R>, V8, V4;
 }
 
 /// Advances all lanes of a group by some steps.
-type Advance = unsafe fn(&mut Group, usize, Watch);
+type Advance = unsafe fn(&mut Group, usize, Watch, &'static Numbers);
+/// Takes all lanes of a group into the variables of their steps, or back.
+type Process = unsafe fn(&mut Group, bool, &'static Numbers);
 /// Energy and conserved momentum of one body, with the arithmetic of the kernel.
 type Invariants = unsafe fn(&Parameters<f64>, &[f64; MAX_STATE]) -> [f64; 2];
 
@@ -263,6 +367,7 @@ type Invariants = unsafe fn(&Parameters<f64>, &[f64; MAX_STATE]) -> [f64; 2];
 #[derive(Clone, Copy)]
 struct Code {
     advance: Advance,
+    process: Process,
     invariants: Invariants,
 }
 
@@ -271,6 +376,7 @@ struct Code {
 pub struct Compiled {
     code: Code,
     watch: Watch,
+    numbers: &'static Numbers,
 }
 
 impl Compiled {
@@ -279,13 +385,34 @@ impl Compiled {
         assert!(isa.is_available(), "{} is not available on this CPU", isa.name());
         let Kernel { system, watch, .. } = kernel;
         assert!(system.shows(watch), "{watch:?} is not watched on {system:?}");
-        Compiled { code: code(kernel, isa), watch }
+        assert!(kernel.table.moves(system), "{:?} does not move {system:?}", kernel.table);
+        Compiled { code: code(kernel, isa), watch, numbers: kernel.table.numbers() }
     }
 
     /// Advances every lane of the group.
     pub fn advance(self, group: &mut Group, steps: usize) {
         // Safety: `new` has seen the features that the entry point needs.
-        unsafe { (self.code.advance)(group, steps, self.watch) }
+        unsafe { (self.code.advance)(group, steps, self.watch, self.numbers) }
+    }
+
+    /// Whether the steps are made in other variables than the state.
+    pub fn is_processed(self) -> bool {
+        self.numbers.processor.is_some()
+    }
+
+    /// Takes every lane with a step into the variables of its steps: before the first of a run of equal steps.
+    pub fn enter(self, group: &mut Group) {
+        self.process(group, false);
+    }
+
+    /// Takes every lane with a step back: after the last.
+    pub fn leave(self, group: &mut Group) {
+        self.process(group, true);
+    }
+
+    fn process(self, group: &mut Group, leaving: bool) {
+        // Safety: as above.
+        unsafe { (self.code.process)(group, leaving, self.numbers) }
     }
 
     /// Energy and conserved momentum of one body.
@@ -307,10 +434,10 @@ macro_rules! code_of {
         code_of!(@functions scalar, [], f64, $model, $layout, $d, $table);
         match $isa {
             #[cfg(target_arch = "x86_64")]
-            Isa::Avx512 => Code { advance: avx512::advance, invariants: avx512::invariants_of },
+            Isa::Avx512 => avx512::CODE,
             #[cfg(target_arch = "x86_64")]
-            Isa::Avx2 => Code { advance: avx2::advance, invariants: avx2::invariants_of },
-            _ => Code { advance: scalar::advance, invariants: scalar::invariants_of },
+            Isa::Avx2 => avx2::CODE,
+            _ => scalar::CODE,
         }
     }};
     (@functions $name:ident, [$($feature:tt)*], $pack:ty, $model:ident, $layout:ident, $d:literal, $table:ident) => {
@@ -318,12 +445,20 @@ macro_rules! code_of {
             use super::*;
             type P = $pack;
             type Scheme<R> = <$table as Engine>::Scheme<R, $model<R>>;
+            pub const CODE: Code = Code { advance, process: process_of, invariants: invariants_of };
             $($feature)*
-            pub fn advance(g: &mut Group, steps: usize, watch: Watch) {
-                burst::<P, { LANES / P::LANES }, $model<P>, $layout, Scheme<P>, $d>(g, steps, watch)
+            fn process_of(g: &mut Group, leaving: bool, numbers: &'static Numbers) {
+                // Nothing of two directions is processed: they are watched.
+                if const { $d != 9 } {
+                    process::<P, { LANES / P::LANES }, $model<P>, $layout, Scheme<P>, $d>(g, leaving, numbers)
+                }
             }
             $($feature)*
-            pub fn invariants_of(p: &Parameters<f64>, y: &[f64; MAX_STATE]) -> [f64; 2] {
+            fn advance(g: &mut Group, steps: usize, watch: Watch, numbers: &'static Numbers) {
+                burst::<P, { LANES / P::LANES }, $model<P>, $layout, Scheme<P>, $d>(g, steps, watch, numbers)
+            }
+            $($feature)*
+            fn invariants_of(p: &Parameters<f64>, y: &[f64; MAX_STATE]) -> [f64; 2] {
                 let mut state = [0.0; $d];
                 state.copy_from_slice(&y[..$d]);
                 invariants::<f64, $model<f64>, $layout, Scheme<f64>, $d>(p, &state)
@@ -332,10 +467,10 @@ macro_rules! code_of {
     };
 }
 
-/// The match from a table to its code, over the tables that move the system.
+/// The match from a table to its code, over the engines that move the system.
 macro_rules! among {
     ($kernel:ident, $isa:ident: $model:ident, $layout:ident, $d:literal; $($table:ident)*) => {
-        match $kernel.table {
+        match $kernel.table.engine() {
             $(Table::$table => code_of!($isa, $model, $layout, $d, $table),)*
             #[allow(unreachable_patterns)] // Some systems are moved by all tables.
             table => unreachable!("{table:?} does not move {:?}", $kernel.system),
@@ -345,13 +480,13 @@ macro_rules! among {
 
 fn code(kernel: Kernel, isa: Isa) -> Code {
     match kernel.system {
-        System::FreeRates => among!(kernel, isa: Free, Rates, 3; Rk4 Planar Rotor),
-        System::FreeAxis => among!(kernel, isa: Free, Axis, 6; Rk4 Planar Rotor),
-        System::FreeAttitude => among!(kernel, isa: Free, Attitude, 7; Rk4 Planar Rotor),
-        System::TopAxis => among!(kernel, isa: Top, Axis, 6; Rk4 Planar Rotor),
-        System::TopTwoAxes => among!(kernel, isa: Top, TwoAxes, 9; Rk4 Planar Rotor),
-        System::TopAttitude => among!(kernel, isa: Top, AxisAttitude, 10; Rk4 Planar Rotor),
-        System::SpinFreeAxis => among!(kernel, isa: SpinFree, Axis, 6; ),
-        System::SpinFreeAttitude => among!(kernel, isa: SpinFree, AxisAttitude, 10; ),
+        System::FreeRates => among!(kernel, isa: Free, Rates, 3; Rk4 Planar Rotor Dmv10),
+        System::FreeAxis => among!(kernel, isa: Free, Axis, 6; Rk4 Planar Rotor Dmv10),
+        System::FreeAttitude => among!(kernel, isa: Free, Attitude, 7; Rk4 Planar Rotor Dmv10),
+        System::TopAxis => among!(kernel, isa: Top, Axis, 6; Rk4 Planar Rotor Dmv10),
+        System::TopTwoAxes => among!(kernel, isa: Top, TwoAxes, 9; Rk4 Planar Rotor Dmv10),
+        System::TopAttitude => among!(kernel, isa: Top, AxisAttitude, 10; Rk4 Planar Rotor Dmv10),
+        System::SpinFreeAxis => among!(kernel, isa: SpinFree, Axis, 6; Rotor),
+        System::SpinFreeAttitude => among!(kernel, isa: SpinFree, AxisAttitude, 10; Rotor),
     }
 }

@@ -351,13 +351,13 @@ impl Map {
         let bodies = self.draw(isa, start..stop);
         let mut outcomes: [Vec<Option<Outcome>>; 2] = [vec![None; bodies.len()], Vec::new()];
         let mut referee = Referee::new(self, isa);
-        let mut jobs: [Vec<Job>; 3] = Default::default();
+        let mut jobs = Table::ALL.map(|_| Vec::new());
         for (index, (pixel, sample)) in self.places(start..stop).enumerate() {
             if self.pixels[pixel as usize].possible {
                 if self.judge.exact() && referee.take(index, &bodies[index], &mut outcomes[0]) {
                     continue;
                 }
-                let table = Seat::of(self.judge.method(), &bodies[index]).table;
+                let table = Seat::of(self.judge.method(), &bodies[index], self.is_top).table;
                 jobs[table as usize].push(Job { index, halved: false });
                 if sample < self.checked {
                     jobs[table as usize].push(Job { index, halved: true });
@@ -427,7 +427,7 @@ impl Map {
                         continue;
                     }
                     let step = self.t_end / steps as f64;
-                    let seat = Seat::of(self.judge.method(), body);
+                    let seat = Seat::of(self.judge.method(), body, self.is_top);
                     load(&mut group, lane, (kernel, compiled), seat, body, self.axis, step);
                     if let Some(limit) = limit {
                         group.limit[0].0[lane] = limit.cosine;
@@ -536,7 +536,7 @@ impl Map {
         if sample < self.checked {
             jobs.push(Job { index: 0, halved: true });
         }
-        let kernel = self.kernel(Seat::of(self.judge.method(), &body).table);
+        let kernel = self.kernel(Seat::of(self.judge.method(), &body, self.is_top).table);
         let mut outcomes = [None, None];
         self.ride(&[body], &jobs, kernel, isa, interrupt, |job, outcome| {
             outcomes[usize::from(job.halved)] = Some(outcome);

@@ -1,10 +1,15 @@
 //! Schemes as tables of constants, and the engines that run them.
 
+mod compositions;
+mod moser_veselov;
 mod runge_kutta;
 mod splitting;
 
+pub use moser_veselov::MoserVeselov;
 pub use runge_kutta::{RungeKutta, Tableau};
-pub use splitting::{Composition, Flow, Splitting};
+pub use splitting::{Composition, Drift, ExactRotor, Flow, Numbers, Processor, Splitting, Way};
+
+use crate::error::Error;
 
 use crate::model::{Layout, Model, Parameters};
 use crate::real::Real;
@@ -49,6 +54,14 @@ pub trait Scheme<R: Real, M: Model<R>, L: Layout, const D: usize>: Copy {
     const FORM: Form;
     /// Prepares the constants of the step.
     fn new(p: &Parameters<R>) -> Self;
+    /// The same for the numbers of another table that the engine may run; most run their own alone.
+    #[inline(always)]
+    fn with(p: &Parameters<R>, _numbers: &'static Numbers) -> Self {
+        Self::new(p)
+    }
+    /// Into the variables of the steps, before the first of a run of equal steps; or back, after the last.
+    #[inline(always)]
+    fn process(&self, _p: &Parameters<R>, _y: &mut [R; D], _leaving: bool) {}
     /// Advances the state by one step.
     fn step(&self, p: &Parameters<R>, y: &mut [R; D]);
     /// Rate of change of the first three numbers of the state.
@@ -59,45 +72,96 @@ pub trait Scheme<R: Real, M: Model<R>, L: Layout, const D: usize>: Copy {
     fn kinetic(p: &Parameters<R>, y: &[R; D]) -> R;
 }
 
-/// Classical Runge-Kutta of order 4.
-#[derive(Clone, Copy)]
-pub struct Rk4;
+macro_rules! tables {
+    ($($doc:literal $($name:ident)*;)*) => {$($(
+        #[doc = $doc]
+        #[derive(Clone, Copy)]
+        pub struct $name;
+    )*)*};
+}
+tables! {
+    "Classical Runge-Kutta of order 4."
+        Rk4;
+    "Planar rotations about the principal axes, for any body; the number is the order of a composition."
+        Planar Planar4 Planar6 Planar8;
+    "Exact rotor of a body that is symmetric about its axis 3, and kicks."
+        Rotor Rotor4 Rotor6 Rotor8 Chin4a Srkn6 Srkn11 Srkn14 Pmlf4 Pmlf6;
+    "The same kicks between discrete Moser-Veselov drifts, for any body."
+        DmvChin4a DmvSrkn6 DmvSrkn11 DmvSrkn14 DmvPmlf4 DmvPmlf6;
+    "Discrete Moser-Veselov drifts alone, for any free body."
+        Dmv2 Dmv4 Dmv6 Dmv8 Dmv10;
+}
 
-/// Planar rotations about the principal axes, for any body.
-#[derive(Clone, Copy)]
-pub struct Planar;
+macro_rules! methods {
+    ($($name:ident: $table:ident;)*) => {
+        /// A method as users name it; the table follows from the body.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[allow(missing_docs)] // The names are those of the facts.
+        pub enum Method {
+            $($name,)*
+        }
+        impl Method {
+            /// The one list of methods: everything that is said of all methods is said over it.
+            pub const ALL: [Method; [$(Method::$name),*].len()] = [$(Method::$name),*];
 
-/// Exact rotor of a body that is symmetric about its axis 3.
-#[derive(Clone, Copy)]
-pub struct Rotor;
-
-/// A method as users name it; a splitting takes the rotor where the body is symmetric.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Method {
-    /// `rk4`.
-    Rk4,
-    /// `splitting`.
-    Splitting,
+            /// What it promises.
+            pub fn facts(self) -> Facts {
+                match self {
+                    $(Method::$name => $table::FACTS,)*
+                }
+            }
+        }
+    };
+}
+methods! {
+    Rk4: Rk4;
+    Splitting: Planar;
+    Splitting4: Planar4;
+    Splitting6: Planar6;
+    Splitting8: Planar8;
+    Chin4a: Chin4a;
+    Srkn6: Srkn6;
+    Srkn11: Srkn11;
+    Srkn14: Srkn14;
+    Pmlf4: Pmlf4;
+    Pmlf6: Pmlf6;
+    Dmv2: Dmv2;
+    Dmv4: Dmv4;
+    Dmv6: Dmv6;
+    Dmv8: Dmv8;
+    Dmv10: Dmv10;
 }
 
 impl Method {
-    /// The one list of methods: everything that is said of all methods is said over it.
-    pub const ALL: [Method; 2] = [Method::Rk4, Method::Splitting];
-
-    /// What it promises.
-    pub fn facts(self) -> Facts {
-        match self {
-            Method::Rk4 => Rk4::FACTS,
-            Method::Splitting => Planar::FACTS,
-        }
-    }
-
     /// The method of that name.
-    pub fn parse(name: &str) -> Result<Method, crate::error::Error> {
-        Method::ALL.into_iter().find(|m| m.facts().name == name).ok_or_else(|| crate::error::Error::Unknown {
+    pub fn parse(name: &str) -> Result<Method, Error> {
+        Method::ALL.into_iter().find(|m| m.facts().name == name).ok_or_else(|| Error::Unknown {
             argument: "method",
             value: name.to_string(),
             known: Method::ALL.map(|m| m.facts().name).join(", "),
         })
+    }
+
+    /// Whether steps are made in other variables than the states between them, so that nothing can be watched.
+    pub fn is_processed(self) -> bool {
+        matches!(self, Method::Pmlf4 | Method::Pmlf6)
+    }
+
+    /// Whether it moves bodies that have weight.
+    pub fn moves_tops(self) -> bool {
+        !matches!(self, Method::Dmv2 | Method::Dmv4 | Method::Dmv6 | Method::Dmv8 | Method::Dmv10)
+    }
+
+    /// Refuses a scene that it does not move, and what is watched in variables that are not the state.
+    pub fn check(self, is_top: bool, is_watched: bool) -> Result<(), Error> {
+        let refuse =
+            |rule| Err(Error::Value { argument: "method", value: format!("'{}'", self.facts().name), rule });
+        if is_top && !self.moves_tops() {
+            return refuse("moves free bodies only, a top has weight");
+        }
+        if is_watched && self.is_processed() {
+            return refuse("a processed method has states only at wanted times, a map watches every step");
+        }
+        Ok(())
     }
 }

@@ -137,7 +137,7 @@ pub struct States {
 /// Runs the request; `None` if it was stopped.
 ///
 /// # Errors
-/// If closed forms are wanted and a body has none.
+/// If closed forms are wanted and a body has none, or the method does not move tops.
 pub fn simulate(
     request: &Request,
     threads: usize,
@@ -145,7 +145,10 @@ pub fn simulate(
     stop: &AtomicBool,
 ) -> Result<Option<States>, Error> {
     match request.solver {
-        Solver::Steps(method) => Ok(stepped::simulate(request, method, threads, isa, stop)),
+        Solver::Steps(method) => {
+            method.check(request.is_top, false)?;
+            Ok(stepped::simulate(request, method, threads, isa, stop))
+        }
         Solver::Exact => {
             let place = |(index, body)| Place::of(body).ok_or(Error::NoClosedForm { index });
             let places: Result<Vec<Place>, Error> = request.bodies.iter().enumerate().map(place).collect();
