@@ -4,9 +4,12 @@
 //! ordinary scalar code. No lane looks at another.
 
 use crate::group::{DriftRows, Group, LANES, MAX_STATE, Row};
-use crate::method::{self, Composition, Dmv10, Form, Numbers, Planar, Rk4, Rotor, RungeKutta, Scheme, Splitting};
+use crate::method::{
+    self, Composition, Dmv10, Form, Numbers, Planar, Rk4, Rotor, RungeKutta, Scheme, Splitting,
+};
 use crate::model::{
-    Attitude, Axis, AxisAttitude, Free, Layout, Model, Parameters, Rates, SpinFree, Top, TwoAxes, direction, dot,
+    Attitude, Axis, AxisAttitude, Free, Layout, Model, Parameters, Rates, SpinFree, Top, TwoAxes, direction,
+    dot,
 };
 use crate::observe::{Flips, Tilt, Watched};
 use crate::real::{Pack, Real};
@@ -154,16 +157,14 @@ impl Table {
     pub fn without_weight(self) -> Table {
         use Table::*;
         match self {
-            DmvChin4a | DmvSrkn6 => Dmv6,
-            DmvSrkn11 | DmvPmlf4 => Dmv8,
-            DmvSrkn14 | DmvPmlf6 => Dmv10,
+            DmvChin4a | DmvSrkn6 | DmvSrkn11 | DmvSrkn14 | DmvPmlf4 | DmvPmlf6 => Dmv10,
             _ if self.is_for_symmetric() => Rotor,
             _ => self,
         }
     }
 
     /// The table whose code it shares.
-    fn engine(self) -> Table {
+    pub fn engine(self) -> Table {
         use Table::*;
         match self {
             Rk4 => Rk4,

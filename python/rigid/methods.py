@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from . import _core
 
-__all__ = ["AUTO", "EXACT", "FALLBACK", "Method", "map_methods", "methods", "run_methods"]
+__all__ = ["AUTO", "EXACT", "FALLBACK", "Method", "check_method", "map_methods", "methods", "run_methods"]
 
 EXACT = "exact"
 """The closed form of the motion, where there is one."""
@@ -35,6 +35,11 @@ class Method:
     symplectic, reversible, group_preserving : bool
         Preserves the Poisson structure; a step forward and one back is the identity; ``|L|`` of the
         free body, ``|gamma|`` and ``|q|`` stay as they are, up to rounding.
+    tops, maps : bool
+        Moves bodies with weight, not only free ones; has a state after every step, as a map wants
+        it, not only at wanted times.
+    angle_per_step : float
+        The angle (rad) that a body turns at most in a step that is left to the core.
     citation, doi : str
         Where it comes from.
     """
@@ -46,6 +51,9 @@ class Method:
     symplectic: bool
     reversible: bool
     group_preserving: bool
+    tops: bool
+    maps: bool
+    angle_per_step: float
     citation: str
     doi: str
 
@@ -56,8 +64,8 @@ def methods() -> tuple[Method, ...]:
     Examples
     --------
     >>> import rigid
-    >>> [(method.name, method.order) for method in rigid.methods()]
-    [('rk4', 4), ('splitting', 2)]
+    >>> [(method.name, method.order) for method in rigid.methods()][:3]
+    [('rk4', 4), ('splitting', 2), ('splitting4', 4)]
     """
     return tuple(Method(**facts) for facts in _core.methods())
 
@@ -68,5 +76,11 @@ def run_methods() -> list[str]:
 
 
 def map_methods() -> list[str]:
-    """The names that a map accepts."""
+    """The names that a map accepts of some scene; :func:`check_method` refuses the others."""
     return [AUTO, *run_methods()]
+
+
+def check_method(name: str, kind: str, *, watched: bool) -> None:
+    """Raise ValueError if a scheme does not move that kind of scene, or cannot be watched."""
+    if name not in (AUTO, EXACT):
+        _core.check_method(name, kind, watched)

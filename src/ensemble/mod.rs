@@ -368,7 +368,7 @@ impl Map {
         if jobs.iter().flatten().any(|job| job.halved) {
             outcomes[1] = vec![None; bodies.len()];
         }
-        for (jobs, table) in jobs.iter().zip(Table::ALL) {
+        for (jobs, table) in jobs.iter().zip(Table::ALL).filter(|(jobs, _)| !jobs.is_empty()) {
             let kernel = self.kernel(table);
             self.ride(&bodies, jobs, kernel, isa, interrupt, |job, outcome| {
                 outcomes[usize::from(job.halved)][job.index] = Some(outcome);

@@ -77,8 +77,7 @@ const fn in_four_parts<const N: usize, const M: usize>(two: &[f64; N]) -> [f64; 
 }
 
 /// The kick inside the first two rotations has the smallest error of the orders tried on three bodies.
-const PLANAR: &[Flow] =
-    &[Flow::Turn(0), Flow::Turn(1), Flow::Kick, Flow::Turn(2), Flow::Kick, Flow::Turn(1)];
+const PLANAR: &[Flow] = &[Flow::Turn(0), Flow::Turn(1), Flow::Kick, Flow::Turn(2), Flow::Kick, Flow::Turn(1)];
 const KICK_DRIFT: &[Flow] = &[Flow::Kick, Flow::Drift];
 
 impl Composition for Planar {
@@ -201,7 +200,6 @@ const SRKN_14A: [f64; 31] = alternating(
     ],
 );
 
-
 /// Takahashi and Imada's kernel: half a drift, the kick with its gradient, half a drift. Here the halves of
 /// neighbouring steps meet in one, and the processor takes the two that are left over.
 const PMLF_4: [f64; 2] = [1.0, 1.0];
@@ -294,10 +292,7 @@ macro_rules! kicks_and_drifts {
     )*};
 }
 /// What all tables of this kind promise.
-const EXACT_DRIFT: Facts = Facts {
-    title: "symplectic splitting of free motion and kicks",
-    ..Planar::FACTS
-};
+const EXACT_DRIFT: Facts = Facts { title: "symplectic splitting of free motion and kicks", ..Planar::FACTS };
 kicks_and_drifts! {
     Chin4a, DmvChin4a: CHIN_4A, [0.0, 1.0 / 72.0, 0.0], None, Facts {
         name: "chin4a",
@@ -366,8 +361,7 @@ kicks_and_drifts! {
         ..EXACT_DRIFT
     };
 }
-const BLANES_MOAN: &str =
-    "S. Blanes, P. C. Moan, Practical symplectic partitioned Runge-Kutta and Runge-Kutta-Nystrom methods, \
+const BLANES_MOAN: &str = "S. Blanes, P. C. Moan, Practical symplectic partitioned Runge-Kutta and Runge-Kutta-Nystrom methods, \
      J. Comput. Appl. Math. 142 (2002) 313-330";
 const BLANES_MOAN_DOI: &str = "10.1016/S0377-0427(01)00492-7";
 

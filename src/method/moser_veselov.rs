@@ -145,7 +145,12 @@ const fn sum(terms: &[Monomial], e: [f64; 3], energy: f64, c: f64, k: usize, ext
         let (a, factor, p) = terms[i];
         // s has no dimension, d that of 1/I; H is L.L/I.
         assert!(a <= k + 1 && p[0] + 2 * p[1] + 3 * p[2] == 2 * (k + 1) - a + extra);
-        sum += factor * power(e[0], p[0]) * power(e[1], p[1]) * power(e[2], p[2]) * power(energy, a) * power(c, k + 1 - a);
+        sum += factor
+            * power(e[0], p[0])
+            * power(e[1], p[1])
+            * power(e[2], p[2])
+            * power(energy, a)
+            * power(c, k + 1 - a);
         i += 1;
     }
     sum
@@ -301,11 +306,8 @@ fn rotation<R: Real>(b: &[R; 3], ratio: &[R; 3]) -> ([R; 3], R) {
         for i in 0..3 {
             let (j, k) = ((i + 1) % 3, (i + 2) % 3);
             let twice = b[i] + b[i];
-            a[i] = [
-                twice.fnma(e[i], one),
-                twice.fnma(e[j], ratio[i] * e[k]),
-                twice.fnma(e[k], ratio[i] * e[j]),
-            ];
+            a[i] =
+                [twice.fnma(e[i], one), twice.fnma(e[j], ratio[i] * e[k]), twice.fnma(e[k], ratio[i] * e[j])];
             miss[i] = b[i].fnma(n, ratio[i].fma(e[j] * e[k], e[i]));
         }
         // Cramer's rule: the columns of the inverse are cross products of rows.

@@ -188,7 +188,12 @@ const NONE: usize = 5;
 
 /// The flow of the potential over a fraction of the step.
 #[inline(always)]
-fn kick<R: Real, M: Model<R>, const D: usize>(p: &Parameters<R>, y: &mut [R; D], fraction: f64, gradient: f64) {
+fn kick<R: Real, M: Model<R>, const D: usize>(
+    p: &Parameters<R>,
+    y: &mut [R; D],
+    fraction: f64,
+    gradient: f64,
+) {
     let mut momentum = [y[0], y[1], y[2]];
     let h = R::splat(fraction) * p.step;
     if gradient == 0.0 {

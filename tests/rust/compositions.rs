@@ -3,6 +3,7 @@
 
 use rigid::error::Error;
 use rigid::method::Method;
+use rigid::sample::uniforms;
 use rigid::simd::Isa;
 use rigid::start::Body;
 use rigid::trajectory::{Record, Request, Schedule, Solver, States, Status, simulate};
@@ -45,14 +46,14 @@ fn ask(scene: &Scene, solver: Solver, times: &[f64], step: f64) -> States {
     simulate(&request, 1, Isa::available()[0], &AtomicBool::new(false)).unwrap().unwrap()
 }
 
-/// Largest difference of rates, vertical and attitude at the last time.
+/// Sum of the differences of rates, vertical and attitude at the last time.
 fn miss(a: &States, b: &States) -> f64 {
     let last = |x: &Vec<f64>, n: usize| x[x.len() - n..].to_vec();
     let both = |x: &Vec<f64>, y: &Vec<f64>, n| {
-        last(x, n).iter().zip(last(y, n)).map(|(p, q)| (p - q).abs()).fold(0.0, f64::max)
+        last(x, n).iter().zip(last(y, n)).map(|(p, q)| (p - q).abs()).sum::<f64>()
     };
     let q = both(a.attitude.as_ref().unwrap(), b.attitude.as_ref().unwrap(), 4);
-    q.max(both(&a.omega, &b.omega, 3))
+    q + both(&a.omega, &b.omega, 3)
 }
 
 /// Of a scene with a closed form that, else the composition of the highest order with tiny steps.
@@ -66,41 +67,152 @@ fn truth(scene: &Scene, time: f64) -> States {
 
 fn new_methods(scene: &Scene) -> impl Iterator<Item = Method> {
     let is_top = scene.is_top;
-    Method::ALL
-        .into_iter()
-        .filter(move |m| m.facts().group_preserving && m.check(is_top, false).is_ok())
+    Method::ALL.into_iter().filter(move |m| m.facts().group_preserving && m.check(is_top, false).is_ok())
 }
 
-/// The slope between neighbouring steps, with errors between a tenth of a percent and a hundred times rounding.
+/// The order of what is left: a body without weight only drifts.
+fn nominal(method: Method, scene: &Scene) -> f64 {
+    f64::from(match method {
+        Method::Chin4a | Method::Srkn6 | Method::Srkn11 | Method::Srkn14 | Method::Pmlf4 | Method::Pmlf6
+            if !scene.is_top =>
+        {
+            10
+        }
+        _ => method.facts().order,
+    })
+}
+
+/// The slope between the finest steps whose error is above rounding: 1e3 steps of 30 flows leave 1e-13 or so, few
+/// steps less. A slope misses the order by what the next even power of the step adds.
 #[test]
 fn orders() {
-    const TIME: f64 = 2.0;
+    const TIME: f64 = 6.0;
     for scene in scenes() {
         let truth = truth(&scene, TIME);
         for method in new_methods(&scene) {
-            let mut order = f64::from(method.facts().order);
-            if !scene.is_top {
-                // A body without weight only drifts.
-                order = match method {
-                    Method::Chin4a | Method::Srkn6 | Method::Srkn11 | Method::Srkn14 | Method::Pmlf4 | Method::Pmlf6 => 10.0,
-                    _ => order,
-                };
-            }
-            let mut slopes = Vec::new();
-            let mut last: Option<(f64, f64)> = None;
-            for steps in [2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 512, 1024] {
-                let n = f64::from(steps);
-                let error = miss(&ask(&scene, Solver::Steps(method), &[TIME], TIME / n), &truth);
-                if let Some((before, m)) = last
-                    && before < 1e-2
-                    && error > 2e-13
-                {
-                    slopes.push((before / error).ln() / (n / m).ln());
+            let order = nominal(method, &scene);
+            let mut slope = f64::NAN;
+            let mut last = (f64::NAN, 1.0);
+            for n in [12, 16, 20, 24, 32, 40, 48, 64, 96, 128, 192, 256, 512, 1024, 2048] {
+                let states = ask(&scene, Solver::Steps(method), &[TIME], TIME / f64::from(n));
+                let error =
+                    if states.status[0] == Status::Finished { miss(&states, &truth) } else { f64::NAN };
+                if error < if order < 10.0 { 4e-12 } else { 3e-13 } {
+                    break;
                 }
-                last = Some((error, n));
+                slope = (last.0 / error).ln() / (f64::from(n) / last.1).ln();
+                last = (error, f64::from(n));
             }
-            let best = slopes.iter().map(|s| (s - order).abs()).fold(f64::INFINITY, f64::min);
-            println!("{:22} {:11} {order:4} {slopes:.2?} {}", scene.name, method.facts().name, if best < 0.1 { "" } else { "MISSED" });
+            println!("{:22} {:11} {order:4} {slope:.2}", scene.name, method.facts().name);
+            // The processor of pmlf6 leaves next to nothing of the error of order 6: the order looks like 7.
+            let above = if method == Method::Pmlf6 && scene.is_top { 1.3 } else { 0.1 };
+            assert!(slope > order - 0.1 && slope < order + above, "{} {method:?}: {slope}", scene.name);
         }
+    }
+}
+
+/// A palindrome forwards and then backwards is the identity, up to rounding: 200 steps of at most 103 flows there and
+/// back, ten roundings each, that the motion magnifies by less than thirty.
+#[test]
+fn there_and_back() {
+    for scene in scenes() {
+        for method in new_methods(&scene).filter(|m| m.facts().reversible) {
+            let there = ask(&scene, Solver::Steps(method), &[5.0], 0.025);
+            let at = |x: &[f64]| x.to_vec();
+            let body = Body {
+                omega: at(&there.omega).try_into().unwrap(),
+                attitude: at(there.attitude.as_ref().unwrap()).try_into().unwrap(),
+                ..scene.body
+            };
+            let back = ask(&Scene { body, ..scene }, Solver::Steps(method), &[-5.0], 0.025);
+            let home = ask(&scene, Solver::Steps(method), &[0.0], 0.025);
+            let miss = miss(&back, &home);
+            let roundings = (2.0 * 200.0 * 10.0 * method.facts().stages.max(7) as f64).sqrt() * EPS / 2.0;
+            println!("{:22} {:11} {miss:.1e} {:.1e}", scene.name, method.facts().name, 30.0 * roundings);
+            assert!(miss <= 30.0 * roundings, "{} {method:?}: {miss:e}", scene.name);
+        }
+    }
+}
+
+/// Over 1e5 steps the lengths of the quaternion and of the vertical (of a free body: of L) stay at rounding, eps a turn
+/// at most, and the error of the energy is as large in the last nine tenths as in the first.
+#[test]
+fn nothing_drifts() {
+    const STEP: f64 = 0.05;
+    for scene in scenes() {
+        for method in new_methods(&scene) {
+            let run = |steps: f64| {
+                let times: Vec<f64> = (1..=500).map(|k| f64::from(k) * STEP * steps / 500.0).collect();
+                ask(&scene, Solver::Steps(method), &times, STEP)
+            };
+            let [early, all] = [run(1e4), run(1e5)];
+            assert_eq!(all.status[0], Status::Finished, "{} {method:?}", scene.name);
+            let (first, worst) = (early.energy_drift[0], all.energy_drift[0]);
+            let unit = all.unit_drift[0];
+            println!(
+                "{:22} {:11} energy {first:.1e} {worst:.1e} lengths {unit:.1e} {:.1e}",
+                scene.name,
+                method.facts().name,
+                all.momentum_drift[0]
+            );
+            let turns = 1e5 * method.facts().stages.max(2) as f64 * EPS;
+            assert!(unit <= turns && (scene.is_top || all.momentum_drift[0] <= turns));
+            assert!(worst < 1.5 * first + turns, "{} {method:?}: {first:e} then {worst:e}", scene.name);
+        }
+    }
+}
+
+/// Too long a step of a discrete Moser-Veselov drift has no state: its equation has no solution, or another one.
+#[test]
+fn no_plausible_wrong_state() {
+    let (mut refused, mut finished) = (0, 0);
+    for number in 0..3000 {
+        let [a, b, c, h] = uniforms([7, 8], 0, number, 0);
+        let [x, y, z, flat] = uniforms([7, 8], 1, number, 0).map(|u| 2.0 * u - 1.0);
+        // Any body, down to needles and discs of one in a hundred.
+        let thin = if flat > 0.0 { 1.0 } else { 0.01 };
+        let body = Body {
+            moments: [b * thin + c, c + a, a + b * thin],
+            weight: [0.0; 3],
+            omega: [x, y, z],
+            attitude: [1.0, 0.0, 0.0, 0.0],
+        };
+        let scene = Scene { name: "free", is_top: false, body };
+        let rate = (x * x + y * y + z * z).sqrt();
+        let step = 4.0 * h / rate;
+        let truth = ask(&scene, Solver::Exact, &[step], step);
+        for (method, bound) in [(Method::Dmv6, 2e-2), (Method::Dmv8, 1e-2), (Method::Dmv10, 1e-2)] {
+            let states = ask(&scene, Solver::Steps(method), &[step], step);
+            if states.status[0] == Status::Finished {
+                finished += 1;
+                let error = miss(&states, &truth) / rate.max(1.0);
+                assert!(error < bound, "{method:?} turning by {}: {error:e}, {body:?}", rate * step);
+            } else {
+                refused += 1;
+                assert!(rate * step > 0.5, "{method:?} turning by {}: {body:?}", rate * step);
+            }
+        }
+    }
+    println!("{finished} finished, {refused} refused");
+    assert!(finished > 500 && refused > 500);
+}
+
+/// A method that cannot do what is asked says so.
+#[test]
+fn refusals() {
+    let refused = |method: Method, is_top, is_watched| match method.check(is_top, is_watched) {
+        Ok(()) => false,
+        Err(Error::Value { argument, value, .. }) => {
+            assert_eq!((argument, value), ("method", format!("'{}'", method.facts().name)));
+            true
+        }
+        Err(other) => panic!("{other:?}"),
+    };
+    for method in Method::ALL {
+        let (drifts, processed) =
+            (method.facts().name.starts_with("dmv"), method.facts().name.starts_with("pmlf"));
+        assert!(!refused(method, false, false));
+        assert_eq!(refused(method, true, false), drifts);
+        assert_eq!(refused(method, false, true), processed);
     }
 }

@@ -324,7 +324,11 @@ fn stable_spin_for_a_million_steps() {
             }
             compiled.advance(
                 &mut group,
-                if method == Method::Rk4 || (method == Method::Splitting && axis != 2) { 1_000_000 } else { 10_000 },
+                if method == Method::Rk4 || (method == Method::Splitting && axis != 2) {
+                    1_000_000
+                } else {
+                    10_000
+                },
             );
             for lane in 0..LANES {
                 assert_eq!(group.flips.0[lane] > 0.0, axis == 2, "{method:?} axis {axis} lane {lane}");

@@ -3,7 +3,8 @@
 
 use nalgebra::{Quaternion, SVector, Unit, UnitQuaternion, Vector3};
 use rigid::method::{
-    Composition, ExactRotor, Facts, Flow, Method, Numbers, Planar, Planar4, Rk4, Rotor, Rotor8, RungeKutta, Scheme, Splitting,
+    Composition, ExactRotor, Facts, Flow, Method, Numbers, Planar, Planar4, Rk4, Rotor, Rotor8, RungeKutta,
+    Scheme, Splitting,
 };
 use rigid::model::{Attitude, AxisAttitude, Free, Layout, Model, Parameters, Top};
 use rigid::real::Real;
