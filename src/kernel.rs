@@ -354,7 +354,7 @@ engines! {
     Rk4: RungeKutta<R, M>, V8, V4;
     Planar: Splitting<R>, Arr<V8, 2>, Arr<V4, 2>;
     Rotor: Splitting<R>, V8, V4;
-    Dmv10: Splitting<R>, V8, V4;
+    Dmv10: Splitting<R>, Arr<V8, 2>, Arr<V4, 2>;
 }
 
 /// Advances all lanes of a group by some steps.

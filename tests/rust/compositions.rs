@@ -14,16 +14,18 @@ const EPS: f64 = f64::EPSILON;
 struct Scene {
     name: &'static str,
     is_top: bool,
-    body: Body,
+    bodies: Vec<Body>,
 }
 
 fn scenes() -> [Scene; 4] {
     let attitude = [0.8, 0.4, -0.4, 0.2];
-    let omega = [0.9, -0.4, 1.1];
+    // Several starts: of a single one the leading error may nearly vanish.
+    let omegas = [[0.9, -0.4, 1.1], [-0.5, 1.2, 0.3], [0.2, 0.7, -1.3], [1.4, 0.3, 0.5]];
     let length = (0.3_f64 * 0.3 + 0.2 * 0.2 + 0.93 * 0.93).sqrt();
     let scene = |name, moments, weight: [f64; 3]| {
         let is_top = weight != [0.0; 3];
-        Scene { name, is_top, body: Body { moments, weight, omega, attitude } }
+        let bodies = omegas.map(|omega| Body { moments, weight, omega, attitude }).to_vec();
+        Scene { name, is_top, bodies }
     };
     [
         scene("free", [1.0, 1.6, 0.7], [0.0; 3]),
@@ -35,25 +37,25 @@ fn scenes() -> [Scene; 4] {
 
 fn ask(scene: &Scene, solver: Solver, times: &[f64], step: f64) -> States {
     let request = Request {
-        bodies: &[scene.body],
+        bodies: &scene.bodies,
         is_top: scene.is_top,
         solver,
         record: Record::Attitude,
         schedule: Schedule::Times(times),
-        steps: &[step],
+        steps: &vec![step; scene.bodies.len()],
         max_steps: u64::MAX,
     };
     simulate(&request, 1, Isa::available()[0], &AtomicBool::new(false)).unwrap().unwrap()
 }
 
-/// Sum of the differences of rates, vertical and attitude at the last time.
+/// Sum of the differences of rates and attitudes.
 fn miss(a: &States, b: &States) -> f64 {
-    let last = |x: &Vec<f64>, n: usize| x[x.len() - n..].to_vec();
-    let both = |x: &Vec<f64>, y: &Vec<f64>, n| {
-        last(x, n).iter().zip(last(y, n)).map(|(p, q)| (p - q).abs()).sum::<f64>()
-    };
-    let q = both(a.attitude.as_ref().unwrap(), b.attitude.as_ref().unwrap(), 4);
-    q + both(&a.omega, &b.omega, 3)
+    let sum = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(p, q)| (p - q).abs()).sum::<f64>();
+    sum(&a.omega, &b.omega) + sum(a.attitude.as_ref().unwrap(), b.attitude.as_ref().unwrap())
+}
+
+fn all_finished(states: &States) -> bool {
+    states.status.iter().all(|&status| status == Status::Finished)
 }
 
 /// Of a scene with a closed form that, else the composition of the highest order with tiny steps.
@@ -82,8 +84,10 @@ fn nominal(method: Method, scene: &Scene) -> f64 {
     })
 }
 
-/// The slope between the finest steps whose error is above rounding: 1e3 steps of 30 flows leave 1e-13 or so, few
-/// steps less. A slope misses the order by what the next even power of the step adds.
+/// The slope between the finest steps whose error, of four bodies, is above rounding, and above that of the converged
+/// run where there is no closed form. It misses the order by what the next even power of the step adds: most where
+/// the leading error is small, as srkn14 is made to have it; and next to nothing of the error of order 6 is left by
+/// the processor of pmlf6, which looks like 7.
 #[test]
 fn orders() {
     const TIME: f64 = 6.0;
@@ -95,41 +99,44 @@ fn orders() {
             let mut last = (f64::NAN, 1.0);
             for n in [12, 16, 20, 24, 32, 40, 48, 64, 96, 128, 192, 256, 512, 1024, 2048] {
                 let states = ask(&scene, Solver::Steps(method), &[TIME], TIME / f64::from(n));
-                let error =
-                    if states.status[0] == Status::Finished { miss(&states, &truth) } else { f64::NAN };
-                if error < if order < 10.0 { 4e-12 } else { 3e-13 } {
+                let error = if all_finished(&states) { miss(&states, &truth) } else { f64::NAN };
+                if error < if scene.name == "asymmetric" { 2e-11 } else { 4.5e-12 } {
                     break;
                 }
                 slope = (last.0 / error).ln() / (f64::from(n) / last.1).ln();
                 last = (error, f64::from(n));
             }
             println!("{:22} {:11} {order:4} {slope:.2}", scene.name, method.facts().name);
-            // The processor of pmlf6 leaves next to nothing of the error of order 6: the order looks like 7.
-            let above = if method == Method::Pmlf6 && scene.is_top { 1.3 } else { 0.1 };
+            let above = match method {
+                Method::Pmlf6 if scene.is_top => 1.3,
+                Method::Srkn14 => 0.3,
+                _ => 0.1,
+            };
             assert!(slope > order - 0.1 && slope < order + above, "{} {method:?}: {slope}", scene.name);
         }
     }
 }
 
 /// A palindrome forwards and then backwards is the identity, up to rounding: 200 steps of at most 103 flows there and
-/// back, ten roundings each, that the motion magnifies by less than thirty.
+/// back, ten roundings each, that the motion magnifies by less than thirty; four bodies.
 #[test]
 fn there_and_back() {
     for scene in scenes() {
         for method in new_methods(&scene).filter(|m| m.facts().reversible) {
             let there = ask(&scene, Solver::Steps(method), &[5.0], 0.025);
-            let at = |x: &[f64]| x.to_vec();
-            let body = Body {
-                omega: at(&there.omega).try_into().unwrap(),
-                attitude: at(there.attitude.as_ref().unwrap()).try_into().unwrap(),
-                ..scene.body
+            let attitudes = there.attitude.as_ref().unwrap();
+            let arrived = |(i, body): (usize, &Body)| Body {
+                omega: there.omega[3 * i..][..3].try_into().unwrap(),
+                attitude: attitudes[4 * i..][..4].try_into().unwrap(),
+                ..*body
             };
-            let back = ask(&Scene { body, ..scene }, Solver::Steps(method), &[-5.0], 0.025);
+            let bodies = scene.bodies.iter().enumerate().map(arrived).collect();
+            let back = ask(&Scene { bodies, ..scene }, Solver::Steps(method), &[-5.0], 0.025);
             let home = ask(&scene, Solver::Steps(method), &[0.0], 0.025);
             let miss = miss(&back, &home);
             let roundings = (2.0 * 200.0 * 10.0 * method.facts().stages.max(7) as f64).sqrt() * EPS / 2.0;
-            println!("{:22} {:11} {miss:.1e} {:.1e}", scene.name, method.facts().name, 30.0 * roundings);
-            assert!(miss <= 30.0 * roundings, "{} {method:?}: {miss:e}", scene.name);
+            println!("{:22} {:11} {miss:.1e} {:.1e}", scene.name, method.facts().name, 120.0 * roundings);
+            assert!(miss <= 120.0 * roundings, "{} {method:?}: {miss:e}", scene.name);
         }
     }
 }
@@ -146,17 +153,18 @@ fn nothing_drifts() {
                 ask(&scene, Solver::Steps(method), &times, STEP)
             };
             let [early, all] = [run(1e4), run(1e5)];
-            assert_eq!(all.status[0], Status::Finished, "{} {method:?}", scene.name);
-            let (first, worst) = (early.energy_drift[0], all.energy_drift[0]);
-            let unit = all.unit_drift[0];
+            assert!(all_finished(&all), "{} {method:?}", scene.name);
+            let largest = |x: &[f64]| x.iter().fold(0.0_f64, |a, &b| a.max(b));
+            let (first, worst) = (largest(&early.energy_drift), largest(&all.energy_drift));
+            let (unit, momentum) = (largest(&all.unit_drift), largest(&all.momentum_drift));
             println!(
                 "{:22} {:11} energy {first:.1e} {worst:.1e} lengths {unit:.1e} {:.1e}",
                 scene.name,
                 method.facts().name,
-                all.momentum_drift[0]
+                momentum
             );
             let turns = 1e5 * method.facts().stages.max(2) as f64 * EPS;
-            assert!(unit <= turns && (scene.is_top || all.momentum_drift[0] <= turns));
+            assert!(unit <= turns && (scene.is_top || momentum <= turns));
             assert!(worst < 1.5 * first + turns, "{} {method:?}: {first:e} then {worst:e}", scene.name);
         }
     }
@@ -177,7 +185,7 @@ fn no_plausible_wrong_state() {
             omega: [x, y, z],
             attitude: [1.0, 0.0, 0.0, 0.0],
         };
-        let scene = Scene { name: "free", is_top: false, body };
+        let scene = Scene { name: "free", is_top: false, bodies: vec![body] };
         let rate = (x * x + y * y + z * z).sqrt();
         let step = 4.0 * h / rate;
         let truth = ask(&scene, Solver::Exact, &[step], step);
