@@ -5,7 +5,7 @@
 
 use crate::group::{DriftRows, Group, LANES, MAX_STATE, Row};
 use crate::method::{
-    self, Composition, Dmv10, Form, Numbers, Planar, Rk4, Rotor, RungeKutta, Scheme, Splitting,
+    self, Composition, Dmv10, Form, Numbers, Planar, Planar8, Rk4, Rotor, RungeKutta, Scheme, Splitting,
 };
 use crate::model::{
     Attitude, Axis, AxisAttitude, Free, Layout, Model, Parameters, Rates, SpinFree, Top, TwoAxes, direction,
@@ -168,7 +168,8 @@ impl Table {
         use Table::*;
         match self {
             Rk4 => Rk4,
-            Planar | Planar4 | Planar6 | Planar8 => Planar,
+            Planar => Planar,
+            Planar4 | Planar6 | Planar8 => Planar8,
             _ if self.is_for_symmetric() => Rotor,
             _ => Dmv10,
         }
@@ -353,6 +354,7 @@ macro_rules! engines {
 engines! {
     Rk4: RungeKutta<R, M>, V8, V4;
     Planar: Splitting<R>, Arr<V8, 2>, Arr<V4, 2>;
+    Planar8: Splitting<R>, Arr<V8, 2>, Arr<V4, 2>;
     Rotor: Splitting<R>, V8, V4;
     Dmv10: Splitting<R>, Arr<V8, 2>, Arr<V4, 2>;
 }
@@ -481,12 +483,12 @@ macro_rules! among {
 
 fn code(kernel: Kernel, isa: Isa) -> Code {
     match kernel.system {
-        System::FreeRates => among!(kernel, isa: Free, Rates, 3; Rk4 Planar Rotor Dmv10),
-        System::FreeAxis => among!(kernel, isa: Free, Axis, 6; Rk4 Planar Rotor Dmv10),
-        System::FreeAttitude => among!(kernel, isa: Free, Attitude, 7; Rk4 Planar Rotor Dmv10),
-        System::TopAxis => among!(kernel, isa: Top, Axis, 6; Rk4 Planar Rotor Dmv10),
-        System::TopTwoAxes => among!(kernel, isa: Top, TwoAxes, 9; Rk4 Planar Rotor Dmv10),
-        System::TopAttitude => among!(kernel, isa: Top, AxisAttitude, 10; Rk4 Planar Rotor Dmv10),
+        System::FreeRates => among!(kernel, isa: Free, Rates, 3; Rk4 Planar Planar8 Rotor Dmv10),
+        System::FreeAxis => among!(kernel, isa: Free, Axis, 6; Rk4 Planar Planar8 Rotor Dmv10),
+        System::FreeAttitude => among!(kernel, isa: Free, Attitude, 7; Rk4 Planar Planar8 Rotor Dmv10),
+        System::TopAxis => among!(kernel, isa: Top, Axis, 6; Rk4 Planar Planar8 Rotor Dmv10),
+        System::TopTwoAxes => among!(kernel, isa: Top, TwoAxes, 9; Rk4 Planar Planar8 Rotor Dmv10),
+        System::TopAttitude => among!(kernel, isa: Top, AxisAttitude, 10; Rk4 Planar Planar8 Rotor Dmv10),
         System::SpinFreeAxis => among!(kernel, isa: SpinFree, Axis, 6; Rotor),
         System::SpinFreeAttitude => among!(kernel, isa: SpinFree, AxisAttitude, 10; Rotor),
     }

@@ -100,6 +100,7 @@ impl Composition for Planar {
     type Drift<R: Real> = ExactRotor<R>;
     const ROUND: &'static [Flow] = PLANAR;
     const NUMBERS: Numbers = Numbers::of(&[0.5, 0.5, 0.5, 1.0, 0.5, 0.5, 0.5]);
+    const ALONE: bool = true;
 }
 
 impl Composition for Rotor {

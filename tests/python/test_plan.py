@@ -257,7 +257,7 @@ def test_the_steps_that_are_planned_are_taken(scene: Scene, method: rigid.Method
 def test_the_step_for_an_accuracy_gives_it(
     scene: Scene, method: rigid.Method, accuracy: float
 ) -> None:
-    accuracy **= method.order / 4.0  # a method of order 2 would take a million steps
+    accuracy **= min(method.order, 4) / 4.0  # a method of order 2 would take a million steps
     omega, t = [0.4, 0.3, 2.0], [20.0]
     truth = rigid.simulate(scene, omega, tilted(0.7), t=t, method="exact")
     run = rigid.simulate(scene, omega, tilted(0.7), t=t, method=method.name, accuracy=accuracy)
