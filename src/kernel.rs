@@ -6,8 +6,8 @@
 use crate::group::{DriftRows, Group, LANES, MAX_STATE, Row};
 use crate::leaps::{Leaps, inside, leap};
 use crate::method::{
-    Dop853, Form, Planar, Rk4, Rotor, RungeKutta, Scheme, Splitting, Taylor, Taylor8, Taylor12, Taylor16,
-    Taylor20, Taylor26,
+    self, Composition, Dmv10, Dop853, Form, Numbers, Planar, Planar8, Rk4, Rotor, RungeKutta, Scheme,
+    Splitting, Taylor, Taylor8, Taylor12, Taylor16, Taylor20, Taylor26,
 };
 use crate::model::{
     Attitude, Axis, AxisAttitude, Free, Layout, Model, Parameters, Rates, SpinFree, Top, TwoAxes, direction,
@@ -34,19 +34,42 @@ pub enum System {
     SpinFreeAttitude,
 }
 
-/// Which table moves it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(missing_docs)] // The names are those of `method`.
-pub enum Table {
-    Rk4,
-    Dop853,
-    Planar,
-    Rotor,
-    Taylor8,
-    Taylor12,
-    Taylor16,
-    Taylor20,
-    Taylor26,
+macro_rules! tables {
+    ($($smooth:ident)*; $($split:ident)*) => {
+        /// Which table moves it.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[allow(missing_docs)] // The names are those of `method`.
+        pub enum Table {
+            $($smooth,)*
+            $($split,)*
+        }
+        impl Table {
+            /// All tables.
+            pub const ALL: [Table; [$(Table::$smooth,)* $(Table::$split),*].len()] =
+                [$(Table::$smooth,)* $(Table::$split),*];
+
+            /// Whether it takes steps along the equations of motion, not by exact flows of their parts.
+            pub fn is_smooth(self) -> bool {
+                matches!(self, $(Table::$smooth)|*)
+            }
+
+            /// Its numbers, if it is a splitting.
+            fn numbers(self) -> &'static Numbers {
+                match self {
+                    $(Table::$split => const { &<method::$split as Composition>::NUMBERS },)*
+                    _ => &NO_NUMBERS,
+                }
+            }
+        }
+    };
+}
+const NO_NUMBERS: Numbers = Numbers::of(&[]);
+tables! {
+    Rk4 Dop853 Taylor8 Taylor12 Taylor16 Taylor20 Taylor26;
+    Planar Planar4 Planar6 Planar8
+    Rotor Rotor4 Rotor6 Rotor8 Chin4a Srkn6 Srkn11 Srkn14 Pmlf4 Pmlf6
+    DmvChin4a DmvSrkn6 DmvSrkn11 DmvSrkn14 DmvPmlf4 DmvPmlf6
+    Dmv2 Dmv4 Dmv6 Dmv8 Dmv10
 }
 
 /// What is looked at after each step.
@@ -107,41 +130,74 @@ impl System {
 }
 
 impl Table {
-    /// All tables.
-    pub const ALL: [Table; 9] = [
-        Table::Rk4,
-        Table::Dop853,
-        Table::Planar,
-        Table::Rotor,
-        Table::Taylor8,
-        Table::Taylor12,
-        Table::Taylor16,
-        Table::Taylor20,
-        Table::Taylor26,
-    ];
-
-    /// Whether it moves that system. The oldest schemes are kept in the frame of the body, as they were published.
+    /// Whether it moves that system. The oldest schemes are kept in the frame of the body, as they were published;
+    /// kicks need weight, drifts alone do not know it.
     pub fn moves(self, system: System) -> bool {
-        match system {
-            System::SpinFreeAxis => !matches!(self, Table::Rk4 | Table::Planar | Table::Rotor),
-            System::SpinFreeTwoAxes => self.carries_rows(),
-            System::SpinFreeAttitude => self.moves(System::SpinFreeAxis) && !self.carries_rows(),
-            System::TopAttitude => !self.carries_rows(),
-            _ => true,
+        use System::*;
+        let spin_free = matches!(system, SpinFreeAxis | SpinFreeTwoAxes | SpinFreeAttitude);
+        match self {
+            Table::Rk4 | Table::Planar | Table::Planar4 | Table::Planar6 | Table::Planar8 | Table::Rotor => {
+                !spin_free
+            }
+            _ if self.carries_rows() => !matches!(system, TopAttitude | SpinFreeAttitude),
+            _ if self.is_drift() => matches!(system, FreeRates | FreeAxis | FreeAttitude),
+            _ if system == SpinFreeTwoAxes || (self.is_processed() && system == TopTwoAxes) => false,
+            _ if self.is_for_symmetric() => system.is_top(),
+            _ => system.is_top() && !spin_free,
         }
     }
 
     /// Whether it carries the attitude of a top as two rows of its matrix: the vertical, which the torque needs
     /// anyway, and another direction cost less than the vertical and a quaternion.
     pub fn carries_rows(self) -> bool {
-        !matches!(self, Table::Rk4 | Table::Planar | Table::Rotor)
+        self.is_smooth() && self != Table::Rk4
+    }
+
+    /// Whether it moves bodies symmetric about their axis 3 only.
+    pub fn is_for_symmetric(self) -> bool {
+        use Table::*;
+        matches!(self, Rotor | Rotor4 | Rotor6 | Rotor8 | Chin4a | Srkn6 | Srkn11 | Srkn14 | Pmlf4 | Pmlf6)
+    }
+
+    /// Whether it is free motion alone.
+    fn is_drift(self) -> bool {
+        use Table::*;
+        matches!(self, Dmv2 | Dmv4 | Dmv6 | Dmv8 | Dmv10)
+    }
+
+    /// Whether its steps are made in other variables than the state: nothing can be watched on the way.
+    pub fn is_processed(self) -> bool {
+        use Table::*;
+        matches!(self, Pmlf4 | Pmlf6 | DmvPmlf4 | DmvPmlf6)
+    }
+
+    /// What is left of it in a scene without weight: the drift alone.
+    pub fn without_weight(self) -> Table {
+        use Table::*;
+        match self {
+            DmvChin4a | DmvSrkn6 | DmvSrkn11 | DmvSrkn14 | DmvPmlf4 | DmvPmlf6 => Dmv10,
+            _ if self.is_for_symmetric() => Rotor,
+            _ => self,
+        }
+    }
+
+    /// The table whose code it shares.
+    pub fn engine(self) -> Table {
+        use Table::*;
+        match self {
+            Planar => Planar,
+            _ if self.is_smooth() => self,
+            Planar4 | Planar6 | Planar8 => Planar8,
+            _ if self.is_for_symmetric() => Rotor,
+            _ => Dmv10,
+        }
     }
 
     /// The variables that it moves.
     pub fn form(self) -> Form {
         match self {
-            Table::Planar | Table::Rotor => Form::Momenta,
-            _ => Form::Rates,
+            _ if self.is_smooth() => Form::Rates,
+            _ => Form::Momenta,
         }
     }
 }
@@ -182,7 +238,10 @@ fn update_drift<P: Pack>(rows: &mut DriftRows, at: usize, now: P) {
 
 /// The constants of the bodies and of their schemes, pack by pack.
 #[inline(always)]
-fn prepared<P, const PACKS: usize, M, L, S, const D: usize>(g: &Group) -> [(Parameters<P>, S); PACKS]
+fn prepared<P, const PACKS: usize, M, L, S, const D: usize>(
+    g: &Group,
+    numbers: &'static Numbers,
+) -> [(Parameters<P>, S); PACKS]
 where
     P: Pack,
     M: Model<P>,
@@ -195,7 +254,7 @@ where
         weight: load3::<P>(&g.weight, 0),
         step: P::load(&g.step.0),
     };
-    let mut bodies = [(p, S::new(&p)); PACKS];
+    let mut bodies = [(p, S::with(&p, numbers)); PACKS];
     for b in 1..PACKS {
         let at = b * P::LANES;
         p = Parameters {
@@ -203,21 +262,25 @@ where
             weight: load3(&g.weight, at),
             step: P::load(&g.step.0[at..]),
         };
-        bodies[b] = (p, S::new(&p));
+        bodies[b] = (p, S::with(&p, numbers));
     }
     bodies
 }
 
 /// Advances all lanes by `steps`, the packs side by side, and compares the invariants at the end.
 #[inline(always)]
-fn burst<P, const PACKS: usize, M, L, S, const D: usize>(g: &mut Group, steps: usize, watch: Watch)
-where
+fn burst<P, const PACKS: usize, M, L, S, const D: usize>(
+    g: &mut Group,
+    steps: usize,
+    watch: Watch,
+    numbers: &'static Numbers,
+) where
     P: Pack,
     M: Model<P>,
     L: Layout,
     S: Scheme<P, M, L, D>,
 {
-    let bodies = prepared::<P, PACKS, M, L, S, D>(g);
+    let bodies = prepared::<P, PACKS, M, L, S, D>(g, numbers);
     for i in 0..steps {
         for b in 0..PACKS {
             let at = b * P::LANES;
@@ -273,6 +336,38 @@ where
     }
 }
 
+/// Takes the lanes with a step into the variables of their steps, or back; the others keep every bit.
+#[inline(always)]
+fn process<P, const PACKS: usize, M, L, S, const D: usize>(
+    g: &mut Group,
+    leaving: bool,
+    numbers: &'static Numbers,
+) where
+    P: Pack,
+    M: Model<P>,
+    L: Layout,
+    S: Scheme<P, M, L, D>,
+{
+    for b in 0..PACKS {
+        let at = b * P::LANES;
+        let p = Parameters {
+            moments: load3::<P>(&g.moments, at),
+            weight: load3(&g.weight, at),
+            step: P::load(&g.step.0[at..]),
+        };
+        let mut y = [P::splat(0.0); D];
+        for d in 0..D {
+            y[d] = P::load(&g.state[d].0[at..]);
+        }
+        let before = y;
+        S::with(&p, numbers).process(&p, &mut y, leaving);
+        let steps = P::splat(0.0).lt(p.step.abs());
+        for d in 0..D {
+            P::select(steps, y[d], before[d]).store(&mut g.state[d].0[at..]);
+        }
+    }
+}
+
 /// Energy and conserved momentum of a state.
 #[inline(always)]
 fn invariants<R: Real, M: Model<R>, L: Layout, S: Scheme<R, M, L, D>, const D: usize>(
@@ -306,16 +401,20 @@ engines! {
     Rk4: RungeKutta<R, M>, V8, V4;
     Dop853: RungeKutta<R, M>, V8, V4;
     Planar: Splitting<R>, Arr<V8, 2>, Arr<V4, 2>;
+    Planar8: Splitting<R>, Arr<V8, 2>, Arr<V4, 2>;
     Rotor: Splitting<R>, V8, V4;
     Taylor8: Taylor<R, M>, V8, V4;
     Taylor12: Taylor<R, M>, V8, V4;
     Taylor16: Taylor<R, M>, V8, V4;
     Taylor20: Taylor<R, M>, V8, V4;
     Taylor26: Taylor<R, M>, V8, V4;
+    Dmv10: Splitting<R>, Arr<V8, 2>, Arr<V4, 2>;
 }
 
 /// Advances all lanes of a group by some steps.
-type Advance = unsafe fn(&mut Group, usize, Watch);
+type Advance = unsafe fn(&mut Group, usize, Watch, &'static Numbers);
+/// Takes all lanes of a group into the variables of their steps, or back.
+type Process = unsafe fn(&mut Group, bool, &'static Numbers);
 /// Energy and conserved momentum of one body, with the arithmetic of the kernel.
 type Invariants = unsafe fn(&Parameters<f64>, &[f64; MAX_STATE]) -> [f64; 2];
 
@@ -328,6 +427,7 @@ type Inside = unsafe fn(&Leaps, usize, f64) -> [f64; MAX_STATE];
 #[derive(Clone, Copy)]
 struct Code {
     advance: Advance,
+    process: Process,
     invariants: Invariants,
     leap: Leap,
     inside: Inside,
@@ -338,6 +438,7 @@ struct Code {
 pub struct Compiled {
     code: Code,
     watch: Watch,
+    numbers: &'static Numbers,
 }
 
 impl Compiled {
@@ -346,13 +447,34 @@ impl Compiled {
         assert!(isa.is_available(), "{} is not available on this CPU", isa.name());
         let Kernel { system, watch, .. } = kernel;
         assert!(system.shows(watch), "{watch:?} is not watched on {system:?}");
-        Compiled { code: code(kernel, isa), watch }
+        assert!(kernel.table.moves(system), "{:?} does not move {system:?}", kernel.table);
+        Compiled { code: code(kernel, isa), watch, numbers: kernel.table.numbers() }
     }
 
     /// Advances every lane of the group.
     pub fn advance(self, group: &mut Group, steps: usize) {
         // Safety: `new` has seen the features that the entry point needs.
-        unsafe { (self.code.advance)(group, steps, self.watch) }
+        unsafe { (self.code.advance)(group, steps, self.watch, self.numbers) }
+    }
+
+    /// Whether the steps are made in other variables than the state.
+    pub fn is_processed(self) -> bool {
+        self.numbers.processor.is_some()
+    }
+
+    /// Takes every lane with a step into the variables of its steps: before the first of a run of equal steps.
+    pub fn enter(self, group: &mut Group) {
+        self.process(group, false);
+    }
+
+    /// Takes every lane with a step back: after the last.
+    pub fn leave(self, group: &mut Group) {
+        self.process(group, true);
+    }
+
+    fn process(self, group: &mut Group, leaving: bool) {
+        // Safety: as above.
+        unsafe { (self.code.process)(group, leaving, self.numbers) }
     }
 
     /// Advances every lane by steps of its own until one has to be looked at; only of series.
@@ -384,22 +506,12 @@ macro_rules! code_of {
         code_of!(@functions avx2, [#[target_feature(enable = "avx2,fma")]],
             <$table as Engine>::Avx2, $model, $layout, $d, $table);
         code_of!(@functions scalar, [], f64, $model, $layout, $d, $table);
-        macro_rules! code {
-            ($path:ident) => {
-                Code {
-                    advance: $path::advance,
-                    invariants: $path::invariants_of,
-                    leap: $path::leap_of,
-                    inside: $path::inside_of,
-                }
-            };
-        }
         match $isa {
             #[cfg(target_arch = "x86_64")]
-            Isa::Avx512 => code!(avx512),
+            Isa::Avx512 => avx512::CODE,
             #[cfg(target_arch = "x86_64")]
-            Isa::Avx2 => code!(avx2),
-            _ => code!(scalar),
+            Isa::Avx2 => avx2::CODE,
+            _ => scalar::CODE,
         }
     }};
     (@functions $name:ident, [$($feature:tt)*], $pack:ty, $model:ident, $layout:ident, $d:literal, $table:ident) => {
@@ -407,24 +519,38 @@ macro_rules! code_of {
             use super::*;
             type P = $pack;
             type Scheme<R> = <$table as Engine>::Scheme<R, $model<R>>;
+            pub const CODE: Code = Code {
+                advance,
+                process: process_of,
+                invariants: invariants_of,
+                leap: leap_of,
+                inside: inside_of,
+            };
             $($feature)*
-            pub fn advance(g: &mut Group, steps: usize, watch: Watch) {
-                burst::<P, { LANES / P::LANES }, $model<P>, $layout, Scheme<P>, $d>(g, steps, watch)
+            fn process_of(g: &mut Group, leaving: bool, numbers: &'static Numbers) {
+                // Nothing of two directions is processed: they are watched.
+                if const { $d != 9 } {
+                    process::<P, { LANES / P::LANES }, $model<P>, $layout, Scheme<P>, $d>(g, leaving, numbers)
+                }
             }
             $($feature)*
-            pub fn leap_of(g: &mut Group, l: &mut Leaps, most: usize) -> usize {
+            fn leap_of(g: &mut Group, l: &mut Leaps, most: usize) -> usize {
                 const PACKS: usize = LANES / P::LANES;
-                let bodies = prepared::<P, PACKS, $model<P>, $layout, Scheme<P>, $d>(g);
+                let bodies = prepared::<P, PACKS, $model<P>, $layout, Scheme<P>, $d>(g, &NO_NUMBERS);
                 leap::<P, PACKS, $model<P>, $layout, Scheme<P>, $d>(g, l, &bodies, most)
             }
             $($feature)*
-            pub fn inside_of(l: &Leaps, lane: usize, units: f64) -> [f64; MAX_STATE] {
+            fn inside_of(l: &Leaps, lane: usize, units: f64) -> [f64; MAX_STATE] {
                 type S = Scheme<f64>;
                 let order = <S as crate::method::Scheme<f64, $model<f64>, $layout, $d>>::ORDER;
                 inside::<$d>(l, order, lane, units)
             }
             $($feature)*
-            pub fn invariants_of(p: &Parameters<f64>, y: &[f64; MAX_STATE]) -> [f64; 2] {
+            fn advance(g: &mut Group, steps: usize, watch: Watch, numbers: &'static Numbers) {
+                burst::<P, { LANES / P::LANES }, $model<P>, $layout, Scheme<P>, $d>(g, steps, watch, numbers)
+            }
+            $($feature)*
+            fn invariants_of(p: &Parameters<f64>, y: &[f64; MAX_STATE]) -> [f64; 2] {
                 let mut state = [0.0; $d];
                 state.copy_from_slice(&y[..$d]);
                 invariants::<f64, $model<f64>, $layout, Scheme<f64>, $d>(p, &state)
@@ -433,14 +559,14 @@ macro_rules! code_of {
     };
 }
 
-/// The match from a table to its code, over the tables that move the system.
+/// The match from a table to its code, over the engines that move the system.
 macro_rules! among {
     ($kernel:ident, $isa:ident: $model:ident, $layout:ident, $d:literal; smooth $($more:ident)*) => {
         among!($kernel, $isa: $model, $layout, $d;
             Dop853 Taylor8 Taylor12 Taylor16 Taylor20 Taylor26 $($more)*)
     };
     ($kernel:ident, $isa:ident: $model:ident, $layout:ident, $d:literal; $($table:ident)*) => {
-        match $kernel.table {
+        match $kernel.table.engine() {
             $(Table::$table => code_of!($isa, $model, $layout, $d, $table),)*
             #[allow(unreachable_patterns)] // Most systems are moved by all tables.
             table => unreachable!("{table:?} does not move {:?}", $kernel.system),
@@ -450,14 +576,14 @@ macro_rules! among {
 
 fn code(kernel: Kernel, isa: Isa) -> Code {
     match kernel.system {
-        System::FreeRates => among!(kernel, isa: Free, Rates, 3; smooth Rk4 Planar Rotor),
-        System::FreeAxis => among!(kernel, isa: Free, Axis, 6; smooth Rk4 Planar Rotor),
-        System::FreeAttitude => among!(kernel, isa: Free, Attitude, 7; smooth Rk4 Planar Rotor),
-        System::TopAxis => among!(kernel, isa: Top, Axis, 6; smooth Rk4 Planar Rotor),
-        System::TopTwoAxes => among!(kernel, isa: Top, TwoAxes, 9; smooth Rk4 Planar Rotor),
-        System::TopAttitude => among!(kernel, isa: Top, AxisAttitude, 10; Rk4 Planar Rotor),
-        System::SpinFreeAxis => among!(kernel, isa: SpinFree, Axis, 6; smooth),
+        System::FreeRates => among!(kernel, isa: Free, Rates, 3; smooth Rk4 Planar Planar8 Rotor Dmv10),
+        System::FreeAxis => among!(kernel, isa: Free, Axis, 6; smooth Rk4 Planar Planar8 Rotor Dmv10),
+        System::FreeAttitude => among!(kernel, isa: Free, Attitude, 7; smooth Rk4 Planar Planar8 Rotor Dmv10),
+        System::TopAxis => among!(kernel, isa: Top, Axis, 6; smooth Rk4 Planar Planar8 Rotor Dmv10),
+        System::TopTwoAxes => among!(kernel, isa: Top, TwoAxes, 9; smooth Rk4 Planar Planar8 Rotor Dmv10),
+        System::TopAttitude => among!(kernel, isa: Top, AxisAttitude, 10; Rk4 Planar Planar8 Rotor Dmv10),
+        System::SpinFreeAxis => among!(kernel, isa: SpinFree, Axis, 6; smooth Rotor),
         System::SpinFreeTwoAxes => among!(kernel, isa: SpinFree, TwoAxes, 9; smooth),
-        System::SpinFreeAttitude => among!(kernel, isa: SpinFree, AxisAttitude, 10;),
+        System::SpinFreeAttitude => among!(kernel, isa: SpinFree, AxisAttitude, 10; Rotor),
     }
 }

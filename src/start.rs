@@ -124,30 +124,51 @@ impl Seat {
     ///
     /// The rotor wants the symmetry axis third; the planar rotations want the smallest moment first: in the
     /// middle of the sequence it costs a factor of four to eight in the error.
-    pub fn of(method: Method, body: &Body) -> Seat {
-        let symmetry = || Inertia::new(body.moments).ok().and_then(Inertia::symmetry_axis);
-        let (table, turn) = match method {
-            Method::Rk4 => (Table::Rk4, 0),
-            Method::Dop853 => (Table::Dop853, 0),
-            Method::Taylor8 => (Table::Taylor8, 0),
-            Method::Taylor12 => (Table::Taylor12, 0),
-            Method::Taylor16 => (Table::Taylor16, 0),
-            Method::Taylor20 => (Table::Taylor20, 0),
-            Method::Taylor26 => (Table::Taylor26, 0),
-            Method::Splitting => match symmetry() {
-                Some(axis) => (Table::Rotor, (axis + 1) % 3),
-                None => (Table::Planar, body.smallest_moment()),
-            },
+    pub fn of(method: Method, body: &Body, is_top: bool) -> Seat {
+        use Table::*;
+        let (symmetric, any) = match method {
+            Method::Rk4 => return Seat::as_is(Rk4),
+            Method::Dop853 => return Seat::as_is(Dop853),
+            Method::Taylor8 => return Seat::as_is(Taylor8),
+            Method::Taylor12 => return Seat::as_is(Taylor12),
+            Method::Taylor16 => return Seat::as_is(Taylor16),
+            Method::Taylor20 => return Seat::as_is(Taylor20),
+            Method::Taylor26 => return Seat::as_is(Taylor26),
+            Method::Splitting => (Rotor, Planar),
+            Method::Splitting4 => (Rotor4, Planar4),
+            Method::Splitting6 => (Rotor6, Planar6),
+            Method::Splitting8 => (Rotor8, Planar8),
+            Method::Chin4a => (Chin4a, DmvChin4a),
+            Method::Srkn6 => (Srkn6, DmvSrkn6),
+            Method::Srkn11 => (Srkn11, DmvSrkn11),
+            Method::Srkn14 => (Srkn14, DmvSrkn14),
+            Method::Pmlf4 => (Pmlf4, DmvPmlf4),
+            Method::Pmlf6 => (Pmlf6, DmvPmlf6),
+            Method::Dmv2 => (Rotor, Dmv2),
+            Method::Dmv4 => (Rotor, Dmv4),
+            Method::Dmv6 => (Rotor, Dmv6),
+            Method::Dmv8 => (Rotor, Dmv8),
+            Method::Dmv10 => (Rotor, Dmv10),
         };
+        let (table, turn) = match Inertia::new(body.moments).ok().and_then(Inertia::symmetry_axis) {
+            Some(axis) => (symmetric, (axis + 1) % 3),
+            None => (any, body.smallest_moment()),
+        };
+        let table = if is_top { table } else { table.without_weight() };
         Seat { table, turn, spin_moment: None }
     }
 
+    /// In the axes of the user.
+    fn as_is(table: Table) -> Seat {
+        Seat { table, turn: 0, spin_moment: None }
+    }
+
     /// The seat of a body whose path alone is wanted: a Lagrange top leaves its spin out, if the method can.
-    pub fn of_path(method: Method, body: &Body) -> Seat {
-        let seat = Seat::of(method, body);
+    pub fn of_path(method: Method, body: &Body, is_top: bool) -> Seat {
+        let seat = Seat::of(method, body, is_top);
         match body
             .lagrange_axis()
-            .filter(|_| seat.table.moves(System::SpinFreeAxis) && body.weight != [0.0; 3])
+            .filter(|_| is_top && seat.table.moves(System::SpinFreeAxis) && body.weight != [0.0; 3])
         {
             Some(axis) => Seat { turn: (axis + 1) % 3, spin_moment: Some(body.moments[axis]), ..seat },
             None => seat,

@@ -10,6 +10,7 @@ __all__ = [
     "MapJob",
     "__version__",
     "build_info",
+    "check_method",
     "check_moments",
     "closed_forms",
     "elliptic",
@@ -27,6 +28,7 @@ __version__: str
 
 def build_info() -> dict[str, Any]: ...
 def methods() -> list[dict[str, Any]]: ...
+def check_method(method: str, scene: str, watched: bool) -> None: ...
 def check_moments(moments: Sequence[float]) -> None: ...
 def principal_axes(
     tensor: Sequence[Sequence[float]],

@@ -14,7 +14,7 @@ from . import _core
 from ._check import finite_float, one_of, positive_int
 from .criteria import Criterion, NoFlip, TiltBelow, criterion_from_dict
 from .grid import Axis, check_applicable, grid_shape, make_axes, pixels
-from .methods import AUTO, EXACT, map_methods
+from .methods import AUTO, EXACT, check_method, map_methods
 from .plan import require_closed_forms
 from .scenes import Scene, scene_from_dict
 from .starts import Start
@@ -100,6 +100,7 @@ class MapSpec:
         if self.check > 1.0:
             raise ValueError(f"check = {self.check}: must lie in [0, 1]")
         one_of("method", self.method, map_methods())
+        check_method(self.method, self.scene.kind, watched=True)
         if self.method == EXACT:
             require_closed_forms(self)
         put("seed", checked_seed("seed", self.seed))

@@ -13,6 +13,7 @@ __all__ = [
     "FALLBACK",
     "Method",
     "angle_per_step",
+    "check_method",
     "map_methods",
     "methods",
     "order_of",
@@ -47,6 +48,9 @@ class Method:
     symplectic, reversible, group_preserving : bool
         Preserves the Poisson structure; a step forward and one back is the identity; ``|L|`` of the
         free body, ``|gamma|`` and ``|q|`` stay as they are, up to rounding.
+    tops, maps : bool
+        Moves bodies with weight, not only free ones; has a state after every step, as a map wants
+        it, not only at wanted times.
     angle_per_step : float
         How far (rad) a body turns at most in a step that is left to the method.
     citation, doi : str
@@ -60,6 +64,8 @@ class Method:
     symplectic: bool
     reversible: bool
     group_preserving: bool
+    tops: bool
+    maps: bool
     angle_per_step: float
     citation: str
     doi: str
@@ -103,5 +109,11 @@ def series_methods() -> list[str]:
 
 
 def map_methods() -> list[str]:
-    """The names that a map accepts."""
+    """The names that a map accepts of some scene; :func:`check_method` refuses the others."""
     return [AUTO, *run_methods()]
+
+
+def check_method(name: str, kind: str, *, watched: bool) -> None:
+    """Raise ValueError if a scheme does not move that kind of scene, or cannot be watched."""
+    if name not in (AUTO, EXACT):
+        _core.check_method(name, kind, watched)

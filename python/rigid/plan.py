@@ -23,7 +23,7 @@ from .columns import check_scene, columns, each_row
 from .costs import cheapest, check_attainable, numbers, schemes, steps_for
 from .criteria import Criterion, NoFlip, TiltBelow
 from .grid import pixels
-from .methods import AUTO, EXACT, FALLBACK, run_methods
+from .methods import AUTO, EXACT, FALLBACK, check_method, run_methods
 from .scenes import FreeBody, HeavyTop, Scene, scene_words
 from .starts import Start
 
@@ -247,6 +247,7 @@ def decide(
     """
     if method is not None:
         one_of("method", method, run_methods())
+        check_method(method, scene.kind, watched=not isinstance(question, str))
     if step is not None:
         step = finite_float("step", step, positive=True)
     if accuracy is not None:

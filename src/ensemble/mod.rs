@@ -357,7 +357,7 @@ impl Map {
                 if self.judge.exact() && referee.take(index, &bodies[index], &mut outcomes[0]) {
                     continue;
                 }
-                let table = Seat::of(self.judge.method(), &bodies[index]).table;
+                let table = Seat::of(self.judge.method(), &bodies[index], self.is_top).table;
                 jobs[table as usize].push(Job { index, halved: false });
                 if sample < self.checked {
                     jobs[table as usize].push(Job { index, halved: true });
@@ -368,7 +368,7 @@ impl Map {
         if jobs.iter().flatten().any(|job| job.halved) {
             outcomes[1] = vec![None; bodies.len()];
         }
-        for (jobs, table) in jobs.iter().zip(Table::ALL) {
+        for (jobs, table) in jobs.iter().zip(Table::ALL).filter(|(jobs, _)| !jobs.is_empty()) {
             let kernel = self.kernel(table);
             self.ride(&bodies, jobs, kernel, isa, interrupt, |job, outcome| {
                 outcomes[usize::from(job.halved)][job.index] = Some(outcome);
@@ -427,7 +427,7 @@ impl Map {
                         continue;
                     }
                     let step = self.t_end / steps as f64;
-                    let seat = Seat::of(self.judge.method(), body);
+                    let seat = Seat::of(self.judge.method(), body, self.is_top);
                     load(&mut group, lane, (kernel, compiled), seat, body, self.axis, step);
                     if let Some(limit) = limit {
                         group.limit[0].0[lane] = limit.cosine;
@@ -536,7 +536,7 @@ impl Map {
         if sample < self.checked {
             jobs.push(Job { index: 0, halved: true });
         }
-        let kernel = self.kernel(Seat::of(self.judge.method(), &body).table);
+        let kernel = self.kernel(Seat::of(self.judge.method(), &body, self.is_top).table);
         let mut outcomes = [None, None];
         self.ride(&[body], &jobs, kernel, isa, interrupt, |job, outcome| {
             outcomes[usize::from(job.halved)] = Some(outcome);

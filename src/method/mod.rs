@@ -1,13 +1,18 @@
 //! Schemes as tables of constants, and the engines that run them.
 
+mod compositions;
+mod moser_veselov;
 mod runge_kutta;
 mod splitting;
 mod taylor;
 
+pub use moser_veselov::MoserVeselov;
 pub use runge_kutta::{RungeKutta, Tableau};
-pub use splitting::{Composition, Flow, Splitting};
+pub use splitting::{Composition, Drift, ExactRotor, Flow, Numbers, Processor, Splitting, Way};
 pub use taylor::{Coefficients, Series, Taylor};
 pub(crate) use taylor::{MAX_ORDER, two_sum};
+
+use crate::error::Error;
 
 use crate::model::{Layout, Model, Parameters, dot};
 use crate::real::Real;
@@ -55,6 +60,14 @@ pub trait Scheme<R: Real, M: Model<R>, L: Layout, const D: usize>: Copy {
     const CARRIES: bool = false;
     /// Prepares the constants of the step.
     fn new(p: &Parameters<R>) -> Self;
+    /// The same for the numbers of another table that the engine may run; most run their own alone.
+    #[inline(always)]
+    fn with(p: &Parameters<R>, _numbers: &'static Numbers) -> Self {
+        Self::new(p)
+    }
+    /// Into the variables of the steps, before the first of a run of equal steps; or back, after the last.
+    #[inline(always)]
+    fn process(&self, _p: &Parameters<R>, _y: &mut [R; D], _leaving: bool) {}
     /// Advances the state by one step.
     fn step(&self, p: &Parameters<R>, y: &mut [R; D]);
     /// The same; `carry` is what the state has lost to rounding so far.
@@ -78,40 +91,28 @@ pub trait Scheme<R: Real, M: Model<R>, L: Layout, const D: usize>: Copy {
     fn kinetic(p: &Parameters<R>, y: &[R; D]) -> R;
 }
 
-/// Classical Runge-Kutta of order 4.
-#[derive(Clone, Copy)]
-pub struct Rk4;
-
-/// Dormand-Prince of order 8.
-#[derive(Clone, Copy)]
-pub struct Dop853;
-
-/// Planar rotations about the principal axes, for any body.
-#[derive(Clone, Copy)]
-pub struct Planar;
-
-/// Exact rotor of a body that is symmetric about its axis 3.
-#[derive(Clone, Copy)]
-pub struct Rotor;
-
-macro_rules! taylor_tables {
-    ($($(#[$doc:meta])* $table:ident;)*) => {$(
-        $(#[$doc])*
+macro_rules! tables {
+    ($($doc:literal $($name:ident)*;)*) => {$($(
+        #[doc = $doc]
         #[derive(Clone, Copy)]
-        pub struct $table;
-    )*};
+        pub struct $name;
+    )*)*};
 }
-taylor_tables! {
-    /// Taylor series of order 8.
-    Taylor8;
-    /// Taylor series of order 12.
-    Taylor12;
-    /// Taylor series of order 16.
-    Taylor16;
-    /// Taylor series of order 20.
-    Taylor20;
-    /// Taylor series of order 26.
-    Taylor26;
+tables! {
+    "Classical Runge-Kutta of order 4."
+        Rk4;
+    "Dormand-Prince of order 8."
+        Dop853;
+    "Taylor series of that order."
+        Taylor8 Taylor12 Taylor16 Taylor20 Taylor26;
+    "Planar rotations about the principal axes, for any body; the number is the order of a composition."
+        Planar Planar4 Planar6 Planar8;
+    "Exact rotor of a body that is symmetric about its axis 3, and kicks."
+        Rotor Rotor4 Rotor6 Rotor8 Chin4a Srkn6 Srkn11 Srkn14 Pmlf4 Pmlf6;
+    "The same kicks between discrete Moser-Veselov drifts, for any body."
+        DmvChin4a DmvSrkn6 DmvSrkn11 DmvSrkn14 DmvPmlf4 DmvPmlf6;
+    "Discrete Moser-Veselov drifts alone, for any free body."
+        Dmv2 Dmv4 Dmv6 Dmv8 Dmv10;
 }
 
 /// The angular momentum, of rates.
@@ -126,65 +127,88 @@ fn kinetic_of_rates<R: Real, const D: usize>(p: &Parameters<R>, y: &[R; D]) -> R
     dot(&momentum_of_rates(p, y), &[y[0], y[1], y[2]]) * R::splat(0.5)
 }
 
-/// A method as users name it; a splitting takes the rotor where the body is symmetric.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Method {
-    /// `rk4`.
-    Rk4,
-    /// `dop853`.
-    Dop853,
-    /// `splitting`.
-    Splitting,
-    /// `taylor8`.
-    Taylor8,
-    /// `taylor12`.
-    Taylor12,
-    /// `taylor16`.
-    Taylor16,
-    /// `taylor20`.
-    Taylor20,
-    /// `taylor26`.
-    Taylor26,
+macro_rules! methods {
+    ($($name:ident: $table:ident;)*) => {
+        /// A method as users name it; the table follows from the body.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[allow(missing_docs)] // The names are those of the facts.
+        pub enum Method {
+            $($name,)*
+        }
+        impl Method {
+            /// The one list of methods: everything that is said of all methods is said over it.
+            pub const ALL: [Method; [$(Method::$name),*].len()] = [$(Method::$name),*];
+
+            /// What it promises.
+            pub fn facts(self) -> Facts {
+                match self {
+                    $(Method::$name => $table::FACTS,)*
+                }
+            }
+        }
+    };
+}
+methods! {
+    Rk4: Rk4;
+    Dop853: Dop853;
+    Taylor8: Taylor8;
+    Taylor12: Taylor12;
+    Taylor16: Taylor16;
+    Taylor20: Taylor20;
+    Taylor26: Taylor26;
+    Splitting: Planar;
+    Splitting4: Planar4;
+    Splitting6: Planar6;
+    Splitting8: Planar8;
+    Chin4a: Chin4a;
+    Srkn6: Srkn6;
+    Srkn11: Srkn11;
+    Srkn14: Srkn14;
+    Pmlf4: Pmlf4;
+    Pmlf6: Pmlf6;
+    Dmv2: Dmv2;
+    Dmv4: Dmv4;
+    Dmv6: Dmv6;
+    Dmv8: Dmv8;
+    Dmv10: Dmv10;
 }
 
 impl Method {
-    /// The one list of methods: everything that is said of all methods is said over it.
-    pub const ALL: [Method; 8] = [
-        Method::Rk4,
-        Method::Dop853,
-        Method::Splitting,
-        Method::Taylor8,
-        Method::Taylor12,
-        Method::Taylor16,
-        Method::Taylor20,
-        Method::Taylor26,
-    ];
-
-    /// What it promises.
-    pub fn facts(self) -> Facts {
-        match self {
-            Method::Rk4 => Rk4::FACTS,
-            Method::Dop853 => Dop853::FACTS,
-            Method::Splitting => Planar::FACTS,
-            Method::Taylor8 => Taylor8::FACTS,
-            Method::Taylor12 => Taylor12::FACTS,
-            Method::Taylor16 => Taylor16::FACTS,
-            Method::Taylor20 => Taylor20::FACTS,
-            Method::Taylor26 => Taylor26::FACTS,
-        }
-    }
-
     /// Whether it is a series, and so chooses its steps where it is given a tolerance.
     pub fn is_series(self) -> bool {
-        !matches!(self, Method::Rk4 | Method::Splitting)
+        use Method::*;
+        matches!(self, Taylor8 | Taylor12 | Taylor16 | Taylor20 | Taylor26)
     }
 
     /// The method of that name.
-    pub fn parse(name: &str) -> Result<Method, crate::error::Error> {
-        Method::ALL.into_iter().find(|m| m.facts().name == name).ok_or_else(|| crate::error::Error::Unknown {
+    pub fn parse(name: &str) -> Result<Method, Error> {
+        Method::ALL.into_iter().find(|m| m.facts().name == name).ok_or_else(|| Error::Unknown {
             argument: "method",
             value: name.to_string(),
             known: Method::ALL.map(|m| m.facts().name).join(", "),
         })
+    }
+
+    /// Whether steps are made in other variables than the states between them, so that nothing can be watched.
+    pub fn is_processed(self) -> bool {
+        matches!(self, Method::Pmlf4 | Method::Pmlf6)
+    }
+
+    /// Whether it moves bodies that have weight.
+    pub fn moves_tops(self) -> bool {
+        !matches!(self, Method::Dmv2 | Method::Dmv4 | Method::Dmv6 | Method::Dmv8 | Method::Dmv10)
+    }
+
+    /// Refuses a scene that it does not move, and what is watched in variables that are not the state.
+    pub fn check(self, is_top: bool, is_watched: bool) -> Result<(), Error> {
+        let refuse =
+            |rule| Err(Error::Value { argument: "method", value: format!("'{}'", self.facts().name), rule });
+        if is_top && !self.moves_tops() {
+            return refuse("moves free bodies only, a top has weight");
+        }
+        if is_watched && self.is_processed() {
+            return refuse("a processed method has states only at wanted times, a map watches every step");
+        }
+        Ok(())
     }
 }

@@ -1,9 +1,9 @@
 //! Splittings into exact partial flows: one engine, any composition.
 //!
 //! The flow of `L_k^2 / 2 I_k` is a rotation about body axis k; the flow of the potential is a kick of the
-//! momentum; a symmetric body moves exactly. Each keeps the Poisson structure, so their composition does.
+//! momentum; between kicks the body drifts freely. Each keeps the Poisson structure, so their composition does.
 
-use super::{Facts, Form, Planar, Rotor, Scheme};
+use super::{Facts, Form, Scheme};
 use crate::model::{self, Layout, Model, Parameters};
 use crate::real::Real;
 use crate::special::{rodrigues, sincos};
@@ -14,100 +14,88 @@ use std::marker::PhantomData;
 pub enum Flow {
     /// Rotation about a principal axis (0, 1, 2).
     Turn(usize),
-    /// Free motion of a body symmetric about axis 3.
-    Rotor,
-    /// The potential.
+    /// Free motion.
+    Drift,
+    /// The potential, perhaps with its force gradient.
     Kick,
+}
+
+/// Free motion over fractions of a step, as exact as a table needs it.
+pub trait Drift<R: Real>: Copy {
+    /// Prepares the constants of the step.
+    fn new(p: &Parameters<R>, numbers: &Numbers) -> Self;
+    /// Moves the state over a fraction of the step.
+    fn flow<M: Model<R>, L: Layout, const D: usize>(&self, fraction: R, y: &mut [R; D]);
 }
 
 /// The table of a splitting: flows in order, each over its fraction of the step.
 pub trait Composition: Copy {
     /// Name, order, properties, citation.
     const FACTS: Facts;
-    /// Flows and fractions.
-    const STAGES: &'static [(Flow, f64)];
+    /// What `Flow::Drift` is.
+    type Drift<R: Real>: Drift<R>;
+    /// The flows of a round, in order.
+    const ROUND: &'static [Flow];
+    /// How long each of them takes.
+    const NUMBERS: Numbers;
+    /// Whether the code is for these numbers alone; a single round is then faster by a tenth.
+    const ALONE: bool = false;
 }
 
-impl Composition for Planar {
-    const FACTS: Facts = Facts {
-        name: "splitting",
-        title: "symplectic splitting: planar rotations, or the exact rotor of a symmetric body; weight as a kick",
-        order: 2,
-        stages: 7,
-        symplectic: true,
-        reversible: true,
-        group_preserving: true,
-        angle_per_step: 1.0 / 16.0,
-        citation: "S. Reich, Momentum conserving symplectic integrators, Physica D 76 (1994) 375-383; \
-                   R. I. McLachlan, Explicit Lie-Poisson integration and the Euler equations, \
-                   Phys. Rev. Lett. 71 (1993) 3043-3046; A. Dullweber, B. Leimkuhler, R. McLachlan, \
-                   Symplectic splitting methods for rigid body molecular dynamics, \
-                   J. Chem. Phys. 107 (1997) 5840-5851",
-        doi: "10.1063/1.474310",
-    };
-    // The kick inside the first two rotations has the smallest error of the orders tried on three bodies.
-    const STAGES: &'static [(Flow, f64)] = &[
-        (Flow::Turn(0), 0.5),
-        (Flow::Turn(1), 0.5),
-        (Flow::Kick, 0.5),
-        (Flow::Turn(2), 1.0),
-        (Flow::Kick, 0.5),
-        (Flow::Turn(1), 0.5),
-        (Flow::Turn(0), 0.5),
-    ];
+/// The numbers of a table. Code is made for a round and a drift; tables that differ in their numbers share it.
+#[derive(Clone, Copy)]
+pub struct Numbers {
+    /// Fractions of the step, flow after flow, round after round; the last round may break off after one flow.
+    pub fractions: &'static [f64],
+    /// Weight of the force gradient in the kicks of each round: `c` adds `-c h^3 tau.tau/I` to `b h V`.
+    pub gradients: &'static [f64],
+    /// What is done before the first step and undone after the last.
+    pub processor: Option<Processor>,
+    /// Order of a drift that is not exact.
+    pub drift_order: usize,
 }
 
-impl Composition for Rotor {
-    const FACTS: Facts = Facts { stages: 3, ..Planar::FACTS };
-    const STAGES: &'static [(Flow, f64)] = &[(Flow::Kick, 0.5), (Flow::Rotor, 1.0), (Flow::Kick, 0.5)];
-}
-
-/// Consistent (the fractions of each flow sum to one) and a palindrome, hence symmetric and of order 2.
-const fn check<C: Composition>() {
-    let n = C::STAGES.len();
-    assert!(n == C::FACTS.stages && n <= MAX_STAGES);
-    let mut sums = [0.0; 5];
-    let mut i = 0;
-    while i < n {
-        let (flow, fraction) = C::STAGES[i];
-        let (mirror_flow, mirror_fraction) = C::STAGES[n - 1 - i];
-        assert!(slot(flow) == slot(mirror_flow) && fraction == mirror_fraction);
-        sums[slot(flow)] += fraction;
-        i += 1;
-    }
-    let [x, y, z, rotor, kick] = sums;
-    let planar = x == 1.0 && y == 1.0 && z == 1.0 && rotor == 0.0;
-    let exact = x == 0.0 && y == 0.0 && z == 0.0 && rotor == 1.0;
-    assert!((planar || exact) && kick == 1.0);
-}
-const fn slot(flow: Flow) -> usize {
-    match flow {
-        Flow::Turn(axis) => axis,
-        Flow::Rotor => 3,
-        Flow::Kick => 4,
+impl Numbers {
+    /// Flows over fractions of the step, and nothing else.
+    pub const fn of(fractions: &'static [f64]) -> Numbers {
+        Numbers { fractions, gradients: &[], processor: None, drift_order: 0 }
     }
 }
-const _: () = check::<Planar>();
-const _: () = check::<Rotor>();
 
-/// Most flows of any table here.
-const MAX_STAGES: usize = 7;
+/// A change of variables in rounds of a kick and a drift. A kernel of low order between it and its inverse is a
+/// method of higher order (Butcher 1969; Blanes, Casas, Ros 1999).
+#[derive(Clone, Copy)]
+pub struct Processor {
+    /// Before the first step.
+    pub enter: Way,
+    /// After the last: the same flows backwards.
+    pub leave: Way,
+}
+
+/// One way through a processor.
+#[derive(Clone, Copy)]
+pub struct Way {
+    /// Fractions of the step, kick and drift in turn.
+    pub fractions: &'static [f64],
+    /// One for each kick, as in `Composition`.
+    pub gradients: &'static [f64],
+}
 
 /// The engine.
-pub struct Splitting<C, R> {
+pub struct Splitting<C: Composition, R: Real> {
     /// Step over moment.
     turn: [R; 3],
-    /// Step times (1/I3 - 1/I1): the spin of the rotor relative to its turning as a whole.
-    spin: R,
+    drift: C::Drift<R>,
+    numbers: &'static Numbers,
     table: PhantomData<C>,
 }
 
-impl<C, R: Copy> Clone for Splitting<C, R> {
+impl<C: Composition, R: Real> Clone for Splitting<C, R> {
     fn clone(&self) -> Self {
         *self
     }
 }
-impl<C, R: Copy> Copy for Splitting<C, R> {}
+impl<C: Composition, R: Real> Copy for Splitting<C, R> {}
 
 /// `v`, seen from a body that turned about `axis` by the angle with that sine and cosine.
 #[inline(always)]
@@ -139,30 +127,84 @@ fn turn<R: Real, L: Layout, const D: usize>(y: &mut [R; D], axis: usize, angle: 
     }
 }
 
-/// Exact free motion of the symmetric body: everything turns about L by |L| h / I1, then the body spins
-/// about its axis 3 by (1/I3 - 1/I1) L3 h; L itself is fixed in space.
-#[inline(always)]
-fn rotor<R: Real, L: Layout, const D: usize>(y: &mut [R; D], h_over_i1: R, spin: R) {
-    let w = [h_over_i1 * y[0], h_over_i1 * y[1], h_over_i1 * y[2]];
-    let z = model::dot(&w, &w);
-    if L::VECTORS > 0 {
-        let (a, b) = rodrigues(z);
-        for v in 0..L::VECTORS {
-            let n = model::direction(y, v);
-            let p = model::cross(&n, &w);
-            let r = model::cross(&p, &w);
-            for i in 0..3 {
-                y[3 + 3 * v + i] = b.fma(r[i], a.fma(p[i], n[i]));
+/// The free motion of a body symmetric about axis 3, exact for any step.
+#[derive(Clone, Copy)]
+pub struct ExactRotor<R> {
+    h_over_i1: R,
+    /// Step times (1/I3 - 1/I1): the spin of the rotor relative to its turning as a whole.
+    spin: R,
+}
+
+impl<R: Real> Drift<R> for ExactRotor<R> {
+    #[inline(always)]
+    fn new(p: &Parameters<R>, _numbers: &Numbers) -> Self {
+        let [i1, _, i3] = p.moments;
+        let one = R::splat(1.0);
+        ExactRotor { h_over_i1: p.step / i1, spin: p.step * (one / i3 - one / i1) }
+    }
+
+    /// Everything turns about L by |L| h / I1, then the body spins about its axis 3 by (1/I3 - 1/I1) L3 h; L itself
+    /// is fixed in space. A sphere does not spin.
+    #[inline(always)]
+    fn flow<M: Model<R>, L: Layout, const D: usize>(&self, fraction: R, y: &mut [R; D]) {
+        let h_over_i1 = fraction * self.h_over_i1;
+        let w = [h_over_i1 * y[0], h_over_i1 * y[1], h_over_i1 * y[2]];
+        let z = model::dot(&w, &w);
+        if L::VECTORS > 0 {
+            let (a, b) = rodrigues(z);
+            for v in 0..L::VECTORS {
+                let n = model::direction(y, v);
+                let p = model::cross(&n, &w);
+                let r = model::cross(&p, &w);
+                for i in 0..3 {
+                    y[3 + 3 * v + i] = b.fma(r[i], a.fma(p[i], n[i]));
+                }
             }
         }
+        if L::QUATERNION {
+            let at = L::QUATERNION_AT;
+            let q = [y[at], y[at + 1], y[at + 2], y[at + 3]];
+            y[at..at + 4].copy_from_slice(&model::quaternion_product(&q, &model::rotation_by(&w)));
+        }
+        if !M::SPIN_FREE {
+            let angle = (fraction * self.spin) * y[2];
+            turn::<R, L, D>(y, 2, angle);
+        }
     }
-    if L::QUATERNION {
-        let at = L::QUATERNION_AT;
-        let q = [y[at], y[at + 1], y[at + 2], y[at + 3]];
-        y[at..at + 4].copy_from_slice(&model::quaternion_product(&q, &model::rotation_by(&w)));
+}
+
+/// The flow at place `i` of a round: an axis, or one of these.
+const fn place<C: Composition>(i: usize) -> usize {
+    if i < C::ROUND.len() { slot(C::ROUND[i]) } else { NONE }
+}
+pub(super) const fn slot(flow: Flow) -> usize {
+    match flow {
+        Flow::Turn(axis) => axis,
+        Flow::Drift => DRIFT,
+        Flow::Kick => KICK,
     }
-    let angle = spin * y[2];
-    turn::<R, L, D>(y, 2, angle);
+}
+pub(super) const DRIFT: usize = 3;
+pub(super) const KICK: usize = 4;
+const NONE: usize = 5;
+
+/// The flow of the potential over a fraction of the step.
+#[inline(always)]
+fn kick<R: Real, M: Model<R>, const D: usize>(
+    p: &Parameters<R>,
+    y: &mut [R; D],
+    fraction: f64,
+    gradient: f64,
+) {
+    let mut momentum = [y[0], y[1], y[2]];
+    let h = R::splat(fraction) * p.step;
+    if gradient == 0.0 {
+        M::kick(p, h, &mut momentum, y);
+    } else {
+        let cubed = (p.step * p.step) * p.step;
+        M::gradient_kick(p, h, R::splat(gradient) * cubed, &mut momentum, y);
+    }
+    y[..3].copy_from_slice(&momentum);
 }
 
 impl<C: Composition, R: Real, M: Model<R>, L: Layout, const D: usize> Scheme<R, M, L, D> for Splitting<C, R> {
@@ -170,38 +212,65 @@ impl<C: Composition, R: Real, M: Model<R>, L: Layout, const D: usize> Scheme<R, 
 
     #[inline(always)]
     fn new(p: &Parameters<R>) -> Self {
+        <Self as Scheme<R, M, L, D>>::with(p, const { &C::NUMBERS })
+    }
+
+    #[inline(always)]
+    fn with(p: &Parameters<R>, numbers: &'static Numbers) -> Self {
         let [i1, i2, i3] = p.moments;
-        let one = R::splat(1.0);
         Splitting {
             turn: [p.step / i1, p.step / i2, p.step / i3],
-            spin: p.step * (one / i3 - one / i1),
+            drift: C::Drift::new(p, numbers),
+            numbers,
             table: PhantomData,
         }
     }
 
     #[inline(always)]
     fn step(&self, p: &Parameters<R>, y: &mut [R; D]) {
-        macro_rules! stages {
-            ($($i:literal)*) => {$(
-                if const { $i < C::STAGES.len() } {
-                    let (flow, fraction) = const { C::STAGES[if $i < C::STAGES.len() { $i } else { 0 }] };
-                    let fraction = R::splat(fraction);
-                    match flow {
-                        Flow::Turn(axis) => {
-                            let angle = (fraction * self.turn[axis]) * y[axis];
-                            turn::<R, L, D>(y, axis, angle);
-                        }
-                        Flow::Rotor => rotor::<R, L, D>(y, fraction * self.turn[0], fraction * self.spin),
-                        Flow::Kick => {
-                            let mut momentum = [y[0], y[1], y[2]];
-                            M::kick(p, fraction * p.step, &mut momentum, y);
-                            y[..3].copy_from_slice(&momentum);
-                        }
+        let width = const {
+            assert!(C::ROUND.len() <= 6);
+            C::ROUND.len()
+        };
+        let own = if const { C::ALONE } { const { &C::NUMBERS } } else { self.numbers };
+        let Numbers { fractions, gradients, .. } = own;
+        // Written out within a round only: a table of many rounds is no longer in code than one.
+        macro_rules! flows {
+            ($round:expr; $($i:literal)*) => {$(
+                if const { place::<C>($i) != NONE } {
+                    let fraction = fractions[$round * width + $i];
+                    if const { place::<C>($i) < DRIFT } {
+                        let axis = const { place::<C>($i) % DRIFT };
+                        let angle = (R::splat(fraction) * self.turn[axis]) * y[axis];
+                        turn::<R, L, D>(y, axis, angle);
+                    } else if const { place::<C>($i) == DRIFT } {
+                        self.drift.flow::<M, L, D>(R::splat(fraction), y);
+                    } else {
+                        let gradient = if gradients.is_empty() { 0.0 } else { gradients[$round] };
+                        kick::<R, M, D>(p, y, fraction, gradient);
                     }
                 }
             )*};
         }
-        stages!(0 1 2 3 4 5 6);
+        let rounds = fractions.len() / width;
+        for round in 0..rounds {
+            flows!(round; 0 1 2 3 4 5);
+        }
+        // A palindrome closes with the flow that it opens with.
+        if fractions.len() > rounds * width {
+            flows!(rounds; 0);
+        }
+    }
+
+    #[inline(always)]
+    fn process(&self, p: &Parameters<R>, y: &mut [R; D], leaving: bool) {
+        if let Some(Processor { enter, leave }) = self.numbers.processor {
+            let way = if leaving { leave } else { enter };
+            for round in 0..way.gradients.len() {
+                kick::<R, M, D>(p, y, way.fractions[2 * round], way.gradients[round]);
+                self.drift.flow::<M, L, D>(R::splat(way.fractions[2 * round + 1]), y);
+            }
+        }
     }
 
     #[inline(always)]

@@ -24,6 +24,15 @@ impl<R: Real> Model<R> for Free<R> {
     #[inline(always)]
     fn kick<const D: usize>(_p: &Parameters<R>, _h: R, _momentum: &mut [R; 3], _y: &[R; D]) {}
     #[inline(always)]
+    fn gradient_kick<const D: usize>(
+        _p: &Parameters<R>,
+        _h: R,
+        _weight: R,
+        _momentum: &mut [R; 3],
+        _y: &[R; D],
+    ) {
+    }
+    #[inline(always)]
     fn torque<const D: usize>(_p: &Parameters<R>, _y: &[R; D]) -> [R; 3] {
         [R::splat(0.0); 3]
     }

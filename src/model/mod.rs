@@ -78,6 +78,8 @@ pub trait Model<R: Real>: Copy {
     }
     /// Exact flow of the potential alone over the time `h`.
     fn kick<const D: usize>(p: &Parameters<R>, h: R, momentum: &mut [R; 3], y: &[R; D]);
+    /// Exact flow over `h` of the potential `V - (weight / h) torque.torque / I`: with the gradient of the force.
+    fn gradient_kick<const D: usize>(p: &Parameters<R>, h: R, weight: R, momentum: &mut [R; 3], y: &[R; D]);
     /// Torque of the potential in the body.
     fn torque<const D: usize>(p: &Parameters<R>, y: &[R; D]) -> [R; 3];
     /// Potential energy.

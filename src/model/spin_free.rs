@@ -33,6 +33,15 @@ impl<R: Real> Model<R> for SpinFree<R> {
         momentum[1] = impulse.fnma(g1, momentum[1]);
     }
     #[inline(always)]
+    fn gradient_kick<const D: usize>(p: &Parameters<R>, h: R, weight: R, momentum: &mut [R; 3], y: &[R; D]) {
+        // The force gradient of a sphere lies along the kick: it is a little heavier where the top stands upright.
+        let [g1, g2, g3] = direction(y, 0);
+        let lever = (p.weight[2] * p.weight[2]) / p.moments[0];
+        let impulse = (weight + weight).fma(lever * g3, h * p.weight[2]);
+        momentum[0] = impulse.fma(g2, momentum[0]);
+        momentum[1] = impulse.fnma(g1, momentum[1]);
+    }
+    #[inline(always)]
     fn torque<const D: usize>(p: &Parameters<R>, y: &[R; D]) -> [R; 3] {
         let [g1, g2, _] = direction(y, 0);
         [p.weight[2] * g2, -(p.weight[2] * g1), R::splat(0.0)]

@@ -42,6 +42,25 @@ impl<R: Real> Model<R> for Top<R> {
         }
     }
     #[inline(always)]
+    fn gradient_kick<const D: usize>(p: &Parameters<R>, h: R, weight: R, momentum: &mut [R; 3], y: &[R; D]) {
+        // A kick by the weight h c - 2 w c x (torque / I).
+        let torque = Self::torque(p, y);
+        let mut turned = torque;
+        for i in 0..3 {
+            turned[i] = torque[i] / p.moments[i];
+        }
+        let lever = cross(&p.weight, &turned);
+        let twice = weight + weight;
+        let mut impulse = p.weight;
+        for i in 0..3 {
+            impulse[i] = twice.fnma(lever[i], h * p.weight[i]);
+        }
+        let kick = cross(&direction(y, 0), &impulse);
+        for i in 0..3 {
+            momentum[i] = momentum[i] + kick[i];
+        }
+    }
+    #[inline(always)]
     fn torque<const D: usize>(p: &Parameters<R>, y: &[R; D]) -> [R; 3] {
         cross(&direction(y, 0), &p.weight)
     }

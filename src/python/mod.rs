@@ -37,7 +37,7 @@ mod _core {
     #[pymodule_export]
     use super::exact::{elliptic, flip_times, free_quantities_of, tilt_times, top_quantities_of};
     #[pymodule_export]
-    use super::{MapJob, build_info, check_moments, closed_forms, fastest_rates, methods};
+    use super::{MapJob, build_info, check_method, check_moments, closed_forms, fastest_rates, methods};
     #[pymodule_export]
     use super::{principal_axes, simulate};
 
@@ -74,12 +74,21 @@ fn methods(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
         entry.set_item("symplectic", facts.symplectic)?;
         entry.set_item("reversible", facts.reversible)?;
         entry.set_item("group_preserving", facts.group_preserving)?;
+        entry.set_item("tops", method.check(true, false).is_ok())?;
+        entry.set_item("maps", method.check(false, true).is_ok())?;
         entry.set_item("angle_per_step", facts.angle_per_step)?;
         entry.set_item("citation", facts.citation)?;
         entry.set_item("doi", facts.doi)?;
         Ok(entry)
     };
     Method::ALL.into_iter().map(describe).collect()
+}
+
+/// Raises if the method does not move that scene, or cannot be watched on the way as a map wants it.
+#[pyfunction]
+fn check_method(method: &str, scene: &str, watched: bool) -> PyResult<()> {
+    Method::parse(method)?.check(parse_scene(scene)?, watched)?;
+    Ok(())
 }
 
 /// Raises if no rigid body has these moments.
@@ -430,6 +439,9 @@ impl MapJob {
             checked,
             key: [seed as u64, (seed >> 64) as u64],
         };
+        if map.judge != Judge::Only(Solver::Exact) {
+            map.judge.method().check(map.is_top, true)?;
+        }
         if map.judge == Judge::Only(Solver::Exact)
             && let Some(pixel) = map.first_without_closed_form()
         {

@@ -101,7 +101,7 @@ impl<'a> Ride<'a> {
         tolerance: f64,
     ) -> Option<Self> {
         let bodies = &request.bodies[block.clone()];
-        let seats = bodies.iter().map(|body| Seat::of_path(method, body)).enumerate();
+        let seats = bodies.iter().map(|body| Seat::of_path(method, body, request.is_top)).enumerate();
         let mut queue: Vec<(usize, Seat)> =
             seats.filter(|(_, seat)| seat.is_spin_free() == spin_free).collect();
         let seat = queue.first()?.1;

@@ -147,7 +147,8 @@ pub struct States {
 /// Runs the request; `None` if it was stopped.
 ///
 /// # Errors
-/// If closed forms are wanted and a body has none, or a tolerance of what is no series.
+/// If closed forms are wanted and a body has none, the method does not move tops, or a tolerance is given to what is no
+/// series.
 pub fn simulate(
     request: &Request,
     threads: usize,
@@ -155,10 +156,13 @@ pub fn simulate(
     stop: &AtomicBool,
 ) -> Result<Option<States>, Error> {
     match request.solver {
-        Solver::Steps(method) if request.tolerance.is_some() => {
-            adaptive::simulate(request, method, threads, isa, stop)
+        Solver::Steps(method) => {
+            method.check(request.is_top, false)?;
+            match request.tolerance {
+                Some(_) => adaptive::simulate(request, method, threads, isa, stop),
+                None => Ok(stepped::simulate(request, method, threads, isa, stop)),
+            }
         }
-        Solver::Steps(method) => Ok(stepped::simulate(request, method, threads, isa, stop)),
         Solver::Exact => {
             let place = |(index, body)| Place::of(body).ok_or(Error::NoClosedForm { index });
             let places: Result<Vec<Place>, Error> = request.bodies.iter().enumerate().map(place).collect();

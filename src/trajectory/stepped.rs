@@ -86,8 +86,8 @@ pub fn simulate(
 /// The seat of a body. Strides repeat the steps of a map, which are made in the frame of the body.
 fn seat_of(request: &Request, method: Method, body: &Body) -> Seat {
     match request.schedule {
-        Schedule::Times(_) => Seat::of_path(method, body),
-        Schedule::Strides(_) => Seat::of(method, body),
+        Schedule::Times(_) => Seat::of_path(method, body, request.is_top),
+        Schedule::Strides(_) => Seat::of(method, body, request.is_top),
     }
 }
 
@@ -203,14 +203,16 @@ impl<'a> Passengers<'a> {
 
 /// Advances every lane by its own number of its own steps; lanes that are done wait with a step of 0.
 fn advance(group: &mut Group, compiled: Compiled, legs: &[Leg], stop: &AtomicBool) -> Option<()> {
-    let mut ends: Vec<u64> = legs.iter().map(|leg| leg.steps).collect();
+    let mut ends: Vec<u64> = legs.iter().map(|leg| leg.steps).filter(|&steps| steps > 0).collect();
     ends.sort_unstable();
     ends.dedup();
+    if compiled.is_processed() {
+        step_where(group, legs, |leg| leg.steps > 0);
+        compiled.enter(group);
+    }
     let mut done = 0;
     for end in ends {
-        for (lane, leg) in legs.iter().enumerate() {
-            group.step.0[lane] = if leg.steps > done { leg.step } else { 0.0 };
-        }
+        step_where(group, legs, |leg| leg.steps > done);
         while done < end {
             if stop.load(Ordering::Relaxed) {
                 return None;
@@ -219,6 +221,17 @@ fn advance(group: &mut Group, compiled: Compiled, legs: &[Leg], stop: &AtomicBoo
             compiled.advance(group, burst as usize);
             done += burst;
         }
+        if compiled.is_processed() {
+            step_where(group, legs, |leg| leg.steps == end);
+            compiled.leave(group);
+        }
     }
     Some(())
+}
+
+/// Lets some lanes make their step, and the others wait.
+fn step_where(group: &mut Group, legs: &[Leg], goes: impl Fn(&Leg) -> bool) {
+    for (lane, leg) in legs.iter().enumerate() {
+        group.step.0[lane] = if goes(leg) { leg.step } else { 0.0 };
+    }
 }

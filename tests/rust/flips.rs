@@ -14,6 +14,11 @@ fn free(moments: [f64; 3], omega: [f64; 3]) -> Body {
     Body { moments, weight: [0.0; 3], omega, attitude: UPRIGHT }
 }
 
+/// The methods that a map may use.
+fn watching(is_top: bool) -> impl Iterator<Item = Method> {
+    Method::ALL.into_iter().filter(move |method| method.check(is_top, true).is_ok())
+}
+
 /// One body, watched along an axis, in a lane of its own.
 struct Watched {
     group: Group,
@@ -22,8 +27,8 @@ struct Watched {
 
 impl Watched {
     fn new(body: &Body, method: Method, axis: i32, step: f64) -> Watched {
-        let seat = Seat::of(method, &body);
         let is_top = body.weight != [0.0; 3];
+        let seat = Seat::of(method, body, is_top);
         let system = if is_top { System::TopAxis } else { System::FreeRates };
         let kernel = Kernel { system, table: seat.table, watch: Watch::Flips };
         let compiled = Compiled::new(kernel, Isa::available()[0]);
@@ -117,7 +122,7 @@ fn located_to_the_order_of_the_scheme() {
 /// A flip lies inside the step in which the sign changed.
 #[test]
 fn located_inside_its_step() {
-    for method in Method::ALL {
+    for method in watching(false) {
         for step in [0.3, 0.1, 0.01] {
             let mut run = Watched::new(&tumbler(), method, 2, step);
             while run.flips() == 0.0 {
@@ -135,7 +140,7 @@ fn located_inside_its_step() {
 /// In the middle of a run, on a border of two steps, the component is exactly zero: it came from +1 or from -1.
 #[test]
 fn a_flip_on_the_border_of_two_steps() {
-    for method in Method::ALL {
+    for method in watching(false) {
         let body = free([1.0, 1.6, 2.0], [0.8, 0.0, 0.7]);
         // w2' = (I3 - I1) w3 w1 / I2 > 0: it goes on to the positive side.
         for (came_from, flips) in [(-1.0, 1.0), (1.0, 0.0)] {
@@ -260,7 +265,7 @@ fn starting_on_zero_is_no_flip() {
         cases.push((3, top([1.6, 1.0, 0.7], [0.0, 0.0, 0.5], [0.0; 3], [0.8, 0.4, 0.4 * sign, 0.2]), 3));
     }
     for (power, body, axis) in cases {
-        for method in Method::ALL.into_iter().filter(|m| m.facts().order >= power) {
+        for method in watching(body.weight != [0.0; 3]).filter(|m| m.facts().order >= power) {
             for watched in [axis, -axis] {
                 let start = Watched::new(&body, method, watched, 0.01);
                 assert_eq!(start.group.side.0[0].abs(), 1.0);
@@ -281,7 +286,7 @@ fn a_component_that_stays_zero_never_flips() {
         attitude: [0.6, 0.0, 0.8, 0.0],
         ..free([1.0, 1.6, 0.7], [0.0, 0.2, 0.0])
     };
-    for method in Method::ALL {
+    for method in watching(true) {
         for (body, axis) in [
             (free([1.0, 1.6, 2.0], [0.0, 1.0, 0.0]), 1),
             (free([1.0, 1.0, 2.0], [0.3, 1.0, 0.0]), 3),
@@ -298,11 +303,11 @@ fn a_component_that_stays_zero_never_flips() {
 /// Rotation about the axes of the largest and the smallest moment is stable, about the middle one it is not.
 #[test]
 fn stable_spin_for_a_million_steps() {
-    for method in Method::ALL {
+    for method in watching(false) {
         for axis in 1..=3 {
             let kernel = Kernel {
                 system: System::FreeRates,
-                table: Seat::of(method, &free([1.0, 1.6, 2.0], [0.0; 3])).table,
+                table: Seat::of(method, &free([1.0, 1.6, 2.0], [0.0; 3]), false).table,
                 watch: Watch::Flips,
             };
             let compiled = Compiled::new(kernel, Isa::available()[0]);
@@ -313,7 +318,7 @@ fn stable_spin_for_a_million_steps() {
                 let mut omega = [1e-3 * angle.sin(), 1e-3 * angle.cos(), 1e-3 * (2.0 * angle).sin()];
                 omega[axis - 1] += 1.0 + 0.01 * angle;
                 let body = free([1.0, 1.6, 2.0], omega);
-                let seat = Seat::of(method, &body);
+                let seat = Seat::of(method, &body, false);
                 load(&mut group, lane, (kernel, compiled), seat, &body, axis as i32, 1.0 / 16.0);
             }
             // Fewer of those that are dear.

@@ -2,8 +2,12 @@
 //! body, and the names of the axes. And that one step of each scheme is what its table says, written out naively.
 
 use nalgebra::{Quaternion, SVector, Unit, UnitQuaternion, Vector3};
-use rigid::method::{Composition, Facts, Flow, Method, Planar, Rk4, Rotor, RungeKutta, Scheme, Splitting};
+use rigid::method::{
+    Composition, ExactRotor, Facts, Flow, Method, Numbers, Planar, Planar4, Rk4, Rotor, Rotor8, RungeKutta,
+    Scheme, Splitting,
+};
 use rigid::model::{Attitude, AxisAttitude, Free, Layout, Model, Parameters, Top};
+use rigid::real::Real;
 use rigid::sample::{Law, attitude, uniforms};
 use rigid::simd::Isa;
 use rigid::start::Body;
@@ -118,8 +122,9 @@ struct OneWay;
 
 impl Composition for OneWay {
     const FACTS: Facts = Facts { stages: 4, order: 1, reversible: false, ..Planar::FACTS };
-    const STAGES: &'static [(Flow, f64)] =
-        &[(Flow::Turn(0), 1.0), (Flow::Turn(1), 1.0), (Flow::Turn(2), 1.0), (Flow::Kick, 1.0)];
+    type Drift<R: Real> = ExactRotor<R>;
+    const ROUND: &'static [Flow] = &[Flow::Turn(0), Flow::Turn(1), Flow::Turn(2), Flow::Kick];
+    const NUMBERS: Numbers = Numbers::of(&[1.0; 4]);
 }
 
 // --- Lengths and energy ---------------------------------------------------------------------------------------
@@ -296,7 +301,7 @@ fn the_renaming_is_one() {
 #[test]
 fn axes_may_be_renamed() {
     for is_top in [false, true] {
-        for method in Method::ALL {
+        for method in Method::ALL.into_iter().filter(|m| !is_top || m.moves_tops()) {
             for moments in [[1.0, 1.6, 0.7], [1.0, 1.0, 0.7], [0.7, 1.0, 1.0], [1.6, 1.0, 0.7]] {
                 let weight = if is_top { [0.2, -0.1, 0.3] } else { [0.0; 3] };
                 let body = Body { moments, weight, omega: [0.9, -0.4, 1.1], attitude: [0.8, 0.4, -0.4, 0.2] };
@@ -312,23 +317,25 @@ fn axes_may_be_renamed() {
 fn renamed_motion(is_top: bool, method: Method, bodies: [Body; 2], turns: usize) {
     let states = run(&bodies, is_top, method);
     let attitudes = states.attitude.unwrap();
+    // 200 steps, of so many flows or evaluations, of some ten roundings each.
+    let roundings = (200.0 * 10.0 * method.facts().stages as f64).sqrt() * EPS / 2.0;
     for time in 0..2 {
         let [old, new] = [0, 1].map(|body| &states.omega[3 * (2 * body + time)..][..3]);
         for i in 0..3 {
             let (a, b) = (old[(i + turns) % 3], new[i]);
             // A free body: the same operations on the same numbers. A top starts with another rounding of its
-            // vertical, an eps or two, and remembers it: 4 eps t, t = 4.
-            let slack = if is_top { 16.0 * EPS } else { 0.0 };
+            // vertical, an eps or two, and remembers it: 4 eps t, t = 4; from then on all is rounded otherwise.
+            let slack = if is_top { 16.0 * EPS + roundings } else { 0.0 };
             assert!((a - b).abs() <= slack, "{method:?} {bodies:?}: {a:e} {b:e}");
         }
-        // Attitudes: one more product, and 200 steps of ten roundings.
+        // Attitudes: one more product.
         let [old, new] = [0, 1].map(|body| &attitudes[4 * (2 * body + time)..][..4]);
         let mut q: [f64; 4] = old.try_into().unwrap();
         for _ in 0..turns {
             q = rigid::model::quaternion_product(&q, &[0.5, 0.5, 0.5, 0.5]);
         }
         let miss = distance(&q, new);
-        assert!(miss <= 4.0 * (200.0_f64 * 10.0).sqrt() * EPS / 2.0, "{method:?} {bodies:?}: {miss:e}");
+        assert!(miss <= 4.0 * roundings, "{method:?} {bodies:?}: {miss:e}");
     }
 }
 
@@ -366,7 +373,8 @@ impl Naive {
 
 fn naive_splitting<C: Composition>(p: &Parameters<f64>, y: &[f64; 10]) -> [f64; 10] {
     let mut state = Naive::of(y);
-    for &(flow, fraction) in C::STAGES {
+    for (i, fraction) in C::NUMBERS.fractions.iter().enumerate() {
+        let flow = C::ROUND[i % C::ROUND.len()];
         let h = fraction * p.step;
         match flow {
             Flow::Turn(k) => {
@@ -374,7 +382,7 @@ fn naive_splitting<C: Composition>(p: &Parameters<f64>, y: &[f64; 10]) -> [f64; 
                 let angle = state.first[k] / p.moments[k] * h;
                 state.turn(UnitQuaternion::from_axis_angle(&axis, angle));
             }
-            Flow::Rotor => {
+            Flow::Drift => {
                 let spin = (1.0 / p.moments[2] - 1.0 / p.moments[0]) * state.first.z * h;
                 state.turn(UnitQuaternion::from_scaled_axis(state.first / p.moments[0] * h));
                 state.turn(UnitQuaternion::from_axis_angle(&Vector3::z_axis(), spin));
@@ -426,14 +434,20 @@ fn one_step_as_its_table_says() {
         go::<Splitting<Planar, f64>, Top<f64>, AxisAttitude, 10>(&p, &mut planar, 1);
         let mut rotor = state;
         go::<Splitting<Rotor, f64>, Top<f64>, AxisAttitude, 10>(&twist, &mut rotor, 1);
+        let mut planar4 = state;
+        go::<Splitting<Planar4, f64>, Top<f64>, AxisAttitude, 10>(&p, &mut planar4, 1);
+        let mut rotor8 = state;
+        go::<Splitting<Rotor8, f64>, Top<f64>, AxisAttitude, 10>(&twist, &mut rotor8, 1);
         let mut rk4 = state;
         go::<RungeKutta<Rk4, f64, Top<f64>>, Top<f64>, AxisAttitude, 10>(&p, &mut rk4, 1);
 
         // Numbers of size one, at most ten roundings of eps/2 on either side: no number is off by more than
-        // 10 eps, and in the mean square of ten numbers by less.
+        // 10 eps, and in the mean square of ten numbers by less. Five times as many flows: the same.
         for (name, got, naive) in [
             ("planar", planar, naive_splitting::<Planar>(&p, &state)),
             ("rotor", rotor, naive_splitting::<Rotor>(&twist, &state)),
+            ("planar 4", planar4, naive_splitting::<Planar4>(&p, &state)),
+            ("rotor 8", rotor8, naive_splitting::<Rotor8>(&twist, &state)),
             ("rk4", rk4, naive_rk4(&p, &state)),
         ] {
             let miss = distance(&got, &naive);
