@@ -27,9 +27,9 @@ PHASE_ERROR: Mapping[str, tuple[int, float]] = {
     "splitting": (2, 1.0 / 24.0),
     "taylor8": (8, 2e-5),
     "taylor12": (12, 5e-8),
-    "taylor16": (16, 1.5e-10),
-    "taylor20": (20, 5e-13),
-    "taylor26": (26, 1e-16),
+    "taylor16": (16, 5e-10),
+    "taylor20": (20, 3e-12),
+    "taylor26": (26, 5e-15),
 }
 """Order p and factor c of the error ``c (h w)^p`` per radian turned at rate w with step h; of the
 Taylor series the largest c seen on free bodies and tops up to the largest angle below."""

@@ -254,6 +254,14 @@ impl States {
         let finite = now.omega.iter().chain(&now.invariants).all(|x| x.is_finite()) && units.is_finite();
         if !finite {
             self.status[body] = Status::NotFinite;
+            // The sign of a NaN is that of the instruction that made it.
+            let one_nan = |x: &mut f64| *x = if x.is_nan() { f64::NAN } else { *x };
+            self.omega[3 * at..][..3].iter_mut().for_each(one_nan);
+            self.vertical.iter_mut().flat_map(|v| &mut v[3 * at..][..3]).for_each(one_nan);
+            self.attitude.iter_mut().flat_map(|q| &mut q[4 * at..][..4]).for_each(one_nan);
+            for drift in [&mut self.energy_drift, &mut self.momentum_drift, &mut self.unit_drift] {
+                one_nan(&mut drift[body]);
+            }
         } else if self.status[body] == Status::Finished {
             let drifts = [self.energy_drift[body], self.momentum_drift[body], self.unit_drift[body]];
             // A NaN is not below the limit.

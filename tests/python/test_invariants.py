@@ -167,7 +167,7 @@ def test_a_reversible_method_finds_the_way_back(method: rigid.Method, identifier
     rounding = 5.0 * ROUNDOFF * condition * np.sqrt(24.0 * float(there.steps))
     if method.reversible:
         assert missed < rounding
-    else:
+    elif method.order <= 4:  # a series of so short steps is exact but for rounding
         assert missed > 100.0 * rounding, "better than it says"
 
 
@@ -182,7 +182,7 @@ def test_the_group_is_preserved_as_stated(
         worst = max(np.abs(d).max() for d in lengths(scene, run, omega).values())
         if method.group_preserving:
             assert worst < 4.0 * ROUNDOFF * 2000
-        else:
+        elif method.order <= 4:  # a series of so short steps is exact but for rounding
             assert worst > 100.0 * ROUNDOFF * 2000, "better than it says"
 
 

@@ -277,7 +277,8 @@ def test_axes_without_meaning_say_why(
         (
             {"method": "rk5"},
             ValueError,
-            "one of 'auto', 'exact', 'rk4', 'splitting'; did you mean 'rk4'?",
+            "one of 'auto', 'exact', 'rk4', 'splitting', 'taylor8', 'taylor12', 'taylor16', "
+            "'taylor20', 'taylor26'; did you mean 'rk4'?",
         ),
         ({"method": 4}, ValueError, "method = 4: must be one of 'auto', 'exact', 'rk4'"),
         ({"rng": -1}, ValueError, "rng = -1: must lie in 0 .. 2**128 - 1"),
