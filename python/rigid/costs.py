@@ -26,16 +26,18 @@ PHASE_ERROR: Mapping[str, tuple[int, float]] = {
     "rk4": (4, 1.0 / 120.0),
     "splitting": (2, 1.0 / 24.0),
     "taylor8": (8, 2e-5),
-    "taylor12": (12, 5e-8),
-    "taylor16": (16, 5e-10),
-    "taylor20": (20, 3e-12),
-    "taylor26": (26, 5e-15),
+    "taylor12": (12, 1e-7),
+    "taylor16": (16, 2e-9),
+    "taylor20": (20, 2e-11),
+    "taylor26": (26, 2e-14),
 }
 """Order p and factor c of the error ``c (h w)^p`` per radian turned at rate w with step h; of the
-Taylor series the largest c seen on free bodies and tops up to the largest angle below."""
+Taylor series some times the largest c seen on free bodies and tops up to the largest angle below,
+where it is no constant."""
 
 LARGEST_ANGLE_PER_STEP: Mapping[str, float] = {
-    name: 0.5 if order <= 4 else 1.0 if order <= 8 else 2.0 for name, (order, _) in PHASE_ERROR.items()
+    name: 0.5 if order <= 4 else 1.0 if order <= 8 else 2.0
+    for name, (order, _) in PHASE_ERROR.items()
 }
 """No accuracy is so low that a longer step is trusted to the model of its error (rad)."""
 

@@ -145,8 +145,8 @@ def simulate(
         What is carried: the attitude; or the vertical seen from the body; or rates only. Asking for
         less is faster and changes no bit of the rates.
     max_steps : int
-        A body that would need more has the status ``STEP_LIMIT``: it is not run, or with a tolerance
-        stopped there.
+        A body that would need more has the status ``STEP_LIMIT``: it is not run, or with a
+        tolerance stopped there.
     threads : int, optional
         Default: ``RIGID_NUM_THREADS``, else the cores that this process may use.
 

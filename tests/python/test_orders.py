@@ -22,8 +22,8 @@ REGIMES = [
     ("kovalevskaya/kov_a", 7.0, 0.1),
 ]
 
-#: The order of a series is measured in the core, on single steps: over a run, the steps at which its
-#: error is more than rounding are too long for the leading term to rule.
+#: The order of a series is measured in the core, on single steps: over a run, the steps at which
+#: its error is more than rounding are too long for the leading term to rule.
 LOW_ORDERS = [method for method in METHODS if method.order <= 4]
 
 HALVINGS = 0.5 ** np.arange(6)

@@ -61,5 +61,5 @@ def test_a_tolerance_excludes_a_step_and_an_accuracy(other: str) -> None:
 
 @pytest.mark.parametrize("tolerance", [0.0, -1e-9, np.nan, np.inf, 1.0])
 def test_what_is_no_tolerance(tolerance: float) -> None:
-    with pytest.raises(ValueError, match="tolerance = .*must be"):
+    with pytest.raises(ValueError, match=r"tolerance = .*must be"):
         rigid.simulate(FREE, OMEGA, t=[1.0], method="taylor12", tolerance=tolerance)

@@ -22,7 +22,7 @@ struct Watched {
 
 impl Watched {
     fn new(body: &Body, method: Method, axis: i32, step: f64) -> Watched {
-        let seat = Seat::of(method, &body);
+        let seat = Seat::of(method, body);
         let is_top = body.weight != [0.0; 3];
         let system = if is_top { System::TopAxis } else { System::FreeRates };
         let kernel = Kernel { system, table: seat.table, watch: Watch::Flips };
