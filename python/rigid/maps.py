@@ -67,10 +67,9 @@ def stability_map(
     start : Start, optional
         By default a free body spins with 1 rad/s about the axis of its middle moment with
         ``noise=normal(1e-3)``, a top with 5 rad/s about axis 3, ``attitude_noise=normal(1e-3)``.
-    method : {"auto", "exact", "rk4", "splitting"}, optional
+    method : str, optional
         ``"auto"``, the default: each body by closed form where it has one for this criterion, else
-        ``"rk4"``. ``"exact"``: closed forms only. Or a scheme: classical Runge-Kutta of order 4, or
-        the symplectic splitting of order 2.
+        ``"rk4"``. ``"exact"``: closed forms only. Or one of :func:`rigid.methods`.
     step : float, optional
         Time step of the bodies that are integrated, s; by default chosen for each body from a bound
         of its rates.

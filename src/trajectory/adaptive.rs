@@ -34,7 +34,7 @@ pub fn simulate(
     let Schedule::Times(times) = request.schedule else {
         return Err(refused("steps of a given size have no tolerance"));
     };
-    let tolerance = request.tolerance.filter(|&t| t >= f64::MIN_POSITIVE && t < 1.0);
+    let tolerance = request.tolerance.filter(|t| (f64::MIN_POSITIVE..1.0).contains(t));
     let tolerance = tolerance.ok_or_else(|| refused("must be positive and below one"))?;
     if !method.is_series() {
         return Err(refused("only the Taylor methods choose their steps"));

@@ -257,18 +257,15 @@ impl States {
         mut now: State,
         (invariants, last): ([[f64; 2]; 2], &mut [f64; 4]),
     ) {
-        canonical(&mut now.omega);
         self.omega[3 * at..][..3].copy_from_slice(&now.omega);
         let mut units = 0.0_f64;
-        if let Some(direction) = &mut now.direction {
-            canonical(direction);
+        if let Some(direction) = &now.direction {
             units = worse(units, (norm(direction) - 1.0).abs());
             if let Some(vertical) = &mut self.vertical {
                 vertical[3 * at..][..3].copy_from_slice(direction);
             }
         }
         if let (Some(now), Some(attitude)) = (&mut now.attitude, &mut self.attitude) {
-            canonical(now);
             if (0..4).map(|k| now[k] * last[k]).sum::<f64>() < 0.0 {
                 *now = now.map(|x| -x);
             }
@@ -285,6 +282,14 @@ impl States {
         let finite = now.omega.iter().chain(&now.invariants).all(|x| x.is_finite()) && units.is_finite();
         if !finite {
             self.status[body] = Status::NotFinite;
+            // The sign of a NaN is that of the instruction that made it.
+            let one_nan = |x: &mut f64| *x = if x.is_nan() { f64::NAN } else { *x };
+            self.omega[3 * at..][..3].iter_mut().for_each(one_nan);
+            self.vertical.iter_mut().flat_map(|v| &mut v[3 * at..][..3]).for_each(one_nan);
+            self.attitude.iter_mut().flat_map(|q| &mut q[4 * at..][..4]).for_each(one_nan);
+            for drift in [&mut self.energy_drift, &mut self.momentum_drift, &mut self.unit_drift] {
+                one_nan(&mut drift[body]);
+            }
         } else if self.status[body] == Status::Finished {
             let drifts = [self.energy_drift[body], self.momentum_drift[body], self.unit_drift[body]];
             // A NaN is not below the limit.
@@ -317,21 +322,9 @@ fn invariants_at_start(group: &Group, lane: usize) -> [[f64; 2]; 2] {
     [&group.energy, &group.momentum].map(|rows| [rows.start.0[lane], rows.inverse_scale.0[lane]])
 }
 
-/// One NaN for all: its sign depends on the instruction set.
-fn canonical(numbers: &mut [f64]) {
-    for x in numbers {
-        if x.is_nan() {
-            *x = f64::NAN;
-        }
-    }
-}
-
 /// The larger of two errors; a NaN is worse than any number.
 fn worse(old: f64, new: f64) -> f64 {
-    if old.is_nan() || new.is_nan() {
-        return f64::NAN;
-    }
-    if new <= old { old } else { new }
+    if new <= old || old.is_nan() { old } else { new }
 }
 
 fn norm<const N: usize>(v: &[f64; N]) -> f64 {
