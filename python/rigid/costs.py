@@ -73,26 +73,6 @@ CLOSED_FORM_COST: Mapping[str, tuple[float, float, float]] = {
 }
 
 
-def _times(cost: Mapping[str, float], passes: int) -> dict[str, float]:
-    return {question: passes * nanoseconds for question, nanoseconds in cost.items()}
-
-
-# Compositions repeat the flows of "splitting"; of the others only drifts count.
-_PASSES = {"splitting4": 6, "splitting6": 9, "splitting8": 17}
-_DRIFTS = {"chin4a": 2, "srkn6": 6, "srkn11": 11, "srkn14": 15, "pmlf4": 1, "pmlf6": 3}
-_FREE_PASS = {"rates": 3.9, "axis": 4.4, "attitude": 7.4, "flips": 3.9, "tilt": 4.4}
-_TOP_PASS = {"rates": 5.0, "axis": 5.0, "attitude": 8.7, "flips": 5.1, "tilt": 5.1}
-_FREE_DRIFT = {"rates": 9.8, "axis": 10.9, "attitude": 11.4, "flips": 10.2, "tilt": 11.4}
-_TOP_DRIFT = {"rates": 11.2, "axis": 11.2, "attitude": 12.0, "flips": 11.6, "tilt": 11.6}
-STEP_COST = {
-    **STEP_COST,
-    **{(name, "free"): _times(_FREE_PASS, n) for name, n in _PASSES.items()},
-    **{(name, "top"): _times(_TOP_PASS, n) for name, n in _PASSES.items()},
-    **{(name, "free"): _FREE_DRIFT for name in (*_DRIFTS, "dmv2", "dmv4", "dmv6", "dmv8", "dmv10")},
-    **{(name, "top"): _times(_TOP_DRIFT, n) for name, n in _DRIFTS.items()},
-}
-
-
 def check_attainable(accuracy: float, angles: Floats) -> None:
     """Raise ValueError if rounding alone leaves more."""
     floor = ROUNDING * (1.0 + angles.max(initial=0.0))
