@@ -212,6 +212,20 @@ pub struct State {
     pub invariants_of_attitude: Option<[f64; 2]>,
 }
 
+impl State {
+    /// The same, with one NaN for all: its sign and payload are not the same on every instruction set.
+    pub fn with_plain_nans(self) -> State {
+        let plain = |x: f64| if x.is_nan() { f64::NAN } else { x };
+        State {
+            omega: self.omega.map(plain),
+            direction: self.direction.map(|v| v.map(plain)),
+            attitude: self.attitude.map(|q| q.map(plain)),
+            invariants: self.invariants.map(plain),
+            invariants_of_attitude: self.invariants_of_attitude.map(|i| i.map(plain)),
+        }
+    }
+}
+
 /// Scales of the energy and of the conserved momentum: what a drift is relative to.
 ///
 /// A free body: its energy, and `2 L.L` for `L.L` (so that the number is that of |L|). A top: kinetic energy

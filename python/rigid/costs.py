@@ -28,7 +28,7 @@ ROUNDING = 1e-15
 PHASE_ERROR: Mapping[str, tuple[int, float]] = {
     "rk4": (4, 1.0 / 120.0),
     "splitting": (2, 1.0 / 24.0),
-    "splitting4": (4, 2e-4),
+    "splitting4": (4, 3e-4),
     "splitting6": (6, 8e-5),
     "splitting8": (8, 1e-7),
     "chin4a": (4, 6e-5),

@@ -200,6 +200,7 @@ impl<'a> Passengers<'a> {
             // Through the momenta and back, the rates would return rounded.
             now.omega = self.bodies[lane].omega;
         }
+        let now = now.with_plain_nans();
         let states = &mut self.states;
         let at = lane * self.request.schedule.len() + state;
         states.omega[3 * at..][..3].copy_from_slice(&now.omega);

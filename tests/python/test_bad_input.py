@@ -177,10 +177,10 @@ REFUSED: list[tuple[Callable[[], Any], type[Exception], list[str]]] = [
     (
         run(method="rk5"),
         ValueError,
-        ["method = 'rk5': must be one of 'exact', 'rk4', 'splitting'; did you mean 'rk4'?"],
+        ["method = 'rk5': must be one of 'exact', 'rk4', 'splitting', ", "did you mean 'rk4'?"],
     ),
     (run(method="spliting"), ValueError, ["method = 'spliting': ", "did you mean 'splitting'?"]),
-    (run(method=4), ValueError, ["method = 4: must be one of 'exact', 'rk4', 'splitting'"]),
+    (run(method=4), ValueError, ["method = 4: must be one of 'exact', 'rk4', 'splitting', "]),
     (
         run(record="atitude"),
         ValueError,
