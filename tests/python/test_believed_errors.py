@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import rigid
-from physics import METHODS, NAMES, Floats, Golden, golden, present, rotation_angle, tilted
+from physics import EVERY_METHOD, NAMES, Floats, Golden, golden, present, rotation_angle, tilted
 from rigid import _core
 from rigid.scenes import Scene
 
@@ -63,7 +63,7 @@ def survey(count: int, seed: int) -> tuple[Floats, list[Any]]:
         t = [rng.uniform(2.0, 100.0) / rate]
         accuracy = 10.0 ** rng.uniform(-10.0, -3.0)
         method = str(rng.choice(NAMES))
-        order = next(one.order for one in METHODS if one.name == method)
+        order = next(one.order for one in EVERY_METHOD if one.name == method)
         if order <= 4:
             accuracy = max(accuracy, {2: 1e-5, 4: 1e-8}[order])
         options: dict[str, Any] = {"method": method, "max_steps": 10**7}
@@ -107,7 +107,7 @@ def test_every_scheme_gives_the_accuracy_or_says_that_it_does_not(case: Golden) 
     last = int(np.flatnonzero(known)[min(2, known.sum() - 1)])
     fastest = float(np.linalg.norm(case.omega, axis=-1).max())
     met = 0
-    for method in METHODS:
+    for method in EVERY_METHOD:
         for accuracy in (1e-6, 1e-9, 1e-12):
             try:
                 run = rigid.simulate(
