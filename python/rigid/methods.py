@@ -14,6 +14,7 @@ __all__ = [
     "Method",
     "angle_per_step",
     "check_method",
+    "is_symplectic",
     "map_methods",
     "methods",
     "order_of",
@@ -86,6 +87,11 @@ def methods() -> tuple[Method, ...]:
 def order_of(name: str) -> int:
     """The order of a scheme."""
     return _named(name).order
+
+
+def is_symplectic(name: str) -> bool:
+    """Whether a scheme is one."""
+    return _named(name).symplectic
 
 
 def angle_per_step(name: str) -> float:

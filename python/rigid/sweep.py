@@ -224,8 +224,9 @@ def _measure(cloud: Cloud, truth: Run, method: str, steps: int) -> Measured:
     run = cloud.run(method, steps)
     rates, attitude = cloud.distance(run, truth)
     taken = int(run.steps.max())
-    with np.errstate(invalid="ignore"):
-        energy, momentum = float(run.energy_drift.max()), float(run.momentum_drift.max())
+    # What is not a number is lost.
+    drifts = [np.where(np.isnan(d), np.inf, d) for d in (run.energy_drift, run.momentum_drift)]
+    energy, momentum = (float(drift.max()) for drift in drifts)
     return Measured(taken, rates, attitude, energy, momentum, float(run.nanoseconds))
 
 
