@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from . import _core
 from .columns import each_row
-from .methods import is_symplectic
+from .methods import rotations
 
 __all__ = ["SAMPLE", "Belief", "ahead", "believe", "distances", "evenly", "span_of", "taken_from"]
 
@@ -46,8 +46,10 @@ class Belief:
     lost_from: Floats
 
 
-ROTATION = 1.1e-16
-"""What rounding leaves of a step that is made of rotations (rad)."""
+ROTATION = 1.6e-17
+"""What rounding leaves of each rotation that a splitting is made of (rad).
+
+Equal rotations err alike in both runs, all one way."""
 
 
 def evenly(count: int, most: int) -> NDArray[np.intp]:
@@ -104,9 +106,7 @@ def believe(
     span = span_of(times)
     rates = _core.fastest_rates(**each_row(table))
     floor = ROUNDING * (1.0 + rates * span)
-    if is_symplectic(method):
-        # Steps of equal rotations err alike in both runs: half a rounding a step, all one way.
-        floor = floor + ROTATION * taken
+    floor = floor + ROTATION * rotations(method) * taken
     count = len(taken)
     unknown = Belief(np.full(count, np.nan), np.full(count, np.nan))
     if span == 0.0 or not len(times):

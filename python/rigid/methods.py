@@ -14,10 +14,10 @@ __all__ = [
     "Method",
     "angle_per_step",
     "check_method",
-    "is_symplectic",
     "map_methods",
     "methods",
     "order_of",
+    "rotations",
     "run_methods",
     "series_methods",
 ]
@@ -89,9 +89,10 @@ def order_of(name: str) -> int:
     return _named(name).order
 
 
-def is_symplectic(name: str) -> bool:
-    """Whether a scheme is one."""
-    return _named(name).symplectic
+def rotations(name: str) -> int:
+    """Of how many exact flows a step of a splitting is made; 0 of other schemes."""
+    method = _named(name)
+    return method.stages if method.symplectic else 0
 
 
 def angle_per_step(name: str) -> float:

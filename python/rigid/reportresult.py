@@ -342,19 +342,24 @@ def _aligned(table: Sequence[Sequence[str]]) -> list[str]:
     return lines
 
 
-_UNBOUNDED = ("error", "worst", "rates_error", "attitude_error")
-_UNKNOWN = ("energy_drift", "momentum_drift")
+_UNBOUNDED = (
+    "error",
+    "worst",
+    "rates_error",
+    "attitude_error",
+    "energy_drift",
+    "momentum_drift",
+)
 
 
 def _finite(row: dict[str, Any]) -> dict[str, Any]:
-    numbers = (*_UNBOUNDED, *_UNKNOWN)
-    lost = {name: None for name in numbers if not math.isfinite(row[name])}
+    lost = {name: None for name in _UNBOUNDED if not math.isfinite(row[name])}
     return row | lost
 
 
 def _row(data: Mapping[str, Any]) -> Row:
     values = dict(data)
-    for name in (*_UNBOUNDED, *_UNKNOWN):
+    for name in _UNBOUNDED:
         if values[name] is None:
-            values[name] = math.inf if name in _UNBOUNDED else math.nan
+            values[name] = math.inf
     return Row(**values)
