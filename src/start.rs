@@ -217,6 +217,8 @@ pub struct State {
     pub direction: Option<[f64; 3]>,
     /// Attitude, if it is carried.
     pub attitude: Option<[f64; 4]>,
+    /// Whether the attitude could as well have the other sign: it was made from rows of its matrix.
+    pub sign_is_free: bool,
     /// Energy and conserved momentum, with the arithmetic of the kernel.
     pub invariants: [f64; 2],
     /// The same of a top with the vertical that the attitude says, where both are carried: the two may part.
@@ -427,6 +429,7 @@ pub fn read(
             }
             None => in_rows.then(|| attitude_of_rows(&seat.restore(row(&y, 6)), &seat.restore(row(&y, 3)))),
         },
+        sign_is_free: in_rows,
         invariants,
         invariants_of_attitude,
     }

@@ -249,7 +249,7 @@ impl States {
     }
 
     /// Writes the state of a body, number `at` of all, and updates its drifts, given start and inverse scale of energy
-    /// and conserved momentum. Of the two signs of an attitude that nearer to the last one is written.
+    /// and conserved momentum. A sign that is not known is that nearer to the last attitude.
     fn record(
         &mut self,
         body: usize,
@@ -265,8 +265,9 @@ impl States {
                 vertical[3 * at..][..3].copy_from_slice(direction);
             }
         }
+        let sign_is_free = now.sign_is_free;
         if let (Some(now), Some(attitude)) = (&mut now.attitude, &mut self.attitude) {
-            if (0..4).map(|k| now[k] * last[k]).sum::<f64>() < 0.0 {
+            if sign_is_free && (0..4).map(|k| now[k] * last[k]).sum::<f64>() < 0.0 {
                 *now = now.map(|x| -x);
             }
             *last = *now;
