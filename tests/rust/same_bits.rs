@@ -149,7 +149,8 @@ fn place(group: &mut Group, lane: usize, kernel: Kernel, compiled: Compiled, it:
 
 /// Steps in bursts of several lengths: 200, or 40 of those that are long and dear.
 fn run(group: &mut Group, kernel: Kernel, compiled: Compiled) {
-    let short = matches!(kernel.table, Table::Rk4 | Table::Planar | Table::Rotor);
+    let drifts = format!("{:?}", kernel.table).starts_with("Dmv");
+    let short = drifts || matches!(kernel.table, Table::Rk4 | Table::Planar | Table::Rotor);
     for steps in if short { [1, 16, 83, 100] } else { [1, 5, 14, 20] } {
         compiled.advance(group, steps);
     }
