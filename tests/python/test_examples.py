@@ -12,7 +12,7 @@ import pytest
 
 import rigid
 
-README = Path(__file__).parents[2] / "README.md"
+ROOT = Path(__file__).parents[2]
 
 MODULES = ["rigid"] + [
     f"rigid.{module.name}"
@@ -50,14 +50,16 @@ def test_the_public_names_with_arguments_have_examples() -> None:
         assert any(test.examples for test in found), name
 
 
-def test_readme() -> None:
+@pytest.mark.parametrize("page", ["README.md", "docs/methods.md"])
+def test_pages(page: str) -> None:
     """All Python blocks, one after the other as a reader would run them."""
-    blocks = re.findall(r"^```python\n(.*?)^```", README.read_text(), re.MULTILINE | re.DOTALL)
+    text = (ROOT / page).read_text(encoding="utf-8")
+    blocks = re.findall(r"^```python\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
     names: dict[str, object] = {"__name__": "readme"}
     for number, block in enumerate(blocks):
         if ">>>" in block:
             test = doctest.DocTestParser().get_doctest(
-                block, names, f"block {number}", "README.md", 0
+                block, names, f"block {number}", page, 0
             )
             assert doctest.DocTestRunner().run(test, clear_globs=False).failed == 0
             names.update(test.globs)
