@@ -358,7 +358,7 @@ kicks_and_drifts! {
         reversible: false,
         citation: "S. Blanes, F. Casas, J. Ros, High-order Runge-Kutta-Nystrom geometric methods with processing, \
                    Appl. Numer. Math. 39 (2001) 245-259; digits: H. Rein, MNRAS 492 (2020) 5413-5419",
-        doi: "10.1016/S0168-9274(00)00035-2",
+        doi: "",
         ..EXACT_DRIFT
     };
 }
@@ -379,7 +379,7 @@ macro_rules! drifts {
                            A. Zanna, Found. Comput. Math. 5 (2005) 87-123; E. Hairer, G. Vilmart, Preprocessed \
                            discrete Moser-Veselov algorithm for the full dynamics of a rigid body, \
                            J. Phys. A 39 (2006) 13225-13235",
-                doi: "10.1088/0305-4470/39/42/006",
+                doi: "10.1007/BF02352494",
                 ..Planar::FACTS
             };
             type Drift<R: Real> = MoserVeselov<R>;

@@ -3,11 +3,15 @@
 //! A burst advances all bodies of a `Group` by some steps; the code that fills and empties lanes around it is
 //! ordinary scalar code. No lane looks at another.
 
+mod kinds;
+
+pub use kinds::{Kernel, System, Table, Watch};
+
 use crate::group::{DriftRows, Group, LANES, MAX_STATE, Row};
 use crate::leaps::{Leaps, inside, leap};
 use crate::method::{
-    self, Composition, Dmv10, Dop853, Form, Numbers, Planar, Planar8, Rk4, Rotor, RungeKutta, Scheme,
-    Splitting, Taylor, Taylor8, Taylor12, Taylor16, Taylor20, Taylor26,
+    Dmv10, Dop853, Numbers, Planar, Planar8, Rk4, Rotor, RungeKutta, Scheme, Splitting, Taylor, Taylor8,
+    Taylor12, Taylor16, Taylor20, Taylor26,
 };
 use crate::model::{
     Attitude, Axis, AxisAttitude, Free, Layout, Model, Parameters, Rates, SpinFree, Top, TwoAxes, direction,
@@ -18,189 +22,7 @@ use crate::real::{Pack, Real};
 use crate::simd::Isa;
 #[cfg(target_arch = "x86_64")]
 use crate::simd::{Arr, V4, V8};
-
-/// Which model moves and what is carried beside the rates.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(missing_docs)] // The names are those of `model`.
-pub enum System {
-    FreeRates,
-    FreeAxis,
-    FreeAttitude,
-    TopAxis,
-    TopTwoAxes,
-    TopAttitude,
-    SpinFreeAxis,
-    SpinFreeTwoAxes,
-    SpinFreeAttitude,
-}
-
-macro_rules! tables {
-    ($($smooth:ident)*; $($split:ident)*) => {
-        /// Which table moves it.
-        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-        #[allow(missing_docs)] // The names are those of `method`.
-        pub enum Table {
-            $($smooth,)*
-            $($split,)*
-        }
-        impl Table {
-            /// All tables.
-            pub const ALL: [Table; [$(Table::$smooth,)* $(Table::$split),*].len()] =
-                [$(Table::$smooth,)* $(Table::$split),*];
-
-            /// Whether it takes steps along the equations of motion, not by exact flows of their parts.
-            pub fn is_smooth(self) -> bool {
-                matches!(self, $(Table::$smooth)|*)
-            }
-
-            /// Its numbers, if it is a splitting.
-            fn numbers(self) -> &'static Numbers {
-                match self {
-                    $(Table::$split => const { &<method::$split as Composition>::NUMBERS },)*
-                    _ => &NO_NUMBERS,
-                }
-            }
-        }
-    };
-}
-const NO_NUMBERS: Numbers = Numbers::of(&[]);
-tables! {
-    Rk4 Dop853 Taylor8 Taylor12 Taylor16 Taylor20 Taylor26;
-    Planar Planar4 Planar6 Planar8
-    Rotor Rotor4 Rotor6 Rotor8 Chin4a Srkn6 Srkn11 Srkn14 Pmlf4 Pmlf6
-    DmvChin4a DmvSrkn6 DmvSrkn11 DmvSrkn14 DmvPmlf4 DmvPmlf6
-    Dmv2 Dmv4 Dmv6 Dmv8 Dmv10
-}
-
-/// What is looked at after each step.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(missing_docs)] // The names are those of `observe`.
-pub enum Watch {
-    Nothing,
-    Flips,
-    Tilt,
-}
-
-/// A kernel: system, table and observable.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Kernel {
-    /// What moves.
-    pub system: System,
-    /// How.
-    pub table: Table,
-    /// What is watched.
-    pub watch: Watch,
-}
-
-impl System {
-    /// Numbers in the state.
-    #[allow(clippy::len_without_is_empty)] // No state is empty.
-    pub fn len(self) -> usize {
-        match self {
-            System::FreeRates => Rates::LEN,
-            System::FreeAxis | System::TopAxis | System::SpinFreeAxis => Axis::LEN,
-            System::FreeAttitude => Attitude::LEN,
-            System::TopTwoAxes | System::SpinFreeTwoAxes => TwoAxes::LEN,
-            System::TopAttitude | System::SpinFreeAttitude => AxisAttitude::LEN,
-        }
-    }
-
-    /// Whether there is weight; the vertical is then the first direction carried.
-    pub fn is_top(self) -> bool {
-        !matches!(self, System::FreeRates | System::FreeAxis | System::FreeAttitude)
-    }
-
-    /// Whether this can be watched: sign changes of the rates, or the tilt from the last direction carried.
-    pub fn shows(self, watch: Watch) -> bool {
-        match watch {
-            Watch::Nothing => true,
-            Watch::Flips => matches!(self, System::FreeRates | System::TopAxis),
-            Watch::Tilt => matches!(self, System::FreeAxis | System::TopAxis | System::TopTwoAxes),
-        }
-    }
-
-    /// Where the quaternion begins, if one is carried.
-    pub fn quaternion_at(self) -> Option<usize> {
-        match self {
-            System::FreeAttitude => Some(Attitude::QUATERNION_AT),
-            System::TopAttitude | System::SpinFreeAttitude => Some(AxisAttitude::QUATERNION_AT),
-            _ => None,
-        }
-    }
-}
-
-impl Table {
-    /// Whether it moves that system. The oldest schemes are kept in the frame of the body, as they were published;
-    /// kicks need weight, drifts alone do not know it.
-    pub fn moves(self, system: System) -> bool {
-        use System::*;
-        let spin_free = matches!(system, SpinFreeAxis | SpinFreeTwoAxes | SpinFreeAttitude);
-        match self {
-            Table::Rk4 | Table::Planar | Table::Planar4 | Table::Planar6 | Table::Planar8 | Table::Rotor => {
-                !spin_free
-            }
-            _ if self.carries_rows() => !matches!(system, TopAttitude | SpinFreeAttitude),
-            _ if self.is_drift() => matches!(system, FreeRates | FreeAxis | FreeAttitude),
-            _ if system == SpinFreeTwoAxes || (self.is_processed() && system == TopTwoAxes) => false,
-            _ if self.is_for_symmetric() => system.is_top(),
-            _ => system.is_top() && !spin_free,
-        }
-    }
-
-    /// Whether it carries the attitude of a top as two rows of its matrix: the vertical, which the torque needs
-    /// anyway, and another direction cost less than the vertical and a quaternion.
-    pub fn carries_rows(self) -> bool {
-        self.is_smooth() && self != Table::Rk4
-    }
-
-    /// Whether it moves bodies symmetric about their axis 3 only.
-    pub fn is_for_symmetric(self) -> bool {
-        use Table::*;
-        matches!(self, Rotor | Rotor4 | Rotor6 | Rotor8 | Chin4a | Srkn6 | Srkn11 | Srkn14 | Pmlf4 | Pmlf6)
-    }
-
-    /// Whether it is free motion alone.
-    fn is_drift(self) -> bool {
-        use Table::*;
-        matches!(self, Dmv2 | Dmv4 | Dmv6 | Dmv8 | Dmv10)
-    }
-
-    /// Whether its steps are made in other variables than the state: nothing can be watched on the way.
-    pub fn is_processed(self) -> bool {
-        use Table::*;
-        matches!(self, Pmlf4 | Pmlf6 | DmvPmlf4 | DmvPmlf6)
-    }
-
-    /// What is left of it in a scene without weight: the drift alone.
-    pub fn without_weight(self) -> Table {
-        use Table::*;
-        match self {
-            DmvChin4a | DmvSrkn6 | DmvSrkn11 | DmvSrkn14 | DmvPmlf4 | DmvPmlf6 => Dmv10,
-            _ if self.is_for_symmetric() => Rotor,
-            _ => self,
-        }
-    }
-
-    /// The table whose code it shares.
-    pub fn engine(self) -> Table {
-        use Table::*;
-        match self {
-            Planar => Planar,
-            _ if self.is_smooth() => self,
-            Planar4 | Planar6 | Planar8 => Planar8,
-            _ if self.is_for_symmetric() => Rotor,
-            _ => Dmv10,
-        }
-    }
-
-    /// The variables that it moves.
-    pub fn form(self) -> Form {
-        match self {
-            _ if self.is_smooth() => Form::Rates,
-            _ => Form::Momenta,
-        }
-    }
-}
+use kinds::NO_NUMBERS;
 
 #[inline(always)]
 fn load3<P: Pack>(rows: &[Row; 3], at: usize) -> [P; 3] {
