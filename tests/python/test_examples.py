@@ -58,9 +58,7 @@ def test_pages(page: str) -> None:
     names: dict[str, object] = {"__name__": "readme"}
     for number, block in enumerate(blocks):
         if ">>>" in block:
-            test = doctest.DocTestParser().get_doctest(
-                block, names, f"block {number}", page, 0
-            )
+            test = doctest.DocTestParser().get_doctest(block, names, f"block {number}", page, 0)
             assert doctest.DocTestRunner().run(test, clear_globs=False).failed == 0
             names.update(test.globs)
         else:

@@ -15,7 +15,6 @@ from physics import (
     present,
     rotation_angle,
     rotation_matrix,
-    telling,
 )
 
 FAMILIES = [
@@ -61,7 +60,7 @@ def test_the_error_is_the_one_that_halving_the_step_reveals(
     grows less than ten thousand times.
     """
     until = case.t[np.maximum(case.kappa_omega, case.kappa_att) < 1e4].max()
-    step = case.step_turning(telling(0.025, method))
+    step = case.step_turning(0.025)
     coarse, fine = (case.run(method.name, until=until, step=h) for h in (step, step / 2))
     m = len(fine.t)
     assert coarse.status == fine.status == rigid.Status.FINISHED
