@@ -268,7 +268,7 @@ fn stage_state<T: Tableau, const I: usize, R: Real, const D: usize>(
         at[d] = first * k[0][d];
     }
     for_stages!(J => {
-        if const { J > 0 && coefficient::<T>(I, J) != 0.0 } {
+        if const { J != 0 && coefficient::<T>(I, J) != 0.0 } {
             let a = R::splat(const { coefficient::<T>(I, J) });
             for d in 0..D {
                 at[d] = a.fma(k[J][d], at[d]);
