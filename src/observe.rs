@@ -1,7 +1,7 @@
 //! Streaming reductions: what is kept of a motion while it runs. Nothing is stored per step.
 
-use crate::method::Scheme;
-use crate::model::{Layout, Model, Parameters, cross, direction, dot};
+use crate::method::{Coefficients, Scheme};
+use crate::model::{Layout, Model, Parameters, cross, direction, direction_rate, dot};
 use crate::real::Real;
 use crate::special::{atan2, sincos};
 
@@ -59,15 +59,15 @@ fn along<R: Real>(axis: &[R; 3], v: &[R; 3]) -> R {
 }
 
 impl Flips {
-    /// Looks at a step from `before` to `after`, which began at `time`.
+    /// Looks at the step between two states that began at `time`. A series has left the coefficients of its way.
     #[inline(always)]
     pub fn after_step<R: Real, M: Model<R>, L: Layout, S: Scheme<R, M, L, D>, const D: usize>(
         scheme: &S,
         p: &Parameters<R>,
         watched: &mut Watched<R>,
         time: R,
-        before: &[R; D],
-        after: &[R; D],
+        [before, after]: [&[R; D]; 2],
+        course: &Coefficients<R, D>,
     ) {
         let zero = R::splat(0.0);
         let end = along(&watched.axis, &[after[0], after[1], after[2]]);
@@ -77,7 +77,15 @@ impl Flips {
             let begin = along(&watched.axis, &[before[0], before[1], before[2]]);
             let begin_rate = along(&watched.axis, &scheme.velocity(p, before)) * p.step;
             let end_rate = along(&watched.axis, &scheme.velocity(p, after)) * p.step;
-            let at = p.step.fma(hermite_root(begin, begin_rate, end, end_rate), time);
+            let mut share = hermite_root(begin, begin_rate, end, end_rate);
+            if const { S::ORDER > 0 } {
+                // The cubic is off by a hundredth at most; Newton squares that.
+                for _ in 0..3 {
+                    let (omega, rate) = on_the_way(course, S::ORDER, 0, share);
+                    share = newton(share, along(&watched.axis, &omega), along(&watched.axis, &rate));
+                }
+            }
+            let at = p.step.fma(share, time);
             watched.left = R::select(flipped, first_time(watched.left, at), watched.left);
             watched.flips = watched.flips + R::select(flipped, R::splat(1.0), zero);
             watched.side = R::select(flipped, -watched.side, watched.side);
@@ -85,11 +93,37 @@ impl Flips {
     }
 }
 
+/// Three neighbouring numbers of a state from the `first` on, a share of the step after its begin, and their slopes.
+#[inline(always)]
+fn on_the_way<R: Real, const D: usize>(
+    course: &Coefficients<R, D>,
+    order: usize,
+    first: usize,
+    share: R,
+) -> ([R; 3], [R; 3]) {
+    let top = course.order(order);
+    let mut value = [top[first], top[first + 1], top[first + 2]];
+    let mut slope = [R::splat(0.0); 3];
+    for k in (0..order).rev() {
+        for i in 0..3 {
+            slope[i] = slope[i].fma(share, value[i]);
+            value[i] = value[i].fma(share, course.order(k)[first + i]);
+        }
+    }
+    (value, slope)
+}
+
+/// A Newton step for a zero in [0, 1].
+#[inline(always)]
+fn newton<R: Real>(share: R, value: R, slope: R) -> R {
+    // A slope of zero gives a NaN or infinity; min and max then return their second argument.
+    (share - value / slope).max(R::splat(0.0)).min(R::splat(1.0))
+}
+
 /// Where in [0, 1] the cubic with these values and slopes at both ends vanishes, its ends being of
 /// opposite sign: regula falsi for a start, then Newton steps kept inside.
 #[inline(always)]
 fn hermite_root<R: Real>(begin: R, begin_rate: R, end: R, end_rate: R) -> R {
-    let (zero, one) = (R::splat(0.0), R::splat(1.0));
     let rise = end - begin;
     let c2 = (rise * R::splat(3.0) - begin_rate) - (begin_rate + end_rate);
     let c3 = (begin_rate + end_rate) - (rise + rise);
@@ -97,37 +131,109 @@ fn hermite_root<R: Real>(begin: R, begin_rate: R, end: R, end_rate: R) -> R {
     for _ in 0..4 {
         let value = c3.fma(s, c2).fma(s, begin_rate).fma(s, begin);
         let slope = (c3 * R::splat(3.0)).fma(s, c2 + c2).fma(s, begin_rate);
-        let next = s - value / slope;
-        // A slope of zero gives a NaN or infinity; min and max then return their second argument.
-        s = next.max(zero).min(one);
+        s = newton(s, value, slope);
     }
     s
 }
 
 impl Tilt {
-    /// Looks at a step from `before` to `after`, which began at `time`.
+    /// Looks at the step between two states that began at `time`. Steps of a series are long, and it has left the
+    /// coefficients of its way: a largest tilt inside the step is looked at too, and the limit met where it is.
     #[inline(always)]
     pub fn after_step<R: Real, M: Model<R>, L: Layout, S: Scheme<R, M, L, D>, const D: usize>(
-        _scheme: &S,
         p: &Parameters<R>,
         watched: &mut Watched<R>,
         time: R,
-        before: &[R; D],
-        after: &[R; D],
+        [before, after]: [&[R; D]; 2],
+        course: &Coefficients<R, D>,
     ) {
-        let [cosine, sine2] = tilt(&watched.axis, &direction(after, L::VECTORS - 1));
+        let (zero, one) = (R::splat(0.0), R::splat(1.0));
+        let at_end = direction(after, L::VECTORS - 1);
+        let [mut cosine, mut sine2] = tilt(&watched.axis, &at_end);
+        let mut share = one;
+        if const { S::ORDER > 0 } {
+            let first_rate = course.order(1);
+            let begin_slope = along(&watched.axis, &direction(first_rate, L::VECTORS - 1));
+            let omega = [after[0], after[1], after[2]];
+            let end_slope = along(&watched.axis, &direction_rate(&at_end, &omega)) * p.step;
+            // The cosine falls, then rises.
+            let turns = R::select(zero.lt(end_slope), begin_slope, zero).lt(zero);
+            if R::any(turns) {
+                let turn =
+                    turning_share::<R, L, D>(course, S::ORDER, &watched.axis, [begin_slope, end_slope]);
+                let (n, _) = on_the_way(course, S::ORDER, 3 * L::VECTORS, turn);
+                let [cosine_there, sine2_there] = tilt(&watched.axis, &n);
+                share = R::select(turns, turn, share);
+                cosine = R::select(turns, cosine_there, cosine);
+                sine2 = R::select(turns, sine2_there, sine2);
+            }
+        }
         watched.cosine = watched.cosine.min(cosine);
         watched.sine2 = watched.sine2.max(sine2);
-        let margin = margin(&watched.limit, [cosine, sine2]);
-        let beyond = margin.lt(R::splat(0.0));
-        if R::any(beyond) {
-            // Where the margin vanishes on the way, to first order; at once if it was gone before.
+        let end = margin(&watched.limit, [cosine, sine2]);
+        let lost = R::select(watched.left.lt(R::splat(f64::INFINITY)), zero, end).lt(zero);
+        if R::any(lost) {
             let begin = tilt(&watched.axis, &direction(before, L::VECTORS - 1));
-            let begin = self::margin(&watched.limit, begin).max(R::splat(0.0));
-            let at = p.step.fma(begin / (begin - margin), time);
-            watched.left = R::select(beyond, first_time(watched.left, at), watched.left);
+            // At once if it was gone before.
+            let begin = margin(&watched.limit, begin).max(zero);
+            let share = if const { S::ORDER > 0 } {
+                meeting_share::<R, L, D>(course, S::ORDER, watched, [begin, end], share)
+            } else {
+                // To first order.
+                begin / (begin - end)
+            };
+            let at = p.step.fma(share, time);
+            watched.left = R::select(lost, at, watched.left);
         }
     }
+}
+
+/// Where in a step the cosine of the tilt turns, its slopes at both ends being of opposite sign.
+#[inline(always)]
+fn turning_share<R: Real, L: Layout, const D: usize>(
+    course: &Coefficients<R, D>,
+    order: usize,
+    axis: &[R; 3],
+    [begin_slope, end_slope]: [R; 2],
+) -> R {
+    let mut share = begin_slope / (begin_slope - end_slope);
+    for _ in 0..5 {
+        let (mut slope, mut bend) = (R::splat(0.0), R::splat(0.0));
+        for k in (1..=order).rev() {
+            bend = bend.fma(share, slope);
+            let along = along(axis, &direction(course.order(k), L::VECTORS - 1));
+            slope = slope.fma(share, along * R::splat(k as f64));
+        }
+        share = newton(share, slope, bend);
+    }
+    share
+}
+
+/// Where in a step the limit is met, between margins that are not negative and negative: regula falsi, halving the
+/// margin of an end that stays again (the Illinois rule; Dowell & Jarratt 1971, doi 10.1007/BF01934364).
+#[inline(always)]
+fn meeting_share<R: Real, L: Layout, const D: usize>(
+    course: &Coefficients<R, D>,
+    order: usize,
+    watched: &Watched<R>,
+    [mut inner, mut outer]: [R; 2],
+    last: R,
+) -> R {
+    let (zero, half, one) = (R::splat(0.0), R::splat(0.5), R::splat(1.0));
+    let (mut low, mut high) = (zero, last);
+    let mut moved = zero;
+    for _ in 0..16 {
+        let share = (high - low).fma(inner / (inner - outer), low);
+        let (n, _) = on_the_way(course, order, 3 * L::VECTORS, share);
+        let margin = margin(&watched.limit, tilt(&watched.axis, &n));
+        let gone = margin.lt(zero);
+        let moves = R::select(gone, one, -one);
+        let stays = R::select(zero.lt(moves * moved), half, one);
+        moved = moves;
+        (low, high) = (R::select(gone, low, share), R::select(gone, share, high));
+        (inner, outer) = (R::select(gone, inner * stays, margin), R::select(gone, margin, outer * stays));
+    }
+    (high - low).fma(inner / (inner - outer), low)
 }
 
 /// Cosine and squared sine of the angle between a body axis and a direction seen from the body.

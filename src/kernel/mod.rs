@@ -10,8 +10,8 @@ pub use kinds::{Kernel, System, Table, Watch};
 use crate::group::{DriftRows, Group, LANES, MAX_STATE, Row};
 use crate::leaps::{Leaps, inside, leap};
 use crate::method::{
-    Dmv10, Dop853, Numbers, Planar, Planar8, Rk4, Rotor, RungeKutta, Scheme, Splitting, Taylor, Taylor8,
-    Taylor12, Taylor16, Taylor20, Taylor26,
+    Coefficients, Dmv10, Dop853, Numbers, Planar, Planar8, Rk4, Rotor, RungeKutta, Scheme, Splitting, Taylor,
+    Taylor8, Taylor12, Taylor16, Taylor20, Taylor26,
 };
 use crate::model::{
     Attitude, Axis, AxisAttitude, Free, Layout, Model, Parameters, Rates, SpinFree, Top, TwoAxes, direction,
@@ -112,17 +112,18 @@ fn burst<P, const PACKS: usize, M, L, S, const D: usize>(
             }
             let before = y;
             let (p, scheme) = &bodies[b];
+            let mut carry = y;
+            let mut course = Coefficients::new();
             if S::CARRIES {
-                let mut carry = y;
                 for d in 0..D {
                     carry[d] = P::load(&g.carry[d].0[at..]);
                 }
-                scheme.step_carrying(p, &mut y, &mut carry);
+            }
+            scheme.step_leaving(p, &mut y, &mut carry, &mut course);
+            if S::CARRIES {
                 for d in 0..D {
                     carry[d].store(&mut g.carry[d].0[at..]);
                 }
-            } else {
-                scheme.step(p, &mut y);
             }
             for d in 0..D {
                 y[d].store(&mut g.state[d].0[at..]);
@@ -131,9 +132,9 @@ fn burst<P, const PACKS: usize, M, L, S, const D: usize>(
                 let mut watched = load_watched::<P>(g, at);
                 let time = (P::load(&g.count.0[at..]) + P::splat(i as f64)) * p.step;
                 if watch == Watch::Flips {
-                    Flips::after_step::<P, M, L, S, D>(scheme, p, &mut watched, time, &before, &y);
+                    Flips::after_step::<P, M, L, S, D>(scheme, p, &mut watched, time, [&before, &y], &course);
                 } else if const { L::VECTORS > 0 } {
-                    Tilt::after_step::<P, M, L, S, D>(scheme, p, &mut watched, time, &before, &y);
+                    Tilt::after_step::<P, M, L, S, D>(p, &mut watched, time, [&before, &y], &course);
                 }
                 store_watched(g, at, &watched);
             }

@@ -70,9 +70,16 @@ pub trait Scheme<R: Real, M: Model<R>, L: Layout, const D: usize>: Copy {
     fn process(&self, _p: &Parameters<R>, _y: &mut [R; D], _leaving: bool) {}
     /// Advances the state by one step.
     fn step(&self, p: &Parameters<R>, y: &mut [R; D]);
-    /// The same; `carry` is what the state has lost to rounding so far.
+    /// The same; `carry` is what the state has lost to rounding so far, and a series leaves its coefficients behind, in
+    /// powers of the share of the step.
     #[inline(always)]
-    fn step_carrying(&self, p: &Parameters<R>, y: &mut [R; D], _carry: &mut [R; D]) {
+    fn step_leaving(
+        &self,
+        p: &Parameters<R>,
+        y: &mut [R; D],
+        _carry: &mut [R; D],
+        _to: &mut Coefficients<R, D>,
+    ) {
         self.step(p, y);
     }
     /// Of a series: the order of its highest coefficient; else 0.

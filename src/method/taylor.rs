@@ -246,13 +246,18 @@ impl<T: Series, R: Real, M: Model<R>, L: Layout, const D: usize> Scheme<R, M, L,
     #[inline(always)]
     fn step(&self, p: &Parameters<R>, y: &mut [R; D]) {
         let mut carry = [R::splat(0.0); D];
-        <Self as Scheme<R, M, L, D>>::step_carrying(self, p, y, &mut carry);
+        <Self as Scheme<R, M, L, D>>::step_leaving(self, p, y, &mut carry, &mut Coefficients::new());
     }
 
     #[inline(always)]
-    fn step_carrying(&self, _p: &Parameters<R>, y: &mut [R; D], carry: &mut [R; D]) {
-        let mut c = Coefficients::new();
-        self.expand::<L, D>(self.step, y, &mut c);
+    fn step_leaving(
+        &self,
+        _p: &Parameters<R>,
+        y: &mut [R; D],
+        carry: &mut [R; D],
+        c: &mut Coefficients<R, D>,
+    ) {
+        self.expand::<L, D>(self.step, y, c);
         // Small terms first; the state, the largest, last.
         let mut rise = *c.order(T::ORDER);
         for k in (1..T::ORDER).rev() {

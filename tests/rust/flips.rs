@@ -2,7 +2,7 @@
 
 use rigid::group::{Group, LANES};
 use rigid::kernel::{Compiled, Kernel, System, Watch};
-use rigid::method::{Method, Rk4, RungeKutta, Scheme};
+use rigid::method::{Coefficients, Method, Rk4, RungeKutta, Scheme};
 use rigid::model::{Free, Parameters, Rates};
 use rigid::observe::{self, Flips};
 use rigid::simd::Isa;
@@ -178,7 +178,15 @@ const POSITIVE: observe::Watched<f64> = observe::Watched {
 /// Shows a step between any two states, begun at `time`, to the observer.
 fn look(watched: &mut observe::Watched<f64>, time: f64, before: [f64; 3], after: [f64; 3]) {
     let engine = <Engine as Scheme<f64, Free<f64>, Rates, 3>>::new(&BODY);
-    Flips::after_step::<f64, Free<f64>, Rates, Engine, 3>(&engine, &BODY, watched, time, &before, &after);
+    let nothing = Coefficients::new();
+    Flips::after_step::<f64, Free<f64>, Rates, Engine, 3>(
+        &engine,
+        &BODY,
+        watched,
+        time,
+        [&before, &after],
+        &nothing,
+    );
 }
 
 /// A step that ends exactly on zero has not yet flipped, whatever the sign of the zero.

@@ -1,0 +1,109 @@
+//! Events inside the long steps of a Taylor series: found on its polynomial, so as exactly as the states are.
+
+use rigid::exact::derived::{sign_changes, tilt_time, top_quantities};
+use rigid::group::Group;
+use rigid::kernel::{Compiled, Kernel, System, Watch};
+use rigid::method::Method;
+use rigid::observe::{TiltLimit, largest_tilt};
+use rigid::simd::Isa;
+use rigid::start::{Body, Seat, load};
+
+fn series() -> impl Iterator<Item = Method> {
+    Method::ALL.into_iter().filter(|method| method.is_series())
+}
+
+/// A body in a lane of its own, in the longest steps that keep the attitude to 4e-14 a radian (`angle_per_step`).
+struct Run {
+    group: Group,
+    compiled: Compiled,
+    step: f64,
+}
+
+impl Run {
+    fn new(body: &Body, method: Method, system: System, watch: Watch, axis: i32) -> Run {
+        let kernel = Kernel { system, table: Seat::of(method, body, system.is_top()).table, watch };
+        let compiled = Compiled::new(kernel, Isa::available()[0]);
+        let mut group = Group::waiting();
+        let step = method.facts().angle_per_step / body.fastest_rate();
+        load(&mut group, 0, (kernel, compiled), Seat::of(method, body, system.is_top()), body, axis, step);
+        Run { group, compiled, step }
+    }
+
+    fn until(mut self, time: f64) -> Run {
+        self.compiled.advance(&mut self.group, (time / self.step).ceil() as usize);
+        self
+    }
+
+    fn lost_at(&self) -> f64 {
+        self.group.left.0[0]
+    }
+}
+
+/// The first flip of a body that tumbles. Its rates are good to 4e-14 of the fastest a radian turned; about 15 radians
+/// lie before the flip, at which the rate of change is a third of that rate or more.
+#[test]
+fn the_flip_of_a_tumbler() {
+    let isa = Isa::available()[0];
+    for omega in [[0.05, 1.0, 0.1], [0.3, 1.2, -0.4], [0.8, -0.9, 0.2]] {
+        let body = Body { moments: [1.0, 1.6, 2.0], weight: [0.0; 3], omega, attitude: [1.0, 0.0, 0.0, 0.0] };
+        for axis in 1..=3 {
+            let [first, _] = sign_changes(isa, &body, axis as usize - 1).unwrap();
+            if first == f64::INFINITY {
+                continue;
+            }
+            for method in series() {
+                let run = Run::new(&body, method, System::FreeRates, Watch::Flips, axis).until(first + 1.0);
+                let off = (run.lost_at() - first).abs();
+                assert!(off < 3.0 * 4e-14 * 15.0, "{method:?}, axis {axis} of {omega:?}: {off:e} at {first}");
+            }
+        }
+    }
+}
+
+/// A top that nutates between two tilts in a few steps.
+fn top(omega: [f64; 3]) -> Body {
+    let (sin, cos) = rigid::special::sincos(0.2);
+    Body { moments: [1.0, 1.0, 0.6], weight: [0.0, 0.0, 1.5], omega, attitude: [cos, sin, 0.0, 0.0] }
+}
+
+/// The largest tilt lies inside a step, and is seen there. It is where the tilt is flat, so only its own error counts:
+/// 4e-14 a radian of the ten or so that are turned in a period, and that of an arc cosine at 1e-16.
+#[test]
+fn the_largest_tilt_of_a_top() {
+    for omega in [[0.3, 0.2, 4.0], [-0.5, 0.1, 5.5], [0.0, 0.0, 3.5]] {
+        let body = top(omega);
+        let quantities = top_quantities(Isa::available()[0], &body).unwrap();
+        for method in series() {
+            let run = Run::new(&body, method, System::TopAxis, Watch::Tilt, 3).until(1.2 * quantities.period);
+            let seen = largest_tilt(run.group.cosine.0[0], run.group.sine2.0[0]);
+            let off = (seen - quantities.tilt[1]).abs();
+            assert!(off < 1e-12, "{method:?} of {omega:?}: {off:e}");
+        }
+    }
+}
+
+/// A limit of the tilt is met when the closed form meets it, also where the top stays beyond it for less than a step.
+/// The time is the error of the tilt over its slope, which vanishes towards the turning point like a root.
+#[test]
+fn the_limit_of_the_tilt_of_a_top() {
+    let isa = Isa::available()[0];
+    for omega in [[0.3, 0.2, 4.0], [-0.5, 0.1, 5.5], [0.0, 0.0, 3.5]] {
+        let body = top(omega);
+        let quantities = top_quantities(isa, &body).unwrap();
+        let [low, high] = quantities.tilt;
+        for part in [0.9_f64, 0.99, 0.9999, 0.999_999] {
+            let limit = low + part * (high - low);
+            let expected = tilt_time(isa, &body, limit).unwrap();
+            for method in series() {
+                let mut run = Run::new(&body, method, System::TopAxis, Watch::Tilt, 3);
+                let bound = TiltLimit::new(limit);
+                run.group.limit[0].0[0] = bound.cosine;
+                run.group.limit[1].0[0] = bound.sine2;
+                let run = run.until(1.2 * quantities.period);
+                let off = (run.lost_at() - expected).abs();
+                let bound = 1e-12 / (1.0 - part).sqrt();
+                assert!(off < bound, "{method:?} of {omega:?}, {part}: {off:e} of {bound:e} at {expected}");
+            }
+        }
+    }
+}
