@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .mapresult import COUNTS, STATUS, STORED, StabilityMap
+from .mapresult import COUNTS, FAILURES, STATUS, STORED, StabilityMap
 from .mapspec import MapSpec
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 __all__ = ["load_map", "map_dataset", "write_map"]
 
 FORMAT = "rigid stability map"
-FORMAT_VERSION = 2
+FORMAT_VERSION = 3
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 _SPEC = "spec.json"
 
@@ -167,8 +167,8 @@ def _array_attributes(spec: MapSpec) -> dict[str, dict[str, Any]]:
         "lower": {"long_name": f"lower end of the 95 % interval of the {share}", "units": "1"},
         "upper": {"long_name": f"upper end of the 95 % interval of the {share}", "units": "1"},
     }
-    for name in (*COUNTS, "samples"):
-        words = f"{name} bodies" if name in COUNTS else "bodies done"
+    for name in (*COUNTS, *FAILURES, "samples"):
+        words = "bodies done" if name == "samples" else f"{name.replace('_', ' ')} bodies"
         attributes[name] = {"long_name": words, "units": "1"}
     return attributes | {
         "energy_drift": {"long_name": "worst relative drift of the energy", "units": "1"},

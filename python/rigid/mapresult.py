@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from .bodies import Body
 from .grid import pixels
 from .mapspec import MapSpec, core_job
-from .methods import AUTO, EXACT, FALLBACK
+from .methods import AUTO, EXACT, FALLBACK, SECOND
 from .plan import Plan, map_plan
 from .scenes import FreeBody, HeavyTop, scene_words
 from .simulate import Run, replay_steps, simulate
@@ -27,13 +27,15 @@ if TYPE_CHECKING:
 
     from .theory import Theory
 
-__all__ = ["COUNTS", "STATUS", "STORED", "Replay", "StabilityMap", "wilson"]
+__all__ = ["COUNTS", "FAILURES", "STATUS", "STORED", "Replay", "StabilityMap", "wilson"]
 
 STATUS = ("possible", "not finite", "not positive", "triangle inequality broken")
 
 COUNTS = ("stable", "unstable", "undecided", "failed", "checked")
+FAILURES = ("step_limit", "not_finite", "drifted")
+"""Why a body has failed: these sum up to the failed."""
 STORED: Mapping[str, type[np.generic]] = {
-    **dict.fromkeys(COUNTS, np.int64),
+    **dict.fromkeys((*COUNTS, *FAILURES), np.int64),
     "energy_drift": np.float64,
     "momentum_drift": np.float64,
     "earliest": np.float64,
@@ -109,10 +111,13 @@ class StabilityMap:
     status : ndarray of uint8
         0 possible body; 1 a moment is not finite; 2 not positive; 3 triangle inequality broken.
     stable, unstable, undecided, failed : ndarray of int64
-        Bodies of each class. Undecided: the class changes when the step is halved; in closed form,
-        the body leaves stability within rounding of the horizon.
+        Bodies of each class. Undecided: the second method disagrees; in closed form, the body
+        leaves stability within rounding of the horizon.
+    step_limit, not_finite, drifted : ndarray of int64
+        Why bodies have failed: more than ``max_steps`` steps were needed; overflow; energy,
+        momentum or unit lengths off by more than 0.1.
     checked : ndarray of int64
-        Bodies repeated with half the step.
+        Bodies judged again by the second method, ``taylor16``.
     samples : ndarray of int64
         Bodies done, the sum of the four classes.
     share : ndarray
@@ -143,6 +148,9 @@ class StabilityMap:
     unstable: NDArray[np.int64]
     undecided: NDArray[np.int64]
     failed: NDArray[np.int64]
+    step_limit: NDArray[np.int64]
+    not_finite: NDArray[np.int64]
+    drifted: NDArray[np.int64]
     checked: NDArray[np.int64]
     samples: NDArray[np.int64]
     share: NDArray[np.float64]
@@ -407,7 +415,7 @@ class StabilityMap:
         if integrated:
             checked = {0: "none", integrated: "all"}.get(repeated, f"{repeated:,}")
             which = "" if integrated == done else " of those integrated"
-            text += f", {checked}{which} repeated with half the step"
+            text += f", {checked}{which} judged again by {SECOND}"
         return f"{text}; seed {self.spec.seed}"
 
     def _drift(self, done: int) -> str:
@@ -424,11 +432,15 @@ class StabilityMap:
         return f"{text}; {impossible:,} impossible pixels" if impossible else text
 
     def _classes(self, done: int) -> str:
-        counts = {name: int(getattr(self, name).sum()) for name in COUNTS[:4]}
-        return ", ".join(
-            f"{count:,} {name}" + (f" ({count / done:.2%})" if done else "")
-            for name, count in counts.items()
+        counts = {name: int(getattr(self, name).sum()) for name in (*COUNTS[:4], *FAILURES)}
+        text = ", ".join(
+            f"{counts[name]:,} {name}" + (f" ({counts[name] / done:.2%})" if done else "")
+            for name in COUNTS[:4]
         )
+        why = ", ".join(
+            f"{counts[name]:,} {name.replace('_', ' ')}" for name in FAILURES if counts[name]
+        )
+        return f"{text}: {why}" if why else text
 
     def _theory_line(self) -> str:
         theory = self.theory()

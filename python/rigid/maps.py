@@ -13,7 +13,7 @@ from ._check import positive_int, resolve_threads
 from .bodies import Body
 from .criteria import Criterion
 from .grid import make_axes
-from .mapresult import COUNTS, STORED, StabilityMap
+from .mapresult import COUNTS, FAILURES, STORED, StabilityMap
 from .mapspec import MAX_STEPS, MapSpec, core_job, seed_from
 from .methods import AUTO
 from .progress import Pace, Progress, ProgressOption, Work, interruptible, reporting
@@ -74,8 +74,9 @@ def stability_map(
         Time step of the bodies that are integrated, s; by default chosen for each body from a bound
         of its rates.
     check : float
-        Share of each pixel's bodies to repeat with half the step, in [0, 1]. A body whose class
-        changes is undecided. A closed form has no step to halve.
+        Share of each pixel's bodies to judge again, in [0, 1]: by ``taylor16`` in steps of its own,
+        and never more than half of ``step`` (by ``method="taylor16"`` itself in half its steps). A
+        body on which the two disagree is undecided. Closed forms need no second opinion.
     rng : int, numpy.random.Generator or SeedSequence, optional
         The seed, or where to take its 128 bits from; by default fresh entropy. It is stored in
         ``result.spec.seed``.
@@ -209,7 +210,7 @@ def _empty(status: NDArray[np.uint8]) -> dict[str, NDArray[Any]]:
 
 def _merge(counted: dict[str, NDArray[Any]], part: Mapping[str, Any]) -> None:
     window = slice(part["first"], part["first"] + len(part["stable"]))
-    for name in (*COUNTS, "steps", "exact", "nanoseconds"):
+    for name in (*COUNTS, *FAILURES, "steps", "exact", "nanoseconds"):
         counted[name][window] += part[name]
     for name in ("energy_drift", "momentum_drift"):
         np.fmax(counted[name][window], part[name], out=counted[name][window])

@@ -47,8 +47,8 @@ class MapSpec:
         Time step of the bodies that are integrated, s; None: the core picks one for each body from
         a bound of its rates.
     check : float
-        Share of each pixel's bodies that is repeated with half the step, in [0, 1]. A closed form
-        has no step to halve.
+        Share of each pixel's bodies that is judged again by ``taylor16``, in [0, 1]. Closed forms
+        are not.
     max_steps : int
         A body that needs more steps counts as failed.
     seed : int
@@ -114,7 +114,7 @@ class MapSpec:
 
     @property
     def checked_samples(self) -> int:
-        """How many bodies of each pixel are repeated with half the step."""
+        """How many bodies of each pixel are judged again by the second method."""
         # 0.07 * 100 is a little more than 7.
         return math.ceil(self.check * self.samples * (1.0 - 1e-12))
 

@@ -11,6 +11,7 @@ __all__ = [
     "AUTO",
     "EXACT",
     "FALLBACK",
+    "SECOND",
     "Method",
     "angle_per_step",
     "check_method",
@@ -30,6 +31,9 @@ AUTO = "auto"
 
 FALLBACK = "rk4"
 """The scheme of what has no closed form, unless another one is asked for."""
+
+SECOND = "taylor16"
+"""The scheme that judges the bodies of a map again."""
 
 
 @dataclass(frozen=True, slots=True)

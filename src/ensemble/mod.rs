@@ -109,7 +109,7 @@ pub struct Map {
     pub max_steps: u64,
     /// Samples of each pixel.
     pub samples: u64,
-    /// How many of them, the first, are repeated with half the step.
+    /// How many of them, the first, are judged again by the second method.
     pub checked: u64,
     /// Key of the random numbers.
     pub key: [u64; 2],
@@ -122,7 +122,7 @@ pub enum Class {
     Stable,
     /// Left stability before.
     Unstable,
-    /// The verdict changes with half the step.
+    /// The second method disagrees.
     Undecided,
     /// No verdict: step limit, not finite, or drifted.
     Failed,
@@ -172,13 +172,19 @@ pub struct Statistics {
     pub stable: u64,
     /// Samples that did not.
     pub unstable: u64,
-    /// Samples whose verdict changed with half the step.
+    /// Samples on whose verdict the second method disagrees.
     pub undecided: u64,
     /// Samples without a verdict.
     pub failed: u64,
+    /// Of these, the samples that would have needed too many steps.
+    pub step_limit: u64,
+    /// Of these, the samples that overflowed.
+    pub not_finite: u64,
+    /// Of these, the samples that lost an invariant.
+    pub drifted: u64,
     /// Samples judged in closed form.
     pub exact: u64,
-    /// Samples repeated with half the step.
+    /// Samples judged again by the second method.
     pub checked: u64,
     /// Largest energy drift, NaN if nothing was run.
     pub energy_drift: f64,
@@ -209,6 +215,9 @@ impl Statistics {
         self.unstable += other.unstable;
         self.undecided += other.undecided;
         self.failed += other.failed;
+        self.step_limit += other.step_limit;
+        self.not_finite += other.not_finite;
+        self.drifted += other.drifted;
         self.exact += other.exact;
         self.checked += other.checked;
         self.energy_drift = self.energy_drift.max(other.energy_drift);
@@ -225,6 +234,9 @@ impl Statistics {
             Class::Undecided => self.undecided += 1,
             Class::Failed => self.failed += 1,
         }
+        self.step_limit += u64::from(outcome.status == Status::StepLimit);
+        self.not_finite += u64::from(outcome.status == Status::NotFinite);
+        self.drifted += u64::from(outcome.status == Status::Drifted);
         self.checked += u64::from(checked);
         self.exact += u64::from(outcome.exact);
         // A sample that was not run has no drift: `max` passes over its NaN. One that overflowed lost all.
@@ -237,13 +249,17 @@ impl Statistics {
     }
 }
 
-/// One run: which sample, and with the full step or half of it.
+/// One run: which sample, by the method of the map or by the second one.
 #[derive(Clone, Copy)]
 struct Job {
     /// Place in the block.
     index: usize,
-    halved: bool,
+    again: bool,
 }
+
+/// The method that judges a sample again: of high order, so that it is right where the other is not. Half the step of
+/// the same method would share its error: of order 2, one wrong verdict in four would pass.
+const SECOND: Method = Method::Taylor16;
 
 /// A body in a lane.
 #[derive(Clone, Copy)]
@@ -293,20 +309,31 @@ impl Map {
         Kernel { system, table, watch }
     }
 
-    /// Steps of a sample: whole bursts, none longer than asked; more than `max_steps` if the rates need it.
-    fn steps_of(&self, body: &Body) -> u64 {
-        let largest = self.step.unwrap_or_else(|| {
-            let rate = body.fastest_rate();
-            if rate > 0.0 { self.judge.method().facts().angle_per_step / rate } else { self.t_end }
-        });
+    /// The method of a run of a sample.
+    fn method(&self, again: bool) -> Method {
+        if again { SECOND } else { self.judge.method() }
+    }
+
+    /// Steps of a run of a sample: whole bursts, none longer than asked; more than `max_steps` if the rates need it.
+    /// The second method takes its own, and half of those that were asked for or are the same.
+    fn steps_of(&self, body: &Body, again: bool) -> u64 {
+        let rate = body.fastest_rate();
+        let method = self.method(again);
+        let own = if rate > 0.0 { method.facts().angle_per_step / rate } else { self.t_end };
+        let largest = match self.step {
+            Some(step) if again => own.min(0.5 * step),
+            Some(step) => step,
+            None if again && method == self.judge.method() => 0.5 * own,
+            None => own,
+        };
         let bursts = (self.t_end / largest / BURST as f64).ceil().max(1.0);
         // A NaN or an absurd number becomes one that no limit allows.
         if bursts < 1e18 { bursts as u64 * BURST } else { u64::MAX }
     }
 
-    /// The verdict from both runs of a sample. A repetition that would take too many steps says nothing.
-    fn verdict(first: &Outcome, halved: Option<&Outcome>) -> Class {
-        match halved.filter(|second| second.was_run()) {
+    /// The verdict from both runs of a sample. A second run that would take too many steps says nothing.
+    fn verdict(first: &Outcome, second: Option<&Outcome>) -> Class {
+        match second.filter(|second| second.was_run()) {
             Some(second) if first.class != Class::Failed && second.class != first.class => Class::Undecided,
             _ => first.class,
         }
@@ -357,21 +384,20 @@ impl Map {
                 if self.judge.exact() && referee.take(index, &bodies[index], &mut outcomes[0]) {
                     continue;
                 }
-                let table = Seat::of(self.judge.method(), &bodies[index], self.is_top).table;
-                jobs[table as usize].push(Job { index, halved: false });
-                if sample < self.checked {
-                    jobs[table as usize].push(Job { index, halved: true });
+                for again in [false, true].into_iter().filter(|again| !again || sample < self.checked) {
+                    let table = Seat::of(self.method(again), &bodies[index], self.is_top).table;
+                    jobs[table as usize].push(Job { index, again });
                 }
             }
         }
         referee.finish(&mut outcomes[0]);
-        if jobs.iter().flatten().any(|job| job.halved) {
+        if jobs.iter().flatten().any(|job| job.again) {
             outcomes[1] = vec![None; bodies.len()];
         }
         for (jobs, table) in jobs.iter().zip(Table::ALL).filter(|(jobs, _)| !jobs.is_empty()) {
             let kernel = self.kernel(table);
             self.ride(&bodies, jobs, kernel, isa, interrupt, |job, outcome| {
-                outcomes[usize::from(job.halved)][job.index] = Some(outcome);
+                outcomes[usize::from(job.again)][job.index] = Some(outcome);
             })?;
         }
 
@@ -382,10 +408,10 @@ impl Map {
             }
             let statistics = &mut pixels.last_mut().expect("pushed above").1;
             if let Some(first) = &outcomes[0][index] {
-                let halved = outcomes[1].get(index).and_then(Option::as_ref);
-                let checked = halved.is_some_and(Outcome::was_run);
-                statistics.add(Map::verdict(first, halved), first, checked);
-                statistics.steps += first.steps + halved.map_or(0, |h| h.steps);
+                let second = outcomes[1].get(index).and_then(Option::as_ref);
+                let checked = second.is_some_and(Outcome::was_run);
+                statistics.add(Map::verdict(first, second), first, checked);
+                statistics.steps += first.steps + second.map_or(0, |run| run.steps);
             }
         }
         let elapsed = (thread_nanoseconds() - begin) as f64;
@@ -421,13 +447,13 @@ impl Map {
                 while lanes[lane].is_none() {
                     let Some(&job) = jobs.next() else { break };
                     let body = &bodies[job.index];
-                    let steps = self.steps_of(body).saturating_mul(1 + u64::from(job.halved));
+                    let steps = self.steps_of(body, job.again);
                     if steps > self.max_steps {
                         finish(job, Outcome::refused());
                         continue;
                     }
                     let step = self.t_end / steps as f64;
-                    let seat = Seat::of(self.judge.method(), body, self.is_top);
+                    let seat = Seat::of(self.method(job.again), body, self.is_top);
                     load(&mut group, lane, (kernel, compiled), seat, body, self.axis, step);
                     if let Some(limit) = limit {
                         group.limit[0].0[lane] = limit.cosine;
@@ -532,15 +558,13 @@ impl Map {
                 return Some((body, outcome.class, outcome));
             }
         }
-        let mut jobs = vec![Job { index: 0, halved: false }];
-        if sample < self.checked {
-            jobs.push(Job { index: 0, halved: true });
-        }
-        let kernel = self.kernel(Seat::of(self.judge.method(), &body, self.is_top).table);
         let mut outcomes = [None, None];
-        self.ride(&[body], &jobs, kernel, isa, interrupt, |job, outcome| {
-            outcomes[usize::from(job.halved)] = Some(outcome);
-        })?;
+        for again in [false, true].into_iter().filter(|again| !again || sample < self.checked) {
+            let kernel = self.kernel(Seat::of(self.method(again), &body, self.is_top).table);
+            self.ride(&[body], &[Job { index: 0, again }], kernel, isa, interrupt, |_, outcome| {
+                outcomes[usize::from(again)] = Some(outcome);
+            })?;
+        }
         let first = outcomes[0].expect("every job is finished");
         Some((body, Map::verdict(&first, outcomes[1].as_ref()), first))
     }

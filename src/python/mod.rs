@@ -332,11 +332,14 @@ struct MapJob {
 /// A column of the statistics: its name and its value in a pixel.
 type Column<T> = (&'static str, fn(&Statistics) -> T);
 
-const COUNTS: [Column<u64>; 7] = [
+const COUNTS: [Column<u64>; 10] = [
     ("stable", |s| s.stable),
     ("unstable", |s| s.unstable),
     ("undecided", |s| s.undecided),
     ("failed", |s| s.failed),
+    ("step_limit", |s| s.step_limit),
+    ("not_finite", |s| s.not_finite),
+    ("drifted", |s| s.drifted),
     ("exact", |s| s.exact),
     ("checked", |s| s.checked),
     ("steps", |s| s.steps),

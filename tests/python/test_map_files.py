@@ -253,7 +253,7 @@ def with_header(arrays: dict[str, Any], header: object, path: Path) -> Path:
     ("change", "complaint"),
     [
         ({"format": "something else"}, "its header is not that of one"),
-        ({"format_version": 1}, "has format version 1, this version of rigid reads 2"),
+        ({"format_version": 1}, "has format version 1, this version of rigid reads 3"),
         ({"format_version": None}, "has format version None"),
         ({"spec": {}}, "holds a broken specification"),
         ({"spec": 3}, "holds a broken specification"),

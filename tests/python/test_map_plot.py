@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 
 import rigid
+from rigid.mapresult import FAILURES
 from small_maps import Floats, python_process, small_map, spec_of
 
 X, Y = np.linspace(1.01, 1.99, 7), np.geomspace(1e-3, 0.1, 5)
@@ -28,7 +29,7 @@ def pretended(spec: rigid.MapSpec, **changes: Any) -> rigid.StabilityMap:
     """A result with 20 stable bodies in every pixel but for these changes."""
     arrays: dict[str, Any] = {
         name: np.zeros(spec.shape, dtype=np.int64)
-        for name in ("unstable", "undecided", "failed", "checked", "steps", "exact")
+        for name in ("unstable", "undecided", "failed", "checked", "steps", "exact", *FAILURES)
     }
     arrays["stable"] = np.full(spec.shape, 20)
     arrays["status"] = np.zeros(spec.shape, dtype=np.uint8)

@@ -298,7 +298,7 @@ def test_each_pixel_of_a_map_decides_for_itself() -> None:
     assert result.plan.closed_form == "lagrange"
     assert result.plan.why == ("1 of 3 pixels have a closed form",)
     assert "auto: closed form for 8 bodies, else rk4" in result.summary()
-    assert "all of those integrated repeated with half the step" in result.summary()
+    assert "all of those integrated judged again by taylor16" in result.summary()
     assert [result.replay(k, 0).method for k in range(3)] == ["rk4", "exact", "rk4"]
 
 

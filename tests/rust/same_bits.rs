@@ -722,6 +722,9 @@ fn merged(a: Statistics, b: Statistics) -> Statistics {
         unstable: a.unstable + b.unstable,
         undecided: a.undecided + b.undecided,
         failed: a.failed + b.failed,
+        step_limit: a.step_limit + b.step_limit,
+        not_finite: a.not_finite + b.not_finite,
+        drifted: a.drifted + b.drifted,
         exact: a.exact + b.exact,
         checked: a.checked + b.checked,
         energy_drift: a.energy_drift.max(b.energy_drift),
@@ -801,6 +804,12 @@ fn a_sample_alone_is_the_sample_of_the_map() {
                     Class::Unstable => expected.unstable = 1,
                     Class::Undecided => expected.undecided = 1,
                     Class::Failed => expected.failed = 1,
+                }
+                match outcome.status {
+                    Status::StepLimit => expected.step_limit = 1,
+                    Status::NotFinite => expected.not_finite = 1,
+                    Status::Drifted => expected.drifted = 1,
+                    Status::Finished | Status::Stopped => {}
                 }
                 expected.steps = outcome.steps;
                 expected.exact = u64::from(outcome.exact);
