@@ -366,8 +366,10 @@ def test_points_on_a_line_do_not_tell_the_turn_about_it() -> None:
     np.testing.assert_allclose(found.omega[0], [0.0, 2.0, -3.0], atol=1e-14)
     assert found.residual[0] < 1e-14
     # What no body does is left over.
-    strange = particles.fit_omega(line, [[-1.0, 0, 0], [0, 0, 0], [1, 0, 0]])
-    assert strange.residual > 0.5
+    strange = particles.fit_omega(
+        line, np.diag([-1.0, 0.0, 1.0]) @ np.ones((3, 1)) * [1.0, 0.0, 0.0]
+    )
+    assert strange.residual > 0.5  # of 0.5 * sqrt(1.5)
     assert strange.omega.tolist() == [0.0, 0.0, 0.0]
 
 
