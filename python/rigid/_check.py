@@ -100,7 +100,8 @@ def _finite(name: str, array: NDArray[np.float64]) -> None:
     finite = np.isfinite(array)
     if not finite.all():
         index = tuple(int(i) for i in np.argwhere(~finite)[0])
-        raise ValueError(f"{name}{list(index)} = {array[index]}: must be finite")
+        place = list(index) if index else ""
+        raise ValueError(f"{name}{place} = {array[index]}: must be finite")
 
 
 def vector(name: str, value: ArrayLike, length: int) -> NDArray[np.float64]:

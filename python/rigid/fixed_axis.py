@@ -128,7 +128,7 @@ def bearing_torques(
 
     ``L = I n omega`` and ``N = I n omega' + n × I n omega²``: about the z axis
     ``(I_xz omega' - I_yz omega², I_yz omega' + I_xz omega², I_zz omega')`` in the body (Goldstein,
-    *Classical Mechanics*, § 5.6; Ercan 2016, eq. (29), which is in space). ``I_zz`` does not depend
+    *Classical Mechanics*, § 5.5; Ercan 2016, eq. (29), which is in space). ``I_zz`` does not depend
     on time (erratum D-15), the products in space do: putting those of the body into eq. (29)
     forgets the terms in ``omega²``. It is the bearings that supply what lies across the axis
     (erratum D-42).

@@ -119,7 +119,8 @@ class Freedom:
     conditions : int
         Number of pairs whose distance is kept.
     independent : ndarray of int, shape (...)
-        Rank of the conditions: how many of them are independent of the others to first order.
+        Rank of the conditions: how many of them are independent of the others to first order, for
+        the points that are not held in space.
     redundant : ndarray of int, shape (...)
         The other ones.
     first_order : ndarray of int, shape (...)

@@ -33,7 +33,7 @@ class BodyPath:
     t : ndarray, shape (m,)
         Times (s).
     position, velocity : ndarray, shape (n, m, 3)
-        Centre of mass (m) and its velocity (m/s).
+        Centre of mass (m) and its velocity (m/s), in space.
     rotation : Run
         Rates, attitude and how exact they are, of :func:`rigid.simulate`.
     """
@@ -132,7 +132,7 @@ def _impulse_and_shift(force: Floats, times: Floats) -> tuple[Floats, Floats]:
     t = times[:, np.newaxis]
     if rows == 1:
         return force * t, force * (0.5 * t * t)
-    if rows != len(times):
+    if rows != len(times) or rows == 0:
         raise ValueError(
             f"force: expected shape (3,) or (..., {len(times)}, 3), a row for each of the times, "
             f"got {force.shape}"

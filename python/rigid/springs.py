@@ -51,7 +51,7 @@ class Modes:
 
     @property
     def stiff_step(self) -> Floats:
-        """One over the largest frequency (s), the share ``sqrt(m / k)`` of the stiffest spring.
+        """One over the largest frequency (s): ``sqrt(m / k)`` of the stiffest part, m reduced.
 
         An explicit step must stay below a small multiple of it: twice for the leapfrog scheme, 2.83
         times for the classical Runge-Kutta scheme. inf if there is no frequency.
@@ -226,13 +226,12 @@ def pair_system(
     """
     m, r = _bodies(masses, positions)
     first, second = pairs_of(pairs, len(m))
-    if (law is None) == (stiffness is None):
-        raise ValueError("stiffness, law: give the stiffness of springs or a law, one of the two")
     if law is not None:
-        if rest is not None:
-            raise ValueError("rest: the lengths at rest are those of springs, not of a law")
+        if stiffness is not None or rest is not None:
+            raise ValueError("stiffness, rest, law: those of springs exclude a law")
+    elif stiffness is None:
+        raise ValueError("stiffness, law: give the stiffness of springs or a law")
     else:
-        assert stiffness is not None
         distances = np.linalg.norm(r[first] - r[second], axis=-1)
         k = _of_pairs("stiffness", stiffness, len(first))
         lengths = distances if rest is None else _of_pairs("rest", rest, len(first))

@@ -261,7 +261,7 @@ REFUSED: list[tuple[Callable[[], Any], str]] = [
         "mass (2, 1), position (3, 3)",
     ),
     (lambda: frames.earth_frame(48.85), "latitude = 48.85: must lie in [-pi/2, pi/2] (rad)"),
-    (lambda: frames.earth_frame(NAN), "latitude[] = nan: must be finite"),
+    (lambda: frames.earth_frame(NAN), "latitude = nan: must be finite"),
     (lambda: frames.earth_frame(1.0, radius=-1.0), "radius = -1.0: must not be negative"),
     (lambda: frames.earth_frame(1.0, rate=NAN), "rate = nan: must be finite"),
 ]
