@@ -20,8 +20,11 @@ __all__ = [
     "resolve_threads",
     "rows",
     "sorted_times",
+    "stack",
+    "together",
     "unit_vector",
     "vector",
+    "vectors",
 ]
 
 
@@ -97,7 +100,8 @@ def _finite(name: str, array: NDArray[np.float64]) -> None:
     finite = np.isfinite(array)
     if not finite.all():
         index = tuple(int(i) for i in np.argwhere(~finite)[0])
-        raise ValueError(f"{name}{list(index)} = {array[index]}: must be finite")
+        place = list(index) if index else ""
+        raise ValueError(f"{name}{place} = {array[index]}: must be finite")
 
 
 def vector(name: str, value: ArrayLike, length: int) -> NDArray[np.float64]:
@@ -118,6 +122,33 @@ def rows(name: str, value: ArrayLike, width: int) -> tuple[NDArray[np.float64], 
         raise ValueError(f"{name}: expected shape ({width},) or (n, {width}), got {array.shape}")
     _finite(name, array)
     return np.ascontiguousarray(np.atleast_2d(array)), array.ndim == 1
+
+
+def stack(name: str, value: ArrayLike, *shape: int | None) -> NDArray[np.float64]:
+    """``value`` as a finite array of shape ``(..., *shape)``; None stands for any length."""
+    array = numbers(name, value)
+    last = array.shape[max(array.ndim - len(shape), 0) :]
+    if len(last) < len(shape) or any(
+        want not in (None, got) for want, got in zip(shape, last, strict=True)
+    ):
+        wanted = ", ".join("N" if want is None else str(want) for want in shape)
+        raise ValueError(f"{name}: expected shape (..., {wanted}), got {array.shape}")
+    _finite(name, array)
+    return array
+
+
+def together(**arrays: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
+    """The arrays, broadcast against each other."""
+    try:
+        return np.broadcast_arrays(*arrays.values())
+    except ValueError:
+        shapes = ", ".join(f"{name} {array.shape}" for name, array in arrays.items())
+        raise ValueError(f"{shapes}: the shapes do not broadcast") from None
+
+
+def vectors(**arguments: ArrayLike) -> tuple[NDArray[np.float64], ...]:
+    """The arguments as finite arrays of shape ``(..., 3)``, broadcast against each other."""
+    return together(**{name: stack(name, value, 3) for name, value in arguments.items()})
 
 
 def unit_vector(name: str, value: ArrayLike, length: int) -> NDArray[np.float64]:

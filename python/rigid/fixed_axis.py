@@ -1,0 +1,387 @@
+"""A body that turns about an axis in bearings: what they must supply, and whether it is balanced.
+
+Body axes are any axes fixed in the body with their origin on the axis of rotation; they need not be
+principal axes. The products of inertia carry their minus signs in the tensor.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._check import finite_float, stack, together, vector
+
+__all__ = [
+    "Analogy",
+    "Balance",
+    "BearingTorques",
+    "Quantity",
+    "analogy_table",
+    "balance_test",
+    "bearing_forces",
+    "bearing_torques",
+]
+
+Floats = NDArray[np.float64]
+
+BALANCE = 1e-9
+"""Share of the moments, or of the radius of gyration, below which an imbalance counts as none."""
+
+_E3 = (0.0, 0.0, 1.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class BearingTorques:
+    """Angular momentum of a body that turns about a fixed axis, and the torque that this takes.
+
+    Attributes
+    ----------
+    angular_momentum, torque : ndarray, shape (..., 3)
+        About the origin, in the body (kg m²/s, N m).
+    angular_momentum_space, torque_space : ndarray, shape (..., 3)
+        The same in space.
+    driving : ndarray, shape (...)
+        The part along the axis, ``I_zz omega'`` for the z axis: what speeds the body up.
+    bearing : ndarray, shape (..., 3)
+        The rest, across the axis, in the body: what the bearings must supply.
+    """
+
+    angular_momentum: Floats
+    torque: Floats
+    angular_momentum_space: Floats
+    torque_space: Floats
+    driving: Floats
+    bearing: Floats
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Balance:
+    """Whether a body turns about an axis without shaking its bearings.
+
+    Attributes
+    ----------
+    offset : ndarray, shape (...)
+        Distance of the centre of mass from the axis (m).
+    product : ndarray, shape (...)
+        Size of the products of inertia with the axis, ``sqrt(I_xz² + I_yz²)`` for the z axis
+        (kg m²).
+    static : ndarray of bool, shape (...)
+        Whether the centre of mass lies on the axis: no net force when turning, no fall at rest.
+    dynamic : ndarray of bool, shape (...)
+        Whether the axis is a principal one: no torque across it.
+    """
+
+    offset: Floats
+    product: Floats
+    static: NDArray[np.bool_]
+    dynamic: NDArray[np.bool_]
+
+    @property
+    def balanced(self) -> NDArray[np.bool_]:
+        """Whether it is both: the bearings carry the weight and nothing else."""
+        return self.static & self.dynamic
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """A quantity of mechanics: its name, symbol, SI unit, and exponents of kg, m and s.
+
+    Attributes
+    ----------
+    name, symbol, unit : str
+        As printed.
+    dimension : tuple of 3 ints
+        Exponents of kg, m, s; an angle has none.
+    """
+
+    name: str
+    symbol: str
+    unit: str
+    dimension: tuple[int, int, int]
+
+
+@dataclass(frozen=True, slots=True)
+class Analogy:
+    """A quantity of rotation about the z axis and the one of motion along it that it resembles.
+
+    Attributes
+    ----------
+    rotation, translation : Quantity
+        The two.
+    """
+
+    rotation: Quantity
+    translation: Quantity
+
+
+def bearing_torques(
+    tensor: ArrayLike,
+    omega: ArrayLike,
+    omega_dot: ArrayLike = 0.0,
+    *,
+    axis: ArrayLike = _E3,
+    angle: ArrayLike = 0.0,
+) -> BearingTorques:
+    """Torque on a body that turns about a fixed axis, of its drive and of its bearings.
+
+    ``L = I n omega`` and ``N = I n omega' + n × I n omega²``: about the z axis
+    ``(I_xz omega' - I_yz omega², I_yz omega' + I_xz omega², I_zz omega')`` in the body (Goldstein,
+    *Classical Mechanics*, § 5.5; Ercan 2016, eq. (29), which is in space). ``I_zz`` does not depend
+    on time (erratum D-15), the products in space do: putting those of the body into eq. (29)
+    forgets the terms in ``omega²``. It is the bearings that supply what lies across the axis
+    (erratum D-42).
+
+    Parameters
+    ----------
+    tensor : array_like, shape (..., 3, 3)
+        Tensor of inertia in the body (kg m²), about a point of the axis.
+    omega, omega_dot : array_like, shape (...)
+        Rate about the axis (rad/s) and its derivative (rad/s²).
+    axis : array_like, shape (3,)
+        Direction of the axis in the body, of any length. Default: the z axis.
+    angle : array_like, shape (...)
+        Angle (rad) that the body has turned since its axes were those of space.
+
+    Returns
+    -------
+    BearingTorques
+
+    Raises
+    ------
+    ValueError
+        If the tensor is not symmetric or that of no body, the axis is zero, or an argument is not
+        finite.
+
+    Examples
+    --------
+    >>> from rigid import fixed_axis
+    >>> tilted = [[2.0, 0.0, -0.5], [0.0, 2.0, 0.0], [-0.5, 0.0, 1.5]]
+    >>> fixed_axis.bearing_torques(tilted, omega=10.0, omega_dot=2.0).torque.tolist()
+    [-1.0, -50.0, 3.0]
+    """
+    inertia, n = _tensor(tensor), _direction(axis)
+    w, dw, turned = (
+        stack(name, value)[..., np.newaxis]
+        for name, value in (("omega", omega), ("omega_dot", omega_dot), ("angle", angle))
+    )
+    about, w, dw, turned = together(tensor=inertia @ n, omega=w, omega_dot=dw, angle=turned)
+    momentum = about * w
+    torque = about * dw + np.cross(n, about) * (w * w)
+    driving = torque @ n
+    return BearingTorques(
+        angular_momentum=momentum,
+        torque=torque,
+        angular_momentum_space=_turned(momentum, n, turned),
+        torque_space=_turned(torque, n, turned),
+        driving=driving,
+        bearing=torque - driving[..., np.newaxis] * n,
+    )
+
+
+def bearing_forces(
+    mass: ArrayLike,
+    com: ArrayLike,
+    omega: ArrayLike,
+    omega_dot: ArrayLike = 0.0,
+    *,
+    axis: ArrayLike = _E3,
+) -> Floats:
+    """Force of the bearings on a body that turns about a fixed axis, without that of its weight.
+
+    ``F = m (omega' n × c + omega² n × (n × c))``, in the body: zero if the centre of mass lies on
+    the axis (Ercan 2016, § 7.2).
+
+    Parameters
+    ----------
+    mass : array_like, shape (...)
+        Mass (kg), >= 0.
+    com : array_like, shape (..., 3)
+        Centre of mass in the body (m), from a point of the axis.
+    omega, omega_dot, axis : array_like
+        As in :func:`bearing_torques`.
+
+    Returns
+    -------
+    ndarray, shape (..., 3)
+
+    Raises
+    ------
+    ValueError
+        If the mass is negative, the axis is zero, or an argument is not finite.
+
+    Examples
+    --------
+    >>> from rigid import fixed_axis
+    >>> fixed_axis.bearing_forces(2.0, [0.1, 0.0, 5.0], omega=10.0).tolist()
+    [-20.0, 0.0, 0.0]
+    """
+    n = _direction(axis)
+    m, w, dw = (
+        stack(name, value)[..., np.newaxis]
+        for name, value in (("mass", mass), ("omega", omega), ("omega_dot", omega_dot))
+    )
+    if (m < 0.0).any():
+        raise ValueError(f"mass = {m[m < 0.0][0]}: must not be negative")
+    m, c, w, dw = together(mass=m, com=stack("com", com, 3), omega=w, omega_dot=dw)
+    across = np.cross(n, c)
+    return np.asarray(m * (dw * across + w * w * np.cross(n, across)))
+
+
+def balance_test(
+    tensor: ArrayLike,
+    *,
+    mass: ArrayLike,
+    com: ArrayLike,
+    axis: ArrayLike = _E3,
+    rtol: float = BALANCE,
+) -> Balance:
+    """Whether a body is balanced about an axis, at rest and when it turns.
+
+    No force when turning if the centre of mass lies on the axis, no torque across it if the axis is
+    a principal one (Ercan 2016, §§ 6, 7.2).
+
+    Parameters
+    ----------
+    tensor : array_like, shape (..., 3, 3)
+        Tensor of inertia in the body (kg m²), about a point of the axis.
+    mass : array_like, shape (...)
+        Mass (kg), positive.
+    com : array_like, shape (..., 3)
+        Centre of mass in the body (m), from that point.
+    axis : array_like, shape (3,)
+        Direction of the axis in the body, of any length.
+    rtol : float
+        Offsets up to this share of the radius of gyration, and products up to this share of the
+        moments, count as none.
+
+    Returns
+    -------
+    Balance
+
+    Raises
+    ------
+    ValueError
+        If the mass is not positive, the tensor is not symmetric or that of no body, the axis is
+        zero, or an argument is not finite.
+
+    Examples
+    --------
+    >>> from rigid import fixed_axis
+    >>> wheel = fixed_axis.balance_test(
+    ...     [[2.0, 0.0, -0.1], [0.0, 2.0, 0.0], [-0.1, 0.0, 3.0]], mass=10.0, com=[0, 0, 0]
+    ... )
+    >>> bool(wheel.static), bool(wheel.dynamic), float(wheel.product)
+    (True, False, 0.1)
+    """
+    inertia, n = _tensor(tensor), _direction(axis)
+    m, c = stack("mass", mass), stack("com", com, 3)
+    if (m <= 0.0).any():
+        raise ValueError(f"mass = {m[m <= 0.0][0]}: must be positive")
+    share = finite_float("rtol", rtol, nonnegative=True)
+    # Vectors across the axis are found by a cross product, which does not cancel.
+    offset = np.linalg.norm(np.cross(n, c), axis=-1)
+    product = np.linalg.norm(np.cross(n, inertia @ n), axis=-1)
+    moments = 0.5 * np.trace(inertia, axis1=-2, axis2=-1)
+    offset, product, moments, m = together(com=offset, product=product, tensor=moments, mass=m)
+    return Balance(
+        offset=offset,
+        product=product,
+        static=offset <= share * np.sqrt(moments / m),
+        dynamic=product <= share * moments,
+    )
+
+
+def analogy_table() -> tuple[Analogy, ...]:
+    """The seven quantities of rotation about the z axis and their companions of translation.
+
+    Ercan 2016, table 1.
+
+    Returns
+    -------
+    tuple of Analogy
+
+    Examples
+    --------
+    >>> from rigid import fixed_axis
+    >>> for row in fixed_axis.analogy_table():
+    ...     print(row.rotation.symbol, "~", row.translation.symbol)
+    I_zz ~ m
+    phi ~ z
+    omega ~ v
+    omega' ~ a
+    L_z ~ p_z
+    I_zz omega²/2 ~ m v²/2
+    N_z ~ F_z
+    """
+    return _TABLE
+
+
+_TABLE = tuple(
+    Analogy(Quantity(*rotation), Quantity(*translation))
+    for rotation, translation in (
+        (
+            ("moment of inertia", "I_zz", "kg m²", (1, 2, 0)),
+            ("mass", "m", "kg", (1, 0, 0)),
+        ),
+        (
+            ("angle", "phi", "rad", (0, 0, 0)),
+            ("position", "z", "m", (0, 1, 0)),
+        ),
+        (
+            ("angular velocity", "omega", "rad/s", (0, 0, -1)),
+            ("velocity", "v", "m/s", (0, 1, -1)),
+        ),
+        (
+            ("angular acceleration", "omega'", "rad/s²", (0, 0, -2)),
+            ("acceleration", "a", "m/s²", (0, 1, -2)),
+        ),
+        (
+            ("angular momentum", "L_z", "kg m²/s", (1, 2, -1)),
+            ("momentum", "p_z", "kg m/s", (1, 1, -1)),
+        ),
+        (
+            ("rotational energy", "I_zz omega²/2", "J", (1, 2, -2)),
+            ("kinetic energy", "m v²/2", "J", (1, 2, -2)),
+        ),
+        (
+            ("torque", "N_z", "N m", (1, 2, -2)),
+            ("force", "F_z", "N", (1, 1, -2)),
+        ),
+    )
+)
+
+
+def _direction(axis: ArrayLike) -> Floats:
+    n = vector("axis", axis, 3)
+    largest = np.abs(n).max()
+    if largest == 0.0:
+        raise ValueError("axis = [0.0, 0.0, 0.0]: an axis needs a direction")
+    n = n / largest  # no square leaves the range of doubles
+    return np.asarray(n / np.linalg.norm(n))
+
+
+def _tensor(tensor: ArrayLike) -> Floats:
+    """Tensors (..., 3, 3) that bodies can have; a moment of a rod may be zero."""
+    inertia = stack("tensor", tensor, 3, 3)
+    slack = 1e-12 * np.abs(inertia).max(axis=(-2, -1), initial=0.0)
+    unsymmetric = np.abs(inertia - np.swapaxes(inertia, -1, -2)).max(axis=(-2, -1), initial=0.0)
+    if (unsymmetric > slack).any():
+        raise ValueError(f"tensor: must be symmetric, is not by {unsymmetric.max():g}")
+    moments = np.linalg.eigvalsh(inertia)
+    small, rest = moments[..., 0], moments[..., 2] - moments[..., 1]
+    impossible = (small < -slack) | (rest > small + 4.0 * slack)
+    if impossible.any():
+        raise ValueError(
+            f"tensor: no body has the principal moments {moments[impossible][0].tolist()}; none "
+            "may be negative or exceed the sum of the other two"
+        )
+    return inertia
+
+
+def _turned(vectors: Floats, axis: Floats, angle: Floats) -> Floats:
+    """Vectors (..., 3) turned about a unit axis; angles (..., 1)."""
+    along = (vectors @ axis)[..., np.newaxis] * axis
+    across = vectors - along
+    return np.asarray(along + np.cos(angle) * across + np.sin(angle) * np.cross(axis, across))

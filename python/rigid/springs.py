@@ -1,0 +1,417 @@
+"""Particles under forces between pairs: their small oscillations, and the limit of the rigid body.
+
+A body of stiff springs is a rigid body but for an error that falls as the inverse of the stiffness,
+at a cost that rises as its square root: why rotation is not computed this way.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._check import finite_float, numbers, sorted_times, stack, vector
+from .bodies import Body
+from .particles import degrees_of_freedom, pairs_of, refuse_coincidence
+from .scenes import FreeBody
+from .simulate import simulate
+
+__all__ = ["Law", "Modes", "PairSystem", "SpringPath", "pair_system", "spring_body"]
+
+Floats = NDArray[np.float64]
+Counts = NDArray[np.intp]
+
+Law = Callable[[Floats], tuple[Floats, Floats, Floats]]
+"""Energy of the pairs and its first two derivatives, of their distances ``(..., P)``."""
+
+SMALL = 1e-9
+"""A force, or a squared frequency, below this share of the largest stiffness is zero."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Modes:
+    """Small oscillations about an equilibrium.
+
+    Attributes
+    ----------
+    omega_squared : ndarray, shape (..., 3 N)
+        Squared frequencies (rad²/s²), ascending; negative where the equilibrium is unstable.
+    shapes : ndarray, shape (..., 3 N, N, 3)
+        Displacements of the particles in each mode, with ``Σ m u² = 1``.
+    zero : ndarray of int, shape (...)
+        Number of modes without frequency: 6 of a body that its forces hold, the shifts and the
+        turns; 5 if it lies on a line that they hold straight; more if it can be deformed freely.
+    """
+
+    omega_squared: Floats
+    shapes: Floats
+    zero: Counts
+
+    @property
+    def stiff_step(self) -> Floats:
+        """One over the largest frequency (s): ``sqrt(m / k)`` of the stiffest part, m reduced.
+
+        An explicit step must stay below a small multiple of it: twice for the leapfrog scheme, 2.83
+        times for the classical Runge-Kutta scheme. inf if there is no frequency.
+        """
+        with np.errstate(divide="ignore"):
+            largest = np.maximum(self.omega_squared[..., -1], 0.0)
+            step: Floats = np.where(largest > 0.0, 1.0 / np.sqrt(largest), np.inf)[()]
+        return step
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Pulls:
+    """Pairs (..., P): unit vectors from the second particle to the first, and the law there."""
+
+    direction: Floats
+    distance: Floats
+    energy: Floats
+    tension: Floats
+    stiffness: Floats
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PairSystem:
+    """Particles with a potential ``V = Σ V_ij(|r_i - r_j|)``, made by :func:`pair_system`.
+
+    Attributes
+    ----------
+    masses : ndarray, shape (N,)
+        Masses (kg).
+    positions : ndarray, shape (N, 3)
+        The reference configuration (m).
+    pairs : ndarray of int, shape (P, 2)
+        Which particles act on each other.
+    law : callable
+        Energy and its derivatives, see :data:`Law`.
+    """
+
+    masses: Floats
+    positions: Floats
+    pairs: Counts
+    law: Law
+
+    def energy(self, positions: ArrayLike | None = None) -> Floats:
+        """Potential energy (J), shape (...), of positions (..., N, 3) or of the reference."""
+        total: Floats = self._pulls(positions).energy.sum(axis=-1)
+        return total
+
+    def forces(self, positions: ArrayLike | None = None) -> Floats:
+        """Forces (N) on the particles, ``-∂V/∂r``, shape (..., N, 3)."""
+        pulls = self._pulls(positions)
+        forces: Floats = -(self._incidence().T @ (pulls.tension[..., np.newaxis] * pulls.direction))
+        return forces
+
+    def hessian(self, positions: ArrayLike | None = None) -> Floats:
+        """Second derivatives ``∂²V/∂r∂r`` (N/m), shape (..., 3 N, 3 N).
+
+        Each pair has the stiffness ``V''`` along its line and ``V'/d`` across it.
+        """
+        pulls = self._pulls(positions)
+        across = (pulls.tension / pulls.distance)[..., np.newaxis, np.newaxis]
+        along = pulls.stiffness[..., np.newaxis, np.newaxis] - across
+        lines = pulls.direction[..., :, np.newaxis] * pulls.direction[..., np.newaxis, :]
+        blocks = along * lines + across * np.eye(3)
+        sign = self._incidence()
+        joined = np.einsum("pa,...pij,pb->...aibj", sign, blocks, sign, optimize=True)
+        size = 3 * len(self.masses)
+        return np.asarray(joined.reshape(*joined.shape[:-4], size, size))
+
+    def modes(self, positions: ArrayLike | None = None) -> Modes:
+        """Frequencies and shapes of the small oscillations about an equilibrium.
+
+        The squared frequencies are the eigenvalues of ``M^-½ (∂²V/∂r∂r) M^-½`` (Goldstein,
+        *Classical Mechanics*, § 6.2; Landau and Lifshitz, *Mechanics*, § 23): those of the second
+        derivatives alone, as printed in the lecture notes, § 5.1, are no frequencies (erratum
+        G-02), and six of them are zero, not positive (erratum G-01).
+
+        Raises
+        ------
+        ValueError
+            If the forces do not vanish.
+        """
+        pulls = self._pulls(positions)
+        scale = np.abs(pulls.tension) + np.abs(pulls.stiffness) * pulls.distance
+        largest = np.abs(self.forces(positions)).max(axis=(-2, -1))
+        if (largest > SMALL * scale.max(axis=-1, initial=0.0)).any():
+            raise ValueError(
+                f"positions: no equilibrium, the largest force is {float(largest.max()):g}; "
+                "oscillations are those about one"
+            )
+        root = np.repeat(np.sqrt(self.masses), 3)
+        weighted = self.hessian(positions) / root / root[:, np.newaxis]
+        squared, columns = np.linalg.eigh(weighted)
+        shapes = np.swapaxes(columns, -1, -2) / root
+        bound = SMALL * np.abs(squared).max(axis=-1, keepdims=True)
+        return Modes(
+            omega_squared=squared,
+            shapes=shapes.reshape(*shapes.shape[:-1], len(self.masses), 3),
+            zero=(np.abs(squared) <= bound).sum(axis=-1),
+        )
+
+    def _incidence(self) -> Floats:
+        """Shape (P, N): +1 for the first particle of a pair, -1 for the second."""
+        one = np.eye(len(self.masses))
+        return np.asarray(one[self.pairs[:, 0]] - one[self.pairs[:, 1]])
+
+    def _pulls(self, positions: ArrayLike | None) -> _Pulls:
+        r = self.positions if positions is None else stack("positions", positions, None, 3)
+        if r.shape[-2] != len(self.masses):
+            raise ValueError(f"positions: expected {len(self.masses)} particles, got {r.shape}")
+        first, second = self.pairs.T
+        apart = r[..., first, :] - r[..., second, :]
+        distance = np.linalg.norm(apart, axis=-1)
+        refuse_coincidence(distance, first, second)
+        found = [np.asarray(values) for values in self.law(distance)]
+        if any(one.shape != distance.shape or not np.isfinite(one).all() for one in found):
+            raise ValueError(
+                "law: must return energy, first and second derivative of each distance, all finite"
+            )
+        energy, tension, stiffness = found
+        return _Pulls(apart / distance[..., np.newaxis], distance, energy, tension, stiffness)
+
+
+def pair_system(
+    masses: ArrayLike,
+    positions: ArrayLike,
+    *,
+    pairs: ArrayLike | None = None,
+    stiffness: ArrayLike | None = None,
+    rest: ArrayLike | None = None,
+    law: Law | None = None,
+) -> PairSystem:
+    """Particles joined by springs, or by any potential of their distances.
+
+    ``V = Σ k (d - d0)²/2``, or the sum of the given law over the pairs (lecture notes, § 5.1).
+
+    Parameters
+    ----------
+    masses : array_like, shape (N,)
+        Masses (kg), positive.
+    positions : array_like, shape (N, 3)
+        Reference configuration (m).
+    pairs : array_like of int, shape (P, 2), optional
+        Which particles act on each other. Default: all pairs, in the order of
+        ``numpy.triu_indices(N, 1)``.
+    stiffness : float or array_like, shape (P,)
+        Stiffness (N/m) of the springs, >= 0. Either this or ``law``.
+    rest : float or array_like, shape (P,), optional
+        Lengths (m) at rest of the springs. Default: the distances of the reference.
+    law : callable, optional
+        Instead of springs: takes distances ``(..., P)``, returns energy, first and second
+        derivative, each of that shape.
+
+    Returns
+    -------
+    PairSystem
+        With ``energy``, ``forces``, ``hessian`` and ``modes`` of any configuration.
+
+    Raises
+    ------
+    ValueError
+        If a mass is not positive, a stiffness or a length negative, two joined particles coincide,
+        or both springs and a law are given, or neither.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from rigid import springs
+    >>> molecule = springs.pair_system([1.0, 3.0], [[0, 0, 0], [2, 0, 0]], stiffness=12.0)
+    >>> modes = molecule.modes()
+    >>> int(modes.zero), float(np.sqrt(modes.omega_squared[-1]).round(9))  # sqrt(k / (3/4))
+    (5, 4.0)
+    """
+    m, r = _bodies(masses, positions)
+    first, second = pairs_of(pairs, len(m))
+    if law is not None:
+        if stiffness is not None or rest is not None:
+            raise ValueError("stiffness, rest, law: those of springs exclude a law")
+    elif stiffness is None:
+        raise ValueError("stiffness, law: give the stiffness of springs or a law")
+    else:
+        distances = np.linalg.norm(r[first] - r[second], axis=-1)
+        k = _of_pairs("stiffness", stiffness, len(first))
+        lengths = distances if rest is None else _of_pairs("rest", rest, len(first))
+        law = _hooke(k, lengths)
+    system = PairSystem(masses=m, positions=r, pairs=np.stack([first, second], axis=-1), law=law)
+    system.energy()  # refuses particles that coincide and what is no law
+    return system
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SpringPath:
+    """The path of a body of springs beside that of the rigid body.
+
+    Attributes
+    ----------
+    t : ndarray, shape (m,)
+        Times (s).
+    positions : ndarray, shape (m, N, 3)
+        Where the particles are (m).
+    rigid : ndarray, shape (m, N, 3)
+        Where the rigid body has them.
+    distance : ndarray, shape (m,)
+        Largest distance between the two (m).
+    evaluations : int
+        How often the forces were evaluated.
+    stiff_step : float
+        Step limit of the stiffest oscillation (s), see :attr:`Modes.stiff_step`.
+    """
+
+    t: Floats
+    positions: Floats
+    rigid: Floats
+    distance: Floats
+    evaluations: int
+    stiff_step: float
+
+
+def spring_body(
+    masses: ArrayLike,
+    positions: ArrayLike,
+    omega: ArrayLike,
+    *,
+    stiffness: ArrayLike,
+    t: ArrayLike,
+    velocity: ArrayLike = (0.0, 0.0, 0.0),
+    pairs: ArrayLike | None = None,
+    rtol: float = 1e-10,
+) -> SpringPath:
+    """Motion of particles joined by springs, and of the rigid body that they approximate.
+
+    The springs are at rest length at the start, where the particles move as a rigid body. The
+    distance from the rigid body falls as ``1 / stiffness``, the steps as ``sqrt(m / stiffness)``
+    (lecture notes, § 5.1: the rigid body as the limit of infinite frequencies). The springs are
+    integrated by SciPy (DOP853), the rigid body by :func:`rigid.simulate`.
+
+    Parameters
+    ----------
+    masses, positions, pairs, stiffness : array_like
+        As in :func:`pair_system`.
+    omega, velocity : array_like, shape (3,)
+        Angular velocity (rad/s) at the start and velocity (m/s) of the centre of mass, in space.
+    t : array_like, shape (m,)
+        Wanted times (s), ascending from 0 on.
+    rtol : float
+        Relative tolerance of a step; the absolute one is a hundredth of it of the size of the body.
+
+    Returns
+    -------
+    SpringPath
+
+    Raises
+    ------
+    ValueError
+        If the springs do not hold the particles to first order, which is so on a line and in a
+        plane, or an argument is out of range.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from rigid import springs
+    >>> corner = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    >>> soft, stiff = (
+    ...     springs.spring_body(np.ones(4), corner, [0, 1, 0.3], stiffness=k, t=[0.0, 1.0])
+    ...     for k in (1e3, 1e4)
+    ... )
+    >>> bool(7 < soft.distance[-1] / stiff.distance[-1] < 13)
+    True
+    """
+    from scipy.integrate import solve_ivp
+
+    times = sorted_times("t", t)
+    if times.size == 0 or times[0] < 0.0 or times[-1] == 0.0:
+        raise ValueError(
+            f"t, shape {times.shape}: the springs start at t = 0, no time may be before it and the "
+            "last must be after"
+        )
+    w, v = vector("omega", omega, 3), vector("velocity", velocity, 3)
+    tolerance = finite_float("rtol", rtol, positive=True)
+    system = pair_system(masses, positions, pairs=pairs, stiffness=stiffness)
+    m, r = system.masses, system.positions
+    left = int(degrees_of_freedom(r, pairs=system.pairs).first_order)
+    if left != 6:
+        raise ValueError(
+            f"positions, pairs: the springs leave {left} coordinates to first order, a rigid body "
+            "has 6"
+        )
+    com = m @ r / m.sum()
+    arms = r - com
+
+    def rate(_: float, state: Floats) -> Floats:
+        r, v = state.reshape(2, *arms.shape)
+        return np.concatenate([v, system.forces(r) / m[:, np.newaxis]], axis=None)
+
+    start = np.concatenate([arms, np.cross(w, arms)], axis=None)
+    size = float(np.abs(arms).max())
+    solution = solve_ivp(
+        rate,
+        (0.0, times[-1]),
+        start,
+        method="DOP853",
+        t_eval=times,
+        rtol=tolerance,
+        atol=0.01 * tolerance * size,
+    )
+    if not solution.success:
+        raise ValueError(f"stiffness, t: the springs were not integrated: {solution.message}")
+    drift = com + v * times[:, np.newaxis, np.newaxis]
+    moved = solution.y[: 3 * len(m)].T.reshape(-1, len(m), 3)
+    turned = arms @ np.swapaxes(_turns(m, arms, w, times), -1, -2)
+    return SpringPath(
+        t=times,
+        positions=moved + drift,
+        rigid=turned + drift,
+        distance=np.linalg.norm(moved - turned, axis=-1).max(axis=-1),
+        evaluations=int(solution.nfev),
+        stiff_step=float(system.modes().stiff_step),
+    )
+
+
+def _turns(masses: Floats, arms: Floats, omega: Floats, times: Floats) -> Floats:
+    """Rotations (m, 3, 3) of the rigid body since the start, in space."""
+    tensor = np.einsum("n,nij->ij", masses, _squares(arms))
+    body, axes = Body.from_tensor(tensor)
+    run = simulate(FreeBody(body), axes.T @ omega, t=times)
+    matrices = run.rotation().as_matrix().reshape(-1, 3, 3)
+    turns: Floats = axes @ matrices @ axes.T
+    return turns
+
+
+def _squares(arms: Floats) -> Floats:
+    """``r² 1 - r r`` of each arm."""
+    own = (arms * arms).sum(axis=-1)[:, np.newaxis, np.newaxis]
+    return np.asarray(own * np.eye(3) - arms[:, :, np.newaxis] * arms[:, np.newaxis, :])
+
+
+def _hooke(stiffness: Floats, rest: Floats) -> Law:
+    def law(distances: Floats) -> tuple[Floats, Floats, Floats]:
+        stretch = distances - rest
+        tension = stiffness * stretch
+        return 0.5 * tension * stretch, tension, np.broadcast_to(stiffness, distances.shape)
+
+    return law
+
+
+def _bodies(masses: ArrayLike, positions: ArrayLike) -> tuple[Floats, Floats]:
+    r = stack("positions", positions, None, 3)
+    if r.ndim != 2 or len(r) == 0:
+        raise ValueError(f"positions: expected shape (N, 3) of one or more, got {r.shape}")
+    m = vector("masses", masses, len(r))
+    if (m <= 0.0).any():
+        raise ValueError(f"masses = {m[m <= 0.0][0]}: must be positive")
+    return m, r
+
+
+def _of_pairs(name: str, value: ArrayLike, count: int) -> Floats:
+    """One number for each pair, or one for all."""
+    array = numbers(name, value)
+    if array.ndim == 0:
+        array = np.full(count, finite_float(name, value))
+    array = vector(name, array, count)
+    if (array < 0.0).any():
+        raise ValueError(f"{name} = {array[array < 0.0][0]}: must not be negative")
+    return array
