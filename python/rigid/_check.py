@@ -13,12 +13,14 @@ from numpy.typing import ArrayLike, NDArray
 
 __all__ = [
     "finite_float",
+    "first_place",
     "nearest",
     "numbers",
     "one_of",
     "positive_int",
     "resolve_threads",
     "rows",
+    "shaped",
     "sorted_times",
     "unit_vector",
     "vector",
@@ -105,6 +107,22 @@ def vector(name: str, value: ArrayLike, length: int) -> NDArray[np.float64]:
     array = numbers(name, value)
     if array.shape != (length,):
         raise ValueError(f"{name}: expected shape ({length},), got {array.shape}")
+    _finite(name, array)
+    return array
+
+
+def first_place(bad: NDArray[np.bool_]) -> tuple[tuple[int, ...], str]:
+    """The index of the first that is bad, and as a message writes it: nothing for a single one."""
+    index = tuple(int(i) for i in np.argwhere(bad)[0])
+    return index, str(list(index)) if index else ""
+
+
+def shaped(name: str, value: ArrayLike, *shape: int) -> NDArray[np.float64]:
+    """``value`` as a finite array whose last axes have that shape; the leading ones are free."""
+    array = numbers(name, value)
+    if array.shape[max(array.ndim - len(shape), 0) :] != shape:
+        wanted = ", ".join(map(str, ("...", *shape)))
+        raise ValueError(f"{name}: expected shape ({wanted}), got {array.shape}")
     _finite(name, array)
     return array
 
