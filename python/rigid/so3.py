@@ -540,7 +540,8 @@ def quaternions(name: str, value: ArrayLike | Rotation) -> Floats:
 
 def conjugate(quaternion: Floats) -> Floats:
     """The inverse rotations of unit quaternions."""
-    return quaternion * np.array([1.0, -1.0, -1.0, -1.0])
+    inverse: Floats = quaternion * np.array([1.0, -1.0, -1.0, -1.0])
+    return inverse
 
 
 def _axis_angle(axis: ArrayLike, angle: ArrayLike, passive: bool) -> tuple[Floats, Floats, Floats]:
@@ -576,4 +577,5 @@ def _unit(name: str, array: Floats, rule: str) -> Floats:
 def _over(numerator: Floats, denominator: Floats, limit: float) -> Floats:
     """The quotient, or its limit where the denominator is zero."""
     zero = denominator == 0.0
-    return np.where(zero, limit, numerator / np.where(zero, 1.0, denominator))
+    quotient: Floats = np.where(zero, limit, numerator / np.where(zero, 1.0, denominator))
+    return quotient
