@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._check import finite_float, one_of, shaped, sorted_times
-from .so3 import conjugate, exp_quaternion, log_quaternion, quaternion_product, quaternions
+from .quaternions import conjugate, exp_quaternion, log_quaternion, quaternion_product, quaternions
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation

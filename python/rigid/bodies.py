@@ -173,6 +173,7 @@ class Body:
         from . import solids
 
         radius = finite_float("radius", radius, positive=True)
+        inner = finite_float("inner", inner, nonnegative=True)
         return cls._upright(solids.sphere(radius, inner=inner, mass=_mass(mass)))
 
     @classmethod
@@ -192,6 +193,8 @@ class Body:
         from . import solids
 
         radius = finite_float("radius", radius, positive=True)
+        height = finite_float("height", height, nonnegative=True)
+        inner = finite_float("inner", inner, nonnegative=True)
         return cls._upright(solids.cylinder(radius, height, inner=inner, mass=_mass(mass)))
 
     @classmethod
@@ -210,6 +213,7 @@ class Body:
         from . import solids
 
         radius = finite_float("radius", radius, positive=True)
+        height = finite_float("height", height, positive=True)
         return cls._upright(solids.cone(radius, height, mass=_mass(mass)))
 
     @classmethod
@@ -308,7 +312,7 @@ class Body:
         >>> faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
         >>> body, axes = rigid.Body.from_mesh(corners, faces, mass=80.0)
         >>> [round(moment, 12) for moment in body.moments]
-        [4.0, 7.0, 7.0]
+        [5.0, 5.0, 8.0]
         """
         from .meshes import mesh_properties
 
@@ -319,10 +323,6 @@ class Body:
     @classmethod
     def _upright(cls, properties: MassProperties) -> Body:
         """A body whose axes are the principal ones already."""
-        if properties.mass.ndim:
-            raise ValueError(
-                f"a body has one size of each kind, got {properties.mass.shape} bodies"
-            )
         return cls(np.diagonal(properties.tensor), mass=float(properties.mass))
 
     @property

@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._check import first_place, one_of, shaped
-from .so3 import canonical_quaternion, rotation_matrices
+from .quaternions import canonical_quaternion
+from .so3 import rotation_matrices
 
 __all__ = [
     "EulerRates",

@@ -85,7 +85,8 @@ def mesh_properties(
         index, place = first_place(~inside)
         raise ValueError(
             f"vertices{place}: the volume inside is {volume[index] * unit[index] ** 3:.3g}; the "
-            "mesh is inside out (list the corners of each face in the other order) or encloses nothing"
+            "mesh is inside out (list the corners of each face in the other order) or encloses "
+            "nothing"
         )
     inner = first / volume[..., None]
     local = local - inner[..., None, :]

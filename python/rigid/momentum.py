@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from ._check import first_place, shaped
 from .bodies import Body
 from .massproperties import MassProperties, possible_tensor
-from .so3 import quaternion_to_matrix, quaternions
+from .quaternions import quaternion_to_matrix, quaternions
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation

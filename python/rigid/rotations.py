@@ -34,20 +34,22 @@ from .euler import (
     rotation_y,
     rotation_z,
 )
-from .so3 import (
-    Orthogonality,
-    axis_angle_matrix,
+from .quaternions import (
     canonical_quaternion,
     exp_quaternion,
-    exp_so3,
-    hat,
     log_quaternion,
     log_so3,
     matrix_to_quaternion,
-    nearest_rotation,
-    orthogonality_error,
     quaternion_product,
     quaternion_to_matrix,
+)
+from .so3 import (
+    Orthogonality,
+    axis_angle_matrix,
+    exp_so3,
+    hat,
+    nearest_rotation,
+    orthogonality_error,
     rotate,
     vee,
 )

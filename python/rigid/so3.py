@@ -1,38 +1,25 @@
-"""Rotations as vectors, matrices and quaternions, each made from the other without loss.
+"""Rotations as vectors and as matrices, about any axis, and how nearly a matrix is one.
 
 No series and no switch at small angles: every coefficient is a quotient such as ``sin(x) / x``,
-which is accurate for all ``x > 0`` and whose limit at zero is put in. Angles come from ``atan2`` of
-the vector and the scalar part of a quaternion, so neither small turns nor those near pi lose digits
-(the angle from the trace alone would lose half of them).
+which is accurate for all ``x > 0`` and whose limit at zero is put in.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._check import first_place, numbers, shaped
-
-if TYPE_CHECKING:
-    from scipy.spatial.transform import Rotation
+from ._check import first_place, shaped
 
 __all__ = [
     "Orthogonality",
     "axis_angle_matrix",
-    "canonical_quaternion",
-    "exp_quaternion",
     "exp_so3",
     "hat",
-    "log_quaternion",
-    "log_so3",
-    "matrix_to_quaternion",
     "nearest_rotation",
     "orthogonality_error",
-    "quaternion_product",
-    "quaternion_to_matrix",
     "rotate",
     "vee",
 ]
@@ -144,232 +131,9 @@ def exp_so3(vector: ArrayLike) -> Floats:
     """
     v = shaped("vector", vector, 3)
     angle = np.linalg.norm(v, axis=-1)
-    once = _over(np.sin(angle), angle, 1.0)
-    twice = 2.0 * _over(np.sin(0.5 * angle), angle, 0.5) ** 2
-    return _rodrigues(v, once, twice)
-
-
-def log_so3(matrix: ArrayLike) -> Floats:
-    """The rotation vector of a rotation: the inverse of :func:`exp_so3`, of length at most pi.
-
-    A half turn has two such vectors; the one whose first non-zero component is positive is given.
-
-    Parameters
-    ----------
-    matrix : array_like, shape (..., 3, 3)
-        Rotations.
-
-    Returns
-    -------
-    ndarray, shape (..., 3)
-        Rotation vectors (rad).
-
-    Raises
-    ------
-    ValueError
-        If a matrix is not a rotation to 1e-9.
-
-    Examples
-    --------
-    >>> from rigid import rotations
-    >>> tiny = [3e-12, 0.0, -4e-12]
-    >>> rotations.log_so3(rotations.exp_so3(tiny))
-    array([ 3.e-12,  0.e+00, -4.e-12])
-    """
-    return log_quaternion(matrix_to_quaternion(matrix))
-
-
-def exp_quaternion(vector: ArrayLike) -> Floats:
-    """The unit quaternion of a rotation vector: ``(cos(x/2), sin(x/2) v/x)``, ``x = |v|``.
-
-    Not brought to a fixed sign: it is continuous in ``v``, and turns over after a full turn.
-
-    Parameters
-    ----------
-    vector : array_like, shape (..., 3)
-        Rotation vectors (rad).
-
-    Returns
-    -------
-    ndarray, shape (..., 4)
-        Quaternions, scalar first.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from rigid import rotations
-    >>> rotations.exp_quaternion([0.0, np.pi, 0.0]).round(15)
-    array([0., 0., 1., 0.])
-    """
-    v = shaped("vector", vector, 3)
-    angle = np.linalg.norm(v, axis=-1)
-    share = _over(np.sin(0.5 * angle), angle, 0.5)
-    return np.concatenate([np.cos(0.5 * angle)[..., None], share[..., None] * v], axis=-1)
-
-
-def log_quaternion(quaternion: ArrayLike) -> Floats:
-    """The rotation vector of a quaternion, of length at most pi: as :func:`log_so3`.
-
-    Parameters
-    ----------
-    quaternion : array_like, shape (..., 4)
-        Quaternions, scalar first; normalised first, and of either sign.
-
-    Returns
-    -------
-    ndarray, shape (..., 3)
-        Rotation vectors (rad).
-
-    Raises
-    ------
-    ValueError
-        If a quaternion is zero or not finite.
-
-    Examples
-    --------
-    >>> from rigid import rotations
-    >>> rotations.log_quaternion([0.0, 0.0, 0.0, -2.0])
-    array([0.        , 0.        , 3.14159265])
-    """
-    q = canonical_quaternion(quaternion)
-    length = np.linalg.norm(q[..., 1:], axis=-1)
-    # Where the squares of a tiny vector part vanish, so does the difference from twice that part.
-    share = _over(2.0 * np.arctan2(length, q[..., 0]), length, 2.0)
-    return share[..., None] * q[..., 1:]
-
-
-def canonical_quaternion(quaternion: ArrayLike) -> Floats:
-    """Unit quaternions with a fixed sign: the first component that is not zero is positive.
-
-    So ``w >= 0``; ``q`` and ``-q`` are the same rotation.
-
-    Parameters
-    ----------
-    quaternion : array_like, shape (..., 4)
-        Quaternions of any length but zero, scalar first.
-
-    Returns
-    -------
-    ndarray, shape (..., 4)
-
-    Raises
-    ------
-    ValueError
-        If a quaternion is zero or not finite.
-
-    Examples
-    --------
-    >>> from rigid import rotations
-    >>> rotations.canonical_quaternion([-3.0, 0.0, 4.0, 0.0])
-    array([ 0.6,  0. , -0.8,  0. ])
-    """
-    q = _unit("quaternion", shaped("quaternion", quaternion, 4), "a zero quaternion is no rotation")
-    first = np.argmax(q != 0.0, axis=-1)[..., None]
-    leading = np.take_along_axis(q, first, axis=-1)
-    return np.where(leading < 0.0, -q, q) + 0.0  # no negative zeros
-
-
-def quaternion_product(left: ArrayLike, right: ArrayLike) -> Floats:
-    """The Hamilton product: the rotation ``left`` after the rotation ``right``.
-
-    Parameters
-    ----------
-    left, right : array_like, shape (..., 4)
-        Quaternions, scalar first; the leading axes broadcast. Not normalised.
-
-    Returns
-    -------
-    ndarray, shape (..., 4)
-
-    Examples
-    --------
-    >>> from rigid import rotations
-    >>> i, j = [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]
-    >>> rotations.quaternion_product(i, j)
-    array([0., 0., 0., 1.])
-    """
-    a0, a1, a2, a3 = np.moveaxis(shaped("left", left, 4), -1, 0)
-    b0, b1, b2, b3 = np.moveaxis(shaped("right", right, 4), -1, 0)
-    return np.stack(
-        [
-            a0 * b0 - a1 * b1 - a2 * b2 - a3 * b3,
-            a0 * b1 + a1 * b0 + a2 * b3 - a3 * b2,
-            a0 * b2 - a1 * b3 + a2 * b0 + a3 * b1,
-            a0 * b3 + a1 * b2 - a2 * b1 + a3 * b0,
-        ],
-        axis=-1,
-    )
-
-
-def quaternion_to_matrix(quaternion: ArrayLike) -> Floats:
-    """The active rotation matrix of a quaternion, which is normalised first.
-
-    Parameters
-    ----------
-    quaternion : array_like, shape (..., 4)
-        Quaternions of any length but zero, scalar first.
-
-    Returns
-    -------
-    ndarray, shape (..., 3, 3)
-
-    Raises
-    ------
-    ValueError
-        If a quaternion is zero or not finite.
-
-    Examples
-    --------
-    >>> from rigid import rotations
-    >>> rotations.quaternion_to_matrix([1.0, 1.0, 0.0, 0.0]).round(15) + 0.0
-    array([[ 1.,  0.,  0.],
-           [ 0.,  0., -1.],
-           [ 0.,  1.,  0.]])
-    """
-    q = canonical_quaternion(quaternion)
-    # 1 + 2 w hat(v) + 2 hat(v)²
-    return _rodrigues(q[..., 1:], 2.0 * q[..., 0], np.full(q.shape[:-1], 2.0))
-
-
-def matrix_to_quaternion(matrix: ArrayLike) -> Floats:
-    """The unit quaternion of a rotation matrix, its sign that of :func:`canonical_quaternion`.
-
-    All ten products of two components are linear in the matrix; the row of the largest square is
-    divided by its root, so nothing small is divided by (S. W. Shepperd, *Journal of Guidance and
-    Control* 1 (1978) 223).
-
-    Parameters
-    ----------
-    matrix : array_like, shape (..., 3, 3)
-        Rotations.
-
-    Returns
-    -------
-    ndarray, shape (..., 4)
-
-    Raises
-    ------
-    ValueError
-        If a matrix is not a rotation to 1e-9.
-
-    Examples
-    --------
-    >>> from rigid import rotations
-    >>> rotations.matrix_to_quaternion([[-1, 0, 0], [0, 1, 0], [0, 0, -1]])
-    array([0., 0., 1., 0.])
-    """
-    r = rotation_matrices("matrix", matrix)
-    products = np.empty((*r.shape[:-2], 4, 4))  # 4 q_i q_j
-    trace = np.trace(r, axis1=-2, axis2=-1)
-    products[..., 0, 0] = 1.0 + trace
-    products[..., 0, 1:] = products[..., 1:, 0] = 2.0 * vee(r)
-    products[..., 1:, 1:] = r + np.swapaxes(r, -1, -2)
-    for i in range(3):
-        products[..., i + 1, i + 1] += 1.0 - trace
-    largest = np.argmax(np.diagonal(products, axis1=-2, axis2=-1), axis=-1)
-    return canonical_quaternion(
-        np.take_along_axis(products, largest[..., None, None], axis=-2)[..., 0, :]
-    )
+    once = over(np.sin(angle), angle, 1.0)
+    twice = 2.0 * over(np.sin(0.5 * angle), angle, 0.5) ** 2
+    return rodrigues(v, once, twice)
 
 
 def axis_angle_matrix(axis: ArrayLike, angle: ArrayLike, *, passive: bool = False) -> Floats:
@@ -407,7 +171,7 @@ def axis_angle_matrix(axis: ArrayLike, angle: ArrayLike, *, passive: bool = Fals
     array([3., 1., 2.])
     """
     n, sine, versine = _axis_angle(axis, angle, passive)
-    return _rodrigues(n, sine, versine)
+    return rodrigues(n, sine, versine)
 
 
 def rotate(x: ArrayLike, axis: ArrayLike, angle: ArrayLike, *, passive: bool = False) -> Floats:
@@ -522,31 +286,9 @@ def rotation_matrices(name: str, value: ArrayLike) -> Floats:
     return r
 
 
-def quaternions(name: str, value: ArrayLike | Rotation) -> Floats:
-    """Attitudes given as quaternions, matrices or a SciPy ``Rotation``, as ``(..., 4)``.
-
-    Quaternions keep their sign; all are of length one.
-    """
-    if hasattr(value, "as_quat"):
-        value = value.as_quat(scalar_first=True)
-    array = numbers(name, value)
-    if array.shape[-2:] == (3, 3):
-        rotation_matrices(name, array)
-        return matrix_to_quaternion(array)
-    if array.shape[-1:] != (4,):
-        raise ValueError(f"{name}: expected shape (..., 4) or (..., 3, 3), got {array.shape}")
-    return _unit(name, shaped(name, array, 4), "a zero quaternion is no attitude")
-
-
-def conjugate(quaternion: Floats) -> Floats:
-    """The inverse rotations of unit quaternions."""
-    inverse: Floats = quaternion * np.array([1.0, -1.0, -1.0, -1.0])
-    return inverse
-
-
 def _axis_angle(axis: ArrayLike, angle: ArrayLike, passive: bool) -> tuple[Floats, Floats, Floats]:
     """Unit axes, and the sine and ``1 - cos`` of the active turn, broadcast to each other."""
-    n = _unit("axis", shaped("axis", axis, 3), "no direction")
+    n = unit_vectors("axis", shaped("axis", axis, 3), "no direction")
     a = shaped("angle", angle)
     a = -a if passive else a
     shape = np.broadcast_shapes(n.shape[:-1], a.shape)
@@ -554,7 +296,7 @@ def _axis_angle(axis: ArrayLike, angle: ArrayLike, passive: bool) -> tuple[Float
     return np.broadcast_to(n, (*shape, 3)), np.sin(a), 2.0 * np.sin(0.5 * a) ** 2
 
 
-def _rodrigues(v: Floats, once: Floats, twice: Floats) -> Floats:
+def rodrigues(v: Floats, once: Floats, twice: Floats) -> Floats:
     """``1 + once hat(v) + twice hat(v)²``."""
     square = v[..., :, None] * v[..., None, :]
     square = square - np.trace(square, axis1=-2, axis2=-1)[..., None, None] * np.eye(3)
@@ -562,7 +304,7 @@ def _rodrigues(v: Floats, once: Floats, twice: Floats) -> Floats:
     return matrix
 
 
-def _unit(name: str, array: Floats, rule: str) -> Floats:
+def unit_vectors(name: str, array: Floats, rule: str) -> Floats:
     """Vectors divided by their lengths, which may be as small or large as doubles are."""
     largest = np.abs(array).max(axis=-1, keepdims=True)
     if np.any(largest == 0.0):
@@ -574,7 +316,7 @@ def _unit(name: str, array: Floats, rule: str) -> Floats:
     return unit
 
 
-def _over(numerator: Floats, denominator: Floats, limit: float) -> Floats:
+def over(numerator: Floats, denominator: Floats, limit: float) -> Floats:
     """The quotient, or its limit where the denominator is zero."""
     zero = denominator == 0.0
     quotient: Floats = np.where(zero, limit, numerator / np.where(zero, 1.0, denominator))

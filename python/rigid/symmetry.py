@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ._check import finite_float, shaped
 from .massproperties import point_masses
-from .so3 import log_so3
+from .quaternions import log_so3
 
 __all__ = ["Symmetry", "symmetry_check"]
 
