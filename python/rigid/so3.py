@@ -268,7 +268,8 @@ def nearest_rotation(matrix: ArrayLike) -> Floats:
             "a mirror image or a singular matrix has no rotation near it"
         )
     rotation: Floats = left @ right
-    return rotation
+    # One step of Newton's method takes the rounding of the singular vectors away.
+    return rotation + 0.5 * rotation @ (np.eye(3) - np.swapaxes(rotation, -1, -2) @ rotation)
 
 
 def rotation_matrices(name: str, value: ArrayLike) -> Floats:
