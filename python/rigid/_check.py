@@ -117,13 +117,24 @@ def first_place(bad: NDArray[np.bool_]) -> tuple[tuple[int, ...], str]:
     return index, str(list(index)) if index else ""
 
 
-def shaped(name: str, value: ArrayLike, *shape: int) -> NDArray[np.float64]:
+def shaped(
+    name: str,
+    value: ArrayLike,
+    *shape: int,
+    positive: bool = False,
+    nonnegative: bool = False,
+) -> NDArray[np.float64]:
     """``value`` as a finite array whose last axes have that shape; the leading ones are free."""
     array = numbers(name, value)
     if array.shape[max(array.ndim - len(shape), 0) :] != shape:
         wanted = ", ".join(map(str, ("...", *shape)))
         raise ValueError(f"{name}: expected shape ({wanted}), got {array.shape}")
     _finite(name, array)
+    bad = array <= 0.0 if positive else array < 0.0
+    if (positive or nonnegative) and np.any(bad):
+        index, place = first_place(bad)
+        rule = "must be positive" if positive else "must not be negative"
+        raise ValueError(f"{name}{place} = {array[index]}: {rule}")
     return array
 
 

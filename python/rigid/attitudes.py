@@ -94,7 +94,7 @@ def omega_from_attitudes(
 
     Notes
     -----
-    ``hat(omega) = R.T dR/dt`` with ``R`` from body to space. The lecture, eq. (5.1), has the same
+    ``hat(omega) = R.T dR/dt`` with ``R`` from body to space. Lecture notes, eq. (5.1), has the same
     formula, but its matrix of eq. (5.2) is the transpose (erratum G-07).
 
     Examples
@@ -147,7 +147,7 @@ def attitude_from_omega(
     F. Casas, J. Ros, *BIT* 40 (2000) 434), so the attitude stays a rotation and a constant rate is
     exact. The rates are known beforehand, hence all steps are computed side by side, and multiplied
     together in a tree, which also keeps their rounding small. Steps are halved until the attitudes
-    change by no more than the tolerance. (``R = exp(t hat(omega))``, as the lecture's eq. (5.1) may
+    change by no more than the tolerance. (``R = exp(t hat(omega))``, as the lecture notes' eq. (5.1) may
     be read, holds for a constant rate only: erratum G-22.)
 
     Parameters

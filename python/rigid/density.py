@@ -9,7 +9,7 @@ from math import pi
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._check import finite_float, first_place, shaped, vector
+from ._check import finite_float, shaped, vector
 from .massproperties import MassProperties, point_masses
 
 __all__ = [
@@ -87,6 +87,12 @@ def box_region(lower: ArrayLike, upper: ArrayLike) -> Region:
     ------
     ValueError
         If the region is empty.
+
+    Examples
+    --------
+    >>> from rigid import solids
+    >>> solids.box_region([0, 0, 0], [1, 2, 3]).name
+    'box from [0.0, 0.0, 0.0] to [1.0, 2.0, 3.0]'
     """
     low, high = vector("lower", lower, 3), vector("upper", upper, 3)
     if not np.all(high > low):
@@ -113,6 +119,12 @@ def ellipsoid_region(a: float, b: float, c: float) -> Region:
     ------
     ValueError
         If a semi-axis is not positive.
+
+    Examples
+    --------
+    >>> from rigid import solids
+    >>> solids.ellipsoid_region(3.0, 2.0, 1.0).name
+    'ellipsoid with semi-axes [3.0, 2.0, 1.0]'
     """
     axes = np.array(
         [finite_float(*pair, positive=True) for pair in zip("abc", (a, b, c), strict=True)]
@@ -138,6 +150,12 @@ def cylinder_region(radius: float, height: float) -> Region:
     ------
     ValueError
         If a size is not positive.
+
+    Examples
+    --------
+    >>> from rigid import solids
+    >>> solids.cylinder_region(1.0, 2.0).name
+    'cylinder of radius 1.0 and height 2.0'
     """
     radius = finite_float("radius", radius, positive=True)
     height = finite_float("height", height, positive=True)
@@ -155,7 +173,7 @@ def density_integral(
 ) -> DensityIntegral:
     """Mass, centre and tensor of a density over a region, by Gauss–Legendre quadrature.
 
-    ``I = ∭ rho (r² 1 - r ⊗ r) dV`` (Ercan 2016, §§ 1, 7.1; the lecture, eq. (5.9)). The order rises
+    ``I = ∭ rho (r² 1 - r ⊗ r) dV`` (Ercan 2016, §§ 1, 7.1; lecture notes, eq. (5.9)). The order rises
     until neither mass nor tensor changes by more than the tolerance. That is fast for a density
     that is smooth in the region; one that jumps inside it belongs into several regions, whose
     properties :func:`rigid.inertia.compose` puts together.
@@ -244,7 +262,7 @@ def sampled_density(density: ArrayLike, points: ArrayLike, volume: float) -> Den
     (np.float64(4.18), True)
     """
     r = shaped("points", points, 3)
-    rho = _not_negative(shaped("density", density))
+    rho = shaped("density", density, nonnegative=True)
     volume = finite_float("volume", volume, positive=True)
     if r.ndim != 2 or rho.shape != r.shape[:1] or len(r) < 2:
         raise ValueError(
@@ -277,20 +295,13 @@ def _gauss(density: Callable[[Floats], ArrayLike], region: Region, order: int) -
     cube = np.stack(np.meshgrid(node, node, node, indexing="ij"), axis=-1).reshape(-1, 3)
     weights = np.einsum("i,j,k->ijk", weight, weight, weight).ravel()
     points, volume = region.image(cube)
-    rho = _not_negative(shaped("density", density(points)))
+    rho = shaped("density", density(points), nonnegative=True)
     if rho.shape != volume.shape:
         raise ValueError(
             f"density: expected shape {volume.shape} for points of shape {points.shape}, "
             f"got {rho.shape}"
         )
     return point_masses(weights * volume * rho, points)
-
-
-def _not_negative(density: Floats) -> Floats:
-    if np.any(density < 0.0):
-        index, place = first_place(density < 0.0)
-        raise ValueError(f"density{place} = {density[index]}: must not be negative")
-    return density
 
 
 def _change(before: MassProperties, now: MassProperties) -> float:

@@ -62,7 +62,7 @@ class EulerRates:
 def rotation_x(angle: ArrayLike, *, passive: bool = False) -> Floats:
     """The elementary rotation about axis 1.
 
-    Active: a vector turns by the angle. Passive: the axes turn, ``C`` of Goldstein, eq. (4.45), and
+    Active: a vector turns by the angle. Passive: the axes turn, ``C`` of Goldstein, § 4.4, and
     of Ercan 2016, eq. (5); the transpose.
 
     Parameters
@@ -94,15 +94,30 @@ def rotation_x(angle: ArrayLike, *, passive: bool = False) -> Floats:
 
 
 def rotation_y(angle: ArrayLike, *, passive: bool = False) -> Floats:
-    """The elementary rotation about axis 2; otherwise as :func:`rotation_x`."""
+    """The elementary rotation about axis 2; otherwise as :func:`rotation_x`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from rigid import rotations
+    >>> rotations.rotation_y(np.pi / 2).round(15) @ [0.0, 0.0, 1.0]
+    array([1., 0., 0.])
+    """
     return _elementary(1, angle, passive)
 
 
 def rotation_z(angle: ArrayLike, *, passive: bool = False) -> Floats:
     """The elementary rotation about axis 3; otherwise as :func:`rotation_x`.
 
-    The passive one is ``D`` for ``phi`` and ``B`` for ``psi`` of Goldstein, eqs. (4.44), (4.46),
+    The passive one is ``D`` for ``phi`` and ``B`` for ``psi`` of Goldstein, § 4.4,
     and of Ercan 2016, eqs. (3), (7).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from rigid import rotations
+    >>> rotations.rotation_z(np.pi / 2).round(15) @ [1.0, 0.0, 0.0]
+    array([0., 1., 0.])
     """
     return _elementary(2, angle, passive)
 
@@ -110,7 +125,7 @@ def rotation_z(angle: ArrayLike, *, passive: bool = False) -> Floats:
 def euler_to_matrix(angles: ArrayLike, *, passive: bool = False) -> Floats:
     """The rotation matrix of Euler angles.
 
-    Goldstein, eq. (4.46); Ercan 2016, § 3 (``A = BCD``, the passive matrix). In the lecture the
+    Goldstein, § 4.4; Ercan 2016, § 3 (``A = BCD``, the passive matrix). In the lecture notes the
     matrix of eqs. (5.2), (5.3) is the passive one as well, although eq. (5.1) uses the same letter
     for the active one (erratum G-07).
 
@@ -268,7 +283,7 @@ def euler_axes(angles: ArrayLike, *, frame: str = "body") -> Floats:
     """The unit axes ``e_phi, e_theta, e_psi`` about which the Euler angles turn, as columns.
 
     ``e_phi`` is the vertical, ``e_theta`` the node line, ``e_psi`` body axis 3. They are not
-    orthogonal: the determinant is ``-sin(theta)``. The lecture, eq. (5.5), in body components.
+    orthogonal: the determinant is ``-sin(theta)``. Lecture notes, eq. (5.5), in body components.
 
     Parameters
     ----------
@@ -309,7 +324,7 @@ def omega_from_euler_rates(angles: ArrayLike, rates: ArrayLike, *, frame: str = 
     """Angular velocity of given Euler rates: ``e_phi phi' + e_theta theta' + e_psi psi'``.
 
     In the body ``(phi' sin theta sin psi + theta' cos psi, phi' sin theta cos psi - theta' sin psi,
-    phi' cos theta + psi')`` (Goldstein, eq. (4.87); Ercan 2016, eq. (20); the lecture, eq. (5.4)).
+    phi' cos theta + psi')`` (Goldstein, § 4.9; Ercan 2016, eq. (20); lecture notes, eq. (5.4)).
     In the node frame ``(theta', phi' sin theta, phi' cos theta + psi')`` (Ercan 2016, eq. (49)).
     Ercan's components of the parts are misprinted in § 5, ``cos theta`` in the first of ``phi'``
     (erratum D-09) and ``psi'`` along axis 1 (D-10); in § 9.2 ``phi'`` and ``psi'`` change places

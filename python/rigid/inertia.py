@@ -114,8 +114,8 @@ def principal_axes(tensor: ArrayLike) -> PrincipalAxes:
     """Principal moments, ascending, and right-handed principal axes.
 
     Every body has them, about every point (Goldstein, § 5.4; Ercan 2016, eq. (37): in the example
-    ``I`` stands for the eigenvalue ``I_1``, erratum D-18). The lecture calls the tensor positive
-    definite; its own thin rod has a moment zero (G-11).
+    ``I`` stands for the eigenvalue ``I_1``, erratum D-18). The lecture notes call the tensor
+    positive definite; their own thin rod has a moment zero (G-11).
 
     The axes are the same for the same tensor, and change little with its rounding: each but the
     last has its largest component positive. Where moments are equal (to 16 roundings of the

@@ -65,11 +65,8 @@ class MassProperties:
     tensor: Floats
 
     def __init__(self, *, mass: ArrayLike, centre: ArrayLike, tensor: ArrayLike) -> None:
-        mass, centre = shaped("mass", mass), shaped("centre", centre, 3)
+        mass, centre = shaped("mass", mass, positive=True), shaped("centre", centre, 3)
         tensor = possible_tensor("tensor", tensor)
-        if np.any(mass <= 0.0):
-            index, place = first_place(mass <= 0.0)
-            raise ValueError(f"mass{place} = {mass[index]}: must be positive")
         leading = np.broadcast_shapes(mass.shape, centre.shape[:-1], tensor.shape[:-2])
         set_field = object.__setattr__  # the dataclass is frozen
         set_field(self, "mass", np.broadcast_to(mass, leading))
@@ -120,8 +117,8 @@ def inertia_tensor(
 ) -> Floats:
     """The tensor of inertia of mass points: ``sum m (r² 1 - r ⊗ r)``.
 
-    Goldstein, eq. (5.8); Ercan 2016, eqs. (23), (32). The products of inertia have minus
-    signs and ``I_11 = sum m (y² + z²)``: the matrix printed in the lecture, § 5.4, has neither
+    Goldstein, § 5.3; Ercan 2016, eqs. (23), (32). The products of inertia have minus
+    signs and ``I_11 = sum m (y² + z²)``: the matrix printed in the lecture notes, § 5.4, has neither
     (erratum G-09).
 
     Parameters
@@ -197,7 +194,7 @@ def compose(parts: Iterable[MassProperties]) -> MassProperties:
     """One body of several: masses add, and tensors about the common centre of mass.
 
     Tensors of parts add if they are about one point and in the same axes; principal moments do not
-    (the lecture, § 5.4, erratum G-15).
+    (lecture notes, § 5.4, erratum G-15).
 
     Parameters
     ----------
@@ -241,8 +238,8 @@ def steiner(
 ) -> Floats:
     """The tensor of inertia about another point: the parallel-axis theorem.
 
-    From the centre of mass by ``a``: ``I' = I + M (a² 1 - a ⊗ a)`` (Goldstein, § 5.3; the lecture,
-    eq. (5.13)). From any point, ``c`` being where the centre of mass lies from there:
+    From the centre of mass by ``a``: ``I' = I + M (a² 1 - a ⊗ a)`` (Goldstein, § 5.3; lecture
+    notes, eq. (5.13)). From any point, ``c`` being where the centre of mass lies from there:
     ``I' = I + M ((a² - 2 a·c) 1 - a ⊗ a + a ⊗ c + c ⊗ a)``; so ``shift = centre`` leads to the
     centre of mass. Off the centre of mass the short form is wrong, which is its usual misuse.
 
@@ -278,10 +275,7 @@ def steiner(
     >>> inertia.steiner(there, 2.0, back, centre=back).diagonal()
     array([1. , 1. , 0.5])
     """
-    t, m = symmetric_tensor("tensor", tensor), shaped("mass", mass)
-    if np.any(m < 0.0):
-        index, place = first_place(m < 0.0)
-        raise ValueError(f"mass{place} = {m[index]}: must not be negative")
+    t, m = symmetric_tensor("tensor", tensor), shaped("mass", mass, nonnegative=True)
     a, c = shaped("shift", shift, 3), shaped("centre", centre, 3)
     mixed = a[..., :, None] * c[..., None, :]
     squares = a[..., :, None] * a[..., None, :] - mixed - np.swapaxes(mixed, -1, -2)
@@ -383,15 +377,12 @@ def tensor_of_squares(squares: Floats) -> Floats:
 
 def _cloud(masses: ArrayLike, points: ArrayLike) -> tuple[Floats, Floats]:
     r = shaped("points", points, 3)
-    m = shaped("masses", masses)
+    m = shaped("masses", masses, nonnegative=True)
     if r.ndim < 2 or m.ndim < 1 or m.shape[-1] != r.shape[-2]:
         raise ValueError(
             f"masses: expected shape (..., n) to go with points (..., n, 3), "
             f"got {m.shape} and {r.shape}"
         )
-    if np.any(m < 0.0):
-        index, place = first_place(m < 0.0)
-        raise ValueError(f"masses{place} = {m[index]}: must not be negative")
     return m, r
 
 

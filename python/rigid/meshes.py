@@ -190,10 +190,6 @@ def _mass(density: ArrayLike | None, mass: ArrayLike | None, volume: Floats) -> 
     if density is not None and mass is not None:
         raise ValueError("density and mass: give one of them, the other follows")
     if mass is not None:
-        return np.broadcast_to(shaped("mass", mass), volume.shape)
-    rho = shaped("density", 1.0 if density is None else density)
-    if np.any(rho <= 0.0):
-        index, place = first_place(rho <= 0.0)
-        raise ValueError(f"density{place} = {rho[index]}: must be positive")
-    total: Floats = rho * volume
+        return np.broadcast_to(shaped("mass", mass, positive=True), volume.shape)
+    total: Floats = shaped("density", 1.0 if density is None else density, positive=True) * volume
     return total

@@ -32,7 +32,7 @@ _NOTHING = 1e-14
 def rotational_energy(omega: ArrayLike, inertia: Body | MassProperties | ArrayLike) -> Floats:
     """Kinetic energy of rotation: ``½ omega·I omega``.
 
-    Goldstein, eq. (5.16); Ercan 2016, eqs. (24), (34); the lecture, eqs. (5.10), (5.12), where the
+    Goldstein, § 5.3; Ercan 2016, eqs. (24), (34); lecture notes, eqs. (5.10), (5.12), where the
     factor ½ is missing from the second (erratum G-12). In the third line of Ercan's derivation
     ``(omega × r)²`` is a misprint for ``(omega·r)²`` (D-12).
 
@@ -93,10 +93,7 @@ def kinetic_energy(
     >>> float(inertia.kinetic_energy([1.0, 0.0, 2.0], [1.0, 2.0, 2.5], 3.0, [0.0, 2.0, 0.0]))
     11.5
     """
-    m, v = shaped("mass", mass), shaped("velocity", velocity, 3)
-    if np.any(m < 0.0):
-        index, place = first_place(m < 0.0)
-        raise ValueError(f"mass{place} = {m[index]}: must not be negative")
+    m, v = shaped("mass", mass, nonnegative=True), shaped("velocity", velocity, 3)
     energy: Floats = 0.5 * m * np.vecdot(v, v) + rotational_energy(omega, inertia)
     return energy
 
@@ -141,8 +138,8 @@ def angular_momentum(
 ) -> Floats:
     """Angular momentum ``I omega`` in the body, or ``R I omega`` in space.
 
-    Parallel to ``omega`` on principal axes only. Goldstein, eq. (5.9); Ercan 2016, eq. (26); the
-    lecture, eqs. (5.6), (5.8).
+    Parallel to ``omega`` on principal axes only. Goldstein, § 5.1; Ercan 2016, eq. (26);
+    lecture notes, eqs. (5.6), (5.8).
 
     Parameters
     ----------

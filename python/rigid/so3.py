@@ -140,9 +140,9 @@ def axis_angle_matrix(axis: ArrayLike, angle: ArrayLike, *, passive: bool = Fals
     """The rotation by an angle about an axis.
 
     Active: the vector turns, ``x cos a + n (n·x)(1 - cos a) + n × x sin a`` (Rodrigues; Goldstein,
-    eq. (4.62) with the sign of an active turn). Passive: the axes turn and the vector stays, which
-    is the active turn by ``-a``. (The lecture's Rodrigues formula, ch. 5.3, is the passive one;
-    its ``n × x`` in the second term is a misprint for ``n·x``, erratum G-06.)
+    § 4.7, with the sign of an active turn). Passive: the axes turn and the vector stays, which
+    is the active turn by ``-a``. (The Rodrigues formula of the lecture notes, § 5.3, is the
+    passive one; its ``n × x`` in the second term is a misprint for ``n·x``, erratum G-06.)
 
     Parameters
     ----------

@@ -95,7 +95,7 @@ def sphere(radius: ArrayLike, *, inner: ArrayLike = 0.0, mass: ArrayLike = 1.0) 
     """A ball, ``2/5 M R²``, hollow up to the radius ``inner``; a shell, ``2/3 M R²``, at the limit.
 
     With ``r`` the inner radius ``2/5 M (R⁵ - r⁵)/(R³ - r³)``, divided out so that thin shells keep
-    their digits. The solid one is the lecture's example 2, § 5.4.
+    their digits. The solid one: lecture notes, § 5.4, example 2.
 
     Parameters
     ----------
@@ -128,7 +128,7 @@ def sphere(radius: ArrayLike, *, inner: ArrayLike = 0.0, mass: ArrayLike = 1.0) 
 
 
 def ring(radius: ArrayLike, *, mass: ArrayLike = 1.0) -> MassProperties:
-    """A ring of wire: ``M R² (½, ½, 1)`` (the lecture, § 5.4; the index of its third: G-10).
+    """A ring of wire: ``M R² (½, ½, 1)`` (lecture notes, § 5.4; the index of its third: G-10).
 
     Parameters
     ----------
@@ -167,7 +167,7 @@ def disk(radius: ArrayLike, *, inner: ArrayLike = 0.0, mass: ArrayLike = 1.0) ->
 def rod(length: ArrayLike, *, mass: ArrayLike = 1.0) -> MassProperties:
     """A thin rod along axis 3: ``M l²/12`` across it and nothing about it.
 
-    The lecture, § 5.4, example 1; its integral must begin at ``-l/2`` (erratum G-13). A rod has no
+    Lecture notes, § 5.4, example 1; its integral must begin at ``-l/2`` (erratum G-13). A rod has no
     equation of motion about its own axis: :class:`rigid.Body` refuses it.
 
     Parameters
@@ -268,11 +268,7 @@ def _centred(
 
 
 def _size(name: str, value: ArrayLike) -> Floats:
-    size = shaped(name, value)
-    if np.any(size < 0.0):
-        index, place = first_place(size < 0.0)
-        raise ValueError(f"{name}{place} = {size[index]}: must not be negative")
-    return size
+    return shaped(name, value, nonnegative=True)
 
 
 def _hollow(radius: ArrayLike, inner: ArrayLike) -> tuple[Floats, Floats]:

@@ -178,6 +178,8 @@ def _kept(group: Floats, r: Floats, kinds: NDArray[np.intp], tolerance: float) -
 
 def _lines(directions: Floats) -> tuple[Floats, NDArray[np.intp]]:
     """Lines among directions, and one more than how many lie on each; the most first."""
+    if not len(directions):
+        return directions, np.empty(0, dtype=np.intp)
     same = np.abs(directions @ directions.T) > 1.0 - _ONE_LINE
     lines, orders = np.unique(np.argmax(same, axis=1), return_counts=True)
     sort = np.argsort(-orders, kind="stable")

@@ -11,7 +11,8 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 from scipy.spatial.transform import Rotation, RotationSpline
 
-from physics import ROUNDOFF, Floats, rotation_angle, rotation_matrix
+import rigid
+from physics import ROUNDOFF, Floats, present, rotation_angle, rotation_matrix
 from rigid import rotations
 
 RNG = np.random.default_rng(20)
@@ -198,7 +199,7 @@ def test_the_sign_of_a_quaternion_is_fixed() -> None:
 
 
 def test_euler_angles_have_the_nine_printed_elements() -> None:
-    """A = BCD of Goldstein, eq. (4.46), and of Ercan 2016, § 3."""
+    """A = BCD of Goldstein, § 4.4, and of Ercan 2016, § 3."""
     phi, theta, psi = 0.7, 1.1, -0.4
     c, s = np.cos, np.sin
     printed = [
@@ -498,6 +499,21 @@ def test_orthogonality_error_and_the_nearest_rotation() -> None:
             assert np.all(np.linalg.norm(found @ turn - bent, axis=(-2, -1)) > distance)
     stretched = rotations.nearest_rotation(clean @ np.diag([2.0, 1.0, 0.1]))
     assert stretched == pytest.approx(clean, abs=ROUNDED)
+
+
+def test_long_runs_stay_rotations() -> None:
+    """A hundred thousand steps: the splitting turns, and RK4 is drawn back to length one."""
+    scene = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
+    for method in ("splitting", "rk4"):
+        run = rigid.simulate(
+            scene, [0.3, 1.0, 0.2], t=np.linspace(0.0, 1e3, 11), method=method, step=1e-2
+        )
+        attitude = present(run.attitude)
+        # The matrix of a quaternion as it stands, not brought to length one.
+        square = np.vecdot(attitude, attitude)[..., None, None]
+        how = rotations.orthogonality_error(square * rotations.quaternion_to_matrix(attitude))
+        assert how.error.max() < 1e-12
+        assert how.determinant.min() > 0.0
 
 
 def test_empty_batches() -> None:
