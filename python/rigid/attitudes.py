@@ -147,8 +147,8 @@ def attitude_from_omega(
     F. Casas, J. Ros, *BIT* 40 (2000) 434), so the attitude stays a rotation and a constant rate is
     exact. The rates are known beforehand, hence all steps are computed side by side, and multiplied
     together in a tree, which also keeps their rounding small. Steps are halved until the attitudes
-    change by no more than the tolerance. (``R = exp(t hat(omega))``, as the lecture notes' eq. (5.1) may
-    be read, holds for a constant rate only: erratum G-22.)
+    change by no more than the tolerance. (``R = exp(t hat(omega))``, as eq. (5.1)
+    of the lecture notes may be read, holds for a constant rate only: erratum G-22.)
 
     Parameters
     ----------
@@ -202,7 +202,7 @@ def attitude_from_omega(
     error = inf
     while error > tolerance:
         each *= 2
-        if each * intervals > MOST_STEPS:
+        if each * intervals > MOST_STEPS and error < inf:
             raise ValueError(
                 f"tolerance = {tolerance}: not reached with {each // 2 * intervals} steps, which "
                 f"changed an attitude by {error:.2g} rad"

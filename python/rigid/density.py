@@ -173,10 +173,10 @@ def density_integral(
 ) -> DensityIntegral:
     """Mass, centre and tensor of a density over a region, by Gauss–Legendre quadrature.
 
-    ``I = ∭ rho (r² 1 - r ⊗ r) dV`` (Ercan 2016, §§ 1, 7.1; lecture notes, eq. (5.9)). The order rises
-    until neither mass nor tensor changes by more than the tolerance. That is fast for a density
-    that is smooth in the region; one that jumps inside it belongs into several regions, whose
-    properties :func:`rigid.inertia.compose` puts together.
+    ``I = ∭ rho (r² 1 - r ⊗ r) dV`` (Ercan 2016, §§ 1, 7.1; lecture notes, eq. (5.9)). The order
+    rises until neither mass nor tensor changes by more than the tolerance. That is fast for a
+    density that is smooth in the region; one that jumps inside it belongs into several regions,
+    whose properties :func:`rigid.inertia.compose` puts together.
 
     Parameters
     ----------

@@ -118,8 +118,8 @@ def inertia_tensor(
     """The tensor of inertia of mass points: ``sum m (r² 1 - r ⊗ r)``.
 
     Goldstein, § 5.3; Ercan 2016, eqs. (23), (32). The products of inertia have minus
-    signs and ``I_11 = sum m (y² + z²)``: the matrix printed in the lecture notes, § 5.4, has neither
-    (erratum G-09).
+    signs and ``I_11 = sum m (y² + z²)``: the matrix printed in the lecture notes, § 5.4, has
+    neither (erratum G-09).
 
     Parameters
     ----------

@@ -167,8 +167,8 @@ def disk(radius: ArrayLike, *, inner: ArrayLike = 0.0, mass: ArrayLike = 1.0) ->
 def rod(length: ArrayLike, *, mass: ArrayLike = 1.0) -> MassProperties:
     """A thin rod along axis 3: ``M l²/12`` across it and nothing about it.
 
-    Lecture notes, § 5.4, example 1; its integral must begin at ``-l/2`` (erratum G-13). A rod has no
-    equation of motion about its own axis: :class:`rigid.Body` refuses it.
+    Lecture notes, § 5.4, example 1; its integral must begin at ``-l/2`` (erratum G-13). A rod has
+    no equation of motion about its own axis: :class:`rigid.Body` refuses it.
 
     Parameters
     ----------

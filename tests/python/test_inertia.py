@@ -402,7 +402,7 @@ GROUPS = {
 def solid(name: str) -> Floats:
     signs: Floats = np.array(np.meshgrid(*[[-1.0, 1.0]] * 3)).reshape(3, -1).T
     if name == "brick":
-        return signs * np.array([1.0, 2.0, 3.0])
+        return np.asarray(signs * [1.0, 2.0, 3.0])
     if name == "cube":
         return signs
     if name == "tetrahedron":
