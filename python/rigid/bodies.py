@@ -252,6 +252,10 @@ class Body:
         >>> top.moments, axes[:, 0]
         ((6.0, 51.0, 51.0), array([0., 0., 1.]))
         """
+        from .massproperties import MassProperties
+
+        if not isinstance(properties, MassProperties):
+            raise TypeError(f"properties = {properties!r}: must be a rigid.inertia.MassProperties")
         if properties.mass.ndim:
             raise ValueError(
                 f"properties: expected those of one body, got shape {properties.mass.shape}"

@@ -43,7 +43,7 @@ def mesh_properties(
     faces : array_like of int, shape (f, 3)
         Corners of each triangle, counted from 0, counterclockwise seen from outside. Several
         closed surfaces are allowed: separate bodies, or a cavity, which is seen from inside it.
-        That surfaces do not cut each other is not checked.
+        That surfaces do not cut or contain each other otherwise is not checked.
     density : array_like, shape (...), optional
         Density (kg/m³); 1 if neither it nor the mass is given.
     mass : array_like, shape (...), optional
@@ -73,7 +73,8 @@ def mesh_properties(
     triangles = _triangles(faces, points.shape[-2])
     _check_closed(triangles)
 
-    low, high = points.min(axis=-2), points.max(axis=-2)
+    used = points[..., np.unique(triangles), :]
+    low, high = used.min(axis=-2), used.max(axis=-2)
     middle = low + 0.5 * (high - low)
     # A power of two, so that the division is exact.
     unit = np.ldexp(1.0, np.frexp((high - low).max(axis=-1))[1])
@@ -88,6 +89,7 @@ def mesh_properties(
             "mesh is inside out (list the corners of each face in the other order) or encloses "
             "nothing"
         )
+    _check_surfaces(local, triangles)
     inner = first / volume[..., None]
     local = local - inner[..., None, :]
     volume, first, second, _ = _moments(local, triangles)
@@ -166,6 +168,33 @@ def _check_areas(local: Floats, triangles: Indices) -> None:
         raise ValueError(
             f"faces[{k}] = {triangles[k].tolist()}: a triangle without area, its corners are on a "
             "line or in one place"
+        )
+
+
+def _check_surfaces(local: Floats, triangles: Indices) -> None:
+    """A surface that encloses a negative volume must be a cavity, within the reach of another."""
+    label = np.arange(int(triangles.max()) + 1)
+    while True:
+        smallest = label[triangles].min(axis=1)
+        if np.array_equal(label[triangles], np.repeat(smallest[:, None], 3, axis=1)):
+            break
+        np.minimum.at(label, triangles, smallest[:, None])
+        label = label[label]
+    _, first, surface = np.unique(smallest, return_index=True, return_inverse=True)
+    corners = np.moveaxis(local[..., triangles, :], -3, 0)  # (f, ..., 3, 3)
+    shape = (len(first), *corners.shape[1:-2])
+    volume = np.zeros(shape)
+    np.add.at(volume, surface, np.linalg.det(corners))
+    low, high = np.full((*shape, 3), np.inf), np.full((*shape, 3), -np.inf)
+    np.minimum.at(low, surface, corners.min(axis=-2))
+    np.maximum.at(high, surface, corners.max(axis=-2))
+    within = np.all((low[:, None] >= low) & (high[:, None] <= high), axis=-1)
+    lost = (volume < 0.0) & ~np.any(within & (volume > 0.0), axis=1)
+    if np.any(lost):
+        k = int(first[first_place(lost)[0][0]])
+        raise ValueError(
+            f"faces[{k}] = {triangles[k].tolist()}: the surface that it belongs to is inside out, "
+            "and no cavity of another"
         )
 
 

@@ -543,6 +543,12 @@ def test_empty_batches() -> None:
 LOPSIDED = [[1.0, 0.2, 0.0], [0.1, 1.0, 0.0], [0.0, 0.0, 1.0]]
 
 
+def test_only_mass_properties_are_mass_properties() -> None:
+    wrong: Any = np.eye(3)
+    with pytest.raises(TypeError, match=r"must be a rigid\.inertia\.MassProperties"):
+        rigid.Body.from_properties(wrong)
+
+
 @pytest.mark.parametrize(
     ("call", "words"),
     [

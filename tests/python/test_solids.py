@@ -273,7 +273,8 @@ def test_far_from_the_origin_nothing_cancels() -> None:
     """A cube whose corners are whole numbers is known exactly, wherever it is."""
     for offset in (1e3, 1e8, 1e14):
         shift = offset * np.array([1.0, -3.0, 7.0])
-        found = meshes.mesh_properties(CORNERS + shift, BOX_FACES)
+        stray = np.concatenate([CORNERS + shift, [[0.0, 0.0, 0.0]]])  # a corner of no face
+        found = meshes.mesh_properties(stray, BOX_FACES)
         assert found.mass == pytest.approx(1.0, rel=1e-14)
         assert found.centre == pytest.approx(shift + 0.5, rel=4 * ROUNDOFF)
         assert np.abs(found.tensor - np.eye(3) / 6.0).max() < 1e-15
@@ -334,6 +335,7 @@ def mesh(faces: Floats, corners: Floats = CORNERS) -> Callable[[], object]:
     return lambda: meshes.mesh_properties(corners, faces)
 
 
+TWO = np.concatenate([1.1 * CORNERS, CORNERS + np.array([3.0, 0.0, 0.0])])
 FLIPPED = np.concatenate([BOX_FACES[:1, ::-1], BOX_FACES[1:]])
 FIN = np.concatenate([BOX_FACES, [[0, 1, 8], [8, 1, 0]]])
 NEEDLE = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
@@ -346,6 +348,7 @@ DOUBLE = np.array([[0, 1, 2], [2, 1, 0]])
     [
         (mesh(BOX_FACES[1:]), r"no triangle on its other side; the mesh is open \(3 such edges"),
         (mesh(BOX_FACES[:, ::-1]), "the volume inside is -1; the mesh is inside out"),
+        (mesh(np.concatenate([BOX_FACES, 8 + BOX_FACES[:, ::-1]]), TWO), "inside out, and no cav"),
         (mesh(FLIPPED), "in the same direction; the faces are not consistently oriented"),
         (mesh(FIN, np.concatenate([CORNERS, [[0, 0, 3]]])), "an edge of more than two triangles"),
         (mesh(NEEDLE, LINE), r"faces\[0\] = \[0, 1, 2\]: a triangle without area"),
