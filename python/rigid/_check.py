@@ -13,12 +13,14 @@ from numpy.typing import ArrayLike, NDArray
 
 __all__ = [
     "finite_float",
+    "first_place",
     "nearest",
     "numbers",
     "one_of",
     "positive_int",
     "resolve_threads",
     "rows",
+    "shaped",
     "sorted_times",
     "stack",
     "together",
@@ -110,6 +112,33 @@ def vector(name: str, value: ArrayLike, length: int) -> NDArray[np.float64]:
     if array.shape != (length,):
         raise ValueError(f"{name}: expected shape ({length},), got {array.shape}")
     _finite(name, array)
+    return array
+
+
+def first_place(bad: NDArray[np.bool_]) -> tuple[tuple[int, ...], str]:
+    """The index of the first that is bad, and as a message writes it: nothing for a single one."""
+    index = tuple(int(i) for i in np.argwhere(bad)[0])
+    return index, str(list(index)) if index else ""
+
+
+def shaped(
+    name: str,
+    value: ArrayLike,
+    *shape: int,
+    positive: bool = False,
+    nonnegative: bool = False,
+) -> NDArray[np.float64]:
+    """``value`` as a finite array whose last axes have that shape; the leading ones are free."""
+    array = numbers(name, value)
+    if array.shape[max(array.ndim - len(shape), 0) :] != shape:
+        wanted = ", ".join(map(str, ("...", *shape)))
+        raise ValueError(f"{name}: expected shape ({wanted}), got {array.shape}")
+    _finite(name, array)
+    bad = array <= 0.0 if positive else array < 0.0
+    if (positive or nonnegative) and np.any(bad):
+        index, place = first_place(bad)
+        rule = "must be positive" if positive else "must not be negative"
+        raise ValueError(f"{name}{place} = {array[index]}: {rule}")
     return array
 
 

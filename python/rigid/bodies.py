@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
 from ._check import finite_float, numbers, vector
+
+if TYPE_CHECKING:
+    from .massproperties import MassProperties
 
 __all__ = ["Body", "box_moments", "possible"]
 
@@ -140,6 +143,192 @@ class Body:
         moments, axes = _core.principal_axes(array.tolist())
         return cls(moments), np.array(axes)
 
+    @classmethod
+    def ellipsoid(cls, a: float, b: float, c: float, *, mass: float = 1.0) -> Body:
+        """A homogeneous ellipsoid with semi-axes ``a``, ``b``, ``c`` (m) along the body axes.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> rigid.Body.ellipsoid(3.0, 2.0, 1.0, mass=5.0).moments
+        (5.0, 10.0, 13.0)
+        """
+        from . import solids
+
+        a = finite_float("a", a, positive=True)
+        b = finite_float("b", b, positive=True)
+        c = finite_float("c", c, positive=True)
+        return cls._upright(solids.ellipsoid(a, b, c, mass=_mass(mass)))
+
+    @classmethod
+    def sphere(cls, radius: float, *, inner: float = 0.0, mass: float = 1.0) -> Body:
+        """A homogeneous ball, hollow up to the radius ``inner`` (m): :func:`rigid.solids.sphere`.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> rigid.Body.sphere(1.0, mass=5.0).moments
+        (2.0, 2.0, 2.0)
+        """
+        from . import solids
+
+        radius = finite_float("radius", radius, positive=True)
+        inner = finite_float("inner", inner, nonnegative=True)
+        return cls._upright(solids.sphere(radius, inner=inner, mass=_mass(mass)))
+
+    @classmethod
+    def cylinder(
+        cls, radius: float, height: float, *, inner: float = 0.0, mass: float = 1.0
+    ) -> Body:
+        """A homogeneous cylinder (m) about body axis 3: :func:`rigid.solids.cylinder`.
+
+        Without height it is a disk, and with ``inner = radius`` a ring or a pipe.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> rigid.Body.cylinder(1.0, 3.0, mass=2.0).moments
+        (2.0, 2.0, 1.0)
+        """
+        from . import solids
+
+        radius = finite_float("radius", radius, positive=True)
+        height = finite_float("height", height, nonnegative=True)
+        inner = finite_float("inner", inner, nonnegative=True)
+        return cls._upright(solids.cylinder(radius, height, inner=inner, mass=_mass(mass)))
+
+    @classmethod
+    def cone(cls, radius: float, height: float, *, mass: float = 1.0) -> Body:
+        """A homogeneous cone (m) about body axis 3, moments about its centre of mass.
+
+        Those of a top standing on its tip are ``Body.from_properties(solids.cone(...), about=[0, 0,
+        0])``.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> rigid.Body.cone(1.0, 4.0, mass=20.0).moments
+        (15.0, 15.0, 6.0)
+        """
+        from . import solids
+
+        radius = finite_float("radius", radius, positive=True)
+        height = finite_float("height", height, positive=True)
+        return cls._upright(solids.cone(radius, height, mass=_mass(mass)))
+
+    @classmethod
+    def from_properties(
+        cls, properties: MassProperties, *, about: ArrayLike | None = None
+    ) -> tuple[Body, NDArray[np.float64]]:
+        """The body with these mass properties, and its principal axes.
+
+        Parameters
+        ----------
+        properties : MassProperties
+            Of one body.
+        about : array_like, shape (3,), optional
+            The fixed point (m), in the coordinates of the centre of mass; without one, the moments
+            are those about the centre of mass.
+
+        Returns
+        -------
+        body : Body
+            Moments ascending.
+        axes : ndarray, shape (3, 3)
+            As :meth:`from_tensor` gives them.
+
+        Raises
+        ------
+        ValueError
+            If there are several bodies, or as :meth:`from_tensor`: a rod is refused.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> from rigid import solids
+        >>> top, axes = rigid.Body.from_properties(
+        ...     solids.cone(1.0, 2.0, mass=20.0), about=[0.0, 0.0, 0.0]
+        ... )
+        >>> top.moments, axes[:, 0]
+        ((6.0, 51.0, 51.0), array([0., 0., 1.]))
+        """
+        from .massproperties import MassProperties
+
+        if not isinstance(properties, MassProperties):
+            raise TypeError(f"properties = {properties!r}: must be a rigid.inertia.MassProperties")
+        if properties.mass.ndim:
+            raise ValueError(
+                f"properties: expected those of one body, got shape {properties.mass.shape}"
+            )
+        tensor = properties.tensor if about is None else properties.about(vector("about", about, 3))
+        body, axes = cls.from_tensor(tensor)
+        return cls(body.moments, mass=float(properties.mass)), axes
+
+    @classmethod
+    def from_points(
+        cls, masses: ArrayLike, points: ArrayLike, *, about: ArrayLike | None = None
+    ) -> tuple[Body, NDArray[np.float64]]:
+        """The body of mass points, and its principal axes.
+
+        Parameters
+        ----------
+        masses : array_like, shape (n,)
+            Masses (kg), none negative.
+        points : array_like, shape (n, 3)
+            Where they are (m), not all on one line.
+        about
+            As for :meth:`from_properties`, whose results these are.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> square = [[1, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0]]
+        >>> rigid.Body.from_points([1.0] * 4, square)[0].moments
+        (2.0, 2.0, 4.0)
+        """
+        from .massproperties import point_masses
+
+        return cls.from_properties(point_masses(masses, points), about=about)
+
+    @classmethod
+    def from_mesh(
+        cls,
+        vertices: ArrayLike,
+        faces: ArrayLike,
+        *,
+        density: float | None = None,
+        mass: float | None = None,
+        about: ArrayLike | None = None,
+    ) -> tuple[Body, NDArray[np.float64]]:
+        """The homogeneous body inside a closed triangle mesh, and its principal axes.
+
+        Parameters
+        ----------
+        vertices, faces, density, mass
+            As for :func:`rigid.meshes.mesh_properties`.
+        about
+            As for :meth:`from_properties`, whose results these are.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+        >>> faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
+        >>> body, axes = rigid.Body.from_mesh(corners, faces, mass=80.0)
+        >>> [round(moment, 12) for moment in body.moments]
+        [5.0, 5.0, 8.0]
+        """
+        from .meshes import mesh_properties
+
+        return cls.from_properties(
+            mesh_properties(vertices, faces, density=density, mass=mass), about=about
+        )
+
+    @classmethod
+    def _upright(cls, properties: MassProperties) -> Body:
+        """A body whose axes are the principal ones already."""
+        return cls(np.diagonal(properties.tensor), mass=float(properties.mass))
+
     @property
     def gammas(self) -> tuple[float, float, float]:
         """Factors of Euler's equations: ``((I2-I3)/I1, (I3-I1)/I2, (I1-I2)/I3)``.
@@ -171,6 +360,10 @@ class Body:
     def from_dict(cls, data: Mapping[str, Any]) -> Body:
         """The body of :meth:`to_dict`."""
         return cls(data["moments"], mass=data.get("mass"), sides=data.get("sides"))
+
+
+def _mass(value: object) -> float:
+    return finite_float("mass", value, positive=True)
 
 
 def _three(name: str, value: ArrayLike) -> tuple[float, float, float]:
