@@ -17,7 +17,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
-from ._check import finite_float, numbers, positive_int, rows
+from ._check import finite_float, positive_int, rows
+from ._given import finite_array, require
 from .bodies import Body
 from .columns import check_scene, columns, each_row
 from .criteria import NoFlip
@@ -342,8 +343,8 @@ def steady_precession(scene: HeavyTop, tilt: ArrayLike, spin: ArrayLike) -> tupl
     (0.259066, 7.144197)
     """
     axis, side = _symmetry_axis(scene)
-    angles, spins = np.broadcast_arrays(_finite("tilt", tilt), _finite("spin", spin))
-    _require("tilt", angles, (angles >= 0.0) & (angles <= pi), "must lie in [0, pi] (rad)")
+    angles, spins = np.broadcast_arrays(finite_array("tilt", tilt), finite_array("spin", spin))
+    require("tilt", angles, (angles >= 0.0) & (angles <= pi), "must lie in [0, pi] (rad)")
     across, along = scene.body.moments[axis - 2], scene.body.moments[axis - 1]
     momentum = side * along * spins
     # cos(pi / 2) of float64 is not 0, a horizontal axis is.
@@ -426,8 +427,8 @@ def pendulum_period(scene: HeavyTop, amplitude: ArrayLike, *, axis: int) -> Floa
             f"mgl = {scene.mgl:g}, com = {scene.com}: a pendulum about axis {about} needs a weight "
             "and its centre of mass exactly across that axis"
         )
-    angles = _finite("amplitude", amplitude)
-    _require("amplitude", angles, (angles >= 0.0) & (angles <= pi), "must lie in [0, pi] (rad)")
+    angles = finite_array("amplitude", amplitude)
+    require("amplitude", angles, (angles >= 0.0) & (angles <= pi), "must lie in [0, pi] (rad)")
     frequency = np.sqrt(scene.mgl / scene.body.moments[about - 1])
     # cos(pi / 2) of float64 is not 0, the separatrix is.
     cosine = np.where(angles == pi, 0.0, np.cos(0.5 * angles))
@@ -466,10 +467,10 @@ def carlson_rc(x: ArrayLike, y: ArrayLike) -> Floats:
     >>> round(float(rigid.exact.carlson_rc(0.0, 0.25)), 12)
     3.14159265359
     """
-    first, second = np.broadcast_arrays(_finite("x", x), _finite("y", y))
-    _require("x", first, first >= 0.0, "must not be negative")
-    _require("y", second, second != 0.0, "must not be zero")
-    _require("x", first, (first > 0.0) | (second > 0.0), "must be positive where y is negative")
+    first, second = np.broadcast_arrays(finite_array("x", x), finite_array("y", y))
+    require("x", first, first >= 0.0, "must not be negative")
+    require("y", second, second != 0.0, "must not be zero")
+    require("x", first, (first > 0.0) | (second > 0.0), "must be positive where y is negative")
     return _called("rc", first, second)[0]
 
 
@@ -517,9 +518,9 @@ def agm(a: ArrayLike, b: ArrayLike) -> Floats:
     >>> round(float(rigid.exact.agm(1.0, 2.0**0.5)), 12)
     1.198140234736
     """
-    first, second = np.broadcast_arrays(_finite("a", a), _finite("b", b))
-    _require("a", first, first >= 0.0, "must not be negative")
-    _require("b", second, second >= 0.0, "must not be negative")
+    first, second = np.broadcast_arrays(finite_array("a", a), finite_array("b", b))
+    require("a", first, first >= 0.0, "must not be negative")
+    require("b", second, second >= 0.0, "must not be negative")
     return _called("agm", first, second)[0]
 
 
@@ -551,23 +552,23 @@ def jacobi(u: ArrayLike, mc: ArrayLike) -> tuple[Floats, Floats, Floats]:
     >>> [round(float(value), 12) for value in rigid.exact.jacobi(0.5, mc=0.3)]
     [0.467292005359, 0.884103037959, 0.920405740535]
     """
-    arguments, parameters = np.broadcast_arrays(_finite("u", u), _finite("mc", mc))
-    _require("u", arguments, np.abs(arguments) < 2.0**50, "must lie below 2**50 in size")
-    _require("mc", parameters, (parameters >= 0.0) & (parameters <= 1.0), "must lie in [0, 1]")
+    arguments, parameters = np.broadcast_arrays(finite_array("u", u), finite_array("mc", mc))
+    require("u", arguments, np.abs(arguments) < 2.0**50, "must lie below 2**50 in size")
+    require("mc", parameters, (parameters >= 0.0) & (parameters <= 1.0), "must lie in [0, 1]")
     sn, cn, dn = _called("jacobi", arguments, parameters)
     return sn, cn, dn
 
 
 def _carlson(name: str, arguments: dict[str, ArrayLike], *, positive: tuple[str, ...]) -> Floats:
-    arrays = np.broadcast_arrays(*(_finite(key, value) for key, value in arguments.items()))
+    arrays = np.broadcast_arrays(*(finite_array(key, value) for key, value in arguments.items()))
     for key, array in zip(arguments, arrays, strict=True):
         if key in positive:
-            _require(key, array, array > 0.0, "must be positive")
+            require(key, array, array > 0.0, "must be positive")
         else:
-            _require(key, array, array >= 0.0, "must not be negative")
+            require(key, array, array >= 0.0, "must not be negative")
     zeros = sum((array == 0.0).astype(np.int64) for array in arrays)
     names = ", ".join(arguments)
-    _require(f"number of zeros among {names}", zeros, zeros <= 1, "must be at most 1")
+    require(f"number of zeros among {names}", zeros, zeros <= 1, "must be at most 1")
     return _called(name, *arrays)[0]
 
 
@@ -576,20 +577,6 @@ def _called(name: str, *arrays: Floats) -> tuple[Floats, ...]:
     flat = [np.ascontiguousarray(array).ravel() for array in arrays]
     values = _core.elliptic(name, flat)
     return tuple(value.reshape(arrays[0].shape)[()] for value in values)
-
-
-def _finite(name: str, value: ArrayLike) -> Floats:
-    array = numbers(name, value)
-    _require(name, array, np.isfinite(array), "must be finite")
-    return array
-
-
-def _require(name: str, array: NDArray[Any], good: NDArray[np.bool_], rule: str) -> None:
-    """Raise for the first element that breaks the rule."""
-    if not good.all():
-        index = tuple(int(i) for i in np.argwhere(~good)[0])
-        place = f"{list(index)}" if index else ""
-        raise ValueError(f"{name}{place} = {array[index]}: {rule}")
 
 
 def _symmetry_axis(scene: object) -> tuple[int, float]:
