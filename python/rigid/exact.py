@@ -253,7 +253,7 @@ def lagrange_top(
     >>> motion.kind, round(float(motion.tilt_min), 12)
     ('cusp', 0.5)
     """
-    _symmetry_axis(scene)
+    lagrange_axis(scene)
     table, single = columns(scene, omega, attitude)
     values = _core.top_quantities(**_without_scene(table))
     kinds = values.pop("kind")
@@ -298,7 +298,7 @@ def tilt_time(
     >>> bool(np.isinf(rigid.exact.tilt_time(top, [0.0, 0.0, 10.0], tilted, limit=1.0)))
     True
     """
-    _symmetry_axis(scene)
+    lagrange_axis(scene)
     angle = finite_float("limit", limit, positive=True)
     if angle > pi:
         raise ValueError(f"limit = {angle}: must lie in (0, pi] (rad)")
@@ -342,7 +342,7 @@ def steady_precession(scene: HeavyTop, tilt: ArrayLike, spin: ArrayLike) -> tupl
     >>> round(float(slow), 6), round(float(fast), 6)
     (0.259066, 7.144197)
     """
-    axis, side = _symmetry_axis(scene)
+    axis, side = lagrange_axis(scene)
     angles, spins = np.broadcast_arrays(finite_array("tilt", tilt), finite_array("spin", spin))
     require("tilt", angles, (angles >= 0.0) & (angles <= pi), "must lie in [0, pi] (rad)")
     across, along = scene.body.moments[axis - 2], scene.body.moments[axis - 1]
@@ -350,7 +350,10 @@ def steady_precession(scene: HeavyTop, tilt: ArrayLike, spin: ArrayLike) -> tupl
     # cos(pi / 2) of float64 is not 0, a horizontal axis is.
     cosine = np.where(angles == 0.5 * pi, 0.0, np.cos(angles))
     with np.errstate(divide="ignore", invalid="ignore"):
-        root = np.sqrt(momentum**2 - 4.0 * across * scene.mgl * cosine)
+        below = 4.0 * across * scene.mgl * cosine
+        # At the bound the roots are equal, also if it was rounded.
+        at_bound = np.abs(momentum**2 - below) <= 4.0 * np.finfo(np.float64).eps * np.abs(below)
+        root = np.sqrt(np.where(at_bound, 0.0, momentum**2 - below))
         double = momentum + np.copysign(root, momentum)
         slow = 2.0 * scene.mgl / double
         fast = double / (2.0 * across * cosine)
@@ -382,7 +385,7 @@ def sleeping_spin(scene: HeavyTop) -> float:
     >>> rigid.exact.sleeping_spin(rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0))
     4.0
     """
-    axis, _ = _symmetry_axis(scene)
+    axis, _ = lagrange_axis(scene)
     across, along = scene.body.moments[axis - 2], scene.body.moments[axis - 1]
     return float(2.0 * np.sqrt(scene.mgl * across) / along)
 
@@ -579,7 +582,7 @@ def _called(name: str, *arrays: Floats) -> tuple[Floats, ...]:
     return tuple(value.reshape(arrays[0].shape)[()] for value in values)
 
 
-def _symmetry_axis(scene: object) -> tuple[int, float]:
+def lagrange_axis(scene: object) -> tuple[int, float]:
     """Symmetry axis of a Lagrange top, and on which side of the fixed point its weight is."""
     if not isinstance(scene, HeavyTop):
         raise TypeError(f"scene = {scene!r}: must be a rigid.HeavyTop")
