@@ -238,7 +238,8 @@ class FastTop:
     error : ndarray, shape (..., m), or None
         Estimate of the error of theta, relative to the width of the band between the circles:
         ``|omega_P cos(theta)| t``, because the frequency is lower by ``2 omega_P cos(theta)``, and
-        besides ``(|omega_P - precession| + |omega_P|) / |omega_l|``. It falls as ``1 / omega3²`` for a given number of nutations.
+        besides ``(|omega_P - precession| + |omega_P|) / |omega_l|``. It falls as ``1 / omega3²``
+        for a given number of nutations.
     """
 
     mean_precession: Floats
