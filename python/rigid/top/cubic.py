@@ -274,7 +274,8 @@ def _depths(
     least, middle, highest = np.sort(np.stack([least, np.zeros(d.shape), highest]), axis=0)
     free = half * half - product
     # A double root, of steady precession, may miss reality by the rounding of the constants.
-    real = np.where(through, 0.25 * c2 * c2 + c1 >= 0.0, free >= -SLACK * np.abs(half))
+    beyond = 0.25 * c2 * c2 + c1
+    real = np.where(through, beyond >= -SLACK * c2 * c2, free >= -SLACK * np.abs(half))
     inside = np.where(through, middle, half) >= -SLACK
     inside &= through | (half <= 2.0 + SLACK)
     require("alpha", alpha, real & inside, "no motion has this energy and these momenta")
@@ -283,8 +284,8 @@ def _depths(
     low = np.where(through, least, np.where(light, -np.inf, -below))
     return (
         low,
-        np.clip(np.where(through, middle, np.minimum(narrow, wide)), 0.0, 2.0),
-        np.clip(np.where(through, highest, wide), 0.0, 2.0),
+        np.clip(np.where(through, middle, np.minimum(narrow, wide)), 0.0, 2.0) + 0.0,  # no -0
+        np.clip(np.where(through, highest, wide), 0.0, 2.0) + 0.0,
     )
 
 
@@ -297,14 +298,19 @@ def _pair(half: Floats, product: Floats) -> tuple[Floats, Floats]:
 def _largest_root(c2: Floats, c1: Floats, c0: Floats) -> Floats:
     """The largest root of ``x³ + c2 x² - c1 x - c0``, which is not negative for ``c0 >= 0``.
 
-    From Fujiwara's bound Newton's method descends to it and does not pass it but by rounding.
+    From Fujiwara's bound Newton's method descends to it, and passes it by rounding only; that may
+    be all of a root near zero, so the last steps may go up again.
     """
     x: Floats = 2.0 * np.maximum(np.maximum(np.abs(c2), np.sqrt(np.abs(c1))), np.cbrt(c0))
     for _ in range(100):
-        slope = (3.0 * x + 2.0 * c2) * x - c1
-        step = (((x + c2) * x - c1) * x - c0) / np.where(slope > 0.0, slope, np.inf)
-        lower = np.maximum(x - step, 0.0)
+        lower = _newton(x, c2, c1, c0)
         if not (lower < x).any():
             break
         x = np.minimum(lower, x)
-    return x
+    return _newton(_newton(x, c2, c1, c0), c2, c1, c0)
+
+
+def _newton(x: Floats, c2: Floats, c1: Floats, c0: Floats) -> Floats:
+    slope = (3.0 * x + 2.0 * c2) * x - c1
+    step = (((x + c2) * x - c1) * x - c0) / np.where(slope > 0.0, slope, np.inf)
+    return np.maximum(x - step, 0.0)
