@@ -9,7 +9,7 @@ textbook's view of it.
 
 from .constants import HeavyConstants, gravity_torque, heavy_constants, precession_spin_rates
 from .cubic import Roots, f_roots, f_u, nutation_period, time_of, u_of
-from .locus import Advance, FastTop, Locus, advance, classify_locus, fast_top_approx, locus
+from .loci import Advance, FastTop, Locus, advance, classify_locus, fast_top_approx, locus
 from .potential import EffectivePotential, effective_minimum, effective_potential, turning_angles
 from .steady import (
     SleepingTop,
