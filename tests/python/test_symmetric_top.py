@@ -648,6 +648,10 @@ def test_the_fast_top_of_either_kind() -> None:
     kinds = ["curtate", "curtate", "cusp", "cusp", "prolate", "prolate", "steady"]
     found = top.fast_top_approx(TOP, 1.0, 5.0, precession=pushes, t=np.linspace(0, 5, 501))
     assert np.array(found.kind).tolist() == kinds
+    np.testing.assert_allclose(present(found.phi_rate)[:, 0], pushes, atol=1e-15)
+    slope = np.gradient(present(found.phi), 0.01, axis=1)[:, 1:-1]
+    # Differences of second order: (2.5 * 0.01)² / 6 of 0.6 rad/s.
+    np.testing.assert_allclose(slope, present(found.phi_rate)[:, 1:-1], atol=1e-4)
     least = present(found.phi_rate).min(axis=1)
     # phi' changes its sign in loops only; a start with twice the mean touches zero on the lower.
     assert (least[[0, 1, 6]] > 0.0).all()
