@@ -10,6 +10,7 @@ from . import exact
 from ._core import __version__
 from .bodies import Body
 from .citing import cite
+from .conditioning import condition
 from .criteria import no_flip, tilt_below
 from .info import build_info
 from .mapfile import load_map
@@ -44,6 +45,7 @@ __all__ = [
     "__version__",
     "build_info",
     "cite",
+    "condition",
     "direction",
     "exact",
     "load_map",
