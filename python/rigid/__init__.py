@@ -11,6 +11,7 @@ from ._core import __version__
 from .bodies import Body
 from .citing import cite
 from .criteria import no_flip, tilt_below
+from .forces import Torque
 from .info import build_info
 from .mapfile import load_map
 from .mapresult import Replay, StabilityMap
@@ -41,6 +42,7 @@ __all__ = [
     "StabilityMap",
     "Start",
     "Status",
+    "Torque",
     "__version__",
     "build_info",
     "cite",
