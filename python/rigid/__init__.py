@@ -12,6 +12,7 @@ from .bodies import Body
 from .citing import cite
 from .conditioning import condition
 from .criteria import no_flip, tilt_below
+from .forces import Torque
 from .info import build_info
 from .mapfile import load_map
 from .mapresult import Replay, StabilityMap
@@ -42,6 +43,7 @@ __all__ = [
     "StabilityMap",
     "Start",
     "Status",
+    "Torque",
     "__version__",
     "build_info",
     "cite",
