@@ -147,6 +147,9 @@ def believe(
     error = SAFETY * distances(seen, again) + floor[:, None]
     # What is not a number is not known; a body that was not run has no error.
     error = np.where(np.isfinite(error), error, np.inf)
+    if "outside" in table:
+        # Damping can stop a body within a step: the way it turned meanwhile is lost in both runs.
+        error[rates * span > np.pi * taken] = np.inf
     error[taken == 0] = np.nan
     lost = np.abs(times[checks])
     lost_from = np.where(error >= 1.0, lost, np.inf).min(axis=1)

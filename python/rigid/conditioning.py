@@ -43,8 +43,8 @@ def condition(
 ) -> Floats:
     """Factor by which a motion magnifies the worst small change of its start.
 
-    The largest singular value of the derivative of the state with respect to the start, rates being
-    measured in ``sqrt(|omega|² + mgl / I_min)`` of the start and attitudes in rad. It belongs to the
+    The largest singular value of the derivative of the state with respect to the start, with rates
+    in units of ``sqrt(|omega|² + mgl / I_min)`` and attitudes in rad. It belongs to the
     motion, not to a solver: an error of 1e-16 in the start, which rounding alone leaves, has become
     ``1e-16 condition`` whatever the method. It grows like ``t`` on regular motions and
     exponentially on chaotic ones and near a separatrix.
@@ -85,10 +85,10 @@ def condition(
     --------
     >>> import rigid
     >>> box = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
-    >>> stable = rigid.condition(box, [1.0, 1e-3, 1e-3], t=[60.0])
-    >>> tumbling = rigid.condition(box, [1e-3, 1.0, 1e-3], t=[60.0])
-    >>> bool(stable < 100.0), bool(tumbling > 1e4)
-    (True, True)
+    >>> stable = rigid.condition(box, [1.0, 1e-3, 1e-3], t=[10.0])
+    >>> tumbling = rigid.condition(box, [1e-3, 1.0, 1e-3], t=[10.0])
+    >>> print(f"{stable[0]:.0f} {tumbling[0]:.0f}")
+    10 490
     """
     check_scene(scene)
     table, single = columns(scene, omega, attitude)
