@@ -49,7 +49,7 @@ impl TiltLimit {
 /// Sign changes of one component of the rates, located inside the step.
 pub struct Flips;
 
-/// Largest angle between a body axis and a space-fixed direction (the last one carried).
+/// Largest angle between a body axis and a space-fixed direction (the last one carried; of a frame the vertical).
 pub struct Tilt;
 
 /// The component along the watched axis. The axis is a unit vector of the frame, so the sum is exact.
@@ -115,14 +115,14 @@ impl Tilt {
         before: &[R; D],
         after: &[R; D],
     ) {
-        let [cosine, sine2] = tilt(&watched.axis, &direction(after, L::VECTORS - 1));
+        let [cosine, sine2] = tilt(&watched.axis, &direction(after, L::WATCHED));
         watched.cosine = watched.cosine.min(cosine);
         watched.sine2 = watched.sine2.max(sine2);
         let margin = margin(&watched.limit, [cosine, sine2]);
         let beyond = margin.lt(R::splat(0.0));
         if R::any(beyond) {
             // Where the margin vanishes on the way, to first order; at once if it was gone before.
-            let begin = tilt(&watched.axis, &direction(before, L::VECTORS - 1));
+            let begin = tilt(&watched.axis, &direction(before, L::WATCHED));
             let begin = self::margin(&watched.limit, begin).max(R::splat(0.0));
             let at = p.step.fma(begin / (begin - margin), time);
             watched.left = R::select(beyond, first_time(watched.left, at), watched.left);
