@@ -176,7 +176,7 @@ def test_built_in_maps_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
         "sleeping-top",
         "thrown-box",
     ]
-    assert lines[2].endswith("A thrown box, spinning about its middle axis (b x noise)")
+    assert lines[3].endswith("A thrown box, spinning about its middle axis (b x noise)")
 
 
 def test_info_describes_the_build(capsys: pytest.CaptureFixture[str]) -> None:

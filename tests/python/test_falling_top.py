@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import sys
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from physics import present
 from rigid.mapspec import MapSpec
 from rigid.specfile import parse_spec, read_spec
 from rigid.theory import falling_lag, predict
+from test_same_bits import in_process
 
 MGL, I1, I3 = 1.0, 1.0, 0.5
 BOUND = 2.0 * np.sqrt(MGL * I1) / I3
@@ -170,3 +172,22 @@ samples = 4
 def test_what_a_map_under_damping_refuses(options: dict[str, Any], part: str) -> None:
     with pytest.raises(ValueError, match=re.escape(part)):
         small(**options)
+
+
+def print_bytes() -> None:
+    """In a process of its own: everything of maps under damping and torque."""
+    pushed = rigid.HeavyTop(TOP.body, mgl=MGL, torque=rigid.Torque.space((0.0, 0.02, 0.0)))
+    for method in ("rk4", "dop853", "etd4", "splitting"):
+        result = small(pushed, method=method)
+        for name in ("stable", "unstable", "steps", "earliest", "energy_drift", "momentum_drift"):
+            sys.stdout.buffer.write(getattr(result, name).tobytes())
+
+
+def test_maps_under_damping_have_the_same_bytes_on_every_instruction_set() -> None:
+    output = {}
+    for isa in rigid.build_info()["isa_available"]:
+        done = in_process("import test_falling_top; test_falling_top.print_bytes()", RIGID_ISA=isa)
+        assert done.returncode == 0, done.stderr.decode()
+        output[isa] = done.stdout
+    assert len(output["scalar"]) > 1000
+    assert set(output.values()) == {output["scalar"]}
