@@ -267,6 +267,33 @@ def test_an_accuracy_is_kept_and_the_error_is_believed() -> None:
         assert not run.flagged
 
 
+@pytest.mark.parametrize("moments", [(1.0, 1.6, 2.1), (1.5, 1.0, 1.5), (2.0, 2.0, 2.0)])
+def test_a_damping_that_is_a_multiple_of_the_inertia_only_slows(
+    moments: tuple[float, float, float],
+) -> None:
+    """`omega(t) = e^(-kt) omega_free(s)`, the attitude that of the free body at `s`."""
+    k = 0.37
+    body = rigid.Body(moments)
+    scene = rigid.FreeBody(body, damping=k * np.array(moments))
+    start, t = [0.3, 1.2, -0.4], np.array([-1.0, 0.0, 1e-9, 2.0, 60.0])
+    run = rigid.simulate(scene, start, TILTED, t=t)
+    assert run.plan.method == "exact"
+    assert "slowed" in str(run.plan)
+    free = rigid.simulate(rigid.FreeBody(body), start, TILTED, t=-np.expm1(-k * t) / k)
+    # Two exponentials, each rounded.
+    known = np.exp(-k * t)[:, None] * free.omega
+    assert np.abs(run.omega - known).max() < 1e-14 * np.abs(known).max()
+    assert rotation_angle(present(run.attitude), present(free.attitude)).max() < 1e-14
+    stepped = rigid.simulate(scene, start, TILTED, t=t, method="taylor16")
+    assert np.abs(run.omega - stepped.omega).max() < 1e-13
+    assert rotation_angle(present(run.attitude), present(stepped.attitude)).max() < 1e-13
+    assert np.abs(present(run.work) - present(stepped.work)).max() < 1e-13
+    assert np.abs(run.energy() - run.energy()[1] - present(run.work)).max() < 1e-13
+    other = rigid.FreeBody(body, damping=k * np.array(moments) + [0.0, 0.0, 1e-3])
+    with pytest.raises(ValueError, match="multiple of its inertia"):
+        rigid.simulate(other, start, t=t, method="exact")
+
+
 def test_the_plan_says_what_acts_and_which_method_moves_it() -> None:
     text = str(rigid.plan(PUSHED, "attitude", omega=[1, 2, 3], t_end=4.0))
     assert "torque in the body and space by a table of 4 times" in text
