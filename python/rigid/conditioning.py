@@ -10,7 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _core
 from ._check import resolve_threads, sorted_times
-from .columns import check_scene, columns, each_row, laid_out
+from .belief import around
+from .columns import check_scene, columns, each_row, fastest_rates, laid_out
 from .grid import pixels
 from .mapspec import MapSpec, core_job
 from .methods import EXACT, SECOND, angle_per_step
@@ -104,14 +105,15 @@ def growth(table: Mapping[str, Any], times: Floats, threads: int) -> Floats:
     scale = np.sqrt(np.sum(table["omega"] ** 2, axis=1) + weight)
     scale = np.where(scale > 0.0, scale, 1.0)
     neighbours = _neighbours(table, scale)
-    forms = np.array(_core.closed_forms(**each_row(neighbours)), dtype=np.str_)
-    exact = "" not in forms
+    exact = "outside" not in table and "" not in np.array(
+        _core.closed_forms(**each_row(neighbours)), dtype=np.str_
+    )
     states = _core.simulate(
         **neighbours,
         method=EXACT if exact else SECOND,
         record="attitude",
         # One step for a body and all its neighbours: they then share its truncation.
-        step=None if exact else np.repeat(_steps(table), 13),
+        step=None if exact else np.repeat(_steps(table, times), 13),
         max_steps=10**9,
         threads=threads,
         times=times.tolist(),
@@ -149,9 +151,9 @@ def over_map(spec: MapSpec, samples: int, threads: int) -> Floats:
     return layer
 
 
-def _steps(table: Mapping[str, Any]) -> Floats:
+def _steps(table: Mapping[str, Any], times: Floats) -> Floats:
     """Steps that are half as long as those of the method itself."""
-    return 0.5 * angle_per_step(SECOND) / _core.fastest_rates(**each_row(table))
+    return 0.5 * angle_per_step(SECOND) / fastest_rates(table, around(times), SECOND)
 
 
 def _neighbours(table: Mapping[str, Any], scale: Floats) -> dict[str, Any]:
