@@ -15,7 +15,6 @@ __all__ = [
     "BODY",
     "FAINT",
     "HUES",
-    "L",
     "NEUTRAL",
     "NODE",
     "OMEGA",
@@ -24,10 +23,11 @@ __all__ = [
     "TORQUE",
     "VELOCITY",
     "VERTICAL",
+    "Ink",
+    "L",
     "X",
     "Y",
     "Z",
-    "Ink",
 ]
 
 HUES = {
