@@ -12,7 +12,21 @@ known to pyplot: save it with ``artists.ax.figure.savefig(...)``. Colours and la
 from __future__ import annotations
 
 from . import colours
+from .orientation import (
+    euler_steps,
+    euler_steps_data,
+    frames,
+    frames_data,
+    node_frame,
+    node_frame_data,
+)
 
 __all__ = [
     "colours",
+    "euler_steps",
+    "euler_steps_data",
+    "frames",
+    "frames_data",
+    "node_frame",
+    "node_frame_data",
 ]
