@@ -20,8 +20,18 @@ from .orientation import (
     node_frame,
     node_frame_data,
 )
+from .turning import (
+    active_passive,
+    active_passive_data,
+    rotating_body,
+    rotating_body_data,
+    unit_vector_change,
+    unit_vector_change_data,
+)
 
 __all__ = [
+    "active_passive",
+    "active_passive_data",
     "colours",
     "euler_steps",
     "euler_steps_data",
@@ -29,4 +39,8 @@ __all__ = [
     "frames_data",
     "node_frame",
     "node_frame_data",
+    "rotating_body",
+    "rotating_body_data",
+    "unit_vector_change",
+    "unit_vector_change_data",
 ]
