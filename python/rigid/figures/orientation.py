@@ -193,7 +193,7 @@ def frames(
     if apart:
         shift = arrow(ax, data.origin, colours.SPACE.colour, linewidth=1.6)
         label(ax, 0.5 * data.origin + 0.12 * aside, r"$\mathbf{R}$", colours.SPACE.colour)
-        label(ax, data.origin + 0.13 * aside, "$O$", colours.NEUTRAL)
+        label(ax, data.origin - 0.13 * _Z, "$O$", colours.NEUTRAL)
     relative = position = None
     shown = [np.zeros((1, 3)), data.space, data.origin + data.space, data.origin + data.body]
     if data.relative is not None and data.position is not None:
