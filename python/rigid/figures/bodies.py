@@ -198,7 +198,7 @@ def box(body: Body, *, ax: Any | None = None) -> BoxArtists:
         place = 0.5 * data.sides * outward
         label(
             ax,
-            place + 0.05 * longest * outward,
+            place + 0.065 * longest * outward,
             f"{data.sides[axis]:g} m",
             colours.NEUTRAL,
             fontsize="medium",
