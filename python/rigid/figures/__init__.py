@@ -13,23 +13,17 @@ from __future__ import annotations
 
 from . import colours
 from .bodies import box, box_data, heavy_top, heavy_top_data
+from .bodycones import cones, cones_data
+from .eulersteps import euler_steps, euler_steps_data
 from .measured import (
     bearing_torque,
     bearing_torque_data,
     spring_modes,
     spring_modes_data,
 )
-from .orientation import (
-    euler_steps,
-    euler_steps_data,
-    frames,
-    frames_data,
-    node_frame,
-    node_frame_data,
-)
+from .orientation import frames, frames_data, node_frame, node_frame_data
+from .rotating import rotating_body, rotating_body_data
 from .symmetric import (
-    cones,
-    cones_data,
     coplanar_vectors,
     coplanar_vectors_data,
     free_top_omega,
@@ -38,8 +32,6 @@ from .symmetric import (
 from .turning import (
     active_passive,
     active_passive_data,
-    rotating_body,
-    rotating_body_data,
     unit_vector_change,
     unit_vector_change_data,
 )
