@@ -1,0 +1,67 @@
+"""Figures of the textbook, each with one call.
+
+Every figure has two parts: data, a frozen dataclass of arrays that a function of this package or of
+the physics modules computes; and a drawing of just these data on Matplotlib axes, made if none are
+given, that returns the artists by name. What is drawn can so be tested, restyled or animated.
+
+Needs Matplotlib, the extra ``maps``; importing the package does not. A figure without ``ax`` is not
+known to pyplot: save it with ``artists.ax.figure.savefig(...)``. Colours and labels are those of
+:mod:`rigid.figures.colours` throughout.
+"""
+
+from __future__ import annotations
+
+from . import colours
+from .bodies import box, box_data, heavy_top, heavy_top_data
+from .bodycones import cones, cones_data
+from .eulersteps import euler_steps, euler_steps_data
+from .measured import (
+    bearing_torque,
+    bearing_torque_data,
+    spring_modes,
+    spring_modes_data,
+)
+from .orientation import frames, frames_data, node_frame, node_frame_data
+from .rotating import rotating_body, rotating_body_data
+from .symmetric import (
+    coplanar_vectors,
+    coplanar_vectors_data,
+    free_top_omega,
+    free_top_omega_data,
+)
+from .turning import (
+    active_passive,
+    active_passive_data,
+    unit_vector_change,
+    unit_vector_change_data,
+)
+
+__all__ = [
+    "active_passive",
+    "active_passive_data",
+    "bearing_torque",
+    "bearing_torque_data",
+    "box",
+    "box_data",
+    "colours",
+    "cones",
+    "cones_data",
+    "coplanar_vectors",
+    "coplanar_vectors_data",
+    "euler_steps",
+    "euler_steps_data",
+    "frames",
+    "frames_data",
+    "free_top_omega",
+    "free_top_omega_data",
+    "heavy_top",
+    "heavy_top_data",
+    "node_frame",
+    "node_frame_data",
+    "rotating_body",
+    "rotating_body_data",
+    "spring_modes",
+    "spring_modes_data",
+    "unit_vector_change",
+    "unit_vector_change_data",
+]

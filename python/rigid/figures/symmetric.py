@@ -1,0 +1,388 @@
+"""The free symmetric top: where omega, L and the axis are."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._check import finite_float, vector
+from .._given import BodyLike, moments_of
+from ..free import symmetric_free_top
+from . import colours
+from ._draw import (
+    arc,
+    arrow,
+    arrow_in_plane,
+    curve,
+    fit,
+    in_space,
+    label,
+    label_in_plane,
+    panels,
+)
+
+__all__ = [
+    "CoplanarVectors",
+    "CoplanarVectorsArtists",
+    "FreeTopOmega",
+    "FreeTopOmegaArtists",
+    "coplanar_vectors",
+    "coplanar_vectors_data",
+    "free_top_omega",
+    "free_top_omega_data",
+]
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FreeTopOmega:
+    """The angular velocity of a free symmetric top, seen from the body.
+
+    Attributes
+    ----------
+    axis : ndarray, shape (3,)
+        Unit vector along the axis of symmetry.
+    k : float
+        Rate at which omega turns about it (rad/s).
+    amplitude : float
+        ``A``, the part of omega across the axis (rad/s).
+    angle : float
+        ``k t`` (rad).
+    path : ndarray, shape (m, 3)
+        omega over one period, closed (rad/s); constant for ``k = 0``.
+    start, now : ndarray, shape (3,)
+        omega at time 0 and at the time ``t`` (rad/s).
+    """
+
+    axis: Floats
+    k: float
+    amplitude: float
+    angle: float
+    path: Floats
+    start: Floats
+    now: Floats
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FreeTopOmegaArtists:
+    """What :func:`free_top_omega` has drawn.
+
+    Attributes
+    ----------
+    ax : Axes3D
+        Where.
+    data : FreeTopOmega
+        What.
+    start, now, amplitude : SpaceArrow
+        omega at both times, and its part across the axis; an arrow has its ``start`` and its
+        ``vector``.
+    path, projection : Line3D
+        The circle of omega, and that of its part across the axis.
+    """
+
+    ax: Any
+    data: FreeTopOmega
+    start: Any
+    now: Any
+    amplitude: Any
+    path: Any
+    projection: Any
+
+
+def free_top_omega_data(
+    body: BodyLike, omega: ArrayLike, *, t: float = 0.0, samples: int = 121
+) -> FreeTopOmega:
+    """Vectors under :func:`free_top_omega`.
+
+    Parameters
+    ----------
+    body : Body, FreeBody or array_like, shape (3,)
+        The body, or principal moments (kg m²), two of them equal to the bit.
+    omega : array_like, shape (3,)
+        Angular velocity in the body at time 0 (rad/s), not zero.
+    t : float
+        Time (s).
+    samples : int
+        Points of the path.
+
+    Returns
+    -------
+    FreeTopOmega
+
+    Raises
+    ------
+    ValueError
+        If the top is not symmetric, does not turn, or an argument is not finite.
+
+    Examples
+    --------
+    >>> from rigid import figures
+    >>> data = figures.free_top_omega_data((1.0, 1.0, 1.6), [0.9, 0.0, 2.3], t=1.0)
+    >>> round(data.angle, 12), data.amplitude
+    (1.38, 0.9)
+    """
+    rates = turning(omega)
+    time = finite_float("t", t)
+    period = float(symmetric_free_top(body, rates).period)
+    whole = np.linspace(0.0, period if np.isfinite(period) else 0.0, samples)
+    path, now = (symmetric_free_top(body, rates, t=times) for times in (whole, [time]))
+    assert path.omega is not None
+    assert now.omega is not None
+    return FreeTopOmega(
+        axis=np.eye(3)[int(path.axis) - 1],
+        k=float(path.k),
+        amplitude=float(path.amplitude),
+        angle=float(path.k) * time,
+        path=path.omega,
+        start=rates,
+        now=now.omega[0],
+    )
+
+
+def free_top_omega(
+    body: BodyLike, omega: ArrayLike, *, t: float = 0.0, ax: Any | None = None
+) -> FreeTopOmegaArtists:
+    """Draw how omega turns about the axis of a free symmetric top, seen from the body.
+
+    Its part along the axis stays, that across it turns by ``k t`` on a circle of radius ``A``: one
+    way for an oblate top, the other for a prolate one (Ercan 2016, fig. 10, eqs. (43)-(45)).
+
+    Parameters
+    ----------
+    body, omega, t
+        As in :func:`free_top_omega_data`.
+    ax : Axes3D, optional
+        Where to draw; by default on a new figure that pyplot does not know.
+
+    Returns
+    -------
+    FreeTopOmegaArtists
+
+    Raises
+    ------
+    ValueError
+        As in :func:`free_top_omega_data`, and if the axes are not three-dimensional.
+    ImportError
+        Without matplotlib.
+
+    Examples
+    --------
+    >>> from rigid import figures
+    >>> drawn = figures.free_top_omega((1.0, 1.0, 1.6), [0.9, 0.0, 1.3], t=0.9)
+    >>> drawn.ax.figure.savefig("omega.png")  # doctest: +SKIP
+    """
+    data = free_top_omega_data(body, omega, t=t)
+    ax = in_space(ax)
+    size = float(np.linalg.norm(data.start))
+    purple, black = colours.OMEGA.colour, colours.HUES["black"]
+    along = (data.start @ data.axis) * data.axis
+    reach = np.maximum(1.3 * data.amplitude, 0.6 * size) * np.ones(3)
+    which = int(data.axis.argmax())
+    reach[which] = 1.25 * size
+    for axis, ink in enumerate(colours.AXES):
+        arrow(ax, reach[axis] * np.eye(3)[axis], ink.colour, ink.label, linewidth=1.4)
+    path = curve(ax, data.path, purple, linewidth=1.4)
+    shadow = data.path - along
+    projection = curve(ax, shadow, colours.FAINT, linewidth=1.4)
+    _tips(ax, data.path, purple)
+    drop = np.array([data.now, data.now - along])
+    curve(ax, drop, colours.FAINT, linewidth=1.0, linestyle="dashed")
+    # The vector at time 0 only where it is not the one at time t.
+    start = arrow(ax, data.start, purple, linewidth=1.2, linestyle="dashed", alpha=0.7)
+    now = arrow(ax, data.now, purple, r"$\boldsymbol{\omega}(t)$", linewidth=2.4)
+    amplitude = arrow(ax, data.now - along, black, "$A$", linewidth=1.8)
+    curve(ax, np.array([np.zeros(3), data.start - along]), black, linewidth=0.9, linestyle="dashed")
+    if data.amplitude > 0.0:
+        first = 0.5 * (data.start - along)
+        arc(ax, data.axis, first, data.angle, black, "$k\\,t$", beyond=1.5)
+        centre = np.array([data.now, along])
+        curve(ax, centre, colours.FAINT, linewidth=1.0, linestyle="dashed")
+    name = r"$\omega_" + str(which + 1) + "$"
+    aside = np.roll(np.array([0.0, -0.14 * size, 0.0]), which - 2)
+    label(ax, along + aside, name, colours.AXES[which].colour)
+    fit(ax, data.path, shadow, np.diag(reach), np.zeros(3), elev=20.0, azim=35.0)
+    return FreeTopOmegaArtists(
+        ax=ax,
+        data=data,
+        start=start,
+        now=now,
+        amplitude=amplitude,
+        path=path,
+        projection=projection,
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class CoplanarVectors:
+    """L, omega and the axis of a free symmetric top, in the plane in which all three lie.
+
+    Attributes
+    ----------
+    along, across : float
+        Moments about the axis of symmetry and across it, ``I3`` and ``I`` (kg m²).
+    omega, momentum : ndarray, shape (2,)
+        Parts across and along the axis, of omega (rad/s) and of L (kg m²/s).
+    alpha, theta : float
+        Angles of omega and of L from the axis (rad).
+    """
+
+    along: float
+    across: float
+    omega: Floats
+    momentum: Floats
+    alpha: float
+    theta: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class CoplanarVectorsArtists:
+    """What :func:`coplanar_vectors` has drawn, a panel for each body.
+
+    Attributes
+    ----------
+    axes : tuple of Axes
+        The panels.
+    data : tuple of CoplanarVectors
+        What.
+    omega, momentum : tuple of PlaneArrow
+        omega, and L scaled to a length that can be compared; an arrow has its ``start`` and its
+        ``vector``.
+    """
+
+    axes: tuple[Any, ...]
+    data: tuple[CoplanarVectors, ...]
+    omega: tuple[Any, ...]
+    momentum: tuple[Any, ...]
+
+
+def coplanar_vectors_data(body: BodyLike, omega: ArrayLike) -> CoplanarVectors:
+    """Vectors under a panel of :func:`coplanar_vectors`.
+
+    Parameters
+    ----------
+    body : Body, FreeBody or array_like, shape (3,)
+        The body, or principal moments (kg m²), two of them equal to the bit.
+    omega : array_like, shape (3,)
+        Angular velocity in the body (rad/s), not zero.
+
+    Returns
+    -------
+    CoplanarVectors
+
+    Raises
+    ------
+    ValueError
+        If the top is not symmetric, does not turn, or an argument is not finite.
+
+    Examples
+    --------
+    >>> from rigid import figures
+    >>> data = figures.coplanar_vectors_data((1.0, 1.0, 1.6), [0.9, 0.0, 2.3])
+    >>> data.theta < data.alpha  # oblate
+    True
+    """
+    rates = turning(omega)
+    top = symmetric_free_top(body, rates)
+    moments, which = moments_of(body), int(top.axis) - 1
+    across, along = float(moments[which - 2]), float(moments[which])
+    flat = np.array([float(top.amplitude), rates[which]])
+    return CoplanarVectors(
+        along=along,
+        across=across,
+        omega=flat,
+        momentum=np.array([across, along]) * flat,
+        alpha=float(top.alpha),
+        theta=float(top.theta),
+    )
+
+
+def coplanar_vectors(
+    bodies: Sequence[BodyLike], omega: ArrayLike, *, axes: Sequence[Any] | None = None
+) -> CoplanarVectorsArtists:
+    """Draw L, omega and the axis of free symmetric tops in their common plane.
+
+    ``tan theta = (I / I3) tan alpha``: L lies between the axis and omega if the top is oblate, and
+    omega between the axis and L if it is prolate (Ercan 2016, figs. 11a, b, eqs. (47), (48)).
+
+    Parameters
+    ----------
+    bodies : sequence of Body, FreeBody or array_like, shape (3,)
+        One for each panel, for instance an oblate and a prolate one.
+    omega : array_like, shape (3,)
+        Angular velocity in the body (rad/s), the same for all.
+    axes : sequence of Axes, optional
+        Where to draw; by default on a new figure that pyplot does not know.
+
+    Returns
+    -------
+    CoplanarVectorsArtists
+
+    Raises
+    ------
+    ValueError
+        As in :func:`coplanar_vectors_data`, and if there are no bodies or not as many axes.
+    ImportError
+        Without matplotlib.
+
+    Examples
+    --------
+    >>> from rigid import figures
+    >>> drawn = figures.coplanar_vectors([(1, 1, 1.6), (1, 1, 0.55)], [0.9, 0.0, 1.3])
+    >>> drawn.axes[0].figure.savefig("coplanar.png")  # doctest: +SKIP
+    """
+    if len(bodies) == 0:
+        raise ValueError("bodies: expected at least one, got none")
+    data = tuple(coplanar_vectors_data(body, omega) for body in bodies)
+    found = panels(axes, ["plane"] * len(data))
+    drawn = [_draw_coplanar(ax, one) for ax, one in zip(found, data, strict=True)]
+    return CoplanarVectorsArtists(
+        axes=tuple(found),
+        data=data,
+        omega=tuple(one for one, _ in drawn),
+        momentum=tuple(one for _, one in drawn),
+    )
+
+
+def _draw_coplanar(ax: Any, data: CoplanarVectors) -> tuple[Any, Any]:
+    size = float(np.linalg.norm(data.omega))
+    longer = 1.25 * size
+    arrow_in_plane(ax, np.array([0.0, longer]), colours.Z.colour, "axis", linewidth=1.6)
+    spin = arrow_in_plane(ax, data.omega, colours.OMEGA.colour, colours.OMEGA.label, linewidth=2.4)
+    shown = longer * data.momentum / np.linalg.norm(data.momentum)
+    momentum = arrow_in_plane(ax, shown, colours.L.colour, colours.L.label, linewidth=2.4)
+    for angle, radius, text in ((data.alpha, 0.62, r"$\alpha$"), (data.theta, 0.4, r"$\theta$")):
+        turn = np.linspace(0.0, angle, 49)[:, np.newaxis]
+        points = radius * size * np.hstack([np.sin(turn), np.cos(turn)])
+        curve(ax, points, colours.ANGLE.colour)
+        label_in_plane(ax, points[24] * (1.0 + 0.06 / radius), text)
+    kind = "oblate: $I_3 > I$" if data.along > data.across else "prolate: $I_3 < I$"
+    sign = "<" if data.theta < data.alpha else ">"
+    if data.along == data.across:
+        kind, sign = "spherical: $I_3 = I$", "="
+    ax.set_title(rf"{kind},  $\theta {sign} \alpha$", fontsize="medium", y=0.95)
+    low = -0.08 if data.omega[1] >= 0.0 else -1.42
+    ax.set_aspect("equal")
+    ax.set(xlim=(-0.25 * size, 1.3 * size), ylim=(low * size, 1.55 * size))
+    ax.set_axis_off()
+    return spin, momentum
+
+
+def turning(omega: ArrayLike) -> Floats:
+    """Rates of a body that turns."""
+    rates = vector("omega", omega, 3)
+    if not rates.any():
+        raise ValueError(f"omega = {rates.tolist()}: must not be zero, a body at rest has no axis")
+    return rates
+
+
+def _tips(ax: Any, path: Floats, colour: str) -> None:
+    """Arrow heads along a closed path, to tell its sense."""
+    for place in range(len(path) // 6, len(path) - 2, len(path) // 3):
+        step = path[place + 1] - path[place]
+        if step.any():
+            arrow(ax, step, colour, start=path[place], linewidth=0.0, mutation_scale=14.0)
