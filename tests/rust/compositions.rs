@@ -49,10 +49,12 @@ fn ask(scene: &Scene, solver: Solver, times: &[f64], step: f64) -> States {
     simulate(&request, 1, Isa::available()[0], &AtomicBool::new(false)).unwrap().unwrap()
 }
 
-/// Sum of the differences of rates and attitudes.
+/// Sum of the differences of rates and attitudes, whose signs are free.
 fn miss(a: &States, b: &States) -> f64 {
     let sum = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(p, q)| (p - q).abs()).sum::<f64>();
-    sum(&a.omega, &b.omega) + sum(a.attitude.as_ref().unwrap(), b.attitude.as_ref().unwrap())
+    let (p, q) = (a.attitude.as_ref().unwrap(), b.attitude.as_ref().unwrap());
+    let turned = |(p, q): (&[f64], &[f64])| sum(p, q).min(p.iter().zip(q).map(|(x, y)| (x + y).abs()).sum());
+    sum(&a.omega, &b.omega) + p.chunks(4).zip(q.chunks(4)).map(turned).sum::<f64>()
 }
 
 fn all_finished(states: &States) -> bool {
