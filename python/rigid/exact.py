@@ -17,7 +17,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
-from ._check import finite_float, numbers, positive_int, rows
+from ._check import finite_float, positive_int, rows
+from ._given import finite_array, require
 from .bodies import Body
 from .columns import check_scene, columns, each_row
 from .criteria import NoFlip
@@ -252,7 +253,7 @@ def lagrange_top(
     >>> motion.kind, round(float(motion.tilt_min), 12)
     ('cusp', 0.5)
     """
-    _symmetry_axis(scene)
+    lagrange_axis(scene)
     table, single = columns(scene, omega, attitude)
     values = _core.top_quantities(**_without_scene(table))
     kinds = values.pop("kind")
@@ -297,7 +298,7 @@ def tilt_time(
     >>> bool(np.isinf(rigid.exact.tilt_time(top, [0.0, 0.0, 10.0], tilted, limit=1.0)))
     True
     """
-    _symmetry_axis(scene)
+    lagrange_axis(scene)
     angle = finite_float("limit", limit, positive=True)
     if angle > pi:
         raise ValueError(f"limit = {angle}: must lie in (0, pi] (rad)")
@@ -341,15 +342,18 @@ def steady_precession(scene: HeavyTop, tilt: ArrayLike, spin: ArrayLike) -> tupl
     >>> round(float(slow), 6), round(float(fast), 6)
     (0.259066, 7.144197)
     """
-    axis, side = _symmetry_axis(scene)
-    angles, spins = np.broadcast_arrays(_finite("tilt", tilt), _finite("spin", spin))
-    _require("tilt", angles, (angles >= 0.0) & (angles <= pi), "must lie in [0, pi] (rad)")
+    axis, side = lagrange_axis(scene)
+    angles, spins = np.broadcast_arrays(finite_array("tilt", tilt), finite_array("spin", spin))
+    require("tilt", angles, (angles >= 0.0) & (angles <= pi), "must lie in [0, pi] (rad)")
     across, along = scene.body.moments[axis - 2], scene.body.moments[axis - 1]
     momentum = side * along * spins
     # cos(pi / 2) of float64 is not 0, a horizontal axis is.
     cosine = np.where(angles == 0.5 * pi, 0.0, np.cos(angles))
     with np.errstate(divide="ignore", invalid="ignore"):
-        root = np.sqrt(momentum**2 - 4.0 * across * scene.mgl * cosine)
+        below = 4.0 * across * scene.mgl * cosine
+        # At the bound the roots are equal, also if it was rounded.
+        at_bound = np.abs(momentum**2 - below) <= 4.0 * np.finfo(np.float64).eps * np.abs(below)
+        root = np.sqrt(np.where(at_bound, 0.0, momentum**2 - below))
         double = momentum + np.copysign(root, momentum)
         slow = 2.0 * scene.mgl / double
         fast = double / (2.0 * across * cosine)
@@ -381,7 +385,7 @@ def sleeping_spin(scene: HeavyTop) -> float:
     >>> rigid.exact.sleeping_spin(rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0))
     4.0
     """
-    axis, _ = _symmetry_axis(scene)
+    axis, _ = lagrange_axis(scene)
     across, along = scene.body.moments[axis - 2], scene.body.moments[axis - 1]
     return float(2.0 * np.sqrt(scene.mgl * across) / along)
 
@@ -426,8 +430,8 @@ def pendulum_period(scene: HeavyTop, amplitude: ArrayLike, *, axis: int) -> Floa
             f"mgl = {scene.mgl:g}, com = {scene.com}: a pendulum about axis {about} needs a weight "
             "and its centre of mass exactly across that axis"
         )
-    angles = _finite("amplitude", amplitude)
-    _require("amplitude", angles, (angles >= 0.0) & (angles <= pi), "must lie in [0, pi] (rad)")
+    angles = finite_array("amplitude", amplitude)
+    require("amplitude", angles, (angles >= 0.0) & (angles <= pi), "must lie in [0, pi] (rad)")
     frequency = np.sqrt(scene.mgl / scene.body.moments[about - 1])
     # cos(pi / 2) of float64 is not 0, the separatrix is.
     cosine = np.where(angles == pi, 0.0, np.cos(0.5 * angles))
@@ -466,10 +470,10 @@ def carlson_rc(x: ArrayLike, y: ArrayLike) -> Floats:
     >>> round(float(rigid.exact.carlson_rc(0.0, 0.25)), 12)
     3.14159265359
     """
-    first, second = np.broadcast_arrays(_finite("x", x), _finite("y", y))
-    _require("x", first, first >= 0.0, "must not be negative")
-    _require("y", second, second != 0.0, "must not be zero")
-    _require("x", first, (first > 0.0) | (second > 0.0), "must be positive where y is negative")
+    first, second = np.broadcast_arrays(finite_array("x", x), finite_array("y", y))
+    require("x", first, first >= 0.0, "must not be negative")
+    require("y", second, second != 0.0, "must not be zero")
+    require("x", first, (first > 0.0) | (second > 0.0), "must be positive where y is negative")
     return _called("rc", first, second)[0]
 
 
@@ -517,9 +521,9 @@ def agm(a: ArrayLike, b: ArrayLike) -> Floats:
     >>> round(float(rigid.exact.agm(1.0, 2.0**0.5)), 12)
     1.198140234736
     """
-    first, second = np.broadcast_arrays(_finite("a", a), _finite("b", b))
-    _require("a", first, first >= 0.0, "must not be negative")
-    _require("b", second, second >= 0.0, "must not be negative")
+    first, second = np.broadcast_arrays(finite_array("a", a), finite_array("b", b))
+    require("a", first, first >= 0.0, "must not be negative")
+    require("b", second, second >= 0.0, "must not be negative")
     return _called("agm", first, second)[0]
 
 
@@ -551,23 +555,23 @@ def jacobi(u: ArrayLike, mc: ArrayLike) -> tuple[Floats, Floats, Floats]:
     >>> [round(float(value), 12) for value in rigid.exact.jacobi(0.5, mc=0.3)]
     [0.467292005359, 0.884103037959, 0.920405740535]
     """
-    arguments, parameters = np.broadcast_arrays(_finite("u", u), _finite("mc", mc))
-    _require("u", arguments, np.abs(arguments) < 2.0**50, "must lie below 2**50 in size")
-    _require("mc", parameters, (parameters >= 0.0) & (parameters <= 1.0), "must lie in [0, 1]")
+    arguments, parameters = np.broadcast_arrays(finite_array("u", u), finite_array("mc", mc))
+    require("u", arguments, np.abs(arguments) < 2.0**50, "must lie below 2**50 in size")
+    require("mc", parameters, (parameters >= 0.0) & (parameters <= 1.0), "must lie in [0, 1]")
     sn, cn, dn = _called("jacobi", arguments, parameters)
     return sn, cn, dn
 
 
 def _carlson(name: str, arguments: dict[str, ArrayLike], *, positive: tuple[str, ...]) -> Floats:
-    arrays = np.broadcast_arrays(*(_finite(key, value) for key, value in arguments.items()))
+    arrays = np.broadcast_arrays(*(finite_array(key, value) for key, value in arguments.items()))
     for key, array in zip(arguments, arrays, strict=True):
         if key in positive:
-            _require(key, array, array > 0.0, "must be positive")
+            require(key, array, array > 0.0, "must be positive")
         else:
-            _require(key, array, array >= 0.0, "must not be negative")
+            require(key, array, array >= 0.0, "must not be negative")
     zeros = sum((array == 0.0).astype(np.int64) for array in arrays)
     names = ", ".join(arguments)
-    _require(f"number of zeros among {names}", zeros, zeros <= 1, "must be at most 1")
+    require(f"number of zeros among {names}", zeros, zeros <= 1, "must be at most 1")
     return _called(name, *arrays)[0]
 
 
@@ -578,21 +582,7 @@ def _called(name: str, *arrays: Floats) -> tuple[Floats, ...]:
     return tuple(value.reshape(arrays[0].shape)[()] for value in values)
 
 
-def _finite(name: str, value: ArrayLike) -> Floats:
-    array = numbers(name, value)
-    _require(name, array, np.isfinite(array), "must be finite")
-    return array
-
-
-def _require(name: str, array: NDArray[Any], good: NDArray[np.bool_], rule: str) -> None:
-    """Raise for the first element that breaks the rule."""
-    if not good.all():
-        index = tuple(int(i) for i in np.argwhere(~good)[0])
-        place = f"{list(index)}" if index else ""
-        raise ValueError(f"{name}{place} = {array[index]}: {rule}")
-
-
-def _symmetry_axis(scene: object) -> tuple[int, float]:
+def lagrange_axis(scene: object) -> tuple[int, float]:
     """Symmetry axis of a Lagrange top, and on which side of the fixed point its weight is."""
     if not isinstance(scene, HeavyTop):
         raise TypeError(f"scene = {scene!r}: must be a rigid.HeavyTop")

@@ -15,9 +15,9 @@ import rigid
 ROOT = Path(__file__).parents[2]
 
 MODULES = ["rigid"] + [
-    f"rigid.{module.name}"
-    for module in pkgutil.iter_modules(rigid.__path__)
-    if module.name not in ("_core", "__main__")
+    module.name
+    for module in pkgutil.walk_packages(rigid.__path__, "rigid.")
+    if module.name not in ("rigid._core", "rigid.__main__")
 ]
 
 

@@ -1,0 +1,102 @@
+"""Bodies, vectors and attitudes as they are given: checked arrays with any leading axes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._check import numbers
+from .bodies import Body, possible
+from .scenes import FreeBody, HeavyTop
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
+
+__all__ = [
+    "BodyLike",
+    "attitudes",
+    "finite_array",
+    "moments_of",
+    "require",
+    "to_body",
+    "to_space",
+    "vectors",
+]
+
+Floats = NDArray[np.float64]
+
+BodyLike: TypeAlias = Body | FreeBody | ArrayLike
+"""A body, or principal moments of shape (..., 3)."""
+
+
+def finite_array(name: str, value: ArrayLike) -> Floats:
+    """``value`` as finite floats of any shape."""
+    array = numbers(name, value)
+    require(name, array, np.isfinite(array), "must be finite")
+    return array
+
+
+def require(name: str, array: NDArray[Any], good: NDArray[np.bool_], rule: str) -> None:
+    """Raise for the first element that breaks the rule."""
+    if not good.all():
+        index = tuple(int(i) for i in np.argwhere(~good)[0])
+        place = f"{list(index)}" if index else ""
+        raise ValueError(f"{name}{place} = {array[index]}: {rule}")
+
+
+def vectors(name: str, value: ArrayLike, width: int = 3) -> Floats:
+    """``value`` as finite floats of shape (..., width)."""
+    array = finite_array(name, value)
+    if array.ndim == 0 or array.shape[-1] != width:
+        if array.size == 0 and array.ndim < 2:
+            return np.empty((0, width))
+        raise ValueError(f"{name}: expected shape (..., {width}), got {array.shape}")
+    return array
+
+
+def moments_of(body: object, *, rod: bool = False) -> Floats:
+    """Principal moments, shape (..., 3), of bodies that can exist.
+
+    A thin rod, with no moment about its own axis, has no equation of motion; ``rod`` lets it pass
+    where none is needed.
+    """
+    if isinstance(body, (FreeBody, HeavyTop)):
+        body = body.body
+    if isinstance(body, Body):
+        return np.array(body.moments)
+    moments = vectors("moments", body)  # type: ignore[arg-type]  # refused if it is no array
+    flat = moments.reshape(-1, 3)
+    good = possible(flat)
+    if rod:
+        low, middle, high = np.sort(flat, axis=1).T
+        good |= (low == 0.0) & (middle == high) & (high > 0.0)
+    for impossible in flat[~good][:1]:
+        Body(impossible)  # says which rule it breaks
+    return moments
+
+
+def attitudes(attitude: ArrayLike | Rotation) -> Floats:
+    """Unit quaternions, scalar first, shape (..., 4)."""
+    if hasattr(attitude, "as_quat"):
+        attitude = attitude.as_quat(scalar_first=True)
+    quaternions = vectors("attitude", attitude, 4)
+    largest = np.abs(quaternions).max(axis=-1, keepdims=True)
+    require("largest component of attitude", largest, largest > 0.0, "must not be zero")
+    scaled = quaternions / largest
+    unit: Floats = scaled / np.sqrt((scaled * scaled).sum(axis=-1, keepdims=True))
+    return unit
+
+
+def to_space(attitude: Floats, vector: Floats) -> Floats:
+    """``R v`` of unit quaternions ``(w, u)``: ``v + 2 w u × v + 2 u × (u × v)``."""
+    scalar, axis = attitude[..., :1], attitude[..., 1:]
+    across = 2.0 * np.cross(axis, vector)
+    turned: Floats = vector + scalar * across + np.cross(axis, across)
+    return turned
+
+
+def to_body(attitude: Floats, vector: Floats) -> Floats:
+    """``R.T v``."""
+    return to_space(attitude * np.array([1.0, -1.0, -1.0, -1.0]), vector)

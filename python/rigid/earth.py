@@ -1,0 +1,275 @@
+"""The free precession of the Earth as a rigid body."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._given import finite_array, require
+from .free import symmetric_free_top
+
+__all__ = [
+    "MEAN_RADIUS",
+    "SIDEREAL_DAY",
+    "SOLAR_DAY",
+    "Wobble",
+    "ellipsoid_moments",
+    "ellipticity",
+    "euler_period",
+    "rotation_rate",
+    "wobble",
+]
+
+Floats = NDArray[np.float64]
+
+SOLAR_DAY = 86400.0
+"""The mean solar day (s), from noon to noon."""
+
+SIDEREAL_DAY = 86164.0905
+"""The sidereal day (s), one turn of the Earth: it is this that a rate of rotation belongs to."""
+
+MEAN_RADIUS = 6371e3
+"""Mean radius of the Earth (m)."""
+
+
+def rotation_rate(day: ArrayLike = SIDEREAL_DAY) -> Floats:
+    """Rate of one turn in a day (rad/s).
+
+    Buller and Wernstål 2011, § 2, take the solar day for a turn (erratum S-08), which is one turn
+    in 366 short.
+
+    Parameters
+    ----------
+    day : array_like, shape (...)
+        Length of the day (s), positive; the sidereal one by default.
+
+    Returns
+    -------
+    ndarray, shape (...)
+
+    Raises
+    ------
+    ValueError
+        If a day is not finite and positive.
+
+    Examples
+    --------
+    >>> from rigid import earth
+    >>> f"{earth.rotation_rate():.7e}, {earth.rotation_rate(earth.SOLAR_DAY):.7e}"
+    '7.2921159e-05, 7.2722052e-05'
+    """
+    days = _positive("day", day)
+    return np.asarray(2.0 * pi / days)[()]
+
+
+def ellipsoid_moments(polar_radius: float, equatorial_radius: float, mass: float = 1.0) -> Floats:
+    """Moments of a homogeneous ellipsoid of revolution: ``m (Rp² + Re²)/5`` and ``2 m Re²/5``.
+
+    Parameters
+    ----------
+    polar_radius, equatorial_radius : float
+        Semi axes (m), positive.
+    mass : float, optional
+        Mass (kg), positive.
+
+    Returns
+    -------
+    ndarray, shape (3,)
+        ``(I0, I0, Iz)`` (kg m²).
+
+    Raises
+    ------
+    ValueError
+        If an argument is not finite and positive.
+
+    Examples
+    --------
+    >>> from rigid import earth
+    >>> earth.ellipsoid_moments(1.0, 2.0, mass=5.0).tolist()
+    [5.0, 5.0, 8.0]
+    """
+    polar, equator = (
+        _positive("polar_radius", polar_radius),
+        _positive("equatorial_radius", equatorial_radius),
+    )
+    fifth = _positive("mass", mass) / 5.0
+    across = fifth * (polar**2 + equator**2)
+    return np.array([across, across, 2.0 * fifth * equator**2])
+
+
+def ellipticity(polar_radius: ArrayLike, equatorial_radius: ArrayLike) -> Floats:
+    """``(I3 - I) / I`` of a homogeneous ellipsoid of revolution, from its radii.
+
+    ``(Re² - Rp²) / (Re² + Rp²)``, as a product, so that a small flattening keeps its digits. The
+    real Earth, denser inside, has 0.0032846.
+
+    Parameters
+    ----------
+    polar_radius, equatorial_radius : array_like, shape (...)
+        Semi axes (m), positive.
+
+    Returns
+    -------
+    ndarray, shape (...)
+
+    Raises
+    ------
+    ValueError
+        If a radius is not finite and positive.
+
+    Examples
+    --------
+    >>> from rigid import earth
+    >>> round(float(earth.ellipticity(6356752.3, 6378137.0)), 10)
+    0.0033584335
+    """
+    polar = _positive("polar_radius", polar_radius)
+    equator = _positive("equatorial_radius", equatorial_radius)
+    flat: Floats = (equator - polar) * (equator + polar) / (equator**2 + polar**2)
+    return flat
+
+
+def euler_period(ellipticity: ArrayLike, rate: ArrayLike) -> Floats:
+    """Euler's period, ``2 pi / (|ellipticity| rate)``, in which the pole goes around its circle.
+
+    Landau and Lifshitz, *Mechanics*, § 36. Ercan 2016, § 9.1, prints 305 d for 0.00329 and
+    7.29e-5 rad/s, which give 303.21 d (erratum D-25). Observed are 433 d, because the Earth yields.
+
+    Parameters
+    ----------
+    ellipticity : array_like, shape (...)
+        ``(I3 - I) / I``, > -1.
+    rate : array_like, shape (...)
+        Rate about the axis (rad/s), positive.
+
+    Returns
+    -------
+    ndarray, shape (...)
+        In s; inf for a sphere.
+
+    Raises
+    ------
+    ValueError
+        If an argument is not finite or out of range.
+
+    Examples
+    --------
+    >>> from rigid import earth
+    >>> round(float(earth.euler_period(0.00329, 7.29e-5) / earth.SOLAR_DAY), 6)
+    303.209427
+    """
+    flat = _ellipticity(ellipticity)
+    with np.errstate(divide="ignore"):
+        return np.asarray(2.0 * pi / (np.abs(flat) * _positive("rate", rate)))[()]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Wobble:
+    """The free precession of a slightly oblate body that turns nearly about its axis.
+
+    Attributes
+    ----------
+    period : ndarray, shape (...)
+        Euler's period, in the body (s).
+    precession : ndarray, shape (...)
+        ``phi' = |L| / I``, at which the axis turns about L in space (rad/s): about
+        ``1 + ellipticity`` times the rate.
+    space_period : ndarray, shape (...)
+        Period of that turning (s), nearly a day.
+    alpha, theta : ndarray, shape (...)
+        Angles of omega and of L from the axis (rad).
+    separation : ndarray, shape (...)
+        Angle between omega and L (rad), the half angle of the space cone.
+    pole_circle, space_circle : ndarray, shape (...)
+        Radii at the surface (m) of the circles of the pole of rotation: about that of the axis, and
+        in space about that of L.
+    """
+
+    period: Floats
+    precession: Floats
+    space_period: Floats
+    alpha: Floats
+    theta: Floats
+    separation: Floats
+    pole_circle: Floats
+    space_circle: Floats
+
+
+def wobble(
+    ellipticity: ArrayLike,
+    rate: ArrayLike,
+    tilt: ArrayLike,
+    *,
+    radius: float = MEAN_RADIUS,
+) -> Wobble:
+    """Periods, angles and circles of the free precession, by :func:`rigid.free.symmetric_free_top`.
+
+    Ercan 2016, § 9.3, prints ``phi' = 0.00329`` for 1.00329 times the rate (erratum D-26), and a
+    pole circle of some tens of centimetres where its own 0.2 arc seconds give a radius of 6.18 m
+    (D-27).
+
+    Parameters
+    ----------
+    ellipticity : array_like, shape (...)
+        ``(I3 - I) / I`` in (-1, 1]: no body has more.
+    rate : array_like, shape (...)
+        ``|omega|`` (rad/s), positive.
+    tilt : array_like, shape (...)
+        Angle alpha of omega from the axis (rad), in [0, pi/2].
+    radius : float, optional
+        Radius of the body (m), positive.
+
+    Returns
+    -------
+    Wobble
+
+    Raises
+    ------
+    ValueError
+        If an argument is not finite or out of range.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from rigid import earth
+    >>> found = earth.wobble(0.00329, 7.29e-5, np.deg2rad(0.2 / 3600))
+    >>> round(float(found.pole_circle), 6), f"{found.precession:.7e}"
+    (6.177496, '7.3139841e-05')
+    """
+    flat, speed, angle = np.broadcast_arrays(
+        _ellipticity(ellipticity), _positive("rate", rate), finite_array("tilt", tilt)
+    )
+    require("ellipticity", flat, flat <= 1.0, "must be at most 1, that of a flat body")
+    require("tilt", angle, (angle >= 0.0) & (angle <= 0.5 * pi), "must lie in [0, pi/2] (rad)")
+    size = _positive("radius", radius)
+    one = np.ones(flat.shape)
+    top = symmetric_free_top(
+        np.stack([one, one, 1.0 + flat], axis=-1),
+        np.stack([speed * np.sin(angle), 0.0 * one, speed * np.cos(angle)], axis=-1),
+        axis=3,
+    )
+    return Wobble(
+        period=top.period,
+        precession=top.precession,
+        space_period=2.0 * pi / top.precession,
+        alpha=top.alpha,
+        theta=top.theta,
+        separation=top.space_cone,
+        pole_circle=size * top.alpha,
+        space_circle=size * top.space_cone,
+    )
+
+
+def _positive(name: str, value: ArrayLike) -> Floats:
+    array = finite_array(name, value)
+    require(name, array, array > 0.0, "must be positive")
+    return array
+
+
+def _ellipticity(value: ArrayLike) -> Floats:
+    array = finite_array("ellipticity", value)
+    require("ellipticity", array, array > -1.0, "must be above -1")
+    return array

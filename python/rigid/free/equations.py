@@ -1,0 +1,311 @@
+"""Euler's equations, and what they keep."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._check import one_of, sorted_times
+from .._given import BodyLike, attitudes, moments_of, to_body, to_space, vectors
+from ..columns import check_scene
+from ..scenes import HeavyTop, Scene, scene_from_dict
+from ..simulate import Run
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
+
+__all__ = ["Invariants", "PowerBalance", "euler_rhs", "invariants", "power_balance"]
+
+Floats = NDArray[np.float64]
+
+NEXT, AFTER = [1, 2, 0], [2, 0, 1]
+
+
+def euler_rhs(
+    body: BodyLike,
+    omega: ArrayLike,
+    torque: ArrayLike | None = None,
+    *,
+    attitude: ArrayLike | Rotation | None = None,
+    frame: str = "body",
+) -> Floats:
+    """Angular acceleration by Euler's equations, ``I omega' = (I omega) × omega + torque``.
+
+    ``omega1' = ((I2 - I3) omega2 omega3 + N1) / I1`` and cyclic: Landau and Lifshitz, *Mechanics*,
+    § 36; Ercan 2016, eqs. (41), (42).
+
+    Parameters
+    ----------
+    body : Body, FreeBody or array_like, shape (..., 3)
+        The body, or principal moments (kg m²).
+    omega : array_like, shape (..., 3)
+        Angular velocity in the body (rad/s).
+    torque : array_like, shape (..., 3), optional
+        Torque (N m) about the fixed point, or about the centre of mass if there is none.
+    attitude : array_like, shape (..., 4), or scipy Rotation, optional
+        Attitude, needed for a torque in space.
+    frame : {"body", "space"}
+        Whose components the torque has.
+
+    Returns
+    -------
+    ndarray, shape (..., 3)
+        ``omega'`` in the body (rad/s²); of the vector, it is the same in both frames.
+
+    Raises
+    ------
+    ValueError
+        If a value is not finite, no body has the moments, or a torque in space lacks its attitude.
+
+    Examples
+    --------
+    >>> from rigid import free
+    >>> free.euler_rhs((1.0, 2.0, 3.0), [1.0, 2.0, 3.0])
+    array([-6.        ,  3.        , -0.66666667])
+    """
+    moments, rates = moments_of(body), vectors("omega", omega)
+    differences = moments[..., NEXT] - moments[..., AFTER]
+    # Equal moments give exactly zero, which I omega × omega as a product does not.
+    moved = differences * rates[..., NEXT] * rates[..., AFTER]
+    if torque is not None:
+        moved = moved + _body_torque(torque, attitude, frame)
+    acceleration: Floats = moved / moments
+    return acceleration
+
+
+def _body_torque(torque: ArrayLike, attitude: ArrayLike | Rotation | None, frame: str) -> Floats:
+    array = vectors("torque", torque)
+    if one_of("frame", frame, ("body", "space")) == "body":
+        return array
+    if attitude is None:
+        raise ValueError("frame = 'space': a torque in space needs the attitude of the body")
+    return to_body(attitudes(attitude), array)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Invariants:
+    """Energies and angular momenta of states; times are the last of the leading axes.
+
+    Attributes
+    ----------
+    kinetic, potential, energy : ndarray, shape (...)
+        ``½ omega·I omega``, ``mgl com·gamma`` and their sum (J).
+    L : ndarray, shape (...)
+        Size of the angular momentum (kg m²/s); kept by a free body.
+    L_body : ndarray, shape (..., 3)
+        Angular momentum in the body, ``I omega``.
+    L_space : ndarray, shape (..., 3), or None
+        Angular momentum in space, if the attitude is known; kept by a free body.
+    p_phi : ndarray, shape (...), or None
+        Angular momentum about the vertical, if that is known; kept by every body here.
+    p_psi : ndarray, shape (...), or None
+        Angular momentum about the direction to the centre of mass of a heavy top; kept by a
+        symmetric one only.
+    """
+
+    kinetic: Floats
+    potential: Floats
+    energy: Floats
+    L: Floats
+    L_body: Floats
+    L_space: Floats | None
+    p_phi: Floats | None
+    p_psi: Floats | None
+
+    def drift(self, name: str) -> Floats:
+        """The largest difference of a quantity from its first value, over the last axis of times.
+
+        Parameters
+        ----------
+        name : str
+            One of the attributes; of vectors, the length of the difference counts.
+
+        Returns
+        -------
+        ndarray
+
+        Raises
+        ------
+        ValueError
+            If the quantity is unknown or there are no times to compare.
+        """
+        values = getattr(self, one_of("name", name, self.__slots__))
+        if values is None:
+            raise ValueError(f"{name} is not known: it needs an attitude or a vertical, or a top")
+        if name.startswith("L_"):
+            values = np.moveaxis(values, -1, 0)
+        if self.energy.ndim == 0 or self.energy.shape[-1] == 0:
+            raise ValueError(f"{name} of shape {values.shape}: has no times to compare")
+        change = np.abs(values - values[..., :1])
+        if name.startswith("L_"):
+            change = np.linalg.norm(change, axis=0)
+        return np.asarray(change.max(axis=-1))[()]
+
+
+def invariants(
+    motion: Run | Scene,
+    omega: ArrayLike | None = None,
+    attitude: ArrayLike | Rotation | None = None,
+) -> Invariants:
+    """Energy and angular momentum of a run, or of given states.
+
+    A free body keeps its energy and its angular momentum in space, not its rates (Ercan 2016, § 2
+    says it keeps its rotation; erratum D-02). A heavy top keeps its energy and the momentum about
+    the vertical; a symmetric one also that about its axis (Landau and Lifshitz, § 35).
+
+    Parameters
+    ----------
+    motion : Run, FreeBody or HeavyTop
+        A run of :func:`rigid.simulate`; or the scene of the states that follow.
+    omega : array_like, shape (..., 3)
+        Angular velocity in the body (rad/s).
+    attitude : array_like, shape (..., 4), or scipy Rotation, optional
+        Attitudes; a top needs them.
+
+    Returns
+    -------
+    Invariants
+
+    Raises
+    ------
+    TypeError
+        If ``motion`` is neither a run nor a scene.
+    ValueError
+        If states are missing, superfluous or not finite.
+
+    Examples
+    --------
+    >>> import numpy as np, rigid
+    >>> body = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
+    >>> run = rigid.simulate(body, [0.02, 1.0, 0.02], t=np.linspace(0.0, 40.0, 401))
+    >>> kept = rigid.free.invariants(run)
+    >>> bool(kept.drift("L_space") < 1e-12), bool(np.ptp(run.omega[:, 1]) > 1.9)
+    (True, True)
+    """
+    scene, rates, quaternions, vertical = _states(motion, omega, attitude)
+    momentum = moments_of(scene) * rates
+    kinetic = 0.5 * (momentum * rates).sum(axis=-1)
+    potential, p_psi = np.zeros_like(kinetic), None
+    if isinstance(scene, HeavyTop):
+        if vertical is None:
+            raise ValueError("attitude = None: the energy of a heavy top needs it")
+        potential = vertical @ scene.weight
+        p_psi = momentum @ np.array(scene.com)
+    return Invariants(
+        kinetic=kinetic[()],
+        potential=potential[()],
+        energy=(kinetic + potential)[()],
+        L=np.linalg.norm(momentum, axis=-1)[()],
+        L_body=momentum,
+        L_space=None if quaternions is None else to_space(quaternions, momentum),
+        p_phi=None if vertical is None else (momentum * vertical).sum(axis=-1)[()],
+        p_psi=p_psi,
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PowerBalance:
+    """Power and kinetic energy at the times of a motion.
+
+    Attributes
+    ----------
+    power : ndarray, shape (..., m)
+        Power of the torque, ``torque·omega`` (W).
+    rate : ndarray, shape (..., m)
+        Rate of change of the kinetic energy (W), by differences of second order in the times.
+    residual : ndarray, shape (..., m)
+        ``rate - power``: zero up to that order.
+    """
+
+    power: Floats
+    rate: Floats
+    residual: Floats
+
+
+def power_balance(
+    motion: Run | Scene,
+    omega: ArrayLike | None = None,
+    attitude: ArrayLike | Rotation | None = None,
+    *,
+    t: ArrayLike | None = None,
+    torque: ArrayLike | None = None,
+    frame: str = "body",
+) -> PowerBalance:
+    """Whether the kinetic energy changes by the power of the torque: ``dT/dt = torque·omega``.
+
+    Ercan 2016, § 9.2. The weight of a heavy top counts of itself.
+
+    Parameters
+    ----------
+    motion, omega, attitude
+        As in :func:`invariants`; the rates have shape (..., m, 3).
+    t : array_like, shape (m,)
+        Times of the states (s), at least three; those of a run are known.
+    torque : array_like, shape (..., m, 3), optional
+        Torque besides the weight (N m).
+    frame : {"body", "space"}
+        Whose components the torque has.
+
+    Returns
+    -------
+    PowerBalance
+
+    Raises
+    ------
+    ValueError
+        As in :func:`invariants`, and if there are fewer than three distinct times.
+
+    Examples
+    --------
+    >>> import numpy as np, rigid
+    >>> top = rigid.HeavyTop(rigid.Body((1.0, 1.5, 0.5)), mgl=1.0)
+    >>> run = rigid.simulate(top, [0.2, 0.1, 5.0], t=np.linspace(0.0, 1.0, 1001))
+    >>> bool(np.abs(rigid.free.power_balance(run).residual).max() < 1e-5)
+    True
+    """
+    scene, rates, quaternions, vertical = _states(motion, omega, attitude)
+    times = sorted_times("t", motion.t if isinstance(motion, Run) else [] if t is None else t)
+    if isinstance(motion, Run) and t is not None:
+        raise ValueError("t: a run has its own times")
+    if len(times) < 3 or not (np.diff(times) > 0.0).all() or rates.shape[-2:-1] != times.shape:
+        raise ValueError(
+            f"t of shape {times.shape}, omega of shape {rates.shape}: the rate of the kinetic "
+            "energy needs three distinct times or more, and states at each"
+        )
+    moments = moments_of(scene)
+    kinetic = 0.5 * (moments * rates * rates).sum(axis=-1)
+    acting = np.zeros(3)
+    if isinstance(scene, HeavyTop):
+        if vertical is None:
+            raise ValueError("attitude = None: the torque of the weight needs it")
+        acting = np.cross(vertical, scene.weight)
+    if torque is not None:
+        acting = acting + _body_torque(torque, quaternions, frame)
+    power = (acting * rates).sum(axis=-1)
+    rate = np.gradient(kinetic, times, axis=-1, edge_order=2)
+    return PowerBalance(power=power, rate=rate, residual=rate - power)
+
+
+def _states(
+    motion: Run | Scene, omega: ArrayLike | None, attitude: ArrayLike | Rotation | None
+) -> tuple[Scene, Floats, Floats | None, Floats | None]:
+    """Scene, rates, attitudes and upward verticals in the body, the latter where known."""
+    if isinstance(motion, Run):
+        if omega is not None or attitude is not None:
+            raise ValueError("omega, attitude: a run has its own states")
+        scene = scene_from_dict(motion.spec["scene"])
+        omega, attitude, vertical = motion.omega, motion.attitude, motion.gamma
+    else:
+        scene, vertical = check_scene(motion), None
+        if omega is None:
+            raise ValueError("omega = None: states are needed, or a run")
+    rates = vectors("omega", omega)
+    quaternions = None if attitude is None else attitudes(attitude)
+    if quaternions is not None:
+        np.broadcast_shapes(rates.shape[:-1], quaternions.shape[:-1])
+        if vertical is None:
+            vertical = to_body(quaternions, np.array([0.0, 0.0, 1.0]))
+    return scene, rates, quaternions, vertical

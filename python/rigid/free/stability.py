@@ -1,0 +1,345 @@
+"""Which rotations of a free body last: permanent axes, the local indicator, the separatrix."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .. import exact
+from .._check import positive_int
+from .._given import BodyLike, finite_array, moments_of, vectors
+from ..bodies import Body
+from ..scenes import FreeBody
+from ..starts import body_axis
+from .tops import asymmetric_free_top
+
+__all__ = [
+    "Circulation",
+    "PermanentRotation",
+    "circulation",
+    "crossings",
+    "gamma_residual",
+    "gammas",
+    "jacobian",
+    "local_stability",
+    "permanent_rotation",
+]
+
+Floats = NDArray[np.float64]
+
+NEXT, AFTER = [1, 2, 0], [2, 0, 1]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PermanentRotation:
+    """A rotation about a principal axis, and what becomes of a small disturbance.
+
+    Attributes
+    ----------
+    K : ndarray, shape (...)
+        ``(I1 - I2)(I1 - I3) omega² / (I2 I3)`` with I1 about the axis (1/s²).
+    squared : ndarray, shape (...)
+        ``lambda² = -K``, of the linear equations of the disturbance (1/s²).
+    frequency, growth : ndarray, shape (...)
+        ``sqrt(K)`` where it is positive (rad/s), ``sqrt(-K)`` where it is negative (1/s), else 0.
+    kind : str, or ndarray of str of shape (...)
+        ``"stable"``: the disturbance oscillates; ``"unstable"``: it grows exponentially;
+        ``"neutral"``: K = 0, it drifts away linearly, or stays if all moments are equal.
+    """
+
+    K: Floats
+    squared: Floats
+    frequency: Floats
+    growth: Floats
+    kind: str | NDArray[np.str_]
+
+
+def permanent_rotation(body: BodyLike, axis: int, rate: ArrayLike = 1.0) -> PermanentRotation:
+    """Stability of the rotation about a principal axis.
+
+    Stable about the axes of the largest and the smallest moment, unstable about the middle one;
+    with two equal moments only the axis of the third is stable. Landau and Lifshitz, *Mechanics*,
+    § 37; Ercan 2016, § 11, whose K is ``-lambda²`` of the linearised equations.
+
+    Parameters
+    ----------
+    body : Body, FreeBody or array_like, shape (..., 3)
+        The body, or principal moments (kg m²).
+    axis : {1, 2, 3}
+        The body axis of the rotation.
+    rate : array_like, shape (...), optional
+        Rate about it (rad/s); 1 by default.
+
+    Returns
+    -------
+    PermanentRotation
+
+    Raises
+    ------
+    ValueError
+        If no body has the moments, or a value is not finite or out of range.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> box = rigid.Body.box(0.01, 0.08, 0.25)
+    >>> [str(rigid.free.permanent_rotation(box, axis).kind) for axis in (1, 2, 3)]
+    ['stable', 'unstable', 'stable']
+    """
+    moments = moments_of(body)
+    own = body_axis(axis) - 1
+    i1, i2, i3 = (moments[..., (own + turn) % 3] for turn in range(3))
+    measure = (i1 - i2) / i2 * ((i1 - i3) / i3) * finite_array("rate", rate) ** 2
+    kinds = np.array(["unstable", "neutral", "stable"])
+    return PermanentRotation(
+        K=measure,
+        squared=-measure,
+        frequency=np.sqrt(np.maximum(measure, 0.0)),
+        growth=np.sqrt(np.maximum(-measure, 0.0)),
+        kind=kinds[np.sign(measure).astype(np.intp) + 1],
+    )
+
+
+def gammas(body: BodyLike) -> Floats:
+    """Factors of Euler's equations: ``omega1' = gamma1 omega2 omega3`` and cyclic.
+
+    ``gamma1 = (I2 - I3) / I1`` and cyclic. Those of a body that can exist lie in [-1, 1] and keep
+    ``gamma1 + gamma2 + gamma3 + gamma1 gamma2 gamma3 = 0``, see :func:`gamma_residual`. Buller and
+    Wernstål 2011, § 3.2: of the box there ``gamma1 = 561/689``, not 0.81778 (erratum S-11).
+
+    Parameters
+    ----------
+    body : Body, FreeBody or array_like, shape (..., 3)
+        The body, or principal moments (kg m²).
+
+    Returns
+    -------
+    ndarray, shape (..., 3)
+
+    Raises
+    ------
+    ValueError
+        If no body has the moments.
+
+    Examples
+    --------
+    >>> import numpy as np, rigid
+    >>> np.round(rigid.free.gammas(rigid.Body.box(0.01, 0.08, 0.25)), 6)
+    array([ 0.814224, -0.996805,  0.969231])
+    """
+    moments = moments_of(body)
+    factors: Floats = (moments[..., NEXT] - moments[..., AFTER]) / moments
+    return factors
+
+
+def gamma_residual(factors: ArrayLike) -> Floats:
+    """``gamma1 + gamma2 + gamma3 + gamma1 gamma2 gamma3``, zero for the factors of any body.
+
+    Parameters
+    ----------
+    factors : array_like, shape (..., 3)
+        Factors of Euler's equations, such as those of :func:`gammas`.
+
+    Returns
+    -------
+    ndarray, shape (...)
+
+    Raises
+    ------
+    ValueError
+        If a factor is not finite.
+
+    Examples
+    --------
+    >>> from rigid import free
+    >>> bool(abs(free.gamma_residual([0.81778, -0.99681, 0.96923])) > 1e-4)  # no body has these
+    True
+    """
+    array = vectors("factors", factors)
+    residual: Floats = array.sum(axis=-1) + array.prod(axis=-1)
+    return residual
+
+
+def jacobian(factors: ArrayLike, omega: ArrayLike) -> Floats:
+    """The matrix ``d omega' / d omega`` of Euler's equations without torque.
+
+    Buller and Wernstål 2011, eq. (3). Its trace is zero and its determinant
+    ``2 gamma1 gamma2 gamma3 omega1 omega2 omega3``.
+
+    Parameters
+    ----------
+    factors : array_like, shape (..., 3)
+        Factors of Euler's equations, such as those of :func:`gammas`.
+    omega : array_like, shape (..., 3)
+        Angular velocity in the body (rad/s).
+
+    Returns
+    -------
+    ndarray, shape (..., 3, 3)
+
+    Raises
+    ------
+    ValueError
+        If a value is not finite.
+
+    Examples
+    --------
+    >>> from rigid import free
+    >>> free.jacobian([0.5, -1.0, 1.0], [1.0, 2.0, 3.0]).tolist()
+    [[0.0, 1.5, 1.0], [-3.0, 0.0, -1.0], [2.0, 1.0, 0.0]]
+    """
+    array, rates = np.broadcast_arrays(vectors("factors", factors), vectors("omega", omega))
+    matrix = np.zeros((*rates.shape, 3))
+    for row, (one, other) in enumerate(zip(NEXT, AFTER, strict=True)):
+        matrix[..., row, one] = array[..., row] * rates[..., other]
+        matrix[..., row, other] = array[..., row] * rates[..., one]
+    return matrix
+
+
+def local_stability(factors: ArrayLike, omega: ArrayLike) -> Floats:
+    """The largest real part of the eigenvalues of :func:`jacobian`: a local indicator.
+
+    How fast a disturbance would grow if the rates stood still. It is never negative, because the
+    trace is zero, and positive nearly everywhere on stable periodic motions too: no label of
+    stability (Buller and Wernstål 2011, § 3.2, take values of 0 and below as stable; errata S-14,
+    S-15). :func:`permanent_rotation`, :func:`circulation` and maps tell that.
+
+    Parameters
+    ----------
+    factors, omega
+        As in :func:`jacobian`.
+
+    Returns
+    -------
+    ndarray, shape (...)
+        In 1/s.
+
+    Raises
+    ------
+    ValueError
+        If a value is not finite.
+
+    Examples
+    --------
+    >>> import numpy as np, rigid
+    >>> factors = rigid.free.gammas(rigid.Body.box(0.01, 0.08, 0.25))
+    >>> np.round(rigid.free.local_stability(factors, np.eye(3)), 6)
+    array([0.      , 0.888353, 0.      ])
+    """
+    largest = np.linalg.eigvals(jacobian(factors, omega)).real.max(axis=-1)
+    # Eigenvalues whose sum is zero: what is below it is rounding.
+    return np.asarray(np.maximum(largest, 0.0))[()]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Circulation:
+    """Which axis the rates circulate about.
+
+    Attributes
+    ----------
+    axis : ndarray of int8, shape (...)
+        The encircled axis 1, 2 or 3, with the sign of the rate along it, which never changes; 0 at
+        rest, on the separatrix and for a sphere.
+    margin : ndarray, shape (...)
+        ``2 E I2 - L²`` with I2 the middle moment: positive about the axis of the smallest moment,
+        negative about that of the largest, zero on the separatrix (kg² m⁴/s²). Formed from the
+        components: from energy and momentum it has no digits near the separatrix.
+    separatrix : ndarray, shape (...)
+        ``sqrt(I3 (I3 - I2) / (I1 (I2 - I1)))`` with ascending moments: the ratio of the rate about
+        the axis of the smallest moment to that about the axis of the largest at which
+        the one encircled changes. inf if the two smaller moments are equal.
+    """
+
+    axis: NDArray[np.int8]
+    margin: Floats
+    separatrix: Floats
+
+
+def circulation(body: BodyLike, omega: ArrayLike) -> Circulation:
+    """The axis about which the rates of a free body circulate, without integration.
+
+    Landau and Lifshitz, *Mechanics*, § 37. The rate about the middle axis has no say: Buller and
+    Wernstål 2011, § 3.2, ask for the larger of the two others and that they be large (erratum
+    S-12).
+
+    Parameters
+    ----------
+    body : Body, FreeBody or array_like, shape (..., 3)
+        The body, or principal moments (kg m²) in any order.
+    omega : array_like, shape (..., 3)
+        Angular velocity in the body at any time (rad/s).
+
+    Returns
+    -------
+    Circulation
+
+    Raises
+    ------
+    ValueError
+        If no body has the moments, or a value is not finite.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> box = rigid.Body.box(0.01, 0.08, 0.25)  # the first moment is the largest
+    >>> found = rigid.free.circulation(box, [[1.0, 50.0, 0.9], [1.0, 0.1, 1.05], [1.0, 0.1, 1.1]])
+    >>> found.axis.tolist(), round(float(found.separatrix), 12)
+    ([1, 1, 3], 1.091042772558)
+    """
+    moments, rates = moments_of(body), vectors("omega", omega)
+    order = np.argsort(moments, axis=-1, kind="stable")
+    i1, i2, i3 = np.moveaxis(np.take_along_axis(moments, order, axis=-1), -1, 0)
+    shape = np.broadcast_shapes(order.shape, rates.shape)
+    order, rates = np.broadcast_to(order, shape), np.broadcast_to(rates, shape)
+    w1, _, w3 = np.moveaxis(np.take_along_axis(rates, order, axis=-1), -1, 0)
+    with np.errstate(divide="ignore"):
+        ratio = np.sqrt(i3 * (i3 - i2) / (i1 * np.where(i2 > i1, i2 - i1, 1.0)))
+    return Circulation(
+        axis=asymmetric_free_top(moments, rates).axis,
+        margin=i1 * (i2 - i1) * w1**2 - i3 * (i3 - i2) * w3**2,
+        separatrix=np.where(i2 > i1, ratio, np.inf)[()],
+    )
+
+
+def crossings(body: Body | FreeBody, omega: ArrayLike, *, count: int = 1) -> Floats:
+    """When each rate of a free body changes its sign, for the first ``count`` times.
+
+    :func:`rigid.exact.flip_times` about all three axes.
+
+    Parameters
+    ----------
+    body : Body or FreeBody
+        The body.
+    omega : array_like, shape (..., 3)
+        Angular velocity in the body at ``t = 0`` (rad/s).
+    count : int
+        How many.
+
+    Returns
+    -------
+    ndarray, shape (..., 3, count)
+        Times > 0 (s) for the axes 1, 2, 3, ascending; inf where there is no further change.
+
+    Raises
+    ------
+    TypeError
+        If ``body`` is neither a body nor a free one.
+    ValueError
+        If omega is not finite, or the count not positive.
+
+    Examples
+    --------
+    >>> import numpy as np, rigid
+    >>> np.round(rigid.free.crossings(rigid.Body((1.0, 2.0, 3.0)), [1e-3, 1.0, 0.0]), 6)
+    array([[      inf],
+           [14.365712],
+           [28.731424]])
+    """
+    scene = body if isinstance(body, FreeBody) else FreeBody(body)
+    rates = vectors("omega", omega)
+    number = positive_int("count", count)
+    flat = rates.reshape(-1, 3)
+    times = [exact.flip_times(scene, flat, axis=axis, count=number) for axis in (1, 2, 3)]
+    return np.stack(times, axis=-2).reshape(*rates.shape, number)

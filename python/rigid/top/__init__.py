@@ -1,0 +1,53 @@
+"""The heavy top: constants of its motion, potential, cubic, steady precession, and its locus.
+
+A symmetric top has two moments equal to the bit and its centre of mass exactly on the third axis,
+on either side of the fixed point. The tilt ``theta`` is the angle of the direction to the centre of
+mass from the upward vertical, ``phi`` the azimuth of the node line, ``psi`` the spin about that
+direction. Motion itself is that of :func:`rigid.simulate` and :mod:`rigid.exact`; this is the
+textbook's view of it.
+"""
+
+from .constants import HeavyConstants, gravity_torque, heavy_constants, precession_spin_rates
+from .cubic import Roots, f_roots, f_u, nutation_period, time_of, u_of
+from .loci import Advance, FastTop, Locus, advance, classify_locus, fast_top_approx, locus
+from .potential import EffectivePotential, effective_minimum, effective_potential, turning_angles
+from .steady import (
+    SleepingTop,
+    SpinDown,
+    SteadyPrecession,
+    sleeping_top,
+    spin_down,
+    steady_precession,
+    upright_f,
+)
+
+__all__ = [
+    "Advance",
+    "EffectivePotential",
+    "FastTop",
+    "HeavyConstants",
+    "Locus",
+    "Roots",
+    "SleepingTop",
+    "SpinDown",
+    "SteadyPrecession",
+    "advance",
+    "classify_locus",
+    "effective_minimum",
+    "effective_potential",
+    "f_roots",
+    "f_u",
+    "fast_top_approx",
+    "gravity_torque",
+    "heavy_constants",
+    "locus",
+    "nutation_period",
+    "precession_spin_rates",
+    "sleeping_top",
+    "spin_down",
+    "steady_precession",
+    "time_of",
+    "turning_angles",
+    "u_of",
+    "upright_f",
+]

@@ -1,0 +1,272 @@
+"""The constants of a heavy top, the rates they give at a tilt, and the torque of the weight."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._check import one_of
+from .._given import attitudes, finite_array, require, to_body, to_space
+from ..free import invariants
+from ..plan import lagrange_axes
+from ..scenes import HeavyTop
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
+
+__all__ = [
+    "HeavyConstants",
+    "Symmetry",
+    "gravity_torque",
+    "heavy_constants",
+    "precession_spin_rates",
+    "symmetry_of",
+    "tilts",
+]
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Symmetry:
+    """The axis of symmetry of a top whose centre of mass lies on it, and the moments."""
+
+    axis: int  #: 1, 2 or 3
+    side: float  #: 1 if the centre of mass is along the axis, -1 if it is against it
+    along: float  #: I3, about the axis
+    across: float  #: I1 = I2
+
+
+def symmetry_of(scene: object) -> Symmetry | None:
+    """The symmetry of a heavy top, with or without weight, or None."""
+    if not isinstance(scene, HeavyTop):
+        raise TypeError(f"scene = {scene!r}: must be a rigid.HeavyTop")
+    axis = int(lagrange_axes(np.array([scene.body.moments]), np.array([scene.com]))[0])
+    if axis == 0:
+        return None
+    moments = scene.body.moments
+    side = float(np.sign(scene.com[axis - 1]))
+    return Symmetry(axis, side, moments[axis - 1], moments[axis - 2])
+
+
+def symmetric(scene: object) -> Symmetry:
+    """The symmetry of a heavy top that must have one."""
+    found = symmetry_of(scene)
+    if found is None:
+        assert isinstance(scene, HeavyTop)
+        raise ValueError(
+            f"moments = {scene.body.moments}, com = {scene.com}: a symmetric top has two moments "
+            "equal to the bit and its centre of mass exactly on the third axis"
+        )
+    return found
+
+
+def tilts(tilt: ArrayLike) -> Floats:
+    """Angles of the centre of mass from the upward vertical, in [0, pi]."""
+    angles = finite_array("tilt", tilt)
+    require("tilt", angles, (angles >= 0.0) & (angles <= np.pi), "must lie in [0, pi] (rad)")
+    return angles
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class HeavyConstants:
+    """Constants of the motion of a heavy top; those of a symmetric one are None for others.
+
+    Attributes
+    ----------
+    kinetic, potential : ndarray, shape (...)
+        Their values in the given state (J); they are not constant.
+    energy : ndarray, shape (...)
+        ``E = T + V`` (J).
+    p_phi : ndarray, shape (...)
+        Angular momentum about the upward vertical (kg m²/s).
+    p_psi : ndarray, shape (...), or None
+        Angular momentum about the direction to the centre of mass, ``I3 omega3`` (kg m²/s).
+    E_prime : ndarray, shape (...), or None
+        ``E - p_psi² / (2 I3)``, the energy of the nutation (J).
+    a, b : ndarray, shape (...), or None
+        ``p_phi / I1`` and ``p_psi / I1`` (rad/s).
+    alpha, beta : ndarray, shape (...), or None
+        ``2 E' / I1`` and ``2 mgl / I1`` (1/s²).
+    """
+
+    kinetic: Floats
+    potential: Floats
+    energy: Floats
+    p_phi: Floats
+    p_psi: Floats | None
+    E_prime: Floats | None
+    a: Floats | None
+    b: Floats | None
+    alpha: Floats | None
+    beta: Floats | None
+
+
+def heavy_constants(
+    scene: HeavyTop, omega: ArrayLike, attitude: ArrayLike | Rotation
+) -> HeavyConstants:
+    """Energy and angular momenta of a heavy top, and the constants a, b, alpha, beta.
+
+    Goldstein, *Classical Mechanics*, § 5.7; Landau and Lifshitz, *Mechanics*, § 35. Ercan 2016,
+    eqs. (54)-(60), with the moment I1 in both terms of the energy (erratum D-32) and a, not b, on
+    the right side before eq. (57) (D-31).
+
+    Parameters
+    ----------
+    scene : HeavyTop
+        The top; without symmetry only its energy and the momentum about the vertical are constant.
+    omega : array_like, shape (..., 3)
+        Angular velocity in the body (rad/s).
+    attitude : array_like, shape (..., 4), or scipy Rotation
+        Attitude.
+
+    Returns
+    -------
+    HeavyConstants
+
+    Raises
+    ------
+    TypeError
+        If the scene is no heavy top.
+    ValueError
+        If a value is not finite or has the wrong shape.
+
+    Examples
+    --------
+    >>> import numpy as np, rigid
+    >>> scene = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
+    >>> tilted = [np.cos(np.pi / 6), np.sin(np.pi / 6), 0.0, 0.0]  # by 60 degrees
+    >>> found = rigid.top.heavy_constants(scene, [0.0, 0.0, 5.0], tilted)
+    >>> round(float(found.a), 12), float(found.b), round(float(found.E_prime), 12)
+    (1.25, 2.5, 0.5)
+    """
+    symmetry = symmetry_of(scene)
+    kept = invariants(scene, omega, attitude)
+    assert kept.p_phi is not None  # there is an attitude
+    named: dict[str, Floats | None]
+    if symmetry is None or kept.p_psi is None:
+        named = dict.fromkeys(("p_psi", "E_prime", "a", "b", "alpha", "beta"))
+    else:
+        i1 = symmetry.across
+        # The rates across the axis squared: from E - p_psi² / (2 I3) a fast top keeps no digit.
+        rates = np.delete(np.asarray(kept.L_body), symmetry.axis - 1, axis=-1) / i1
+        e_prime = np.asarray(0.5 * i1 * (rates * rates).sum(axis=-1) + kept.potential)
+        named = {
+            "p_psi": kept.p_psi,
+            "E_prime": e_prime[()],
+            "a": kept.p_phi / i1,
+            "b": kept.p_psi / i1,
+            "alpha": (2.0 * e_prime / i1)[()],
+            "beta": np.full(e_prime.shape, 2.0 * scene.mgl / i1)[()],
+        }
+    return HeavyConstants(
+        kinetic=kept.kinetic,
+        potential=kept.potential,
+        energy=kept.energy,
+        p_phi=kept.p_phi,
+        **named,
+    )
+
+
+def precession_spin_rates(
+    scene: HeavyTop, tilt: ArrayLike, *, a: ArrayLike, b: ArrayLike
+) -> tuple[Floats, Floats]:
+    """Precession phi' and spin psi' of a symmetric top at a tilt.
+
+    ``phi' = (a - b cos) / sin²`` and ``psi' = I1 b / I3 - phi' cos``: Goldstein, *Classical
+    Mechanics*, § 5.7; Ercan 2016, eqs. (57), (58), both right.
+
+    Parameters
+    ----------
+    scene : HeavyTop
+        Two moments equal to the bit, the centre of mass exactly on the third axis.
+    tilt : array_like, shape (...)
+        Angle of the centre of mass from the upward vertical (rad), in [0, pi].
+    a, b : array_like, shape (...)
+        Constants of :func:`heavy_constants` (rad/s).
+
+    Returns
+    -------
+    precession, spin : ndarray, shape (...)
+        In rad/s. At tilt 0, which only a top with ``a = b`` reaches, the limits as the tilt goes to
+        zero, ``phi' = b / 2``; at pi, with ``a = -b``, ``phi' = -b / 2``.
+
+    Raises
+    ------
+    ValueError
+        If a top without these constants is asked for on the vertical, or an argument is not finite
+        or out of range.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> scene = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
+    >>> rates = rigid.top.precession_spin_rates(scene, 0.0, a=2.5, b=2.5)
+    >>> [float(rate) for rate in rates]
+    [1.25, 3.75]
+    """
+    symmetry = symmetric(scene)
+    angle, first, second = np.broadcast_arrays(
+        tilts(tilt), finite_array("a", a), finite_array("b", b)
+    )
+    upper = angle < 0.5 * np.pi
+    lack = np.where(upper, first - second, first + second)
+    vertical = (angle == 0.0) | (angle == np.pi)
+    require("tilt", angle, ~vertical | (lack == 0.0), "is reached only if a = b, and pi if a = -b")
+    # a - b cos = (a - b) + b (1 - cos) = (a + b) - b (1 + cos): of the two, what does not cancel.
+    sine = np.where(vertical, 1.0, np.sin(angle))
+    half = np.where(upper, np.cos(0.5 * angle), np.sin(0.5 * angle))
+    precession = lack / sine**2 + np.where(upper, 0.5, -0.5) * second / half**2
+    spin = symmetry.across * second / symmetry.along - precession * np.cos(angle)
+    return precession[()], spin[()]
+
+
+def gravity_torque(
+    scene: HeavyTop, attitude: ArrayLike | Rotation, *, frame: str = "body"
+) -> Floats:
+    """Torque of the weight about the fixed point, ``-mgl com × gamma``.
+
+    Of size ``mgl sin(tilt)``, along the node line: nothing about the vertical nor about the
+    direction to the centre of mass (Ercan 2016, § 10).
+
+    Parameters
+    ----------
+    scene : HeavyTop
+        Any heavy top.
+    attitude : array_like, shape (..., 4), or scipy Rotation
+        Attitude.
+    frame : {"body", "space"}
+        Whose components are wanted.
+
+    Returns
+    -------
+    ndarray, shape (..., 3)
+        In N m.
+
+    Raises
+    ------
+    TypeError
+        If the scene is no heavy top.
+    ValueError
+        If the attitude is not finite or zero, or the frame unknown.
+
+    Examples
+    --------
+    >>> import numpy as np, rigid
+    >>> scene = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=2.0)
+    >>> lying = [0.5**0.5, 0.5**0.5, 0.0, 0.0]  # by 90 degrees about the node line, axis 1
+    >>> torque = rigid.top.gravity_torque(scene, lying, frame="space")
+    >>> bool(np.allclose(torque, [2.0, 0.0, 0.0]))
+    True
+    """
+    if not isinstance(scene, HeavyTop):
+        raise TypeError(f"scene = {scene!r}: must be a rigid.HeavyTop")
+    one_of("frame", frame, ("body", "space"))
+    quaternions = attitudes(attitude)
+    up = np.array([0.0, 0.0, 1.0])
+    if frame == "body":
+        return np.cross(to_body(quaternions, up), scene.weight)
+    return np.cross(up, to_space(quaternions, scene.weight))

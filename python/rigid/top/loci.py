@@ -1,0 +1,362 @@
+"""The path of the axis of a symmetric top on the sphere."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .. import exact
+from .._given import attitudes, finite_array, require, to_space, vectors
+from ..scenes import HeavyTop
+from ..simulate import simulate
+from .constants import symmetric, tilts
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
+
+__all__ = [
+    "Advance",
+    "FastTop",
+    "Locus",
+    "advance",
+    "classify_locus",
+    "fast_top_approx",
+    "locus",
+]
+
+Floats = NDArray[np.float64]
+
+
+def classify_locus(
+    scene: HeavyTop, omega: ArrayLike, attitude: ArrayLike | Rotation | None = None
+) -> str | NDArray[np.str_]:
+    """The kind of path that the axis of a Lagrange top describes.
+
+    By the sign of ``phi'``, that of ``a/b - u`` for positive spin, between the roots u1 and u2 of
+    the cubic: Landau and Lifshitz, *Mechanics*, § 35; Ercan 2016, Fig. 16. The fourth kind,
+    ``a/b < u1``, is missing in the lecture (erratum G-18).
+
+    Parameters
+    ----------
+    scene : HeavyTop
+        A Lagrange top with weight, as in :func:`rigid.exact.lagrange_top`.
+    omega, attitude : array_like, shapes (..., 3) and (..., 4)
+        State at any time; by default body and space axes coincide.
+
+    Returns
+    -------
+    str, or ndarray of str of shape (...)
+        ``"curtate"``: ``phi'`` keeps the sign of the spin; ``"prolate"``: loops; ``"cusp"``: it
+        stands still on the upper circle; ``"retrograde"``: ``phi'`` is against the spin throughout;
+        ``"steady"``: on one circle. Without spin ``"spherical pendulum"``, or ``"planar"`` in one
+        plane; on the vertical ``"sleeping"``, ``"upright"`` (it would fall) or ``"hanging"``.
+
+    Raises
+    ------
+    ValueError
+        If the top is no Lagrange top, or the state is not finite.
+
+    Examples
+    --------
+    >>> import numpy as np, rigid
+    >>> scene = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
+    >>> tilted = [np.cos(np.pi / 6), np.sin(np.pi / 6), 0.0, 0.0]
+    >>> pushed = np.array([0.0, -0.3, 0.2]) * np.sin(np.pi / 3)
+    >>> states = np.stack([0.0 * pushed, pushed, 0.0 * pushed + 5.0], axis=-1)
+    >>> rigid.top.classify_locus(scene, states, tilted).tolist()
+    ['cusp', 'prolate', 'curtate']
+    """
+    motion, shape = _motion(scene, omega, attitude)
+    kind = np.array(motion.kind, dtype=np.str_).reshape(shape)
+    against = np.reshape(motion.retrograde, shape)
+    names = np.select(
+        [kind == "loop", (kind == "monotone") & against, kind == "monotone"],
+        ["prolate", "retrograde", "curtate"],
+        kind,
+    )
+    return names[()]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Advance:
+    """What a top has turned in a period of its nutation.
+
+    Attributes
+    ----------
+    period : ndarray, shape (...)
+        In s; inf on the homoclinic orbit and on the vertical.
+    precession, spin : ndarray, shape (...)
+        Advance of phi and psi, about the upward vertical and about the direction to the centre of
+        mass (rad); NaN on the vertical, where they are not defined.
+    mean_precession : ndarray, shape (...)
+        Mean rate of precession (rad/s); NaN on the vertical.
+    """
+
+    period: Floats
+    precession: Floats
+    spin: Floats
+    mean_precession: Floats
+
+
+def advance(
+    scene: HeavyTop, omega: ArrayLike, attitude: ArrayLike | Rotation | None = None
+) -> Advance:
+    """Advance of precession and spin in a period of the nutation.
+
+    That of a looping top is never against its spin. :func:`rigid.exact.lagrange_top` for any
+    leading axes.
+
+    Parameters
+    ----------
+    scene, omega, attitude
+        As in :func:`classify_locus`.
+
+    Returns
+    -------
+    Advance
+
+    Raises
+    ------
+    ValueError
+        As in :func:`classify_locus`.
+
+    Examples
+    --------
+    >>> import numpy as np, rigid
+    >>> scene = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
+    >>> tilted = [np.cos(np.pi / 6), np.sin(np.pi / 6), 0.0, 0.0]
+    >>> round(float(rigid.top.advance(scene, [0.0, 0.0, 5.0], tilted).precession), 11)
+    1.14228871898
+    """
+    motion, shape = _motion(scene, omega, attitude)
+    return Advance(
+        period=np.reshape(motion.period, shape)[()],
+        precession=np.reshape(motion.precession_advance, shape)[()],
+        spin=np.reshape(motion.spin_advance, shape)[()],
+        mean_precession=np.reshape(motion.precession, shape)[()],
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Locus:
+    """The axis of a top at the wanted times.
+
+    Attributes
+    ----------
+    theta : ndarray, shape (..., m)
+        Tilt of the centre of mass from the upward vertical (rad).
+    phi : ndarray, shape (..., m)
+        Azimuth of the node line (rad), continued from one time to the next by less than half a
+        turn; 0 on the vertical, where there is none.
+    point : ndarray, shape (..., m, 3)
+        Unit vector to the centre of mass in space,
+        ``(sin(theta) sin(phi), -sin(theta) cos(phi), cos(theta))``.
+    """
+
+    theta: Floats
+    phi: Floats
+    point: Floats
+
+
+def locus(
+    scene: HeavyTop,
+    omega: ArrayLike,
+    attitude: ArrayLike | Rotation | None = None,
+    *,
+    t: ArrayLike,
+) -> Locus:
+    """The path of the axis of a top, by closed form where there is one.
+
+    Parameters
+    ----------
+    scene : HeavyTop
+        Any heavy top; its axis is the direction to its centre of mass.
+    omega, attitude : array_like, shapes (..., 3) and (..., 4)
+        State at ``t = 0``; by default body and space axes coincide.
+    t : array_like, shape (m,)
+        Times (s), ascending.
+
+    Returns
+    -------
+    Locus
+
+    Raises
+    ------
+    TypeError
+        If the scene is no heavy top.
+    ValueError
+        As in :func:`rigid.simulate`.
+
+    Examples
+    --------
+    >>> import numpy as np, rigid
+    >>> scene = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
+    >>> tilted = [np.cos(np.pi / 6), np.sin(np.pi / 6), 0.0, 0.0]
+    >>> path = rigid.top.locus(scene, [0.0, 0.0, 5.0], tilted, t=np.linspace(0.0, 10.0, 101))
+    >>> path.point[-1].round(9).tolist()
+    [-0.869282411, 0.435218414, 0.234377947]
+    """
+    if not isinstance(scene, HeavyTop):
+        raise TypeError(f"scene = {scene!r}: must be a rigid.HeavyTop")
+    rates, start, shape = _flat(omega, attitude)
+    run = simulate(scene, rates, start, t=t)
+    assert run.attitude is not None  # it is recorded unless asked otherwise
+    point = to_space(attitudes(run.attitude), np.array(scene.com))
+    x, y, z = np.moveaxis(point, -1, 0)
+    across = np.hypot(x, y)
+    phi = np.unwrap(np.where(across > 0.0, np.arctan2(x, -y), 0.0), axis=-1)
+    leading = (*shape, len(run.t))
+    return Locus(
+        theta=np.arctan2(across, z).reshape(leading),
+        phi=phi.reshape(leading),
+        point=point.reshape(*leading, 3),
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FastTop:
+    """The small nutation of a fast top, approximately.
+
+    Attributes
+    ----------
+    mean_precession : ndarray, shape (...)
+        ``omega_P = mgl / (I3 omega3)`` (rad/s).
+    nutation : ndarray, shape (...)
+        Frequency of the nutation, ``omega_l = I3 omega3 / I1`` (rad/s).
+    kind : str, or ndarray of str of shape (...)
+        ``"curtate"``, ``"cusp"`` or ``"prolate"`` as ``|omega_P - precession| / |omega_P|`` is
+        below, at or above 1; ``"steady"`` at 0.
+    theta_start, theta_other : ndarray, shape (...)
+        The circles (rad): the tilt given, and
+        ``theta + 2 sin(theta) (omega_P - precession) / omega_l``; which is the upper one follows
+        from the sign.
+    phi_rate, phi, theta : ndarray, shape (..., m), or None
+        Precession (rad/s), azimuth from that at the start and tilt (rad) at the wanted times.
+    error : ndarray, shape (..., m), or None
+        Estimate of the error of theta, relative to the width of the band between the circles:
+        ``|omega_P cos(theta)| t``, because the frequency is lower by ``2 omega_P cos(theta)``, and
+        besides ``(|omega_P - precession| + |omega_P|) / |omega_l|``. It falls as ``1 / omega3²``
+        for a given number of nutations.
+    """
+
+    mean_precession: Floats
+    nutation: Floats
+    kind: str | NDArray[np.str_]
+    theta_start: Floats
+    theta_other: Floats
+    phi_rate: Floats | None
+    phi: Floats | None
+    theta: Floats | None
+    error: Floats | None
+
+
+def fast_top_approx(
+    scene: HeavyTop,
+    tilt: ArrayLike,
+    spin: ArrayLike,
+    *,
+    precession: ArrayLike = 0.0,
+    t: ArrayLike | None = None,
+) -> FastTop:
+    """Nutation and precession of a top that spins fast, to first order in its amplitude.
+
+    ``phi' = omega_P - (omega_P - omega_0) cos(omega_l t)`` and
+    ``theta = theta_0 + sin(theta_0) (omega_P - omega_0) (1 - cos(omega_l t)) / omega_l``, from
+    ``I1 sin phi'' = I3 omega3 theta' - 2 I1 cos theta' phi'``: Goldstein, *Classical Mechanics*,
+    § 5.7; Ercan 2016, eqs. (65)-(68), with ``2 I1 cos`` for ``I sin 2 theta`` in the first of them
+    (erratum D-37). The amplitude must be small, not the tilt (D-38).
+
+    Parameters
+    ----------
+    scene : HeavyTop
+        Two moments equal to the bit, the centre of mass exactly on the third axis.
+    tilt : array_like, shape (...)
+        Tilt at ``t = 0`` (rad), in [0, pi], a turning point: ``theta' = 0``.
+    spin : array_like, shape (...)
+        Rate about the body axis that the centre of mass lies on, not zero (rad/s).
+    precession : array_like, shape (...), optional
+        ``omega_0``, the rate of precession at ``t = 0`` (rad/s); 0 for a top that is let go.
+    t : array_like, shape (m,), optional
+        Times (s) at which the motion is wanted.
+
+    Returns
+    -------
+    FastTop
+
+    Raises
+    ------
+    ValueError
+        If the top is not symmetric, has no spin, or an argument is not finite or out of range.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> scene = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
+    >>> found = rigid.top.fast_top_approx(scene, 1.0, 5.0)
+    >>> float(found.mean_precession), float(found.nutation), str(found.kind)
+    (0.4, 2.5, 'cusp')
+    """
+    symmetry = symmetric(scene)
+    angle, rate, initial = np.broadcast_arrays(
+        tilts(tilt), finite_array("spin", spin), finite_array("precession", precession)
+    )
+    require("spin", rate, rate != 0.0, "a fast top needs a spin")
+    momentum = symmetry.side * symmetry.along * rate
+    omega_p, omega_l = scene.mgl / momentum, momentum / symmetry.across
+    excess = omega_p - initial
+    size = np.abs(excess)
+    kind = np.select(
+        [size == 0.0, size < np.abs(omega_p), size == np.abs(omega_p)],
+        ["steady", "curtate", "cusp"],
+        "prolate",
+    )
+    swing = np.sin(angle) * excess / omega_l
+    phi_rate = phi = theta = error = None
+    if t is not None:
+        times = finite_array("t", t)
+        if times.ndim != 1:
+            raise ValueError(f"t: expected shape (m,), got {times.shape}")
+        every = (..., np.newaxis)
+        phase = omega_l[every] * times
+        mean, more = omega_p[every], excess[every]
+        phi_rate = mean - more * np.cos(phase)
+        phi = mean * times - more / omega_l[every] * np.sin(phase)
+        theta = angle[every] + swing[every] * (1.0 - np.cos(phase))
+        secular = np.abs(omega_p * np.cos(angle))[every] * np.abs(times)
+        error = secular + ((size + np.abs(omega_p)) / np.abs(omega_l))[every]
+    return FastTop(
+        mean_precession=omega_p[()],
+        nutation=omega_l[()],
+        kind=kind[()],
+        theta_start=angle[()],
+        theta_other=(angle + 2.0 * swing)[()],
+        phi_rate=phi_rate,
+        phi=phi,
+        theta=theta,
+        error=error,
+    )
+
+
+def _flat(
+    omega: ArrayLike, attitude: ArrayLike | Rotation | None
+) -> tuple[Floats, Floats, tuple[int, ...]]:
+    """Rates (n, 3), attitudes (n, 4), and the leading axes that they were given with."""
+    rates = vectors("omega", omega)
+    start = np.array([1.0, 0.0, 0.0, 0.0]) if attitude is None else attitudes(attitude)
+    shape = np.broadcast_shapes(rates.shape[:-1], start.shape[:-1])
+    return (
+        np.broadcast_to(rates, (*shape, 3)).reshape(-1, 3),
+        np.broadcast_to(start, (*shape, 4)).reshape(-1, 4),
+        shape,
+    )
+
+
+def _motion(
+    scene: HeavyTop, omega: ArrayLike, attitude: ArrayLike | Rotation | None
+) -> tuple[exact.TopMotion, tuple[int, ...]]:
+    """The motion of each top of a flat list, and the leading axes."""
+    rates, start, shape = _flat(omega, attitude)
+    return exact.lagrange_top(scene, rates, start), shape

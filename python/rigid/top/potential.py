@@ -1,0 +1,191 @@
+"""The effective potential of the nutation of a symmetric top."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._given import finite_array
+from ..scenes import HeavyTop
+from .constants import symmetric, tilts
+from .cubic import f_roots
+
+__all__ = [
+    "EffectivePotential",
+    "effective_minimum",
+    "effective_potential",
+    "turning_angles",
+]
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class EffectivePotential:
+    """The effective potential and its slope.
+
+    Attributes
+    ----------
+    value : ndarray, shape (...)
+        ``V'`` (J).
+    slope : ndarray, shape (...)
+        ``dV'/dtheta`` (J/rad).
+    """
+
+    value: Floats
+    slope: Floats
+
+
+def effective_potential(
+    scene: HeavyTop, tilt: ArrayLike, *, a: ArrayLike, b: ArrayLike
+) -> EffectivePotential:
+    """``V'(theta) = I1 (a - b cos)² / (2 sin²) + mgl cos``, with ``E' = ½ I1 theta'² + V'``.
+
+    Goldstein, *Classical Mechanics*, § 5.7; Ercan 2016, eq. (61).
+
+    Parameters
+    ----------
+    scene : HeavyTop
+        Two moments equal to the bit, the centre of mass exactly on the third axis.
+    tilt : array_like, shape (...)
+        Angle of the centre of mass from the upward vertical (rad), in [0, pi].
+    a, b : array_like, shape (...)
+        Constants of :func:`rigid.top.heavy_constants` (rad/s).
+
+    Returns
+    -------
+    EffectivePotential
+        On the vertical inf, with a slope of -inf at 0 and inf at pi; but finite with slope 0 at 0
+        if ``a = b`` and at pi if ``a = -b`` (Ercan's range leaves that out, erratum D-40).
+
+    Raises
+    ------
+    ValueError
+        If the top is not symmetric, or an argument is not finite or out of range.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> scene = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
+    >>> rigid.top.effective_potential(scene, 0.0, a=2.5, b=2.5).value.tolist()
+    1.0
+    """
+    i1 = symmetric(scene).across
+    angle, first, second = np.broadcast_arrays(
+        tilts(tilt), finite_array("a", a), finite_array("b", b)
+    )
+    upper = angle < 0.5 * np.pi
+    lack = np.where(upper, first - second, first + second)
+    sine, cosine = np.sin(angle), np.cos(angle)
+    vertical = (angle == 0.0) | (angle == np.pi)
+    sine = np.where(vertical, 0.0, sine)
+    # The rate phi' sin = (a - b cos) / sin, as the sum of its pole and the rest.
+    half = np.where(upper, 0.5 * angle, 0.5 * (np.pi - angle))
+    sign = np.where(upper, 1.0, -1.0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        pole = np.where(lack == 0.0, 0.0, lack / sine)
+        bend = np.where(lack == 0.0, 0.0, -lack * cosine / sine**2)
+    rate = pole + sign * second * np.tan(half)
+    rate_slope = bend + 0.5 * second / np.cos(half) ** 2
+    with np.errstate(invalid="ignore"):
+        slope = i1 * rate * rate_slope - scene.mgl * sine
+    wall = vertical & (lack != 0.0)
+    return EffectivePotential(
+        value=(0.5 * i1 * rate**2 + scene.mgl * cosine)[()],
+        slope=np.where(wall, -np.inf * sign, slope)[()],
+    )
+
+
+def effective_minimum(scene: HeavyTop, *, a: ArrayLike, b: ArrayLike) -> Floats:
+    """The tilt of the only minimum of the effective potential, that of steady precession.
+
+    Needs SciPy.
+
+    Parameters
+    ----------
+    scene, a, b
+        As in :func:`effective_potential`; the top has weight, or a and b are not both zero.
+
+    Returns
+    -------
+    ndarray, shape (...)
+        In rad: 0 for a top that sleeps (``a = b``, ``b² >= 4 mgl / I1``), pi for ``a = -b``.
+
+    Raises
+    ------
+    ImportError
+        Without SciPy.
+    ValueError
+        As in :func:`effective_potential`, and if the potential is constant.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> scene = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
+    >>> tilt = rigid.top.effective_minimum(scene, a=1.25, b=2.5)
+    >>> bool(abs(rigid.top.effective_potential(scene, tilt, a=1.25, b=2.5).slope) < 1e-14)
+    True
+    """
+    from scipy.optimize.elementwise import find_root
+
+    weight = scene.mgl / symmetric(scene).across
+    first, second = np.broadcast_arrays(finite_array("a", a), finite_array("b", b))
+    if weight == 0.0 and ((first == 0.0) & (second == 0.0)).any():
+        raise ValueError("mgl = 0, a = 0, b = 0: the effective potential is constant")
+
+    def slope(tilt: Floats, a: Floats, b: Floats) -> Floats:
+        """``dV'/dtheta sin³ / I1``, finite at both ends."""
+        depth = 2.0 * np.sin(0.5 * tilt) ** 2
+        value: Floats = (a - b + b * depth) * (b - a + a * depth) - weight * np.sin(tilt) ** 4
+        return value
+
+    upright, hanging = first == second, first == -second
+    ordinary = ~(upright | hanging)
+    # Where the potential has no wall at an end, its slope has no sign there: closed forms.
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = np.where(weight > 0.0, np.abs(second) / (2.0 * np.sqrt(weight)), np.inf)
+    fallen = 2.0 * np.arccos(np.sqrt(np.minimum(np.where(np.isnan(share), 1.0, share), 1.0)))
+    tilt = np.where(hanging, np.pi, fallen)
+    if ordinary.any():
+        arguments = first[ordinary], second[ordinary]
+        tilt[ordinary] = find_root(slope, (0.0, np.pi), args=arguments).x
+    return tilt[()]
+
+
+def turning_angles(
+    scene: HeavyTop, *, a: ArrayLike, b: ArrayLike, E_prime: ArrayLike
+) -> tuple[Floats, Floats]:
+    """The tilts between which a top with the energy E' nutates, where ``V' = E'``.
+
+    Parameters
+    ----------
+    scene, a, b
+        As in :func:`effective_potential`.
+    E_prime : array_like, shape (...)
+        Energy of the nutation (J), see :func:`rigid.top.heavy_constants`.
+
+    Returns
+    -------
+    upper, lower : ndarray, shape (...)
+        In rad, of the upper circle and of the lower one.
+
+    Raises
+    ------
+    ValueError
+        If the energy lies below the minimum, and as in :func:`effective_potential`.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> scene = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
+    >>> upper, lower = rigid.top.turning_angles(scene, a=1.25, b=2.5, E_prime=0.5)
+    >>> round(float(upper), 9), round(float(lower), 9)
+    (1.047197551, 1.377833075)
+    """
+    i1 = symmetric(scene).across
+    roots = f_roots(
+        a=a, b=b, alpha=2.0 * finite_array("E_prime", E_prime) / i1, beta=2.0 * scene.mgl / i1
+    )
+    return roots.theta_upper, roots.theta_lower
