@@ -366,6 +366,10 @@ def test_cones_roll(body: tuple[float, float, float], rolling: str) -> None:
         assert nearest.max() < np.pi / 720
         np.testing.assert_allclose(curve[0], seen[0], atol=1e-15)
         np.testing.assert_allclose(curve[-1], curve[0], atol=1e-15)
+    # The curves run as omega moves: in the body by Euler's equations, in space R omega' with it.
+    change = free.euler_rhs(body, SPUN)
+    assert (found.body_curve[1] - found.body_curve[0]) @ change > 0.0
+    assert (found.space_curve[1] - found.space_curve[0]) @ (turn[0] @ change) > 0.0
     # Oblate: L lies between the axis and omega, so that the space cone is within the body cone.
     axis = turn[0][:, 2]
     inside = angle(momentum, axis) < angle(in_space[0], axis)
@@ -467,6 +471,13 @@ def test_poinsot_s_ellipsoid_rolls() -> None:
     # Contact = foot of the normal and a point in the plane.
     in_plane = present(found.contact) - found.distance * present(found.normal)
     np.testing.assert_allclose(np.linalg.norm(in_plane, axis=1), radius, atol=1e-13)
+    # Right-handed with the normal, the first axis towards that of space farthest from the normal.
+    normal, flat = present(found.normal), present(found.herpolhode)
+    far = np.eye(3)[np.abs(normal).argmin()]
+    first = far - normal * (normal @ far)
+    np.testing.assert_allclose(flat[:, 0], in_plane @ first / np.linalg.norm(first), atol=1e-13)
+    second = np.cross(normal, first) / np.linalg.norm(first)
+    np.testing.assert_allclose(flat[:, 1], in_plane @ second, atol=1e-13)
     # Rolling: the body point in contact has no velocity, omega × omega = 0; by the path, the
     # lengths rolled agree to second order.
     slips = [

@@ -1,0 +1,32 @@
+"""Figures of the textbook, each with one call.
+
+Every figure has two parts: data, a frozen dataclass of arrays that a function of this package or of
+the physics modules computes; and a drawing of just these data on Matplotlib axes, made if none are
+given, that returns the artists by name. What is drawn can so be tested, restyled or animated.
+
+Needs Matplotlib, the extra ``maps``; importing the package does not. A figure without ``ax`` is not
+known to pyplot: save it with ``artists.ax.figure.savefig(...)``. Colours and labels are those of
+:mod:`rigid.figures.colours` throughout.
+"""
+
+from __future__ import annotations
+
+from . import colours
+from .orientation import (
+    euler_steps,
+    euler_steps_data,
+    frames,
+    frames_data,
+    node_frame,
+    node_frame_data,
+)
+
+__all__ = [
+    "colours",
+    "euler_steps",
+    "euler_steps_data",
+    "frames",
+    "frames_data",
+    "node_frame",
+    "node_frame_data",
+]

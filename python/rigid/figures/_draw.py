@@ -1,0 +1,231 @@
+"""What all figures are drawn with: axes to scale, arrows, arcs and labels."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import ceil, pi, radians
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..euler import rotation_y, rotation_z
+from ..plotting import new_figure
+from ..so3 import rotate
+
+if TYPE_CHECKING:
+    from ._arrows import PlaneArrow, SpaceArrow
+
+__all__ = [
+    "arc",
+    "arc_between",
+    "arrow",
+    "arrow_in_plane",
+    "circle",
+    "curve",
+    "fit",
+    "in_plane",
+    "in_space",
+    "label",
+    "label_in_plane",
+    "panels",
+]
+
+Floats = NDArray[np.float64]
+Kind = Literal["space", "plane"]
+
+_PROJECTION: dict[Kind, str | None] = {"space": "3d", "plane": None}
+
+FILLED = 0.88
+"""Share of the axes that what is drawn fills; the rest is for labels."""
+
+
+def in_space(ax: Any | None) -> Any:
+    """``ax`` if it is in three dimensions, or new ones; without frame, seen without perspective."""
+    return panels(None if ax is None else [ax], ["space"])[0]
+
+
+def in_plane(ax: Any | None) -> Any:
+    """``ax`` if it is in two dimensions, or new ones."""
+    return panels(None if ax is None else [ax], ["plane"])[0]
+
+
+def panels(
+    axes: Sequence[Any] | None, kinds: Sequence[Kind], *, columns: int | None = None
+) -> list[Any]:
+    """One axes for each kind: those given, or new ones on a figure that pyplot does not know."""
+    if axes is None:
+        across = len(kinds) if columns is None else columns
+        down = ceil(len(kinds) / across)
+        figure = new_figure()
+        if len(kinds) > 1:
+            figure.set_size_inches(4.2 * across, 4.0 * down)
+        axes = [
+            figure.add_subplot(down, across, place, projection=_PROJECTION[kind])
+            for place, kind in enumerate(kinds, start=1)
+        ]
+    found = list(np.ravel(np.asarray(axes, dtype=object)))
+    if len(found) != len(kinds):
+        raise ValueError(f"axes: this figure has {len(kinds)} panels, got {len(found)} axes")
+    for ax, kind in zip(found, kinds, strict=True):
+        if (ax.name == "3d") is not (kind == "space"):
+            wanted = "3-D axes (projection='3d')" if kind == "space" else "2-D axes"
+            raise ValueError(f"ax: this figure needs {wanted}, got projection {ax.name!r}")
+        if kind == "space":
+            ax.set_axis_off()
+            ax.set_proj_type("ortho")
+            # Depth decides nothing here: surfaces, lines, arrows and text lie in this order.
+            ax.computed_zorder = False
+    return found
+
+
+def fit(
+    ax: Any,
+    *points: Floats,
+    elev: float = 22.0,
+    azim: float = -60.0,
+    filled: float = FILLED,
+) -> None:
+    """Show all the points (..., 3) to scale, as large as the axes allow, from this direction."""
+    from mpl_toolkits.mplot3d.proj3d import proj_transform
+
+    cloud = np.concatenate([np.reshape(some, (-1, 3)) for some in points])
+    # Rows: to the right on the page, upwards, and towards the eye.
+    page = (rotation_z(radians(azim)) @ rotation_y(-radians(elev))).T[[1, 2, 0]]
+    seen = cloud @ page.T
+    middle = 0.5 * (seen.min(axis=0) + seen.max(axis=0)) @ page
+    side = max(float(np.ptp(cloud, axis=0).max()), 1e-300)
+    ax.set(
+        **{
+            f"{name}lim": (c - 0.5 * side, c + 0.5 * side)
+            for name, c in zip("xyz", middle, strict=True)
+        }
+    )
+    ax.view_init(elev=elev, azim=azim)
+    ax.set_box_aspect((1.0, 1.0, 1.0))
+    x, y, _ = proj_transform(*cloud.T, ax.get_proj())
+    zoom = (
+        0.5 * filled * min(ax.viewLim.width / np.abs(x).max(), ax.viewLim.height / np.abs(y).max())
+    )
+    ax.set_box_aspect((1.0, 1.0, 1.0), zoom=zoom)
+
+
+def arrow(
+    ax: Any,
+    vector: Floats,
+    colour: str,
+    text: str = "",
+    *,
+    start: Floats | None = None,
+    **style: Any,
+) -> SpaceArrow:
+    """An arrow with its name beyond the tip."""
+    from ._arrows import SpaceArrow
+
+    origin = np.zeros(3) if start is None else start
+    one = SpaceArrow(origin, vector, **({"color": colour, "linewidth": 2.0, "zorder": 5} | style))
+    one.set_in_layout(False)
+    ax.add_artist(one)
+    if text:
+        one.write(ax, text, **_text(colour))
+    return one
+
+
+def arrow_in_plane(
+    ax: Any,
+    vector: Floats,
+    colour: str,
+    text: str = "",
+    *,
+    start: Floats | None = None,
+    **style: Any,
+) -> PlaneArrow:
+    """The same in a plane."""
+    from ._arrows import PlaneArrow
+
+    origin = np.zeros(2) if start is None else start
+    one = PlaneArrow(origin, vector, **({"color": colour, "linewidth": 2.0, "zorder": 5} | style))
+    ax.add_patch(one)
+    if text:
+        one.write(ax, text, **_text(colour))
+    return one
+
+
+def label(ax: Any, place: Floats, text: str, colour: str = "black", **style: Any) -> Any:
+    """Text centred at a place in space, legible over lines."""
+    return ax.text(*place, text, **(_text(colour) | style))
+
+
+def label_in_plane(ax: Any, place: Floats, text: str, colour: str = "black", **style: Any) -> Any:
+    """Text centred at a place in a plane, legible over lines."""
+    return ax.text(*place, text, **(_text(colour) | style))
+
+
+def curve(ax: Any, points: Floats, colour: str, **style: Any) -> Any:
+    """A line through points (m, 3) or (m, 2)."""
+    (line,) = ax.plot(*points.T, **({"color": colour, "linewidth": 1.3} | style))
+    return line
+
+
+def circle(
+    centre: Floats, normal: Floats, radius: float, start: Floats | None = None, *, samples: int = 97
+) -> Floats:
+    """Points (samples, 3) of a circle in space, closed."""
+    unit = normal / np.linalg.norm(normal)
+    if start is None:
+        start = np.cross(unit, np.eye(3)[np.argmin(np.abs(unit))])
+    start = start / np.linalg.norm(start)
+    angles = np.linspace(0.0, 2.0 * pi, samples)
+    return np.asarray(centre + radius * rotate(start, unit, angles))
+
+
+def arc(
+    ax: Any,
+    axis: Floats,
+    start: Floats,
+    angle: float,
+    colour: str,
+    text: str = "",
+    *,
+    centre: Floats | None = None,
+    beyond: float = 1.22,
+    **style: Any,
+) -> Any:
+    """The arc that ``start``, from the centre, describes when it turns about ``axis``, with a tip.
+
+    Its name stands at ``beyond`` times the radius, half-way.
+    """
+    middle = np.zeros(3) if centre is None else centre
+    points = middle + rotate(start, axis, np.linspace(0.0, angle, 49))
+    line = curve(ax, points, colour, **style)
+    if abs(angle) * np.linalg.norm(start) > 1e-9:
+        tip = points[-1] - points[-5]
+        arrow(ax, tip, colour, start=points[-5], linewidth=0.0, mutation_scale=9.0)
+    if text:
+        label(ax, middle + beyond * (points[24] - middle), text, colour)
+    return line
+
+
+def arc_between(
+    ax: Any, first: Floats, second: Floats, radius: float, colour: str, text: str = "", **style: Any
+) -> Any:
+    """The arc from one direction to another, the shorter way."""
+    a, b = first / np.linalg.norm(first), second / np.linalg.norm(second)
+    normal = np.cross(a, b)
+    sine = np.linalg.norm(normal)
+    angle = float(np.arctan2(sine, a @ b))
+    axis = normal / sine if sine > 0.0 else np.cross(a, np.eye(3)[np.argmin(np.abs(a))])
+    return arc(ax, axis, radius * a, angle, colour, text, **style)
+
+
+def _text(colour: str) -> dict[str, Any]:
+    from matplotlib.patheffects import Normal, Stroke
+
+    return {
+        "color": colour,
+        "ha": "center",
+        "va": "center",
+        "fontsize": "large",
+        "zorder": 10,
+        "path_effects": [Stroke(linewidth=2.5, foreground="white"), Normal()],
+    }
