@@ -1,4 +1,4 @@
-"""Animations of runs: a page with a player in it, or a GIF, from the frames of :mod:`rigid.film`."""
+"""Animations of runs: a page with a player in it, or a GIF, of the frames of a film."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ._given import to_space
 from .film import Film, Part, film_of
 from .plotting import new_figure
 from .solidshapes import across
@@ -27,8 +26,8 @@ Floats = NDArray[np.float64]
 AZIMUTH, ELEVATION = np.deg2rad(35.0), np.deg2rad(26.0)
 """From where a GIF is seen, and a page at first."""
 
-SHORTEST = 0.02
-"""Browsers show a frame of a GIF for a tenth of a second instead of a shorter time (s)."""
+SHOWN = (0.02, 655.0)
+"""How long a frame of a GIF can be shown (s): browsers lengthen less, the format has no more."""
 
 INCHES, DOTS = 4.8, 100
 """Size of a GIF: 480 pixels."""
@@ -113,6 +112,7 @@ def _plain(film: Film) -> dict[str, Any]:
         "view": film.view,
         "title": film.title,
         "t": film.t.tolist(),
+        "digits": film.digits,
         "shown": film.shown.tolist(),
         "attitude": film.attitude.tolist(),
         "frame": np.stack(across(film.up)).tolist(),
@@ -135,13 +135,16 @@ def _plain(film: Film) -> dict[str, Any]:
 
 def _write_gif(film: Film, path: Path) -> None:
     """Draw the frames and write them; each is due at its time, to a hundredth of a second."""
-    due = np.rint(100.0 * np.append(0.0, np.cumsum(film.shown)))
-    shown = np.diff(due).astype(np.int64)
-    if film.shown.min() < SHORTEST * (1.0 - 1e-9) or shown.min() < 2:
+    shortest, longest = SHOWN
+    outside = (film.shown < shortest * (1.0 - 1e-9)) | (film.shown > longest)
+    if outside.any():
+        k = int(outside.argmax())
         raise ValueError(
-            f"t: frame {int(film.shown.argmin())} of a GIF would be shown for "
-            f"{film.shown.min():g} s: must be {SHORTEST} s or more, with fewer times or a lower speed"
+            f"t: frame {k} of a GIF would be shown for {film.shown[k]:g} s: must be between "
+            f"{shortest} and {longest:g} s, by other times or another speed"
         )
+    due = np.rint(100.0 * np.append(0.0, np.cumsum(film.shown)))
+    hundredths = np.diff(due).astype(np.int64)
     figure = new_figure()
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.collections import PolyCollection
@@ -154,9 +157,10 @@ def _write_gif(film: Film, path: Path) -> None:
     ax.set_axis_off()
     figure.text(0.02, 0.965, film.title, fontsize=8, color="#555555")
     clock = figure.text(0.02, 0.02, "", fontsize=9, color="#333333", family="monospace")
-    drawn = ax.add_collection(PolyCollection([], closed=True, capstyle="round"))
-    names = [ax.text(0, 0, part.label, fontsize=11, ha="center", va="center") for part in film.parts]
-    digits = max(0, int(np.ceil(-np.log10(film.shown.min()))))
+    drawn = PolyCollection([], closed=True, capstyle="round")
+    ax.add_collection(drawn)
+    named = [part for part in film.parts if part.label]
+    names = [ax.text(0, 0, part.label, fontsize=11, ha="center", va="center") for part in named]
     camera = _camera(film.up)
     images = []
     for k, time in enumerate(film.t):
@@ -166,19 +170,18 @@ def _write_gif(film: Film, path: Path) -> None:
         drawn.set_facecolor([piece[2] for piece in pieces])
         drawn.set_edgecolor([piece[3] for piece in pieces])
         drawn.set_linewidth([piece[4] for piece in pieces])
-        for name, part in zip(names, film.parts, strict=True):
-            if part.label:
-                tip = (part.placed(film.attitude[k], k)[0] - film.centre) @ camera.T
-                outward = _unit((tip + film.centre @ camera.T)[:2])
-                name.set_position(tip[:2] + 0.08 * reach * outward)
-                name.set_color(part.colours[0])
-        clock.set_text(f"t = {time:.{digits}f} s")
+        for name, part in zip(names, named, strict=True):
+            tip = (part.placed(film.attitude[k], k)[0] - film.centre) @ camera.T
+            outward = _unit((tip + film.centre @ camera.T)[:2])
+            name.set_position(tip[:2] + 0.08 * reach * outward)
+            name.set_color(part.colours[0])
+        clock.set_text(f"t = {time:.{film.digits}f} s")
         canvas.draw()  # type: ignore[no-untyped-call]
         pixels = np.asarray(canvas.buffer_rgba())[..., :3]  # type: ignore[no-untyped-call]
         image = Image.fromarray(np.ascontiguousarray(pixels))
         images.append(image.quantize(256, Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE))
     images[0].save(
-        path, save_all=True, append_images=images[1:], duration=(10 * shown).tolist(), loop=0
+        path, save_all=True, append_images=images[1:], duration=(10 * hundredths).tolist(), loop=0
     )
 
 
@@ -191,7 +194,8 @@ def _camera(up: Floats) -> Floats:
     return np.stack([right, np.cross(eye, right), eye])
 
 
-Piece = tuple[float, Floats, tuple[float, ...], tuple[float, ...], float]
+Colour = tuple[float, float, float, float]
+Piece = tuple[float, Floats, Colour, Colour, float]
 """Depth, corners in the picture, colours of the inside and of the edge, width of the edge."""
 
 
@@ -209,10 +213,11 @@ def _pieces(part: Part, film: Film, k: int, camera: Floats) -> list[Piece]:
         colours = np.resize(rgb, (len(points), 3)) * light[:, np.newaxis]
         depths = points[..., 2].mean(axis=1)
         return [
-            (float(depth), face[:, :2], (*colour, part.opacity), (1.0, 1.0, 1.0, 0.3), 0.4)
-            for depth, face, colour in zip(depths, points, colours, strict=True)
+            (float(depth), face[:, :2], (r, g, b, part.opacity), (1.0, 1.0, 1.0, 0.3), 0.4)
+            for depth, face, (r, g, b) in zip(depths, points, colours, strict=True)
         ]
-    ink = (*rgb[0], 1.0)
+    r, g, b = rgb[0]
+    ink = (r, g, b, 1.0)
     if part.kind == "dot":
         turn = np.linspace(0.0, 2.0 * np.pi, 13)
         ring = points[0, :2] + 0.022 * reach * np.stack([np.cos(turn), np.sin(turn)], axis=1)

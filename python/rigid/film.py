@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from . import free
 from ._check import finite_float, one_of
 from ._given import attitudes, to_space
+from .figures import colours
 from .scenes import FreeBody, HeavyTop, Scene, scene_from_dict, scene_words
 from .solidshapes import STEM, box_faces, cone_faces, ellipsoid_faces, plane_face, top_faces
 
@@ -26,9 +27,11 @@ VIEWS = {FreeBody.kind: ("box", "cones", "poinsot"), HeavyTop.kind: ("top",)}
 
 UP = np.array([0.0, 0.0, 1.0])
 
-# Blue, green, vermilion for the axes 1, 2, 3; then as in all figures.
-AXES = ("#0072b2", "#009e73", "#d55e00")
-BODY, SPACE, MOMENTUM, OMEGA = "#56b4e9", "#777777", "#e69f00", "#cc79a7"
+AXES = tuple(ink.colour for ink in colours.AXES)
+BODY, SPACE = colours.BODY.colour, colours.SPACE.colour
+TRAIL = "#444444"
+PALE, DARK = "#a5d5f2", "#0b5a86"
+"""The body's colour again, for its stripes and its curves."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -106,6 +109,13 @@ class Film:
     centre: Floats
     reach: float
 
+    @property
+    def digits(self) -> int:
+        """Decimals of the times that tell one frame from the next."""
+        steps = np.diff(self.t)
+        shortest = steps[steps > 0.0].min(initial=1.0)
+        return int(np.ceil(-np.log10(shortest) - 1e-9))
+
 
 def film_of(
     run: Run, *, view: str | None = None, speed: float = 1.0, body: int | None = None
@@ -165,9 +175,7 @@ def _room(parts: tuple[Part, ...], attitude: Floats, up: Floats) -> tuple[Floats
 def _states(run: Run, body: int | None) -> tuple[Floats, Floats]:
     """Rates (m, 3) and attitudes (m, 4) of the body that is shown."""
     if run.attitude is None:
-        raise ValueError(
-            f"record = {run.spec['record']!r}: an animation needs record = 'attitude'"
-        )
+        raise ValueError(f"record = {run.spec['record']!r}: an animation needs record = 'attitude'")
     omega, attitude = run.omega, run.attitude
     if omega.ndim == 3:
         bodies = len(omega)
@@ -238,20 +246,20 @@ def _cones(scene: Scene, omega: Floats, attitude: Floats) -> tuple[Part, ...]:
         Part(
             kind="faces",
             points=cone_faces(axis, float(rolled.body_cone)),
-            colours=(BODY, "#8fcbee"),
+            colours=(BODY, PALE),
             opacity=0.55,
             carried=True,
         ),
         Part(
             kind="faces",
             points=cone_faces(momentum, float(rolled.space_cone)),
-            colours=("#888888", "#aaaaaa"),
+            colours=("#888888", colours.FAINT),
             opacity=0.75,
         ),
         Part(
             kind="arrow",
             points=1.15 * axis[np.newaxis],
-            colours=("#0b5a86",),
+            colours=(DARK,),
             carried=True,
             label="axis",
         ),
@@ -272,21 +280,21 @@ def _poinsot(scene: Scene, omega: Floats, attitude: Floats) -> tuple[Part, ...]:
         Part(
             kind="faces",
             points=ellipsoid_faces(rolled.semi_axes / unit),
-            colours=(BODY,) * 7 + ("#a5d5f2",) * 7,
+            colours=(BODY,) * 7 + (PALE,) * 7,
             opacity=0.7,
             carried=True,
         ),
         Part(
             kind="faces",
             points=plane_face(foot, rolled.normal, width),
-            colours=("#999999",),
+            colours=(SPACE,),
             opacity=0.25,
         ),
-        Part(kind="line", points=rolled.polhode / unit, colours=("#0b5a86",), carried=True),
-        Part(kind="trail", points=contact, colours=("#444444",)),
-        Part(kind="dot", points=contact, colours=(OMEGA,)),
-        Part(kind="arrow", points=contact, colours=(OMEGA,), label="ω"),
-        Part(kind="arrow", points=1.35 * foot[np.newaxis], colours=(MOMENTUM,), label="L"),
+        Part(kind="line", points=rolled.polhode / unit, colours=(DARK,), carried=True),
+        Part(kind="trail", points=contact, colours=(TRAIL,)),
+        Part(kind="dot", points=contact, colours=(colours.OMEGA.colour,)),
+        Part(kind="arrow", points=contact, colours=(colours.OMEGA.colour,), label="ω"),
+        Part(kind="arrow", points=1.35 * foot[np.newaxis], colours=(colours.L.colour,), label="L"),
     )
 
 
@@ -305,7 +313,12 @@ def _top(scene: HeavyTop, attitude: Floats) -> tuple[Part, ...]:
             points=STEM * to_space(attitudes(attitude), direction),
             colours=(AXES[2],),
         ),
-        Part(kind="arrow", points=1.6 * UP[np.newaxis], colours=("#000000",), label="vertical"),
+        Part(
+            kind="arrow",
+            points=1.6 * UP[np.newaxis],
+            colours=(colours.VERTICAL.colour,),
+            label="vertical",
+        ),
         Part(
             kind="faces",
             points=plane_face(np.zeros(3), UP, 0.8),
@@ -322,9 +335,9 @@ def _vectors(scene: Scene, omega: Floats, attitude: Floats, *, length: float) ->
     momentum = to_space(attitude[0], np.array(scene.body.moments) * omega[0])
     momentum *= length / np.linalg.norm(momentum)
     return (
-        Part(kind="trail", points=rates, colours=("#444444",)),
-        Part(kind="arrow", points=rates, colours=(OMEGA,), label="ω"),
-        Part(kind="arrow", points=momentum[np.newaxis], colours=(MOMENTUM,), label="L"),
+        Part(kind="trail", points=rates, colours=(TRAIL,)),
+        Part(kind="arrow", points=rates, colours=(colours.OMEGA.colour,), label="ω"),
+        Part(kind="arrow", points=momentum[np.newaxis], colours=(colours.L.colour,), label="L"),
     )
 
 

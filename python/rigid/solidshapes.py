@@ -21,7 +21,15 @@ STEM = 1.45
 """Where the stem of a top ends, in distances of its centre of mass from its point."""
 
 # Radii and heights of a top from its point to the end of its stem.
-_PROFILE = ((0.02, 0.0), (0.06, 0.3), (1.0, 0.85), (1.0, 1.1), (0.08, 1.25), (0.06, STEM), (0.0, STEM))
+_PROFILE = (
+    (0.02, 0.0),
+    (0.06, 0.3),
+    (1.0, 0.85),
+    (1.0, 1.1),
+    (0.08, 1.25),
+    (0.06, STEM),
+    (0.0, STEM),
+)
 
 
 def across(direction: ArrayLike) -> tuple[Floats, Floats, Floats]:
@@ -43,16 +51,17 @@ def box_faces(half: ArrayLike) -> Floats:
             face = faces[2 * axis + side]
             face[:, axis] = 2.0 * side - 1.0
             face[:, [(axis + 1) % 3, (axis + 2) % 3]] = ends
-    return faces * np.asarray(half)
+    faces *= np.asarray(half)
+    return faces
 
 
 def ellipsoid_faces(semi_axes: ArrayLike, *, rings: int = 14, sectors: int = 28) -> Floats:
     """An ellipsoid in its principal axes, shape (rings sectors, 4, 3)."""
     tilt = np.linspace(0.0, np.pi, rings + 1)[:, np.newaxis]
     turn = np.linspace(0.0, 2.0 * np.pi, sectors + 1)
-    ones = np.ones_like(turn)
-    points = np.stack([np.sin(tilt) * np.cos(turn), np.sin(tilt) * np.sin(turn), np.cos(tilt) * ones])
-    return _quads(np.moveaxis(points, 0, -1) * np.asarray(semi_axes))
+    sine = np.sin(tilt)
+    x, y, z = np.broadcast_arrays(sine * np.cos(turn), sine * np.sin(turn), np.cos(tilt))
+    return _quads(np.stack([x, y, z], axis=-1) * np.asarray(semi_axes))
 
 
 def cone_faces(
