@@ -20,13 +20,41 @@ from .orientation import (
     node_frame,
     node_frame_data,
 )
+from .symmetric import (
+    cones,
+    cones_data,
+    coplanar_vectors,
+    coplanar_vectors_data,
+    free_top_omega,
+    free_top_omega_data,
+)
+from .turning import (
+    active_passive,
+    active_passive_data,
+    rotating_body,
+    rotating_body_data,
+    unit_vector_change,
+    unit_vector_change_data,
+)
 
 __all__ = [
+    "active_passive",
+    "active_passive_data",
     "colours",
+    "cones",
+    "cones_data",
+    "coplanar_vectors",
+    "coplanar_vectors_data",
     "euler_steps",
     "euler_steps_data",
     "frames",
     "frames_data",
+    "free_top_omega",
+    "free_top_omega_data",
     "node_frame",
     "node_frame_data",
+    "rotating_body",
+    "rotating_body_data",
+    "unit_vector_change",
+    "unit_vector_change_data",
 ]

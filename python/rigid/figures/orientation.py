@@ -187,11 +187,13 @@ def frames(
     )
     body = _triad(ax, data.body, data.origin, ("$x$", "$y$", "$z$"), linewidth=2.6)
     label(ax, np.array([-0.09, -0.09, -0.09]), "$O'$" if apart else "$O$", colours.NEUTRAL)
+    # Names stand on the outer sides of the triangle of R, r' and r.
+    aside = _apart(data.origin, data.position) if apart and data.position is not None else -_Z
     shift = None
     if apart:
         shift = arrow(ax, data.origin, colours.SPACE.colour, linewidth=1.6)
-        label(ax, 0.5 * data.origin - 0.1 * _Z, r"$\mathbf{R}$", colours.SPACE.colour)
-        label(ax, data.origin - 0.12 * _Z, "$O$", colours.NEUTRAL)
+        label(ax, 0.5 * data.origin + 0.12 * aside, r"$\mathbf{R}$", colours.SPACE.colour)
+        label(ax, data.origin - 0.13 * _Z, "$O$", colours.NEUTRAL)
     relative = position = None
     shown = [np.zeros((1, 3)), data.space, data.origin + data.space, data.origin + data.body]
     if data.relative is not None and data.position is not None:
@@ -200,8 +202,8 @@ def frames(
         position = arrow(ax, data.position, colours.HUES["black"], linewidth=1.6)
         ax.plot(*data.position, "o", color="black", markersize=5, zorder=6)
         label(ax, data.position + 0.12 * _Z, "$P$")
-        label(ax, data.origin + 0.5 * data.relative - 0.09 * _Z, r"$\mathbf{r}'$", colour)
-        label(ax, 0.45 * data.position + 0.1 * _Z, r"$\mathbf{r}$")
+        label(ax, data.origin + 0.6 * data.relative + 0.1 * aside, r"$\mathbf{r}'$", colour)
+        label(ax, 0.45 * data.position - 0.12 * aside, r"$\mathbf{r}$")
         shown.append(data.position)
     fit(ax, *shown, elev=20.0, azim=-65.0)
     return FramesArtists(
@@ -568,6 +570,13 @@ def node_frame(angles: ArrayLike, *, ax: Any | None = None) -> NodeFrameArtists:
     circles = circle(origin, _Z, 1.0), circle(origin, data.body[2], 1.0)
     fit(ax, *circles, data.space, data.body, elev=24.0, azim=_between(data.angles[0]))
     return NodeFrameArtists(ax=ax, data=data, space=space, body=body, node=node, arcs=arcs)
+
+
+def _apart(first: Floats, second: Floats) -> Floats:
+    """Unit vector across both halves of an angle, on the side of the first; or downwards."""
+    gap = first / np.linalg.norm(first) - second / (np.linalg.norm(second) or 1.0)
+    size = float(np.linalg.norm(gap))
+    return np.asarray(gap / size) if size > 1e-9 else -_Z
 
 
 def _between(phi: float) -> float:

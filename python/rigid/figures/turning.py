@@ -1,0 +1,582 @@
+"""Small turns: of a vector or of the axes, of the unit vectors, and of a whole body."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._check import finite_float, positive_int, stack, vector
+from ..euler import rotation_z
+from ..particles import velocity_field
+from ..so3 import rotate
+from ..starts import body_axis
+from . import colours
+from ._draw import (
+    arc,
+    arrow,
+    arrow_in_plane,
+    circle,
+    curve,
+    fit,
+    in_space,
+    label,
+    label_in_plane,
+    panels,
+)
+
+__all__ = [
+    "ActivePassive",
+    "ActivePassiveArtists",
+    "RotatingBody",
+    "RotatingBodyArtists",
+    "UnitVectorChange",
+    "UnitVectorChangeArtists",
+    "active_passive",
+    "active_passive_data",
+    "rotating_body",
+    "rotating_body_data",
+    "unit_vector_change",
+    "unit_vector_change_data",
+]
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ActivePassive:
+    """The two readings of one turn in a plane.
+
+    Attributes
+    ----------
+    angle : float
+        Of the turn (rad).
+    vector : ndarray, shape (2,)
+        The vector before it.
+    axes : ndarray, shape (2, 2)
+        Passive: unit vectors along the turned axes, one in a row.
+    seen : ndarray, shape (2,)
+        Passive: components of the vector along the turned axes.
+    turned : ndarray, shape (2,)
+        Active: the turned vector.
+    first_order : ndarray, shape (2,)
+        What the active turn adds to first order, ``angle n × x``.
+    """
+
+    angle: float
+    vector: Floats
+    axes: Floats
+    seen: Floats
+    turned: Floats
+    first_order: Floats
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ActivePassiveArtists:
+    """What :func:`active_passive` has drawn.
+
+    Attributes
+    ----------
+    axes : tuple of 2 Axes
+        The panels, passive and active.
+    data : ActivePassive
+        What.
+    turned_axes : tuple of 2 PlaneArrow
+        Passive: the axes after the turn; an arrow has its ``start`` and its ``vector``.
+    vector, turned, change : PlaneArrow
+        Active: the vector before and after the turn, and what it gains to first order.
+    """
+
+    axes: tuple[Any, ...]
+    data: ActivePassive
+    turned_axes: tuple[Any, ...]
+    vector: Any
+    turned: Any
+    change: Any
+
+
+def active_passive_data(angle: float, *, vector: ArrayLike = (0.75, 0.6)) -> ActivePassive:
+    """Vectors under :func:`active_passive`.
+
+    Parameters
+    ----------
+    angle : float
+        Of the turn (rad).
+    vector : array_like, shape (2,)
+        The vector, not zero.
+
+    Returns
+    -------
+    ActivePassive
+
+    Raises
+    ------
+    ValueError
+        If the vector is zero or an argument not finite.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from rigid import figures
+    >>> data = figures.active_passive_data(np.pi / 2, vector=[1.0, 0.0])
+    >>> data.turned.round(12).tolist(), (data.seen.round(12) + 0.0).tolist()
+    ([0.0, 1.0], [0.0, -1.0])
+    """
+    turn = finite_float("angle", angle)
+    before = _nonzero("vector", vector, 2)
+    active = rotation_z(turn)[:2, :2]
+    return ActivePassive(
+        angle=turn,
+        vector=before,
+        axes=active.T,
+        seen=rotation_z(turn, passive=True)[:2, :2] @ before,
+        turned=active @ before,
+        first_order=turn * np.array([-before[1], before[0]]),
+    )
+
+
+def active_passive(
+    angle: float = 0.35,
+    *,
+    vector: ArrayLike = (0.75, 0.6),
+    axes: Sequence[Any] | None = None,
+) -> ActivePassiveArtists:
+    """Draw a turn as one of the axes, and as one of the vector.
+
+    Passive, the axes turn and the vector gets other components; active, the vector turns and gains
+    ``angle n × x`` to first order. The components of one are those of the other by the opposite
+    angle (lecture notes, fig. 5.1).
+
+    Parameters
+    ----------
+    angle, vector
+        As in :func:`active_passive_data`.
+    axes : sequence of 2 Axes, optional
+        Where to draw; by default on a new figure that pyplot does not know.
+
+    Returns
+    -------
+    ActivePassiveArtists
+
+    Raises
+    ------
+    ValueError
+        As in :func:`active_passive_data`, and if there are not two axes.
+    ImportError
+        Without matplotlib.
+
+    Examples
+    --------
+    >>> from rigid import figures
+    >>> drawn = figures.active_passive(0.3)
+    >>> drawn.axes[0].figure.savefig("turns.png")  # doctest: +SKIP
+    """
+    data = active_passive_data(angle, vector=vector)
+    passive, active = panels(axes, ["plane", "plane"])
+    length = 1.2 * float(np.linalg.norm(data.vector))
+    black = colours.HUES["black"]
+    thin: dict[str, Any] = {"linewidth": 1.0, "linestyle": "dashed"}
+
+    turned_axes = []
+    for along, old, ink in zip(data.axes, np.eye(2), colours.AXES[:2], strict=True):
+        name = ink.label.strip("$")
+        arrow_in_plane(passive, length * old, ink.colour, ink.label, **thin)
+        turned_axes.append(arrow_in_plane(passive, length * along, ink.colour, f"${name}'$"))
+        arrow_in_plane(active, length * old, ink.colour, ink.label)
+    for component, along, ink in zip(data.seen, data.axes, colours.AXES[:2], strict=True):
+        foot = np.array([data.vector, component * along])
+        curve(passive, foot, ink.colour, linewidth=0.9, linestyle="dotted")
+    arrow_in_plane(passive, data.vector, black, r"$\mathbf{x}$")
+    _flat_arc(passive, 0.0, data.angle, 0.42 * length)
+
+    before = arrow_in_plane(active, data.vector, black, r"$\mathbf{x}$", **thin)
+    after = arrow_in_plane(active, data.turned, black, r"$\mathbf{x}'$")
+    purple = colours.HUES["purple"]
+    change = arrow_in_plane(active, data.first_order, purple, start=data.vector, linewidth=1.4)
+    beside = data.vector + 0.5 * data.first_order + 0.04 * data.vector
+    label_in_plane(active, beside, r"$\varepsilon\,\mathbf{n}\times\mathbf{x}$", purple, ha="left")
+    start = float(np.arctan2(data.vector[1], data.vector[0]))
+    _flat_arc(active, start, start + data.angle, 0.42 * length)
+
+    shown = np.vstack(
+        [[[0.0, 0.0]], length * np.eye(2), length * data.axes, [data.vector, data.turned]]
+    )
+    for ax, title in ((passive, "passive: the axes turn"), (active, "active: the vector turns")):
+        _flat(ax, shown, 0.18 * length)
+        ax.set_title(title, fontsize="medium")
+    return ActivePassiveArtists(
+        axes=(passive, active),
+        data=data,
+        turned_axes=tuple(turned_axes),
+        vector=before,
+        turned=after,
+        change=change,
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class UnitVectorChange:
+    """A unit vector under a small turn about another.
+
+    Attributes
+    ----------
+    angle : float
+        Of the turn (rad).
+    unit, about : ndarray, shape (3,)
+        The vector before the turn, and that which it is about.
+    turned : ndarray, shape (3,)
+        The vector after it.
+    change : ndarray, shape (3,)
+        The difference of the two.
+    first_order : ndarray, shape (3,)
+        ``angle about × unit``.
+    """
+
+    angle: float
+    unit: Floats
+    about: Floats
+    turned: Floats
+    change: Floats
+    first_order: Floats
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class UnitVectorChangeArtists:
+    """What :func:`unit_vector_change` has drawn.
+
+    Attributes
+    ----------
+    ax : Axes3D
+        Where.
+    data : UnitVectorChange
+        What.
+    axes : tuple of 3 SpaceArrow
+        The unit vectors before the turn; an arrow has its ``start`` and its ``vector``.
+    turned, change, first_order : SpaceArrow
+        The vector after it, the difference, and the difference to first order.
+    """
+
+    ax: Any
+    data: UnitVectorChange
+    axes: tuple[Any, ...]
+    turned: Any
+    change: Any
+    first_order: Any
+
+
+def unit_vector_change_data(angle: float, *, unit: int = 1, about: int = 2) -> UnitVectorChange:
+    """Vectors under :func:`unit_vector_change`.
+
+    Parameters
+    ----------
+    angle : float
+        Of the turn (rad).
+    unit, about : {1, 2, 3}
+        Which unit vector changes, and which it turns about; not the same.
+
+    Returns
+    -------
+    UnitVectorChange
+
+    Raises
+    ------
+    ValueError
+        If the angle is not finite, or the two are the same or not one of the three.
+
+    Examples
+    --------
+    >>> from rigid import figures
+    >>> figures.unit_vector_change_data(1e-3).first_order.tolist()
+    [0.0, 0.0, -0.001]
+    """
+    turn = finite_float("angle", angle)
+    one, other = body_axis(unit) - 1, body_axis(about) - 1
+    if one == other:
+        raise ValueError(f"unit = {unit}, about = {about}: a vector does not turn about itself")
+    before, axis = np.eye(3)[[one, other]]
+    turned = rotate(before, axis, turn)
+    return UnitVectorChange(
+        angle=turn,
+        unit=before,
+        about=axis,
+        turned=turned,
+        change=turned - before,
+        first_order=turn * np.cross(axis, before),
+    )
+
+
+def unit_vector_change(
+    angle: float = 0.35, *, unit: int = 1, about: int = 2, ax: Any | None = None
+) -> UnitVectorChangeArtists:
+    """Draw how a unit vector changes in a small turn about another: ``d e/dt = omega × e``.
+
+    A turn about axis 2 moves the first unit vector towards the negative third axis (Ercan 2016,
+    fig. 8, eqs. (13)-(15), whose caption has the first axis there, erratum D-05).
+
+    Parameters
+    ----------
+    angle, unit, about
+        As in :func:`unit_vector_change_data`.
+    ax : Axes3D, optional
+        Where to draw; by default on a new figure that pyplot does not know.
+
+    Returns
+    -------
+    UnitVectorChangeArtists
+
+    Raises
+    ------
+    ValueError
+        As in :func:`unit_vector_change_data`, and if the axes are not three-dimensional.
+    ImportError
+        Without matplotlib.
+
+    Examples
+    --------
+    >>> from rigid import figures
+    >>> drawn = figures.unit_vector_change(0.3)
+    >>> drawn.ax.figure.savefig("change.png")  # doctest: +SKIP
+    """
+    data = unit_vector_change_data(angle, unit=unit, about=about)
+    ax = in_space(ax)
+    one, other = int(data.unit.argmax()), int(data.about.argmax())
+    axes = tuple(
+        arrow(ax, along, ink.colour, rf"$\mathbf{{e}}_{number}$", linewidth=2.0)
+        for number, along, ink in zip((1, 2, 3), np.eye(3), colours.AXES, strict=True)
+    )
+    third = 3 - one - other
+    toward = np.sign(data.first_order[third]) * np.eye(3)[third]
+    if toward.any():
+        curve(
+            ax,
+            np.array([np.zeros(3), 0.6 * toward]),
+            colours.AXES[third].colour,
+            linewidth=1.0,
+            linestyle="dashed",
+        )
+    colour = colours.AXES[one].colour
+    turned = arrow(ax, data.turned, colour, rf"$\mathbf{{e}}_{one + 1}'$", linestyle="dashed")
+    black = colours.HUES["black"]
+    change = arrow(ax, data.change, black, start=data.unit, linewidth=1.8)
+    label(ax, 0.87 * data.unit + 0.6 * data.change, rf"$\Delta\mathbf{{e}}_{one + 1}$", black)
+    purple = colours.OMEGA.colour
+    first = arrow(ax, data.first_order, purple, start=data.unit, linewidth=1.8)
+    label(
+        ax,
+        1.04 * data.unit + 0.5 * data.first_order,
+        rf"$\delta\,\mathbf{{e}}_{other + 1}\times\mathbf{{e}}_{one + 1}$",
+        purple,
+        ha="left",
+    )
+    arc(ax, data.about, 0.45 * data.unit, data.angle, black, r"$\delta$")
+    ring = circle(0.55 * data.about, data.about, 0.09)
+    curve(ax, ring, purple)
+    shown = np.vstack([np.eye(3), data.turned, data.unit + data.first_order, np.zeros(3)])
+    fit(ax, shown, elev=18.0, azim=-58.0, filled=0.75)
+    return UnitVectorChangeArtists(
+        ax=ax, data=data, axes=axes, turned=turned, change=change, first_order=first
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class RotatingBody:
+    """Points of a body that turns about an axis through the origin.
+
+    Attributes
+    ----------
+    omega : ndarray, shape (3,)
+        Angular velocity (rad/s).
+    positions, velocities : ndarray, shape (N, 3)
+        Of the points (m, m/s): ``v = omega × r``.
+    circles : ndarray, shape (N, m, 3)
+        The circle on which each point goes (m).
+    """
+
+    omega: Floats
+    positions: Floats
+    velocities: Floats
+    circles: Floats
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class RotatingBodyArtists:
+    """What :func:`rotating_body` has drawn.
+
+    Attributes
+    ----------
+    ax : Axes3D
+        Where.
+    data : RotatingBody
+        What.
+    omega, position : SpaceArrow
+        The angular velocity, and the position of one point; an arrow has its ``start`` and its
+        ``vector``. Velocities are scaled to one common size.
+    velocities : tuple of N SpaceArrow
+        The velocities.
+    points : Line3D
+        The points.
+    """
+
+    ax: Any
+    data: RotatingBody
+    omega: Any
+    position: Any
+    velocities: tuple[Any, ...]
+    points: Any
+
+
+def rotating_body_data(
+    positions: ArrayLike, omega: ArrayLike, *, samples: int = 97
+) -> RotatingBody:
+    """Velocities and paths under :func:`rotating_body`.
+
+    Parameters
+    ----------
+    positions : array_like, shape (N, 3)
+        Points (m), at least one.
+    omega : array_like, shape (3,)
+        Angular velocity (rad/s), not zero.
+    samples : int
+        Points of a circle, the first and the last of which coincide.
+
+    Returns
+    -------
+    RotatingBody
+
+    Raises
+    ------
+    ValueError
+        If there are no points, the body does not turn, or an argument is not finite.
+
+    Examples
+    --------
+    >>> from rigid import figures
+    >>> figures.rotating_body_data([[2, 0, 5]], [0, 0, 3]).velocities.tolist()
+    [[0.0, 6.0, 0.0]]
+    """
+    r = stack("positions", positions, None, 3)
+    if r.ndim != 2 or len(r) == 0:
+        raise ValueError(f"positions: expected shape (N, 3) of one or more, got {r.shape}")
+    w = _nonzero("omega", omega, 3)
+    turns = np.linspace(0.0, 2.0 * np.pi, positive_int("samples", samples, minimum=2))
+    return RotatingBody(
+        omega=w,
+        positions=r,
+        velocities=velocity_field(w, r),
+        circles=rotate(r[:, np.newaxis, :], w, turns),
+    )
+
+
+def rotating_body(
+    positions: ArrayLike, omega: ArrayLike, *, ax: Any | None = None
+) -> RotatingBodyArtists:
+    """Draw the points of a body that turns, with their velocities ``v = omega × r``.
+
+    Every point goes on a circle about the axis; the point that is farthest from the axis has its
+    names (Ercan 2016, fig. 9).
+
+    Parameters
+    ----------
+    positions, omega
+        As in :func:`rotating_body_data`.
+    ax : Axes3D, optional
+        Where to draw; by default on a new figure that pyplot does not know.
+
+    Returns
+    -------
+    RotatingBodyArtists
+
+    Raises
+    ------
+    ValueError
+        As in :func:`rotating_body_data`, and if the axes are not three-dimensional.
+    ImportError
+        Without matplotlib.
+
+    Examples
+    --------
+    >>> from rigid import figures
+    >>> drawn = figures.rotating_body([[1, 0, 0], [0, 1, 0.5], [-0.5, -0.5, 0.8]], [0, 0, 2.0])
+    >>> drawn.ax.figure.savefig("rotating.png")  # doctest: +SKIP
+    """
+    data = rotating_body_data(positions, omega)
+    ax = in_space(ax)
+    size = float(np.linalg.norm(data.positions, axis=-1).max()) or 1.0
+    speeds = np.linalg.norm(data.velocities, axis=-1)
+    farthest = int(speeds.argmax())
+    direction = data.omega / np.linalg.norm(data.omega)
+    heights = data.positions @ direction
+    reach = np.array([min(heights.min(), 0.0) - 0.25 * size, max(heights.max(), 0.0) + 0.6 * size])
+    curve(
+        ax,
+        reach[:, np.newaxis] * direction,
+        colours.OMEGA.colour,
+        linewidth=1.0,
+        linestyle="dashdot",
+        zorder=1,
+    )
+    for ring in data.circles:
+        curve(ax, ring, colours.FAINT, linewidth=0.9, zorder=1)
+    spin = arrow(
+        ax,
+        0.55 * size * direction,
+        colours.OMEGA.colour,
+        colours.OMEGA.label,
+        start=reach[1] * direction,
+        linewidth=2.6,
+    )
+    (points,) = ax.plot(*data.positions.T, "o", color=colours.NEUTRAL, markersize=6.0, zorder=6)
+    scale = 0.55 * size / speeds[farthest] if speeds[farthest] > 0.0 else 0.0
+    velocities = tuple(
+        arrow(
+            ax,
+            scale * velocity,
+            colours.VELOCITY.colour,
+            r"$\mathbf{v} = \boldsymbol{\omega}\times\mathbf{r}$" if number == farthest else "",
+            start=place,
+            linewidth=1.6,
+        )
+        for number, (place, velocity) in enumerate(
+            zip(data.positions, data.velocities, strict=True)
+        )
+    )
+    position = arrow(
+        ax,
+        data.positions[farthest],
+        colours.POSITION.colour,
+        colours.POSITION.label,
+        linewidth=1.6,
+        zorder=5,
+    )
+    ax.plot([0.0], [0.0], [0.0], "o", color="black", markersize=4.0, zorder=6)
+    ends = data.positions + scale * data.velocities
+    fit(ax, data.circles, ends, np.outer([reach[0], reach[1] + 0.55 * size], direction))
+    return RotatingBodyArtists(
+        ax=ax, data=data, omega=spin, position=position, velocities=velocities, points=points
+    )
+
+
+def _nonzero(name: str, value: ArrayLike, length: int) -> Floats:
+    found = vector(name, value, length)
+    if not found.any():
+        raise ValueError(f"{name} = {found.tolist()}: must not be zero")
+    return found
+
+
+def _flat_arc(ax: Any, start: float, end: float, radius: float) -> None:
+    """The angle epsilon in a plane."""
+    angles = np.linspace(start, end, 49)[:, np.newaxis]
+    points = radius * np.hstack([np.cos(angles), np.sin(angles)])
+    curve(ax, points, colours.ANGLE.colour)
+    label_in_plane(ax, 1.2 * points[24], r"$\varepsilon$")
+
+
+def _flat(ax: Any, points: Floats, margin: float) -> None:
+    """A plane to scale and without frame."""
+    low, high = points.min(axis=0) - margin, points.max(axis=0) + margin
+    ax.set_aspect("equal")
+    ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+    ax.set_axis_off()
