@@ -18,7 +18,7 @@ from .solidshapes import STEM, box_faces, cone_faces, ellipsoid_faces, plane_fac
 if TYPE_CHECKING:
     from .simulate import Run
 
-__all__ = ["VIEWS", "Film", "Part", "film_of"]
+__all__ = ["VIEWS", "Film", "Part", "film_of", "states_of"]
 
 Floats = NDArray[np.float64]
 
@@ -132,8 +132,10 @@ def film_of(
     >>> film.view, len(film.t), float(film.shown.sum().round(9))
     ('box', 101, 5.05)
     """
-    omega, attitude = _states(run, body)
+    omega, attitude = states_of(run, body)
     speed = finite_float("speed", speed, positive=True)
+    if len(run.t) < 2:
+        raise ValueError(f"t of shape {run.t.shape}: an animation needs two times or more")
     scene = scene_from_dict(run.spec["scene"])
     view = _chosen(scene, view)
     momentum = to_space(attitude[0], np.array(scene.body.moments) * omega[0])
@@ -172,10 +174,12 @@ def _room(parts: tuple[Part, ...], attitude: Floats, up: Floats) -> tuple[Floats
     return centre, float(np.linalg.norm(cloud - centre, axis=1).max())
 
 
-def _states(run: Run, body: int | None) -> tuple[Floats, Floats]:
+def states_of(run: Run, body: int | None = None) -> tuple[Floats, Floats]:
     """Rates (m, 3) and attitudes (m, 4) of the body that is shown."""
     if run.attitude is None:
-        raise ValueError(f"record = {run.spec['record']!r}: an animation needs record = 'attitude'")
+        raise ValueError(
+            f"record = {run.spec['record']!r}: record = 'attitude' is needed to show the motion"
+        )
     omega, attitude = run.omega, run.attitude
     if omega.ndim == 3:
         bodies = len(omega)
@@ -189,8 +193,6 @@ def _states(run: Run, body: int | None) -> tuple[Floats, Floats]:
         omega, attitude = omega[index], attitude[index]
     elif body is not None:
         raise ValueError(f"body = {body}: the run has a single body")
-    if len(run.t) < 2:
-        raise ValueError(f"t of shape {run.t.shape}: an animation needs two times or more")
     if not (np.isfinite(omega).all() and np.isfinite(attitude).all()):
         raise ValueError("status: states that are not finite cannot be shown")
     return omega, attitude

@@ -287,7 +287,7 @@ def test_what_cannot_be_shown_is_refused(given: dict[str, Any], message: str) ->
 @pytest.mark.parametrize(
     ("run", "message"),
     [
-        ({"scene": ASYMMETRIC, "record": "rates"}, r"record = 'rates': an animation needs"),
+        ({"scene": ASYMMETRIC, "record": "rates"}, r"record = 'rates': record = 'attitude' is needed"),
         ({"scene": ASYMMETRIC, "t": [1.0]}, r"t of shape \(1,\): an animation needs two times"),
         ({"scene": ASYMMETRIC, "omega": [0, 0, 0]}, r"omega = \[0, 0, 0\]: a free body at rest"),
         ({"scene": TOP, "omega": [[1, 0, 0], [1, 2, 3]]}, r"body = None: the run has 2 bodies"),

@@ -24,11 +24,16 @@ def sides(points: Floats, outward: Floats, towards: Floats) -> tuple[Floats, Flo
     return np.where(seen, points, np.nan), np.where(seen, np.nan, points)
 
 
-def surface(ax: Any, faces: Floats, colour: str, **style: Any) -> Any:
-    """Polygons (k, corners, 3), shaded by the way they face."""
+def surface(ax: Any, faces: Floats, colour: str, towards: Floats, **style: Any) -> Any:
+    """Polygons (k, 4, 3), the lighter the more they face who looks; curves lie over them."""
+    from matplotlib.colors import to_rgb
     from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
-    given = {"facecolors": colour, "edgecolors": "none", "alpha": 0.3, "zorder": 1, "shade": True}
-    collection = Poly3DCollection(faces, **(given | style))
+    normal = np.cross(faces[:, 2] - faces[:, 0], faces[:, 3] - faces[:, 1])
+    size = np.linalg.norm(normal, axis=1)
+    light = 0.8 + 0.2 * np.abs(normal @ towards) / np.where(size > 0.0, size, 1.0)
+    shades = light[:, np.newaxis] * np.array(to_rgb(colour))
+    given: dict[str, Any] = {"edgecolors": shades, "linewidths": 0.4, "zorder": 1}
+    collection = Poly3DCollection(faces, facecolors=shades, **(given | style))
     ax.add_collection3d(collection)
     return collection

@@ -235,7 +235,7 @@ def locus(
     ax = in_space(ax)
     towards = eye(ELEV, AZIM)
     faces = ellipsoid_faces(np.ones(3), rings=24, sectors=48)
-    sphere = surface(ax, faces, "#dddddd", alpha=0.35, shade=False)
+    sphere = surface(ax, faces, "#f2f2f2", towards)
     curve(ax, circle(np.zeros(3), towards, 1.0), colours.FAINT, linewidth=1.0, zorder=2)
     red, blue = colours.HUES["vermilion"], colours.HUES["blue"]
     circles = []
