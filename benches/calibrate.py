@@ -21,7 +21,7 @@ from rigid import _core, build_info, methods
 from rigid.belief import distances
 
 TARGET = Path(__file__).parents[1] / "python" / "rigid" / "calibration.json"
-KINDS = ("free", "lagrange", "top")
+KINDS = ("free", "lagrange", "top", "driven")
 RECORDS = ("rates", "axis", "attitude")
 BODIES = 48
 ANGLE = 30.0
@@ -32,7 +32,8 @@ TURNS = 2.0 ** (-0.5 * np.arange(-2, 22))
 
 def bodies(kind: str, count: int) -> dict[str, Any]:
     """Random bodies that turn by about a radian in a unit of time."""
-    rng = np.random.default_rng([2026, KINDS.index(kind)])
+    # A driven body is a top under damping.
+    rng = np.random.default_rng([2026, min(KINDS.index(kind), 2)])
     parts = rng.uniform(0.2, 1.2, (count, 3))
     moments = parts.sum(axis=1, keepdims=True) - parts
     weight = np.zeros((count, 3))
@@ -40,13 +41,16 @@ def bodies(kind: str, count: int) -> dict[str, Any]:
         moments[:, 1] = moments[:, 0]
         moments[:, 2] = np.minimum(moments[:, 2], 1.9 * moments[:, 0])
         weight[:, 2] = rng.uniform(0.3, 3.0, count)
-    if kind == "top":
+    if kind in ("top", "driven"):
         direction = rng.normal(size=(count, 3))
         size = rng.uniform(0.3, 3.0, (count, 1))
         weight = size * direction / np.linalg.norm(direction, axis=1, keepdims=True)
     attitude = rng.normal(size=(count, 4))
     attitude /= np.linalg.norm(attitude, axis=1, keepdims=True)
+    zero = np.zeros((1, 3))
+    damped = _core.Outside(times=[], body=zero, space=zero, damping=[0.1, 0.1, 0.1, 0.0, 0.0, 0.0])
     return {
+        **({"outside": damped} if kind == "driven" else {}),
         "scene": "free" if kind == "free" else "top",
         "moments": moments,
         "weight": weight,
@@ -99,6 +103,9 @@ def errors(kind: str, name: str, order: int, truths: dict[str, Any]) -> tuple[fl
 def cost(kind: str, name: str, record: str) -> float:
     """Nanoseconds a step."""
     table = bodies(kind, 512)
+    if kind == "driven" and record == "rates":
+        # Of rates alone that need no directions.
+        table = {**table, "scene": "free", "weight": np.zeros((512, 3))}
     count, samples = 64, []
     for _ in range(5):
         states = ends(table, name, record, np.full(512, 0.01 / count), 0.01)
@@ -114,7 +121,7 @@ def main() -> None:
         table = bodies(kind, BODIES)
         rates = _core.fastest_rates(**table)
         until = ANGLE / float(np.median(rates))
-        exact = kind != "top"
+        exact = kind in ("free", "lagrange")
         truth = ends(
             table,
             "exact" if exact else best.name,
@@ -123,6 +130,8 @@ def main() -> None:
             until,
         )
         for method in methods():
+            if kind == "driven" and not method.driven:
+                continue
             factor, largest = errors(
                 kind, method.name, method.order, {"until": until, "states": truth}
             )

@@ -62,6 +62,21 @@ pub enum Error {
         /// What it must be.
         rule: &'static str,
     },
+    /// An explicit method would blow up.
+    #[error(
+        "step = {step:e}: '{name}' is unstable under damping with steps beyond {longest:e} (the fastest damping rate \
+         is {rate:e}); take shorter ones, leave the step out, or take a method for strong damping"
+    )]
+    Unstable {
+        /// What was given.
+        step: f64,
+        /// The largest eigenvalue of `I^-1 D`.
+        rate: f64,
+        /// Name of the method.
+        name: &'static str,
+        /// The longest stable step.
+        longest: f64,
+    },
     /// An array of the wrong shape.
     #[error("{argument}: expected shape {expected}, got {got}")]
     Shape {

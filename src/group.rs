@@ -1,12 +1,14 @@
 //! Bodies side by side: one row of numbers for each variable, one lane for each body.
 
+use crate::model::Drive;
+use crate::real::Pack;
 use std::sync::OnceLock;
 
 /// Bodies in a group: four AVX-512 registers, so that each hides the latency of the others.
 pub const LANES: usize = 32;
 
-/// Longest state: rates, vertical and quaternion.
-pub const MAX_STATE: usize = 10;
+/// Longest state: rates, three directions, and the balance of work, impulse and time.
+pub const MAX_STATE: usize = 15;
 
 /// One number for each body of a group.
 #[derive(Clone, Copy)]
@@ -63,6 +65,73 @@ pub struct Group {
     pub momentum: DriftRows,
     /// Largest deviation of the length of a direction from one.
     pub unit: Row,
+}
+
+/// What acts from outside on the bodies of a group: the numbers of `Drive`, in its order.
+#[derive(Clone)]
+pub struct Drives {
+    /// Torque in the body, and its rate of change.
+    pub body: [[Row; 3]; 2],
+    /// The same of a torque in space.
+    pub space: [[Row; 3]; 2],
+    /// Damping.
+    pub damping: [Row; 6],
+    /// Its rates.
+    pub rates: [Row; 3],
+    /// Its modes.
+    pub modes: [[Row; 3]; 3],
+}
+
+impl Drives {
+    /// Nothing.
+    pub const NONE: Drives = Drives {
+        body: [[Row::ZERO; 3]; 2],
+        space: [[Row::ZERO; 3]; 2],
+        damping: [Row::ZERO; 6],
+        rates: [Row::ZERO; 3],
+        modes: [[Row::ZERO; 3]; 3],
+    };
+
+    /// What acts on the body in a lane from now on.
+    pub fn set(&mut self, lane: usize, drive: &Drive<f64>) {
+        for i in 0..2 {
+            for k in 0..3 {
+                self.body[i][k].0[lane] = drive.body[i][k];
+                self.space[i][k].0[lane] = drive.space[i][k];
+            }
+        }
+        for k in 0..6 {
+            self.damping[k].0[lane] = drive.damping[k];
+        }
+        for k in 0..3 {
+            self.rates[k].0[lane] = drive.rates[k];
+            for m in 0..3 {
+                self.modes[k][m].0[lane] = drive.modes[k][m];
+            }
+        }
+    }
+
+    /// The lanes of a pack.
+    #[inline(always)]
+    pub fn load<P: Pack>(&self, at: usize) -> Drive<P> {
+        let mut drive = Drive::none();
+        for i in 0..2 {
+            for k in 0..3 {
+                drive.body[i][k] = P::load(&self.body[i][k].0[at..]);
+                drive.space[i][k] = P::load(&self.space[i][k].0[at..]);
+            }
+        }
+        for k in 0..6 {
+            drive.damping[k] = P::load(&self.damping[k].0[at..]);
+        }
+        for k in 0..3 {
+            drive.rates[k] = P::load(&self.rates[k].0[at..]);
+            for m in 0..3 {
+                drive.modes[k][m] = P::load(&self.modes[k][m].0[at..]);
+            }
+        }
+        drive
+    }
 }
 
 impl Group {

@@ -19,6 +19,8 @@ pub struct Leaps {
     pub now: [Row; 2],
     /// When something is to be done; infinite for lanes that wait.
     pub next: Row,
+    /// Where what acts from outside changes: no step goes beyond.
+    pub end: Row,
     /// 1 forward, -1 backward.
     pub direction: Row,
     /// One over the rate that rates are compared with.
@@ -37,6 +39,7 @@ impl Leaps {
             begin: [nothing; 2],
             now: [nothing; 2],
             next: Row([f64::INFINITY; LANES]),
+            end: Row([f64::INFINITY; LANES]),
             direction: Row([1.0; LANES]),
             inverse_rate: nothing,
             tolerance,
@@ -71,7 +74,12 @@ where
             let mut c = Coefficients::new();
             bodies[b].1.coefficients(unit, &y, &mut c);
             let inverse_rate = P::load(&l.inverse_rate.0[at..]);
-            let reach = reach::<P, D>(&c, S::ORDER, inverse_rate, P::splat(l.tolerance));
+            let mut reach = reach::<P, L, D>(&c, S::ORDER, inverse_rate, P::splat(l.tolerance));
+            if M::DRIVEN {
+                let now = P::load(&l.now[0].0[at..]) + P::load(&l.now[1].0[at..]);
+                // The second argument wins where one is no number.
+                reach = ((P::load(&l.end.0[at..]) - now) / unit).min(reach);
+            }
             let mut rise = *c.order(S::ORDER);
             for k in (1..S::ORDER).rev() {
                 for d in 0..D {
@@ -115,20 +123,26 @@ where
 /// How many units the series may be followed: until one of its last two terms would be the tolerance, with the
 /// margin of Jorba & Zou 2005, eq. (3-8) (doi 10.1080/10586458.2005.10128904).
 #[inline(always)]
-fn reach<R: Real, const D: usize>(c: &Coefficients<R, D>, order: usize, inverse_rate: R, tolerance: R) -> R {
-    let last = room(c.order(order), inverse_rate, tolerance) * R::splat(1.0 / order as f64);
-    let before = room(c.order(order - 1), inverse_rate, tolerance) * R::splat(1.0 / (order - 1) as f64);
+fn reach<R: Real, L: Layout, const D: usize>(
+    c: &Coefficients<R, D>,
+    order: usize,
+    inverse_rate: R,
+    tolerance: R,
+) -> R {
+    let last = room::<R, L, D>(c.order(order), inverse_rate, tolerance) * R::splat(1.0 / order as f64);
+    let before =
+        room::<R, L, D>(c.order(order - 1), inverse_rate, tolerance) * R::splat(1.0 / (order - 1) as f64);
     // From one step to the next at most a factor of 2^30: what stands still has no scale.
     let bound = R::splat(30.0 * std::f64::consts::LN_2);
     let margin = R::splat(0.7 / (order - 1) as f64);
     exp((last.min(before) - margin).min(bound).max(-bound))
 }
 
-/// ln of the tolerance over the largest number of a term.
+/// ln of the tolerance over the largest number of a term. The balance follows the motion: it does not count.
 #[inline(always)]
-fn room<R: Real, const D: usize>(term: &[R; D], inverse_rate: R, tolerance: R) -> R {
+fn room<R: Real, L: Layout, const D: usize>(term: &[R; D], inverse_rate: R, tolerance: R) -> R {
     let mut largest = R::splat(f64::MIN_POSITIVE);
-    for d in 0..D {
+    for d in 0..L::BALANCE_AT {
         let size = if d < 3 { term[d].abs() * inverse_rate } else { term[d].abs() };
         largest = largest.max(size);
     }

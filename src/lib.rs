@@ -4,7 +4,7 @@
 //!
 //! ```text
 //! real ← simd        real ← special ← model ← method ← observe ← group ← leaps ← kernel
-//! {body, kernel} ← start ← exact        special ← sample
+//! body ← outside        {outside, kernel} ← start ← exact        special ← sample
 //! {exact, sample, run} ← trajectory ← ensemble ← python
 //! ```
 
@@ -19,6 +19,7 @@ pub mod leaps;
 pub mod method;
 pub mod model;
 pub mod observe;
+pub mod outside;
 #[cfg(feature = "python")]
 mod python;
 pub mod real;

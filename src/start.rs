@@ -4,8 +4,9 @@ use crate::body::Inertia;
 use crate::group::{Group, MAX_STATE};
 use crate::kernel::{Compiled, Kernel, System, Table, Watch};
 use crate::method::{Form, Method};
-use crate::model::{Layout, Parameters, TwoAxes, cross, dot, quaternion_product, seen_from_body};
+use crate::model::{Parameters, cross, dot, quaternion_product, seen_from_body};
 use crate::observe::tilt;
+use crate::outside::Outside;
 use crate::special::sincos;
 
 /// One body with its start.
@@ -72,6 +73,24 @@ impl Body {
         squares.max(mgl / smallest).sqrt()
     }
 
+    /// The same under what acts from outside, between two times around 0.
+    pub fn fastest_rate_driven(&self, outside: &Outside, span: [f64; 2]) -> f64 {
+        let twice_kinetic: f64 = (0..3).map(|k| self.moments[k] * self.omega[k] * self.omega[k]).sum();
+        let mgl = self.weight.iter().map(|c| c * c).sum::<f64>().sqrt();
+        let vertical = self.vertical();
+        let height: f64 = (0..3).map(|k| self.weight[k] * vertical[k]).sum();
+        let smallest = self.moments.iter().fold(f64::INFINITY, |a, &b| a.min(b));
+        let reach = twice_kinetic + 2.0 * (mgl + height).max(0.0);
+        outside.fastest_rate(self.moments, reach, (mgl / smallest).sqrt(), span)
+    }
+
+    /// The rate that steps of explicit schemes follow: how fast the body turns, and how fast damping slows it.
+    pub fn step_rate_driven(&self, outside: &Outside, span: [f64; 2]) -> f64 {
+        let [.., slowing] = outside.damping_rates(self.moments);
+        let turning = self.fastest_rate_driven(outside, span);
+        (turning * turning + slowing * slowing).sqrt()
+    }
+
     /// The axis (0, 1, 2) of the smallest moment.
     fn smallest_moment(&self) -> usize {
         (1..3).fold(0, |s, k| if self.moments[k] < self.moments[s] { k } else { s })
@@ -128,6 +147,8 @@ impl Seat {
         use Table::*;
         let (symmetric, any) = match method {
             Method::Rk4 => return Seat::as_is(Rk4),
+            // Without damping nothing is stiff: an exponential method is then one of its order.
+            Method::Etd4 => return Seat::as_is(Rk4),
             Method::Dop853 => return Seat::as_is(Dop853),
             Method::Taylor8 => return Seat::as_is(Taylor8),
             Method::Taylor12 => return Seat::as_is(Taylor12),
@@ -156,6 +177,15 @@ impl Seat {
         };
         let table = if is_top { table } else { table.without_weight() };
         Seat { table, turn, spin_moment: None }
+    }
+
+    /// The seat of a body that something acts on from outside: in the axes of the user.
+    pub fn of_driven(method: Method, body: &Body) -> Seat {
+        match method {
+            Method::Splitting => Seat::as_is(Table::Affine),
+            Method::Etd4 => Seat::as_is(Table::Etd4),
+            _ => Seat { turn: 0, spin_moment: None, ..Seat::of(method, body, true) },
+        }
     }
 
     /// In the axes of the user.
@@ -223,6 +253,17 @@ pub struct State {
     pub invariants: [f64; 2],
     /// The same of a top with the vertical that the attitude says, where both are carried: the two may part.
     pub invariants_of_attitude: Option<[f64; 2]>,
+    /// Of a body that something acts on from outside.
+    pub balance: Option<Balance>,
+}
+
+/// What came from outside.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Balance {
+    /// Work of torque and damping since the start.
+    pub work: f64,
+    /// What the energy and the conserved momentum have grown to: added to their scales.
+    pub scales: [f64; 2],
 }
 
 /// Scales of the energy and of the conserved momentum: what a drift is relative to.
@@ -253,7 +294,13 @@ fn kernel_state(system: System, seat: Seat, body: &Body, watched_axis: [f64; 3])
         };
     }
     match system {
-        System::FreeRates | System::FreeAttitude => {}
+        System::FreeRates | System::FreeAttitude | System::DrivenRates => {}
+        System::DrivenFrame => {
+            let seen = |axis: [f64; 3]| seat.rename(seen_from_body(&body.attitude, &axis));
+            y[3..6].copy_from_slice(&seat.rename(body.vertical()));
+            y[6..9].copy_from_slice(&seen([1.0, 0.0, 0.0]));
+            y[9..12].copy_from_slice(&seen([0.0, 1.0, 0.0]));
+        }
         System::FreeAxis if watched_axis == [0.0; 3] => {
             y[3..6].copy_from_slice(&seat.rename(body.vertical()));
         }
@@ -265,7 +312,7 @@ fn kernel_state(system: System, seat: Seat, body: &Body, watched_axis: [f64; 3])
         | System::SpinFreeTwoAxes
         | System::SpinFreeAttitude => {
             y[3..6].copy_from_slice(&seat.rename(body.vertical()));
-            if system.len() == TwoAxes::LEN {
+            if system.has_rows() {
                 let second = match watched_axis {
                     [0.0, 0.0, 0.0] => seat.rename(seen_from_body(&body.attitude, &[1.0, 0.0, 0.0])),
                     watched => watched,
@@ -340,6 +387,13 @@ pub fn load(
     }
 }
 
+/// Lets the time of a driven body, in which its torque is given, begin.
+pub fn start_clock(group: &mut Group, kernel: Kernel, lane: usize) {
+    let time = kernel.system.len() - 1;
+    group.state[time].0[lane] = 0.0;
+    group.carry[time].0[lane] = 0.0;
+}
+
 /// The side of zero that a component starts on; on zero, the side that it is about to enter.
 fn side(body: &Body, k: usize) -> f64 {
     let value = if body.omega[k] == 0.0 { rates_soon(body)[k] } else { body.omega[k] };
@@ -397,7 +451,7 @@ pub fn read(
     let parameters = Parameters { moments, weight: at(&group.weight), step: 0.0 };
     let invariants = compiled.invariants(&parameters, &y);
     let quaternion = kernel.system.quaternion_at();
-    let in_rows = kernel.system.len() == TwoAxes::LEN;
+    let in_rows = kernel.system.has_rows();
     let row = |y: &[f64; MAX_STATE], at: usize| [y[at], y[at + 1], y[at + 2]];
     // Of a quaternion the axes of space are renamed with those of the body.
     let carried = match quaternion {
@@ -418,10 +472,17 @@ pub fn read(
     if let Some(moment) = seat.spin_moment {
         add_spin(&mut y, quaternion, moments[0] / moment, time);
     }
-    let has_direction = !matches!(kernel.system, System::FreeRates | System::FreeAttitude);
+    let omega = [y[0], y[1], y[2]];
+    let balance = kernel.system.is_driven().then(|| {
+        let work = y[kernel.system.len() - 3];
+        let momentum = [0, 1, 2].map(|k| moments[k] * omega[k]);
+        let momentum2 = dot(&momentum, &momentum);
+        let scale = if in_rows { momentum2.sqrt() } else { 2.0 * momentum2 };
+        Balance { work, scales: [0.5 * dot(&momentum, &omega) + work.abs(), scale] }
+    });
     State {
         omega: seat.restore([y[0], y[1], y[2]]),
-        direction: has_direction.then(|| seat.restore([y[3], y[4], y[5]])),
+        direction: kernel.system.has_direction().then(|| seat.restore([y[3], y[4], y[5]])),
         attitude: match quaternion {
             Some(at) => {
                 let [x, y1, z] = seat.restore(row(&y, at + 1));
@@ -432,6 +493,7 @@ pub fn read(
         sign_is_free: in_rows,
         invariants,
         invariants_of_attitude,
+        balance,
     }
 }
 

@@ -10,7 +10,9 @@ from . import exact
 from ._core import __version__
 from .bodies import Body
 from .citing import cite
+from .conditioning import condition
 from .criteria import no_flip, tilt_below
+from .forces import Torque
 from .info import build_info
 from .mapfile import load_map
 from .mapresult import Replay, StabilityMap
@@ -41,9 +43,11 @@ __all__ = [
     "StabilityMap",
     "Start",
     "Status",
+    "Torque",
     "__version__",
     "build_info",
     "cite",
+    "condition",
     "direction",
     "exact",
     "load_map",

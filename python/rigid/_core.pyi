@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 __all__ = [
     "MapJob",
+    "Outside",
     "__version__",
     "build_info",
     "check_method",
@@ -48,6 +49,7 @@ def simulate(
     times: Sequence[float] | None = None,
     strides: Sequence[int] | None = None,
     tolerance: float | None = None,
+    outside: Outside | None = None,
 ) -> dict[str, Any]: ...
 def closed_forms(
     *,
@@ -64,6 +66,9 @@ def fastest_rates(
     weight: NDArray[np.float64],
     omega: NDArray[np.float64],
     attitude: NDArray[np.float64],
+    outside: Outside | None = None,
+    span: Sequence[float] | None = None,
+    method: str | None = None,
 ) -> NDArray[np.float64]: ...
 def free_quantities(
     *, moments: NDArray[np.float64], omega: NDArray[np.float64]
@@ -94,6 +99,18 @@ def tilt_times(
     limit: float,
 ) -> NDArray[np.float64]: ...
 def elliptic(name: str, arguments: Sequence[NDArray[np.float64]]) -> list[NDArray[np.float64]]: ...
+
+@final
+class Outside:
+    def __new__(
+        cls,
+        *,
+        times: Sequence[float],
+        body: NDArray[np.float64],
+        space: NDArray[np.float64],
+        damping: Sequence[float],
+    ) -> Outside: ...
+    def damping_rates(self, moments: Sequence[float]) -> list[float]: ...
 
 @final
 class MapJob:

@@ -18,10 +18,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _core
-from .columns import each_row
+from .columns import fastest_rates
 from .methods import rotations
 
-__all__ = ["SAMPLE", "Belief", "ahead", "believe", "distances", "evenly", "span_of", "taken_from"]
+__all__ = [
+    "SAMPLE",
+    "Belief",
+    "ahead",
+    "around",
+    "believe",
+    "distances",
+    "evenly",
+    "span_of",
+    "taken_from",
+]
 
 Floats = NDArray[np.float64]
 
@@ -104,7 +114,7 @@ def believe(
     """The error of states that were made by steps, from a second run with shorter ones."""
     taken = states["steps"].astype(np.float64)
     span = span_of(times)
-    rates = _core.fastest_rates(**each_row(table))
+    rates = fastest_rates(table, around(times))
     floor = ROUNDING * (1.0 + rates * span)
     floor = floor + ROTATION * rotations(method) * taken
     count = len(taken)
@@ -148,6 +158,12 @@ def ahead(error: float, wanted: float, order: int) -> float:
     return float(np.clip((2.0 * error / wanted) ** (1.0 / order), 1.05, 8.0))
 
 
+def around(times: Floats) -> tuple[float, float]:
+    """First and last of the times and 0."""
+    return float(times.min(initial=0.0)), float(times.max(initial=0.0))
+
+
 def span_of(times: Floats) -> float:
     """How much time is covered from 0, backward and forward."""
-    return float(max(times.max(initial=0.0), 0.0) - min(times.min(initial=0.0), 0.0))
+    first, last = around(times)
+    return last - first

@@ -9,8 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _core
-from .columns import columns, each_row
+from .columns import columns, fastest_rates
 from .costs import ROUNDING
 from .methods import EXACT, methods
 from .reportspec import ReportSpec
@@ -129,7 +128,7 @@ def cloud_of(spec: ReportSpec) -> Cloud:
     factors[0] = 1.0
     omega = np.array(spec.omega) * factors
     table, _ = columns(spec.scene, omega, spec.attitude)
-    return Cloud(spec, omega, _core.fastest_rates(**each_row(table)))
+    return Cloud(spec, omega, fastest_rates(table, (0.0, spec.t_end)))
 
 
 def attitude_angle(attitude: ArrayLike, reference: ArrayLike) -> Floats:

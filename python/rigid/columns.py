@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from . import _core
 from ._check import rows
 from .scenes import FreeBody, HeavyTop, Scene
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-__all__ = ["check_scene", "columns", "each_row", "laid_out"]
+__all__ = ["check_scene", "columns", "each_row", "fastest_rates", "laid_out"]
 
 _IDENTITY = (1.0, 0.0, 0.0, 0.0)
 
@@ -48,13 +49,27 @@ def laid_out(
     scene: Scene, rates: NDArray[np.float64], quaternions: NDArray[np.float64], n: int
 ) -> dict[str, Any]:
     """The columns of ``n`` bodies with these rates and unit quaternions, as they are."""
-    return {
+    table = {
         "scene": scene.kind,
         "moments": np.array([scene.body.moments]),
         "weight": scene.weight[np.newaxis],
         "omega": np.ascontiguousarray(np.broadcast_to(rates, (n, 3))),
         "attitude": quaternions,
     }
+    outside = scene.outside
+    return table if outside is None else {**table, "outside": outside}
+
+
+def fastest_rates(
+    table: Mapping[str, Any], span: tuple[float, float], method: str | None = None
+) -> NDArray[np.float64]:
+    """Bounds of ``|omega|`` between two times around 0, or the rates that a method's steps follow.
+
+    Without torque and damping they hold for all times, and the two are the same.
+    """
+    if "outside" in table:
+        return _core.fastest_rates(**each_row(table), span=span, method=method)
+    return _core.fastest_rates(**each_row(table))
 
 
 def each_row(table: Mapping[str, Any]) -> dict[str, Any]:

@@ -52,14 +52,20 @@ def schemes() -> dict[tuple[str, str], Scheme]:
     }
 
 
-def cheapest(accuracy: float, kind: str, question: str | Criterion, angle: float) -> str:
-    """The scheme that needs the least time for this error after turning by ``angle`` (rad)."""
+def cheapest(
+    accuracy: float, kind: str, question: str | Criterion, angles: Mapping[str, float]
+) -> str:
+    """The scheme that needs the least time for this error after these angles (rad).
+
+    Explicit steps follow the damping too: to them what it slows down is an angle.
+    """
 
     def time(name: str) -> float:
-        scheme = schemes()[name, kind]
-        return _step_cost(scheme, question) / _turn(scheme, accuracy, np.array(angle)).item()
+        scheme, angle = schemes()[name, kind], angles[name]
+        turn = _turn(scheme, accuracy, np.array(angle)).item()
+        return _step_cost(scheme, question) * max(angle, 1e-300) / turn
 
-    return min((name for name, known in schemes() if known == kind), key=time)
+    return min((name for name, known in schemes() if known == kind and name in angles), key=time)
 
 
 # Nanoseconds on one core: a body, a state of it and its class by closed form. The states pay for

@@ -154,6 +154,7 @@ def free_body(body: Body | FreeBody, omega: ArrayLike) -> FreeMotion:
     (1, 52.660597)
     """
     if isinstance(body, FreeBody):
+        _undriven(body)
         body = body.body
     if not isinstance(body, Body):
         raise TypeError(f"body = {body!r}: must be a rigid.Body or a rigid.FreeBody")
@@ -203,7 +204,7 @@ def flip_times(
     >>> np.round(np.diff(times), 6)
     array([28.731424, 28.731424])
     """
-    check_scene(scene)
+    _undriven(check_scene(scene))
     number = positive_int("count", count)
     table, single = columns(scene, omega, attitude)
     axes = _largest(table["omega"]) if axis is None else body_axis(axis)
@@ -424,6 +425,7 @@ def pendulum_period(scene: HeavyTop, amplitude: ArrayLike, *, axis: int) -> Floa
     """
     if not isinstance(scene, HeavyTop):
         raise TypeError(f"scene = {scene!r}: must be a rigid.HeavyTop")
+    _undriven(scene)
     about = body_axis(axis)
     if scene.mgl == 0.0 or scene.com[about - 1] != 0.0:
         raise ValueError(
@@ -582,10 +584,17 @@ def _called(name: str, *arrays: Floats) -> tuple[Floats, ...]:
     return tuple(value.reshape(arrays[0].shape)[()] for value in values)
 
 
+def _undriven(scene: Scene) -> None:
+    """Raise for a scene under torque or damping: what follows from conserved numbers is lost."""
+    if scene.outside is not None:
+        raise ValueError(f"scene = {scene_words(scene)}: no closed form under torque and damping")
+
+
 def lagrange_axis(scene: object) -> tuple[int, float]:
     """Symmetry axis of a Lagrange top, and on which side of the fixed point its weight is."""
     if not isinstance(scene, HeavyTop):
         raise TypeError(f"scene = {scene!r}: must be a rigid.HeavyTop")
+    _undriven(scene)
     if scene.mgl == 0.0:
         raise ValueError("mgl = 0: a top without weight is a free body; use exact.free_body")
     axis = int(lagrange_axes(np.array([scene.body.moments]), scene.weight[np.newaxis])[0])

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ._check import positive_int, resolve_threads
 from .bodies import Body
 from .grid import pixels
 from .mapspec import MapSpec, core_job
@@ -315,6 +316,45 @@ class StabilityMap:
             run=run,
             **values,
         )
+
+    def condition(self, samples: int = 1, *, threads: int | None = None) -> NDArray[np.float64]:
+        """How much the motions of this map magnify a small change of their start, by pixel.
+
+        It tells the sensitivity of the physics from errors of the solver; see :func:`condition`.
+
+        Parameters
+        ----------
+        samples : int
+            So many bodies of each pixel, the first, are followed to ``t_end``.
+        threads : int, optional
+            Default: ``RIGID_NUM_THREADS``, else the cores that this process may use.
+
+        Returns
+        -------
+        ndarray
+            Their median at ``t_end``; NaN where no body is possible.
+
+        Raises
+        ------
+        ValueError
+            If ``samples`` is not between 1 and those of the map.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> result = rigid.stability_map(
+        ...     rigid.FreeBody, axes={"I2/I1": [1.2, 1.8]}, samples=4, t_end=50.0,
+        ...     stable=rigid.no_flip(), rng=2026,
+        ... )
+        >>> result.condition().shape
+        (2,)
+        """
+        from .conditioning import over_map
+
+        count = positive_int("samples", samples)
+        if count > self.spec.samples:
+            raise ValueError(f"samples = {count}: the map has {self.spec.samples} in a pixel")
+        return over_map(self.spec, count, resolve_threads(threads))
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the map; see :func:`rigid.plotting.plot_map`.

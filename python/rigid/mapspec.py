@@ -100,6 +100,8 @@ class MapSpec:
         if self.check > 1.0:
             raise ValueError(f"check = {self.check}: must lie in [0, 1]")
         one_of("method", self.method, map_methods())
+        if self.scene.outside is not None:
+            raise ValueError("scene: a map knows neither torque nor damping; use rigid.simulate")
         check_method(self.method, self.scene.kind, watched=True)
         if self.method == EXACT:
             require_closed_forms(self)

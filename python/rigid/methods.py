@@ -12,12 +12,15 @@ __all__ = [
     "EXACT",
     "FALLBACK",
     "SECOND",
+    "STIFF",
     "Method",
     "angle_per_step",
     "check_method",
+    "driven_methods",
     "map_methods",
     "methods",
     "order_of",
+    "plain_methods",
     "rotations",
     "run_methods",
     "series_methods",
@@ -28,6 +31,9 @@ EXACT = "exact"
 
 AUTO = "auto"
 """In a map: the closed form for each body that has one, else the fallback."""
+
+STIFF = "etd4"
+"""The scheme for strong damping; without damping it is the fallback."""
 
 FALLBACK = "rk4"
 """The scheme of what has no closed form, unless another one is asked for."""
@@ -53,6 +59,8 @@ class Method:
     symplectic, reversible, group_preserving : bool
         Preserves the Poisson structure; a step forward and one back is the identity; ``|L|`` of the
         free body, ``|gamma|`` and ``|q|`` stay as they are, up to rounding.
+    driven, stiff : bool
+        Moves bodies under torque and damping; stays stable however strong the damping is.
     tops, maps : bool
         Moves bodies with weight, not only free ones; has a state after every step, as a map wants
         it, not only at wanted times.
@@ -69,6 +77,8 @@ class Method:
     symplectic: bool
     reversible: bool
     group_preserving: bool
+    driven: bool
+    stiff: bool
     tops: bool
     maps: bool
     angle_per_step: float
@@ -119,12 +129,27 @@ def series_methods() -> list[str]:
     return [method.name for method in methods() if method.name.startswith("taylor")]
 
 
+def driven_methods() -> list[str]:
+    """The names of the schemes that move bodies under torque and damping."""
+    return [method.name for method in methods() if method.driven]
+
+
+def plain_methods() -> list[str]:
+    """The names of the schemes that differ from others without damping too."""
+    return [method.name for method in methods() if method.name != STIFF]
+
+
 def map_methods() -> list[str]:
     """The names that a map accepts of some scene; :func:`check_method` refuses the others."""
     return [AUTO, *run_methods()]
 
 
-def check_method(name: str, kind: str, *, watched: bool) -> None:
+def check_method(name: str, kind: str, *, watched: bool, driven: bool = False) -> None:
     """Raise ValueError if a scheme does not move that kind of scene, or cannot be watched."""
     if name not in (AUTO, EXACT):
         _core.check_method(name, kind, watched)
+        if driven and not _named(name).driven:
+            raise ValueError(
+                f"method = {name!r}: moves bodies without torque and damping only; under them "
+                f"move {', '.join(map(repr, driven_methods()))}"
+            )

@@ -19,11 +19,20 @@ from numpy.typing import ArrayLike, NDArray
 from . import _core
 from ._check import finite_float, one_of
 from .bodies import possible
-from .columns import check_scene, columns, each_row
+from .columns import check_scene, columns, each_row, fastest_rates
 from .costs import cheapest, check_attainable, numbers, schemes, steps_for
 from .criteria import Criterion, NoFlip, TiltBelow
 from .grid import pixels
-from .methods import AUTO, EXACT, FALLBACK, check_method, run_methods
+from .methods import (
+    AUTO,
+    EXACT,
+    FALLBACK,
+    STIFF,
+    check_method,
+    driven_methods,
+    plain_methods,
+    run_methods,
+)
 from .scenes import FreeBody, HeavyTop, Scene, scene_words
 from .starts import Start
 
@@ -57,6 +66,7 @@ _STATES_RULE = (
     "closed forms are known of a free body, of a top with two moments equal to the bit and its "
     "centre of mass on the third axis, and of a top that swings about a principal axis"
 )
+_DRIVEN_RULE = "under torque and damping there is none"
 _CLASS_RULE = (
     "closed forms are known of no_flip of a free body, and of tilt_below(axis=±k, "
     "reference='vertical') and no_flip(k) of a top with two moments equal to the bit and its "
@@ -79,7 +89,8 @@ class Plan:
         ``"exact"``, the name of a scheme, or ``"auto"`` for a map where only some bodies have a
         closed form.
     carried : tuple of str
-        Variables computed: ``"omega"``, ``"gamma"`` (the vertical in the body), ``"attitude"``.
+        Variables computed: ``"omega"``, ``"gamma"`` (the vertical in the body), ``"attitude"``;
+        under torque and damping their ``"work"``.
     step : float or None
         Longest step (s), the shortest of many bodies; None for a closed form and where the rates
         are not known.
@@ -183,7 +194,7 @@ def plan(
         cheapest scheme and its step follow from it, the rates and the horizon.
     method : str, optional
         ``"exact"`` or one of :func:`rigid.methods`; by default the closed form if all bodies have
-        one and no step is given, else ``"rk4"``.
+        one and no step is given, else ``"rk4"``, or ``"etd4"`` under strong damping.
     step : float, optional
         Longest step (s).
 
@@ -236,6 +247,7 @@ def decide(
     *,
     table: Mapping[str, Any] | None,
     span: float | None,
+    back: float = 0.0,
     accuracy: float | None = None,
     method: str | None = None,
     step: float | None = None,
@@ -243,11 +255,13 @@ def decide(
 ) -> tuple[Plan, Floats | None]:
     """The plan for the bodies of ``table`` over a time ``span``, and the step of each body.
 
-    The steps are None if there are none or they are left to the core.
+    The span begins at ``back``, which is not positive. The steps are None if there are none or they
+    are left to the core.
     """
     if method is not None:
         one_of("method", method, run_methods())
-        check_method(method, scene.kind, watched=not isinstance(question, str))
+        watched = not isinstance(question, str)
+        check_method(method, scene.kind, watched=watched, driven=scene.outside is not None)
     if step is not None:
         step = finite_float("step", step, positive=True)
     if accuracy is not None:
@@ -258,7 +272,12 @@ def decide(
             "because the step follows from the accuracy"
         )
     forms = closed_forms(question, np.array([scene.body.moments]), scene.weight[np.newaxis])
-    asked = method == EXACT or (method is None and step is None)
+    driven = scene.outside is not None
+    if driven and not isinstance(question, str):
+        raise ValueError(f"question = {question}: a map knows neither torque nor damping")
+    if driven:
+        forms = np.full_like(forms, "")
+    asked = not driven and (method == EXACT or (method is None and step is None))
     if asked and table is not None and isinstance(question, str) and "" in forms:
         # Whether a top swings as a pendulum is for its start to say.
         forms = np.array(_core.closed_forms(**each_row(table)), dtype=np.str_)
@@ -267,23 +286,45 @@ def decide(
         which = f"body {body} of the" if forms.size > 1 else "the"
         raise ValueError(
             f"method = {EXACT!r}: no closed form of {_question_words(question)} for {which} "
-            f"{scene_words(scene)}; {_rule(question)}"
+            f"{scene_words(scene)}; {_DRIVEN_RULE if driven else _rule(question)}"
         )
     chosen, why = _choice(scene, question, forms, method, step)
-    rates = None if table is None else _core.fastest_rates(**each_row(table))
+    rates = turning = None
+    between = (back, back + (span or 0.0))
+    if table is not None and (span is not None or not driven):
+        turning = fastest_rates(table, between)
+        rates = turning
+    if driven:
+        slowing = _slowing(scene)
+        if method is None and _is_stiff(slowing, turning, step):
+            chosen = STIFF
+            why.append(f"strong damping, at a rate of {slowing:.3g} 1/s: {STIFF}")
+        if rates is not None and table is not None:
+            rates = fastest_rates(table, between, chosen)
+    bare = "gamma" not in _carried(scene, question, chosen)
+    asked_for = question if not driven else "rates" if bare else "attitude"
     steps = None
     kind = _kind(scene)
     if accuracy is not None:
-        if rates is not None and span is not None:
-            check_attainable(accuracy, rates * span)
+        if turning is not None and span is not None:
+            check_attainable(accuracy, turning * span)
         if chosen != EXACT:
-            if rates is None or span is None:
+            if table is None or rates is None or span is None:
                 raise ValueError(
                     f"accuracy = {accuracy:g}: the step follows from the rates and the horizon; "
                     f"{'omega' if rates is None else 't_end'} is missing"
                 )
             if method is None:
-                chosen = cheapest(accuracy, kind, question, float(rates.max(initial=0.0) * span))
+                names = driven_methods() if driven else plain_methods()
+                angles = {
+                    name: float(fastest_rates(table, between, name).max(initial=0.0) * span)
+                    if driven
+                    else float(rates.max(initial=0.0) * span)
+                    for name in names
+                }
+                chosen = cheapest(accuracy, kind, asked_for, angles)
+                if driven:
+                    rates = fastest_rates(table, between, chosen)
                 why.append(f"{chosen} is the cheapest scheme for it")
             steps = steps_for(accuracy, schemes()[chosen, kind], rates, span)
             why.append(f"the step follows from the accuracy, {accuracy:g} at the end")
@@ -297,13 +338,33 @@ def decide(
         carried=_carried(scene, question, chosen),
         why=tuple(why),
         left_out=_left_out(scene, question, chosen, step, forms),
-        **numbers(kind, question, chosen, forms, rates, span, steps, step, states),
+        **numbers(kind, asked_for, chosen, forms, rates, span, steps, step, states),
     )
     return made, steps
 
 
+STIFFNESS = 10.0
+"""How many times faster than it turns damping slows a body whose explicit steps are a waste."""
+
+
+def _slowing(scene: Scene) -> float:
+    """The fastest rate at which damping slows the body (1/s)."""
+    outside = scene.outside
+    return 0.0 if outside is None else float(outside.damping_rates(scene.body.moments)[-1])
+
+
+def _is_stiff(slowing: float, turning: Floats | None, step: float | None) -> bool:
+    """Whether explicit steps would follow the damping, not the motion."""
+    if step is not None:
+        # Of an explicit scheme the error would be that of the damping.
+        return step * slowing > 1.0
+    return turning is not None and slowing > STIFFNESS * float(turning.max(initial=0.0)) > 0.0
+
+
 def _kind(scene: Scene) -> str:
     """The class of bodies that a scheme is calibrated on."""
+    if scene.outside is not None:
+        return "driven"
     if isinstance(scene, FreeBody) or not scene.weight.any():
         return scene.kind
     axes = lagrange_axes(np.array([scene.body.moments]), scene.weight[np.newaxis])
@@ -449,6 +510,8 @@ def _choice(
     """The method, and why."""
     if method is not None:
         return method, [f"method = {method!r} was asked for"]
+    if scene.outside is not None:
+        return FALLBACK, ["no closed form under torque and damping"]
     if "" in forms:
         return FALLBACK, [_why_not(question, np.array(scene.body.moments), scene.weight)]
     if step is not None:
@@ -500,7 +563,9 @@ def _left_out(
         )
     elif question != "attitude" and "attitude" not in _carried(scene, question, method):
         left.append(f"{'rates' if question == 'rates' else 'vertical'} only: no attitude")
-    if isinstance(scene, FreeBody) and question in ("rates", "attitude"):
+    if "gamma" not in _carried(scene, question, method) and (
+        isinstance(scene, FreeBody) and question in ("rates", "attitude")
+    ):
         left.append("no weight: no vertical")
     return tuple(left)
 
@@ -513,6 +578,10 @@ def _carried(scene: Scene, question: Question, method: str) -> tuple[str, ...]:
     if isinstance(question, TiltBelow):
         return () if exact else ("omega", "gamma")
     heavy = isinstance(scene, HeavyTop)
+    if scene.outside is not None:
+        in_space = scene.torque is not None and scene.torque.acts_in_space
+        bare = question == "rates" and not heavy and not in_space
+        return ("omega", "work") if bare else ("omega", "gamma", "attitude", "work")
     if exact:
         # The rates of a top and every vertical come from the attitude.
         return {

@@ -1,7 +1,7 @@
 //! Which kernels there are: what moves, by which table, and what is watched.
 
 use crate::method::{self, Composition, Form, Numbers};
-use crate::model::{Attitude, Axis, AxisAttitude, Layout, Rates, TwoAxes};
+use crate::model::{Attitude, Axis, AxisAttitude, DrivenFrame, DrivenRates, Layout, Rates, TwoAxes};
 
 /// Which model moves and what is carried beside the rates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,25 +16,33 @@ pub enum System {
     SpinFreeAxis,
     SpinFreeTwoAxes,
     SpinFreeAttitude,
+    DrivenRates,
+    DrivenFrame,
 }
 
 macro_rules! tables {
-    ($($smooth:ident)*; $($split:ident)*) => {
+    ($($smooth:ident)*; $($split:ident)*; $($stiff:ident)*) => {
         /// Which table moves it.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         #[allow(missing_docs)] // The names are those of `method`.
         pub enum Table {
             $($smooth,)*
             $($split,)*
+            $($stiff,)*
         }
         impl Table {
             /// All tables.
-            pub const ALL: [Table; [$(Table::$smooth,)* $(Table::$split),*].len()] =
-                [$(Table::$smooth,)* $(Table::$split),*];
+            pub const ALL: [Table; [$(Table::$smooth,)* $(Table::$split,)* $(Table::$stiff),*].len()] =
+                [$(Table::$smooth,)* $(Table::$split,)* $(Table::$stiff),*];
 
             /// Whether it takes steps along the equations of motion, not by exact flows of their parts.
             pub fn is_smooth(self) -> bool {
                 matches!(self, $(Table::$smooth)|*)
+            }
+
+            /// Whether it is for damping of any strength.
+            pub fn is_stiff(self) -> bool {
+                matches!(self, $(Table::$stiff)|*)
             }
 
             /// Its numbers, if it is a splitting.
@@ -53,7 +61,8 @@ tables! {
     Planar Planar4 Planar6 Planar8
     Rotor Rotor4 Rotor6 Rotor8 Chin4a Srkn6 Srkn11 Srkn14 Pmlf4 Pmlf6
     DmvChin4a DmvSrkn6 DmvSrkn11 DmvSrkn14 DmvPmlf4 DmvPmlf6
-    Dmv2 Dmv4 Dmv6 Dmv8 Dmv10
+    Dmv2 Dmv4 Dmv6 Dmv8 Dmv10;
+    Affine Etd4
 }
 
 /// What is looked at after each step.
@@ -86,12 +95,30 @@ impl System {
             System::FreeAttitude => Attitude::LEN,
             System::TopTwoAxes | System::SpinFreeTwoAxes => TwoAxes::LEN,
             System::TopAttitude | System::SpinFreeAttitude => AxisAttitude::LEN,
+            System::DrivenRates => DrivenRates::LEN,
+            System::DrivenFrame => DrivenFrame::LEN,
         }
     }
 
-    /// Whether there is weight; the vertical is then the first direction carried.
+    /// Whether there may be weight; the vertical is then the first direction carried.
     pub fn is_top(self) -> bool {
-        !matches!(self, System::FreeRates | System::FreeAxis | System::FreeAttitude)
+        use System::*;
+        !matches!(self, FreeRates | FreeAxis | FreeAttitude | DrivenRates)
+    }
+
+    /// Whether something acts from outside; work, impulse and time are then the last numbers of the state.
+    pub fn is_driven(self) -> bool {
+        matches!(self, System::DrivenRates | System::DrivenFrame)
+    }
+
+    /// Whether a direction is carried.
+    pub fn has_direction(self) -> bool {
+        !matches!(self, System::FreeRates | System::FreeAttitude | System::DrivenRates)
+    }
+
+    /// Whether the attitude is carried as rows of its matrix: the third, which is the vertical, then the first.
+    pub fn has_rows(self) -> bool {
+        matches!(self, System::TopTwoAxes | System::SpinFreeTwoAxes | System::DrivenFrame)
     }
 
     /// Whether this can be watched: sign changes of the rates, or the tilt from the last direction carried.
@@ -119,7 +146,11 @@ impl Table {
     pub fn moves(self, system: System) -> bool {
         use System::*;
         let spin_free = matches!(system, SpinFreeAxis | SpinFreeTwoAxes | SpinFreeAttitude);
+        if system.is_driven() {
+            return self.is_smooth() || self.is_stiff();
+        }
         match self {
+            Table::Affine | Table::Etd4 => false,
             Table::Rk4 | Table::Planar | Table::Planar4 | Table::Planar6 | Table::Planar8 | Table::Rotor => {
                 !spin_free
             }
@@ -170,7 +201,7 @@ impl Table {
         use Table::*;
         match self {
             Planar => Planar,
-            _ if self.is_smooth() => self,
+            _ if self.is_smooth() || self.is_stiff() => self,
             Planar4 | Planar6 | Planar8 => Planar8,
             _ if self.is_for_symmetric() => Rotor,
             _ => Dmv10,
@@ -180,6 +211,7 @@ impl Table {
     /// The variables that it moves.
     pub fn form(self) -> Form {
         match self {
+            Table::Etd4 => Form::Rates,
             _ if self.is_smooth() => Form::Rates,
             _ => Form::Momenta,
         }

@@ -7,15 +7,15 @@ mod kinds;
 
 pub use kinds::{Kernel, System, Table, Watch};
 
-use crate::group::{DriftRows, Group, LANES, MAX_STATE, Row};
+use crate::group::{DriftRows, Drives, Group, LANES, MAX_STATE, Row};
 use crate::leaps::{Leaps, inside, leap};
 use crate::method::{
-    Coefficients, Dmv10, Dop853, Numbers, Planar, Planar8, Rk4, Rotor, RungeKutta, Scheme, Splitting, Taylor,
-    Taylor8, Taylor12, Taylor16, Taylor20, Taylor26,
+    Affine, AffineSplitting, Coefficients, Dmv10, Dop853, Etd4, Exponential, Numbers, Planar, Planar8, Rk4,
+    Rotor, RungeKutta, Scheme, Splitting, Taylor, Taylor8, Taylor12, Taylor16, Taylor20, Taylor26,
 };
 use crate::model::{
-    Attitude, Axis, AxisAttitude, Free, Layout, Model, Parameters, Rates, SpinFree, Top, TwoAxes, direction,
-    dot,
+    Attitude, Axis, AxisAttitude, Driven, DrivenFrame, DrivenRates, Free, Layout, Model, Parameters, Rates,
+    SpinFree, Top, TwoAxes, direction, dot,
 };
 use crate::observe::{Flips, Tilt, Watched};
 use crate::real::{Pack, Real};
@@ -62,6 +62,7 @@ fn update_drift<P: Pack>(rows: &mut DriftRows, at: usize, now: P) {
 #[inline(always)]
 fn prepared<P, const PACKS: usize, M, L, S, const D: usize>(
     g: &Group,
+    drives: &Drives,
     numbers: &'static Numbers,
 ) -> [(Parameters<P>, S); PACKS]
 where
@@ -76,7 +77,7 @@ where
         weight: load3::<P>(&g.weight, 0),
         step: P::load(&g.step.0),
     };
-    let mut bodies = [(p, S::with(&p, numbers)); PACKS];
+    let mut bodies = [(p, scheme::<P, M, L, S, D>(&p, drives, 0, numbers)); PACKS];
     for b in 1..PACKS {
         let at = b * P::LANES;
         p = Parameters {
@@ -84,15 +85,27 @@ where
             weight: load3(&g.weight, at),
             step: P::load(&g.step.0[at..]),
         };
-        bodies[b] = (p, S::with(&p, numbers));
+        bodies[b] = (p, scheme::<P, M, L, S, D>(&p, drives, at, numbers));
     }
     bodies
+}
+
+/// The constants of a scheme for the bodies of a pack.
+#[inline(always)]
+fn scheme<P: Pack, M: Model<P>, L: Layout, S: Scheme<P, M, L, D>, const D: usize>(
+    p: &Parameters<P>,
+    drives: &Drives,
+    at: usize,
+    numbers: &'static Numbers,
+) -> S {
+    if M::DRIVEN { S::driven(p, &drives.load(at), numbers) } else { S::with(p, numbers) }
 }
 
 /// Advances all lanes by `steps`, the packs side by side, and compares the invariants at the end.
 #[inline(always)]
 fn burst<P, const PACKS: usize, M, L, S, const D: usize>(
     g: &mut Group,
+    drives: &Drives,
     steps: usize,
     watch: Watch,
     numbers: &'static Numbers,
@@ -102,7 +115,7 @@ fn burst<P, const PACKS: usize, M, L, S, const D: usize>(
     L: Layout,
     S: Scheme<P, M, L, D>,
 {
-    let bodies = prepared::<P, PACKS, M, L, S, D>(g, numbers);
+    let bodies = prepared::<P, PACKS, M, L, S, D>(g, drives, numbers);
     for i in 0..steps {
         for b in 0..PACKS {
             let at = b * P::LANES;
@@ -232,17 +245,19 @@ engines! {
     Taylor20: Taylor<R, M>, V8, V4;
     Taylor26: Taylor<R, M>, V8, V4;
     Dmv10: Splitting<R>, Arr<V8, 2>, Arr<V4, 2>;
+    Affine: AffineSplitting<R, M>, V8, V4;
+    Etd4: Exponential<R, M>, V8, V4;
 }
 
 /// Advances all lanes of a group by some steps.
-type Advance = unsafe fn(&mut Group, usize, Watch, &'static Numbers);
+type Advance = unsafe fn(&mut Group, &Drives, usize, Watch, &'static Numbers);
 /// Takes all lanes of a group into the variables of their steps, or back.
 type Process = unsafe fn(&mut Group, bool, &'static Numbers);
 /// Energy and conserved momentum of one body, with the arithmetic of the kernel.
 type Invariants = unsafe fn(&Parameters<f64>, &[f64; MAX_STATE]) -> [f64; 2];
 
 /// Advances all lanes by steps of their own; see `leaps::leap`.
-type Leap = unsafe fn(&mut Group, &mut Leaps, usize) -> usize;
+type Leap = unsafe fn(&mut Group, &Drives, &mut Leaps, usize) -> usize;
 /// A state of one lane inside its last step; see `leaps::inside`.
 type Inside = unsafe fn(&Leaps, usize, f64) -> [f64; MAX_STATE];
 
@@ -276,8 +291,13 @@ impl Compiled {
 
     /// Advances every lane of the group.
     pub fn advance(self, group: &mut Group, steps: usize) {
+        self.advance_driven(group, &Drives::NONE, steps);
+    }
+
+    /// The same under what acts from outside; only driven systems feel it.
+    pub fn advance_driven(self, group: &mut Group, drives: &Drives, steps: usize) {
         // Safety: `new` has seen the features that the entry point needs.
-        unsafe { (self.code.advance)(group, steps, self.watch, self.numbers) }
+        unsafe { (self.code.advance)(group, drives, steps, self.watch, self.numbers) }
     }
 
     /// Whether the steps are made in other variables than the state.
@@ -301,9 +321,9 @@ impl Compiled {
     }
 
     /// Advances every lane by steps of its own until one has to be looked at; only of series.
-    pub fn leap(self, group: &mut Group, leaps: &mut Leaps, most: usize) -> usize {
+    pub fn leap(self, group: &mut Group, drives: &Drives, leaps: &mut Leaps, most: usize) -> usize {
         // Safety: as above.
-        unsafe { (self.code.leap)(group, leaps, most) }
+        unsafe { (self.code.leap)(group, drives, leaps, most) }
     }
 
     /// The state of a lane inside its last step, that many of its units after its begin.
@@ -357,9 +377,9 @@ macro_rules! code_of {
                 }
             }
             $($feature)*
-            fn leap_of(g: &mut Group, l: &mut Leaps, most: usize) -> usize {
+            fn leap_of(g: &mut Group, drives: &Drives, l: &mut Leaps, most: usize) -> usize {
                 const PACKS: usize = LANES / P::LANES;
-                let bodies = prepared::<P, PACKS, $model<P>, $layout, Scheme<P>, $d>(g, &NO_NUMBERS);
+                let bodies = prepared::<P, PACKS, $model<P>, $layout, Scheme<P>, $d>(g, drives, &NO_NUMBERS);
                 leap::<P, PACKS, $model<P>, $layout, Scheme<P>, $d>(g, l, &bodies, most)
             }
             $($feature)*
@@ -369,8 +389,15 @@ macro_rules! code_of {
                 inside::<$d>(l, order, lane, units)
             }
             $($feature)*
-            fn advance(g: &mut Group, steps: usize, watch: Watch, numbers: &'static Numbers) {
-                burst::<P, { LANES / P::LANES }, $model<P>, $layout, Scheme<P>, $d>(g, steps, watch, numbers)
+            fn advance(
+                g: &mut Group,
+                drives: &Drives,
+                steps: usize,
+                watch: Watch,
+                numbers: &'static Numbers,
+            ) {
+                const PACKS: usize = LANES / P::LANES;
+                burst::<P, PACKS, $model<P>, $layout, Scheme<P>, $d>(g, drives, steps, watch, numbers)
             }
             $($feature)*
             fn invariants_of(p: &Parameters<f64>, y: &[f64; MAX_STATE]) -> [f64; 2] {
@@ -408,5 +435,7 @@ fn code(kernel: Kernel, isa: Isa) -> Code {
         System::SpinFreeAxis => among!(kernel, isa: SpinFree, Axis, 6; smooth Rotor),
         System::SpinFreeTwoAxes => among!(kernel, isa: SpinFree, TwoAxes, 9; smooth),
         System::SpinFreeAttitude => among!(kernel, isa: SpinFree, AxisAttitude, 10; Rotor),
+        System::DrivenRates => among!(kernel, isa: Driven, DrivenRates, 6; smooth Rk4 Affine Etd4),
+        System::DrivenFrame => among!(kernel, isa: Driven, DrivenFrame, 15; smooth Rk4 Affine Etd4),
     }
 }

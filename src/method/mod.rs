@@ -4,17 +4,19 @@ mod compositions;
 mod moser_veselov;
 mod runge_kutta;
 mod splitting;
+mod stiff;
 mod taylor;
 
 pub use moser_veselov::MoserVeselov;
 pub use runge_kutta::{RungeKutta, Tableau};
 pub use splitting::{Composition, Drift, ExactRotor, Flow, Numbers, Processor, Splitting, Way};
+pub use stiff::{AffineSplitting, Exponential};
 pub use taylor::{Coefficients, Series, Taylor};
 pub(crate) use taylor::{MAX_ORDER, two_sum};
 
 use crate::error::Error;
 
-use crate::model::{Layout, Model, Parameters, dot};
+use crate::model::{Drive, Layout, Model, Parameters, dot};
 use crate::real::Real;
 
 /// What the first three numbers of a state are.
@@ -64,6 +66,11 @@ pub trait Scheme<R: Real, M: Model<R>, L: Layout, const D: usize>: Copy {
     #[inline(always)]
     fn with(p: &Parameters<R>, _numbers: &'static Numbers) -> Self {
         Self::new(p)
+    }
+    /// The same under what acts from outside.
+    #[inline(always)]
+    fn driven(p: &Parameters<R>, _drive: &Drive<R>, numbers: &'static Numbers) -> Self {
+        Self::with(p, numbers)
     }
     /// Into the variables of the steps, before the first of a run of equal steps; or back, after the last.
     #[inline(always)]
@@ -120,6 +127,10 @@ tables! {
         DmvChin4a DmvSrkn6 DmvSrkn11 DmvSrkn14 DmvPmlf4 DmvPmlf6;
     "Discrete Moser-Veselov drifts alone, for any free body."
         Dmv2 Dmv4 Dmv6 Dmv8 Dmv10;
+    "Planar rotations and a kick by torques and damping together, for driven bodies."
+        Affine;
+    "Exponential Runge-Kutta of order 4, for driven bodies."
+        Etd4;
 }
 
 /// The angular momentum, of rates.
@@ -178,6 +189,7 @@ methods! {
     Dmv6: Dmv6;
     Dmv8: Dmv8;
     Dmv10: Dmv10;
+    Etd4: Etd4;
 }
 
 impl Method {
@@ -194,6 +206,25 @@ impl Method {
             value: name.to_string(),
             known: Method::ALL.map(|m| m.facts().name).join(", "),
         })
+    }
+
+    /// The largest product of step and damping rate with which it is stable under damping (infinite: any); `None` if it
+    /// does not move bodies under torque and damping. Of an explicit method: where its stability function, on the
+    /// negative real axis, first leaves -1 .. 1, rounded down; of a series half of that, because what the rates leave
+    /// of higher powers decays that many times as fast.
+    pub fn damping_limit(self) -> Option<f64> {
+        use Method::*;
+        match self {
+            Rk4 => Some(2.78),
+            Dop853 => Some(6.39),
+            Taylor8 => Some(2.15),
+            Taylor12 => Some(2.91),
+            Taylor16 => Some(3.66),
+            Taylor20 => Some(4.41),
+            Taylor26 => Some(5.53),
+            Splitting | Etd4 => Some(f64::INFINITY),
+            _ => None,
+        }
     }
 
     /// Whether steps are made in other variables than the states between them, so that nothing can be watched.

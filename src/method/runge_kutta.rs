@@ -1,7 +1,7 @@
 //! Explicit Runge-Kutta methods: one engine, any tableau.
 
-use super::{Dop853, Facts, Form, Rk4, Scheme, kinetic_of_rates, momentum_of_rates};
-use crate::model::{self, Layout, Model, Parameters};
+use super::{Dop853, Facts, Form, Numbers, Rk4, Scheme, kinetic_of_rates, momentum_of_rates};
+use crate::model::{self, Drive, Layout, Model, Parameters};
 use crate::real::Real;
 use std::marker::PhantomData;
 
@@ -312,14 +312,17 @@ fn rate<R: Real, M: Model<R>, L: Layout, const D: usize>(model: &M, y: &[R; D]) 
         let q = [y[at], y[at + 1], y[at + 2], y[at + 3]];
         dy[at..at + 4].copy_from_slice(&model::attitude_rate(&q, &omega));
     }
+    if L::BALANCE {
+        let at = L::BALANCE_AT;
+        dy[at..at + 2].copy_from_slice(&model.balance(&model.outside(y), y));
+        dy[at + 2] = R::splat(1.0);
+    }
     dy
 }
 
-impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Scheme<R, M, L, D> for RungeKutta<T, R, M> {
-    const FORM: Form = Form::Rates;
-
+impl<T: Tableau, R: Real, M: Model<R>> RungeKutta<T, R, M> {
     #[inline(always)]
-    fn new(p: &Parameters<R>) -> Self {
+    fn of(model: M, p: &Parameters<R>) -> Self {
         let mut single = [p.step; MAX_STAGES];
         for i in 1..T::STAGES {
             if let Some(j) = only::<T>(i) {
@@ -327,7 +330,21 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Scheme<R, M, L
             }
         }
         let weight_unit = p.step / R::splat(T::DIVISOR);
-        RungeKutta { model: M::new(p), single, weight_unit, table: PhantomData }
+        RungeKutta { model, single, weight_unit, table: PhantomData }
+    }
+}
+
+impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Scheme<R, M, L, D> for RungeKutta<T, R, M> {
+    const FORM: Form = Form::Rates;
+
+    #[inline(always)]
+    fn new(p: &Parameters<R>) -> Self {
+        Self::of(M::new(p), p)
+    }
+
+    #[inline(always)]
+    fn driven(p: &Parameters<R>, drive: &Drive<R>, _numbers: &'static Numbers) -> Self {
+        Self::of(M::driven(p, drive), p)
     }
 
     #[inline(always)]

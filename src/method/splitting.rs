@@ -108,7 +108,7 @@ fn turn_vector<R: Real>(v: &mut [R], axis: usize, (sin, cos): (R, R)) {
 
 /// The body turns about a principal axis by `angle`.
 #[inline(always)]
-fn turn<R: Real, L: Layout, const D: usize>(y: &mut [R; D], axis: usize, angle: R) {
+pub(super) fn turn<R: Real, L: Layout, const D: usize>(y: &mut [R; D], axis: usize, angle: R) {
     let rotation = sincos(angle);
     turn_vector(&mut y[..3], axis, rotation);
     for v in 0..L::VECTORS {

@@ -3,10 +3,11 @@
 //! The equations of motion are quadratic, so each order follows from the Cauchy products of the lower ones
 //! (Jorba & Zou 2005, §2). Coefficients are those of powers of t / step: their sum is the state after a step.
 
-use super::{Facts, Form, Scheme, kinetic_of_rates, momentum_of_rates};
+use super::{Facts, Form, Numbers, Scheme, kinetic_of_rates, momentum_of_rates};
 use super::{Taylor8, Taylor12, Taylor16, Taylor20, Taylor26};
 use crate::model::{
-    Layout, Model, Parameters, add_roll_across, add_roll_along, add_turn_across, add_turn_along, direction,
+    Drive, Layout, Model, Parameters, add_roll_across, add_roll_along, add_turn_across, add_turn_along,
+    direction,
 };
 use crate::real::Real;
 use std::marker::PhantomData;
@@ -102,7 +103,7 @@ impl<R: Real, const D: usize> Coefficients<R, D> {
 #[derive(Clone, Copy)]
 struct Products<R> {
     rates: [R; 3],
-    directions: [[R; 3]; 2],
+    directions: [[R; 3]; 3],
     quaternion: [R; 4],
 }
 
@@ -110,7 +111,7 @@ impl<R: Real> Products<R> {
     #[inline(always)]
     fn none() -> Self {
         let zero = R::splat(0.0);
-        Products { rates: [zero; 3], directions: [[zero; 3]; 2], quaternion: [zero; 4] }
+        Products { rates: [zero; 3], directions: [[zero; 3]; 3], quaternion: [zero; 4] }
     }
 
     /// Adds the products of the rates of one order with everything of another.
@@ -172,6 +173,7 @@ impl<T: Series, R: Real, M: Model<R>> Taylor<T, R, M> {
         c.known = 0;
         c.push(*y);
         let spin = y[2];
+        let mut outside = Torques::new();
         for half in 0..T::ORDER / 2 {
             let k = 2 * half;
             let (mut sums, mut after) = (Products::none(), Products::none());
@@ -184,11 +186,17 @@ impl<T: Series, R: Real, M: Model<R>> Taylor<T, R, M> {
                 after.add::<M, L, D>(c.order(1), c.order(k));
             }
             sums.add::<M, L, D>(c.order(k), c.order(0));
-            let next = self.next::<L, D>(unit, sums, spin, c.order(k), k);
+            let mut next = self.next::<L, D>(unit, sums, spin, c.order(k), k);
+            if L::BALANCE {
+                self.add_outside::<L, D>(unit, &mut outside, c, &mut next, k);
+            }
             c.push(next);
             after.add::<M, L, D>(c.order(0), c.order(k + 1));
             after.add::<M, L, D>(c.order(k + 1), c.order(0));
-            let next = self.next::<L, D>(unit, after, spin, c.order(k + 1), k + 1);
+            let mut next = self.next::<L, D>(unit, after, spin, c.order(k + 1), k + 1);
+            if L::BALANCE {
+                self.add_outside::<L, D>(unit, &mut outside, c, &mut next, k + 1);
+            }
             c.push(next);
         }
     }
@@ -223,6 +231,56 @@ impl<T: Series, R: Real, M: Model<R>> Taylor<T, R, M> {
         }
         next
     }
+
+    /// The share of what acts from outside in the coefficients of order k + 1, and the balance: its own coefficient of
+    /// order k is linear in the states of orders k and k - 1, and the power is one more Cauchy product.
+    #[inline(always)]
+    fn add_outside<L: Layout, const D: usize>(
+        &self,
+        unit: R,
+        outside: &mut Torques<R>,
+        c: &Coefficients<R, D>,
+        next: &mut [R; D],
+        k: usize,
+    ) {
+        let factor = unit * R::splat(INVERSE[k + 1]);
+        let newest = if k == 0 {
+            self.model.outside(c.order(0))
+        } else {
+            let mut before = *c.order(k - 1);
+            for d in 3..L::BALANCE_AT {
+                before[d] = before[d] * unit;
+            }
+            self.model.outside_of_order(c.order(0), c.order(k), &before)
+        };
+        outside.rows[k].write(newest);
+        let change = self.model.over_moments(&newest);
+        for i in 0..3 {
+            next[i] = factor.fma(change[i], next[i]);
+        }
+        let mut balance = [R::splat(0.0); 2];
+        for j in 0..=k {
+            // Safety: rows up to this order are written, one a call.
+            let torque = unsafe { outside.rows[j].assume_init_ref() };
+            let [power, impulse] = self.model.balance(torque, c.order(k - j));
+            balance = [balance[0] + power, balance[1] + impulse];
+        }
+        next[L::BALANCE_AT] = factor * balance[0];
+        next[L::BALANCE_AT + 1] = factor * balance[1];
+        next[L::BALANCE_AT + 2] = if k == 0 { unit } else { R::splat(0.0) };
+    }
+}
+
+/// Coefficients of the torque from outside, in memory that nobody has to clear.
+struct Torques<R> {
+    rows: [MaybeUninit<[R; 3]>; MAX_ORDER + 1],
+}
+
+impl<R: Real> Torques<R> {
+    #[inline(always)]
+    fn new() -> Self {
+        Torques { rows: [const { MaybeUninit::uninit() }; MAX_ORDER + 1] }
+    }
 }
 
 /// `a + b` and what rounding took from it (Knuth, TAOCP 2, §4.2.2).
@@ -241,6 +299,11 @@ impl<T: Series, R: Real, M: Model<R>, L: Layout, const D: usize> Scheme<R, M, L,
     #[inline(always)]
     fn new(p: &Parameters<R>) -> Self {
         Taylor { model: M::new(p), step: p.step, table: PhantomData }
+    }
+
+    #[inline(always)]
+    fn driven(p: &Parameters<R>, drive: &Drive<R>, _numbers: &'static Numbers) -> Self {
+        Taylor { model: M::driven(p, drive), step: p.step, table: PhantomData }
     }
 
     #[inline(always)]

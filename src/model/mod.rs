@@ -1,12 +1,15 @@
-//! What moves: the state that is carried, its kinematics, and the two scenes.
+//! What moves: the state that is carried, its kinematics, and the scenes.
 //!
 //! A state is a flat array `[R; D]`: three rates (or momenta, as the method likes), then `VECTORS` directions
-//! that are fixed in space and seen from the body, then a quaternion if the attitude is wanted.
+//! that are fixed in space and seen from the body, then a quaternion if the attitude is wanted, then the balance of
+//! a body that something acts on from outside: work, impulse and time.
 
+mod driven;
 mod free;
 mod spin_free;
 mod top;
 
+pub use driven::Driven;
 pub use free::Free;
 pub use spin_free::SpinFree;
 pub use top::Top;
@@ -25,48 +28,94 @@ pub struct Parameters<R> {
     pub step: R,
 }
 
+/// What acts on one body from outside, over a time in which torques change evenly.
+#[derive(Clone, Copy)]
+pub struct Drive<R> {
+    /// Torque in the body at the begin of that time, and its rate of change.
+    pub body: [[R; 3]; 2],
+    /// The same of a torque in space.
+    pub space: [[R; 3]; 2],
+    /// Damping: the torque is minus this matrix times the rates; its entries 11, 22, 33, 23, 31, 12.
+    pub damping: [R; 6],
+    /// The rates at which damping alone slows the body: eigenvalues of `I^(-1/2) D I^(-1/2)`.
+    pub rates: [R; 3],
+    /// Their vectors, as columns.
+    pub modes: [[R; 3]; 3],
+}
+
+impl<R: Real> Drive<R> {
+    /// Nothing.
+    #[inline(always)]
+    pub fn none() -> Self {
+        let zero = R::splat(0.0);
+        Drive {
+            body: [[zero; 3]; 2],
+            space: [[zero; 3]; 2],
+            damping: [zero; 6],
+            rates: [zero; 3],
+            modes: [[zero; 3]; 3],
+        }
+    }
+}
+
 /// What is carried beside the rates.
 pub trait Layout: Copy {
     /// Space-fixed directions seen from the body.
     const VECTORS: usize;
     /// Whether the attitude is carried.
     const QUATERNION: bool;
+    /// Whether work, impulse and time are carried.
+    const BALANCE: bool = false;
     /// Length of the state.
-    const LEN: usize = 3 + 3 * Self::VECTORS + 4 * Self::QUATERNION as usize;
+    const LEN: usize = Self::BALANCE_AT + 3 * Self::BALANCE as usize;
     /// Where the quaternion begins.
     const QUATERNION_AT: usize = 3 + 3 * Self::VECTORS;
+    /// Where the balance begins.
+    const BALANCE_AT: usize = Self::QUATERNION_AT + 4 * Self::QUATERNION as usize;
 }
 
 macro_rules! layouts {
-    ($($(#[$doc:meta])* $name:ident: $vectors:literal, $quaternion:literal;)*) => {$(
+    ($($(#[$doc:meta])* $name:ident: $vectors:literal, $quaternion:literal, $balance:literal;)*) => {$(
         $(#[$doc])*
         #[derive(Clone, Copy)]
         pub struct $name;
         impl Layout for $name {
             const VECTORS: usize = $vectors;
             const QUATERNION: bool = $quaternion;
+            const BALANCE: bool = $balance;
         }
     )*};
 }
 layouts! {
     /// Rates only.
-    Rates: 0, false;
+    Rates: 0, false, false;
     /// Rates and one direction: the vertical of a top, or where the watched axis of a free body started.
-    Axis: 1, false;
+    Axis: 1, false, false;
     /// Rates, the vertical, and where the watched axis started.
-    TwoAxes: 2, false;
+    TwoAxes: 2, false, false;
     /// Rates and attitude.
-    Attitude: 0, true;
+    Attitude: 0, true, false;
     /// Rates, vertical and attitude: the rates are those of `Axis` to the bit.
-    AxisAttitude: 1, true;
+    AxisAttitude: 1, true, false;
+    /// Rates and balance.
+    DrivenRates: 0, false, true;
+    /// Rates, the vertical, the first and the second direction of space, and the balance.
+    DrivenFrame: 3, false, true;
 }
 
 /// A scene: the torque and the conserved quantities. `y[3..6]` is the vertical wherever there is weight.
 pub trait Model<R: Real>: Copy {
     /// Whether all moments are the same, and no torque acts along axis 3.
     const SPIN_FREE: bool = false;
+    /// Whether something acts from outside: torques or damping.
+    const DRIVEN: bool = false;
     /// Constants of the equations of motion from those of the body.
     fn new(p: &Parameters<R>) -> Self;
+    /// The same under what acts from outside.
+    #[inline(always)]
+    fn driven(p: &Parameters<R>, _drive: &Drive<R>) -> Self {
+        Self::new(p)
+    }
     /// Euler's equations from the products `w2 w3`, `w3 w1`, `w1 w2`. They are linear in these and in the vertical,
     /// so the Cauchy products of two series and the vertical of one order give the rate of change of that order.
     fn euler<const D: usize>(&self, products: &[R; 3], y: &[R; D]) -> [R; 3];
@@ -76,15 +125,47 @@ pub trait Model<R: Real>: Copy {
         let [w1, w2, w3] = *omega;
         self.euler(&[w2 * w3, w3 * w1, w1 * w2], y)
     }
+    /// Torque from outside, damping included, at a state.
+    #[inline(always)]
+    fn outside<const D: usize>(&self, _y: &[R; D]) -> [R; 3] {
+        [R::splat(0.0); 3]
+    }
+    /// One order of its series, after order 0, from the coefficients of the state of this order and of the one before;
+    /// `start` is the state.
+    #[inline(always)]
+    fn outside_of_order<const D: usize>(&self, _start: &[R; D], _now: &[R; D], _before: &[R; D]) -> [R; 3] {
+        [R::splat(0.0); 3]
+    }
+    /// All torques but damping: gyroscopic, of the weight, from outside.
+    #[inline(always)]
+    fn forcing<const D: usize>(&self, _y: &[R; D]) -> [R; 3] {
+        [R::splat(0.0); 3]
+    }
+    /// The part of it that acts from outside.
+    #[inline(always)]
+    fn undamped<const D: usize>(&self, _y: &[R; D]) -> [R; 3] {
+        [R::splat(0.0); 3]
+    }
+    /// What a torque changes of the rates.
+    #[inline(always)]
+    fn over_moments(&self, torque: &[R; 3]) -> [R; 3] {
+        *torque
+    }
+    /// Power and rate of impulse of a torque from outside; linear in the torque and in the state.
+    #[inline(always)]
+    fn balance<const D: usize>(&self, _torque: &[R; 3], _y: &[R; D]) -> [R; 2] {
+        [R::splat(0.0); 2]
+    }
     /// Exact flow of the potential alone over the time `h`.
     fn kick<const D: usize>(p: &Parameters<R>, h: R, momentum: &mut [R; 3], y: &[R; D]);
     /// Exact flow over `h` of the potential `V - (weight / h) torque.torque / I`: with the gradient of the force.
     fn gradient_kick<const D: usize>(p: &Parameters<R>, h: R, weight: R, momentum: &mut [R; 3], y: &[R; D]);
     /// Torque of the potential in the body.
     fn torque<const D: usize>(p: &Parameters<R>, y: &[R; D]) -> [R; 3];
-    /// Potential energy.
+    /// Potential energy; less the work done from outside, if there is any.
     fn potential<const D: usize>(p: &Parameters<R>, y: &[R; D]) -> R;
-    /// The conserved component of the angular momentum: `L.L` of a free body, `L.gamma` of a top.
+    /// The conserved component of the angular momentum: `L.L` of a free body, `L.gamma` of a top; less what was given
+    /// to it from outside, if anything was.
     fn conserved<const D: usize>(momentum: &[R; 3], y: &[R; D]) -> R;
 }
 

@@ -7,6 +7,7 @@ use crate::ensemble::{Criterion, Judge, Map, Outcome, Pixel, Statistics};
 use crate::error::Error;
 use crate::exact::Place;
 use crate::method::Method;
+use crate::outside::Outside;
 use crate::sample::Law;
 use crate::simd::Isa;
 use crate::start::Body;
@@ -37,7 +38,9 @@ mod _core {
     #[pymodule_export]
     use super::exact::{elliptic, flip_times, free_quantities_of, tilt_times, top_quantities_of};
     #[pymodule_export]
-    use super::{MapJob, build_info, check_method, check_moments, closed_forms, fastest_rates, methods};
+    use super::{
+        MapJob, PyOutside, build_info, check_method, check_moments, closed_forms, fastest_rates, methods,
+    };
     #[pymodule_export]
     use super::{principal_axes, simulate};
 
@@ -74,6 +77,8 @@ fn methods(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
         entry.set_item("symplectic", facts.symplectic)?;
         entry.set_item("reversible", facts.reversible)?;
         entry.set_item("group_preserving", facts.group_preserving)?;
+        entry.set_item("driven", method.damping_limit().is_some())?;
+        entry.set_item("stiff", method.damping_limit() == Some(f64::INFINITY))?;
         entry.set_item("tops", method.check(true, false).is_ok())?;
         entry.set_item("maps", method.check(false, true).is_ok())?;
         entry.set_item("angle_per_step", facts.angle_per_step)?;
@@ -188,9 +193,34 @@ fn stopped() -> PyErr {
     PyRuntimeError::new_err("interrupted")
 }
 
+/// What acts on all bodies of a request from outside: a torque in the body and in space at some times, between which it
+/// changes evenly (no times: constant), and damping, entries 11, 22, 33, 23, 31, 12 of its matrix.
+#[pyclass(frozen, name = "Outside", module = "rigid._core")]
+struct PyOutside(Outside);
+
+#[pymethods]
+impl PyOutside {
+    #[new]
+    #[pyo3(signature = (*, times, body, space, damping))]
+    fn new(
+        times: Vec<f64>,
+        body: PyReadonlyArray2<'_, f64>,
+        space: PyReadonlyArray2<'_, f64>,
+        damping: [f64; 6],
+    ) -> PyResult<Self> {
+        let (body, space) = (rows::<3>("torque", &body)?, rows::<3>("torque", &space)?);
+        Ok(PyOutside(Outside::new(&times, body, space, damping)?))
+    }
+
+    /// The rates at which damping alone slows a body with these moments, ascending.
+    fn damping_rates(&self, moments: [f64; 3]) -> [f64; 3] {
+        self.0.damping_rates(moments)
+    }
+}
+
 /// States of bodies at wanted times; see `rigid.simulate`.
 #[pyfunction]
-#[pyo3(signature = (*, scene, method, record, moments, weight, omega, attitude, step, max_steps, threads, times=None, strides=None, tolerance=None))]
+#[pyo3(signature = (*, scene, method, record, moments, weight, omega, attitude, step, max_steps, threads, times=None, strides=None, tolerance=None, outside=None))]
 #[allow(clippy::too_many_arguments)] // The request of `trajectory`, column by column.
 fn simulate<'py>(
     py: Python<'py>,
@@ -207,6 +237,7 @@ fn simulate<'py>(
     times: Option<Vec<f64>>,
     strides: Option<Vec<u64>>,
     tolerance: Option<f64>,
+    outside: Option<PyRef<'py, PyOutside>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (is_top, solver, record, isa) =
         (parse_scene(scene)?, Solver::parse(method)?, parse_record(record)?, Isa::current()?);
@@ -218,10 +249,13 @@ fn simulate<'py>(
         omega,
         rows::<4>("attitude", &attitude)?,
     )?;
+    let outside = outside.as_ref().map(|outside| &outside.0);
+    let span = times.as_deref().map_or([0.0; 2], span_of);
     let steps = match (step, solver) {
         (Some(step), _) => step.as_array().to_vec(),
         (None, Solver::Steps(method)) => {
-            bodies.iter().map(|b| method.facts().angle_per_step / b.fastest_rate()).collect()
+            let rate = |body: &Body| step_rate(method, body, outside, span);
+            bodies.iter().map(|body| method.facts().angle_per_step / rate(body)).collect()
         }
         (None, Solver::Exact) => vec![f64::INFINITY; n],
     };
@@ -233,10 +267,27 @@ fn simulate<'py>(
     };
     let steps = &steps;
     let request = Request { bodies: &bodies, is_top, solver, record, schedule, steps, tolerance, max_steps };
-    let states =
-        interruptible(py, None, |stop| trajectory::simulate(&request, threads, isa, stop).transpose())?
-            .ok_or_else(stopped)??;
+    let states = interruptible(py, None, |stop| {
+        trajectory::simulate_driven(&request, outside, threads, isa, stop).transpose()
+    })?
+    .ok_or_else(stopped)??;
     states_to_dict(py, states, n, request.schedule.len())
+}
+
+/// First and last of some times and 0.
+fn span_of(times: &[f64]) -> [f64; 2] {
+    [times.first().map_or(0.0, |t| t.min(0.0)), times.last().map_or(0.0, |t| t.max(0.0))]
+}
+
+/// The rate that the steps of a method follow.
+fn step_rate(method: Method, body: &Body, outside: Option<&Outside>, span: [f64; 2]) -> f64 {
+    match outside {
+        None => body.fastest_rate(),
+        Some(outside) if method.damping_limit() == Some(f64::INFINITY) => {
+            body.fastest_rate_driven(outside, span)
+        }
+        Some(outside) => body.step_rate_driven(outside, span),
+    }
 }
 
 /// The bodies of columns with a row for each, or one row for all.
@@ -284,9 +335,11 @@ fn closed_forms(
     Ok(bodies.iter().map(|body| Place::of(body).map_or("", |place| place.form.name())).collect())
 }
 
-/// Bounds of |omega| over the whole motion, from what is conserved: those that a step is chosen from.
+/// Bounds of |omega| over the whole motion, from what is conserved: those that a step is chosen from. Under what acts
+/// from outside, between these two times; given a method, the rate that its steps follow.
 #[pyfunction]
-#[pyo3(signature = (*, scene, moments, weight, omega, attitude))]
+#[pyo3(signature = (*, scene, moments, weight, omega, attitude, outside=None, span=None, method=None))]
+#[allow(clippy::too_many_arguments)] // The columns of a request.
 fn fastest_rates<'py>(
     py: Python<'py>,
     scene: &str,
@@ -294,15 +347,25 @@ fn fastest_rates<'py>(
     weight: PyReadonlyArray2<'py, f64>,
     omega: PyReadonlyArray2<'py, f64>,
     attitude: PyReadonlyArray2<'py, f64>,
+    outside: Option<PyRef<'py, PyOutside>>,
+    span: Option<[f64; 2]>,
+    method: Option<&str>,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
     parse_scene(scene)?;
+    let outside = outside.as_ref().map(|outside| &outside.0);
+    let (method, span) = (method.map(Method::parse).transpose()?, span.unwrap_or_default());
     let bodies = bodies(
         rows::<3>("moments", &moments)?,
         rows::<3>("weight", &weight)?,
         rows::<3>("omega", &omega)?,
         rows::<4>("attitude", &attitude)?,
     )?;
-    Ok(bodies.iter().map(Body::fastest_rate).collect::<Vec<f64>>().into_pyarray(py))
+    let rate = |body: &Body| match (outside, method) {
+        (None, _) => body.fastest_rate(),
+        (Some(outside), None) => body.fastest_rate_driven(outside, span),
+        (_, Some(method)) => step_rate(method, body, outside, span),
+    };
+    Ok(bodies.iter().map(rate).collect::<Vec<f64>>().into_pyarray(py))
 }
 
 fn states_to_dict(py: Python<'_>, states: States, n: usize, times: usize) -> PyResult<Bound<'_, PyDict>> {
@@ -311,6 +374,8 @@ fn states_to_dict(py: Python<'_>, states: States, n: usize, times: usize) -> PyR
     dict.set_item("omega", shaped(states.omega, 3)?)?;
     dict.set_item("vertical", states.vertical.map(|values| shaped(values, 3)).transpose()?)?;
     dict.set_item("attitude", states.attitude.map(|values| shaped(values, 4)).transpose()?)?;
+    let work = states.work.map(|values| values.into_pyarray(py).reshape([n, times])).transpose()?;
+    dict.set_item("work", work)?;
     dict.set_item("energy_drift", states.energy_drift.into_pyarray(py))?;
     dict.set_item("momentum_drift", states.momentum_drift.into_pyarray(py))?;
     dict.set_item("unit_drift", states.unit_drift.into_pyarray(py))?;

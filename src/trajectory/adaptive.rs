@@ -3,13 +3,14 @@
 
 use super::{Request, Schedule, States, Status, invariants_at_start, system_of};
 use crate::error::Error;
-use crate::group::{Group, LANES};
+use crate::group::{Drives, Group, LANES};
 use crate::kernel::{Compiled, Kernel, Watch};
 use crate::leaps::Leaps;
 use crate::method::Method;
+use crate::outside::Outside;
 use crate::run::over_blocks;
 use crate::simd::Isa;
-use crate::start::{Body, Seat, State, load, read, unload};
+use crate::start::{Body, Seat, State, load, read, start_clock, unload};
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -22,6 +23,7 @@ const PATIENCE: u64 = 1 << 14;
 /// Runs the request; `None` if it was stopped.
 pub fn simulate(
     request: &Request,
+    outside: Option<&Outside>,
     method: Method,
     threads: usize,
     isa: Isa,
@@ -45,15 +47,15 @@ pub fn simulate(
         .collect();
     let parts = over_blocks(blocks.len(), threads, stop, |b| {
         States::timed(|| {
-            let mut states = States::unknown(request, blocks[b].len());
+            let mut states = States::unknown(request, outside.is_some(), blocks[b].len());
             for spin_free in [false, true] {
-                Ride::new(request, times, method, blocks[b].clone(), spin_free, isa, tolerance)
+                Ride::new(request, outside, times, method, blocks[b].clone(), spin_free, isa, tolerance)
                     .map_or(Some(()), |ride| ride.run(&mut states, stop))?;
             }
             Some(states)
         })
     });
-    let mut all = States::with_capacity(request);
+    let mut all = States::with_capacity(request, outside.is_some());
     for part in parts {
         let Some(Some(part)) = part else { return Ok(None) };
         all.append(part);
@@ -73,11 +75,14 @@ struct Passenger {
     steps: u64,
     /// Attitude when it was last read.
     last: [f64; 4],
+    /// Where what acts from outside changes next; infinite if it does not.
+    knot: f64,
 }
 
 /// The bodies of a block that one kernel moves.
 struct Ride<'a> {
     request: &'a Request<'a>,
+    outside: Option<&'a Outside>,
     times: &'a [f64],
     /// The first time >= 0.
     split: usize,
@@ -87,12 +92,15 @@ struct Ride<'a> {
     kernel: (Kernel, Compiled),
     group: Group,
     leaps: Leaps,
+    drives: Drives,
 }
 
 impl<'a> Ride<'a> {
     /// `None` if no body of the block is moved so.
+    #[allow(clippy::too_many_arguments)] // What is asked, and of which bodies.
     fn new(
         request: &'a Request<'a>,
+        outside: Option<&'a Outside>,
         times: &'a [f64],
         method: Method,
         block: Range<usize>,
@@ -101,15 +109,21 @@ impl<'a> Ride<'a> {
         tolerance: f64,
     ) -> Option<Self> {
         let bodies = &request.bodies[block.clone()];
-        let seats = bodies.iter().map(|body| Seat::of_path(method, body, request.is_top)).enumerate();
+        let seat_of = |body| match outside {
+            Some(_) => Seat::of_driven(method, body),
+            None => Seat::of_path(method, body, request.is_top),
+        };
+        let seats = bodies.iter().map(seat_of).enumerate();
         let mut queue: Vec<(usize, Seat)> =
             seats.filter(|(_, seat)| seat.is_spin_free() == spin_free).collect();
         let seat = queue.first()?.1;
         // The longest way first (the queue is emptied from its end): at the end no lane waits long.
         queue.sort_by(|a, b| bodies[a.0].fastest_rate().total_cmp(&bodies[b.0].fastest_rate()));
-        let kernel = Kernel { system: system_of(request, seat), table: seat.table, watch: Watch::Nothing };
+        let system = system_of(request, outside, seat);
+        let kernel = Kernel { system, table: seat.table, watch: Watch::Nothing };
         Some(Ride {
             request,
+            outside,
             times,
             split: times.partition_point(|&t| t < 0.0),
             bodies,
@@ -118,6 +132,7 @@ impl<'a> Ride<'a> {
             kernel: (kernel, Compiled::new(kernel, isa)),
             group: Group::waiting(),
             leaps: Leaps::waiting(tolerance),
+            drives: Drives::NONE,
         })
     }
 
@@ -134,6 +149,7 @@ impl<'a> Ride<'a> {
                         backward: false,
                         steps: 0,
                         last: [0.0; 4],
+                        knot: f64::INFINITY,
                     };
                     for drift in
                         [&mut states.energy_drift, &mut states.momentum_drift, &mut states.unit_drift]
@@ -150,8 +166,8 @@ impl<'a> Ride<'a> {
             if stop.load(Ordering::Relaxed) {
                 return None;
             }
-            let made =
-                self.kernel.1.leap(&mut self.group, &mut self.leaps, left.min(PATIENCE) as usize) as u64;
+            let most = left.min(PATIENCE) as usize;
+            let made = self.kernel.1.leap(&mut self.group, &self.drives, &mut self.leaps, most) as u64;
             states.lane_steps += made * LANES as u64;
             for lane in 0..LANES {
                 if let Some(mut passenger) = lanes[lane] {
@@ -179,6 +195,7 @@ impl<'a> Ride<'a> {
             row.0[lane] = 0.0;
         }
         passenger.last = body.attitude;
+        self.meet(lane, &mut passenger, 0.0);
         while let Some(0.0) = self.wanted(&passenger) {
             let mut start = unload(&self.group, lane, self.kernel, passenger.seat, 0.0);
             start.omega = body.omega;
@@ -186,6 +203,18 @@ impl<'a> Ride<'a> {
             passenger.wanted += 1;
         }
         self.go_on(lane, passenger, states)
+    }
+
+    /// Lets what acts from outside from a knot on, which a body has reached, act until the next.
+    fn meet(&mut self, lane: usize, passenger: &mut Passenger, knot: f64) {
+        let Some(outside) = self.outside else { return };
+        let backward = passenger.backward;
+        let moments = self.bodies[passenger.body].moments;
+        self.drives.set(lane, &outside.drive(knot, backward, moments));
+        start_clock(&mut self.group, self.kernel.0, lane);
+        let never = if backward { f64::NEG_INFINITY } else { f64::INFINITY };
+        passenger.knot = outside.next_knot(knot, backward).unwrap_or(never);
+        self.leaps.end.0[lane] = passenger.knot;
     }
 
     /// Answers the wanted times that a lane has reached; the next body, or none, if it is done.
@@ -211,6 +240,12 @@ impl<'a> Ride<'a> {
             }
             return self.leave(lane, passenger, states);
         }
+        // Steps end at a knot but for rounding; one more, too short to have a length, would be made.
+        let short = (passenger.knot - now) * direction;
+        if passenger.knot.is_finite() && short <= 4.0 * f64::EPSILON * passenger.knot.abs() {
+            let knot = passenger.knot;
+            self.meet(lane, &mut passenger, knot);
+        }
         self.go_on(lane, passenger, states)
     }
 
@@ -232,7 +267,13 @@ impl<'a> Ride<'a> {
             states.status[passenger.body] = Status::StepLimit;
             return self.leave(lane, passenger, states);
         }
-        self.leaps.next.0[lane] = time;
+        // A knot is looked at as soon as it is as near as rounding allows.
+        let (knot, margin) = (passenger.knot, 4.0 * f64::EPSILON * passenger.knot.abs());
+        self.leaps.next.0[lane] = match passenger.backward {
+            _ if knot.is_infinite() => time,
+            false => time.min(knot - margin),
+            true => time.max(knot + margin),
+        };
         Some(passenger)
     }
 
@@ -240,6 +281,7 @@ impl<'a> Ride<'a> {
         states.steps[passenger.body] = passenger.steps;
         self.group.wait(lane);
         self.leaps.next.0[lane] = f64::INFINITY;
+        self.leaps.end.0[lane] = f64::INFINITY;
         self.leaps.direction.0[lane] = 1.0;
         for row in &mut self.leaps.now {
             row.0[lane] = 0.0;

@@ -29,7 +29,7 @@ pub fn simulate(
         let riders = Riders { request, times, places: &places[group.clone()], group, isa, known };
         States::timed(|| riders.run(stop))
     });
-    let mut all = States::with_capacity(request);
+    let mut all = States::with_capacity(request, false);
     for part in parts {
         all.append(part??);
     }
@@ -63,7 +63,7 @@ impl Riders<'_> {
     fn run(&self, stop: &AtomicBool) -> Option<States> {
         let evaluator = Evaluator::new(self.places[0].kind(), self.isa);
         let canonical = |index: usize| self.places[index].canonical(self.body(index));
-        let mut states = States::unknown(self.request, self.places.len());
+        let mut states = States::unknown(self.request, false, self.places.len());
         for drift in [&mut states.energy_drift, &mut states.momentum_drift, &mut states.unit_drift] {
             drift.fill(0.0);
         }

@@ -10,6 +10,7 @@ use crate::exact::Place;
 use crate::group::Group;
 use crate::kernel::System;
 use crate::method::Method;
+use crate::outside::Outside;
 use crate::simd::Isa;
 use crate::start::{Body, Seat, State};
 use std::sync::atomic::AtomicBool;
@@ -128,7 +129,10 @@ pub struct States {
     pub vertical: Option<Vec<f64>>,
     /// (n, times, 4), if recorded.
     pub attitude: Option<Vec<f64>>,
-    /// Largest energy error at a wanted time, relative.
+    /// (n, times), if something acts from outside: its work since the start.
+    pub work: Option<Vec<f64>>,
+    /// Largest energy error at a wanted time, relative. Of a body that something acts on from outside: of the energy
+    /// less the work, relative to the energy at the start and then.
     pub energy_drift: Vec<f64>,
     /// Largest error of the conserved momentum at a wanted time, relative.
     pub momentum_drift: Vec<f64>,
@@ -155,15 +159,40 @@ pub fn simulate(
     isa: Isa,
     stop: &AtomicBool,
 ) -> Result<Option<States>, Error> {
+    simulate_driven(request, None, threads, isa, stop)
+}
+
+/// The same under what acts from outside.
+///
+/// # Errors
+/// As above, and if the method does not move driven bodies, a step is beyond its stability, or the table of a torque
+/// does not reach a wanted time.
+pub fn simulate_driven(
+    request: &Request,
+    outside: Option<&Outside>,
+    threads: usize,
+    isa: Isa,
+    stop: &AtomicBool,
+) -> Result<Option<States>, Error> {
     match request.solver {
         Solver::Steps(method) => {
             method.check(request.is_top, false)?;
+            if let Some(outside) = outside {
+                check_driven(request, method, outside)?;
+            }
             match request.tolerance {
-                Some(_) => adaptive::simulate(request, method, threads, isa, stop),
-                None => Ok(stepped::simulate(request, method, threads, isa, stop)),
+                Some(_) => adaptive::simulate(request, outside, method, threads, isa, stop),
+                None => Ok(stepped::simulate(request, outside, method, threads, isa, stop)),
             }
         }
         Solver::Exact => {
+            if outside.is_some() {
+                return Err(Error::Value {
+                    argument: "method",
+                    value: Solver::EXACT.to_string(),
+                    rule: "there is no closed form under torque or damping",
+                });
+            }
             let place = |(index, body)| Place::of(body).ok_or(Error::NoClosedForm { index });
             let places: Result<Vec<Place>, Error> = request.bodies.iter().enumerate().map(place).collect();
             let Schedule::Times(times) = request.schedule else {
@@ -173,6 +202,39 @@ pub fn simulate(
             Ok(closed::simulate(request, times, &places?, threads, isa, stop))
         }
     }
+}
+
+/// Refuses what would give a wrong motion: a method that does not know of torque and damping, steps with which an
+/// explicit one blows up, times at which the torque is not known.
+fn check_driven(request: &Request, method: Method, outside: &Outside) -> Result<(), Error> {
+    let limit = method.damping_limit().ok_or_else(|| Error::Value {
+        argument: "method",
+        value: format!("'{}'", method.facts().name),
+        rule: "moves bodies without torque and damping only",
+    })?;
+    if let Schedule::Times(times) = request.schedule {
+        for &time in [Some(&0.0), times.first(), times.last()].into_iter().flatten() {
+            outside.check_reaches(time)?;
+        }
+    }
+    if request.tolerance.is_some() || limit == f64::INFINITY {
+        return Ok(());
+    }
+    let mut last = None;
+    for (body, &step) in request.bodies.iter().zip(request.steps) {
+        // Neighbours mostly are alike.
+        if last == Some((body.moments, step)) {
+            continue;
+        }
+        last = Some((body.moments, step));
+        let [.., rate] = outside.damping_rates(body.moments);
+        // A step that is cut to the span is not made at all.
+        if step.is_finite() && step * rate > limit {
+            let (name, longest) = (method.facts().name, limit / rate);
+            return Err(Error::Unstable { step, rate, name, longest });
+        }
+    }
+    Ok(())
 }
 
 impl States {
@@ -186,7 +248,7 @@ impl States {
     }
 
     /// Nothing yet, with room for all bodies.
-    fn with_capacity(request: &Request) -> States {
+    fn with_capacity(request: &Request, driven: bool) -> States {
         let n = request.bodies.len();
         let (vertical, attitude) = States::columns(request);
         let column = |width: usize| Vec::with_capacity(width * n * request.schedule.len());
@@ -194,6 +256,7 @@ impl States {
             omega: column(3),
             vertical: vertical.then(|| column(3)),
             attitude: attitude.then(|| column(4)),
+            work: driven.then(|| column(1)),
             energy_drift: Vec::with_capacity(n),
             momentum_drift: Vec::with_capacity(n),
             unit_drift: Vec::with_capacity(n),
@@ -205,13 +268,14 @@ impl States {
     }
 
     /// `n` bodies that have not moved.
-    fn unknown(request: &Request, n: usize) -> States {
+    fn unknown(request: &Request, driven: bool, n: usize) -> States {
         let (vertical, attitude) = States::columns(request);
         let column = |width: usize| vec![f64::NAN; width * n * request.schedule.len()];
         States {
             omega: column(3),
             vertical: vertical.then(|| column(3)),
             attitude: attitude.then(|| column(4)),
+            work: driven.then(|| column(1)),
             energy_drift: vec![f64::NAN; n],
             momentum_drift: vec![f64::NAN; n],
             unit_drift: vec![f64::NAN; n],
@@ -229,6 +293,9 @@ impl States {
             here.extend(there);
         }
         if let (Some(here), Some(there)) = (&mut self.attitude, other.attitude) {
+            here.extend(there);
+        }
+        if let (Some(here), Some(there)) = (&mut self.work, other.work) {
             here.extend(there);
         }
         self.energy_drift.extend(other.energy_drift);
@@ -274,8 +341,20 @@ impl States {
             units = worse(units, (norm(now) - 1.0).abs());
             attitude[4 * at..][..4].copy_from_slice(now);
         }
+        if let (Some(balance), Some(work)) = (&now.balance, &mut self.work) {
+            work[at] = balance.work;
+        }
+        let scales = now.balance.map(|balance| balance.scales);
         for now in [Some(now.invariants), now.invariants_of_attitude].into_iter().flatten() {
-            let [energy, momentum] = [0, 1].map(|i| (now[i] - invariants[i][0]).abs() * invariants[i][1]);
+            let [energy, momentum] = [0, 1].map(|i| {
+                let off = (now[i] - invariants[i][0]).abs();
+                match scales {
+                    // Of a body at rest that nothing has moved yet both are zero.
+                    Some(scales) if off == 0.0 && scales[i].is_finite() => 0.0,
+                    Some(scales) => off / (scales[i] + inverse_or_zero(invariants[i][1])),
+                    None => off * invariants[i][1],
+                }
+            });
             self.energy_drift[body] = worse(self.energy_drift[body], energy);
             self.momentum_drift[body] = worse(self.momentum_drift[body], momentum);
         }
@@ -288,6 +367,7 @@ impl States {
             self.omega[3 * at..][..3].iter_mut().for_each(one_nan);
             self.vertical.iter_mut().flat_map(|v| &mut v[3 * at..][..3]).for_each(one_nan);
             self.attitude.iter_mut().flat_map(|q| &mut q[4 * at..][..4]).for_each(one_nan);
+            self.work.iter_mut().flat_map(|w| &mut w[at..][..1]).for_each(one_nan);
             for drift in [&mut self.energy_drift, &mut self.momentum_drift, &mut self.unit_drift] {
                 one_nan(&mut drift[body]);
             }
@@ -302,7 +382,11 @@ impl States {
 }
 
 /// What moves: no more than what is recorded needs.
-fn system_of(request: &Request, seat: Seat) -> System {
+fn system_of(request: &Request, outside: Option<&Outside>, seat: Seat) -> System {
+    if let Some(outside) = outside {
+        let bare = !request.is_top && request.record == Record::Rates && !outside.acts_in_space();
+        return if bare { System::DrivenRates } else { System::DrivenFrame };
+    }
     match (request.is_top, request.record) {
         (false, Record::Rates) => System::FreeRates,
         (false, Record::Axis) => System::FreeAxis,
@@ -321,6 +405,11 @@ fn system_of(request: &Request, seat: Seat) -> System {
 /// Start and inverse scale of energy and conserved momentum of the body in a lane.
 fn invariants_at_start(group: &Group, lane: usize) -> [[f64; 2]; 2] {
     [&group.energy, &group.momentum].map(|rows| [rows.start.0[lane], rows.inverse_scale.0[lane]])
+}
+
+/// The scale that this is the inverse of; zero if there is none.
+fn inverse_or_zero(inverse: f64) -> f64 {
+    if inverse > 0.0 && inverse.is_finite() { 1.0 / inverse } else { 0.0 }
 }
 
 /// The larger of two errors; a NaN is worse than any number.

@@ -1,12 +1,13 @@
 //! States by steps of a scheme.
 
 use super::{Request, Schedule, States, Status, invariants_at_start, system_of};
-use crate::group::{Group, LANES};
+use crate::group::{Drives, Group, LANES};
 use crate::kernel::{Compiled, Kernel, Watch};
 use crate::method::Method;
+use crate::outside::Outside;
 use crate::run::over_blocks;
 use crate::simd::Isa;
-use crate::start::{Body, Seat, load, unload};
+use crate::start::{Body, Seat, load, start_clock, unload};
 use std::ops::Range;
 use std::rc::Rc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -21,9 +22,17 @@ struct Leg {
     step: f64,
 }
 
-/// The legs of one body in the order they are made, each with the index of its state: forward from 0 through
-/// the times >= 0, and backward from 0 through the times < 0.
-type Plan = [Vec<(usize, Leg)>; 2];
+/// A leg, when it begins, and the state that it ends at, if one is wanted there.
+#[derive(Clone, Copy)]
+struct Stop {
+    from: f64,
+    leg: Leg,
+    state: Option<usize>,
+}
+
+/// The legs of one body in the order they are made: forward from 0 through the times >= 0, and backward from 0 through
+/// the times < 0.
+type Plan = [Vec<Stop>; 2];
 
 /// Steps no longer than `largest` that end exactly at `to`.
 fn leg(from: f64, to: f64, largest: f64) -> Leg {
@@ -39,27 +48,32 @@ fn leg(from: f64, to: f64, largest: f64) -> Leg {
     Leg { steps: steps as u64, step: span / steps }
 }
 
-/// The plan of a body with that largest step.
-fn legs(schedule: &Schedule, largest: f64) -> Plan {
+/// The plan of a body with that largest step. Legs end where what acts from outside changes: a step across a knot of
+/// its table would lose the order of any scheme.
+fn legs(schedule: &Schedule, outside: Option<&Outside>, largest: f64) -> Plan {
     match schedule {
         Schedule::Times(times) => {
             let split = times.partition_point(|&t| t < 0.0);
-            let pass = |indices: &mut dyn Iterator<Item = usize>| {
-                let mut from = 0.0;
-                indices
-                    .map(|k| {
-                        let leg = leg(from, times[k], largest);
-                        from = times[k];
-                        (k, leg)
-                    })
-                    .collect()
+            let pass = |indices: &mut dyn Iterator<Item = usize>, backward: bool| {
+                let (mut from, mut stops) = (0.0, Vec::new());
+                for k in indices {
+                    while let Some(knot) = outside.and_then(|outside| outside.next_knot(from, backward)) {
+                        if if backward { knot <= times[k] } else { times[k] <= knot } {
+                            break;
+                        }
+                        stops.push(Stop { from, leg: leg(from, knot, largest), state: None });
+                        from = knot;
+                    }
+                    stops.push(Stop { from, leg: leg(from, times[k], largest), state: Some(k) });
+                    from = times[k];
+                }
+                stops
             };
-            [pass(&mut (split..times.len())), pass(&mut (0..split).rev())]
+            [pass(&mut (split..times.len()), false), pass(&mut (0..split).rev(), true)]
         }
         Schedule::Strides(strides) => {
-            let forward =
-                strides.iter().enumerate().map(|(k, &steps)| (k, Leg { steps, step: largest })).collect();
-            [forward, Vec::new()]
+            let stop = |(k, &steps)| Stop { from: 0.0, leg: Leg { steps, step: largest }, state: Some(k) };
+            [strides.iter().enumerate().map(stop).collect(), Vec::new()]
         }
     }
 }
@@ -67,16 +81,17 @@ fn legs(schedule: &Schedule, largest: f64) -> Plan {
 /// Runs the request; `None` if it was stopped.
 pub fn simulate(
     request: &Request,
+    outside: Option<&Outside>,
     method: Method,
     threads: usize,
     isa: Isa,
     stop: &AtomicBool,
 ) -> Option<States> {
-    let groups = groups(request, method);
+    let groups = groups(request, outside, method);
     let parts = over_blocks(groups.len(), threads, stop, |g| {
-        States::timed(|| Passengers::new(request, method, groups[g].clone(), isa).run(stop))
+        States::timed(|| Passengers::new(request, outside, method, groups[g].clone(), isa).run(stop))
     });
-    let mut all = States::with_capacity(request);
+    let mut all = States::with_capacity(request, outside.is_some());
     for part in parts {
         all.append(part??);
     }
@@ -84,17 +99,18 @@ pub fn simulate(
 }
 
 /// The seat of a body. Strides repeat the steps of a map, which are made in the frame of the body.
-fn seat_of(request: &Request, method: Method, body: &Body) -> Seat {
+fn seat_of(request: &Request, outside: Option<&Outside>, method: Method, body: &Body) -> Seat {
     match request.schedule {
+        _ if outside.is_some() => Seat::of_driven(method, body),
         Schedule::Times(_) => Seat::of_path(method, body, request.is_top),
         Schedule::Strides(_) => Seat::of(method, body, request.is_top),
     }
 }
 
 /// Runs of neighbours that one kernel moves. The bits do not depend on who shares a group.
-fn groups(request: &Request, method: Method) -> Vec<Range<usize>> {
+fn groups(request: &Request, outside: Option<&Outside>, method: Method) -> Vec<Range<usize>> {
     let engine = |body: &Body| {
-        let seat = seat_of(request, method, body);
+        let seat = seat_of(request, outside, method, body);
         (seat.table, seat.is_spin_free())
     };
     let mut groups = Vec::with_capacity(request.bodies.len().div_ceil(LANES));
@@ -110,6 +126,7 @@ fn groups(request: &Request, method: Method) -> Vec<Range<usize>> {
 /// The bodies of one group on their way through the schedule.
 struct Passengers<'a> {
     request: &'a Request<'a>,
+    outside: Option<&'a Outside>,
     bodies: &'a [Body],
     steps: &'a [f64],
     seats: Vec<Seat>,
@@ -121,19 +138,26 @@ struct Passengers<'a> {
 }
 
 impl<'a> Passengers<'a> {
-    fn new(request: &'a Request<'a>, method: Method, group: Range<usize>, isa: Isa) -> Self {
+    fn new(
+        request: &'a Request<'a>,
+        outside: Option<&'a Outside>,
+        method: Method,
+        group: Range<usize>,
+        isa: Isa,
+    ) -> Self {
         let bodies = &request.bodies[group.clone()];
-        let seats: Vec<Seat> = bodies.iter().map(|body| seat_of(request, method, body)).collect();
-        let system = system_of(request, seats[0]);
+        let seats: Vec<Seat> = bodies.iter().map(|body| seat_of(request, outside, method, body)).collect();
+        let system = system_of(request, outside, seats[0]);
         let kernel = Kernel { system, table: seats[0].table, watch: Watch::Nothing };
         Passengers {
             request,
+            outside,
             bodies,
             steps: &request.steps[group],
             seats,
             kernel,
             compiled: Compiled::new(kernel, isa),
-            states: States::unknown(request, bodies.len()),
+            states: States::unknown(request, outside.is_some(), bodies.len()),
             last: bodies.iter().map(|body| body.attitude).collect(),
         }
     }
@@ -144,12 +168,12 @@ impl<'a> Passengers<'a> {
         for (lane, &step) in self.steps.iter().enumerate() {
             let plan = match plans.last() {
                 Some(last) if self.steps[lane - 1] == step => last.clone(),
-                _ => Rc::new(legs(&self.request.schedule, step)),
+                _ => Rc::new(legs(&self.request.schedule, self.outside, step)),
             };
             plans.push(plan);
         }
         for (lane, plan) in plans.iter().enumerate() {
-            let total = plan.iter().flatten().fold(0_u64, |sum, (_, leg)| sum.saturating_add(leg.steps));
+            let total = plan.iter().flatten().fold(0_u64, |sum, stop| sum.saturating_add(stop.leg.steps));
             if total > self.request.max_steps {
                 self.states.status[lane] = Status::StepLimit;
             } else {
@@ -166,18 +190,27 @@ impl<'a> Passengers<'a> {
                 load(&mut group, lane, (self.kernel, self.compiled), self.seats[lane], body, 0, 0.0);
             }
             let mut moved = [false; LANES];
+            let mut drives = Drives::NONE;
             for k in 0..plans[0][pass].len() {
                 let of_lane: Vec<Leg> = (0..self.bodies.len())
                     .map(|lane| match self.states.status[lane] {
                         Status::StepLimit => Leg { steps: 0, step: 0.0 },
-                        _ => plans[lane][pass][k].1,
+                        _ => plans[lane][pass][k].leg,
                     })
                     .collect();
-                advance(&mut group, self.compiled, &of_lane, stop)?;
+                // When legs begin and end is the same for all.
+                let Stop { from, state, .. } = plans[0][pass][k];
+                if let Some(outside) = self.outside {
+                    for (lane, body) in self.bodies.iter().enumerate() {
+                        drives.set(lane, &outside.drive(from, pass == 1, body.moments));
+                        start_clock(&mut group, self.kernel, lane);
+                    }
+                }
+                advance(&mut group, &drives, self.compiled, &of_lane, stop)?;
                 for lane in 0..self.bodies.len() {
                     moved[lane] |= of_lane[lane].steps > 0;
-                    if self.states.status[lane] != Status::StepLimit {
-                        self.record(&group, lane, plans[0][pass][k].0, moved[lane]);
+                    if let Some(state) = state.filter(|_| self.states.status[lane] != Status::StepLimit) {
+                        self.record(&group, lane, state, moved[lane]);
                     }
                 }
             }
@@ -202,7 +235,13 @@ impl<'a> Passengers<'a> {
 }
 
 /// Advances every lane by its own number of its own steps; lanes that are done wait with a step of 0.
-fn advance(group: &mut Group, compiled: Compiled, legs: &[Leg], stop: &AtomicBool) -> Option<()> {
+fn advance(
+    group: &mut Group,
+    drives: &Drives,
+    compiled: Compiled,
+    legs: &[Leg],
+    stop: &AtomicBool,
+) -> Option<()> {
     let mut ends: Vec<u64> = legs.iter().map(|leg| leg.steps).filter(|&steps| steps > 0).collect();
     ends.sort_unstable();
     ends.dedup();
@@ -218,7 +257,7 @@ fn advance(group: &mut Group, compiled: Compiled, legs: &[Leg], stop: &AtomicBoo
                 return None;
             }
             let burst = (end - done).min(PATIENCE as u64);
-            compiled.advance(group, burst as usize);
+            compiled.advance_driven(group, drives, burst as usize);
             done += burst;
         }
         if compiled.is_processed() {

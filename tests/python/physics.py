@@ -89,9 +89,18 @@ def _golden(scene: dict[str, Any]) -> Golden:
     distance = float(np.linalg.norm(com))
     mgl = scene["mass"] * scene["gravity"] * distance
     body = rigid.Body(scene["inertia"])
+    outside: dict[str, Any] = {}
+    if any(scene.get("torque_body", [])):
+        outside["torque"] = rigid.Torque.body(scene["torque_body"])
+    if scene.get("damping"):
+        outside["damping"] = scene["damping"]
     return Golden(
         id=scene["id"],
-        scene=rigid.HeavyTop(body, mgl=mgl, com=com / distance) if mgl else rigid.FreeBody(body),
+        scene=(
+            rigid.HeavyTop(body, mgl=mgl, com=com / distance, **outside)
+            if mgl
+            else rigid.FreeBody(body, **outside)
+        ),
         omega0=np.array(scene["omega0"]),
         attitude0=np.roll(scene["q0"], 1),
         t=column("t"),

@@ -12,6 +12,13 @@ known to pyplot: save it with ``artists.ax.figure.savefig(...)``. Colours and la
 from __future__ import annotations
 
 from . import colours
+from .bodies import box, box_data, heavy_top, heavy_top_data
+from .measured import (
+    bearing_torque,
+    bearing_torque_data,
+    spring_modes,
+    spring_modes_data,
+)
 from .orientation import (
     euler_steps,
     euler_steps_data,
@@ -40,6 +47,10 @@ from .turning import (
 __all__ = [
     "active_passive",
     "active_passive_data",
+    "bearing_torque",
+    "bearing_torque_data",
+    "box",
+    "box_data",
     "colours",
     "cones",
     "cones_data",
@@ -51,10 +62,14 @@ __all__ = [
     "frames_data",
     "free_top_omega",
     "free_top_omega_data",
+    "heavy_top",
+    "heavy_top_data",
     "node_frame",
     "node_frame_data",
     "rotating_body",
     "rotating_body_data",
+    "spring_modes",
+    "spring_modes_data",
     "unit_vector_change",
     "unit_vector_change_data",
 ]

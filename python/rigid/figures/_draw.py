@@ -125,8 +125,9 @@ def arrow(
     origin = np.zeros(3) if start is None else start
     one = SpaceArrow(origin, vector, **({"color": colour, "linewidth": 2.0, "zorder": 5} | style))
     one.set_in_layout(False)
+    one.set_visible(bool(vector.any()))  # what is zero has no direction to point in
     ax.add_artist(one)
-    if text:
+    if text and vector.any():
         one.write(ax, text, **_text(colour))
     return one
 
@@ -145,8 +146,9 @@ def arrow_in_plane(
 
     origin = np.zeros(2) if start is None else start
     one = PlaneArrow(origin, vector, **({"color": colour, "linewidth": 2.0, "zorder": 5} | style))
+    one.set_visible(bool(vector.any()))
     ax.add_patch(one)
-    if text:
+    if text and vector.any():
         one.write(ax, text, **_text(colour))
     return one
 

@@ -14,6 +14,7 @@ from .._given import BodyLike, moments_of
 from ..free import cones as cones_of
 from ..free import symmetric_free_top
 from ..quaternions import matrix_to_quaternion, quaternion_to_matrix
+from ..so3 import rotate
 from . import colours
 from ._draw import (
     arc,
@@ -571,9 +572,11 @@ def cones(
         place = beyond * rim[np.argmax(np.linalg.norm(rim - data.omega, axis=-1))]
         text = f"{name}\n{np.degrees(angle):.1f}°"
         label(ax, place, text, colours.NEUTRAL, fontsize="medium", va=side)
-    shown = np.stack([momentum.vector, axis.vector, spin.vector])
-    azim = float(np.degrees(np.arctan2(*(data.axis - data.omega / size)[1::-1]))) - 90.0
-    fit(ax, data.body_rim, data.space_rim, shown, np.zeros(3), elev=16.0, azim=azim, filled=0.84)
+    # Room for the whole way around L, and a place to stand in space: frames fit on each other.
+    shown = np.vstack([data.body_rim, data.space_rim, momentum.vector, axis.vector, spin.vector])
+    swept = rotate(shown[:, np.newaxis, :], [0.0, 0.0, 1.0], np.linspace(0.0, 2.0 * np.pi, 25))
+    azim = float(np.degrees(np.arctan2(*data.space_rim[0, 1::-1]))) - 90.0
+    fit(ax, swept, np.zeros(3), elev=16.0, azim=azim, filled=0.84)
     return ConesArtists(
         ax=ax,
         data=data,

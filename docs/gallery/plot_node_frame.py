@@ -1,0 +1,18 @@
+"""The frame of the line of nodes
+==============================
+
+Half-way between space and body lies a frame that follows the line of nodes but does not spin: xi
+along ON, eta along OM, zeta along the axis of the body. Here the angular velocity is simplest,
+``(theta', phi' sin theta, phi' cos theta + psi')``: theta changes about ON, phi about the vertical
+z', psi about the axis z. A symmetric top has constant moments in this frame, too.
+"""
+
+import matplotlib.pyplot as plt
+
+from rigid import figures
+
+figure = plt.figure(figsize=(7, 6))
+ax = figure.add_subplot(projection="3d")
+figures.node_frame([0.9, 0.7, 0.8], ax=ax)
+
+plt.show()

@@ -1,0 +1,420 @@
+"""Bodies as such: the box with its axes, and the heavy top with its angles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import product
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._check import finite_float
+from ..bodies import Body
+from ..euler import euler_to_quaternion
+from ..free import permanent_rotation
+from ..scenes import HeavyTop
+from ..top import gravity_torque
+from . import colours
+from ._draw import arc, arc_between, arrow, circle, curve, fit, in_space, label
+from .orientation import NodeFrame, node_frame_data
+
+__all__ = [
+    "BoxArtists",
+    "BoxWithAxes",
+    "HeavyTopArtists",
+    "HeavyTopStill",
+    "box",
+    "box_data",
+    "heavy_top",
+    "heavy_top_data",
+]
+
+Floats = NDArray[np.float64]
+
+_UP = np.array([0.0, 0.0, 1.0])
+
+_OUTER_EDGES = np.array([[0.0, 1.0, -1.0], [1.0, 0.0, -1.0], [1.0, -1.0, 0.0]])
+"""Towards the edge along each axis that borders the view of the faces +x, +y, +z."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class BoxWithAxes:
+    """A homogeneous box and how it turns about its axes.
+
+    Attributes
+    ----------
+    sides, moments : ndarray, shape (3,)
+        Along and about the axes 1, 2, 3 (m, kg m²).
+    corners : ndarray, shape (8, 3)
+        The corners (m).
+    edges : ndarray of int, shape (12, 2)
+        Which corners are joined.
+    kinds : tuple of 3 str
+        Whether a rotation about an axis is ``"stable"``, ``"unstable"`` or ``"neutral"``.
+    """
+
+    sides: Floats
+    moments: Floats
+    corners: Floats
+    edges: NDArray[np.intp]
+    kinds: tuple[str, str, str]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class BoxArtists:
+    """What :func:`box` has drawn.
+
+    Attributes
+    ----------
+    ax : Axes3D
+        Where.
+    data : BoxWithAxes
+        What.
+    edges : tuple of 12 Line3D
+        The edges; those behind the box are faint.
+    axes : tuple of 3 SpaceArrow
+        The axes, from the faces on; an arrow has its ``start`` and its ``vector``.
+    """
+
+    ax: Any
+    data: BoxWithAxes
+    edges: tuple[Any, ...]
+    axes: tuple[Any, ...]
+
+
+def box_data(body: Body) -> BoxWithAxes:
+    """Corners, edges and moments under :func:`box`.
+
+    Parameters
+    ----------
+    body : Body
+        A homogeneous box, made by :meth:`rigid.Body.box`.
+
+    Returns
+    -------
+    BoxWithAxes
+
+    Raises
+    ------
+    TypeError
+        If it is no body.
+    ValueError
+        If its sides are not known.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> from rigid import figures
+    >>> figures.box_data(rigid.Body.box(0.01, 0.08, 0.25)).kinds
+    ('stable', 'unstable', 'stable')
+    """
+    if not isinstance(body, Body):
+        raise TypeError(f"body = {body!r}: must be a rigid.Body")
+    if body.sides is None:
+        raise ValueError(f"body = {body!r}: its sides are not known; make it by rigid.Body.box")
+    signs = np.array(list(product((-1.0, 1.0), repeat=3)))
+    pairs = np.array(
+        [(a, b) for a in range(8) for b in range(a) if np.abs(signs[a] - signs[b]).sum() == 2.0]
+    )
+    first, second, third = (str(permanent_rotation(body, axis).kind) for axis in (1, 2, 3))
+    sides = np.array(body.sides)
+    return BoxWithAxes(
+        sides=sides,
+        moments=np.array(body.moments),
+        corners=0.5 * signs * sides,
+        edges=pairs,
+        kinds=(first, second, third),
+    )
+
+
+def box(body: Body, *, ax: Any | None = None) -> BoxArtists:
+    """Draw a box with its principal axes, its moments, and which rotations last.
+
+    The axis through the largest face has the largest moment, that through the smallest face the
+    smallest one; thrown spinning about the axis between them, the box tumbles (Buller and Wernstål
+    2011, fig. 2).
+
+    Parameters
+    ----------
+    body : Body
+        As in :func:`box_data`.
+    ax : Axes3D, optional
+        Where to draw; by default on a new figure that pyplot does not know.
+
+    Returns
+    -------
+    BoxArtists
+
+    Raises
+    ------
+    TypeError, ValueError
+        As in :func:`box_data`, and if the axes are not three-dimensional.
+    ImportError
+        Without matplotlib.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> from rigid import figures
+    >>> drawn = figures.box(rigid.Body.box(0.01, 0.08, 0.25, mass=0.3))
+    >>> drawn.ax.figure.savefig("box.png")  # doctest: +SKIP
+    """
+    from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+
+    data = box_data(body)
+    ax = in_space(ax)
+    elev, azim = 20.0, 35.0
+    behind = -0.5 * data.sides  # the corner that this direction hides
+    faces = [_face(data.sides, axis, sign) for axis in range(3) for sign in (-1.0, 1.0)]
+    ax.add_collection3d(
+        Poly3DCollection(faces, facecolor=colours.BODY.colour, alpha=0.12, linewidth=0.0, zorder=1)
+    )
+    edges = []
+    for ends in data.corners[data.edges]:
+        hidden = (ends == behind).all(axis=-1).any()
+        edges.append(
+            curve(
+                ax,
+                ends,
+                colours.FAINT if hidden else colours.NEUTRAL,
+                linewidth=1.0 if hidden else 1.5,
+                linestyle="dashed" if hidden else "solid",
+                zorder=2,
+            )
+        )
+    longest = float(data.sides.max())
+    axes = []
+    for axis, ink in enumerate(colours.AXES):
+        unit = np.eye(3)[axis]
+        start = 0.5 * data.sides[axis] * unit
+        curve(ax, np.array([np.zeros(3), start]), ink.colour, linewidth=1.2, linestyle="dotted")
+        name = (
+            f"{ink.label}: {data.kinds[axis]}\n"
+            rf"$I_{axis + 1} = ${_rounded(data.moments[axis])} kg m²"
+        )
+        axes.append(arrow(ax, 0.3 * longest * unit, ink.colour, name, start=start, linewidth=2.4))
+        outward = _OUTER_EDGES[axis]
+        place = 0.5 * data.sides * outward
+        label(
+            ax,
+            place + 0.065 * longest * outward,
+            f"{data.sides[axis]:g} m",
+            colours.NEUTRAL,
+            fontsize="medium",
+        )
+    tips = np.diag(0.5 * data.sides + 0.3 * longest)
+    fit(ax, data.corners, tips, elev=elev, azim=azim, filled=0.74)
+    return BoxArtists(ax=ax, data=data, edges=tuple(edges), axes=tuple(axes))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class HeavyTopStill:
+    """A heavy top at one attitude, in space, its fixed point in the origin.
+
+    Attributes
+    ----------
+    frame : NodeFrame
+        The angles and the axes of space, of the line of nodes, and of the body.
+    com : ndarray, shape (3,)
+        Centre of mass (m).
+    weight : ndarray, shape (3,)
+        Force of the weight on it (N).
+    torque : ndarray, shape (3,)
+        That of the weight about the fixed point (N m).
+    rim : ndarray, shape (m, 3)
+        Edge of the cone that is drawn as the top, whose centre of mass is the given one (m).
+    """
+
+    frame: NodeFrame
+    com: Floats
+    weight: Floats
+    torque: Floats
+    rim: Floats
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class HeavyTopArtists:
+    """What :func:`heavy_top` has drawn.
+
+    Attributes
+    ----------
+    ax : Axes3D
+        Where.
+    data : HeavyTopStill
+        What.
+    top : Poly3DCollection
+        The cone.
+    weight, torque : SpaceArrow
+        Of the weight, each to a length that can be seen; an arrow has its ``start`` and its
+        ``vector``. None if it is zero.
+    arcs : tuple of 3 Line3D
+        The angles phi, theta, psi.
+    """
+
+    ax: Any
+    data: HeavyTopStill
+    top: Any
+    weight: Any | None
+    torque: Any | None
+    arcs: tuple[Any, ...]
+
+
+def heavy_top_data(scene: HeavyTop, angles: ArrayLike, *, length: float = 1.0) -> HeavyTopStill:
+    """Vectors under :func:`heavy_top`.
+
+    Parameters
+    ----------
+    scene : HeavyTop
+        A top whose centre of mass lies on the positive third axis.
+    angles : array_like, shape (3,)
+        ``phi, theta, psi`` (rad).
+    length : float
+        Distance ``l`` from the fixed point to the centre of mass (m); the weight is ``mgl / l``.
+
+    Returns
+    -------
+    HeavyTopStill
+
+    Raises
+    ------
+    TypeError
+        If the scene is no heavy top.
+    ValueError
+        If its centre of mass lies elsewhere, the length is not positive or an argument not finite.
+
+    Examples
+    --------
+    >>> import numpy as np, rigid
+    >>> from rigid import figures
+    >>> scene = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=2.0)
+    >>> data = figures.heavy_top_data(scene, [0.0, np.pi / 2, 0.0])
+    >>> (data.torque.round(12) + 0.0).tolist()  # along the line of nodes
+    [2.0, 0.0, 0.0]
+    """
+    if not isinstance(scene, HeavyTop):
+        raise TypeError(f"scene = {scene!r}: must be a rigid.HeavyTop")
+    if scene.com != (0.0, 0.0, 1.0):
+        raise ValueError(f"com = {scene.com}: must be (0, 0, 1), the top is drawn about axis 3")
+    distance = finite_float("length", length, positive=True)
+    frame = node_frame_data(angles)
+    axis = frame.body[2]
+    height = distance / 0.75  # the centre of mass of a cone, from its apex
+    return HeavyTopStill(
+        frame=frame,
+        com=distance * axis,
+        weight=-scene.mgl / distance * _UP,
+        torque=gravity_torque(scene, euler_to_quaternion(frame.angles), frame="space"),
+        rim=circle(height * axis, axis, 0.45 * height, frame.body[0]),
+    )
+
+
+def heavy_top(
+    scene: HeavyTop, angles: ArrayLike, *, length: float = 1.0, ax: Any | None = None
+) -> HeavyTopArtists:
+    """Draw a heavy top with its fixed point, its weight, and Euler's angles.
+
+    The torque of the weight, ``M g l sin theta``, is along the line of nodes: none about the
+    vertical and none about the axis, so that both of these angular momenta stay (Ercan 2016, fig.
+    14).
+
+    Parameters
+    ----------
+    scene, angles, length
+        As in :func:`heavy_top_data`.
+    ax : Axes3D, optional
+        Where to draw; by default on a new figure that pyplot does not know.
+
+    Returns
+    -------
+    HeavyTopArtists
+
+    Raises
+    ------
+    TypeError, ValueError
+        As in :func:`heavy_top_data`, and if the axes are not three-dimensional.
+    ImportError
+        Without matplotlib.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> from rigid import figures
+    >>> scene = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
+    >>> drawn = figures.heavy_top(scene, [0.9, 0.6, 0.8])
+    >>> drawn.ax.figure.savefig("top.png")  # doctest: +SKIP
+    """
+    data = heavy_top_data(scene, angles, length=length)
+    ax = in_space(ax)
+    frame, size = data.frame, float(np.linalg.norm(data.com))
+    origin, black = np.zeros(3), colours.HUES["black"]
+    axis, node = frame.body[2], frame.node[0]
+    centre = data.rim[:-1].mean(axis=0)
+    sheet = np.array([0.0, 1.0])[:, np.newaxis, np.newaxis] * data.rim
+    top = ax.plot_surface(
+        *np.moveaxis(sheet, -1, 0),
+        color=colours.BODY.colour,
+        alpha=0.3,
+        linewidth=0.0,
+        rcount=2,
+        ccount=len(data.rim),
+        shade=False,
+        zorder=1,
+    )
+    curve(ax, data.rim, colours.BODY.colour, linewidth=1.6)
+    curve(ax, circle(origin, _UP, 0.9 * size), colours.FAINT, linewidth=1.0, zorder=1)
+
+    for along, ink, name in zip(frame.space, colours.AXES, ("x'", "y'", "z'"), strict=True):
+        longer = size * (1.9 if name == "z'" else 1.1)
+        arrow(ax, longer * along, ink.colour, f"${name}$", linewidth=1.0, linestyle="dashed")
+    arrow(ax, 2.0 * size * axis, colours.Z.colour, "$z$", linewidth=2.0)
+    arrow(ax, 1.1 * size * node, colours.NODE.colour, colours.NODE.label, linewidth=1.4)
+    # psi is told on the lid, from the direction of the line of nodes to axis x of the body.
+    radius = float(np.linalg.norm(data.rim[0] - centre))
+    curve(
+        ax,
+        np.array([centre, centre + radius * node]),
+        colours.NODE.colour,
+        linewidth=1.2,
+        linestyle="dashed",
+    )
+    arrow(ax, 1.35 * radius * frame.body[0], colours.X.colour, "$x$", start=centre, linewidth=1.8)
+    phi, theta, psi = frame.angles.tolist()
+    arcs = (
+        arc(ax, _UP, 0.5 * size * frame.space[0], phi, black, r"$\phi$"),
+        arc_between(ax, _UP, axis, 1.6 * size, black, r"$\theta$", beyond=1.08)
+        if theta
+        else arc(ax, _UP, frame.space[0], 0.0, black),
+        arc(ax, axis, 0.65 * radius * node, psi, black, r"$\psi$", centre=centre, beyond=1.35),
+    )
+    ax.plot(*np.zeros((3, 1)), "o", color="black", markersize=5.0, zorder=7)
+    ax.plot(*data.com, "o", color="black", markersize=6.0, zorder=7)
+    label(ax, 0.14 * size * np.cross(_UP, node), "$O$")
+    beside = 0.13 * size * frame.node[1]
+    label(ax, 0.5 * data.com + beside, "$l$")
+    label(ax, data.com + beside, "$C$")
+    weight = torque = None
+    if data.weight.any():
+        down = 0.75 * size * data.weight / np.linalg.norm(data.weight)
+        weight = arrow(ax, down, black, r"$M\mathbf{g}$", start=data.com, linewidth=2.2)
+    if scene.mgl * abs(np.sin(theta)) > 0.0:
+        along = 0.8 * size * data.torque / scene.mgl
+        torque = arrow(
+            ax, along, colours.TORQUE.colour, colours.TORQUE.label, linewidth=2.6, zorder=6
+        )
+    ends = np.array([1.9 * size * _UP, 2.0 * size * axis, 1.35 * radius * frame.body[0] + centre])
+    azim = float(np.degrees(phi)) - 20.0
+    fit(ax, data.rim, circle(origin, _UP, 1.1 * size), ends, elev=16.0, azim=azim, filled=0.86)
+    return HeavyTopArtists(ax=ax, data=data, top=top, weight=weight, torque=torque, arcs=arcs)
+
+
+def _face(sides: Floats, axis: int, sign: float) -> Floats:
+    """The corners, in turn, of the face of a box across an axis."""
+    around = np.array([[-0.5, -0.5], [-0.5, 0.5], [0.5, 0.5], [0.5, -0.5]])
+    return np.asarray(np.insert(around, axis, 0.5 * sign, axis=1) * sides)
+
+
+def _rounded(value: float) -> str:
+    """Three digits, powers of ten as the eye reads them."""
+    mantissa, _, exponent = f"{value:.3g}".partition("e")
+    return rf"${mantissa}\cdot 10^{{{int(exponent)}}}$" if exponent else mantissa

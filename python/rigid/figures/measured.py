@@ -1,0 +1,410 @@
+"""Springs that become a rigid body, and bearings that hold an unbalanced one: curves with units."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import pi
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._check import finite_float, numbers
+from ..fixed_axis import bearing_torques
+from ..springs import pair_system, spring_body
+from . import colours
+from ._draw import panels
+
+__all__ = [
+    "BearingTorque",
+    "BearingTorqueArtists",
+    "SpringModes",
+    "SpringModesArtists",
+    "bearing_torque",
+    "bearing_torque_data",
+    "spring_modes",
+    "spring_modes_data",
+]
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SpringModes:
+    """Frequencies of a body of springs, and how far it is from the rigid one.
+
+    Attributes
+    ----------
+    frequencies : ndarray, shape (3 N,)
+        ``sqrt(omega²)`` of the modes, ascending (rad/s), of the first stiffness; those that vanish
+        are exactly 0.
+    zero : int
+        How many vanish: six of a body that its springs hold.
+    stiffness : ndarray, shape (n,)
+        Of the springs (N/m), ascending.
+    distance : ndarray, shape (n,)
+        Largest distance (m) of a particle from where the rigid body has it, over the time.
+    evaluations : ndarray of int, shape (n,)
+        How often the forces were evaluated: the cost.
+    """
+
+    frequencies: Floats
+    zero: int
+    stiffness: Floats
+    distance: Floats
+    evaluations: NDArray[np.intp]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SpringModesArtists:
+    """What :func:`spring_modes` has drawn.
+
+    Attributes
+    ----------
+    axes : tuple of 2 Axes
+        The spectrum, and the distance against the stiffness.
+    data : SpringModes
+        What.
+    rigid, elastic : Line2D
+        Modes without and with a frequency, against their number.
+    distance, slope : Line2D
+        The distances, and a line that falls as one over the stiffness.
+    """
+
+    axes: tuple[Any, ...]
+    data: SpringModes
+    rigid: Any
+    elastic: Any
+    distance: Any
+    slope: Any
+
+
+def spring_modes_data(
+    masses: ArrayLike,
+    positions: ArrayLike,
+    omega: ArrayLike,
+    *,
+    stiffness: ArrayLike = (1e2, 1e3, 1e4),
+    t_end: float = 1.0,
+    samples: int = 51,
+) -> SpringModes:
+    """Modes and distances under :func:`spring_modes`.
+
+    Parameters
+    ----------
+    masses, positions, omega
+        As in :func:`rigid.springs.spring_body`.
+    stiffness : array_like, shape (n,)
+        Stiffnesses (N/m) of all springs, two or more, positive and ascending.
+    t_end : float
+        How long the body turns (s).
+    samples : int
+        At how many times the distance is taken.
+
+    Returns
+    -------
+    SpringModes
+
+    Raises
+    ------
+    ValueError
+        As in :func:`rigid.springs.spring_body`, and if the stiffnesses are not positive and
+        ascending.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from rigid import figures
+    >>> corner = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    >>> figures.spring_modes_data(np.ones(4), corner, [0, 1, 0.3], stiffness=[100, 200]).zero
+    6
+    """
+    k = numbers("stiffness", stiffness)
+    if (
+        k.ndim != 1
+        or len(k) < 2
+        or not np.isfinite(k).all()
+        or (np.diff(k, prepend=0.0) <= 0).any()
+    ):
+        raise ValueError(
+            f"stiffness = {np.ravel(k).tolist()}: must be two or more, positive and ascending"
+        )
+    times = np.linspace(0.0, finite_float("t_end", t_end, positive=True), samples)
+    modes = pair_system(masses, positions, stiffness=float(k[0])).modes()
+    squared = np.where(np.arange(modes.omega_squared.size) < modes.zero, 0.0, modes.omega_squared)
+    paths = [spring_body(masses, positions, omega, stiffness=float(one), t=times) for one in k]
+    return SpringModes(
+        frequencies=np.sqrt(squared),
+        zero=int(modes.zero),
+        stiffness=k,
+        distance=np.array([path.distance.max() for path in paths]),
+        evaluations=np.array([path.evaluations for path in paths], dtype=np.intp),
+    )
+
+
+def spring_modes(
+    masses: ArrayLike,
+    positions: ArrayLike,
+    omega: ArrayLike,
+    *,
+    stiffness: ArrayLike = (1e2, 1e3, 1e4),
+    t_end: float = 1.0,
+    axes: Sequence[Any] | None = None,
+) -> SpringModesArtists:
+    """Draw the modes of particles on springs, and how they become a rigid body.
+
+    Six modes have no frequency: shifts and turns. The others rise as the root of the stiffness,
+    and the distance from the rigid body falls as its inverse (lecture notes, § 5.1; six of the
+    squared frequencies are zero, erratum G-01, and they are those of the mass-weighted matrix,
+    erratum G-02).
+
+    Parameters
+    ----------
+    masses, positions, omega, stiffness, t_end
+        As in :func:`spring_modes_data`.
+    axes : sequence of 2 Axes, optional
+        Where to draw; by default on a new figure that pyplot does not know.
+
+    Returns
+    -------
+    SpringModesArtists
+
+    Raises
+    ------
+    ValueError
+        As in :func:`spring_modes_data`, and if there are not two axes.
+    ImportError
+        Without matplotlib.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from rigid import figures
+    >>> corner = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    >>> drawn = figures.spring_modes(np.ones(4), corner, [0, 1, 0.3], stiffness=[100, 200])
+    >>> drawn.axes[0].figure.savefig("springs.png")  # doctest: +SKIP
+    """
+    data = spring_modes_data(masses, positions, omega, stiffness=stiffness, t_end=t_end)
+    spectrum, limit = panels(axes, ["plane", "plane"])
+    number = np.arange(1, data.frequencies.size + 1)
+    blue, vermilion = colours.HUES["blue"], colours.HUES["vermilion"]
+    stems = spectrum.vlines(number, 0.0, data.frequencies, color=blue, linewidth=1.2)
+    stems.set_zorder(1)
+    held = slice(None, data.zero), slice(data.zero, None)
+    rigid, elastic = (
+        spectrum.plot(number[part], data.frequencies[part], "o", color=colour, clip_on=False)[0]
+        for part, colour in zip(held, (vermilion, blue), strict=True)
+    )
+    highest = float(data.frequencies.max())
+    spectrum.text(
+        0.7,
+        0.06 * highest,
+        f"{data.zero} without\nfrequency:\nshifts and\nturns",
+        color=vermilion,
+        va="bottom",
+    )
+    spectrum.set(
+        xlabel="mode",
+        ylabel=f"frequency for k = {data.stiffness[0]:g} N/m (rad/s)",
+        ylim=(0.0, 1.08 * highest),
+        xlim=(0.3, number[-1] + 0.7),
+    )
+    spectrum.set_xticks(number[:: max(1, number.size // 12)])
+
+    (distance,) = limit.plot(data.stiffness, data.distance, "o-", color=blue)
+    law = data.distance[-1] * data.stiffness[-1] / data.stiffness
+    (slope,) = limit.plot(data.stiffness, 0.4 * law, "--", color=colours.NEUTRAL, linewidth=1.2)
+    limit.set(
+        xscale="log",
+        yscale="log",
+        xlabel="stiffness k of the springs (N/m)",
+        ylabel="largest distance from the rigid body (m)",
+    )
+    middle = len(law) // 2
+    limit.annotate(
+        r"$\propto 1/k$",
+        (data.stiffness[middle], 0.4 * law[middle]),
+        (-8.0, -8.0),
+        textcoords="offset points",
+        ha="right",
+        va="top",
+        color=colours.NEUTRAL,
+    )
+    for ax in (spectrum, limit):
+        ax.grid(visible=True, which="major", color="0.92", linewidth=0.8)
+        ax.set_axisbelow(True)
+    return SpringModesArtists(
+        axes=(spectrum, limit),
+        data=data,
+        rigid=rigid,
+        elastic=elastic,
+        distance=distance,
+        slope=slope,
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class BearingTorque:
+    """Torque that the bearings of an unbalanced body supply.
+
+    Attributes
+    ----------
+    angle : ndarray, shape (m,)
+        Turned angle, once around (rad).
+    torque : ndarray, shape (m, 3)
+        Torque on the body at these angles and the given rate, in space (N m); the third part, about
+        the axis, is that of the drive.
+    omega : ndarray, shape (n,)
+        Rates from zero to the given one (rad/s).
+    size : ndarray, shape (n,)
+        Size of the torque across the axis at these rates (N m).
+    """
+
+    angle: Floats
+    torque: Floats
+    omega: Floats
+    size: Floats
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class BearingTorqueArtists:
+    """What :func:`bearing_torque` has drawn.
+
+    Attributes
+    ----------
+    axes : tuple of 2 Axes
+        Against the angle, and against the rate.
+    data : BearingTorque
+        What.
+    components : tuple of 3 Line2D
+        The torque in space against the angle.
+    size : Line2D
+        The size of its part across the axis against the rate.
+    """
+
+    axes: tuple[Any, ...]
+    data: BearingTorque
+    components: tuple[Any, ...]
+    size: Any
+
+
+def bearing_torque_data(
+    tensor: ArrayLike, omega: float, *, omega_dot: float = 0.0, samples: int = 181
+) -> BearingTorque:
+    """Torques under :func:`bearing_torque`: those of :func:`rigid.fixed_axis.bearing_torques`.
+
+    Parameters
+    ----------
+    tensor : array_like, shape (3, 3)
+        Tensor of inertia in the body (kg m²), about a point of the axis z.
+    omega, omega_dot : float
+        Rate about the axis (rad/s), not zero, and its derivative (rad/s²).
+    samples : int
+        Points of a curve.
+
+    Returns
+    -------
+    BearingTorque
+
+    Raises
+    ------
+    ValueError
+        If the tensor is that of no body, the rate is zero, or an argument is not finite.
+
+    Examples
+    --------
+    >>> from rigid import figures
+    >>> tilted = [[2.0, 0.0, -0.5], [0.0, 2.0, 0.0], [-0.5, 0.0, 1.5]]
+    >>> data = figures.bearing_torque_data(tilted, 10.0)
+    >>> float(data.size[-1])  # I_xz omega²
+    50.0
+    """
+    rate, faster = finite_float("omega", omega), finite_float("omega_dot", omega_dot)
+    if rate == 0.0:
+        raise ValueError("omega = 0.0: must not be zero, the curves run from rest to it")
+    shape = np.shape(tensor)
+    if shape != (3, 3):
+        raise ValueError(f"tensor: expected shape (3, 3), got {shape}")
+    angle = np.linspace(0.0, 2.0 * pi, samples)
+    rates = np.linspace(0.0, rate, samples)
+    return BearingTorque(
+        angle=angle,
+        torque=bearing_torques(tensor, rate, faster, angle=angle).torque_space,
+        omega=rates,
+        size=np.linalg.norm(bearing_torques(tensor, rates, faster).bearing, axis=-1),
+    )
+
+
+def bearing_torque(
+    tensor: ArrayLike,
+    omega: float,
+    *,
+    omega_dot: float = 0.0,
+    axes: Sequence[Any] | None = None,
+) -> BearingTorqueArtists:
+    """Draw the torque that the bearings of an unbalanced body must supply.
+
+    It turns with the body and rises as the square of the rate; only the part about the axis, of the
+    drive, stays as it is (Ercan 2016, § 6, eq. (29), errata D-15, D-42).
+
+    Parameters
+    ----------
+    tensor, omega, omega_dot
+        As in :func:`bearing_torque_data`.
+    axes : sequence of 2 Axes, optional
+        Where to draw; by default on a new figure that pyplot does not know.
+
+    Returns
+    -------
+    BearingTorqueArtists
+
+    Raises
+    ------
+    ValueError
+        As in :func:`bearing_torque_data`, and if there are not two axes.
+    ImportError
+        Without matplotlib.
+
+    Examples
+    --------
+    >>> from rigid import figures
+    >>> tilted = [[2.0, 0.0, -0.5], [0.0, 2.0, 0.0], [-0.5, 0.0, 1.5]]
+    >>> drawn = figures.bearing_torque(tilted, 10.0, omega_dot=2.0)
+    >>> drawn.axes[0].figure.savefig("bearing.png")  # doctest: +SKIP
+    """
+    data = bearing_torque_data(tensor, omega, omega_dot=omega_dot)
+    turning, rising = panels(axes, ["plane", "plane"])
+    degrees = np.degrees(data.angle)
+    components = []
+    for values, ink, name in zip(data.torque.T, colours.AXES, "xyz", strict=True):
+        (line,) = turning.plot(degrees, values, color=ink.colour, linewidth=1.8)
+        components.append(line)
+        turning.annotate(
+            f"$N_{name}$",
+            (degrees[-1], values[-1]),
+            (5.0, 0.0),
+            textcoords="offset points",
+            color=ink.colour,
+            va="center",
+            annotation_clip=False,
+        )
+    turning.set(
+        xlabel="turned angle (degrees)",
+        ylabel=f"torque on the body at {float(omega):g} rad/s, in space (N m)",
+        xlim=(0.0, 360.0),
+        xticks=np.arange(0.0, 361.0, 90.0),
+    )
+    (size,) = rising.plot(data.omega, data.size, color=colours.TORQUE.colour, linewidth=1.8)
+    rising.set(
+        xlabel=r"rate $\omega$ (rad/s)",
+        ylabel="torque of the bearings, across the axis (N m)",
+        xlim=sorted((0.0, float(omega))),
+    )
+    rising.set_ylim(bottom=0.0)
+    for ax in (turning, rising):
+        ax.grid(visible=True, which="major", color="0.92", linewidth=0.8)
+        ax.set_axisbelow(True)
+    return BearingTorqueArtists(
+        axes=(turning, rising), data=data, components=tuple(components), size=size
+    )

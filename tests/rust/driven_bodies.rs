@@ -1,0 +1,259 @@
+//! Bodies under torque and damping: the same bits on every instruction set, in every lane and on any number of
+//! threads, and what must be refused.
+
+use rigid::group::{Drives, Group, LANES};
+use rigid::kernel::{Compiled, Kernel, System, Table, Watch};
+use rigid::method::Method;
+use rigid::outside::Outside;
+use rigid::sample::{Law, attitude, uniforms};
+use rigid::simd::Isa;
+use rigid::start::{Body, Seat, load};
+use rigid::trajectory::{Record, Request, Schedule, Solver, States, Status, simulate_driven};
+use std::sync::atomic::AtomicBool;
+
+static GO: AtomicBool = AtomicBool::new(false);
+
+fn bits(numbers: &[f64]) -> Vec<u64> {
+    numbers.iter().map(|x| if x.is_nan() { f64::NAN.to_bits() } else { x.to_bits() }).collect()
+}
+
+/// A tumbling body, another for every number.
+fn body(number: u64, is_top: bool) -> Body {
+    let u = |block| uniforms([5, 6], block, number, 0);
+    let [a, b, c, _] = u(0).map(|x| 0.2 + x);
+    let [x, y, z, _] = u(1).map(|x| 4.0 * x - 2.0);
+    let weight = if is_top { u(2).map(|x| 2.0 * x - 1.0)[..3].try_into().unwrap() } else { [0.0; 3] };
+    let attitude = attitude(Law::UniformAttitude, 0.0, [1.0, 0.0, 0.0, 0.0], u(3));
+    Body { moments: [b + c, c + a, a + b], weight, omega: [x, y, z], attitude }
+}
+
+/// A torque that changes and jumps, and damping about axes of its own.
+fn table(in_space: bool) -> Outside {
+    let times = [-3.0, -0.5, 0.25, 0.25, 1.1, 4.0];
+    let values: Vec<[f64; 3]> =
+        (0..6).map(|k| uniforms([7, 8], 0, k, 0).map(|x| 3.0 * x - 1.5)[..3].try_into().unwrap()).collect();
+    let zeros = [[0.0; 3]; 6];
+    let space: &[[f64; 3]] = if in_space { &values } else { &zeros };
+    Outside::new(&times, &values, space, [0.3, 0.2, 0.4, 0.05, -0.1, 0.02]).unwrap()
+}
+
+fn driven_methods() -> Vec<Method> {
+    Method::ALL.into_iter().filter(|method| method.damping_limit().is_some()).collect()
+}
+
+#[test]
+fn every_kernel_on_every_instruction_set_and_in_every_lane() {
+    for system in [System::DrivenRates, System::DrivenFrame] {
+        for table_ in Table::ALL.into_iter().filter(|table| table.moves(system)) {
+            let kernel = Kernel { system, table: table_, watch: Watch::Nothing };
+            let seat_of = |body: &Body| {
+                let seats = driven_methods().into_iter().map(|method| Seat::of_driven(method, body));
+                seats.into_iter().find(|seat| seat.table == table_).expect("a method for every table")
+            };
+            let put = |group: &mut Group, drives: &mut Drives, lane: usize, number: usize, compiled| {
+                let mut body = body(number as u64, system == System::DrivenFrame);
+                if number == 7 {
+                    body.omega = [1e18; 3];
+                }
+                let step = if number == 3 { 0.0 } else { 0.02 + 0.002 * number as f64 };
+                load(group, lane, (kernel, compiled), seat_of(&body), &body, 0, step);
+                let outside = table(number.is_multiple_of(2));
+                drives.set(lane, &outside.drive(0.01 * number as f64, false, body.moments));
+            };
+            let whole = |isa| {
+                let compiled = Compiled::new(kernel, isa);
+                let (mut group, mut drives) = (Group::waiting(), Drives::NONE);
+                for lane in 0..LANES {
+                    put(&mut group, &mut drives, lane, lane, compiled);
+                }
+                for steps in [1, 5, 14] {
+                    compiled.advance_driven(&mut group, &drives, steps);
+                }
+                group
+            };
+            let of_lane = |group: &Group, lane: usize| {
+                bits(&group.state.iter().chain(&group.carry).map(|row| row.0[lane]).collect::<Vec<_>>())
+            };
+            let scalar = whole(Isa::Scalar);
+            for isa in Isa::available() {
+                let group = whole(isa);
+                for lane in 0..LANES {
+                    assert_eq!(of_lane(&group, lane), of_lane(&scalar, lane), "{kernel:?} {isa:?} {lane}");
+                    let finite = group.state[..system.len()].iter().all(|row| row.0[lane].is_finite());
+                    assert_eq!(finite, lane != 7, "{kernel:?} {lane}");
+                }
+                let compiled = Compiled::new(kernel, isa);
+                for number in [0, 3, 12, 31] {
+                    let (mut group, mut drives) = (Group::waiting(), Drives::NONE);
+                    let lane = (number + 17) % LANES;
+                    put(&mut group, &mut drives, lane, number, compiled);
+                    for steps in [1, 5, 14] {
+                        compiled.advance_driven(&mut group, &drives, steps);
+                    }
+                    assert_eq!(of_lane(&group, lane), of_lane(&scalar, number), "{kernel:?} {isa:?}");
+                }
+            }
+        }
+    }
+}
+
+const TIMES: [f64; 6] = [-2.9, -0.7, 0.0, 0.25, 0.31, 3.9];
+
+fn ask(
+    method: Method,
+    record: Record,
+    tolerance: Option<f64>,
+    (bodies, is_top): (&[Body], bool),
+    threads: usize,
+    isa: Isa,
+) -> States {
+    let steps: Vec<f64> = (0..bodies.len()).map(|i| [0.03, 0.05, 0.003, 0.01][i % 4]).collect();
+    let request = Request {
+        bodies,
+        is_top,
+        solver: Solver::Steps(method),
+        record,
+        schedule: Schedule::Times(&TIMES),
+        steps: &steps,
+        tolerance,
+        max_steps: 5000,
+    };
+    simulate_driven(&request, Some(&table(is_top)), threads, isa, &GO).unwrap().unwrap()
+}
+
+fn all_bits(states: &States) -> Vec<u64> {
+    let mut numbers = states.omega.clone();
+    for column in [&states.vertical, &states.attitude, &states.work].into_iter().flatten() {
+        numbers.extend(column);
+    }
+    for column in [&states.energy_drift, &states.momentum_drift, &states.unit_drift] {
+        numbers.extend(column);
+    }
+    numbers.extend(states.steps.iter().map(|&steps| steps as f64));
+    bits(&numbers)
+}
+
+#[test]
+fn trajectories_have_the_same_bits_everywhere_and_alone() {
+    for is_top in [false, true] {
+        let bodies: Vec<_> = (0..70).map(|i| body(i, is_top)).collect();
+        for method in driven_methods() {
+            for record in [Record::Rates, Record::Axis, Record::Attitude] {
+                let adaptive = method.is_series().then_some(Some(1e-12));
+                for tolerance in [Some(None), adaptive].into_iter().flatten() {
+                    let first = ask(method, record, tolerance, (&bodies, is_top), 1, Isa::Scalar);
+                    assert!(
+                        first.status.iter().all(|&s| s == Status::Finished),
+                        "{method:?} {:?}",
+                        first.status
+                    );
+                    for isa in Isa::available() {
+                        let again = ask(method, record, tolerance, (&bodies, is_top), 3, isa);
+                        assert_eq!(all_bits(&first), all_bits(&again), "{method:?} {isa:?}");
+                    }
+                    let alone = ask(method, record, tolerance, (&bodies[..1], is_top), 1, Isa::Scalar);
+                    assert_eq!(bits(&first.omega[..18]), bits(&alone.omega), "{method:?}");
+                }
+            }
+        }
+    }
+}
+
+/// A knot costs no order and no accuracy: steps that end there are as good as steps anywhere.
+#[test]
+fn a_series_meets_knots_and_jumps_exactly() {
+    for is_top in [false, true] {
+        let bodies: Vec<_> = (0..8).map(|i| body(i, is_top)).collect();
+        let at =
+            |method, tolerance| ask(method, Record::Attitude, tolerance, (&bodies, is_top), 1, Isa::Scalar);
+        let fixed = at(Method::Taylor26, None);
+        for method in Method::ALL.into_iter().filter(|method| method.is_series()) {
+            let own = at(method, Some(1e-16));
+            // Rounding of some hundred steps, of motions that grow an error no more than ten times in this time.
+            for (a, b) in own.omega.iter().zip(&fixed.omega) {
+                assert!((a - b).abs() < 1e-12 * (1.0 + b.abs()), "{method:?}: {a} {b}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_torque_table_is_read_from_both_sides_of_a_jump() {
+    let outside = Outside::new(
+        &[0.0, 1.0, 1.0, 3.0],
+        &[[0.0; 3], [2.0, 0.0, 0.0], [5.0, 0.0, 0.0], [1.0, 0.0, 0.0]],
+        &[[0.0; 3]; 4],
+        [0.0; 6],
+    )
+    .unwrap();
+    let at = |time, backward| {
+        let drive = outside.drive(time, backward, [1.0, 2.0, 3.0]);
+        [drive.body[0][0], drive.body[1][0]]
+    };
+    assert_eq!(at(0.0, false), [0.0, 2.0]);
+    assert_eq!(at(0.5, true), [1.0, 2.0]);
+    assert_eq!(at(1.0, true), [2.0, 2.0]);
+    assert_eq!(at(1.0, false), [5.0, -2.0]);
+    assert_eq!(at(3.0, true), [1.0, -2.0]);
+    assert_eq!(outside.next_knot(0.0, false), Some(1.0));
+    assert_eq!(outside.next_knot(1.0, false), Some(3.0));
+    assert_eq!(outside.next_knot(1.0, true), Some(0.0));
+    assert_eq!(outside.next_knot(3.0, false), None);
+    assert!(outside.check_reaches(3.0).is_ok() && outside.check_reaches(3.1).is_err());
+}
+
+/// The eigenvalues of `I^(-1) D` against those of matrices with known ones.
+#[test]
+fn damping_rates_of_known_matrices() {
+    let rates = |damping, moments| {
+        Outside::new(&[], &[[0.0; 3]], &[[0.0; 3]], damping).unwrap().damping_rates(moments)
+    };
+    assert_eq!(rates([1.0, 3.0, 2.0, 0.0, 0.0, 0.0], [1.0, 2.0, 4.0]), [0.5, 1.0, 1.5]);
+    // ((2, -1, 0), (-1, 2, -1), (0, -1, 2)) has 2 and 2 -+ sqrt 2.
+    let [a, b, c] = rates([2.0, 2.0, 2.0, -1.0, 0.0, -1.0], [1.0; 3]);
+    for (rate, known) in [(a, 2.0 - 2.0_f64.sqrt()), (b, 2.0), (c, 2.0 + 2.0_f64.sqrt())] {
+        assert!((rate - known).abs() < 1e-15 * 4.0, "{rate} {known}");
+    }
+    // A dyad: one rate, the others zero to rounding.
+    let [a, b, c] = rates([1.0, 4.0, 9.0, 6.0, 3.0, 2.0], [1.0; 3]);
+    assert!(a.abs() < 1e-14 && b.abs() < 1e-14 && (c - 14.0).abs() < 1e-14 * 14.0);
+}
+
+#[test]
+fn what_would_feed_a_motion_or_blow_up_is_refused() {
+    let make = |damping| Outside::new(&[], &[[0.0; 3]], &[[0.0; 3]], damping);
+    assert!(make([1.0, 1.0, 1.0, 2.0, 0.0, 0.0]).unwrap_err().to_string().contains("positive semi-definite"));
+    assert!(make([1.0, f64::NAN, 1.0, 0.0, 0.0, 0.0]).unwrap_err().to_string().contains("finite"));
+    let stiff = make([1e3, 1e3, 1e3, 0.0, 0.0, 0.0]).unwrap();
+    let bodies = [body(0, false)];
+    for method in Method::ALL {
+        let run = |step: f64| {
+            let request = Request {
+                bodies: &bodies,
+                is_top: false,
+                solver: Solver::Steps(method),
+                record: Record::Rates,
+                schedule: Schedule::Times(&[1.0]),
+                steps: &[step],
+                tolerance: None,
+                max_steps: 100_000,
+            };
+            simulate_driven(&request, Some(&stiff), 1, Isa::Scalar, &GO)
+        };
+        let [.., rate] = stiff.damping_rates(bodies[0].moments);
+        match method.damping_limit() {
+            None => assert!(run(1e-4).is_err_and(|e| e.to_string().contains("without torque and damping"))),
+            Some(limit) if limit.is_finite() => {
+                let refused = run(1.01 * limit / rate);
+                assert!(
+                    refused.is_err_and(|e| e.to_string().contains("unstable under damping")),
+                    "{method:?}"
+                );
+                // Just inside the limit everything dies, as it should.
+                let states = run(0.99 * limit / rate).unwrap().unwrap();
+                assert!(states.omega.iter().all(|w| w.abs() < 0.1), "{method:?} {:?}", states.omega);
+            }
+            Some(_) => assert!(run(0.1).is_ok()),
+        }
+    }
+}
