@@ -3,7 +3,7 @@
 
 The same matrix turns the axes one way or the vector the other way. Passive: the axes turn by
 epsilon, the vector stays and has other components. Active: the vector turns, the axes stay; to
-first order it gains ``epsilon n × x``, across itself. This library's rotations are active, from
+first order it gains ``epsilon n × r``, across itself. This library's rotations are active, from
 body to space; the passive ones are their transposes.
 """
 

@@ -301,6 +301,23 @@ def test_bearing_torques_are_drawn_with_units() -> None:
     drawn(turning)
 
 
+def test_no_size_is_too_small_or_too_large_to_draw() -> None:
+    """The Earth: cones of 0.2" and of 0.0007"; then tops of atoms and of stars."""
+    earth, tilt = (1.0, 1.0, 1.00329), 9.69627e-7
+    data = figures.cones_data(earth, [7.292e-5 * tilt, 0.0, 7.292e-5])
+    assert data.body_cone == pytest.approx(tilt, rel=1e-9)
+    assert data.space_cone == pytest.approx(tilt * (1.0 - 1.0 / 1.00329), rel=1e-9)
+    drawn(figures.cones(earth, [7.292e-5 * tilt, 0.0, 7.292e-5]).ax)
+    for scale in (1e-12, 1e12):
+        moments = scale * np.array(OBLATE)
+        drawn(figures.cones(moments, [0.9 / scale, 0.0, 1.3 / scale]).ax)
+        drawn(figures.free_top_omega(moments, [0.9 / scale, 0.0, 1.3 / scale], t=scale).ax)
+        drawn(figures.coplanar_vectors([moments], [0.9 / scale, 0.0, 1.3 / scale]).axes[0])
+        drawn(figures.box(rigid.Body.box(scale, 2 * scale, 3 * scale)).ax)
+        drawn(figures.heavy_top(heavy(scale), [0.3, 0.4, 0.5], length=scale).ax)
+        drawn(figures.bearing_torque(scale * TILTED, 10.0).axes[0])
+
+
 @pytest.mark.parametrize(
     ("call", "error", "message"),
     [

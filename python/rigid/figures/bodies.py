@@ -381,7 +381,7 @@ def heavy_top(
     arrow(ax, 1.35 * radius * frame.body[0], colours.X.colour, "$x$", start=centre, linewidth=1.8)
     phi, theta, psi = frame.angles.tolist()
     arcs = (
-        arc(ax, _UP, 0.5 * size * frame.space[0], phi, black, r"$\phi$"),
+        arc(ax, _UP, 0.66 * size * frame.space[0], phi, black, r"$\phi$"),
         arc_between(ax, _UP, axis, 1.6 * size, black, r"$\theta$", beyond=1.08)
         if theta
         else arc(ax, _UP, frame.space[0], 0.0, black),
@@ -389,7 +389,7 @@ def heavy_top(
     )
     ax.plot(*np.zeros((3, 1)), "o", color="black", markersize=5.0, zorder=7)
     ax.plot(*data.com, "o", color="black", markersize=6.0, zorder=7)
-    label(ax, 0.14 * size * np.cross(_UP, node), "$O$")
+    label(ax, -0.15 * size * np.cross(_UP, node), "$O$")
     beside = 0.13 * size * frame.node[1]
     label(ax, 0.5 * data.com + beside, "$l$")
     label(ax, data.com + beside, "$C$")
@@ -399,9 +399,9 @@ def heavy_top(
         weight = arrow(ax, down, black, r"$M\mathbf{g}$", start=data.com, linewidth=2.2)
     if scene.mgl * abs(np.sin(theta)) > 0.0:
         along = 0.8 * size * data.torque / scene.mgl
-        torque = arrow(
-            ax, along, colours.TORQUE.colour, colours.TORQUE.label, linewidth=2.6, zorder=6
-        )
+        torque = arrow(ax, along, colours.TORQUE.colour, linewidth=2.6, zorder=6)
+        above = along + 0.13 * size * _UP
+        label(ax, above, colours.TORQUE.label, colours.TORQUE.colour)
     ends = np.array([1.9 * size * _UP, 2.0 * size * axis, 1.35 * radius * frame.body[0] + centre])
     azim = float(np.degrees(phi)) - 20.0
     fit(ax, data.rim, circle(origin, _UP, 1.1 * size), ends, elev=16.0, azim=azim, filled=0.86)

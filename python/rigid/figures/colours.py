@@ -64,9 +64,9 @@ AXES = (X, Y, Z)
 
 L = Ink(HUES["orange"], r"$\mathbf{L}$")
 OMEGA = Ink(HUES["purple"], r"$\boldsymbol{\omega}$")
-TORQUE = Ink(HUES["vermilion"], r"$\mathbf{N}$")
+TORQUE = Ink(HUES["orange"], r"$\mathbf{N}$")  # it is what changes L
 VELOCITY = Ink(HUES["green"], r"$\mathbf{v}$")
-POSITION = Ink(HUES["blue"], r"$\mathbf{r}$")
+POSITION = Ink(HUES["black"], r"$\mathbf{r}$")
 VERTICAL = Ink(HUES["black"], r"$\mathbf{e}_3$")
 
 SPACE = Ink(NEUTRAL, "space")

@@ -199,11 +199,11 @@ def frames(
     if data.relative is not None and data.position is not None:
         colour = colours.BODY.colour
         relative = arrow(ax, data.relative, colour, start=data.origin, linewidth=1.6)
-        position = arrow(ax, data.position, colours.HUES["black"], linewidth=1.6)
+        position = arrow(ax, data.position, colours.POSITION.colour, linewidth=1.6)
         ax.plot(*data.position, "o", color="black", markersize=5, zorder=6)
         label(ax, data.position + 0.12 * _Z, "$P$")
         label(ax, data.origin + 0.6 * data.relative + 0.1 * aside, r"$\mathbf{r}'$", colour)
-        label(ax, 0.45 * data.position - 0.12 * aside, r"$\mathbf{r}$")
+        label(ax, 0.45 * data.position - 0.12 * aside, colours.POSITION.label)
         shown.append(data.position)
     fit(ax, *shown, elev=20.0, azim=-65.0)
     return FramesArtists(

@@ -371,10 +371,10 @@ def _draw_coplanar(ax: Any, data: CoplanarVectors) -> tuple[Any, Any]:
     sign = "<" if data.theta < data.alpha else ">"
     if data.along == data.across:
         kind, sign = "spherical: $I_3 = I$", "="
-    ax.set_title(rf"{kind},  $\theta {sign} \alpha$", fontsize="medium")
+    ax.set_title(rf"{kind},  $\theta {sign} \alpha$", fontsize="medium", y=0.95)
     low = -0.08 if data.omega[1] >= 0.0 else -1.42
     ax.set_aspect("equal")
-    ax.set(xlim=(-0.25 * size, 1.3 * size), ylim=(low * size, 1.42 * size))
+    ax.set(xlim=(-0.25 * size, 1.3 * size), ylim=(low * size, 1.55 * size))
     ax.set_axis_off()
     return spin, momentum
 
@@ -566,7 +566,7 @@ def cones(
     )
     axis = arrow(ax, 1.3 * size * data.axis, colours.Z.colour, "axis", linewidth=2.2)
     for rim, angle, name, beyond, side in (
-        (data.body_rim, data.body_cone, "body cone", 1.1, "top"),
+        (data.body_rim, data.body_cone, "body cone", 0.8, "center"),
         (data.space_rim, data.space_cone, "space cone", 1.04, "bottom"),
     ):
         place = beyond * rim[np.argmax(np.linalg.norm(rim - data.omega, axis=-1))]

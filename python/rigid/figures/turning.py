@@ -63,7 +63,7 @@ class ActivePassive:
     turned : ndarray, shape (2,)
         Active: the turned vector.
     first_order : ndarray, shape (2,)
-        What the active turn adds to first order, ``angle n × x``.
+        What the active turn adds to first order, ``angle n × r``.
     """
 
     angle: float
@@ -147,7 +147,7 @@ def active_passive(
     """Draw a turn as one of the axes, and as one of the vector.
 
     Passive, the axes turn and the vector gets other components; active, the vector turns and gains
-    ``angle n × x`` to first order. The components of one are those of the other by the opposite
+    ``angle n × r`` to first order. The components of one are those of the other by the opposite
     angle (lecture notes, fig. 5.1).
 
     Parameters
@@ -189,15 +189,15 @@ def active_passive(
     for component, along, ink in zip(data.seen, data.axes, colours.AXES[:2], strict=True):
         foot = np.array([data.vector, component * along])
         curve(passive, foot, ink.colour, linewidth=0.9, linestyle="dotted")
-    arrow_in_plane(passive, data.vector, black, r"$\mathbf{x}$")
+    arrow_in_plane(passive, data.vector, black, colours.POSITION.label)
     _flat_arc(passive, 0.0, data.angle, 0.42 * length)
 
-    before = arrow_in_plane(active, data.vector, black, r"$\mathbf{x}$", **thin)
-    after = arrow_in_plane(active, data.turned, black, r"$\mathbf{x}'$")
+    before = arrow_in_plane(active, data.vector, black, colours.POSITION.label, **thin)
+    after = arrow_in_plane(active, data.turned, black, r"$\mathbf{r}'$")
     purple = colours.HUES["purple"]
     change = arrow_in_plane(active, data.first_order, purple, start=data.vector, linewidth=1.4)
     beside = data.vector + 0.5 * data.first_order + 0.04 * data.vector
-    label_in_plane(active, beside, r"$\varepsilon\,\mathbf{n}\times\mathbf{x}$", purple, ha="left")
+    label_in_plane(active, beside, r"$\varepsilon\,\mathbf{n}\times\mathbf{r}$", purple, ha="left")
     start = float(np.arctan2(data.vector[1], data.vector[0]))
     _flat_arc(active, start, start + data.angle, 0.42 * length)
 
