@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from .. import exact, free
 from .._check import positive_int
 from .._given import BodyLike, moments_of, to_space
-from ..film import states_of
+from ..film import states_of, undriven
 from ..scenes import FreeBody, scene_from_dict
 from ..simulate import Run
 from ..solidshapes import across, ellipsoid_faces, plane_face
@@ -121,7 +121,8 @@ def poinsot_data(run: Run, *, frame: int = 0) -> PoinsotPicture:
     TypeError
         If the run is not that of a free body.
     ValueError
-        If attitudes are missing, there is more than one body, it is at rest, or no such time.
+        If attitudes are missing, there is more than one body, it is at rest or under torque or
+        damping, or there is no such time.
 
     Examples
     --------
@@ -136,6 +137,7 @@ def poinsot_data(run: Run, *, frame: int = 0) -> PoinsotPicture:
     scene = scene_from_dict(run.spec["scene"])
     if not isinstance(scene, FreeBody):
         raise TypeError(f"scene = {scene!r}: Poinsot's picture is that of a rigid.FreeBody")
+    undriven(scene, "Poinsot's picture")
     omega, attitude = states_of(run)
     k = _index("frame", frame, len(run.t))
     rolled = free.poinsot(scene, omega, attitude)
