@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from . import free
 from ._check import finite_float, one_of
 from ._given import attitudes, to_space
+from ._shown import states_of, undriven
 from .figures import colours
 from .scenes import FreeBody, HeavyTop, Scene, scene_from_dict, scene_words
 from .solidshapes import STEM, box_faces, cone_faces, ellipsoid_faces, plane_face, top_faces
@@ -18,7 +19,7 @@ from .solidshapes import STEM, box_faces, cone_faces, ellipsoid_faces, plane_fac
 if TYPE_CHECKING:
     from .simulate import Run
 
-__all__ = ["VIEWS", "Film", "Part", "film_of", "states_of", "undriven"]
+__all__ = ["VIEWS", "Film", "Part", "film_of"]
 
 Floats = NDArray[np.float64]
 
@@ -174,36 +175,6 @@ def _room(parts: tuple[Part, ...], attitude: Floats, up: Floats) -> tuple[Floats
     heights = cloud @ up
     centre = 0.5 * (heights.min() + heights.max()) * up
     return centre, float(np.linalg.norm(cloud - centre, axis=1).max())
-
-
-def states_of(run: Run, body: int | None = None) -> tuple[Floats, Floats]:
-    """Rates (m, 3) and attitudes (m, 4) of the body that is shown."""
-    if run.attitude is None:
-        raise ValueError(
-            f"record = {run.spec['record']!r}: record = 'attitude' is needed to show the motion"
-        )
-    omega, attitude = run.omega, run.attitude
-    if omega.ndim == 3:
-        bodies = len(omega)
-        if body is None and bodies != 1:
-            raise ValueError(f"body = None: the run has {bodies} bodies, choose one by its index")
-        index = 0 if body is None else body
-        if isinstance(index, bool) or not isinstance(index, (int, np.integer)):
-            raise TypeError(f"body = {body!r}: must be a whole number")
-        if not -bodies <= index < bodies:
-            raise ValueError(f"body = {body}: the run has {bodies} bodies")
-        omega, attitude = omega[index], attitude[index]
-    elif body is not None:
-        raise ValueError(f"body = {body}: the run has a single body")
-    if not (np.isfinite(omega).all() and np.isfinite(attitude).all()):
-        raise ValueError("status: states that are not finite cannot be shown")
-    return omega, attitude
-
-
-def undriven(scene: Scene, what: str) -> None:
-    """Raise under torque or damping, which change the constants that a picture is made of."""
-    if scene.outside is not None:
-        raise ValueError(f"{what}: needs a scene without torque and damping")
 
 
 def _chosen(scene: Scene, view: str | None) -> str:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import top
 from .._check import vector
-from ..film import undriven
+from .._shown import undriven
 from ..scenes import HeavyTop
 from . import colours
 from ._draw import in_plane, label_in_plane, panels

@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 from .. import exact, top
 from .._check import finite_float, positive_int, rows, sorted_times, stack, vector
 from .._given import attitudes
+from .._shown import undriven
 from ..euler import rotation_x
-from ..film import undriven
 from ..quaternions import matrix_to_quaternion
 from ..scenes import HeavyTop
 from ..solidshapes import across, ellipsoid_faces

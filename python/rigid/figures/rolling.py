@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from .. import exact, free
 from .._check import positive_int
 from .._given import BodyLike, moments_of, to_space
-from ..film import states_of, undriven
+from .._shown import states_of, undriven
 from ..scenes import FreeBody, scene_from_dict
 from ..simulate import Run
 from ..solidshapes import across, ellipsoid_faces, plane_face
