@@ -155,7 +155,7 @@ def _write_gif(film: Film, path: Path) -> None:
     reach = 1.08 * film.reach
     ax = figure.add_axes((0.03, 0.03, 0.94, 0.94), xlim=(-reach, reach), ylim=(-reach, reach))
     ax.set_axis_off()
-    figure.text(0.02, 0.965, film.title, fontsize=8, color="#555555")
+    figure.text(0.02, 0.985, film.title, fontsize=8, color="#555555", va="top", wrap=True)
     clock = figure.text(0.02, 0.02, "", fontsize=9, color="#333333", family="monospace")
     drawn = PolyCollection([], closed=True, capstyle="round")
     ax.add_collection(drawn)

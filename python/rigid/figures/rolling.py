@@ -411,16 +411,16 @@ def polhodes(body: BodyLike, *, count: int = 5, ax: Any | None = None) -> Polhod
         curve(ax, far, "black", linewidth=0.8, alpha=0.35, zorder=2)
     arrows = []
     names = {int(order[0]): "least", int(order[1]): "middle", int(order[2]): "largest"}
-    tips = np.diag(data.semi_axes + 0.3)
+    length = np.full(3, 0.3)
+    length[order[1]] = 1.1  # seen from its end, it looks shorter
+    tips = np.diag(data.semi_axes + length)
     for k, ink in enumerate(colours.AXES):
         start = np.diag(data.semi_axes)[k]
         arrows.append(arrow(ax, tips[k] - start, ink.colour, start=start, linewidth=1.6, zorder=6))
         words = f"{k + 1}: {names[k]} moment"
-        # Beside the tip, away from the ellipsoid; below that of the axis that points to the eye.
         sideways = float(np.cross(UP, towards)[k])
-        align = "left" if sideways > 0.25 else "right" if sideways < -0.25 else "center"
-        beyond = np.eye(3)[k] if k != order[1] else -1.2 * UP
-        label(ax, tips[k] + 0.1 * beyond, words, ink.colour, fontsize="medium", ha=align)
+        align = "left" if sideways > 0.1 else "right" if sideways < -0.1 else "center"
+        label(ax, tips[k] + 0.1 * np.eye(3)[k], words, ink.colour, fontsize="medium", ha=align)
     fit(ax, faces, 1.05 * tips, elev=elev, azim=azim, filled=0.8)
     return PolhodesArtists(
         ax=ax,
