@@ -49,7 +49,7 @@ impl TiltLimit {
 /// Sign changes of one component of the rates, located inside the step.
 pub struct Flips;
 
-/// Largest angle between a body axis and a space-fixed direction (the last one carried).
+/// Largest angle between a body axis and a space-fixed direction (the last one carried; of a frame the vertical).
 pub struct Tilt;
 
 /// The component along the watched axis. The axis is a unit vector of the frame, so the sum is exact.
@@ -148,12 +148,12 @@ impl Tilt {
         course: &Coefficients<R, D>,
     ) {
         let (zero, one) = (R::splat(0.0), R::splat(1.0));
-        let at_end = direction(after, L::VECTORS - 1);
+        let at_end = direction(after, L::WATCHED);
         let [mut cosine, mut sine2] = tilt(&watched.axis, &at_end);
         let mut share = one;
         if const { S::ORDER > 0 } {
             let first_rate = course.order(1);
-            let begin_slope = along(&watched.axis, &direction(first_rate, L::VECTORS - 1));
+            let begin_slope = along(&watched.axis, &direction(first_rate, L::WATCHED));
             let omega = [after[0], after[1], after[2]];
             let end_slope = along(&watched.axis, &direction_rate(&at_end, &omega)) * p.step;
             // The cosine falls, then rises.
@@ -161,7 +161,7 @@ impl Tilt {
             if R::any(turns) {
                 let turn =
                     turning_share::<R, L, D>(course, S::ORDER, &watched.axis, [begin_slope, end_slope]);
-                let (n, _) = on_the_way(course, S::ORDER, 3 * L::VECTORS, turn);
+                let (n, _) = on_the_way(course, S::ORDER, 3 + 3 * L::WATCHED, turn);
                 let [cosine_there, sine2_there] = tilt(&watched.axis, &n);
                 share = R::select(turns, turn, share);
                 cosine = R::select(turns, cosine_there, cosine);
@@ -173,7 +173,7 @@ impl Tilt {
         let end = margin(&watched.limit, [cosine, sine2]);
         let lost = R::select(watched.left.lt(R::splat(f64::INFINITY)), zero, end).lt(zero);
         if R::any(lost) {
-            let begin = tilt(&watched.axis, &direction(before, L::VECTORS - 1));
+            let begin = tilt(&watched.axis, &direction(before, L::WATCHED));
             // At once if it was gone before.
             let begin = margin(&watched.limit, begin).max(zero);
             let share = if const { S::ORDER > 0 } {
@@ -201,7 +201,7 @@ fn turning_share<R: Real, L: Layout, const D: usize>(
         let (mut slope, mut bend) = (R::splat(0.0), R::splat(0.0));
         for k in (1..=order).rev() {
             bend = bend.fma(share, slope);
-            let along = along(axis, &direction(course.order(k), L::VECTORS - 1));
+            let along = along(axis, &direction(course.order(k), L::WATCHED));
             slope = slope.fma(share, along * R::splat(k as f64));
         }
         share = newton(share, slope, bend);
@@ -224,7 +224,7 @@ fn meeting_share<R: Real, L: Layout, const D: usize>(
     let mut moved = zero;
     for _ in 0..16 {
         let share = (high - low).fma(inner / (inner - outer), low);
-        let (n, _) = on_the_way(course, order, 3 * L::VECTORS, share);
+        let (n, _) = on_the_way(course, order, 3 + 3 * L::WATCHED, share);
         let margin = margin(&watched.limit, tilt(&watched.axis, &n));
         let gone = margin.lt(zero);
         let moves = R::select(gone, one, -one);

@@ -153,18 +153,12 @@ impl Outside {
     /// The largest `|I^(-1/2) torque|` times its time, between two times: what the root of twice the energy can gain.
     /// The size of a linear function is convex, so the trapezoids bound it.
     fn gain(&self, moments: [f64; 3], from: f64, to: f64) -> f64 {
-        let size = |[body, space]: [[f64; 3]; 2]| -> f64 {
-            let least = moments.iter().fold(f64::INFINITY, |a, &b| a.min(b));
-            let own: f64 = (0..3).map(|k| body[k] * body[k] / moments[k]).sum();
-            let turned: f64 = space.iter().map(|x| x * x).sum::<f64>() / least;
-            own.sqrt() + turned.sqrt()
-        };
         if self.times.is_empty() {
-            return size(self.values[0]) * (to - from).abs();
+            return size(moments, self.values[0]) * (to - from).abs();
         }
         let at = |time: f64, backward: bool| {
             let [body, space] = self.torques(time, backward);
-            size([body[0], space[0]])
+            size(moments, [body[0], space[0]])
         };
         let inner = self.times.iter().copied().filter(|&knot| from < knot && knot < to);
         let mut stops: Vec<f64> = std::iter::once(from).chain(inner).collect();
@@ -172,23 +166,57 @@ impl Outside {
         stops.windows(2).map(|w| 0.5 * (at(w[0], false) + at(w[1], true)) * (w[1] - w[0])).sum()
     }
 
-    /// A bound of |omega| between two times around 0, from the power balance; `reach` is twice the kinetic energy that
-    /// the body has or can gain by falling, `swing` the rate at which it swings under its weight.
+    /// The rate k, if nothing acts but a damping `D = k I`: it then slows all components of the momentum alike, and the
+    /// motion is the free one in another time. Equal but for the rounding of the products.
+    pub fn slows_evenly(&self, moments: [f64; 3]) -> Option<f64> {
+        let [d11, d22, d33, ..] = self.damping;
+        let still = self.values.iter().flatten().flatten().all(|&x| x == 0.0);
+        let diagonal = self.damping[3..].iter().all(|&x| x == 0.0);
+        let own = [d11, d22, d33];
+        let fits = |&k: &f64| (0..3).all(|i| k * moments[i] == own[i]);
+        (0..3).map(|i| own[i] / moments[i]).find(fits).filter(|_| still && diagonal)
+    }
+
+    /// The largest `|I^(-1/2) torque|`, at any time.
+    fn strength(&self, moments: [f64; 3]) -> f64 {
+        self.values.iter().map(|&value| size(moments, value)).fold(0.0, f64::max)
+    }
+
+    /// A bound of |omega| between two times around 0, from the power balance. Twice the kinetic energy at the start,
+    /// the weight `mgl`, and the energy that the body can gain by falling.
     ///
     /// With `u = |I^(1/2) omega|`, `u' <= |I^(-1/2) torque| - d u`, and `|omega| <= u / sqrt(I_min)`; `d` is the least
     /// damping rate. Backward in time damping feeds the motion at the largest one.
-    pub fn fastest_rate(&self, moments: [f64; 3], reach: f64, swing: f64, [first, last]: [f64; 2]) -> f64 {
+    pub fn fastest_rate(
+        &self,
+        moments: [f64; 3],
+        [twice_kinetic, mgl, fall]: [f64; 3],
+        [first, last]: [f64; 2],
+    ) -> f64 {
         let least = moments.iter().fold(f64::INFINITY, |a, &b| a.min(b));
         let [d, .., fastest] = self.damping_rates(moments);
-        let mut forward = self.gain(moments, 0.0, last.max(0.0));
-        if d > 0.0 && self.times.is_empty() {
-            forward = forward.min(self.gain(moments, 0.0, 1.0) / d);
+        let (start, reach) = (twice_kinetic.sqrt(), (twice_kinetic + 2.0 * fall).sqrt());
+        let mut forward = reach + self.gain(moments, 0.0, last.max(0.0));
+        let mut swing = (mgl / least).sqrt();
+        if d > 0.0 {
+            forward = forward.min(start + (mgl / least.sqrt() + self.strength(moments)) / d);
+            swing = swing.min(mgl / (least * d));
         }
         let back = first.min(0.0);
-        let backward = (reach.sqrt() + self.gain(moments, back, 0.0)) * exp(-fastest.max(0.0) * back);
-        let u = (reach.sqrt() + forward).max(if back < 0.0 { backward } else { 0.0 });
+        let mut u = forward;
+        if back < 0.0 {
+            u = u.max((reach + self.gain(moments, back, 0.0)) * exp(-fastest.max(0.0) * back));
+        }
         (u / least.sqrt()).max(swing)
     }
+}
+
+/// `|I^(-1/2) torque|` at most, of a torque in the body and one in space.
+fn size(moments: [f64; 3], [body, space]: [[f64; 3]; 2]) -> f64 {
+    let least = moments.iter().fold(f64::INFINITY, |a, &b| a.min(b));
+    let own: f64 = (0..3).map(|k| body[k] * body[k] / moments[k]).sum();
+    let turned: f64 = space.iter().map(|x| x * x).sum::<f64>() / least;
+    own.sqrt() + turned.sqrt()
 }
 
 /// Eigenvalues and eigenvectors (columns) of a symmetric matrix, by plane rotations (Jacobi 1846): with nothing but

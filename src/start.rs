@@ -79,13 +79,16 @@ impl Body {
         let mgl = self.weight.iter().map(|c| c * c).sum::<f64>().sqrt();
         let vertical = self.vertical();
         let height: f64 = (0..3).map(|k| self.weight[k] * vertical[k]).sum();
-        let smallest = self.moments.iter().fold(f64::INFINITY, |a, &b| a.min(b));
-        let reach = twice_kinetic + 2.0 * (mgl + height).max(0.0);
-        outside.fastest_rate(self.moments, reach, (mgl / smallest).sqrt(), span)
+        outside.fastest_rate(self.moments, [twice_kinetic, mgl, (mgl + height).max(0.0)], span)
     }
 
-    /// The rate that steps of explicit schemes follow: how fast the body turns, and how fast damping slows it.
-    pub fn step_rate_driven(&self, outside: &Outside, span: [f64; 2]) -> f64 {
+    /// The rate that the steps of a scheme follow: how fast the body turns, and, if it is explicit, how fast damping
+    /// slows it.
+    pub fn step_rate(&self, method: Method, outside: Option<&Outside>, span: [f64; 2]) -> f64 {
+        let Some(outside) = outside else { return self.fastest_rate() };
+        if method.damping_limit() == Some(f64::INFINITY) {
+            return self.fastest_rate_driven(outside, span);
+        }
         let [.., slowing] = outside.damping_rates(self.moments);
         let turning = self.fastest_rate_driven(outside, span);
         (turning * turning + slowing * slowing).sqrt()
@@ -379,9 +382,9 @@ pub fn load(
     group.cosine.0[lane] = 1.0;
     group.sine2.0[lane] = 0.0;
     if kernel.watch == Watch::Tilt {
-        // The direction that a tilt is measured from is the last one carried.
-        let last = kernel.system.len() - 3;
-        let [cosine, sine2] = tilt(&unit, &[y[last], y[last + 1], y[last + 2]]);
+        // The direction that a tilt is measured from is the last one carried, of a frame the vertical.
+        let at = if kernel.system.is_driven() { 3 } else { kernel.system.len() - 3 };
+        let [cosine, sine2] = tilt(&unit, &[y[at], y[at + 1], y[at + 2]]);
         group.cosine.0[lane] = cosine;
         group.sine2.0[lane] = sine2;
     }
@@ -392,6 +395,18 @@ pub fn start_clock(group: &mut Group, kernel: Kernel, lane: usize) {
     let time = kernel.system.len() - 1;
     group.state[time].0[lane] = 0.0;
     group.carry[time].0[lane] = 0.0;
+}
+
+/// Lets the drifts of a driven body in a lane be relative to what it can gain too, being as fast as this.
+pub fn widen_scales(group: &mut Group, lane: usize, system: System, body: &Body, rate: f64) {
+    let least = body.moments.iter().fold(f64::INFINITY, |a, &b| a.min(b));
+    let momentum = body.moments.iter().fold(0.0_f64, |a, &b| a.max(b)) * rate;
+    let momentum = if system.is_top() { momentum } else { 2.0 * momentum * momentum };
+    for (rows, gain) in [(&mut group.energy, 0.5 * least * rate * rate), (&mut group.momentum, momentum)] {
+        let inverse = rows.inverse_scale.0[lane];
+        let scale = if inverse > 0.0 && inverse.is_finite() { 1.0 / inverse } else { 0.0 };
+        rows.inverse_scale.0[lane] = if scale + gain > 0.0 { 1.0 / (scale + gain) } else { 0.0 };
+    }
 }
 
 /// The side of zero that a component starts on; on zero, the side that it is about to enter.

@@ -12,6 +12,7 @@ from .bodies import Body
 from .citing import cite
 from .conditioning import condition
 from .criteria import no_flip, tilt_below
+from .extremes import Extremes, extremes
 from .forces import Torque
 from .info import build_info
 from .mapfile import load_map
@@ -29,6 +30,7 @@ from .starts import Noise, Start, direction, normal, uniform, uniform_attitude
 
 __all__ = [
     "Body",
+    "Extremes",
     "FreeBody",
     "HeavyTop",
     "MapSpec",
@@ -50,6 +52,7 @@ __all__ = [
     "condition",
     "direction",
     "exact",
+    "extremes",
     "load_map",
     "methods",
     "no_flip",

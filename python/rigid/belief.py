@@ -64,7 +64,8 @@ Equal rotations err alike in both runs, all one way."""
 
 def evenly(count: int, most: int) -> NDArray[np.intp]:
     """At most ``most`` indices below ``count``, evenly spread, the last one among them."""
-    spread = np.linspace(0, count - 1, min(count, most))
+    # From the last to the first: of a single one, the last.
+    spread = (count - 1) - np.linspace(0, count - 1, min(count, most))
     indices: NDArray[np.intp] = np.unique(spread.round().astype(np.intp))
     return indices
 
@@ -147,6 +148,9 @@ def believe(
     error = SAFETY * distances(seen, again) + floor[:, None]
     # What is not a number is not known; a body that was not run has no error.
     error = np.where(np.isfinite(error), error, np.inf)
+    if "outside" in table:
+        # Damping can stop a body within a step: the way it turned meanwhile is lost in both runs.
+        error[rates * span > np.pi * taken] = np.inf
     error[taken == 0] = np.nan
     lost = np.abs(times[checks])
     lost_from = np.where(error >= 1.0, lost, np.inf).min(axis=1)

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from ._check import resolve_threads
+from .extremes import extremes
 from .info import build_info
 from .mapresult import StabilityMap
 from .maps import run_map
@@ -24,6 +25,7 @@ __all__ = ["main"]
 
 USAGE_ERROR = 2
 INTERRUPTED = 130
+WRONG = 1
 
 SECONDS, LONG_SECONDS = 30.0, 120.0
 """What a report takes unless told otherwise."""
@@ -44,6 +46,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             "maps": _maps,
             "report": _report,
             "reports": _reports,
+            "extremes": _extremes,
             "info": _info,
         }[options.command]
         return command(options)
@@ -120,6 +123,20 @@ def _reports(options: argparse.Namespace) -> int:
         spec = read_report(name).spec
         print(f"{name:<{width}}{spec.title} (t = {spec.t_end:g} {spec.unit})")
     return 0
+
+
+def _extremes(options: argparse.Namespace) -> int:
+    found = extremes(
+        options.family, method=options.method, progress=None if options.progress else False
+    )
+    print(found)
+    for cell in found.wrong:
+        print(
+            f"rigid: {cell.case.family}, {cell.case.name}, {cell.method}: {cell.error:.1e}, not "
+            f"within {cell.bound:.1e}",
+            file=sys.stderr,
+        )
+    return WRONG if found.wrong else 0
 
 
 def _info(options: argparse.Namespace) -> int:
@@ -205,6 +222,12 @@ def _parser() -> _Parser:
         "--no-progress", dest="progress", action="store_false", help="no progress bar"
     )
     commands.add_parser("reports", help="list the built-in reports")
+    worst = commands.add_parser("extremes", help="extreme and stiff bodies by every method")
+    worst.add_argument("family", nargs="?", metavar="FAMILY", help="only these, such as needle")
+    worst.add_argument("--method", metavar="NAME", help="only this one")
+    worst.add_argument(
+        "--no-progress", dest="progress", action="store_false", help="no progress bar"
+    )
     commands.add_parser("info", help="describe this build")
     return parser
 

@@ -88,7 +88,7 @@ class Cloud:
         with np.errstate(all="ignore"):
             of_rates = np.abs(here - there).max(axis=1) / scale
             of_attitude = attitude_angle(run.attitude[:, -1], truth.attitude[:, -1])
-        arrived = run.status == Status.FINISHED
+        arrived = np.isin(run.status, (Status.OK, Status.FLAGGED))
         known = arrived & np.isfinite(of_rates) & np.isfinite(of_attitude)
         return np.where(known, of_rates, np.inf), np.where(known, of_attitude, np.inf)
 

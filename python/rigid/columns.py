@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -10,14 +11,18 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _core
 from ._check import rows
+from .forces import outside_of
 from .scenes import FreeBody, HeavyTop, Scene
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-__all__ = ["check_scene", "columns", "each_row", "fastest_rates", "laid_out"]
+__all__ = ["check_scene", "columns", "each_row", "fastest_rates", "laid_out", "unit_of"]
 
 _IDENTITY = (1.0, 0.0, 0.0, 0.0)
+
+SLOWEST = 1e-140
+"""Squares of slower rates, and their products, would underflow (rad/s)."""
 
 
 def check_scene(scene: object) -> Scene:
@@ -42,22 +47,70 @@ def columns(
     rates, single_omega = rows("omega", omega, 3)
     quaternions, single_attitude = _attitudes(attitude)
     n = _common_length(rates, quaternions, single_omega, single_attitude)
-    return laid_out(scene, rates, quaternions, n), single_omega and single_attitude
+    table = laid_out(scene, rates, quaternions, n, unit_of(scene))
+    _check_time_unit(table)
+    return table, single_omega and single_attitude
+
+
+def _check_time_unit(table: Mapping[str, Any]) -> None:
+    """Refuse rates whose squares are lost below the smallest double."""
+    swing = np.sqrt(np.abs(table["weight"]).max() / table["moments"].min())
+    rates = np.maximum(np.abs(table["omega"]).max(axis=1), swing)
+    slow = np.flatnonzero((rates > 0.0) & (rates < SLOWEST))
+    if len(slow):
+        raise ValueError(
+            f"omega[{slow[0]}]: the rates of the body are {rates[slow[0]]:.3g} rad/s at most; they "
+            f"must be zero or reach {SLOWEST:g} rad/s: count the time in another unit"
+        )
 
 
 def laid_out(
-    scene: Scene, rates: NDArray[np.float64], quaternions: NDArray[np.float64], n: int
+    scene: Scene,
+    rates: NDArray[np.float64],
+    quaternions: NDArray[np.float64],
+    n: int,
+    unit: int = 0,
 ) -> dict[str, Any]:
-    """The columns of ``n`` bodies with these rates and unit quaternions, as they are."""
+    """The columns of ``n`` bodies with these rates and unit quaternions, as they are.
+
+    Moments, weight, torque and damping are counted in ``2**unit``.
+    """
     table = {
         "scene": scene.kind,
-        "moments": np.array([scene.body.moments]),
-        "weight": scene.weight[np.newaxis],
+        "moments": counted("moments", np.array([scene.body.moments]), unit),
+        "weight": counted("mgl", scene.weight[np.newaxis], unit),
         "omega": np.ascontiguousarray(np.broadcast_to(rates, (n, 3))),
         "attitude": quaternions,
     }
-    outside = scene.outside
+    outside = outside_of(scene.torque, scene.damping, unit)
     return table if outside is None else {**table, "outside": outside}
+
+
+def unit_of(scene: Scene) -> int:
+    """Exponent of two of the unit in which a scene's moments are counted: the largest is near one.
+
+    So no product with rates leaves the range of doubles, and the unit of moments, torques and
+    energies changes no bit of a motion.
+    """
+    return int(np.frexp(max(scene.body.moments))[1])
+
+
+@np.errstate(over="ignore")
+def counted(name: str, values: NDArray[np.float64], unit: int) -> NDArray[np.float64]:
+    """The values in that unit.
+
+    Raises
+    ------
+    ValueError
+        If they are too large for it.
+    """
+    scaled = np.ldexp(values, -unit)
+    if not np.isfinite(scaled).all():
+        raise ValueError(
+            f"{name} = {np.abs(values).max():g}: must be below 1e308 times the largest moment, "
+            f"which is of the order of {math.ldexp(1.0, unit):g}"
+        )
+    return scaled
 
 
 def fastest_rates(

@@ -86,7 +86,7 @@ class Torque:
         acting = array.reshape(-1, 3)
         parts = [acting, np.zeros_like(acting)]
         made = cls(tuple(knots.tolist()), _vectors(parts[frame]), _vectors(parts[1 - frame]))
-        made._outside(None)
+        made._outside(None, 0)
         return made
 
     def __add__(self, other: Torque) -> Torque:
@@ -161,13 +161,15 @@ class Torque:
             parts.append(make(values if times else values[0], times=times))
         return cls(parts[0].times, parts[0].in_body, parts[1].in_space)
 
-    def _outside(self, damping: Damping | None) -> _core.Outside:
+    @np.errstate(over="ignore")
+    def _outside(self, damping: Damping | None, unit: int) -> _core.Outside:
         d = damping or (_ZERO, _ZERO, _ZERO)
+        entries = np.array([d[0][0], d[1][1], d[2][2], d[1][2], d[0][2], d[0][1]])
         return _core.Outside(
             times=list(self.times),
-            body=np.array(self.in_body),
-            space=np.array(self.in_space),
-            damping=[d[0][0], d[1][1], d[2][2], d[1][2], d[0][2], d[0][1]],
+            body=np.ldexp(np.array(self.in_body), -unit),
+            space=np.ldexp(np.array(self.in_space), -unit),
+            damping=np.ldexp(entries, -unit).tolist(),
         )
 
 
@@ -223,11 +225,19 @@ def damping_words(damping: Damping) -> str:
     return f"damping ({', '.join(f'{part:g}' for part in diagonal)})"
 
 
-def outside_of(torque: Torque | None, damping: Damping | None) -> _core.Outside | None:
-    """Torque and damping as the core reads them; None if nothing acts."""
+def outside_of(
+    torque: Torque | None, damping: Damping | None, unit: int = 0
+) -> _core.Outside | None:
+    """Torque and damping as the core reads them, in ``2**unit``; None if nothing acts.
+
+    Raises
+    ------
+    ValueError
+        If they are too large for the unit.
+    """
     if torque is None and damping is None:
         return None
-    return (torque or Torque((), (_ZERO,), (_ZERO,)))._outside(damping)
+    return (torque or Torque((), (_ZERO,), (_ZERO,)))._outside(damping, unit)
 
 
 def _vectors(array: Floats) -> tuple[Vector, ...]:

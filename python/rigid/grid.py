@@ -9,16 +9,19 @@ from math import pi, prod
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from . import _core
 from ._check import nearest, numbers
 from .bodies import box_moments
+from .forces import Damping, Torque, checked_damping, outside_of
 from .scenes import FreeBody, HeavyTop, Scene
 from .starts import Start, tilted_attitude, tilted_rates
 
-__all__ = ["PARAMETERS", "Axis", "Pixels", "make_axes", "pixels"]
+__all__ = ["PARAMETERS", "Axis", "Pixels", "make_axes", "outsides", "pixels"]
 
 _SIDES = ("a", "b", "c")
 _MOMENTS = ("I1", "I2", "I3")
 _RATES = ("omega1", "omega2", "omega3")
+_DAMPINGS = ("damping1", "damping2", "damping3")
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +63,10 @@ PARAMETERS: Mapping[str, Parameter] = {
     },
     "mass": Parameter("mass", "kg", "mass of the box", 0.0, open_end=True),
     "mgl": Parameter("$mgl$", "J", "weight times distance of the centre of mass", 0.0),
+    **{
+        f"damping{k}": Parameter(f"$c_{k}$", "N m s", f"damping about body axis {k}", 0.0)
+        for k in (1, 2, 3)
+    },
     "spin": Parameter("spin", "rad/s", "rate about the axis of the start"),
     "tilt": Parameter("tilt", "rad", "angle to the axis of the start", -pi, pi),
     **{
@@ -118,6 +125,7 @@ class Pixels:
     omega, omega_size : (P, 3) nominal rates and size of their noise, rad/s
     attitude : (P, 4) nominal attitude (w, x, y, z)
     tilt, attitude_size : (P,) rad
+    damping : (P, 3, 3), or None if nothing damps
     """
 
     moments: NDArray[np.float64]
@@ -128,6 +136,7 @@ class Pixels:
     attitude: NDArray[np.float64]
     tilt: NDArray[np.float64]
     attitude_size: NDArray[np.float64]
+    damping: NDArray[np.float64] | None = None
 
 
 def make_axes(axes: Mapping[str, ArrayLike]) -> tuple[Axis, ...]:
@@ -196,6 +205,8 @@ def check_applicable(scene: Scene, start: Start, axes: Iterable[Axis]) -> None:
 def _why_not(name: str, scene: Scene, start: Start) -> str:
     if name in (*_SIDES, "mass") and scene.body.sides is None:
         return "the sides of the body are not known; make it with Body.box(a, b, c)"
+    if name in _DAMPINGS and scene.damping is not None and not _is_diagonal(scene.damping):
+        return "the damping of the scene is not along the body axes"
     if name == "mgl" and isinstance(scene, FreeBody):
         return "a free body feels no weight; use a HeavyTop"
     if name == "spin" and start.spin is None:
@@ -267,7 +278,42 @@ def pixels(scene: Scene, start: Start, axes: tuple[Axis, ...]) -> Pixels:
         attitude=attitude,
         tilt=tilt,
         attitude_size=column("attitude_noise", attitude_size),
+        damping=_damping(scene, values, count),
     )
+
+
+def _is_diagonal(damping: Damping) -> bool:
+    matrix = np.array(damping)
+    return not np.any(matrix - np.diag(np.diag(matrix)))
+
+
+def _damping(
+    scene: Scene, values: Mapping[str, NDArray[np.float64]], count: int
+) -> NDArray[np.float64] | None:
+    varied = [name for name in _DAMPINGS if name in values]
+    if scene.damping is None and not varied:
+        return None
+    own = np.zeros((3, 3)) if scene.damping is None else np.array(scene.damping)
+    damping: NDArray[np.float64] = np.tile(own, (count, 1, 1))
+    for name in varied:
+        k = _DAMPINGS.index(name)
+        damping[:, k, k] = values[name]
+    return damping
+
+
+def outsides(scene: Scene, rows: Pixels) -> list[_core.Outside] | None:
+    """What acts from outside in each pixel; None if nothing does in any."""
+    if rows.damping is None and scene.torque is None:
+        return None
+    damping = np.zeros((1, 3, 3)) if rows.damping is None else rows.damping
+    # Pixels of a row mostly share theirs.
+    known, places = np.unique(damping.reshape(-1, 9), axis=0, return_inverse=True)
+    still = Torque.body((0.0, 0.0, 0.0))
+    made = [
+        outside_of(scene.torque or still, checked_damping(matrix.reshape(3, 3))) for matrix in known
+    ]
+    every = [one for one in made if one is not None]
+    return [every[place] for place in np.broadcast_to(places.ravel(), len(rows.moments))]
 
 
 def _moments(

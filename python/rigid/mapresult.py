@@ -285,10 +285,13 @@ class StabilityMap:
         record = core_job(spec).sample(flat, number)
         i1, i2, i3 = rows.moments[flat].tolist()
         body = Body((i1, i2, i3))
+        acting: dict[str, Any] = {"torque": spec.scene.torque}
+        if rows.damping is not None:
+            acting["damping"] = rows.damping[flat]
         scene = (
-            HeavyTop(body, mgl=float(rows.mgl[flat]), com=spec.scene.com)
+            HeavyTop(body, mgl=float(rows.mgl[flat]), com=spec.scene.com, **acting)
             if isinstance(spec.scene, HeavyTop)
-            else FreeBody(body)
+            else FreeBody(body, **acting)
         )
         begin, step = (record["omega"], record["attitude"]), float(record["step"])
         method = record["method"]

@@ -13,7 +13,7 @@ import numpy as np
 from . import _core
 from ._check import finite_float, one_of, positive_int
 from .criteria import Criterion, NoFlip, TiltBelow, criterion_from_dict
-from .grid import Axis, check_applicable, grid_shape, make_axes, pixels
+from .grid import Axis, check_applicable, grid_shape, make_axes, outsides, pixels
 from .methods import AUTO, EXACT, check_method, map_methods
 from .plan import require_closed_forms
 from .scenes import Scene, scene_from_dict
@@ -100,14 +100,26 @@ class MapSpec:
         if self.check > 1.0:
             raise ValueError(f"check = {self.check}: must lie in [0, 1]")
         one_of("method", self.method, map_methods())
-        if self.scene.outside is not None:
-            raise ValueError("scene: a map knows neither torque nor damping; use rigid.simulate")
-        check_method(self.method, self.scene.kind, watched=True)
+        driven = self.is_driven
+        if driven and isinstance(self.stable, TiltBelow) and self.stable.reference != "vertical":
+            raise ValueError(
+                f"reference = {self.stable.reference!r}: under torque and damping a map watches "
+                "tilts from the vertical only"
+            )
+        if self.scene.torque is not None and self.scene.torque.times:
+            raise ValueError("torque: a table is not known to maps; give a constant torque")
+        check_method(self.method, self.scene.kind, watched=True, driven=driven)
         if self.method == EXACT:
             require_closed_forms(self)
         put("seed", checked_seed("seed", self.seed))
         if self.title is not None and not isinstance(self.title, str):
             raise TypeError(f"title = {self.title!r}: must be a string")
+
+    @property
+    def is_driven(self) -> bool:
+        """Whether torque or damping act in some pixel."""
+        damped = any(axis.name.startswith("damping") for axis in self.axes)
+        return damped or self.scene.outside is not None
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -188,6 +200,7 @@ def core_job(spec: MapSpec) -> _core.MapJob:
         samples=spec.samples,
         checked=spec.checked_samples,
         seed=spec.seed,
+        outside=outsides(spec.scene, rows),
     )
 
 

@@ -22,7 +22,7 @@ from .bodies import possible
 from .columns import check_scene, columns, each_row, fastest_rates
 from .costs import cheapest, check_attainable, numbers, schemes, steps_for
 from .criteria import Criterion, NoFlip, TiltBelow
-from .grid import pixels
+from .grid import Pixels, outsides, pixels
 from .methods import (
     AUTO,
     EXACT,
@@ -66,7 +66,10 @@ _STATES_RULE = (
     "closed forms are known of a free body, of a top with two moments equal to the bit and its "
     "centre of mass on the third axis, and of a top that swings about a principal axis"
 )
-_DRIVEN_RULE = "under torque and damping there is none"
+_DRIVEN_RULE = (
+    "under torque and damping there is none, but of a free body whose damping is a multiple of its "
+    "inertia"
+)
 _CLASS_RULE = (
     "closed forms are known of no_flip of a free body, and of tilt_below(axis=±k, "
     "reference='vertical') and no_flip(k) of a top with two moments equal to the bit and its "
@@ -273,9 +276,7 @@ def decide(
         )
     forms = closed_forms(question, np.array([scene.body.moments]), scene.weight[np.newaxis])
     driven = scene.outside is not None
-    if driven and not isinstance(question, str):
-        raise ValueError(f"question = {question}: a map knows neither torque nor damping")
-    if driven:
+    if driven and not (isinstance(question, str) and _slows_evenly(scene)):
         forms = np.full_like(forms, "")
     asked = not driven and (method == EXACT or (method is None and step is None))
     if asked and table is not None and isinstance(question, str) and "" in forms:
@@ -294,15 +295,17 @@ def decide(
     if table is not None and (span is not None or not driven):
         turning = fastest_rates(table, between)
         rates = turning
-    if driven:
+    if driven and chosen != EXACT:
         slowing = _slowing(scene)
         if method is None and _is_stiff(slowing, turning, step):
             chosen = STIFF
             why.append(f"strong damping, at a rate of {slowing:.3g} 1/s: {STIFF}")
         if rates is not None and table is not None:
             rates = fastest_rates(table, between, chosen)
-    bare = "gamma" not in _carried(scene, question, chosen)
-    asked_for = question if not driven else "rates" if bare else "attitude"
+    asked_for = question
+    if driven and isinstance(question, str):
+        bare = "gamma" not in _carried(scene, question, chosen)
+        asked_for = "rates" if bare else "attitude"
     steps = None
     kind = _kind(scene)
     if accuracy is not None:
@@ -343,6 +346,14 @@ def decide(
     return made, steps
 
 
+def _slows_evenly(scene: Scene) -> bool:
+    """Whether damping is a multiple of the inertia and all that acts: the free motion, slowed."""
+    outside = scene.outside
+    if outside is None or scene.weight.any() or isinstance(scene, HeavyTop):
+        return False
+    return outside.slows_evenly(scene.body.moments) is not None
+
+
 STIFFNESS = 10.0
 """How many times faster than it turns damping slows a body whose explicit steps are a waste."""
 
@@ -377,6 +388,8 @@ def map_plan(spec: MapSpec) -> Plan:
     real = possible(rows.moments)
     moments, weight = rows.moments[real], rows.weight[real]
     forms = closed_forms(spec.stable, moments, weight)
+    if spec.is_driven:
+        forms = np.full_like(forms, "")
     closed = forms != ""
     scheme = FALLBACK if spec.method in (AUTO, EXACT) else spec.method
     if spec.method not in (AUTO, EXACT):
@@ -387,15 +400,11 @@ def map_plan(spec: MapSpec) -> Plan:
         chosen, why = EXACT, "every body has a closed form"
     elif closed.any():
         chosen, why = AUTO, f"{closed.sum():,} of {closed.size:,} pixels have a closed form"
+    elif spec.is_driven:
+        chosen, why = scheme, "no closed form under torque and damping"
     else:
         chosen, why = scheme, _why_not(spec.stable, moments[0], weight[0])
-    rates = _core.fastest_rates(
-        scene=spec.scene.kind,
-        moments=moments,
-        weight=weight,
-        omega=np.ascontiguousarray(rows.omega[real]),
-        attitude=np.ascontiguousarray(rows.attitude[real]),
-    )
+    rates = _map_rates(spec, rows, real, scheme)
     if chosen == AUTO:
         rates = rates[~closed]
     steps = None if spec.step is None else np.full(rates.shape, spec.step)
@@ -409,7 +418,7 @@ def map_plan(spec: MapSpec) -> Plan:
         why=(why,),
         left_out=_left_out(spec.scene, spec.stable, chosen, spec.step, forms),
         **numbers(
-            spec.scene.kind,
+            "driven" if spec.is_driven else spec.scene.kind,
             spec.stable,
             EXACT if chosen == EXACT else scheme,
             forms,
@@ -422,10 +431,33 @@ def map_plan(spec: MapSpec) -> Plan:
     )
 
 
+def _map_rates(spec: MapSpec, rows: Pixels, real: NDArray[np.bool_], scheme: str) -> Floats:
+    """The rates that the steps of each possible pixel follow."""
+    every = outsides(spec.scene, rows)
+    rates = np.empty(len(rows.moments))
+    groups: dict[_core.Outside | None, NDArray[np.bool_]] = {None: real} if every is None else {}
+    for k, outside in enumerate(every or ()):
+        groups.setdefault(outside, np.zeros(len(rates), dtype=bool))[k] = real[k]
+    for acting, mine in groups.items():
+        table: dict[str, Any] = {
+            "scene": spec.scene.kind,
+            "moments": rows.moments[mine],
+            "weight": rows.weight[mine],
+            "omega": np.ascontiguousarray(rows.omega[mine]),
+            "attitude": np.ascontiguousarray(rows.attitude[mine]),
+        }
+        if acting is not None:
+            table["outside"] = acting
+        rates[mine] = fastest_rates(table, (0.0, spec.t_end), scheme)
+    return rates[real]
+
+
 def require_closed_forms(spec: MapSpec) -> None:
     """Raise ValueError, naming the first, if a possible body of a map has no closed form."""
     rows = pixels(spec.scene, spec.start, spec.axes)
     forms = closed_forms(spec.stable, rows.moments, rows.weight)
+    if spec.is_driven:
+        raise ValueError(f"method = {EXACT!r}: {_DRIVEN_RULE}")
     missing = np.flatnonzero(possible(rows.moments) & (forms == ""))
     if missing.size:
         flat = int(missing[0])
@@ -510,7 +542,7 @@ def _choice(
     """The method, and why."""
     if method is not None:
         return method, [f"method = {method!r} was asked for"]
-    if scene.outside is not None:
+    if scene.outside is not None and "" in forms:
         return FALLBACK, ["no closed form under torque and damping"]
     if "" in forms:
         return FALLBACK, [_why_not(question, np.array(scene.body.moments), scene.weight)]
@@ -550,7 +582,9 @@ def _left_out(
             "lagrange": "symmetric: closed form, no steps",
             "pendulum": "plane swing: closed form, no steps",
         }
-        if isinstance(scene, FreeBody):
+        if scene.outside is not None:
+            left.append("damping a multiple of the inertia: the free motion, slowed; no steps")
+        elif isinstance(scene, FreeBody):
             left.append("no torque: no steps")
         left.extend(reasons[form] for form in sorted(set(forms.tolist())) if form in reasons)
         if step is not None:
@@ -573,12 +607,16 @@ def _left_out(
 def _carried(scene: Scene, question: Question, method: str) -> tuple[str, ...]:
     """The variables that are computed."""
     exact = method == EXACT
+    if scene.outside is not None and not isinstance(question, str):
+        bare = isinstance(scene, FreeBody) and isinstance(question, NoFlip)
+        in_space = scene.torque is not None and scene.torque.acts_in_space
+        return ("omega",) if bare and not in_space else ("omega", "gamma", "attitude")
     if isinstance(question, NoFlip):
         return () if exact else ("omega",) if isinstance(scene, FreeBody) else ("omega", "gamma")
     if isinstance(question, TiltBelow):
         return () if exact else ("omega", "gamma")
     heavy = isinstance(scene, HeavyTop)
-    if scene.outside is not None:
+    if scene.outside is not None and not exact:
         in_space = scene.torque is not None and scene.torque.acts_in_space
         bare = question == "rates" and not heavy and not in_space
         return ("omega", "work") if bare else ("omega", "gamma", "attitude", "work")

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _core
 from ._check import finite_float, one_of, positive_int, resolve_threads, sorted_times
 from .belief import Belief, around, span_of
-from .columns import check_scene, columns, laid_out
+from .columns import check_scene, columns, laid_out, unit_of
 from .methods import EXACT, series_methods
 from .plan import RECORDS, Plan, decide
 from .scenes import Scene, scene_from_dict
@@ -31,11 +31,13 @@ __all__ = ["Run", "Status", "simulate"]
 class Status(IntEnum):
     """How a body ended."""
 
-    FINISHED = 0  #: at the last wanted time
+    OK = 0  #: at the last wanted time
+    FINISHED = 0  #: the same
     STOPPED = 1  #: when the question of a map was answered
     STEP_LIMIT = 2  #: it would have needed more than ``max_steps``: not run, or stopped there
     NOT_FINITE = 3  #: overflow or NaN: too long a step, or a phase beyond 2**50 turns
     DRIFTED = 4  #: energy, momentum or unit lengths off by more than 0.1: the step is too long
+    FLAGGED = 5  #: its error is above the accuracy asked for, or 1 or more: see ``lost_from``
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,9 +111,50 @@ class Run:
     @property
     def flagged(self) -> NDArray[np.bool_]:
         """Whether the error is above the accuracy asked for, or, if none was, 1 or more."""
-        wanted = self.spec["accuracy"]
-        flagged: NDArray[np.bool_] = np.asarray(self.error) >= (1.0 if wanted is None else wanted)
+        flagged: NDArray[np.bool_] = np.asarray(self.error) >= self._limit
         return flagged
+
+    @property
+    def _limit(self) -> float:
+        wanted = self.spec["accuracy"]
+        return 1.0 if wanted is None else float(wanted)
+
+    def reasons(self) -> tuple[str, ...]:
+        """How each body ended, in words.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> box = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
+        >>> run = rigid.simulate(
+        ...     box, [[1.0, 0.0, 0.1], [1e-12, 1.0, 1e-12]], t=[100.0], method="rk4"
+        ... )
+        >>> for words in run.reasons():
+        ...     print(words)
+        ok
+        flagged: the error is believed to be 1 or more from t = 50.8 on
+        """
+        statuses, errors, lost = (
+            np.atleast_1d(values) for values in (self.status, self.error, self.lost_from)
+        )
+        return tuple(
+            self._reason(Status(status), float(error), float(since))
+            for status, error, since in zip(statuses, errors, lost, strict=True)
+        )
+
+    def _reason(self, status: Status, error: float, since: float) -> str:
+        if status == Status.FLAGGED:
+            words = f"{error:.1e}, above the {self._limit:g} asked for"
+            if since < np.inf:
+                words = f"1 or more from t = {since:.4g} on"
+            return f"flagged: the error is believed to be {words}"
+        return {
+            Status.OK: "ok",
+            Status.STOPPED: "stopped when the question was answered",
+            Status.STEP_LIMIT: "step limit: it needs more than max_steps steps",
+            Status.NOT_FINITE: "not finite: a number overflowed",
+            Status.DRIFTED: "drifted: energy, momentum or a length is off by more than 0.1",
+        }[status]
 
     def energy(self) -> NDArray[np.float64]:
         """Kinetic and potential energy ``omega·I omega / 2 + mgl com·gamma`` (J), shape (n, m).
@@ -284,6 +327,8 @@ def simulate(
         belief = of_closed_form(table, times)
     else:
         states, belief = by_steps(request, steps, accuracy, check=check)
+    if states["work"] is not None:
+        states["work"] = np.ldexp(states["work"], unit_of(scene))
     spec = {
         "scene": scene.to_dict(),
         "method": made.method,
@@ -365,6 +410,9 @@ def _to_run(
     def of_body(values: Any) -> Any:
         return values[0] if single and values is not None else values
 
+    limit = 1.0 if spec["accuracy"] is None else spec["accuracy"]
+    lost = (states["status"] == Status.OK) & (belief.error >= limit)
+    states["status"] = np.where(lost, np.uint8(Status.FLAGGED), states["status"])
     return Run(
         t=times,
         omega=of_body(states["omega"]),

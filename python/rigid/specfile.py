@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 from ._check import finite_float, nearest, one_of, positive_int, vector
 from .bodies import Body
 from .criteria import Criterion, NoFlip, TiltBelow
+from .forces import Torque
 from .grid import PARAMETERS, Axis, check_applicable, make_axes, pixels
 from .mapspec import MAX_STEPS, MapSpec, checked_seed, seed_from
 from .methods import AUTO, map_methods
@@ -296,14 +297,26 @@ def _three(key: str, value: ArrayLike) -> tuple[float, float, float]:
 def _scene(table: _Table) -> Scene:
     kind = table.choice("kind", ("free-body", "heavy-top"))
     shape = ("moments", "box", "mass")
+    forces = ("torque", "torque_in_space", "damping")
     if kind == "free-body":
-        table.only("kind", *shape)
-        return FreeBody(_body(table))
-    table.only("kind", *shape, "mgl", "com")
+        table.only("kind", *shape, *forces)
+        body = _body(table)
+        return table.build(lambda: FreeBody(body, **_forces(table)))
+    table.only("kind", *shape, "mgl", "com", *forces)
     body = _body(table)
     mgl = table.take("mgl", finite_float)
     com = table.take("com", _three, default=(0.0, 0.0, 1.0))
-    return table.build(lambda: HeavyTop(body, mgl=mgl, com=com))
+    return table.build(lambda: HeavyTop(body, mgl=mgl, com=com, **_forces(table)))
+
+
+def _forces(table: _Table) -> dict[str, Any]:
+    """Constant torques in the body and in space, and damping, as far as they are given."""
+    torque: Torque | None = None
+    for key, make in (("torque", Torque.body), ("torque_in_space", Torque.space)):
+        if key in table:
+            part = make(table.take(key, _as_is))
+            torque = part if torque is None else torque + part
+    return {"torque": torque, "damping": table.take("damping", _as_is, default=None)}
 
 
 def _body(table: _Table) -> Body:

@@ -14,6 +14,7 @@ from .belief import SAMPLE, Belief, ahead, believe, evenly, span_of, taken_from
 from .columns import each_row
 from .costs import ROUNDING
 from .methods import order_of
+from .separatrix import next_to_separatrix
 
 __all__ = ["Request", "by_steps", "of_closed_form"]
 
@@ -67,6 +68,16 @@ def by_steps(
     request: Request, steps: Floats | None, accuracy: float | None, *, check: bool
 ) -> tuple[dict[str, Any], Belief]:
     """The states, and what is believed of their errors."""
+    states, belief = _stepped(request, steps, accuracy, check=check)
+    reached = float(np.abs(request.times).max(initial=0.0))
+    delay, lost = next_to_separatrix(request.table, states, reached)
+    error = np.where(delay > 0.0, np.fmax(belief.error, delay), belief.error)
+    return states, Belief(error, np.fmin(belief.lost_from, lost))
+
+
+def _stepped(
+    request: Request, steps: Floats | None, accuracy: float | None, *, check: bool
+) -> tuple[dict[str, Any], Belief]:
     table = request.table
     states = request.states(table, steps)
     count = len(table["omega"])

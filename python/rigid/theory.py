@@ -26,6 +26,15 @@ Symmetric heavy top spinning about its own axis, criterion *tilt from the vertic
     counts as stable. With normal noise of the attitude the tilt at release has a Rayleigh
     distribution.
 
+The same top, damped about its axis alone
+    The spin decays as ``w exp(-c t / I3)``, and the weight has no moment about the axis. As long as
+    ``I3 w > 2 sqrt(mgl I1)`` the top sleeps; it reaches the bound at
+    ``t_b = (I3 / c) ln(I3 w / (2 sqrt(mgl I1)))``. From there on a tilt grows at the rate
+    ``g = sqrt(4 mgl I1 - (I3 w)²) / (2 I1)``, which increases as the root of the time:
+    ``ln(limit / tilt) = (2/3) sqrt(2 c mgl / (I1 I3)) (t - t_b)^(3/2)``. The lag is to the time of
+    the spin-down as ``c^(2/3)``: the bound is exact in the limit of slow damping. The prediction is
+    1 before ``t_b`` and 0 after twice the lag of the smallest tilts; between them it is not made.
+
 Landau and Lifshitz, *Mechanics*, §§ 35, 37; Goldstein, *Classical Mechanics*, §§ 5.6, 5.7.
 """
 
@@ -103,7 +112,9 @@ def predict(spec: MapSpec) -> Theory | None:
     """
     rows = pixels(spec.scene, spec.start, spec.axes)
     with np.errstate(all="ignore"):  # impossible and degenerate pixels end as NaN
-        if isinstance(spec.scene, FreeBody) and isinstance(spec.stable, NoFlip):
+        if spec.is_driven:
+            theory = _falling_top(spec, rows)
+        elif isinstance(spec.scene, FreeBody) and isinstance(spec.stable, NoFlip):
             theory = _free_no_flip(spec, spec.stable, rows)
         elif isinstance(spec.scene, HeavyTop) and isinstance(spec.stable, TiltBelow):
             theory = _symmetric_top(spec, spec.scene, spec.stable, rows)
@@ -288,6 +299,51 @@ def _symmetric_top(
     curves[name] = np.where(known, critical - released, np.nan)
     label = f"nutation of a symmetric top released at rest, until t = {spec.t_end:g} s"
     return _theory(spec, label, share, curves)
+
+
+def _falling_top(spec: MapSpec, rows: Pixels) -> Theory | None:
+    scene, stable, start = spec.scene, spec.stable, spec.start
+    noise = start.attitude_noise
+    if (
+        not isinstance(scene, HeavyTop)
+        or not isinstance(stable, TiltBelow)
+        or scene.torque is not None
+        or rows.damping is None
+        or stable.reference != "vertical"
+        or stable.axis != start.axis
+        or tuple(scene.com) != tuple(np.eye(3)[start.axis - 1])
+        or start.noise is not None
+        or noise is None
+        or noise.kind != "normal"
+    ):
+        return None
+    k = start.axis - 1
+    cross, axial = rows.moments[:, k - 1], rows.moments[:, k]
+    c = rows.damping[:, k, k]
+    others = rows.damping.copy()
+    others[:, k, k] = 0.0
+    spin = rows.omega[:, k]
+    known = possible(rows.moments) & (cross == rows.moments[:, k - 2]) & (rows.tilt == 0.0)
+    known &= ~others.any(axis=(1, 2)) & (np.abs(rows.omega).sum(axis=1) == np.abs(spin))
+    bound = np.log(np.abs(axial * spin) / (2.0 * np.sqrt(rows.mgl * cross))) * axial / c
+    lag = falling_lag(rows.mgl, cross, axial, c, stable.angle / (1e-3 * rows.attitude_size))
+    # A tilt of a thousandth of the noise or less is drawn once in two million samples.
+    share = np.where(spec.t_end < bound, 1.0, np.nan)
+    share = np.where(spec.t_end > np.maximum(bound, 0.0) + 2.0 * lag, 0.0, share)
+    # Nutation before the bound: the noise must be far below the limit.
+    share = np.where(known & (6.0 * rows.attitude_size < stable.angle), share, np.nan)
+    curves = {
+        "quasi-static bound $\\omega_3(t) = 2\\sqrt{mgl\\,I_1}/I_3$": bound / spec.t_end - 1.0
+    }
+    label = f"quasi-static spin-down of a sleeping top, until t = {spec.t_end:g} s"
+    return _theory(spec, label, share, curves)
+
+
+def falling_lag(mgl: Floats, cross: Floats, axial: Floats, c: Floats, growth: Floats) -> Floats:
+    """How long after the bound a tilt has grown so many times; see the head of this module."""
+    rate = np.sqrt(2.0 * c * mgl / (cross * axial))
+    lag: Floats = (1.5 * np.log(growth) / rate) ** (2.0 / 3.0)
+    return lag
 
 
 def _nutation_bound(momentum: Floats, weight: Floats, limit: float) -> Floats:

@@ -5,14 +5,15 @@ mod draw;
 
 use crate::clock::thread_nanoseconds;
 use crate::error::Error;
-use crate::group::{Group, LANES};
+use crate::group::{Drives, Group, LANES};
 use crate::kernel::{Compiled, Kernel, System, Table, Watch};
 use crate::method::Method;
 use crate::observe::{TiltLimit, largest_tilt};
+use crate::outside::Outside;
 use crate::run::over_blocks;
 use crate::sample::Law;
 use crate::simd::Isa;
-use crate::start::{Body, Seat, load};
+use crate::start::{Body, Seat, load, widen_scales};
 use crate::trajectory::{DRIFT_LIMIT, Solver, Status};
 use closed::Referee;
 use std::ops::Range;
@@ -298,7 +299,51 @@ impl Map {
         self.pixels.iter().position(|pixel| pixel.possible && !closed::answers(self, &pixel.body))
     }
 
-    fn kernel(&self, table: Table) -> Kernel {
+    /// What the samples of a pixel are moved by.
+    fn seat(&self, body: &Body, driven: bool, again: bool) -> Seat {
+        let method = self.method(driven, again);
+        if driven { Seat::of_driven(method, body) } else { Seat::of(method, body, self.is_top) }
+    }
+
+    /// Refuses what acts from outside where the samples cannot be watched or moved so; one for each pixel.
+    ///
+    /// # Errors
+    /// Naming the argument.
+    pub fn check_driven(&self, outside: &[Outside]) -> Result<(), Error> {
+        let method = self.judge.method();
+        let name = method.facts().name;
+        let refuse = |argument, value, rule| Err(Error::Value { argument, value, rule });
+        let Some(limit) = method.damping_limit() else {
+            return refuse("method", format!("'{name}'"), "moves bodies without torque and damping only");
+        };
+        if let Criterion::TiltFromStart(_) = self.criterion {
+            let rule = "under torque and damping only the tilt from the vertical is watched";
+            return refuse("reference", "'start'".to_string(), rule);
+        }
+        if outside.iter().any(|outside| !outside.knots().is_empty()) {
+            return refuse("torque", "a table".to_string(), "must be constant in a map");
+        }
+        if let Some(step) = self.step {
+            for (pixel, outside) in self.pixels.iter().zip(outside).filter(|(pixel, _)| pixel.possible) {
+                let [.., rate] = outside.damping_rates(pixel.body.moments);
+                if step * rate > limit {
+                    return Err(Error::Unstable { step, rate, name, longest: limit / rate });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn kernel(&self, table: Table, outside: Option<&[Outside]>) -> Kernel {
+        if let Some(outside) = outside {
+            let bare = !self.is_top && !outside.iter().any(Outside::acts_in_space);
+            let (system, watch) = match self.criterion {
+                Criterion::NoFlip if bare => (System::DrivenRates, Watch::Flips),
+                Criterion::NoFlip => (System::DrivenFrame, Watch::Flips),
+                _ => (System::DrivenFrame, Watch::Tilt),
+            };
+            return Kernel { system, table, watch };
+        }
         let (system, watch) = match (self.is_top, self.criterion) {
             (false, Criterion::NoFlip) => (System::FreeRates, Watch::Flips),
             (false, _) => (System::FreeAxis, Watch::Tilt),
@@ -309,16 +354,21 @@ impl Map {
         Kernel { system, table, watch }
     }
 
-    /// The method of a run of a sample.
-    fn method(&self, again: bool) -> Method {
-        if again { SECOND } else { self.judge.method() }
+    /// The method of a run of a sample. Where one for strong damping was asked for, an explicit one could need a
+    /// thousand times the steps.
+    fn method(&self, driven: bool, again: bool) -> Method {
+        match self.judge.method() {
+            method if !again => method,
+            Method::Splitting | Method::Etd4 if driven => Method::Etd4,
+            _ => SECOND,
+        }
     }
 
     /// Steps of a run of a sample: whole bursts, none longer than asked; more than `max_steps` if the rates need it.
     /// The second method takes its own, and half of those that were asked for or are the same.
-    fn steps_of(&self, body: &Body, again: bool) -> u64 {
-        let rate = body.fastest_rate();
-        let method = self.method(again);
+    fn steps_of(&self, body: &Body, outside: Option<&Outside>, again: bool) -> u64 {
+        let method = self.method(outside.is_some(), again);
+        let rate = body.step_rate(method, outside, [0.0, self.t_end]);
         let own = if rate > 0.0 { method.facts().angle_per_step / rate } else { self.t_end };
         let largest = match self.step {
             Some(step) if again => own.min(0.5 * step),
@@ -349,6 +399,19 @@ impl Map {
         isa: Isa,
         interrupt: &AtomicBool,
     ) -> Option<(u64, Vec<Statistics>)> {
+        self.run_driven(None, start, stop, threads, isa, interrupt)
+    }
+
+    /// The same under what acts from outside on the bodies of each pixel.
+    pub fn run_driven(
+        &self,
+        outside: Option<&[Outside]>,
+        start: u64,
+        stop: u64,
+        threads: usize,
+        isa: Isa,
+        interrupt: &AtomicBool,
+    ) -> Option<(u64, Vec<Statistics>)> {
         let first = start / self.samples;
         let last = stop.div_ceil(self.samples);
         let mut all = vec![Statistics::none(); (last - first) as usize];
@@ -356,7 +419,7 @@ impl Map {
         let blocks = (stop - start).div_ceil(block) as usize;
         let parts = over_blocks(blocks, threads, interrupt, |b| {
             let begin = start + b as u64 * block;
-            self.block(begin, stop.min(begin + block), isa, interrupt)
+            self.block(outside, begin, stop.min(begin + block), isa, interrupt)
         });
         for part in parts {
             for (pixel, statistics) in part?? {
@@ -369,6 +432,7 @@ impl Map {
     /// The statistics of one block, by pixel; `None` if interrupted.
     fn block(
         &self,
+        outside: Option<&[Outside]>,
         start: u64,
         stop: u64,
         isa: Isa,
@@ -381,11 +445,14 @@ impl Map {
         let mut jobs = Table::ALL.map(|_| Vec::new());
         for (index, (pixel, sample)) in self.places(start..stop).enumerate() {
             if self.pixels[pixel as usize].possible {
-                if self.judge.exact() && referee.take(index, &bodies[index], &mut outcomes[0]) {
+                if outside.is_none()
+                    && self.judge.exact()
+                    && referee.take(index, &bodies[index], &mut outcomes[0])
+                {
                     continue;
                 }
                 for again in [false, true].into_iter().filter(|again| !again || sample < self.checked) {
-                    let table = Seat::of(self.method(again), &bodies[index], self.is_top).table;
+                    let table = self.seat(&bodies[index], outside.is_some(), again).table;
                     jobs[table as usize].push(Job { index, again });
                 }
             }
@@ -395,8 +462,8 @@ impl Map {
             outcomes[1] = vec![None; bodies.len()];
         }
         for (jobs, table) in jobs.iter().zip(Table::ALL).filter(|(jobs, _)| !jobs.is_empty()) {
-            let kernel = self.kernel(table);
-            self.ride(&bodies, jobs, kernel, isa, interrupt, |job, outcome| {
+            let kernel = self.kernel(table, outside);
+            self.ride((&bodies, start), outside, jobs, kernel, isa, interrupt, |job, outcome| {
                 outcomes[usize::from(job.again)][job.index] = Some(outcome);
             })?;
         }
@@ -424,10 +491,13 @@ impl Map {
         Some(pixels)
     }
 
-    /// Runs jobs of one table through a group, refilling each lane as it falls free; `None` if interrupted.
+    /// Runs jobs of one table through a group, refilling each lane as it falls free; `None` if interrupted. The bodies
+    /// are those of the samples from `first` on.
+    #[allow(clippy::too_many_arguments)] // Who, how, and what then.
     fn ride(
         &self,
-        bodies: &[Body],
+        (bodies, first): (&[Body], u64),
+        outside: Option<&[Outside]>,
         jobs: &[Job],
         kernel: Kernel,
         isa: Isa,
@@ -435,7 +505,7 @@ impl Map {
         mut finish: impl FnMut(Job, Outcome),
     ) -> Option<()> {
         let compiled = Compiled::new(kernel, isa);
-        let mut group = Group::waiting();
+        let (mut group, mut drives) = (Group::waiting(), Drives::NONE);
         let mut lanes: [Option<Passenger>; LANES] = [None; LANES];
         // Steps after which each lane is at its horizon; a lane that waits never is.
         let mut target = [f64::INFINITY; LANES];
@@ -447,14 +517,21 @@ impl Map {
                 while lanes[lane].is_none() {
                     let Some(&job) = jobs.next() else { break };
                     let body = &bodies[job.index];
-                    let steps = self.steps_of(body, job.again);
+                    let outside =
+                        outside.map(|all| &all[((first + job.index as u64) / self.samples) as usize]);
+                    let steps = self.steps_of(body, outside, job.again);
                     if steps > self.max_steps {
                         finish(job, Outcome::refused());
                         continue;
                     }
                     let step = self.t_end / steps as f64;
-                    let seat = Seat::of(self.method(job.again), body, self.is_top);
+                    let seat = self.seat(body, outside.is_some(), job.again);
                     load(&mut group, lane, (kernel, compiled), seat, body, self.axis, step);
+                    if let Some(outside) = outside {
+                        drives.set(lane, &outside.drive(0.0, false, body.moments));
+                        let rate = body.fastest_rate_driven(outside, [0.0, self.t_end]);
+                        widen_scales(&mut group, lane, kernel.system, body, rate);
+                    }
                     if let Some(limit) = limit {
                         group.limit[0].0[lane] = limit.cosine;
                         group.limit[1].0[lane] = limit.sine2;
@@ -475,7 +552,7 @@ impl Map {
                 if interrupt.load(Ordering::Relaxed) {
                     return None;
                 }
-                compiled.advance(&mut group, BURST as usize);
+                compiled.advance_driven(&mut group, &drives, BURST as usize);
                 if any_done(&group, &target) {
                     break;
                 }
@@ -544,12 +621,24 @@ impl Map {
         isa: Isa,
         interrupt: &AtomicBool,
     ) -> Option<(Body, Class, Outcome)> {
+        self.sample_driven(None, pixel, sample, isa, interrupt)
+    }
+
+    /// The same under what acts from outside on the bodies of each pixel.
+    pub fn sample_driven(
+        &self,
+        outside: Option<&[Outside]>,
+        pixel: u64,
+        sample: u64,
+        isa: Isa,
+        interrupt: &AtomicBool,
+    ) -> Option<(Body, Class, Outcome)> {
         let flat = pixel * self.samples + sample;
         let body = self.draw(isa, flat..flat + 1)[0];
         if !self.pixels[pixel as usize].possible {
             return Some((body, Class::Failed, Outcome::refused()));
         }
-        if self.judge.exact() {
+        if outside.is_none() && self.judge.exact() {
             let mut outcome = [None];
             let mut referee = Referee::new(self, isa);
             referee.take(0, &body, &mut outcome);
@@ -560,8 +649,9 @@ impl Map {
         }
         let mut outcomes = [None, None];
         for again in [false, true].into_iter().filter(|again| !again || sample < self.checked) {
-            let kernel = self.kernel(Seat::of(self.method(again), &body, self.is_top).table);
-            self.ride(&[body], &[Job { index: 0, again }], kernel, isa, interrupt, |_, outcome| {
+            let kernel = self.kernel(self.seat(&body, outside.is_some(), again).table, outside);
+            let job = Job { index: 0, again };
+            self.ride((&[body], flat), outside, &[job], kernel, isa, interrupt, |_, outcome| {
                 outcomes[usize::from(again)] = Some(outcome);
             })?;
         }

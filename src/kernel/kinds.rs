@@ -121,12 +121,15 @@ impl System {
         matches!(self, System::TopTwoAxes | System::SpinFreeTwoAxes | System::DrivenFrame)
     }
 
-    /// Whether this can be watched: sign changes of the rates, or the tilt from the last direction carried.
+    /// Whether this can be watched: sign changes of the rates, or the tilt from a direction carried.
     pub fn shows(self, watch: Watch) -> bool {
         match watch {
             Watch::Nothing => true,
-            Watch::Flips => matches!(self, System::FreeRates | System::TopAxis),
-            Watch::Tilt => matches!(self, System::FreeAxis | System::TopAxis | System::TopTwoAxes),
+            Watch::Flips => self.is_driven() || matches!(self, System::FreeRates | System::TopAxis),
+            Watch::Tilt => {
+                use System::*;
+                matches!(self, FreeAxis | TopAxis | TopTwoAxes | DrivenFrame)
+            }
         }
     }
 

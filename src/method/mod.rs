@@ -10,6 +10,7 @@ mod taylor;
 pub use moser_veselov::MoserVeselov;
 pub use runge_kutta::{RungeKutta, Tableau};
 pub use splitting::{Composition, Drift, ExactRotor, Flow, Numbers, Processor, Splitting, Way};
+pub(crate) use stiff::phi;
 pub use stiff::{AffineSplitting, Exponential};
 pub use taylor::{Coefficients, Series, Taylor};
 pub(crate) use taylor::{MAX_ORDER, two_sum};

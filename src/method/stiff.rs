@@ -30,7 +30,7 @@ impl Etd4 {
 
 /// phi_0 = exp, ..., phi_4, with `phi_(k+1)(z) = (phi_k(z) - 1/k!) / z`.
 #[inline(always)]
-fn phi<R: Real>(z: R) -> [R; 5] {
+pub fn phi<R: Real>(z: R) -> [R; 5] {
     // Below 2 the series of phi_4 and the recurrence downward: upward the differences would cancel.
     const SERIES: [f64; 22] = {
         let (mut all, mut factorial, mut k) = ([0.0; 22], 24.0, 0);

@@ -66,6 +66,8 @@ pub trait Layout: Copy {
     const QUATERNION: bool;
     /// Whether work, impulse and time are carried.
     const BALANCE: bool = false;
+    /// The direction that a tilt is measured from: the last, or, of a frame, the vertical.
+    const WATCHED: usize = if Self::BALANCE { 0 } else { Self::VECTORS.saturating_sub(1) };
     /// Length of the state.
     const LEN: usize = Self::BALANCE_AT + 3 * Self::BALANCE as usize;
     /// Where the quaternion begins.

@@ -212,6 +212,11 @@ impl PyOutside {
         Ok(PyOutside(Outside::new(&times, body, space, damping)?))
     }
 
+    /// The rate at which it slows all components of the momentum of such a body alike, if it does and nothing else.
+    fn slows_evenly(&self, moments: [f64; 3]) -> Option<f64> {
+        self.0.slows_evenly(moments)
+    }
+
     /// The rates at which damping alone slows a body with these moments, ascending.
     fn damping_rates(&self, moments: [f64; 3]) -> [f64; 3] {
         self.0.damping_rates(moments)
@@ -254,7 +259,7 @@ fn simulate<'py>(
     let steps = match (step, solver) {
         (Some(step), _) => step.as_array().to_vec(),
         (None, Solver::Steps(method)) => {
-            let rate = |body: &Body| step_rate(method, body, outside, span);
+            let rate = |body: &Body| body.step_rate(method, outside, span);
             bodies.iter().map(|body| method.facts().angle_per_step / rate(body)).collect()
         }
         (None, Solver::Exact) => vec![f64::INFINITY; n],
@@ -277,17 +282,6 @@ fn simulate<'py>(
 /// First and last of some times and 0.
 fn span_of(times: &[f64]) -> [f64; 2] {
     [times.first().map_or(0.0, |t| t.min(0.0)), times.last().map_or(0.0, |t| t.max(0.0))]
-}
-
-/// The rate that the steps of a method follow.
-fn step_rate(method: Method, body: &Body, outside: Option<&Outside>, span: [f64; 2]) -> f64 {
-    match outside {
-        None => body.fastest_rate(),
-        Some(outside) if method.damping_limit() == Some(f64::INFINITY) => {
-            body.fastest_rate_driven(outside, span)
-        }
-        Some(outside) => body.step_rate_driven(outside, span),
-    }
 }
 
 /// The bodies of columns with a row for each, or one row for all.
@@ -363,7 +357,7 @@ fn fastest_rates<'py>(
     let rate = |body: &Body| match (outside, method) {
         (None, _) => body.fastest_rate(),
         (Some(outside), None) => body.fastest_rate_driven(outside, span),
-        (_, Some(method)) => step_rate(method, body, outside, span),
+        (_, Some(method)) => body.step_rate(method, outside, span),
     };
     Ok(bodies.iter().map(rate).collect::<Vec<f64>>().into_pyarray(py))
 }
@@ -391,6 +385,7 @@ fn states_to_dict(py: Python<'_>, states: States, n: usize, times: usize) -> PyR
 struct MapJob {
     map: Map,
     status: Vec<u8>,
+    outside: Option<Vec<Outside>>,
     isa: Isa,
 }
 
@@ -431,7 +426,7 @@ fn body_status(moments: [f64; 3]) -> u8 {
 impl MapJob {
     #[new]
     #[pyo3(signature = (*, scene, method, moments, weight, omega, omega_noise, omega_size, attitude, attitude_noise,
-        attitude_size, criterion, axis, limit, t_end, step, max_steps, samples, checked, seed))]
+        attitude_size, criterion, axis, limit, t_end, step, max_steps, samples, checked, seed, outside=None))]
     #[allow(clippy::too_many_arguments)] // The fields of `Map`, column by column.
     fn new(
         scene: &str,
@@ -453,6 +448,7 @@ impl MapJob {
         samples: u64,
         checked: u64,
         seed: u128,
+        outside: Option<Vec<PyRef<'_, PyOutside>>>,
     ) -> PyResult<Self> {
         let criterion = match criterion {
             "no_flip" => Criterion::NoFlip,
@@ -510,12 +506,17 @@ impl MapJob {
         if map.judge != Judge::Only(Solver::Exact) {
             map.judge.method().check(map.is_top, true)?;
         }
+        let outside = outside.map(|all| all.iter().map(|one| one.0.clone()).collect::<Vec<_>>());
+        if let Some(outside) = &outside {
+            same_length("outside", pixels, outside.len())?;
+            map.check_driven(outside)?;
+        }
         if map.judge == Judge::Only(Solver::Exact)
             && let Some(pixel) = map.first_without_closed_form()
         {
             return Err(Error::NoClosedVerdict { pixel }.into());
         }
-        Ok(MapJob { map, status, isa: Isa::current()? })
+        Ok(MapJob { map, status, outside, isa: Isa::current()? })
     }
 
     /// Which bodies are possible: 0, or 1 not finite, 2 not positive, 3 triangle inequality.
@@ -541,7 +542,7 @@ impl MapJob {
             return Err(Error::Value { argument: "start, stop", value, rule }.into());
         }
         let result = interruptible(py, interrupted, |interrupt| {
-            self.map.run(start, stop, threads.max(1), self.isa, interrupt)
+            self.map.run_driven(self.outside.as_deref(), start, stop, threads.max(1), self.isa, interrupt)
         })?;
         let Some((first, statistics)) = result else { return Ok(None) };
         let dict = PyDict::new(py);
@@ -567,9 +568,10 @@ impl MapJob {
                 return Err(Error::Value { argument, value, rule: "must be an index" }.into());
             }
         }
-        let (body, class, outcome) =
-            interruptible(py, None, |interrupt| self.map.sample(pixel, sample, self.isa, interrupt))?
-                .ok_or_else(stopped)?;
+        let (body, class, outcome) = interruptible(py, None, |interrupt| {
+            self.map.sample_driven(self.outside.as_deref(), pixel, sample, self.isa, interrupt)
+        })?
+        .ok_or_else(stopped)?;
         let Outcome { status, flips, left, tilt, energy_drift, momentum_drift, step, steps, exact, .. } =
             outcome;
         let dict = PyDict::new(py);

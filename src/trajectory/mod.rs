@@ -9,7 +9,7 @@ use crate::error::Error;
 use crate::exact::Place;
 use crate::group::Group;
 use crate::kernel::System;
-use crate::method::Method;
+use crate::method::{Method, phi};
 use crate::outside::Outside;
 use crate::simd::Isa;
 use crate::start::{Body, Seat, State};
@@ -186,12 +186,8 @@ pub fn simulate_driven(
             }
         }
         Solver::Exact => {
-            if outside.is_some() {
-                return Err(Error::Value {
-                    argument: "method",
-                    value: Solver::EXACT.to_string(),
-                    rule: "there is no closed form under torque or damping",
-                });
+            if let Some(outside) = outside {
+                return slowed_evenly(request, outside, threads, isa, stop);
             }
             let place = |(index, body)| Place::of(body).ok_or(Error::NoClosedForm { index });
             let places: Result<Vec<Place>, Error> = request.bodies.iter().enumerate().map(place).collect();
@@ -202,6 +198,44 @@ pub fn simulate_driven(
             Ok(closed::simulate(request, times, &places?, threads, isa, stop))
         }
     }
+}
+
+/// Free bodies under a damping `D = k I`: `L' = L x omega - k L` is the free motion in the time
+/// `s = (1 - exp(-k t)) / k`, times `exp(-k t)`.
+fn slowed_evenly(
+    request: &Request,
+    outside: &Outside,
+    threads: usize,
+    isa: Isa,
+    stop: &AtomicBool,
+) -> Result<Option<States>, Error> {
+    let refuse = |rule| Err(Error::Value { argument: "method", value: Solver::EXACT.to_string(), rule });
+    let Schedule::Times(times) = request.schedule else {
+        return refuse("a closed form takes no steps");
+    };
+    let known = request.bodies.iter().map(|body| outside.slows_evenly(body.moments));
+    let rates: Option<Vec<f64>> = known.collect();
+    let even = rates.filter(|rates| !request.is_top && rates.windows(2).all(|two| two[0] == two[1]));
+    let Some(rates) = even else {
+        return refuse(
+            "under torque or damping a closed form is known of free bodies whose damping is a multiple of their inertia",
+        );
+    };
+    let rate = rates.first().copied().unwrap_or(0.0);
+    let factors: Vec<[f64; 5]> = times.iter().map(|&t| phi(-rate * t)).collect();
+    let slow: Vec<f64> = times.iter().zip(&factors).map(|(&t, f)| t * f[1]).collect();
+    let request = Request { schedule: Schedule::Times(&slow), ..*request };
+    let Some(mut states) = simulate(&request, threads, isa, stop)? else { return Ok(None) };
+    let mut work = Vec::with_capacity(states.omega.len() / 3);
+    for (body, rows) in request.bodies.iter().zip(states.omega.chunks_mut(3 * times.len().max(1))) {
+        let kinetic = |w: &[f64]| (0..3).map(|k| 0.5 * body.moments[k] * w[k] * w[k]).sum::<f64>();
+        for (row, factor) in rows.chunks_mut(3).zip(&factors) {
+            row.iter_mut().for_each(|w| *w *= factor[0]);
+            work.push(kinetic(row) - kinetic(&body.omega));
+        }
+    }
+    states.work = Some(work);
+    Ok(Some(states))
 }
 
 /// Refuses what would give a wrong motion: a method that does not know of torque and damping, steps with which an

@@ -170,8 +170,13 @@ def test_the_suffix_of_the_output_is_ours(out: str, stem: str, folder: Path) -> 
 def test_built_in_maps_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["maps"]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert [line.split()[0] for line in lines] == ["inertia-triangle", "sleeping-top", "thrown-box"]
-    assert lines[2].endswith("A thrown box, spinning about its middle axis (b x noise)")
+    assert [line.split()[0] for line in lines] == [
+        "falling-top",
+        "inertia-triangle",
+        "sleeping-top",
+        "thrown-box",
+    ]
+    assert lines[3].endswith("A thrown box, spinning about its middle axis (b x noise)")
 
 
 def test_info_describes_the_build(capsys: pytest.CaptureFixture[str]) -> None:
@@ -216,7 +221,10 @@ def test_help_is_on_stdout(capsys: pytest.CaptureFixture[str]) -> None:
         (["map", "small.toml", "--out", "."], ["--out", "'.'"]),
         (["map", "small.toml", "--out", "/"], ["--out", "'/'"]),
         (["map", "thrown-bix"], ["'thrown-bix'", "did you mean 'thrown-box'?"]),
-        (["map", "nonsense"], ["'nonsense'", "inertia-triangle, sleeping-top, thrown-box"]),
+        (
+            ["map", "nonsense"],
+            ["'nonsense'", "falling-top, inertia-triangle, sleeping-top, thrown-box"],
+        ),
         (["map", "smal.toml"], ["smal.toml: cannot be read: No such file or directory"]),
         (["map", "./here"], ["./here: cannot be read: No such file or directory"]),
         (["map", "."], [".: cannot be read: Is a directory"]),

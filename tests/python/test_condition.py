@@ -69,10 +69,10 @@ def test_neighbours_of_a_run_are_as_far_apart_as_it_says() -> None:
 
 
 def test_the_layer_of_a_map() -> None:
-    """Thrown about the middle axis a box is sensitive, about the others it is not."""
+    """Thrown about the middle axis a box is sensitive, about the largest it is not."""
     result = rigid.stability_map(
         rigid.FreeBody,
-        axes={"I2/I1": np.array([0.5, 1.5, 2.5])},
+        axes={"I2/I1": np.array([1.5, 2.5])},
         start=rigid.Start(spin=1.0, axis=2, noise=rigid.normal(1e-3)),
         stable=rigid.no_flip(2),
         samples=3,
@@ -82,12 +82,12 @@ def test_the_layer_of_a_map() -> None:
     )
     layer = result.condition(3)
     assert layer.shape == result.share.shape
-    assert layer[1] > 10.0 * max(layer[0], layer[2])
-    body = result.replay(1, 0)
+    assert layer[0] > 10.0 * layer[1]
+    body = result.replay(0, 0)
     alone = rigid.condition(
         rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0))), body.omega, body.attitude, t=[15.0]
     )
-    np.testing.assert_allclose(result.condition(1)[1], alone[0], rtol=1e-12)
+    np.testing.assert_allclose(result.condition(1)[0], alone[0], rtol=1e-12)
 
 
 def test_impossible_pixels_have_no_condition() -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from io import BytesIO
 from typing import Any
 
@@ -294,6 +296,11 @@ def test_what_cannot_be_drawn_is_refused(call: Any, message: str) -> None:
 
 
 def test_without_matplotlib_it_is_said_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(__import__("sys").modules, "matplotlib.figure", None)
+    monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
     with pytest.raises(ImportError, match=r"rigid\[maps\]"):
         figures.frames(ANGLES)
+
+
+def test_importing_needs_no_matplotlib() -> None:
+    code = "import sys; sys.modules['matplotlib'] = None; import rigid.figures"
+    subprocess.run([sys.executable, "-c", code], check=True)

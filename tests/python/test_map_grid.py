@@ -134,6 +134,17 @@ def test_an_upright_top_about_axis_3_starts_with_the_identity() -> None:
     assert body.attitude.tolist() == [1.0, 0.0, 0.0, 0.0]
 
 
+def test_damping_about_an_axis_replaces_that_of_the_scene() -> None:
+    damped = rigid.HeavyTop(TOP.body, mgl=TOP.mgl, com=TOP.com, damping=(0.1, 0.2, 0.3))
+    for k in (1, 2, 3):
+        _, scene, _ = first_body(damped, CLOUD, **{f"damping{k}": 0.7})
+        expected = [0.1, 0.2, 0.3]
+        expected[k - 1] = 0.7
+        assert np.diag(np.array(scene.damping)).tolist() == expected
+    _, scene, _ = first_body(FREE, SPIN, damping2=0.5)
+    assert np.array(scene.damping).tolist() == np.diag([0.0, 0.5, 0.0]).tolist()
+
+
 def test_sizes_of_the_noise() -> None:
     # Twice the size is exactly twice the deviate of a start at rest.
     start = rigid.Start(spin=0.0, noise=rigid.uniform(5.0))
@@ -148,6 +159,7 @@ def test_sizes_of_the_noise() -> None:
 def test_every_parameter_is_tested_here() -> None:
     tested = {"mgl", "spin", "tilt", "noise", "attitude_noise", "mass", *"abc"}
     tested |= {f"omega{i}" for i in (1, 2, 3)} | {f"I{i}" for i in (1, 2, 3)}
+    tested |= {f"damping{i}" for i in (1, 2, 3)}
     tested |= {f"I{i}/I{j}" for i in (1, 2, 3) for j in (1, 2, 3) if i != j}
     assert set(PARAMETERS) == tested
 

@@ -253,6 +253,18 @@ def test_damping_of_the_spin_alone_lets_a_top_fall_faster_and_faster() -> None:
     assert present(run.gamma)[0, 2] > 0.9 > present(run.gamma)[:, 2].min()
 
 
+@pytest.mark.parametrize("damping", [None, (3e-4, 4e-4, 5e-4)])
+def test_few_steps_are_checked_at_the_last_time(damping: tuple[float, ...] | None) -> None:
+    """Five steps to two times: at the first both runs make the same two steps and agree."""
+    scene = rigid.FreeBody(rigid.Body((0.553, 0.492, 1.0)), damping=damping)
+    start, t = [-0.55264732, -0.78478036, 0.74874577], [1.5, 5.0]
+    run = rigid.simulate(scene, start, t=t, accuracy=1e-6, method="dop853")
+    truth = rigid.simulate(scene, start, t=t, method="taylor26", tolerance=1e-15, check=False)
+    error = np.linalg.norm(run.omega - truth.omega, axis=-1).max() / np.linalg.norm(start)
+    assert run.steps < 12
+    assert error < run.error
+
+
 def test_an_accuracy_is_kept_and_the_error_is_believed() -> None:
     start = ([0.4, -1.0, 0.7], TILTED)
     truth = rigid.simulate(PUSHED, *start, t=[1.0, 4.0], method="taylor26", step=0.02)
@@ -265,6 +277,33 @@ def test_an_accuracy_is_kept_and_the_error_is_believed() -> None:
         )
         assert error <= run.error <= accuracy
         assert not run.flagged
+
+
+@pytest.mark.parametrize("moments", [(1.0, 1.6, 2.1), (1.5, 1.0, 1.5), (2.0, 2.0, 2.0)])
+def test_a_damping_that_is_a_multiple_of_the_inertia_only_slows(
+    moments: tuple[float, float, float],
+) -> None:
+    """`omega(t) = e^(-kt) omega_free(s)`, the attitude that of the free body at `s`."""
+    k = 0.37
+    body = rigid.Body(moments)
+    scene = rigid.FreeBody(body, damping=k * np.array(moments))
+    start, t = [0.3, 1.2, -0.4], np.array([-1.0, 0.0, 1e-9, 2.0, 60.0])
+    run = rigid.simulate(scene, start, TILTED, t=t)
+    assert run.plan.method == "exact"
+    assert "slowed" in str(run.plan)
+    free = rigid.simulate(rigid.FreeBody(body), start, TILTED, t=-np.expm1(-k * t) / k)
+    # Two exponentials, each rounded.
+    known = np.exp(-k * t)[:, None] * free.omega
+    assert np.abs(run.omega - known).max() < 1e-14 * np.abs(known).max()
+    assert rotation_angle(present(run.attitude), present(free.attitude)).max() < 1e-14
+    stepped = rigid.simulate(scene, start, TILTED, t=t, method="taylor16")
+    assert np.abs(run.omega - stepped.omega).max() < 1e-13
+    assert rotation_angle(present(run.attitude), present(stepped.attitude)).max() < 1e-13
+    assert np.abs(present(run.work) - present(stepped.work)).max() < 1e-13
+    assert np.abs(run.energy() - run.energy()[1] - present(run.work)).max() < 1e-13
+    other = rigid.FreeBody(body, damping=k * np.array(moments) + [0.0, 0.0, 1e-3])
+    with pytest.raises(ValueError, match="multiple of its inertia"):
+        rigid.simulate(other, start, t=t, method="exact")
 
 
 def test_the_plan_says_what_acts_and_which_method_moves_it() -> None:

@@ -13,33 +13,21 @@ from __future__ import annotations
 
 from . import colours
 from .bodies import box, box_data, heavy_top, heavy_top_data
+from .bodycones import cones, cones_data
+from .cubics import cubic, cubic_data, upright_cubic, upright_cubic_data
+from .eulersteps import euler_steps, euler_steps_data
 from .measured import (
     bearing_torque,
     bearing_torque_data,
     spring_modes,
     spring_modes_data,
 )
-from .nutation import (
-    cubic,
-    cubic_data,
-    effective_potential,
-    effective_potential_data,
-    upright_cubic,
-    upright_cubic_data,
-)
-from .orientation import (
-    euler_steps,
-    euler_steps_data,
-    frames,
-    frames_data,
-    node_frame,
-    node_frame_data,
-)
-from .paths import cycloids, cycloids_data, loci, locus, locus_data
+from .orientation import frames, frames_data, node_frame, node_frame_data
+from .paths import loci, locus, locus_data
+from .potential import effective_potential, effective_potential_data
 from .rolling import poinsot, poinsot_data, polhodes, polhodes_data
+from .rotating import rotating_body, rotating_body_data
 from .symmetric import (
-    cones,
-    cones_data,
     coplanar_vectors,
     coplanar_vectors_data,
     free_top_omega,
@@ -49,11 +37,10 @@ from .throws import invariants, invariants_data, throw
 from .turning import (
     active_passive,
     active_passive_data,
-    rotating_body,
-    rotating_body_data,
     unit_vector_change,
     unit_vector_change_data,
 )
+from .unrolled import cycloids, cycloids_data
 
 __all__ = [
     "active_passive",

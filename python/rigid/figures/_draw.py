@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ..euler import rotation_y, rotation_z
 from ..plotting import new_figure
 from ..so3 import rotate
+from . import colours
 
 if TYPE_CHECKING:
     from ._arrows import PlaneArrow, SpaceArrow
@@ -29,6 +30,7 @@ __all__ = [
     "label",
     "label_in_plane",
     "panels",
+    "triad",
 ]
 
 Floats = NDArray[np.float64]
@@ -151,6 +153,16 @@ def arrow_in_plane(
     if text and vector.any():
         one.write(ax, text, **_text(colour))
     return one
+
+
+def triad(
+    ax: Any, axes: Floats, origin: Floats, names: Sequence[str], **style: Any
+) -> tuple[Any, ...]:
+    """Three axes with their names, from an origin, in the colours of x, y, z."""
+    return tuple(
+        arrow(ax, along, ink.colour, name, start=origin, **style)
+        for along, ink, name in zip(axes, colours.AXES, names, strict=True)
+    )
 
 
 def label(ax: Any, place: Floats, text: str, colour: str = "black", **style: Any) -> Any:

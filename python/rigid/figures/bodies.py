@@ -202,6 +202,7 @@ def box(body: Body, *, ax: Any | None = None) -> BoxArtists:
             f"{data.sides[axis]:g} m",
             colours.NEUTRAL,
             fontsize="medium",
+            ha="right" if axis == 2 else "center",
         )
     tips = np.diag(0.5 * data.sides + 0.3 * longest)
     fit(ax, data.corners, tips, elev=elev, azim=azim, filled=0.74)

@@ -1,8 +1,7 @@
-"""Frames and Euler angles: where the axes of space and of a body are, and how one gets there."""
+"""Where the axes of a body are: seen from space, and from the line of nodes."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,30 +9,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._check import vector
-from ..euler import euler_to_matrix, rotation_z
+from ..euler import euler_to_matrix
 from . import colours
-from ._draw import (
-    arc,
-    arrow,
-    arrow_in_plane,
-    circle,
-    curve,
-    fit,
-    in_space,
-    label,
-    label_in_plane,
-    panels,
-)
+from ._draw import arc, arrow, circle, curve, fit, in_space, label, triad
+from .eulersteps import TURNS, azimuth, euler_steps_data
 
 __all__ = [
-    "EulerSteps",
-    "EulerStepsArtists",
     "Frames",
     "FramesArtists",
     "NodeFrame",
     "NodeFrameArtists",
-    "euler_steps",
-    "euler_steps_data",
     "frames",
     "frames_data",
     "node_frame",
@@ -175,9 +160,9 @@ def frames(
     """
     data = frames_data(angles, origin=origin, point=point)
     ax = in_space(ax)
-    space = _triad(ax, data.space, np.zeros(3), ("$X'$", "$Y'$", "$Z'$"), linewidth=1.2)
+    space = triad(ax, data.space, np.zeros(3), ("$X'$", "$Y'$", "$Z'$"), linewidth=1.2)
     apart = bool(data.origin.any())
-    parallel = _triad(
+    parallel = triad(
         ax,
         data.space,
         data.origin,
@@ -185,7 +170,7 @@ def frames(
         linewidth=1.0,
         linestyle="dashed",
     )
-    body = _triad(ax, data.body, data.origin, ("$x$", "$y$", "$z$"), linewidth=2.6)
+    body = triad(ax, data.body, data.origin, ("$x$", "$y$", "$z$"), linewidth=2.6)
     label(ax, np.array([-0.09, -0.09, -0.09]), "$O'$" if apart else "$O$", colours.NEUTRAL)
     # Names stand on the outer sides of the triangle of R, r' and r.
     aside = _apart(data.origin, data.position) if apart and data.position is not None else -_Z
@@ -216,216 +201,6 @@ def frames(
         relative=relative,
         position=position,
     )
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class EulerSteps:
-    """The three turns of Euler's angles.
-
-    Attributes
-    ----------
-    angles : ndarray, shape (3,)
-        ``phi, theta, psi`` (rad).
-    axes : ndarray, shape (4, 3, 3)
-        Unit vectors along the axes before the first turn and after each, one in a row, in space
-        components.
-    turned_about : ndarray, shape (3, 3)
-        Unit vectors that the turns are about: the vertical, the line of nodes, body axis z.
-    point, seen : ndarray, shape (2,)
-        Coordinates of a point across the first axis, from the axes before and after the first turn.
-    """
-
-    angles: Floats
-    axes: Floats
-    turned_about: Floats
-    point: Floats
-    seen: Floats
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class EulerStepsArtists:
-    """What :func:`euler_steps` has drawn.
-
-    Attributes
-    ----------
-    axes : tuple of 3 Axes3D and Axes
-        The panels.
-    data : EulerSteps
-        What.
-    before, after : tuple of 3 tuples of 3 SpaceArrow
-        The axes in each panel.
-    nodes : tuple of 3 Line3D
-        The line of nodes in each panel.
-    point : PlaneArrow
-        The vector that is seen from both axes in the plane.
-    """
-
-    axes: tuple[Any, ...]
-    data: EulerSteps
-    before: tuple[tuple[Any, ...], ...]
-    after: tuple[tuple[Any, ...], ...]
-    nodes: tuple[Any, ...]
-    point: Any
-
-
-def euler_steps_data(angles: ArrayLike, *, point: ArrayLike = (0.35, 0.85)) -> EulerSteps:
-    """Axes under :func:`euler_steps`.
-
-    Parameters
-    ----------
-    angles : array_like, shape (3,)
-        ``phi, theta, psi`` (rad).
-    point : array_like, shape (2,)
-        A point of the plane ``x' y'``.
-
-    Returns
-    -------
-    EulerSteps
-
-    Raises
-    ------
-    ValueError
-        If an argument is not finite or of the wrong shape.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from rigid import figures
-    >>> data = figures.euler_steps_data([np.pi / 2, 0.3, 0.0], point=[0.0, 2.0])
-    >>> data.seen.round(12).tolist(), data.turned_about[1].round(12).tolist()
-    ([2.0, 0.0], [0.0, 1.0, 0.0])
-    """
-    phi, theta, psi = vector("angles", angles, 3).tolist()
-    steps = euler_to_matrix(
-        [[0.0, 0.0, 0.0], [phi, 0.0, 0.0], [phi, theta, 0.0], [phi, theta, psi]]
-    )
-    axes = np.swapaxes(steps, -1, -2)
-    seen_from = vector("point", point, 2)
-    return EulerSteps(
-        angles=np.array([phi, theta, psi]),
-        axes=axes,
-        turned_about=np.stack([axes[0, 2], axes[1, 0], axes[2, 2]]),
-        point=seen_from,
-        seen=(rotation_z(phi, passive=True) @ np.append(seen_from, 0.0))[:2],
-    )
-
-
-_NAMES = (
-    ("x'", "y'", "z'"),
-    ("x''", "y''", "z''"),
-    ("X", "Y", "Z"),
-    ("x", "y", "z"),
-)
-_TURNS = (r"$\phi$", r"$\theta$", r"$\psi$")
-_ABOUT = ("about $z'$", "about the line of nodes", "about $z$")
-
-
-def euler_steps(
-    angles: ArrayLike, *, point: ArrayLike = (0.35, 0.85), axes: Sequence[Any] | None = None
-) -> EulerStepsArtists:
-    """Draw the three turns of Euler's angles one by one, and the first in its plane.
-
-    By phi about the vertical, by theta about the line of nodes ``x'' = X``, by psi about ``Z = z``;
-    axes before a turn are dashed. In the plane of the first, ``x'' = x' cos phi + y' sin phi`` and
-    ``y'' = y' cos phi - x' sin phi`` (Ercan 2016, figs. 2-5, eq. (1) with the second line y'',
-    erratum D-03; lecture notes, fig. 5.2).
-
-    Parameters
-    ----------
-    angles, point
-        As in :func:`euler_steps_data`.
-    axes : sequence of 3 Axes3D and Axes, optional
-        Where to draw; by default on a new figure that pyplot does not know.
-
-    Returns
-    -------
-    EulerStepsArtists
-
-    Raises
-    ------
-    ValueError
-        As in :func:`euler_steps_data`, and if the axes are not those four.
-    ImportError
-        Without matplotlib.
-
-    Examples
-    --------
-    >>> from rigid import figures
-    >>> drawn = figures.euler_steps([0.7, 0.6, 0.8])
-    >>> drawn.axes[0].figure.savefig("euler.png")  # doctest: +SKIP
-    """
-    data = euler_steps_data(angles, point=point)
-    *spaces, plane = panels(axes, ["space", "space", "space", "plane"], columns=2)
-    before, after, nodes = [], [], []
-    for step, ax in enumerate(spaces):
-        kept = 0 if step == 1 else 2
-        old, new = ([f"${name}$" for name in _NAMES[k]] for k in (step, step + 1))
-        new[kept] = f"{old[kept][:-1]} = {new[kept][1:]}"
-        old[kept] = ""
-        origin = np.zeros(3)
-        before.append(_triad(ax, data.axes[step], origin, old, linewidth=1.0, linestyle="dashed"))
-        after.append(_triad(ax, data.axes[step + 1], origin, new, linewidth=2.4))
-        node = data.turned_about[1] * np.array([[-1.0], [1.25]])
-        nodes.append(
-            curve(ax, node, colours.NODE.colour, linewidth=1.2, linestyle="dashdot", zorder=3)
-        )
-        turned = [axis for axis in range(3) if axis != kept]
-        for axis, radius in zip(turned, (0.55, 0.7), strict=True):
-            arc(
-                ax,
-                data.turned_about[step],
-                radius * data.axes[step, axis],
-                float(data.angles[step]),
-                colours.ANGLE.colour,
-                _TURNS[step],
-            )
-        label(ax, -1.12 * data.turned_about[1], "$N$", colours.NODE.colour)
-        ax.set_title(f"{step + 1}.  {_TURNS[step]} {_ABOUT[step]}", fontsize="medium")
-        fit(ax, data.axes, node, elev=24.0, azim=_between(data.angles[0]), filled=0.8)
-    arrow_of_point = _draw_turned_plane(plane, data)
-    return EulerStepsArtists(
-        axes=(*spaces, plane),
-        data=data,
-        before=tuple(before),
-        after=tuple(after),
-        nodes=tuple(nodes),
-        point=arrow_of_point,
-    )
-
-
-def _draw_turned_plane(ax: Any, data: EulerSteps) -> Any:
-    """The plane of the first turn, with the coordinates of a point along both pairs of axes."""
-    longest = max(1.0, 1.15 * float(np.linalg.norm(data.point)))
-    for step, names, style in (
-        (0, _NAMES[0], {"linewidth": 1.0, "linestyle": "dashed"}),
-        (1, _NAMES[1], {"linewidth": 2.4}),
-    ):
-        for axis, ink in enumerate(colours.AXES[:2]):
-            along = longest * data.axes[step, axis, :2]
-            arrow_in_plane(ax, along, ink.colour, f"${names[axis]}$", **style)
-            foot = (data.point, data.seen)[step][axis] * data.axes[step, axis, :2]
-            curve(ax, np.array([data.point, foot]), ink.colour, linewidth=0.9, linestyle="dotted")
-    turned = np.linspace(0.0, data.angles[0], 49)[:, np.newaxis]
-    curve(
-        ax,
-        0.35 * longest * np.hstack([np.cos(turned), np.sin(turned)]),
-        colours.ANGLE.colour,
-    )
-    half = 0.5 * data.angles[0]
-    label_in_plane(ax, 0.44 * longest * np.array([np.cos(half), np.sin(half)]), _TURNS[0])
-    drawn = arrow_in_plane(ax, data.point, colours.HUES["black"], "$P$", linewidth=1.6)
-    corners = np.vstack([np.zeros((1, 2)), longest * data.axes[:2, :2, :2].reshape(-1, 2)])
-    low, high = corners.min(axis=0), corners.max(axis=0)
-    margin = 0.14 * longest
-    ax.set_aspect("equal")
-    ax.set(
-        xlim=(low[0] - margin, high[0] + margin),
-        ylim=(low[1] - margin, high[1] + margin),
-        title="the first turn seen from $z'$",
-    )
-    ax.title.set_fontsize("medium")
-    ax.set_axis_off()
-    return drawn
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -540,7 +315,7 @@ def node_frame(angles: ArrayLike, *, ax: Any | None = None) -> NodeFrameArtists:
     origin = np.zeros(3)
     for normal in (data.space[2], data.body[2]):
         curve(ax, circle(origin, normal, 1.0), colours.FAINT, linewidth=1.0, zorder=1)
-    space = _triad(
+    space = triad(
         ax,
         data.space,
         origin,
@@ -548,7 +323,7 @@ def node_frame(angles: ArrayLike, *, ax: Any | None = None) -> NodeFrameArtists:
         linewidth=1.0,
         linestyle="dashed",
     )
-    body = _triad(ax, data.body, origin, ("$x$", "$y$", r"$z = \zeta,\ \dot{\psi}$"), linewidth=2.4)
+    body = triad(ax, data.body, origin, ("$x$", "$y$", r"$z = \zeta,\ \dot{\psi}$"), linewidth=2.4)
     node = tuple(
         arrow(ax, along, colours.NODE.colour, name, linewidth=2.0)
         for along, name in zip(
@@ -562,13 +337,13 @@ def node_frame(angles: ArrayLike, *, ax: Any | None = None) -> NodeFrameArtists:
             (_Z, data.node[0], data.node[2]),
             (_X, data.space[2], data.node[0]),
             data.angles,
-            _TURNS,
+            TURNS,
             strict=True,
         )
     )
     label(ax, np.array([-0.06, -0.06, -0.09]), "$O$", colours.NEUTRAL)
     circles = circle(origin, _Z, 1.0), circle(origin, data.body[2], 1.0)
-    fit(ax, *circles, data.space, data.body, elev=24.0, azim=_between(data.angles[0]))
+    fit(ax, *circles, data.space, data.body, elev=24.0, azim=azimuth(data.angles[0]))
     return NodeFrameArtists(ax=ax, data=data, space=space, body=body, node=node, arcs=arcs)
 
 
@@ -577,17 +352,3 @@ def _apart(first: Floats, second: Floats) -> Floats:
     gap = first / np.linalg.norm(first) - second / (np.linalg.norm(second) or 1.0)
     size = float(np.linalg.norm(gap))
     return np.asarray(gap / size) if size > 1e-9 else -_Z
-
-
-def _between(phi: float) -> float:
-    """Degrees of azimuth to look from: between the first axis of space and the line of nodes."""
-    return float(np.degrees(0.5 * phi)) - 16.0  # aside, so that it does not hide body axis z
-
-
-def _triad(
-    ax: Any, axes: Floats, origin: Floats, names: Sequence[str], **style: Any
-) -> tuple[Any, ...]:
-    return tuple(
-        arrow(ax, along, ink.colour, name, start=origin, **style)
-        for along, ink, name in zip(axes, colours.AXES, names, strict=True)
-    )

@@ -1,4 +1,4 @@
-"""The free symmetric top: where omega, L and the axis are, and the cones that roll."""
+"""The free symmetric top: where omega, L and the axis are."""
 
 from __future__ import annotations
 
@@ -11,10 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._check import finite_float, vector
 from .._given import BodyLike, moments_of
-from ..free import cones as cones_of
 from ..free import symmetric_free_top
-from ..quaternions import matrix_to_quaternion, quaternion_to_matrix
-from ..so3 import rotate
 from . import colours
 from ._draw import (
     arc,
@@ -29,14 +26,10 @@ from ._draw import (
 )
 
 __all__ = [
-    "ConesArtists",
     "CoplanarVectors",
     "CoplanarVectorsArtists",
     "FreeTopOmega",
     "FreeTopOmegaArtists",
-    "RollingCones",
-    "cones",
-    "cones_data",
     "coplanar_vectors",
     "coplanar_vectors_data",
     "free_top_omega",
@@ -133,7 +126,7 @@ def free_top_omega_data(
     >>> round(data.angle, 12), data.amplitude
     (1.38, 0.9)
     """
-    rates = _turning(omega)
+    rates = turning(omega)
     time = finite_float("t", t)
     period = float(symmetric_free_top(body, rates).period)
     whole = np.linspace(0.0, period if np.isfinite(period) else 0.0, samples)
@@ -293,7 +286,7 @@ def coplanar_vectors_data(body: BodyLike, omega: ArrayLike) -> CoplanarVectors:
     >>> data.theta < data.alpha  # oblate
     True
     """
-    rates = _turning(omega)
+    rates = turning(omega)
     top = symmetric_free_top(body, rates)
     moments, which = moments_of(body), int(top.axis) - 1
     across, along = float(moments[which - 2]), float(moments[which])
@@ -379,230 +372,12 @@ def _draw_coplanar(ax: Any, data: CoplanarVectors) -> tuple[Any, Any]:
     return spin, momentum
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class RollingCones:
-    """The cones of a free symmetric top at one time, in space with L upwards.
-
-    Attributes
-    ----------
-    body_cone, space_cone : float
-        Half angles (rad).
-    rolling : str
-        ``"outside"`` for a prolate top, ``"inside"`` for an oblate one, whose body cone goes around
-        the space cone.
-    omega, momentum, axis : ndarray, shape (3,)
-        omega (rad/s), L (kg m²/s) and the unit vector along the axis, towards the spin.
-    body_rim, space_rim : ndarray, shape (m, 3)
-        The circles that omega describes in the body and in space (rad/s), both in space components.
-        The first is carried by the body; both begin with omega at time 0.
-    """
-
-    body_cone: float
-    space_cone: float
-    rolling: str
-    omega: Floats
-    momentum: Floats
-    axis: Floats
-    body_rim: Floats
-    space_rim: Floats
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ConesArtists:
-    """What :func:`cones` has drawn.
-
-    Attributes
-    ----------
-    ax : Axes3D
-        Where.
-    data : RollingCones
-        What.
-    body_cone, space_cone : Poly3DCollection
-        The surfaces.
-    body_rim, space_rim : Line3D
-        Their rims.
-    omega, momentum, axis : SpaceArrow
-        omega, and L and the axis at lengths that can be compared; an arrow has its ``start`` and
-        its ``vector``.
-    """
-
-    ax: Any
-    data: RollingCones
-    body_cone: Any
-    space_cone: Any
-    body_rim: Any
-    space_rim: Any
-    omega: Any
-    momentum: Any
-    axis: Any
-
-
-def cones_data(
-    body: BodyLike, omega: ArrayLike, *, t: float = 0.0, samples: int = 121
-) -> RollingCones:
-    """Cones under :func:`cones`: those of :func:`rigid.free.cones`, where they are at a time.
-
-    Parameters
-    ----------
-    body : Body, FreeBody or array_like, shape (3,)
-        The body, or principal moments (kg m²), two of them equal to the bit.
-    omega : array_like, shape (3,)
-        Angular velocity in the body at time 0 (rad/s).
-    t : float
-        Time (s).
-    samples : int
-        Points of a rim.
-
-    Returns
-    -------
-    RollingCones
-
-    Raises
-    ------
-    ValueError
-        If the top is not symmetric, or omega, L and the axis are one line or omega and L are one,
-        so that nothing rolls, or an argument is not finite.
-
-    Examples
-    --------
-    >>> from rigid import figures
-    >>> data = figures.cones_data((1.0, 1.0, 0.55), [0.9, 0.0, 2.3], t=1.0)
-    >>> data.rolling, round(data.space_cone, 9)
-    ('outside', 0.245389808)
-    """
-    rates = _turning(omega)
-    time = finite_float("t", t)
-    start = _upright(moments_of(body) * rates)
-    found = cones_of(body, rates, start, samples=samples)
-    if str(found.rolling) == "none":
-        raise ValueError(
-            f"omega = {rates.tolist()}: nothing rolls where omega and L are one line, which is so "
-            "along and across the axis and for a sphere"
-        )
-    top = symmetric_free_top(body, rates, start, t=[time])
-    assert top.omega is not None
-    assert top.attitude is not None
-    turn = quaternion_to_matrix(top.attitude[0])
-    size = float(top.rate)
-    which = int(top.axis) - 1
-    return RollingCones(
-        body_cone=float(found.body_cone),
-        space_cone=float(found.space_cone),
-        rolling=str(found.rolling),
-        omega=turn @ top.omega[0],
-        momentum=turn @ (moments_of(body) * top.omega[0]),
-        axis=np.copysign(1.0, rates[which]) * turn[:, which],
-        body_rim=size * found.body_curve @ turn.T,
-        space_rim=size * found.space_curve,
-    )
-
-
-def cones(
-    body: BodyLike, omega: ArrayLike, *, t: float = 0.0, ax: Any | None = None
-) -> ConesArtists:
-    """Draw the body cone of a free symmetric top as it rolls on the space cone.
-
-    They touch along omega, where the body is at rest for the moment. The space cone has the half
-    angle ``|alpha - theta|`` about L, the body cone alpha about the axis (Ercan 2016, figs. 12a, b,
-    errata D-21 to D-23). Frames of an animation are pictures at successive times ``t``.
-
-    Parameters
-    ----------
-    body, omega, t
-        As in :func:`cones_data`.
-    ax : Axes3D, optional
-        Where to draw; by default on a new figure that pyplot does not know.
-
-    Returns
-    -------
-    ConesArtists
-
-    Raises
-    ------
-    ValueError
-        As in :func:`cones_data`, and if the axes are not three-dimensional.
-    ImportError
-        Without matplotlib.
-
-    Examples
-    --------
-    >>> from rigid import figures
-    >>> drawn = figures.cones((1.0, 1.0, 0.55), [0.9, 0.0, 1.3])
-    >>> drawn.ax.figure.savefig("cones.png")  # doctest: +SKIP
-    """
-    data = cones_data(body, omega, t=t)
-    ax = in_space(ax)
-    surfaces, rims = [], []
-    for rim, ink, alpha in (
-        (data.space_rim, colours.SPACE, 0.35),
-        (data.body_rim, colours.BODY, 0.25),
-    ):
-        sheet = np.array([0.0, 1.0])[:, np.newaxis, np.newaxis] * rim
-        surfaces.append(
-            ax.plot_surface(
-                *np.moveaxis(sheet, -1, 0),
-                color=ink.colour,
-                alpha=alpha,
-                linewidth=0.0,
-                rcount=2,
-                ccount=len(rim),
-                shade=False,
-                zorder=1,
-            )
-        )
-        rims.append(curve(ax, rim, ink.colour, linewidth=1.8, zorder=2))
-    # Generators that the body carries show how far it has turned.
-    for end in data.body_rim[:-1:10]:
-        curve(ax, np.array([np.zeros(3), end]), colours.BODY.colour, linewidth=0.7, zorder=2)
-    size = float(np.linalg.norm(data.omega))
-    spin = arrow(ax, 1.12 * data.omega, colours.OMEGA.colour, colours.OMEGA.label, linewidth=2.6)
-    longer = 1.4 * size
-    momentum = arrow(
-        ax,
-        longer * data.momentum / np.linalg.norm(data.momentum),
-        colours.L.colour,
-        colours.L.label,
-        linewidth=2.2,
-    )
-    axis = arrow(ax, 1.3 * size * data.axis, colours.Z.colour, "axis", linewidth=2.2)
-    for rim, angle, name, beyond, side in (
-        (data.body_rim, data.body_cone, "body cone", 0.8, "center"),
-        (data.space_rim, data.space_cone, "space cone", 1.04, "bottom"),
-    ):
-        place = beyond * rim[np.argmax(np.linalg.norm(rim - data.omega, axis=-1))]
-        text = f"{name}\n{np.degrees(angle):.1f}°"
-        label(ax, place, text, colours.NEUTRAL, fontsize="medium", va=side)
-    # Room for the whole way around L, and a place to stand in space: frames fit on each other.
-    shown = np.vstack([data.body_rim, data.space_rim, momentum.vector, axis.vector, spin.vector])
-    swept = rotate(shown[:, np.newaxis, :], [0.0, 0.0, 1.0], np.linspace(0.0, 2.0 * np.pi, 25))
-    azim = float(np.degrees(np.arctan2(*data.space_rim[0, 1::-1]))) - 90.0
-    fit(ax, swept, np.zeros(3), elev=16.0, azim=azim, filled=0.84)
-    return ConesArtists(
-        ax=ax,
-        data=data,
-        body_cone=surfaces[1],
-        space_cone=surfaces[0],
-        body_rim=rims[1],
-        space_rim=rims[0],
-        omega=spin,
-        momentum=momentum,
-        axis=axis,
-    )
-
-
-def _turning(omega: ArrayLike) -> Floats:
+def turning(omega: ArrayLike) -> Floats:
+    """Rates of a body that turns."""
     rates = vector("omega", omega, 3)
     if not rates.any():
         raise ValueError(f"omega = {rates.tolist()}: must not be zero, a body at rest has no axis")
     return rates
-
-
-def _upright(momentum: Floats) -> Floats:
-    """The attitude, a quaternion, that turns a vector of the body upwards in space."""
-    up = momentum / np.linalg.norm(momentum)
-    side = np.cross(up, np.eye(3)[np.argmin(np.abs(up))])
-    side /= np.linalg.norm(side)
-    return matrix_to_quaternion(np.stack([side, np.cross(up, side), up]))
 
 
 def _tips(ax: Any, path: Floats, colour: str) -> None:

@@ -1,0 +1,198 @@
+"""A body that turns: its points, their circles and their velocities."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._check import positive_int, shaped
+from ..particles import velocity_field
+from ..so3 import rotate
+from . import colours
+from ._draw import arrow, curve, fit, in_space
+from .symmetric import turning
+
+__all__ = ["RotatingBody", "RotatingBodyArtists", "rotating_body", "rotating_body_data"]
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class RotatingBody:
+    """Points of a body that turns about an axis through the origin.
+
+    Attributes
+    ----------
+    omega : ndarray, shape (3,)
+        Angular velocity (rad/s).
+    positions, velocities : ndarray, shape (N, 3)
+        Of the points (m, m/s): ``v = omega × r``.
+    circles : ndarray, shape (N, m, 3)
+        The circle on which each point goes (m).
+    """
+
+    omega: Floats
+    positions: Floats
+    velocities: Floats
+    circles: Floats
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class RotatingBodyArtists:
+    """What :func:`rotating_body` has drawn.
+
+    Attributes
+    ----------
+    ax : Axes3D
+        Where.
+    data : RotatingBody
+        What.
+    omega, position : SpaceArrow
+        The angular velocity, and the position of one point; an arrow has its ``start`` and its
+        ``vector``. Velocities are scaled to one common size.
+    velocities : tuple of N SpaceArrow
+        The velocities.
+    points : Line3D
+        The points.
+    """
+
+    ax: Any
+    data: RotatingBody
+    omega: Any
+    position: Any
+    velocities: tuple[Any, ...]
+    points: Any
+
+
+def rotating_body_data(
+    positions: ArrayLike, omega: ArrayLike, *, samples: int = 97
+) -> RotatingBody:
+    """Velocities and paths under :func:`rotating_body`.
+
+    Parameters
+    ----------
+    positions : array_like, shape (N, 3)
+        Points (m), at least one.
+    omega : array_like, shape (3,)
+        Angular velocity (rad/s), not zero.
+    samples : int
+        Points of a circle, the first and the last of which coincide.
+
+    Returns
+    -------
+    RotatingBody
+
+    Raises
+    ------
+    ValueError
+        If there are no points, the body does not turn, or an argument is not finite.
+
+    Examples
+    --------
+    >>> from rigid import figures
+    >>> figures.rotating_body_data([[2, 0, 5]], [0, 0, 3]).velocities.tolist()
+    [[0.0, 6.0, 0.0]]
+    """
+    r = shaped("positions", positions, None, 3)
+    if r.ndim != 2 or len(r) == 0:
+        raise ValueError(f"positions: expected shape (N, 3) of one or more, got {r.shape}")
+    w = turning(omega)
+    turns = np.linspace(0.0, 2.0 * np.pi, positive_int("samples", samples, minimum=2))
+    return RotatingBody(
+        omega=w,
+        positions=r,
+        velocities=velocity_field(w, r),
+        circles=rotate(r[:, np.newaxis, :], w, turns),
+    )
+
+
+def rotating_body(
+    positions: ArrayLike, omega: ArrayLike, *, ax: Any | None = None
+) -> RotatingBodyArtists:
+    """Draw the points of a body that turns, with their velocities ``v = omega × r``.
+
+    Every point goes on a circle about the axis; the point that is farthest from the axis has its
+    names (Ercan 2016, fig. 9).
+
+    Parameters
+    ----------
+    positions, omega
+        As in :func:`rotating_body_data`.
+    ax : Axes3D, optional
+        Where to draw; by default on a new figure that pyplot does not know.
+
+    Returns
+    -------
+    RotatingBodyArtists
+
+    Raises
+    ------
+    ValueError
+        As in :func:`rotating_body_data`, and if the axes are not three-dimensional.
+    ImportError
+        Without matplotlib.
+
+    Examples
+    --------
+    >>> from rigid import figures
+    >>> drawn = figures.rotating_body([[1, 0, 0], [0, 1, 0.5], [-0.5, -0.5, 0.8]], [0, 0, 2.0])
+    >>> drawn.ax.figure.savefig("rotating.png")  # doctest: +SKIP
+    """
+    data = rotating_body_data(positions, omega)
+    ax = in_space(ax)
+    size = float(np.linalg.norm(data.positions, axis=-1).max()) or 1.0
+    speeds = np.linalg.norm(data.velocities, axis=-1)
+    farthest = int(speeds.argmax())
+    direction = data.omega / np.linalg.norm(data.omega)
+    heights = data.positions @ direction
+    reach = np.array([min(heights.min(), 0.0) - 0.25 * size, max(heights.max(), 0.0) + 0.6 * size])
+    curve(
+        ax,
+        reach[:, np.newaxis] * direction,
+        colours.OMEGA.colour,
+        linewidth=1.0,
+        linestyle="dashdot",
+        zorder=1,
+    )
+    for ring in data.circles:
+        curve(ax, ring, colours.FAINT, linewidth=0.9, zorder=1)
+    spin = arrow(
+        ax,
+        0.55 * size * direction,
+        colours.OMEGA.colour,
+        colours.OMEGA.label,
+        start=reach[1] * direction,
+        linewidth=2.6,
+    )
+    (points,) = ax.plot(*data.positions.T, "o", color=colours.NEUTRAL, markersize=6.0, zorder=6)
+    scale = 0.55 * size / speeds[farthest] if speeds[farthest] > 0.0 else 0.0
+    velocities = tuple(
+        arrow(
+            ax,
+            scale * velocity,
+            colours.VELOCITY.colour,
+            r"$\mathbf{v} = \boldsymbol{\omega}\times\mathbf{r}$" if number == farthest else "",
+            start=place,
+            linewidth=1.6,
+        )
+        for number, (place, velocity) in enumerate(
+            zip(data.positions, data.velocities, strict=True)
+        )
+    )
+    position = arrow(
+        ax,
+        data.positions[farthest],
+        colours.POSITION.colour,
+        colours.POSITION.label,
+        linewidth=1.6,
+        zorder=5,
+    )
+    ax.plot([0.0], [0.0], [0.0], "o", color="black", markersize=4.0, zorder=6)
+    ends = data.positions + scale * data.velocities
+    fit(ax, data.circles, ends, np.outer([reach[0], reach[1] + 0.55 * size], direction))
+    return RotatingBodyArtists(
+        ax=ax, data=data, omega=spin, position=position, velocities=velocities, points=points
+    )

@@ -1,0 +1,67 @@
+"""What the drift of a run does to a free body next to its separatrix."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _core
+from .belief import taken_from
+from .columns import each_row
+
+__all__ = ["next_to_separatrix"]
+
+Floats = NDArray[np.float64]
+
+
+NEAR = 1e-3
+"""A distance from the separatrix below this share of the largest on its side is near."""
+
+
+@np.errstate(all="ignore")
+def next_to_separatrix(
+    table: Mapping[str, Any], states: Mapping[str, Any], span: float
+) -> tuple[Floats, Floats]:
+    """By how much drift alone may have put bodies out of step, and from when on it may be anywhere.
+
+    ``2 T I2 - L²``, moments ascending, is negative on the polhodes about axis 3 and positive on
+    those about axis 1 (Landau & Lifshitz, *Mechanics*, § 37). The time that a body stays at the
+    saddle goes with its logarithm: a drift of the states that changes it by a share delays
+    each flip by about that share of the time in which the body turns over (first result, in rad;
+    0 away from the separatrix). Where they reach all of it the side is lost, which shows once the
+    body has passed the saddle, that is from its first flip on (second result; infinite if never).
+    """
+    count = len(table["omega"])
+    delay, never = np.zeros(count), np.full(count, np.inf)
+    moments = np.broadcast_to(table["moments"], (count, 3))
+    order = np.argsort(moments[0], kind="stable")
+    if table["scene"] != "free" or "outside" in table or len(np.unique(moments[0])) < 3:
+        return delay, never
+    i1, i2, i3 = moments[:, order].T
+    momentum2 = np.sum((moments * table["omega"]) ** 2, axis=1)
+
+    def sides(omega: Floats) -> tuple[Floats, Floats]:
+        # From components: as a difference of energy and momentum nothing would be left of them.
+        first, third = omega[..., order[0]] ** 2, omega[..., order[2]] ** 2
+        return (i1 * (i2 - i1) * first.T).T, (i3 * (i3 - i2) * third.T).T
+
+    about_first, about_third = sides(table["omega"])
+    distance = np.abs(about_first - about_third)
+    later_first, later_third = sides(states["omega"])
+    moved = (later_first - later_third) - (about_first - about_third)[:, None]
+    share = np.where(momentum2 > 0.0, np.abs(moved).max(axis=1, initial=0.0) / distance, 0.0)
+    # On either side it is largest for the rotation about the axis there.
+    on_first = about_first > about_third
+    largest = momentum2 * np.where(on_first, (i2 - i1) / i1, (i3 - i2) / i3)
+    near = np.flatnonzero((distance < NEAR * largest) & (momentum2 > 0.0))
+    if not len(near):
+        return delay, never
+    some = taken_from(each_row(table), near)
+    first = _core.flip_times(**some, axis=int(order[1]) + 1, count=1)[:, 0]
+    flips = first <= span
+    delay[near] = np.where(flips, np.minimum(share[near], 1.0), 0.0)
+    never[near] = np.where(flips & (share[near] >= 1.0), first, np.inf)
+    return delay, never
