@@ -16,6 +16,7 @@ from .bodies import box, box_data, heavy_top, heavy_top_data
 from .bodycones import cones, cones_data
 from .cubics import cubic, cubic_data, upright_cubic, upright_cubic_data
 from .eulersteps import euler_steps, euler_steps_data
+from .family import polhodes, polhodes_data
 from .measured import (
     bearing_torque,
     bearing_torque_data,
@@ -25,7 +26,7 @@ from .measured import (
 from .orientation import frames, frames_data, node_frame, node_frame_data
 from .paths import loci, locus, locus_data
 from .potential import effective_potential, effective_potential_data
-from .rolling import poinsot, poinsot_data, polhodes, polhodes_data
+from .rolling import poinsot, poinsot_data
 from .rotating import rotating_body, rotating_body_data
 from .symmetric import (
     coplanar_vectors,
