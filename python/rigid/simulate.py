@@ -72,7 +72,8 @@ class Run:
     unit_drift : ndarray, shape (n,)
         Largest deviation of ``|gamma|`` and ``|q|`` from one; 0 if neither is carried.
     status : ndarray of uint8, shape (n,)
-        A :class:`Status` for each body.
+        A :class:`Status` for each body. ``FLAGGED`` follows from ``error``, which of a large call
+        may be that of a sample; the others are the body's own.
     steps : ndarray of uint64, shape (n,)
         Steps taken; 0 by closed form.
     error : ndarray, shape (n,)
