@@ -20,6 +20,9 @@ from .scenes import Scene, scene_from_dict
 from .stepping import Request, by_steps, of_closed_form
 
 if TYPE_CHECKING:
+    from os import PathLike
+    from pathlib import Path
+
     from scipy.spatial.transform import Rotation
 
 __all__ = ["Run", "Status", "simulate"]
@@ -194,6 +197,12 @@ class Run:
         from scipy.spatial.transform import Rotation
 
         return Rotation.from_quat(self.attitude, scalar_first=True)
+
+    def animate(self, path: str | PathLike[str], **options: Any) -> Path:
+        """Write the motion to a page or a picture that moves: :func:`rigid.animation.animate`."""
+        from .animation import animate
+
+        return animate(self, path, **options)
 
 
 def simulate(

@@ -1,0 +1,439 @@
+"""Poinsot's picture of a free body, and all its polhodes on one ellipsoid."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import exact, free
+from .._check import positive_int
+from .._given import BodyLike, moments_of, to_space
+from ..film import states_of
+from ..scenes import FreeBody, scene_from_dict
+from ..simulate import Run
+from ..solidshapes import across, ellipsoid_faces, plane_face
+from . import colours
+from ._draw import arrow, curve, fit, in_space, label
+from ._sides import eye, sides, surface
+
+__all__ = [
+    "PoinsotArtists",
+    "PoinsotPicture",
+    "Polhodes",
+    "PolhodesArtists",
+    "poinsot",
+    "poinsot_data",
+    "polhodes",
+    "polhodes_data",
+]
+
+Floats = NDArray[np.float64]
+
+UP = np.array([0.0, 0.0, 1.0])
+ELEV, AZIM = 22.0, -60.0
+POLHODE, HERPOLHODE = colours.HUES["blue"], colours.HUES["black"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PoinsotPicture:
+    """The inertia ellipsoid at one time of a motion, with the plane that it rolls on.
+
+    All points are in axes of space of which the third is along L (rad/s).
+
+    Attributes
+    ----------
+    t : float
+        The time (s).
+    semi_axes : ndarray, shape (3,)
+        Of the ellipsoid (rad/s).
+    axes : ndarray, shape (3, 3)
+        Unit vectors along its axes, one in a row.
+    distance : float
+        Of the invariable plane from the centre (rad/s).
+    polhode : ndarray, shape (m, 3)
+        The curve of contact on the ellipsoid, of the whole motion, where it is at that time.
+    herpolhode : ndarray, shape (m, 3)
+        The curve of contact in the plane.
+    contact : ndarray, shape (3,)
+        The point of contact at that time, which is omega.
+    """
+
+    t: float
+    semi_axes: Floats
+    axes: Floats
+    distance: float
+    polhode: Floats
+    herpolhode: Floats
+    contact: Floats
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PoinsotArtists:
+    """What :func:`poinsot` has drawn.
+
+    Attributes
+    ----------
+    ax : Axes3D
+        Where.
+    data : PoinsotPicture
+        What.
+    ellipsoid, plane : Poly3DCollection
+        The ellipsoid and the invariable plane.
+    polhode, hidden : Line3D
+        The polhode on this side of the ellipsoid, and behind it.
+    herpolhode, contact : Line3D
+        The curve in the plane, and the point of contact.
+    omega, momentum : SpaceArrow
+        The angular velocity, which ends in the contact, and the direction of L.
+    """
+
+    ax: Any
+    data: PoinsotPicture
+    ellipsoid: Any
+    plane: Any
+    polhode: Any
+    hidden: Any
+    herpolhode: Any
+    contact: Any
+    omega: Any
+    momentum: Any
+
+
+def poinsot_data(run: Run, *, frame: int = 0) -> PoinsotPicture:
+    """The numbers under :func:`poinsot`.
+
+    Parameters
+    ----------
+    run : Run
+        Of a single free body, with attitudes.
+    frame : int
+        Which of its times is shown.
+
+    Returns
+    -------
+    PoinsotPicture
+
+    Raises
+    ------
+    TypeError
+        If the run is not that of a free body.
+    ValueError
+        If attitudes are missing, there is more than one body, it is at rest, or no such time.
+
+    Examples
+    --------
+    >>> import numpy as np, rigid
+    >>> from rigid import figures
+    >>> body = rigid.FreeBody(rigid.Body((1.0, 2.0, 2.5)))
+    >>> run = rigid.simulate(body, [1.1, 0.3, 0.4], t=np.linspace(0.0, 20.0, 401))
+    >>> data = figures.poinsot_data(run, frame=100)
+    >>> bool(abs(data.contact[2] - data.distance) < 1e-14)
+    True
+    """
+    scene = scene_from_dict(run.spec["scene"])
+    if not isinstance(scene, FreeBody):
+        raise TypeError(f"scene = {scene!r}: Poinsot's picture is that of a rigid.FreeBody")
+    omega, attitude = states_of(run)
+    k = _index("frame", frame, len(run.t))
+    rolled = free.poinsot(scene, omega, attitude)
+    assert rolled.normal is not None
+    assert rolled.contact is not None
+    level = np.stack(across(rolled.normal))
+    return PoinsotPicture(
+        t=float(run.t[k]),
+        semi_axes=rolled.semi_axes,
+        axes=to_space(attitude[k], np.eye(3)) @ level.T,
+        distance=float(rolled.distance),
+        polhode=to_space(attitude[k], rolled.polhode) @ level.T,
+        herpolhode=rolled.contact @ level.T,
+        contact=rolled.contact[k] @ level.T,
+    )
+
+
+def poinsot(run: Run, *, frame: int = 0, ax: Any | None = None) -> PoinsotArtists:
+    """Draw Poinsot's picture: the inertia ellipsoid rolls on a plane that is fixed in space.
+
+    It touches the plane in omega, at rest for the moment; the point of contact describes the
+    polhode on the ellipsoid and the herpolhode in the plane (Landau and Lifshitz, *Mechanics*,
+    § 37; Goldstein, *Classical Mechanics*, § 5.6; lecture notes, fig. 5.3).
+
+    Parameters
+    ----------
+    run, frame
+        As in :func:`poinsot_data`.
+    ax : Axes3D, optional
+        Where to draw; by default on a new figure that pyplot does not know.
+
+    Returns
+    -------
+    PoinsotArtists
+
+    Raises
+    ------
+    TypeError, ValueError
+        As in :func:`poinsot_data`, and if the axes are not three-dimensional.
+    ImportError
+        Without matplotlib.
+
+    Examples
+    --------
+    >>> import numpy as np, rigid
+    >>> from rigid import figures
+    >>> body = rigid.FreeBody(rigid.Body((1.0, 2.0, 2.5)))
+    >>> run = rigid.simulate(body, [1.1, 0.3, 0.4], t=np.linspace(0.0, 20.0, 401))
+    >>> drawn = figures.poinsot(run)
+    >>> drawn.ax.figure.savefig("poinsot.png")  # doctest: +SKIP
+    """
+    data = poinsot_data(run, frame=frame)
+    ax = in_space(ax)
+    faces = ellipsoid_faces(data.semi_axes, rings=30, sectors=60) @ data.axes
+    towards = eye(ELEV, AZIM)
+    ellipsoid = surface(ax, faces, "#b9ddf4", towards)
+    foot = data.distance * UP
+    radius = float(np.linalg.norm(data.herpolhode - foot, axis=1).max())
+    square = plane_face(foot, UP, 1.25 * max(radius, 0.3 * data.distance))
+    plane = surface(ax, square, colours.FAINT, towards, alpha=0.4, zorder=2, linewidths=0.0)
+    outward = data.polhode @ data.axes.T / data.semi_axes**2 @ data.axes
+    near, far = sides(data.polhode, outward, towards)
+    polhode = curve(ax, near, POLHODE, linewidth=1.6, zorder=3)
+    hidden = curve(ax, far, POLHODE, linewidth=0.8, alpha=0.5, zorder=3)
+    herpolhode = curve(ax, data.herpolhode, HERPOLHODE, linewidth=1.2, zorder=4)
+    omega = arrow(ax, data.contact, colours.OMEGA.colour, zorder=4)
+    label(
+        ax,
+        0.6 * data.contact + 0.06 * data.distance * np.cross(towards, UP),
+        colours.OMEGA.label,
+        colours.OMEGA.colour,
+    )
+    momentum = arrow(ax, 1.4 * foot, colours.L.colour, colours.L.label, zorder=4)
+    (contact,) = ax.plot(
+        *data.contact[:, np.newaxis], "o", color=colours.OMEGA.colour, markersize=6, zorder=6
+    )
+    leftmost = square[0, (square[0] @ np.cross(towards, UP)).argmax()]
+    label(ax, leftmost, "invariable plane ", colours.NEUTRAL, fontsize="small", ha="right")
+    fit(ax, faces, square, 1.5 * foot, elev=ELEV, azim=AZIM)
+    return PoinsotArtists(
+        ax=ax,
+        data=data,
+        ellipsoid=ellipsoid,
+        plane=plane,
+        polhode=polhode,
+        hidden=hidden,
+        herpolhode=herpolhode,
+        contact=contact,
+        omega=omega,
+        momentum=momentum,
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Polhodes:
+    """Polhodes of one energy on the inertia ellipsoid.
+
+    Attributes
+    ----------
+    moments : ndarray, shape (3,)
+        Of the body (kg m²).
+    semi_axes : ndarray, shape (3,)
+        Of the ellipsoid ``omega·I omega = 2 E`` (rad/s).
+    curves : ndarray, shape (4 n, m, 3)
+        Closed polhodes (rad/s).
+    axis : ndarray of int8, shape (4 n,)
+        The axis 1, 2 or 3 that each encircles, with the sign of the rate along it.
+    separatrix : ndarray, shape (2, m, 3)
+        The two ellipses through the ends of the middle axis that part them.
+    """
+
+    moments: Floats
+    semi_axes: Floats
+    curves: Floats
+    axis: NDArray[np.int8]
+    separatrix: Floats
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PolhodesArtists:
+    """What :func:`polhodes` has drawn.
+
+    Attributes
+    ----------
+    ax : Axes3D
+        Where.
+    data : Polhodes
+        What.
+    seen, hidden : tuple of 4 n Line3D
+        The polhodes on this side of the ellipsoid, and behind it.
+    separatrix : tuple of 2 Line3D
+        The ellipses between them, on this side.
+    ellipsoid : Poly3DCollection
+        The ellipsoid.
+    axes : tuple of 3 SpaceArrow
+        The axes of the body.
+    """
+
+    ax: Any
+    data: Polhodes
+    seen: tuple[Any, ...]
+    hidden: tuple[Any, ...]
+    separatrix: tuple[Any, ...]
+    ellipsoid: Any
+    axes: tuple[Any, ...]
+
+
+def polhodes_data(body: BodyLike, *, count: int = 5, samples: int = 361) -> Polhodes:
+    """The numbers under :func:`polhodes`, by Jacobi's functions.
+
+    Parameters
+    ----------
+    body : Body, FreeBody or array_like, shape (3,)
+        A body with three different moments.
+    count : int
+        Polhodes around each end of the axes of the smallest and the largest moment.
+    samples : int
+        Points of each curve, the first and the last of which coincide.
+
+    Returns
+    -------
+    Polhodes
+        Of the energy with which the largest semi axis is 1 rad/s.
+
+    Raises
+    ------
+    ValueError
+        If no body has the moments, or two of them are equal.
+
+    Examples
+    --------
+    >>> from rigid import figures
+    >>> data = figures.polhodes_data((1.0, 2.0, 3.0))
+    >>> data.curves.shape, sorted(set(data.axis.tolist()))
+    ((20, 361, 3), [-3, -1, 1, 3])
+    """
+    moments = moments_of(body)
+    if moments.shape != (3,) or len(set(moments.tolist())) < 3:
+        raise ValueError(
+            f"moments = {moments.tolist()}: polhodes of both kinds need three different moments"
+        )
+    number = positive_int("count", count)
+    points = positive_int("samples", samples, minimum=2)
+    small, middle, large = order = np.argsort(moments)
+    semi = np.sqrt(moments[small] / moments)
+    # Start across the middle axis: on the ellipse in the plane of the two others, where the
+    # separatrix passes at a known angle from that of the smallest moment.
+    i1, i2, i3 = moments[order]
+    slope = np.sqrt(i1 * (i2 - i1) / (i3 * (i3 - i2)))
+    parting = np.arctan2(slope * semi[small], semi[large])
+    share = np.arange(1, number + 1) / (number + 1.0)
+    angle = np.concatenate([share * parting, parting + share * (0.5 * np.pi - parting)])
+    starts = np.zeros((2 * number, 3))
+    starts[:, small], starts[:, large] = semi[small] * np.cos(angle), semi[large] * np.sin(angle)
+    known = free.asymmetric_free_top(moments, starts)
+    turn = np.linspace(0.0, 1.0, points)
+    quarter = 0.5 * np.pi / exact.agm(1.0, np.sqrt(known.mc))
+    sn, cn, dn = exact.jacobi(4.0 * quarter[:, np.newaxis] * turn, known.mc[:, np.newaxis])
+    around_small = (np.abs(known.axis) == small + 1)[:, np.newaxis]
+    curves = np.empty((2 * number, points, 3))
+    curves[..., small] = np.where(around_small, dn, cn)
+    curves[..., middle] = sn
+    curves[..., large] = np.where(around_small, cn, dn)
+    curves *= known.amplitude[:, np.newaxis, :]
+    phase = 2.0 * np.pi * turn
+    separatrix = np.empty((2, points, 3))
+    for side, ellipse in zip((1.0, -1.0), separatrix, strict=True):
+        ellipse[:, small] = semi[small] * np.cos(parting) * np.cos(phase)
+        ellipse[:, large] = side * semi[large] * np.sin(parting) * np.cos(phase)
+        ellipse[:, middle] = semi[middle] * np.sin(phase)
+    return Polhodes(
+        moments=moments,
+        semi_axes=semi,
+        curves=np.concatenate([curves, -curves]),
+        axis=np.concatenate([known.axis, -known.axis]),
+        separatrix=separatrix,
+    )
+
+
+def polhodes(body: BodyLike, *, count: int = 5, ax: Any | None = None) -> PolhodesArtists:
+    """Draw the polhodes of one energy on the inertia ellipsoid, with the separatrix.
+
+    They are closed around the axes of the largest and the smallest moment: rotations about these
+    last. Around the middle axis nothing closes, and a small disturbance goes the whole way to the
+    other end (Landau and Lifshitz, *Mechanics*, § 37, fig. 51).
+
+    Parameters
+    ----------
+    body, count
+        As in :func:`polhodes_data`.
+    ax : Axes3D, optional
+        Where to draw; by default on a new figure that pyplot does not know.
+
+    Returns
+    -------
+    PolhodesArtists
+
+    Raises
+    ------
+    ValueError
+        As in :func:`polhodes_data`, and if the axes are not three-dimensional.
+    ImportError
+        Without matplotlib.
+
+    Examples
+    --------
+    >>> from rigid import figures
+    >>> drawn = figures.polhodes((1.0, 2.0, 3.0))
+    >>> drawn.ax.figure.savefig("polhodes.png")  # doctest: +SKIP
+    """
+    data = polhodes_data(body, count=count)
+    ax = in_space(ax)
+    order = np.argsort(data.moments)
+    towards = np.empty(3)
+    towards[order] = 0.42, 1.0, 0.4  # the end of the middle axis in front
+    towards /= np.linalg.norm(towards)
+    elev = float(np.degrees(np.arcsin(towards[2])))
+    azim = float(np.degrees(np.arctan2(towards[1], towards[0])))
+    faces = ellipsoid_faces(data.semi_axes, rings=30, sectors=60)
+    ellipsoid = surface(ax, faces, "#f0f0f0", towards)
+    seen, hidden = [], []
+    for points, axis in zip(data.curves, data.axis, strict=True):
+        colour = colours.AXES[abs(int(axis)) - 1].colour
+        near, far = sides(points, data.moments * points, towards)
+        seen.append(curve(ax, near, colour, linewidth=1.5, zorder=4))
+        hidden.append(curve(ax, far, colour, linewidth=0.7, alpha=0.35, zorder=2))
+    separatrix = []
+    for ellipse in data.separatrix:
+        near, far = sides(ellipse, data.moments * ellipse, towards)
+        separatrix.append(curve(ax, near, "black", linewidth=2.0, zorder=5))
+        curve(ax, far, "black", linewidth=0.8, alpha=0.35, zorder=2)
+    arrows = []
+    names = {int(order[0]): "least", int(order[1]): "middle", int(order[2]): "largest"}
+    tips = np.diag(data.semi_axes + 0.3)
+    for k, ink in enumerate(colours.AXES):
+        start = np.diag(data.semi_axes)[k]
+        arrows.append(arrow(ax, tips[k] - start, ink.colour, start=start, linewidth=1.6, zorder=6))
+        words = f"{k + 1}: {names[k]} moment"
+        # Beside the tip, away from the ellipsoid; below that of the axis that points to the eye.
+        sideways = float(np.cross(UP, towards)[k])
+        align = "left" if sideways > 0.25 else "right" if sideways < -0.25 else "center"
+        beyond = np.eye(3)[k] if k != order[1] else -1.2 * UP
+        label(ax, tips[k] + 0.1 * beyond, words, ink.colour, fontsize="medium", ha=align)
+    fit(ax, faces, 1.05 * tips, elev=elev, azim=azim, filled=0.8)
+    return PolhodesArtists(
+        ax=ax,
+        data=data,
+        seen=tuple(seen),
+        hidden=tuple(hidden),
+        separatrix=tuple(separatrix),
+        ellipsoid=ellipsoid,
+        axes=tuple(arrows),
+    )
+
+
+def _index(name: str, value: int, length: int) -> int:
+    if isinstance(value, bool) or not isinstance(value, (int, np.integer)):
+        raise TypeError(f"{name} = {value!r}: must be a whole number")
+    if not -length <= value < length:
+        raise ValueError(f"{name} = {value}: the run has {length} times")
+    return int(value)
