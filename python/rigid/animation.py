@@ -55,8 +55,8 @@ def animate(
         Of a free body ``"box"``, the box (or that with these moments) with omega and L;
         ``"cones"``, the body cone of a symmetric top that rolls on the space cone; or
         ``"poinsot"``, the inertia ellipsoid that rolls on the invariable plane. Of a heavy top
-        ``"top"``, with the path of its axis. Default: the box of a :meth:`rigid.Body.box`, else the
-        cones if two moments are equal, else the ellipsoid.
+        ``"top"``, with the path of its axis. Default: the box, of a :meth:`rigid.Body.box` or a
+        body under torque or damping, else the cones if two moments are equal, else the ellipsoid.
     speed : float
         Times faster than the motion.
     body : int, optional
@@ -73,8 +73,8 @@ def animate(
         For a GIF without Matplotlib.
     TypeError, ValueError
         Naming the argument, its value and the rule: an unknown suffix or view, a run without
-        attitudes, of one time or not finite, a body at rest, cones of an asymmetric body, frames
-        too short for a GIF.
+        attitudes, of one time or not finite, a body at rest, cones of an asymmetric body or one
+        under torque, frames too short for a GIF.
 
     Examples
     --------
@@ -155,7 +155,7 @@ def _write_gif(film: Film, path: Path) -> None:
     reach = 1.08 * film.reach
     ax = figure.add_axes((0.03, 0.03, 0.94, 0.94), xlim=(-reach, reach), ylim=(-reach, reach))
     ax.set_axis_off()
-    figure.text(0.02, 0.965, film.title, fontsize=8, color="#555555")
+    figure.text(0.02, 0.985, film.title, fontsize=8, color="#555555", va="top", wrap=True)
     clock = figure.text(0.02, 0.02, "", fontsize=9, color="#333333", family="monospace")
     drawn = PolyCollection([], closed=True, capstyle="round")
     ax.add_collection(drawn)

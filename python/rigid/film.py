@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from . import free
 from ._check import finite_float, one_of
 from ._given import attitudes, to_space
+from ._shown import states_of, undriven
 from .figures import colours
 from .scenes import FreeBody, HeavyTop, Scene, scene_from_dict, scene_words
 from .solidshapes import STEM, box_faces, cone_faces, ellipsoid_faces, plane_face, top_faces
@@ -18,7 +19,7 @@ from .solidshapes import STEM, box_faces, cone_faces, ellipsoid_faces, plane_fac
 if TYPE_CHECKING:
     from .simulate import Run
 
-__all__ = ["VIEWS", "Film", "Part", "film_of", "states_of"]
+__all__ = ["VIEWS", "Film", "Part", "film_of"]
 
 Floats = NDArray[np.float64]
 
@@ -138,16 +139,18 @@ def film_of(
         raise ValueError(f"t of shape {run.t.shape}: an animation needs two times or more")
     scene = scene_from_dict(run.spec["scene"])
     view = _chosen(scene, view)
-    momentum = to_space(attitude[0], np.array(scene.body.moments) * omega[0])
-    size = float(np.linalg.norm(momentum))
-    if view != "top" and size == 0.0:
-        raise ValueError("omega = [0, 0, 0]: a free body at rest does not move")
+    momentum = to_space(attitude, np.array(scene.body.moments) * omega)
+    size = float(np.linalg.norm(momentum[0]))
     if isinstance(scene, HeavyTop):
         parts, up = _top(scene, attitude), UP
+    elif scene.outside is not None:
+        parts, up = _box(scene, omega, attitude, momentum), UP
     else:
-        up = momentum / size
+        if size == 0.0:
+            raise ValueError("omega = [0, 0, 0]: a free body at rest does not move")
+        up = momentum[0] / size
         show = {"box": _box, "cones": _cones, "poinsot": _poinsot}[view]
-        parts = show(scene, omega, attitude)
+        parts = show(scene, omega, attitude, momentum[:1])
     steps = np.diff(run.t)
     centre, reach = _room(parts, attitude, up)
     return Film(
@@ -174,44 +177,22 @@ def _room(parts: tuple[Part, ...], attitude: Floats, up: Floats) -> tuple[Floats
     return centre, float(np.linalg.norm(cloud - centre, axis=1).max())
 
 
-def states_of(run: Run, body: int | None = None) -> tuple[Floats, Floats]:
-    """Rates (m, 3) and attitudes (m, 4) of the body that is shown."""
-    if run.attitude is None:
-        raise ValueError(
-            f"record = {run.spec['record']!r}: record = 'attitude' is needed to show the motion"
-        )
-    omega, attitude = run.omega, run.attitude
-    if omega.ndim == 3:
-        bodies = len(omega)
-        if body is None and bodies != 1:
-            raise ValueError(f"body = None: the run has {bodies} bodies, choose one by its index")
-        index = 0 if body is None else body
-        if isinstance(index, bool) or not isinstance(index, (int, np.integer)):
-            raise TypeError(f"body = {body!r}: must be a whole number")
-        if not -bodies <= index < bodies:
-            raise ValueError(f"body = {body}: the run has {bodies} bodies")
-        omega, attitude = omega[index], attitude[index]
-    elif body is not None:
-        raise ValueError(f"body = {body}: the run has a single body")
-    if not (np.isfinite(omega).all() and np.isfinite(attitude).all()):
-        raise ValueError("status: states that are not finite cannot be shown")
-    return omega, attitude
-
-
 def _chosen(scene: Scene, view: str | None) -> str:
     """The view asked for, or the one that suits the scene."""
-    possible = VIEWS[scene.kind]
     if view is not None:
-        return one_of("view", view, possible)
+        one_of("view", view, VIEWS[scene.kind])
+        if view in ("cones", "poinsot"):
+            undriven(scene, f"view = {view!r}")
+        return view
     if isinstance(scene, HeavyTop):
         return "top"
-    if scene.body.sides is not None:
+    if scene.body.sides is not None or scene.outside is not None:
         return "box"
     return "cones" if len(set(scene.body.moments)) == 2 else "poinsot"
 
 
-def _box(scene: Scene, omega: Floats, attitude: Floats) -> tuple[Part, ...]:
-    """A thrown box, the axes of the body, omega and the constant L, seen while it falls."""
+def _box(scene: Scene, omega: Floats, attitude: Floats, momentum: Floats) -> tuple[Part, ...]:
+    """A thrown box, the axes of the body, omega and L, seen while it falls."""
     sides = scene.body.sides
     if sides is None:
         # The homogeneous box with these moments: the squares of its sides are as those of mass.
@@ -234,16 +215,15 @@ def _box(scene: Scene, omega: Floats, attitude: Floats) -> tuple[Part, ...]:
             )
             for axis in range(3)
         ),
-        *_vectors(scene, omega, attitude, length=1.5),
+        *_vectors(omega, attitude, momentum, length=1.5),
     )
 
 
-def _cones(scene: Scene, omega: Floats, attitude: Floats) -> tuple[Part, ...]:
+def _cones(scene: Scene, omega: Floats, attitude: Floats, momentum: Floats) -> tuple[Part, ...]:
     """Body cone and space cone, which touch along omega."""
     rolled = free.cones(scene.body, omega[0], attitude[0])
     top = free.symmetric_free_top(scene.body, omega[0])
     axis = np.eye(3)[int(top.axis) - 1] * (1.0 if top.alpha <= 0.5 * np.pi else -1.0)
-    momentum = to_space(attitude[0], np.array(scene.body.moments) * omega[0])
     parts = [
         Part(
             kind="faces",
@@ -254,7 +234,7 @@ def _cones(scene: Scene, omega: Floats, attitude: Floats) -> tuple[Part, ...]:
         ),
         Part(
             kind="faces",
-            points=cone_faces(momentum, float(rolled.space_cone)),
+            points=cone_faces(momentum[0], float(rolled.space_cone)),
             colours=("#888888", colours.FAINT),
             opacity=0.75,
         ),
@@ -266,10 +246,10 @@ def _cones(scene: Scene, omega: Floats, attitude: Floats) -> tuple[Part, ...]:
             label="axis",
         ),
     ]
-    return (*parts, *_vectors(scene, omega, attitude, length=1.3))
+    return (*parts, *_vectors(omega, attitude, momentum, length=1.3))
 
 
-def _poinsot(scene: Scene, omega: Floats, attitude: Floats) -> tuple[Part, ...]:
+def _poinsot(scene: Scene, omega: Floats, attitude: Floats, momentum: Floats) -> tuple[Part, ...]:
     """The inertia ellipsoid, which rolls on the invariable plane: polhode and herpolhode."""
     rolled = free.poinsot(scene.body, omega, attitude)
     assert rolled.normal is not None
@@ -330,16 +310,17 @@ def _top(scene: HeavyTop, attitude: Floats) -> tuple[Part, ...]:
     )
 
 
-def _vectors(scene: Scene, omega: Floats, attitude: Floats, *, length: float) -> tuple[Part, ...]:
-    """Omega and its path, and L, in space; L has the given length, omega at most 0.8 of it."""
+def _vectors(
+    omega: Floats, attitude: Floats, momentum: Floats, *, length: float
+) -> tuple[Part, ...]:
+    """Omega and its path, and L, in space; L has at most the given length, omega 0.8 of it."""
     rates = to_space(attitudes(attitude), omega)
-    rates *= 0.8 * length / np.linalg.norm(rates, axis=-1).max()
-    momentum = to_space(attitude[0], np.array(scene.body.moments) * omega[0])
-    momentum *= length / np.linalg.norm(momentum)
+    rates = 0.8 * length / np.linalg.norm(rates, axis=-1).max() * rates
+    arrow = length / np.linalg.norm(momentum, axis=-1).max() * momentum
     return (
         Part(kind="trail", points=rates, colours=(TRAIL,)),
         Part(kind="arrow", points=rates, colours=(colours.OMEGA.colour,), label="ω"),
-        Part(kind="arrow", points=momentum[np.newaxis], colours=(colours.L.colour,), label="L"),
+        Part(kind="arrow", points=arrow, colours=(colours.L.colour,), label="L"),
     )
 
 

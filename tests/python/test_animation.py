@@ -254,6 +254,22 @@ def test_nothing_leaves_the_picture(scene: Any) -> None:
             assert far.max() < 1.05 * film.reach
 
 
+def test_under_a_torque_the_angular_momentum_moves_along() -> None:
+    driven = rigid.FreeBody(OBLATE.body, torque=rigid.Torque.space((0.0, 0.3, 0.0)), damping=0.05)
+    run = run_of(driven, (0.0, 0.0, 0.0), method="dop853", step=0.01)
+    film = film_of(run)
+    assert film.view == "box"
+    np.testing.assert_array_equal(film.up, [0.0, 0.0, 1.0])
+    arrow = part(film, "arrow", label="L").points
+    assert arrow.shape == (len(T), 3)
+    momentum = run.rotation().apply(np.array(OBLATE.body.moments) * run.omega)
+    longest = np.linalg.norm(momentum, axis=1).max()
+    np.testing.assert_allclose(arrow / np.linalg.norm(arrow, axis=1).max(), momentum / longest)
+    for view in ("cones", "poinsot"):
+        with pytest.raises(ValueError, match=f"view = '{view}': needs a scene without torque"):
+            film_of(run, view=view)
+
+
 def test_one_body_of_many() -> None:
     many = run_of(BOX, [[1.0, 0.1, 0.2], [0.1, 1.0, 0.2]])
     np.testing.assert_array_equal(film_of(many, body=1).attitude, many.attitude[1])
@@ -287,7 +303,10 @@ def test_what_cannot_be_shown_is_refused(given: dict[str, Any], message: str) ->
 @pytest.mark.parametrize(
     ("run", "message"),
     [
-        ({"scene": ASYMMETRIC, "record": "rates"}, r"record = 'rates': record = 'attitude' is needed"),
+        (
+            {"scene": ASYMMETRIC, "record": "rates"},
+            r"record = 'rates': record = 'attitude' is needed",
+        ),
         ({"scene": ASYMMETRIC, "t": [1.0]}, r"t of shape \(1,\): an animation needs two times"),
         ({"scene": ASYMMETRIC, "omega": [0, 0, 0]}, r"omega = \[0, 0, 0\]: a free body at rest"),
         ({"scene": TOP, "omega": [[1, 0, 0], [1, 2, 3]]}, r"body = None: the run has 2 bodies"),

@@ -21,7 +21,24 @@ from .measured import (
     spring_modes,
     spring_modes_data,
 )
-from .orientation import frames, frames_data, node_frame, node_frame_data
+from .nutation import (
+    cubic,
+    cubic_data,
+    effective_potential,
+    effective_potential_data,
+    upright_cubic,
+    upright_cubic_data,
+)
+from .orientation import (
+    euler_steps,
+    euler_steps_data,
+    frames,
+    frames_data,
+    node_frame,
+    node_frame_data,
+)
+from .paths import cycloids, cycloids_data, loci, locus, locus_data
+from .rolling import poinsot, poinsot_data, polhodes, polhodes_data
 from .rotating import rotating_body, rotating_body_data
 from .symmetric import (
     coplanar_vectors,
@@ -29,6 +46,7 @@ from .symmetric import (
     free_top_omega,
     free_top_omega_data,
 )
+from .throws import invariants, invariants_data, throw
 from .turning import (
     active_passive,
     active_passive_data,
@@ -48,6 +66,12 @@ __all__ = [
     "cones_data",
     "coplanar_vectors",
     "coplanar_vectors_data",
+    "cubic",
+    "cubic_data",
+    "cycloids",
+    "cycloids_data",
+    "effective_potential",
+    "effective_potential_data",
     "euler_steps",
     "euler_steps_data",
     "frames",
@@ -56,12 +80,24 @@ __all__ = [
     "free_top_omega_data",
     "heavy_top",
     "heavy_top_data",
+    "invariants",
+    "invariants_data",
+    "loci",
+    "locus",
+    "locus_data",
     "node_frame",
     "node_frame_data",
+    "poinsot",
+    "poinsot_data",
+    "polhodes",
+    "polhodes_data",
     "rotating_body",
     "rotating_body_data",
     "spring_modes",
     "spring_modes_data",
+    "throw",
     "unit_vector_change",
     "unit_vector_change_data",
+    "upright_cubic",
+    "upright_cubic_data",
 ]

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import top
 from .._check import vector
+from .._shown import undriven
 from ..scenes import HeavyTop
 from . import colours
 from ._draw import in_plane, label_in_plane, panels
@@ -114,7 +115,8 @@ def effective_potential_data(
     Raises
     ------
     ValueError
-        If the top is not symmetric, its potential is constant, or the state is not finite.
+        If the top is not symmetric or not left to itself, its potential is constant, or the state
+        is not finite.
 
     Examples
     --------
@@ -303,7 +305,7 @@ def cubic_data(
     Raises
     ------
     ValueError
-        If the top is not symmetric, or the state is not finite.
+        If the top is not symmetric or not left to itself, or the state is not finite.
 
     Examples
     --------
@@ -589,6 +591,8 @@ def _constants(
     scene: HeavyTop, omega: ArrayLike, attitude: ArrayLike | Rotation | None
 ) -> dict[str, float]:
     """a, b, alpha, beta and E' of one symmetric top."""
+    if isinstance(scene, HeavyTop):
+        undriven(scene, "energy and momenta of a top")
     known = top.heavy_constants(
         scene, vector("omega", omega, 3), UPRIGHT if attitude is None else attitude
     )

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from .. import exact, free
 from .._check import positive_int
 from .._given import BodyLike, moments_of, to_space
-from ..film import states_of
+from .._shown import states_of, undriven
 from ..scenes import FreeBody, scene_from_dict
 from ..simulate import Run
 from ..solidshapes import across, ellipsoid_faces, plane_face
@@ -121,7 +121,8 @@ def poinsot_data(run: Run, *, frame: int = 0) -> PoinsotPicture:
     TypeError
         If the run is not that of a free body.
     ValueError
-        If attitudes are missing, there is more than one body, it is at rest, or no such time.
+        If attitudes are missing, there is more than one body, it is at rest or under torque or
+        damping, or there is no such time.
 
     Examples
     --------
@@ -136,6 +137,7 @@ def poinsot_data(run: Run, *, frame: int = 0) -> PoinsotPicture:
     scene = scene_from_dict(run.spec["scene"])
     if not isinstance(scene, FreeBody):
         raise TypeError(f"scene = {scene!r}: Poinsot's picture is that of a rigid.FreeBody")
+    undriven(scene, "Poinsot's picture")
     omega, attitude = states_of(run)
     k = _index("frame", frame, len(run.t))
     rolled = free.poinsot(scene, omega, attitude)
@@ -409,16 +411,16 @@ def polhodes(body: BodyLike, *, count: int = 5, ax: Any | None = None) -> Polhod
         curve(ax, far, "black", linewidth=0.8, alpha=0.35, zorder=2)
     arrows = []
     names = {int(order[0]): "least", int(order[1]): "middle", int(order[2]): "largest"}
-    tips = np.diag(data.semi_axes + 0.3)
+    length = np.full(3, 0.3)
+    length[order[1]] = 1.1  # seen from its end, it looks shorter
+    tips = np.diag(data.semi_axes + length)
     for k, ink in enumerate(colours.AXES):
         start = np.diag(data.semi_axes)[k]
         arrows.append(arrow(ax, tips[k] - start, ink.colour, start=start, linewidth=1.6, zorder=6))
         words = f"{k + 1}: {names[k]} moment"
-        # Beside the tip, away from the ellipsoid; below that of the axis that points to the eye.
         sideways = float(np.cross(UP, towards)[k])
-        align = "left" if sideways > 0.25 else "right" if sideways < -0.25 else "center"
-        beyond = np.eye(3)[k] if k != order[1] else -1.2 * UP
-        label(ax, tips[k] + 0.1 * beyond, words, ink.colour, fontsize="medium", ha=align)
+        align = "left" if sideways > 0.1 else "right" if sideways < -0.1 else "center"
+        label(ax, tips[k] + 0.1 * np.eye(3)[k], words, ink.colour, fontsize="medium", ha=align)
     fit(ax, faces, 1.05 * tips, elev=elev, azim=azim, filled=0.8)
     return PolhodesArtists(
         ax=ax,

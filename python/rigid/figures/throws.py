@@ -132,10 +132,12 @@ class Drift:
         Times (s).
     names : tuple of str of length k
         ``"energy"``; of a free body ``"L"``, its size, and ``"L_space"``, the vector; of a heavy
-        top ``"p_phi"``, about the vertical, and of a symmetric one ``"p_psi"``.
+        top ``"p_phi"``, about the vertical, and of a symmetric one ``"p_psi"``. Under torque or
+        damping only ``"energy less work"``.
     drift : ndarray, shape (k, m)
-        Size of the difference: of the energy relative to the kinetic energy at the start (plus
-        ``mgl``), of momenta to ``|L|`` at the start (plus ``sqrt(mgl I_max)``).
+        Size of the difference: of energies relative to the kinetic energy at the start (under
+        torque, to the largest), plus ``mgl``; of momenta to ``|L|`` at the start, plus
+        ``sqrt(mgl I_max)``.
     """
 
     t: Floats
@@ -164,6 +166,7 @@ class DriftArtists:
 
 NAMES = {
     "energy": ("$E$", colours.HUES["vermilion"]),
+    "energy less work": ("$E - W$", colours.HUES["vermilion"]),
     "L": (r"$|\mathbf{L}|$", colours.HUES["blue"]),
     "L_space": (r"$\mathbf{L}$ in space", colours.HUES["green"]),
     "p_phi": (r"$p_\phi$", colours.HUES["blue"]),
@@ -215,29 +218,36 @@ def invariants_data(run: Run) -> Drift:
     scene = scene_from_dict(run.spec["scene"])
     kept = free.invariants(run)
     energy, momentum = float(kept.kinetic[0]), float(kept.L[0])
-    names = ["energy", "L"] if kept.L_space is None else ["energy", "L", "L_space"]
+    constants = {"energy": kept.energy}
+    if run.work is not None:
+        constants = {"energy less work": kept.energy - run.work}
+        energy = float(kept.kinetic.max())
+    elif isinstance(scene, HeavyTop):
+        constants["p_phi"] = _known(kept.p_phi)
+        if symmetry_of(scene) is not None:
+            constants["p_psi"] = _known(kept.p_psi)
+    else:
+        constants["L"] = kept.L
+        if kept.L_space is not None:
+            constants["L_space"] = kept.L_space
     if isinstance(scene, HeavyTop):
         energy += scene.mgl
         momentum += float(np.sqrt(scene.mgl * max(scene.body.moments)))
-        names = ["energy", "p_phi"]
-        if symmetry_of(scene) is not None:
-            names.append("p_psi")
-    if momentum == 0.0:
+    if energy == 0.0:
         raise ValueError("omega = [0, 0, 0]: a free body at rest has nothing to drift")
     drift = []
-    for name in names:
-        values = np.asarray(getattr(kept, name))
+    for name, values in constants.items():
         change = values - values[:1]
         size = np.linalg.norm(change, axis=-1) if change.ndim == 2 else np.abs(change)
-        drift.append(size / (energy if name == "energy" else momentum))
-    return Drift(t=run.t, names=tuple(names), drift=np.array(drift))
+        drift.append(size / (energy if name.startswith("energy") else momentum))
+    return Drift(t=run.t, names=tuple(constants), drift=np.array(drift))
 
 
 def invariants(run: Run, *, ax: Any | None = None) -> DriftArtists:
     """Draw how far energy and angular momentum of a run drift, on a logarithmic scale.
 
-    Below the grey line is the rounding of a single number. A scheme that keeps a constant stays
-    level there; one that does not grows, step by step.
+    The grey line is the rounding of a single number; what is exactly as at the start lies at the
+    lower edge. A constant that a scheme keeps stays down there, one that it does not keep drifts.
 
     Parameters
     ----------
@@ -271,13 +281,19 @@ def invariants(run: Run, *, ax: Any | None = None) -> DriftArtists:
     data = invariants_data(run)
     ax = in_plane(ax)
     ax.axhline(ROUNDING, color=colours.FAINT, linewidth=1.0, zorder=1)
-    lines = []
+    lines, floor = [], 0.02 * ROUNDING
     for name, values in zip(data.names, data.drift, strict=True):
         words, colour = NAMES[name]
-        lines += ax.plot(data.t, values, color=colour, linewidth=1.2, label=words)
+        seen = np.maximum(values, floor)
+        lines += ax.plot(data.t, seen, color=colour, linewidth=1.2, label=words)
     ax.set(yscale="log", xlim=(data.t[0], data.t[-1]), xlabel="$t$ (s)", ylabel="relative drift")
-    ax.set_ylim(0.02 * ROUNDING, 10.0 * max(float(data.drift.max()), ROUNDING))
+    ax.set_ylim(0.7 * floor, 10.0 * max(float(data.drift.max()), ROUNDING))
     method = run.spec["method"]
     ax.set_title(method, fontsize="medium", loc="left")
     ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)
     return DriftArtists(ax=ax, data=data, lines=tuple(lines))
+
+
+def _known(values: Floats | None) -> Floats:
+    assert values is not None  # the energy of a heavy top has needed its vertical
+    return values

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from .. import exact, top
 from .._check import finite_float, positive_int, rows, sorted_times, stack, vector
 from .._given import attitudes
+from .._shown import undriven
 from ..euler import rotation_x
 from ..quaternions import matrix_to_quaternion
 from ..scenes import HeavyTop
@@ -58,7 +59,8 @@ class Locus:
     Attributes
     ----------
     kind : str
-        That of :func:`rigid.top.classify_locus`; ``"asymmetric"`` for a top without a symmetry.
+        That of :func:`rigid.top.classify_locus`; ``"general"`` for a top without a symmetry or
+        under torque or damping.
     t : ndarray, shape (m,)
         Times (s).
     point : ndarray, shape (m, 3)
@@ -66,7 +68,7 @@ class Locus:
     theta, phi : ndarray, shape (m,)
         Its tilt, and the azimuth of the node line (rad).
     theta_upper, theta_lower : float or None
-        Tilts of the circles between which the axis moves (rad); None without a symmetry.
+        Tilts of the circles between which the axis moves (rad); None of a general one.
     """
 
     kind: str
@@ -91,7 +93,7 @@ class LocusArtists:
     seen, hidden : Line3D
         The path on this side of the sphere, and behind it.
     circles : tuple of Line3D
-        The parts of the upper and of the lower circle on this side; none without a symmetry.
+        The parts of the upper and of the lower circle on this side; none of a general top.
     start : Line3D
         The point at the first time.
     sphere : Poly3DCollection
@@ -155,7 +157,7 @@ def locus_data(
         if attitude.shape != (4,):
             raise ValueError(f"attitude: expected shape (4,), got {attitude.shape}")
     motion = _motion(scene, rates, attitude)
-    kind, upper, lower = "asymmetric", None, None
+    kind, upper, lower = "general", None, None
     if motion is not None:
         kind = str(top.classify_locus(scene, rates, attitude))
         upper, lower = float(motion.tilt_min), float(motion.tilt_max)
@@ -179,7 +181,11 @@ def locus_data(
 
 def _motion(scene: HeavyTop, omega: Floats, attitude: Floats | None) -> exact.TopMotion | None:
     """The motion of a Lagrange top; None of others."""
-    if top.heavy_constants(scene, omega, UPRIGHT).a is None or scene.mgl == 0.0:
+    if not isinstance(scene, HeavyTop):
+        raise TypeError(f"scene = {scene!r}: must be a rigid.HeavyTop")
+    if scene.outside is not None or scene.mgl == 0.0:
+        return None
+    if top.heavy_constants(scene, omega, UPRIGHT).a is None:
         return None
     return exact.lagrange_top(scene, omega, attitude)
 
@@ -403,7 +409,8 @@ def cycloids_data(
     Raises
     ------
     ValueError
-        If the top is not symmetric, has no spin, or an argument is out of range.
+        If the top is not symmetric or not left to itself, has no spin, or an argument is out of
+        range.
 
     Examples
     --------
@@ -413,6 +420,7 @@ def cycloids_data(
     >>> figures.cycloids_data(scene, 1.0, 40.0).kind.tolist()
     ['curtate', 'cusp', 'prolate']
     """
+    undriven(scene, "cycloids")
     angle = finite_float("tilt", tilt)
     rate = finite_float("spin", spin)
     shares = stack("pushes", pushes, None)
