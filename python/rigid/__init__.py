@@ -9,7 +9,7 @@ The textbook is in modules that load when they are first named, ``rigid.particle
 :mod:`~rigid.particles`, :mod:`~rigid.statics` and :mod:`~rigid.springs`; :mod:`~rigid.rotations`
 and :mod:`~rigid.frames`; :mod:`~rigid.inertia`, :mod:`~rigid.solids` and :mod:`~rigid.meshes`;
 :mod:`~rigid.fixed_axis`, :mod:`~rigid.free`, :mod:`~rigid.top` and :mod:`~rigid.earth`;
-:mod:`~rigid.figures` and :mod:`~rigid.animation`.
+:mod:`~rigid.figures`.
 """
 
 from importlib import import_module
@@ -40,7 +40,6 @@ from .starts import Noise, Start, direction, normal, uniform, uniform_attitude
 
 if TYPE_CHECKING:
     from . import (
-        animation,
         earth,
         figures,
         fixed_axis,
@@ -75,7 +74,6 @@ __all__ = [
     "Status",
     "Torque",
     "__version__",
-    "animation",
     "build_info",
     "cite",
     "condition",
@@ -110,7 +108,6 @@ __all__ = [
 
 _LATER = frozenset(
     (
-        "animation",
         "earth",
         "figures",
         "fixed_axis",

@@ -29,14 +29,7 @@ from .nutation import (
     upright_cubic,
     upright_cubic_data,
 )
-from .orientation import (
-    euler_steps,
-    euler_steps_data,
-    frames,
-    frames_data,
-    node_frame,
-    node_frame_data,
-)
+from .orientation import frames, frames_data, node_frame, node_frame_data
 from .paths import cycloids, cycloids_data, loci, locus, locus_data
 from .rolling import poinsot, poinsot_data, polhodes, polhodes_data
 from .rotating import rotating_body, rotating_body_data
