@@ -22,7 +22,6 @@ __all__ = [
     "rows",
     "shaped",
     "sorted_times",
-    "stack",
     "together",
     "unit_vector",
     "vector",
@@ -124,15 +123,21 @@ def first_place(bad: NDArray[np.bool_]) -> tuple[tuple[int, ...], str]:
 def shaped(
     name: str,
     value: ArrayLike,
-    *shape: int,
+    *shape: int | None,
     positive: bool = False,
     nonnegative: bool = False,
 ) -> NDArray[np.float64]:
-    """``value`` as a finite array whose last axes have that shape; the leading ones are free."""
+    """``value`` as a finite array whose last axes have that shape; the leading ones are free.
+
+    None stands for any length.
+    """
     array = numbers(name, value)
-    if array.shape[max(array.ndim - len(shape), 0) :] != shape:
-        wanted = ", ".join(map(str, ("...", *shape)))
-        raise ValueError(f"{name}: expected shape ({wanted}), got {array.shape}")
+    last = array.shape[max(array.ndim - len(shape), 0) :]
+    if len(last) < len(shape) or any(
+        want not in (None, got) for want, got in zip(shape, last, strict=True)
+    ):
+        wanted = ", ".join("N" if want is None else str(want) for want in shape)
+        raise ValueError(f"{name}: expected shape (..., {wanted}), got {array.shape}")
     _finite(name, array)
     bad = array <= 0.0 if positive else array < 0.0
     if (positive or nonnegative) and np.any(bad):
@@ -153,19 +158,6 @@ def rows(name: str, value: ArrayLike, width: int) -> tuple[NDArray[np.float64], 
     return np.ascontiguousarray(np.atleast_2d(array)), array.ndim == 1
 
 
-def stack(name: str, value: ArrayLike, *shape: int | None) -> NDArray[np.float64]:
-    """``value`` as a finite array of shape ``(..., *shape)``; None stands for any length."""
-    array = numbers(name, value)
-    last = array.shape[max(array.ndim - len(shape), 0) :]
-    if len(last) < len(shape) or any(
-        want not in (None, got) for want, got in zip(shape, last, strict=True)
-    ):
-        wanted = ", ".join("N" if want is None else str(want) for want in shape)
-        raise ValueError(f"{name}: expected shape (..., {wanted}), got {array.shape}")
-    _finite(name, array)
-    return array
-
-
 def together(**arrays: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
     """The arrays, broadcast against each other."""
     try:
@@ -177,7 +169,7 @@ def together(**arrays: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
 
 def vectors(**arguments: ArrayLike) -> tuple[NDArray[np.float64], ...]:
     """The arguments as finite arrays of shape ``(..., 3)``, broadcast against each other."""
-    return together(**{name: stack(name, value, 3) for name, value in arguments.items()})
+    return together(**{name: shaped(name, value, 3) for name, value in arguments.items()})
 
 
 def unit_vector(name: str, value: ArrayLike, length: int) -> NDArray[np.float64]:

@@ -64,7 +64,8 @@ Equal rotations err alike in both runs, all one way."""
 
 def evenly(count: int, most: int) -> NDArray[np.intp]:
     """At most ``most`` indices below ``count``, evenly spread, the last one among them."""
-    spread = np.linspace(0, count - 1, min(count, most))
+    # From the last to the first: of a single one, the last.
+    spread = (count - 1) - np.linspace(0, count - 1, min(count, most))
     indices: NDArray[np.intp] = np.unique(spread.round().astype(np.intp))
     return indices
 

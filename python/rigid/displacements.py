@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._check import stack, together, vectors
+from ._check import shaped, together, vectors
 
 __all__ = [
     "Displacement",
@@ -149,9 +149,9 @@ def rigid_motion(
     >>> np.allclose(turned.translation, [5, 0, 0])
     True
     """
-    a = stack("before", before, None, 3)
-    b = stack("after", after, None, 3)
-    w = np.ones(a.shape[-2]) if weights is None else stack("weights", weights, None)
+    a = shaped("before", before, None, 3)
+    b = shaped("after", after, None, 3)
+    w = np.ones(a.shape[-2]) if weights is None else shaped("weights", weights, None)
     if not a.shape[-2] == b.shape[-2] == w.shape[-1] > 0:
         raise ValueError(
             f"before {a.shape}, after {b.shape}, weights {w.shape}: must be of as many points each"
@@ -225,8 +225,8 @@ def screw(rotation: ArrayLike, translation: ArrayLike) -> Screw:
     """
     from scipy.spatial.transform import Rotation
 
-    matrix = stack("rotation", rotation, 3, 3)
-    shift = stack("translation", translation, 3)
+    matrix = shaped("rotation", rotation, 3, 3)
+    shift = shaped("translation", translation, 3)
     _refuse_improper(matrix)
     vector = Rotation.from_matrix(matrix.reshape(-1, 3, 3)).as_rotvec().reshape(matrix.shape[:-1])
     vector, shift = together(rotation=vector, translation=shift)
@@ -321,8 +321,8 @@ def fit_omega(
     >>> wheel.omega.round(9).tolist(), int(wheel.rank)
     ([0.0, 0.0, 2.0], 3)
     """
-    r = stack("points", points, None, 3)
-    v = stack("velocities", velocities, None, 3)
+    r = shaped("points", points, None, 3)
+    v = shaped("velocities", velocities, None, 3)
     if r.shape[-2] != v.shape[-2] or r.shape[-2] == 0:
         raise ValueError(f"points {r.shape}, velocities {v.shape}: must be of as many points each")
     r, v = together(points=r, velocities=v)
@@ -340,7 +340,7 @@ def fit_omega(
     modes = inverse[..., np.newaxis] * (np.swapaxes(left, -1, -2) @ flat)
     omega = (np.swapaxes(right, -1, -2) @ modes)[..., 0]
     left_over = own - np.cross(omega[..., np.newaxis, :], arms)
-    at = centre if base is None else stack("base", base, 3)
+    at = centre if base is None else shaped("base", base, 3)
     at, centre, drift, turning = together(base=at, points=centre, velocities=drift, omega=omega)
     return OmegaFit(
         omega=omega,

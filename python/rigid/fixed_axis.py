@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._check import finite_float, stack, together, vector
+from ._check import finite_float, shaped, together, vector
 
 __all__ = [
     "Analogy",
@@ -163,7 +163,7 @@ def bearing_torques(
     """
     inertia, n = _tensor(tensor), _direction(axis)
     w, dw, turned = (
-        stack(name, value)[..., np.newaxis]
+        shaped(name, value)[..., np.newaxis]
         for name, value in (("omega", omega), ("omega_dot", omega_dot), ("angle", angle))
     )
     about, w, dw, turned = together(tensor=inertia @ n, omega=w, omega_dot=dw, angle=turned)
@@ -219,12 +219,12 @@ def bearing_forces(
     """
     n = _direction(axis)
     m, w, dw = (
-        stack(name, value)[..., np.newaxis]
+        shaped(name, value)[..., np.newaxis]
         for name, value in (("mass", mass), ("omega", omega), ("omega_dot", omega_dot))
     )
     if (m < 0.0).any():
         raise ValueError(f"mass = {m[m < 0.0][0]}: must not be negative")
-    m, c, w, dw = together(mass=m, com=stack("com", com, 3), omega=w, omega_dot=dw)
+    m, c, w, dw = together(mass=m, com=shaped("com", com, 3), omega=w, omega_dot=dw)
     across = np.cross(n, c)
     return np.asarray(m * (dw * across + w * w * np.cross(n, across)))
 
@@ -276,7 +276,7 @@ def balance_test(
     (True, False, 0.1)
     """
     inertia, n = _tensor(tensor), _direction(axis)
-    m, c = stack("mass", mass), stack("com", com, 3)
+    m, c = shaped("mass", mass), shaped("com", com, 3)
     if (m <= 0.0).any():
         raise ValueError(f"mass = {m[m <= 0.0][0]}: must be positive")
     share = finite_float("rtol", rtol, nonnegative=True)
@@ -364,7 +364,7 @@ def _direction(axis: ArrayLike) -> Floats:
 
 def _tensor(tensor: ArrayLike) -> Floats:
     """Tensors (..., 3, 3) that bodies can have; a moment of a rod may be zero."""
-    inertia = stack("tensor", tensor, 3, 3)
+    inertia = shaped("tensor", tensor, 3, 3)
     slack = 1e-12 * np.abs(inertia).max(axis=(-2, -1), initial=0.0)
     unsymmetric = np.abs(inertia - np.swapaxes(inertia, -1, -2)).max(axis=(-2, -1), initial=0.0)
     if (unsymmetric > slack).any():

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._check import finite_float, stack, together, vectors
+from ._check import finite_float, shaped, together, vectors
 
 __all__ = [
     "EarthFrame",
@@ -292,7 +292,7 @@ def fictitious_forces(
     >>> float(rider.centrifugal[0]), float(rider.coriolis[0])
     (1260.0, -420.0)
     """
-    m = stack("mass", mass)
+    m = shaped("mass", mass)
     if (m < 0.0).any():
         raise ValueError(f"mass = {m[m < 0.0][0]}: must not be negative")
     r, v, w, dw, a = vectors(
@@ -348,7 +348,7 @@ def earth_frame(
     >>> round(float(hours), 1)
     31.8
     """
-    angle = stack("latitude", latitude)
+    angle = shaped("latitude", latitude)
     outside = np.abs(angle) > 0.5 * np.pi
     if outside.any():
         raise ValueError(f"latitude = {angle[outside][0]}: must lie in [-pi/2, pi/2] (rad)")

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._check import finite_float, positive_int, stack, together
+from ._check import finite_float, positive_int, shaped, together
 from .displacements import (
     Displacement,
     OmegaFit,
@@ -179,12 +179,12 @@ def particle_totals(
     ([3.0, 0.0, 0.0], [0.0, 2.0, 0.0], 2.0)
     """
     m, r, v = _cloud(masses, positions, velocities)
-    f = np.zeros_like(r) if forces is None else stack("forces", forces, None, 3)
+    f = np.zeros_like(r) if forces is None else shaped("forces", forces, None, 3)
     if f.shape[-2] != r.shape[-2]:
         raise ValueError(
             f"forces {f.shape}, positions {r.shape}: must be of as many particles each"
         )
-    point = stack("about", about, 3)[..., np.newaxis, :]
+    point = shaped("about", about, 3)[..., np.newaxis, :]
     m, r, v, f, point = together(masses=m, positions=r, velocities=v, forces=f, about=point)
     arm = r - point
     mass = m[..., 0].sum(axis=-1)
@@ -234,7 +234,7 @@ def split_com(
     (9.0, 1.0)
     """
     m, r, v = _cloud(masses, positions, velocities)
-    point = stack("about", about, 3)[..., np.newaxis, :]
+    point = shaped("about", about, 3)[..., np.newaxis, :]
     m, r, v, point = together(masses=m, positions=r, velocities=v, about=point)
     mass = m[..., 0].sum(axis=-1)
     com = (m * r).sum(axis=-2) / mass[..., np.newaxis]
@@ -296,7 +296,7 @@ def degrees_of_freedom(
     >>> [int(particles.degrees_of_freedom(cube, fixed=range(n)).rigid) for n in (1, 2, 3)]
     [3, 1, 0]
     """
-    r = stack("positions", positions, None, 3)
+    r = shaped("positions", positions, None, 3)
     count = r.shape[-2]
     if count == 0:
         raise ValueError(f"positions: expected at least one point, got shape {r.shape}")
@@ -362,7 +362,7 @@ def rigidity_residual(positions: ArrayLike) -> Floats:
     >>> particles.rigidity_residual([[[0, 0, 0], [2, 0, 0]], [[1, 0, 0], [1, 3, 0]]]).tolist()
     [0.0, 0.5]
     """
-    r = stack("positions", positions, None, None, 3)
+    r = shaped("positions", positions, None, None, 3)
     if r.shape[-3] == 0:
         raise ValueError(f"positions: expected at least one time, got shape {r.shape}")
     first, second = pairs_of(None, r.shape[-2])
@@ -377,9 +377,9 @@ def _cloud(
     masses: ArrayLike, positions: ArrayLike, velocities: ArrayLike
 ) -> tuple[Floats, Floats, Floats]:
     """Masses (..., N, 1), positions and velocities (..., N, 3) of at least one particle."""
-    m = stack("masses", masses, None)
-    r = stack("positions", positions, None, 3)
-    v = stack("velocities", velocities, None, 3)
+    m = shaped("masses", masses, None)
+    r = shaped("positions", positions, None, 3)
+    v = shaped("velocities", velocities, None, 3)
     count = r.shape[-2]
     if m.shape[-1] != count or v.shape[-2] != count:
         raise ValueError(

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._check import sorted_times, stack, together
+from ._check import shaped, sorted_times, together
 from .bodies import Body
 from .scenes import FreeBody
 from .simulate import Run, simulate
@@ -104,8 +104,8 @@ def propagate_body(
     if not isinstance(body, Body):
         raise TypeError(f"body = {body!r}: must be a rigid.Body or a rigid.FreeBody")
     times = sorted_times("t", t)
-    r0, v0 = stack("position", position, 3), stack("velocity", velocity, 3)
-    f = stack("force", force, 3)
+    r0, v0 = shaped("position", position, 3), shaped("velocity", velocity, 3)
+    f = shaped("force", force, 3)
     if body.mass is None and f.any():
         raise ValueError("body: its mass is None; a force moves a body of known mass")
     impulse, shift = _impulse_and_shift(f, times)

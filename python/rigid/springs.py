@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._check import finite_float, numbers, sorted_times, stack, vector
+from ._check import finite_float, numbers, shaped, sorted_times, vector
 from .bodies import Body
 from .particles import degrees_of_freedom, pairs_of, refuse_coincidence
 from .scenes import FreeBody
@@ -158,7 +158,7 @@ class PairSystem:
         return np.asarray(one[self.pairs[:, 0]] - one[self.pairs[:, 1]])
 
     def _pulls(self, positions: ArrayLike | None) -> _Pulls:
-        r = self.positions if positions is None else stack("positions", positions, None, 3)
+        r = self.positions if positions is None else shaped("positions", positions, None, 3)
         if r.shape[-2] != len(self.masses):
             raise ValueError(f"positions: expected {len(self.masses)} particles, got {r.shape}")
         first, second = self.pairs.T
@@ -397,7 +397,7 @@ def _hooke(stiffness: Floats, rest: Floats) -> Law:
 
 
 def _bodies(masses: ArrayLike, positions: ArrayLike) -> tuple[Floats, Floats]:
-    r = stack("positions", positions, None, 3)
+    r = shaped("positions", positions, None, 3)
     if r.ndim != 2 or len(r) == 0:
         raise ValueError(f"positions: expected shape (N, 3) of one or more, got {r.shape}")
     m = vector("masses", masses, len(r))

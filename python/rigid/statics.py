@@ -55,7 +55,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._check import finite_float, stack, together
+from ._check import finite_float, shaped, together
 
 __all__ = ["Equilibrant", "Equilibrium", "Wrench", "equilibrant", "equilibrium", "wrench"]
 
@@ -289,11 +289,11 @@ class _Sums:
 
 
 def _sums(forces: ArrayLike, points: ArrayLike, about: ArrayLike, rtol: float) -> _Sums:
-    f, r = stack("forces", forces, None, 3), stack("points", points, None, 3)
+    f, r = shaped("forces", forces, None, 3), shaped("points", points, None, 3)
     if f.shape[-2] != r.shape[-2]:
         raise ValueError(f"forces {f.shape}, points {r.shape}: each force needs its point")
     share = finite_float("rtol", rtol, nonnegative=True)
-    point = stack("about", about, 3)[..., np.newaxis, :]
+    point = shaped("about", about, 3)[..., np.newaxis, :]
     f, r, origin = together(forces=f, points=r, about=point)
     arm = r - origin
     force, torque = f.sum(axis=-2), np.cross(arm, f).sum(axis=-2)

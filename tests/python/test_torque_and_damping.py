@@ -253,6 +253,18 @@ def test_damping_of_the_spin_alone_lets_a_top_fall_faster_and_faster() -> None:
     assert present(run.gamma)[0, 2] > 0.9 > present(run.gamma)[:, 2].min()
 
 
+@pytest.mark.parametrize("damping", [None, (3e-4, 4e-4, 5e-4)])
+def test_few_steps_are_checked_at_the_last_time(damping: tuple[float, ...] | None) -> None:
+    """Five steps to two times: at the first both runs make the same two steps and agree."""
+    scene = rigid.FreeBody(rigid.Body((0.553, 0.492, 1.0)), damping=damping)
+    start, t = [-0.55264732, -0.78478036, 0.74874577], [1.5, 5.0]
+    run = rigid.simulate(scene, start, t=t, accuracy=1e-6, method="dop853")
+    truth = rigid.simulate(scene, start, t=t, method="taylor26", tolerance=1e-15, check=False)
+    error = np.linalg.norm(run.omega - truth.omega, axis=-1).max() / np.linalg.norm(start)
+    assert run.steps < 12
+    assert error < run.error
+
+
 def test_an_accuracy_is_kept_and_the_error_is_believed() -> None:
     start = ([0.4, -1.0, 0.7], TILTED)
     truth = rigid.simulate(PUSHED, *start, t=[1.0, 4.0], method="taylor26", step=0.02)

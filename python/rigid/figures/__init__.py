@@ -14,24 +14,19 @@ from __future__ import annotations
 from . import colours
 from .bodies import box, box_data, heavy_top, heavy_top_data
 from .bodycones import cones, cones_data
+from .cubics import cubic, cubic_data, upright_cubic, upright_cubic_data
 from .eulersteps import euler_steps, euler_steps_data
+from .family import polhodes, polhodes_data
 from .measured import (
     bearing_torque,
     bearing_torque_data,
     spring_modes,
     spring_modes_data,
 )
-from .nutation import (
-    cubic,
-    cubic_data,
-    effective_potential,
-    effective_potential_data,
-    upright_cubic,
-    upright_cubic_data,
-)
 from .orientation import frames, frames_data, node_frame, node_frame_data
-from .paths import cycloids, cycloids_data, loci, locus, locus_data
-from .rolling import poinsot, poinsot_data, polhodes, polhodes_data
+from .paths import loci, locus, locus_data
+from .potential import effective_potential, effective_potential_data
+from .rolling import poinsot, poinsot_data
 from .rotating import rotating_body, rotating_body_data
 from .symmetric import (
     coplanar_vectors,
@@ -46,6 +41,7 @@ from .turning import (
     unit_vector_change,
     unit_vector_change_data,
 )
+from .unrolled import cycloids, cycloids_data
 
 __all__ = [
     "active_passive",

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._check import positive_int, stack
+from .._check import positive_int, shaped
 from ..particles import velocity_field
 from ..so3 import rotate
 from . import colours
@@ -96,7 +96,7 @@ def rotating_body_data(
     >>> figures.rotating_body_data([[2, 0, 5]], [0, 0, 3]).velocities.tolist()
     [[0.0, 6.0, 0.0]]
     """
-    r = stack("positions", positions, None, 3)
+    r = shaped("positions", positions, None, 3)
     if r.ndim != 2 or len(r) == 0:
         raise ValueError(f"positions: expected shape (N, 3) of one or more, got {r.shape}")
     w = turning(omega)
