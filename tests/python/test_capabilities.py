@@ -1,4 +1,4 @@
-"""The table of capabilities names what is there: public names that resolve and tests that exist."""
+"""The tables of capabilities and of errata name what is there: public names, and tests."""
 
 from __future__ import annotations
 
@@ -66,3 +66,26 @@ def test_names_resolve_and_tests_exist(key: str, names: list[str], tests: list[s
             assert test.partition("[")[0] in functions(file), f"{file}::{test}"
             proofs += 1
     assert proofs > 0
+
+
+# Errata: docstrings and tests cite them by number
+
+ERRATA = re.findall(
+    r"^\| ([DGS]-\d\d) \| .* \| ([PNMXW]) \| .* \| `(\w+\.py)::(\w+)` \|$",
+    (ROOT / "docs" / "errata.md").read_text(encoding="utf-8"),
+    re.MULTILINE,
+)
+
+
+def test_every_erratum_that_is_cited_has_its_line_and_its_test() -> None:
+    lines = [number for number, *_ in ERRATA]
+    assert lines == sorted(set(lines))
+    places = [*(ROOT / "python").rglob("*.py"), *TESTS.glob("*.py")]
+    cited = {
+        number
+        for place in places
+        for number in re.findall(r"\b[DGS]-\d\d\b", place.read_text(encoding="utf-8"))
+    }
+    assert cited == set(lines)
+    for number, _, file, test in ERRATA:
+        assert test in functions(file), number
