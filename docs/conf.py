@@ -9,10 +9,9 @@ release = version = rigid.__version__
 
 extensions = [
     "myst_parser",
+    "numpydoc",
     "sphinx.ext.autodoc",
-    "sphinx.ext.autosummary",
     "sphinx.ext.mathjax",
-    "sphinx.ext.napoleon",
     "sphinx_gallery.gen_gallery",
 ]
 exclude_patterns = ["gallery/*", "_build"]
@@ -24,9 +23,7 @@ myst_heading_anchors = 3
 
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"  # the docstrings say what goes in
-napoleon_google_docstring = False
-napoleon_use_ivar = True  # fields of a dataclass are described by their class
-napoleon_use_rtype = False
+numpydoc_show_class_members = False  # members are described where they are
 
 sphinx_gallery_conf = {
     "examples_dirs": "gallery",
