@@ -9,7 +9,7 @@ The textbook is in modules that load when they are first named, ``rigid.particle
 :mod:`~rigid.particles`, :mod:`~rigid.statics` and :mod:`~rigid.springs`; :mod:`~rigid.rotations`
 and :mod:`~rigid.frames`; :mod:`~rigid.inertia`, :mod:`~rigid.solids` and :mod:`~rigid.meshes`;
 :mod:`~rigid.fixed_axis`, :mod:`~rigid.free`, :mod:`~rigid.top` and :mod:`~rigid.earth`;
-:mod:`~rigid.figures`.
+:mod:`~rigid.figures` and :mod:`~rigid.animation`.
 """
 
 from importlib import import_module
@@ -40,6 +40,7 @@ from .starts import Noise, Start, direction, normal, uniform, uniform_attitude
 
 if TYPE_CHECKING:
     from . import (
+        animation,
         earth,
         figures,
         fixed_axis,
@@ -74,6 +75,7 @@ __all__ = [
     "Status",
     "Torque",
     "__version__",
+    "animation",
     "build_info",
     "cite",
     "condition",
@@ -108,6 +110,7 @@ __all__ = [
 
 _LATER = frozenset(
     (
+        "animation",
         "earth",
         "figures",
         "fixed_axis",

@@ -73,7 +73,7 @@ def test_only_numpy_is_imported() -> None:
 def test_modules_of_the_textbook_load_when_they_are_named() -> None:
     later = set(output(LATER).split())
     assert {"particles", "springs", "frames", "statics", "fixed_axis", "free"} <= later
-    assert {"top", "earth", "figures"} <= later
+    assert {"top", "earth", "figures", "animation"} <= later
 
 
 def test_a_misspelt_module_is_a_mistake() -> None:
