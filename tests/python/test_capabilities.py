@@ -68,6 +68,13 @@ def test_names_resolve_and_tests_exist(key: str, names: list[str], tests: list[s
     assert proofs > 0
 
 
+def test_every_public_module_has_its_page() -> None:
+    modules = {name for name in rigid.__all__ if isinstance(getattr(rigid, name), ModuleType)}
+    assert {page.stem for page in (ROOT / "docs" / "api").glob("*.rst")} == {"rigid"} | modules
+    listed = re.findall(r"^api/(\w+)$", (ROOT / "docs/reference.md").read_text("utf-8"), re.M)
+    assert sorted(listed) == sorted({"rigid"} | modules)
+
+
 # Errata: docstrings and tests cite them by number
 
 ERRATA = re.findall(
