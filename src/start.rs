@@ -158,6 +158,7 @@ impl Seat {
             Method::Taylor16 => return Seat::as_is(Taylor16),
             Method::Taylor20 => return Seat::as_is(Taylor20),
             Method::Taylor26 => return Seat::as_is(Taylor26),
+            Method::Midpoint => (Midpoint, Midpoint),
             Method::Splitting => (Rotor, Planar),
             Method::Splitting4 => (Rotor4, Planar4),
             Method::Splitting6 => (Rotor6, Planar6),

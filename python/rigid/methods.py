@@ -55,7 +55,8 @@ class Method:
     order : int
         The error of a run falls as ``step**order``.
     stages : int
-        Evaluations of the equations of motion, exact partial flows, or orders of a series, a step.
+        Evaluations of the equations of motion, exact partial flows, orders of a series, or Newton's
+        steps, a step.
     symplectic, reversible, group_preserving : bool
         Preserves the Poisson structure; a step forward and one back is the identity; ``|L|`` of the
         free body, ``|gamma|`` and ``|q|`` stay as they are, up to rounding.

@@ -213,7 +213,7 @@ impl Map {
     fn method(&self, driven: bool, again: bool) -> Method {
         match self.judge.method() {
             method if !again => method,
-            Method::Splitting | Method::Etd4 if driven => Method::Etd4,
+            Method::Splitting | Method::Etd4 | Method::Midpoint if driven => Method::Etd4,
             _ => SECOND,
         }
     }

@@ -62,7 +62,7 @@ tables! {
     Rotor Rotor4 Rotor6 Rotor8 Chin4a Srkn6 Srkn11 Srkn14 Pmlf4 Pmlf6
     DmvChin4a DmvSrkn6 DmvSrkn11 DmvSrkn14 DmvPmlf4 DmvPmlf6
     Dmv2 Dmv4 Dmv6 Dmv8 Dmv10;
-    Affine Etd4
+    Affine Etd4 Midpoint
 }
 
 /// What is looked at after each step.
@@ -154,6 +154,7 @@ impl Table {
         }
         match self {
             Table::Affine | Table::Etd4 => false,
+            Table::Midpoint => !spin_free && system != TopAttitude,
             Table::Rk4 | Table::Planar | Table::Planar4 | Table::Planar6 | Table::Planar8 | Table::Rotor => {
                 !spin_free
             }
@@ -168,7 +169,7 @@ impl Table {
     /// Whether it carries the attitude of a top as two rows of its matrix: the vertical, which the torque needs
     /// anyway, and another direction cost less than the vertical and a quaternion.
     pub fn carries_rows(self) -> bool {
-        self.is_smooth() && self != Table::Rk4
+        (self.is_smooth() && self != Table::Rk4) || self == Table::Midpoint
     }
 
     /// Whether it moves bodies symmetric about their axis 3 only.

@@ -10,8 +10,9 @@ pub use kinds::{Kernel, System, Table, Watch};
 use crate::group::{DriftRows, Drives, Group, LANES, MAX_STATE, Row};
 use crate::leaps::{Leaps, inside, leap};
 use crate::method::{
-    Affine, AffineSplitting, Coefficients, Dmv10, Dop853, Etd4, Exponential, Numbers, Planar, Planar8, Rk4,
-    Rotor, RungeKutta, Scheme, Splitting, Taylor, Taylor8, Taylor12, Taylor16, Taylor20, Taylor26,
+    Affine, AffineSplitting, Coefficients, Dmv10, Dop853, Etd4, Exponential, ImplicitMidpoint, Midpoint,
+    Numbers, Planar, Planar8, Rk4, Rotor, RungeKutta, Scheme, Splitting, Taylor, Taylor8, Taylor12, Taylor16,
+    Taylor20, Taylor26,
 };
 use crate::model::{
     Attitude, Axis, AxisAttitude, Driven, DrivenFrame, DrivenRates, Free, Layout, Model, Parameters, Rates,
@@ -247,6 +248,7 @@ engines! {
     Dmv10: Splitting<R>, Arr<V8, 2>, Arr<V4, 2>;
     Affine: AffineSplitting<R, M>, V8, V4;
     Etd4: Exponential<R, M>, V8, V4;
+    Midpoint: ImplicitMidpoint<R, M>, V8, V4;
 }
 
 /// Advances all lanes of a group by some steps.
@@ -426,16 +428,24 @@ macro_rules! among {
 
 fn code(kernel: Kernel, isa: Isa) -> Code {
     match kernel.system {
-        System::FreeRates => among!(kernel, isa: Free, Rates, 3; smooth Rk4 Planar Planar8 Rotor Dmv10),
-        System::FreeAxis => among!(kernel, isa: Free, Axis, 6; smooth Rk4 Planar Planar8 Rotor Dmv10),
-        System::FreeAttitude => among!(kernel, isa: Free, Attitude, 7; smooth Rk4 Planar Planar8 Rotor Dmv10),
-        System::TopAxis => among!(kernel, isa: Top, Axis, 6; smooth Rk4 Planar Planar8 Rotor Dmv10),
-        System::TopTwoAxes => among!(kernel, isa: Top, TwoAxes, 9; smooth Rk4 Planar Planar8 Rotor Dmv10),
+        System::FreeRates => {
+            among!(kernel, isa: Free, Rates, 3; smooth Rk4 Planar Planar8 Rotor Dmv10 Midpoint)
+        }
+        System::FreeAxis => {
+            among!(kernel, isa: Free, Axis, 6; smooth Rk4 Planar Planar8 Rotor Dmv10 Midpoint)
+        }
+        System::FreeAttitude => {
+            among!(kernel, isa: Free, Attitude, 7; smooth Rk4 Planar Planar8 Rotor Dmv10 Midpoint)
+        }
+        System::TopAxis => among!(kernel, isa: Top, Axis, 6; smooth Rk4 Planar Planar8 Rotor Dmv10 Midpoint),
+        System::TopTwoAxes => {
+            among!(kernel, isa: Top, TwoAxes, 9; smooth Rk4 Planar Planar8 Rotor Dmv10 Midpoint)
+        }
         System::TopAttitude => among!(kernel, isa: Top, AxisAttitude, 10; Rk4 Planar Planar8 Rotor Dmv10),
         System::SpinFreeAxis => among!(kernel, isa: SpinFree, Axis, 6; smooth Rotor),
         System::SpinFreeTwoAxes => among!(kernel, isa: SpinFree, TwoAxes, 9; smooth),
         System::SpinFreeAttitude => among!(kernel, isa: SpinFree, AxisAttitude, 10; Rotor),
-        System::DrivenRates => among!(kernel, isa: Driven, DrivenRates, 6; smooth Rk4 Affine Etd4),
-        System::DrivenFrame => among!(kernel, isa: Driven, DrivenFrame, 15; smooth Rk4 Affine Etd4),
+        System::DrivenRates => among!(kernel, isa: Driven, DrivenRates, 6; smooth Rk4 Affine Etd4 Midpoint),
+        System::DrivenFrame => among!(kernel, isa: Driven, DrivenFrame, 15; smooth Rk4 Affine Etd4 Midpoint),
     }
 }

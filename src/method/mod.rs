@@ -1,12 +1,14 @@
 //! Schemes as tables of constants, and the engines that run them.
 
 mod compositions;
+mod midpoint;
 mod moser_veselov;
 mod runge_kutta;
 mod splitting;
 mod stiff;
 mod taylor;
 
+pub use midpoint::ImplicitMidpoint;
 pub use moser_veselov::MoserVeselov;
 pub use runge_kutta::{RungeKutta, Tableau};
 pub use splitting::{Composition, Drift, ExactRotor, Flow, Numbers, Processor, Splitting, Way};
@@ -38,8 +40,8 @@ pub struct Facts {
     pub title: &'static str,
     /// Error of a run ~ step^order.
     pub order: u32,
-    /// Evaluations of the equations of motion (Runge-Kutta), exact partial flows (splitting) or orders of the
-    /// series (Taylor) a step.
+    /// Evaluations of the equations of motion (Runge-Kutta), exact partial flows (splitting), orders of the
+    /// series (Taylor) or Newton's steps (midpoint) a step.
     pub stages: usize,
     /// Preserves the symplectic (Poisson) structure.
     pub symplectic: bool,
@@ -132,6 +134,8 @@ tables! {
         Affine;
     "Exponential Runge-Kutta of order 4, for driven bodies."
         Etd4;
+    "Implicit midpoint rule."
+        Midpoint;
 }
 
 /// The angular momentum, of rates.
@@ -191,6 +195,7 @@ methods! {
     Dmv8: Dmv8;
     Dmv10: Dmv10;
     Etd4: Etd4;
+    Midpoint: Midpoint;
 }
 
 impl Method {
@@ -223,7 +228,7 @@ impl Method {
             Taylor16 => Some(3.66),
             Taylor20 => Some(4.41),
             Taylor26 => Some(5.53),
-            Splitting | Etd4 => Some(f64::INFINITY),
+            Splitting | Etd4 | Midpoint => Some(f64::INFINITY),
             _ => None,
         }
     }

@@ -11,6 +11,8 @@ pub struct Free<R> {
 }
 
 impl<R: Real> Model<R> for Free<R> {
+    const HEAVY: bool = false;
+
     #[inline(always)]
     fn new(p: &Parameters<R>) -> Self {
         let [i1, i2, i3] = p.moments;

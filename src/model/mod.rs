@@ -109,6 +109,8 @@ layouts! {
 pub trait Model<R: Real>: Copy {
     /// Whether all moments are the same, and no torque acts along axis 3.
     const SPIN_FREE: bool = false;
+    /// Whether there may be weight.
+    const HEAVY: bool = true;
     /// Whether something acts from outside: torques or damping.
     const DRIVEN: bool = false;
     /// Constants of the equations of motion from those of the body.

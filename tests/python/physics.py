@@ -24,7 +24,7 @@ EVERY_METHOD = rigid.methods()
 METHODS = tuple(
     method
     for method in EVERY_METHOD
-    if method.name in ("rk4", "dop853", "splitting") or method.name.startswith("taylor")
+    if method.name in ("rk4", "dop853", "splitting", "midpoint") or method.name.startswith("taylor")
 )
 
 #: The names of all, and as an error message lists those of a run.

@@ -178,7 +178,7 @@ def driven_scenes(draw: st.DrawFn) -> Scene:
 
 
 DRIVERS = [m.name for m in METHODS if m.name in ("rk4", "dop853", "taylor12", "taylor16")]
-DRIVERS += ["splitting", "etd4"]
+DRIVERS += ["splitting", "etd4", "midpoint"]
 
 
 @pytest.mark.parametrize("method", DRIVERS)

@@ -105,8 +105,8 @@ def driven(unit: int, method: str) -> tuple[np.ndarray, ...]:
 def test_the_unit_of_mass_changes_no_bit(unit: int) -> None:
     """Moments, torques and energies by the same power of two, to the ends of the doubles."""
     for motion, methods in (
-        (moved, ("rk4", "dop853", "taylor16", "splitting", "srkn11")),
-        (driven, ("rk4", "taylor12", "etd4", "splitting")),
+        (moved, ("rk4", "dop853", "taylor16", "splitting", "srkn11", "midpoint")),
+        (driven, ("rk4", "taylor12", "etd4", "splitting", "midpoint")),
     ):
         for method in methods:
             for ours, theirs in zip(motion(unit, method), motion(0, method), strict=True):
@@ -117,7 +117,7 @@ def test_the_unit_of_mass_changes_no_bit(unit: int) -> None:
 def test_the_unit_of_time_changes_no_bit(unit: int) -> None:
     """Rates by a power of two, times by its inverse, energies by its square."""
     start = np.array([0.3, -0.2, 1.0])
-    for method in ("exact", "rk4", "taylor16", "splitting"):
+    for method in ("exact", "rk4", "taylor16", "splitting", "midpoint"):
         for com in ((0.0, 0.0, 1.0), (0.6, 0.0, 0.8)):
             if method == "exact" and com[0]:
                 continue

@@ -91,7 +91,7 @@ def present_theory(spec: MapSpec) -> Any:
     return theory
 
 
-@pytest.mark.parametrize("method", ["rk4", "taylor8", "etd4", "splitting"])
+@pytest.mark.parametrize("method", ["rk4", "taylor8", "etd4", "splitting", "midpoint"])
 def test_a_map_under_damping_and_its_samples(method: str) -> None:
     """A sample alone is the sample of the map; so it is on any number of threads."""
     result = small(method=method)
@@ -177,7 +177,7 @@ def test_what_a_map_under_damping_refuses(options: dict[str, Any], part: str) ->
 def print_bytes() -> None:
     """In a process of its own: everything of maps under damping and torque."""
     pushed = rigid.HeavyTop(TOP.body, mgl=MGL, torque=rigid.Torque.space((0.0, 0.02, 0.0)))
-    for method in ("rk4", "dop853", "etd4", "splitting"):
+    for method in ("rk4", "dop853", "etd4", "splitting", "midpoint"):
         result = small(pushed, method=method)
         for name in ("stable", "unstable", "steps", "earliest", "energy_drift", "momentum_drift"):
             sys.stdout.buffer.write(getattr(result, name).tobytes())
