@@ -57,7 +57,8 @@ def stability_map(
         replace what scene and start say. Names: ``I1``, ``I2``, ``I3``; ratios such as ``I2/I1``
         (which sets ``I2``); sides ``a``, ``b``, ``c`` and ``mass`` of a box; ``mgl`` of a top;
         ``spin``, ``tilt``, ``omega1``, ``omega2``, ``omega3``; ``noise``, ``attitude_noise``: the
-        size of the perturbation that the start names.
+        size of the perturbation that the start names; ``damping1``, ``damping2``, ``damping3``
+        (N m s): damping of the rates about the axes.
     samples : int
         Bodies per pixel.
     t_end : float

@@ -20,6 +20,9 @@ from .scenes import Scene, scene_from_dict
 from .stepping import Request, by_steps, of_closed_form
 
 if TYPE_CHECKING:
+    from os import PathLike
+    from pathlib import Path
+
     from scipy.spatial.transform import Rotation
 
 __all__ = ["Run", "Status", "simulate"]
@@ -69,7 +72,8 @@ class Run:
     unit_drift : ndarray, shape (n,)
         Largest deviation of ``|gamma|`` and ``|q|`` from one; 0 if neither is carried.
     status : ndarray of uint8, shape (n,)
-        A :class:`Status` for each body.
+        A :class:`Status` for each body. ``FLAGGED`` follows from ``error``, which of a large call
+        may be that of a sample; the others are the body's own.
     steps : ndarray of uint64, shape (n,)
         Steps taken; 0 by closed form.
     error : ndarray, shape (n,)
@@ -194,6 +198,12 @@ class Run:
         from scipy.spatial.transform import Rotation
 
         return Rotation.from_quat(self.attitude, scalar_first=True)
+
+    def animate(self, path: str | PathLike[str], **options: Any) -> Path:
+        """Write the motion to a page or a picture that moves: :func:`rigid.animation.animate`."""
+        from .animation import animate
+
+        return animate(self, path, **options)
 
 
 def simulate(

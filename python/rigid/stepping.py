@@ -88,6 +88,9 @@ def _stepped(
         seen = request.belief(taken_from(table, sample), _rows(states, sample))
         if count <= SAMPLE:
             return states, seen
+        if np.any(seen.error >= 1.0):
+            # Where some are lost, each body is to know of itself.
+            return states, request.belief(table, states)
         known = seen.error[~np.isnan(seen.error)]
         error = np.full(count, known.max() if len(known) else np.nan)
         lost_from = np.full(count, seen.lost_from.min())

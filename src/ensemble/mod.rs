@@ -2,22 +2,25 @@
 
 mod closed;
 mod draw;
+mod ride;
+mod statistics;
+
+pub use statistics::{Class, Outcome, Statistics};
 
 use crate::clock::thread_nanoseconds;
 use crate::error::Error;
-use crate::group::{Drives, Group, LANES};
-use crate::kernel::{Compiled, Kernel, System, Table, Watch};
+use crate::kernel::{Kernel, System, Table, Watch};
 use crate::method::Method;
-use crate::observe::{TiltLimit, largest_tilt};
 use crate::outside::Outside;
 use crate::run::over_blocks;
 use crate::sample::Law;
 use crate::simd::Isa;
-use crate::start::{Body, Seat, load, widen_scales};
-use crate::trajectory::{DRIFT_LIMIT, Solver, Status};
+use crate::start::{Body, Seat};
+use crate::trajectory::Solver;
 use closed::Referee;
+use ride::Job;
 use std::ops::Range;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 /// A sample takes whole bursts of this many steps; after each it may stop. What is seen at the ends of bursts
 /// then depends on the sample alone, whoever shares its group.
@@ -116,158 +119,9 @@ pub struct Map {
     pub key: [u64; 2],
 }
 
-/// The verdict on a sample.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Class {
-    /// Stayed stable until the horizon.
-    Stable,
-    /// Left stability before.
-    Unstable,
-    /// The second method disagrees.
-    Undecided,
-    /// No verdict: step limit, not finite, or drifted.
-    Failed,
-}
-
-impl Class {
-    /// The word for it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Class::Stable => "stable",
-            Class::Unstable => "unstable",
-            Class::Undecided => "undecided",
-            Class::Failed => "failed",
-        }
-    }
-}
-
-/// What one run of one sample gave.
-#[derive(Clone, Copy, Debug)]
-pub struct Outcome {
-    /// Stable, unstable or failed.
-    pub class: Class,
-    /// How it ended.
-    pub status: Status,
-    /// Sign changes seen.
-    pub flips: u64,
-    /// When stability was lost, infinite if it was not.
-    pub left: f64,
-    /// Largest tilt, NaN if none is watched (rad).
-    pub tilt: f64,
-    /// Largest relative energy error at the ends of bursts.
-    pub energy_drift: f64,
-    /// Largest relative error of the conserved momentum at the ends of bursts.
-    pub momentum_drift: f64,
-    /// Step.
-    pub step: f64,
-    /// Steps made.
-    pub steps: u64,
-    /// Judged in closed form: nothing drifts, and there are no steps.
-    pub exact: bool,
-}
-
-/// The statistics of a pixel. All merge without order: sums of whole numbers, largest, smallest.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Statistics {
-    /// Samples that stayed stable.
-    pub stable: u64,
-    /// Samples that did not.
-    pub unstable: u64,
-    /// Samples on whose verdict the second method disagrees.
-    pub undecided: u64,
-    /// Samples without a verdict.
-    pub failed: u64,
-    /// Of these, the samples that would have needed too many steps.
-    pub step_limit: u64,
-    /// Of these, the samples that overflowed.
-    pub not_finite: u64,
-    /// Of these, the samples that lost an invariant.
-    pub drifted: u64,
-    /// Samples judged in closed form.
-    pub exact: u64,
-    /// Samples judged again by the second method.
-    pub checked: u64,
-    /// Largest energy drift, NaN if nothing was run.
-    pub energy_drift: f64,
-    /// Largest momentum drift, NaN if nothing was run.
-    pub momentum_drift: f64,
-    /// Earliest loss of stability seen; infinite if none.
-    pub earliest: f64,
-    /// Steps of all runs.
-    pub steps: u64,
-    /// Processor time: measured, not reproducible.
-    pub nanoseconds: f64,
-}
-
-impl Statistics {
-    fn none() -> Self {
-        // `max` passes over a NaN: it stays only where nothing was run.
-        let unknown = f64::NAN;
-        Statistics {
-            energy_drift: unknown,
-            momentum_drift: unknown,
-            earliest: f64::INFINITY,
-            ..Default::default()
-        }
-    }
-
-    fn merge(&mut self, other: &Statistics) {
-        self.stable += other.stable;
-        self.unstable += other.unstable;
-        self.undecided += other.undecided;
-        self.failed += other.failed;
-        self.step_limit += other.step_limit;
-        self.not_finite += other.not_finite;
-        self.drifted += other.drifted;
-        self.exact += other.exact;
-        self.checked += other.checked;
-        self.energy_drift = self.energy_drift.max(other.energy_drift);
-        self.momentum_drift = self.momentum_drift.max(other.momentum_drift);
-        self.earliest = self.earliest.min(other.earliest);
-        self.steps += other.steps;
-        self.nanoseconds += other.nanoseconds;
-    }
-
-    fn add(&mut self, verdict: Class, outcome: &Outcome, checked: bool) {
-        match verdict {
-            Class::Stable => self.stable += 1,
-            Class::Unstable => self.unstable += 1,
-            Class::Undecided => self.undecided += 1,
-            Class::Failed => self.failed += 1,
-        }
-        self.step_limit += u64::from(outcome.status == Status::StepLimit);
-        self.not_finite += u64::from(outcome.status == Status::NotFinite);
-        self.drifted += u64::from(outcome.status == Status::Drifted);
-        self.checked += u64::from(checked);
-        self.exact += u64::from(outcome.exact);
-        // A sample that was not run has no drift: `max` passes over its NaN. One that overflowed lost all.
-        let lost = |drift: f64| if drift.is_nan() && outcome.took_steps() { f64::INFINITY } else { drift };
-        self.energy_drift = self.energy_drift.max(lost(outcome.energy_drift));
-        self.momentum_drift = self.momentum_drift.max(lost(outcome.momentum_drift));
-        if verdict == Class::Unstable {
-            self.earliest = self.earliest.min(outcome.left);
-        }
-    }
-}
-
-/// One run: which sample, by the method of the map or by the second one.
-#[derive(Clone, Copy)]
-struct Job {
-    /// Place in the block.
-    index: usize,
-    again: bool,
-}
-
 /// The method that judges a sample again: of high order, so that it is right where the other is not. Half the step of
 /// the same method would share its error: of order 2, one wrong verdict in four would pass.
 const SECOND: Method = Method::Taylor16;
-
-/// A body in a lane.
-#[derive(Clone, Copy)]
-struct Passenger {
-    job: Job,
-    step: f64,
-}
 
 impl Map {
     /// Samples of the whole map.
@@ -491,127 +345,6 @@ impl Map {
         Some(pixels)
     }
 
-    /// Runs jobs of one table through a group, refilling each lane as it falls free; `None` if interrupted. The bodies
-    /// are those of the samples from `first` on.
-    #[allow(clippy::too_many_arguments)] // Who, how, and what then.
-    fn ride(
-        &self,
-        (bodies, first): (&[Body], u64),
-        outside: Option<&[Outside]>,
-        jobs: &[Job],
-        kernel: Kernel,
-        isa: Isa,
-        interrupt: &AtomicBool,
-        mut finish: impl FnMut(Job, Outcome),
-    ) -> Option<()> {
-        let compiled = Compiled::new(kernel, isa);
-        let (mut group, mut drives) = (Group::waiting(), Drives::NONE);
-        let mut lanes: [Option<Passenger>; LANES] = [None; LANES];
-        // Steps after which each lane is at its horizon; a lane that waits never is.
-        let mut target = [f64::INFINITY; LANES];
-        let mut jobs = jobs.iter();
-        let mut aboard = 0;
-        let limit = self.tilt_limit();
-        loop {
-            for lane in 0..LANES {
-                while lanes[lane].is_none() {
-                    let Some(&job) = jobs.next() else { break };
-                    let body = &bodies[job.index];
-                    let outside =
-                        outside.map(|all| &all[((first + job.index as u64) / self.samples) as usize]);
-                    let steps = self.steps_of(body, outside, job.again);
-                    if steps > self.max_steps {
-                        finish(job, Outcome::refused());
-                        continue;
-                    }
-                    let step = self.t_end / steps as f64;
-                    let seat = self.seat(body, outside.is_some(), job.again);
-                    load(&mut group, lane, (kernel, compiled), seat, body, self.axis, step);
-                    if let Some(outside) = outside {
-                        drives.set(lane, &outside.drive(0.0, false, body.moments));
-                        let rate = body.fastest_rate_driven(outside, [0.0, self.t_end]);
-                        widen_scales(&mut group, lane, kernel.system, body, rate);
-                    }
-                    if let Some(limit) = limit {
-                        group.limit[0].0[lane] = limit.cosine;
-                        group.limit[1].0[lane] = limit.sine2;
-                        // Beyond the limit from the start.
-                        if group.cosine.0[lane] < limit.cosine || group.sine2.0[lane] > limit.sine2 {
-                            group.left.0[lane] = 0.0;
-                        }
-                    }
-                    target[lane] = steps as f64;
-                    lanes[lane] = Some(Passenger { job, step });
-                    aboard += 1;
-                }
-            }
-            if aboard == 0 {
-                return Some(());
-            }
-            loop {
-                if interrupt.load(Ordering::Relaxed) {
-                    return None;
-                }
-                compiled.advance_driven(&mut group, &drives, BURST as usize);
-                if any_done(&group, &target) {
-                    break;
-                }
-            }
-            for lane in 0..LANES {
-                let Some(passenger) = lanes[lane] else { continue };
-                if done(&group, lane, target[lane]) {
-                    finish(passenger.job, self.outcome(&group, lane, passenger));
-                    lanes[lane] = None;
-                    target[lane] = f64::INFINITY;
-                    aboard -= 1;
-                    group.wait(lane);
-                }
-            }
-        }
-    }
-
-    fn tilt_limit(&self) -> Option<TiltLimit> {
-        match self.criterion {
-            Criterion::NoFlip => None,
-            Criterion::TiltFromStart(angle) | Criterion::TiltFromVertical(angle) => {
-                Some(TiltLimit::new(angle))
-            }
-        }
-    }
-
-    /// The outcome of a lane that is done.
-    fn outcome(&self, group: &Group, lane: usize, passenger: Passenger) -> Outcome {
-        let energy_drift = group.energy.worst.0[lane];
-        let momentum_drift = group.momentum.worst.0[lane];
-        let steps = group.count.0[lane];
-        let left = group.left.0[lane];
-        let finite = energy_drift.is_finite() && momentum_drift.is_finite() && group.unit.0[lane].is_finite();
-        let (class, status) = if !finite {
-            (Class::Failed, Status::NotFinite)
-        } else if energy_drift.max(momentum_drift).max(group.unit.0[lane]) > DRIFT_LIMIT {
-            (Class::Failed, Status::Drifted)
-        } else if left < f64::INFINITY {
-            (Class::Unstable, Status::Stopped)
-        } else {
-            (Class::Stable, Status::Finished)
-        };
-        Outcome {
-            class,
-            status,
-            flips: group.flips.0[lane] as u64,
-            left,
-            tilt: match self.criterion {
-                Criterion::NoFlip => f64::NAN,
-                _ => largest_tilt(group.cosine.0[lane], group.sine2.0[lane]),
-            },
-            energy_drift,
-            momentum_drift,
-            step: passenger.step,
-            steps: steps as u64,
-            exact: false,
-        }
-    }
-
     /// One sample alone: its start, its verdict and the outcome of its first run, with the bits of the map.
     /// `None` if interrupted.
     pub fn sample(
@@ -658,46 +391,4 @@ impl Map {
         let first = outcomes[0].expect("every job is finished");
         Some((body, Map::verdict(&first, outcomes[1].as_ref()), first))
     }
-}
-
-impl Outcome {
-    fn was_run(&self) -> bool {
-        self.status != Status::StepLimit
-    }
-
-    fn took_steps(&self) -> bool {
-        self.was_run() && !self.exact
-    }
-
-    /// A sample that would need more steps than allowed.
-    fn refused() -> Outcome {
-        Outcome {
-            class: Class::Failed,
-            status: Status::StepLimit,
-            flips: 0,
-            left: f64::INFINITY,
-            tilt: f64::NAN,
-            energy_drift: f64::NAN,
-            momentum_drift: f64::NAN,
-            step: f64::NAN,
-            steps: 0,
-            exact: false,
-        }
-    }
-}
-
-/// Whether a lane is at its horizon, has left stability, or is no longer to be believed.
-#[inline(always)]
-fn done(group: &Group, lane: usize, target: f64) -> bool {
-    // Written without short cuts, so that the test of a whole group is a few vector instructions.
-    (group.count.0[lane] >= target)
-        | (group.left.0[lane] < f64::INFINITY)
-        // A NaN is not below the limit either.
-        | !(group.energy.worst.0[lane] <= DRIFT_LIMIT)
-        | !(group.momentum.worst.0[lane] <= DRIFT_LIMIT)
-        | !(group.unit.0[lane] <= DRIFT_LIMIT)
-}
-
-fn any_done(group: &Group, target: &[f64; LANES]) -> bool {
-    (0..LANES).fold(false, |any, lane| any | done(group, lane, target[lane]))
 }

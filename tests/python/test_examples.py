@@ -50,7 +50,13 @@ def test_the_public_names_with_arguments_have_examples() -> None:
         assert any(test.examples for test in found), name
 
 
-@pytest.mark.parametrize("page", ["README.md", "docs/methods.md"])
+PAGES = ["README.md"] + [
+    f"docs/{name}.md"
+    for name in ("methods", "conventions", "torque_and_damping", "maps", "extremes")
+]
+
+
+@pytest.mark.parametrize("page", PAGES)
 def test_pages(page: str) -> None:
     """All Python blocks, one after the other as a reader would run them."""
     text = (ROOT / page).read_text(encoding="utf-8")

@@ -42,7 +42,10 @@ def columns(run: rigid.Run) -> dict[str, np.ndarray]:
         "status",
         "steps",
     ]
-    return {name: getattr(run, name) for name in names if getattr(run, name) is not None}
+    found = {name: getattr(run, name) for name in names if getattr(run, name) is not None}
+    # What is believed of a body may come from a sample of its batch; how it ended does not.
+    found["status"] = np.where(run.status == rigid.Status.FLAGGED, rigid.Status.OK, run.status)
+    return found
 
 
 def content(run: rigid.Run) -> dict[str, bytes]:

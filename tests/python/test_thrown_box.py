@@ -11,6 +11,7 @@ from itertools import pairwise, permutations
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from scipy.special import ellipk
 
 import rigid
@@ -155,6 +156,30 @@ def test_fixed_noise_of_one_twentieth(method: rigid.Method, axis: str) -> None:
     if axis == "y":
         matrix = rotation_matrix(present(run.attitude)[0]).ravel()
         assert matrix == pytest.approx(golden_number("box.run_y.R(30)"), abs=tolerance)
+
+
+@pytest.mark.parametrize("axis", ["x", "y", "z"])
+def test_rk4_agrees_with_the_solver_of_the_report(axis: str) -> None:
+    """The pair of order 4(5) that ode45 is, on Euler's equations: what is left is its tolerance."""
+    start = [0.05, 0.05, 0.05]
+    start["xyz".index(axis)] = 1.05
+    t = np.linspace(0.0, 60.0, 61)
+    stepped = rates(start, t, step=5e-3)  # 1e-10 from the closed form
+    off = []
+    for tolerance in (1e-6, 1e-9):
+        found = solve_ivp(
+            lambda _, omega: rigid.free.euler_rhs(BOX, omega),
+            (0.0, 60.0),
+            start,
+            method="RK45",
+            t_eval=t,
+            rtol=tolerance,
+            atol=tolerance,
+        )
+        off.append(np.abs(found.y.T - stepped).max())
+    # A tolerance a step, 600 steps; about the middle axis errors grow several times.
+    assert off[1] < 5e-6
+    assert off[0] > 300.0 * off[1]
 
 
 @pytest.mark.parametrize("axis", ["x", "y", "z"])

@@ -1,0 +1,35 @@
+"""Conventions in one picture
+==========================
+
+Left: the axes of space (primed) and those of the body, three turns apart: phi about the vertical
+z', theta about the line of nodes ON, psi about the axis z of the body. The matrix
+``R = Rz(phi) Rx(theta) Rz(psi)`` takes components in the body to components in space, and the
+quaternion is ``(w, x, y, z)`` of the same turn. Right: a top in the same attitude. The weight pulls
+along -z'; the centre of mass lies in the direction ``com`` of the body, at a distance l from the
+fixed point.
+"""
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+import rigid
+from rigid import figures, rotations
+
+angles = [0.9, 0.7, 0.8]  # phi, theta, psi
+
+top = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
+
+q = rotations.euler_to_quaternion(angles)
+R = rotations.euler_to_matrix(angles)
+gamma = R.T @ [0.0, 0.0, 1.0]  # the upward vertical, seen from the body
+run = rigid.simulate(top, [0.0, 0.0, 5.0], q, t=[0.0])
+assert np.allclose(run.rotation().as_matrix(), R)
+assert np.allclose(run.gamma, gamma)
+
+figure = plt.figure(figsize=(11, 5.5), layout="constrained")
+figures.node_frame(angles, ax=figure.add_subplot(1, 2, 1, projection="3d"))
+figures.heavy_top(top, angles, ax=figure.add_subplot(1, 2, 2, projection="3d"))
+words = "q = ({:.3f}, {:.3f}, {:.3f}, {:.3f})     gamma = R.T e3 = ({:.3f}, {:.3f}, {:.3f})"
+figure.suptitle(words.format(*q, *gamma), family="monospace", fontsize=10)
+
+plt.show()

@@ -1,0 +1,23 @@
+"""What a scheme keeps
+===================
+
+Energy and angular momentum of a tumbling body over a hundred turns, by two schemes of order 4 with
+the same step. The Runge-Kutta scheme loses all of them a little in every step. The symplectic
+splitting keeps the angular momentum, in space too, to rounding; its energy error stays where it is.
+"""
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+import rigid
+from rigid import figures
+
+body = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
+figure, axes = plt.subplots(1, 2, figsize=(12, 4.5), layout="constrained")
+for ax, method in zip(axes, ("rk4", "splitting4"), strict=True):
+    run = rigid.simulate(
+        body, [1.0, 1.0, 1.0], t=np.linspace(0.0, 500.0, 1001), method=method, step=0.05
+    )
+    figures.invariants(run, ax=ax)
+
+plt.show()

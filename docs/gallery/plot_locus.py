@@ -1,0 +1,35 @@
+"""Loops, cusps and waves of a heavy top
+=====================================
+
+The axis of a symmetric top stays between two circles on the unit sphere. What it does on the upper
+one depends on where ``phi' = (a - b cos) / sin²`` changes its sign: between the circles it loops;
+on the upper circle, as of a top that is let go, it has cusps; outside them it moves on all the
+time, with the spin or, for ``a/b`` below both, against it. All four start at 60 degrees, pushed
+sideways at -0.3, 0, 0.2 and -4 rad/s.
+"""
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+import rigid
+from rigid import figures
+
+top = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
+tilted = [np.cos(np.pi / 6), np.sin(np.pi / 6), 0.0, 0.0]
+push, spin = np.array([-0.3, 0.0, 0.2, -4.0]), np.array([5.0, 5.0, 5.0, 1.0])
+omega = np.stack([np.zeros(4), np.sin(np.pi / 3) * push, spin], axis=1)
+figure, axes = plt.subplots(
+    2, 2, figsize=(8, 8), subplot_kw={"projection": "3d"}, layout="constrained"
+)
+figures.loci(top, omega, tilted, axes=axes)
+
+plt.show()
+
+# %%
+# A single one, the lower circle of which is its start: large loops that nearly reach the vertical.
+
+figure = plt.figure(figsize=(6, 6), layout="constrained")
+ax = figure.add_subplot(projection="3d")
+figures.locus(top, [0.0, 1.5 * np.sin(np.pi / 3), 5.0], tilted, ax=ax)
+
+plt.show()

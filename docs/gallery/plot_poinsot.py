@@ -1,0 +1,25 @@
+"""Poinsot's rolling ellipsoid
+===========================
+
+A free body turns as if its inertia ellipsoid rolled, without slipping, on a plane that is fixed in
+space across the angular momentum. The two touch in omega, which for the moment is at rest. On the
+ellipsoid the point of contact runs around a closed curve, the polhode; in the plane it draws the
+herpolhode, which in general never closes.
+"""
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+import rigid
+from rigid import figures
+
+body = rigid.FreeBody(rigid.Body((1.0, 2.0, 2.5)))
+run = rigid.simulate(body, [1.1, 0.3, 0.4], t=np.linspace(0.0, 20.0, 801))
+figure = plt.figure(figsize=(7, 7), layout="constrained")
+ax = figure.add_subplot(projection="3d")
+figures.poinsot(run, frame=130, ax=ax)
+
+plt.show()
+
+# %%
+# The same as a page that plays by itself in a browser is ``run.animate("poinsot.html")``.

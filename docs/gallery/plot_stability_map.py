@@ -1,0 +1,28 @@
+"""A stability map and its border
+==============================
+
+Free bodies with ``I1 = 1`` and ``I3 = 2``, spun about axis 2 or beside it: each pixel is a cloud of
+bodies, its colour the share that never turns over. As long as I2 is the middle moment all of them
+do; as the largest moment it makes the rotation last, up to a tilt. The white line is theory, the
+separatrix ``2 E I2 = L²``, which no run was needed for.
+"""
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+import rigid
+
+result = rigid.stability_map(
+    rigid.FreeBody,
+    axes={"I2": np.linspace(0.8, 2.4, 60), "tilt": np.linspace(0.0, 1.5, 60)},
+    samples=40,
+    t_end=100.0,
+    start=rigid.Start(spin=1.0, axis=2, noise=rigid.normal(0.03)),
+    stable=rigid.no_flip(),
+    rng=2026,
+    progress=False,
+)
+figure, ax = plt.subplots(figsize=(8, 6), layout="constrained")
+result.plot(ax=ax)
+
+plt.show()

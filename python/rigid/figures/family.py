@@ -1,0 +1,225 @@
+"""All polhodes of one energy, on one ellipsoid."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import exact, free
+from .._check import positive_int
+from .._given import BodyLike, moments_of
+from ..solidshapes import ellipsoid_faces
+from . import colours
+from ._draw import arrow, curve, fit, in_space, label
+from ._sides import sides, surface
+
+__all__ = ["Polhodes", "PolhodesArtists", "polhodes", "polhodes_data"]
+
+Floats = NDArray[np.float64]
+
+UP = np.array([0.0, 0.0, 1.0])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Polhodes:
+    """Polhodes of one energy on the inertia ellipsoid.
+
+    Attributes
+    ----------
+    moments : ndarray, shape (3,)
+        Of the body (kg m²).
+    semi_axes : ndarray, shape (3,)
+        Of the ellipsoid ``omega·I omega = 2 E`` (rad/s).
+    curves : ndarray, shape (4 n, m, 3)
+        Closed polhodes (rad/s).
+    axis : ndarray of int8, shape (4 n,)
+        The axis 1, 2 or 3 that each encircles, with the sign of the rate along it.
+    separatrix : ndarray, shape (2, m, 3)
+        The two ellipses through the ends of the middle axis that part them.
+    """
+
+    moments: Floats
+    semi_axes: Floats
+    curves: Floats
+    axis: NDArray[np.int8]
+    separatrix: Floats
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PolhodesArtists:
+    """What :func:`polhodes` has drawn.
+
+    Attributes
+    ----------
+    ax : Axes3D
+        Where.
+    data : Polhodes
+        What.
+    seen, hidden : tuple of 4 n Line3D
+        The polhodes on this side of the ellipsoid, and behind it.
+    separatrix : tuple of 2 Line3D
+        The ellipses between them, on this side.
+    ellipsoid : Poly3DCollection
+        The ellipsoid.
+    axes : tuple of 3 SpaceArrow
+        The axes of the body.
+    """
+
+    ax: Any
+    data: Polhodes
+    seen: tuple[Any, ...]
+    hidden: tuple[Any, ...]
+    separatrix: tuple[Any, ...]
+    ellipsoid: Any
+    axes: tuple[Any, ...]
+
+
+def polhodes_data(body: BodyLike, *, count: int = 5, samples: int = 361) -> Polhodes:
+    """The numbers under :func:`polhodes`, by Jacobi's functions.
+
+    Parameters
+    ----------
+    body : Body, FreeBody or array_like, shape (3,)
+        A body with three different moments.
+    count : int
+        Polhodes around each end of the axes of the smallest and the largest moment.
+    samples : int
+        Points of each curve, the first and the last of which coincide.
+
+    Returns
+    -------
+    Polhodes
+        Of the energy with which the largest semi axis is 1 rad/s.
+
+    Raises
+    ------
+    ValueError
+        If no body has the moments, or two of them are equal.
+
+    Examples
+    --------
+    >>> from rigid import figures
+    >>> data = figures.polhodes_data((1.0, 2.0, 3.0))
+    >>> data.curves.shape, sorted(set(data.axis.tolist()))
+    ((20, 361, 3), [-3, -1, 1, 3])
+    """
+    moments = moments_of(body)
+    if moments.shape != (3,) or len(set(moments.tolist())) < 3:
+        raise ValueError(
+            f"moments = {moments.tolist()}: polhodes of both kinds need three different moments"
+        )
+    number = positive_int("count", count)
+    points = positive_int("samples", samples, minimum=2)
+    small, middle, large = order = np.argsort(moments)
+    semi = np.sqrt(moments[small] / moments)
+    # Start across the middle axis: on the ellipse in the plane of the two others, where the
+    # separatrix passes at a known angle from that of the smallest moment.
+    i1, i2, i3 = moments[order]
+    slope = np.sqrt(i1 * (i2 - i1) / (i3 * (i3 - i2)))
+    parting = np.arctan2(slope * semi[small], semi[large])
+    share = np.arange(1, number + 1) / (number + 1.0)
+    angle = np.concatenate([share * parting, parting + share * (0.5 * np.pi - parting)])
+    starts = np.zeros((2 * number, 3))
+    starts[:, small], starts[:, large] = semi[small] * np.cos(angle), semi[large] * np.sin(angle)
+    known = free.asymmetric_free_top(moments, starts)
+    turn = np.linspace(0.0, 1.0, points)
+    quarter = 0.5 * np.pi / exact.agm(1.0, np.sqrt(known.mc))
+    sn, cn, dn = exact.jacobi(4.0 * quarter[:, np.newaxis] * turn, known.mc[:, np.newaxis])
+    around_small = (np.abs(known.axis) == small + 1)[:, np.newaxis]
+    curves = np.empty((2 * number, points, 3))
+    curves[..., small] = np.where(around_small, dn, cn)
+    curves[..., middle] = sn
+    curves[..., large] = np.where(around_small, cn, dn)
+    curves *= known.amplitude[:, np.newaxis, :]
+    phase = 2.0 * np.pi * turn
+    separatrix = np.empty((2, points, 3))
+    for side, ellipse in zip((1.0, -1.0), separatrix, strict=True):
+        ellipse[:, small] = semi[small] * np.cos(parting) * np.cos(phase)
+        ellipse[:, large] = side * semi[large] * np.sin(parting) * np.cos(phase)
+        ellipse[:, middle] = semi[middle] * np.sin(phase)
+    return Polhodes(
+        moments=moments,
+        semi_axes=semi,
+        curves=np.concatenate([curves, -curves]),
+        axis=np.concatenate([known.axis, -known.axis]),
+        separatrix=separatrix,
+    )
+
+
+def polhodes(body: BodyLike, *, count: int = 5, ax: Any | None = None) -> PolhodesArtists:
+    """Draw the polhodes of one energy on the inertia ellipsoid, with the separatrix.
+
+    They are closed around the axes of the largest and the smallest moment: rotations about these
+    last. Around the middle axis nothing closes, and a small disturbance goes the whole way to the
+    other end (Landau and Lifshitz, *Mechanics*, § 37, fig. 51).
+
+    Parameters
+    ----------
+    body, count
+        As in :func:`polhodes_data`.
+    ax : Axes3D, optional
+        Where to draw; by default on a new figure that pyplot does not know.
+
+    Returns
+    -------
+    PolhodesArtists
+
+    Raises
+    ------
+    ValueError
+        As in :func:`polhodes_data`, and if the axes are not three-dimensional.
+    ImportError
+        Without matplotlib.
+
+    Examples
+    --------
+    >>> from rigid import figures
+    >>> drawn = figures.polhodes((1.0, 2.0, 3.0))
+    >>> drawn.ax.figure.savefig("polhodes.png")  # doctest: +SKIP
+    """
+    data = polhodes_data(body, count=count)
+    ax = in_space(ax)
+    order = np.argsort(data.moments)
+    towards = np.empty(3)
+    towards[order] = 0.42, 1.0, 0.4  # the end of the middle axis in front
+    towards /= np.linalg.norm(towards)
+    elev = float(np.degrees(np.arcsin(towards[2])))
+    azim = float(np.degrees(np.arctan2(towards[1], towards[0])))
+    faces = ellipsoid_faces(data.semi_axes, rings=30, sectors=60)
+    ellipsoid = surface(ax, faces, "#f0f0f0", towards)
+    seen, hidden = [], []
+    for points, axis in zip(data.curves, data.axis, strict=True):
+        colour = colours.AXES[abs(int(axis)) - 1].colour
+        near, far = sides(points, data.moments * points, towards)
+        seen.append(curve(ax, near, colour, linewidth=1.5, zorder=4))
+        hidden.append(curve(ax, far, colour, linewidth=0.7, alpha=0.35, zorder=2))
+    separatrix = []
+    for ellipse in data.separatrix:
+        near, far = sides(ellipse, data.moments * ellipse, towards)
+        separatrix.append(curve(ax, near, "black", linewidth=2.0, zorder=5))
+        curve(ax, far, "black", linewidth=0.8, alpha=0.35, zorder=2)
+    arrows = []
+    names = {int(order[0]): "least", int(order[1]): "middle", int(order[2]): "largest"}
+    length = np.full(3, 0.3)
+    length[order[1]] = 1.1  # seen from its end, it looks shorter
+    tips = np.diag(data.semi_axes + length)
+    for k, ink in enumerate(colours.AXES):
+        start = np.diag(data.semi_axes)[k]
+        arrows.append(arrow(ax, tips[k] - start, ink.colour, start=start, linewidth=1.6, zorder=6))
+        words = f"{k + 1}: {names[k]} moment"
+        sideways = float(np.cross(UP, towards)[k])
+        align = "left" if sideways > 0.1 else "right" if sideways < -0.1 else "center"
+        label(ax, tips[k] + 0.1 * np.eye(3)[k], words, ink.colour, fontsize="medium", ha=align)
+    fit(ax, faces, 1.05 * tips, elev=elev, azim=azim, filled=0.8)
+    return PolhodesArtists(
+        ax=ax,
+        data=data,
+        seen=tuple(seen),
+        hidden=tuple(hidden),
+        separatrix=tuple(separatrix),
+        ellipsoid=ellipsoid,
+        axes=tuple(arrows),
+    )

@@ -1,0 +1,319 @@
+"""The path of the axis of a top on the unit sphere."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .. import exact, top
+from .._check import positive_int, rows, sorted_times, vector
+from .._given import attitudes
+from ..scenes import HeavyTop
+from ..solidshapes import ellipsoid_faces
+from . import colours
+from ._draw import arrow, circle, curve, fit, in_space, panels
+from ._sides import eye, sides, surface
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
+
+__all__ = [
+    "WORDS",
+    "Locus",
+    "LocusArtists",
+    "loci",
+    "locus",
+    "locus_data",
+]
+
+Floats = NDArray[np.float64]
+
+ELEV, AZIM = 24.0, -60.0
+UP = np.array([0.0, 0.0, 1.0])
+UPRIGHT = [1.0, 0.0, 0.0, 0.0]
+
+WORDS = {
+    "prolate": "loops",
+    "cusp": "cusps",
+    "curtate": "monotone",
+    "retrograde": "against the spin",
+    "steady": "steady precession",
+}
+"""Kinds of paths as a title says them."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Locus:
+    """The path of the axis of a top on the unit sphere.
+
+    Attributes
+    ----------
+    kind : str
+        That of :func:`rigid.top.classify_locus`; ``"general"`` for a top without a symmetry or
+        under torque or damping.
+    t : ndarray, shape (m,)
+        Times (s).
+    point : ndarray, shape (m, 3)
+        Unit vector to the centre of mass in space.
+    theta, phi : ndarray, shape (m,)
+        Its tilt, and the azimuth of the node line (rad).
+    theta_upper, theta_lower : float or None
+        Tilts of the circles between which the axis moves (rad); None of a general one.
+    """
+
+    kind: str
+    t: Floats
+    point: Floats
+    theta: Floats
+    phi: Floats
+    theta_upper: float | None
+    theta_lower: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class LocusArtists:
+    """What :func:`locus` has drawn.
+
+    Attributes
+    ----------
+    ax : Axes3D
+        Where.
+    data : Locus
+        What.
+    seen, hidden : Line3D
+        The path on this side of the sphere, and behind it.
+    circles : tuple of Line3D
+        The parts of the upper and of the lower circle on this side; none of a general top.
+    start : Line3D
+        The point at the first time.
+    sphere : Poly3DCollection
+        The unit sphere.
+    """
+
+    ax: Any
+    data: Locus
+    seen: Any
+    hidden: Any
+    circles: tuple[Any, ...]
+    start: Any
+    sphere: Any
+
+
+def locus_data(
+    scene: HeavyTop,
+    omega: ArrayLike,
+    attitude: ArrayLike | Rotation | None = None,
+    *,
+    t: ArrayLike | None = None,
+    samples: int = 1201,
+) -> Locus:
+    """The numbers under :func:`locus`.
+
+    Parameters
+    ----------
+    scene : HeavyTop
+        Any heavy top.
+    omega : array_like, shape (3,)
+        Angular velocity in the body at ``t = 0`` (rad/s).
+    attitude : array_like, shape (4,), or scipy Rotation, optional
+        Attitude at ``t = 0``; by default body and space axes coincide.
+    t : array_like, shape (m,), optional
+        Times (s), ascending. Default: ``samples`` of them, as long as the axis of a symmetric top
+        takes to go around the vertical once, but four nutations or more.
+    samples : int
+        Their number.
+
+    Returns
+    -------
+    Locus
+
+    Raises
+    ------
+    ValueError
+        If there are no times for a top that has no period, or the state is not finite.
+
+    Examples
+    --------
+    >>> import numpy as np, rigid
+    >>> from rigid import figures
+    >>> scene = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
+    >>> tilted = [np.cos(np.pi / 6), np.sin(np.pi / 6), 0.0, 0.0]
+    >>> figures.locus_data(scene, [0.0, 0.0, 5.0], tilted).kind
+    'cusp'
+    """
+    rates = vector("omega", omega, 3)
+    if attitude is not None:
+        attitude = attitudes(attitude)
+        if attitude.shape != (4,):
+            raise ValueError(f"attitude: expected shape (4,), got {attitude.shape}")
+    motion = _motion(scene, rates, attitude)
+    kind, upper, lower = "general", None, None
+    if motion is not None:
+        kind = str(top.classify_locus(scene, rates, attitude))
+        upper, lower = float(motion.tilt_min), float(motion.tilt_max)
+    if t is None:
+        length = 0.0 if motion is None else _once_around(motion)
+        if not 0.0 < length < np.inf:
+            raise ValueError(f"t = None: the axis of this top has no period ({kind}), give times")
+        t = np.linspace(0.0, length, positive_int("samples", samples, minimum=2))
+    times = sorted_times("t", t)
+    path = top.locus(scene, rates, attitude, t=times)
+    return Locus(
+        kind=kind,
+        t=times,
+        point=path.point,
+        theta=path.theta,
+        phi=path.phi,
+        theta_upper=upper,
+        theta_lower=lower,
+    )
+
+
+def _motion(scene: HeavyTop, omega: Floats, attitude: Floats | None) -> exact.TopMotion | None:
+    """The motion of a Lagrange top; None of others."""
+    if not isinstance(scene, HeavyTop):
+        raise TypeError(f"scene = {scene!r}: must be a rigid.HeavyTop")
+    if scene.outside is not None or scene.mgl == 0.0:
+        return None
+    if top.heavy_constants(scene, omega, UPRIGHT).a is None:
+        return None
+    return exact.lagrange_top(scene, omega, attitude)
+
+
+def _once_around(motion: exact.TopMotion) -> float:
+    """The time of a turn about the vertical, but no shorter than four nutations."""
+    period, rate = float(motion.period), abs(float(motion.precession))
+    turn = 2.0 * np.pi / rate if rate > 0.0 else 0.0
+    return max(turn, 4.0 * period) if np.isfinite(period) else turn
+
+
+def locus(
+    scene: HeavyTop,
+    omega: ArrayLike,
+    attitude: ArrayLike | Rotation | None = None,
+    *,
+    t: ArrayLike | None = None,
+    ax: Any | None = None,
+) -> LocusArtists:
+    """Draw the path of the axis of a top on the unit sphere, between its two circles.
+
+    Landau and Lifshitz, *Mechanics*, § 35; Ercan 2016, fig. 16; lecture notes, fig. 5.5. The spin
+    takes no part in it.
+
+    Parameters
+    ----------
+    scene, omega, attitude, t
+        As in :func:`locus_data`.
+    ax : Axes3D, optional
+        Where to draw; by default on a new figure that pyplot does not know.
+
+    Returns
+    -------
+    LocusArtists
+
+    Raises
+    ------
+    ValueError
+        As in :func:`locus_data`, and if the axes are not three-dimensional.
+    ImportError
+        Without matplotlib.
+
+    Examples
+    --------
+    >>> import numpy as np, rigid
+    >>> from rigid import figures
+    >>> scene = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
+    >>> tilted = [np.cos(np.pi / 6), np.sin(np.pi / 6), 0.0, 0.0]
+    >>> drawn = figures.locus(scene, [0.0, 0.0, 5.0], tilted)
+    >>> drawn.ax.figure.savefig("locus.png")  # doctest: +SKIP
+    """
+    data = locus_data(scene, omega, attitude, t=t)
+    ax = in_space(ax)
+    towards = eye(ELEV, AZIM)
+    faces = ellipsoid_faces(np.ones(3), rings=24, sectors=48)
+    sphere = surface(ax, faces, "#f2f2f2", towards)
+    curve(ax, circle(np.zeros(3), towards, 1.0), colours.FAINT, linewidth=1.0, zorder=2)
+    red, blue = colours.HUES["vermilion"], colours.HUES["blue"]
+    circles = []
+    for theta, name in ((data.theta_upper, "upper"), (data.theta_lower, "lower")):
+        if theta is not None:
+            ring = circle(np.cos(theta) * UP, UP, float(np.sin(theta)))
+            near, far = sides(ring, ring, towards)
+            circles.append(curve(ax, near, blue, linewidth=1.0, zorder=3, label=name))
+            curve(ax, far, blue, linewidth=0.6, linestyle="dotted", zorder=2)
+    near, far = sides(data.point, data.point, towards)
+    hidden = curve(ax, far, red, linewidth=0.8, alpha=0.45, zorder=2)
+    seen = curve(ax, near, red, linewidth=1.8, zorder=4)
+    (start,) = ax.plot(*data.point[:1].T, "o", color=red, markersize=5, zorder=5)
+    arrow(ax, 0.35 * UP, colours.VERTICAL.colour, colours.VERTICAL.label, start=UP, linewidth=1.4)
+    fit(ax, faces, 1.4 * UP, elev=ELEV, azim=AZIM)
+    return LocusArtists(
+        ax=ax,
+        data=data,
+        seen=seen,
+        hidden=hidden,
+        circles=tuple(circles),
+        start=start,
+        sphere=sphere,
+    )
+
+
+def loci(
+    scene: HeavyTop,
+    omega: ArrayLike,
+    attitude: ArrayLike | Rotation | None = None,
+    *,
+    axes: Sequence[Any] | None = None,
+) -> tuple[LocusArtists, ...]:
+    """Draw the paths of several starts side by side, each with its kind.
+
+    Loops, cusps, a monotone path and, what the lecture notes leave out (erratum G-18), one that is
+    against the spin throughout.
+
+    Parameters
+    ----------
+    scene : HeavyTop
+        Any heavy top whose axis has a period.
+    omega : array_like, shape (n, 3)
+        Angular velocities in the body at ``t = 0`` (rad/s).
+    attitude : array_like, shape (4,) or (n, 4), or scipy Rotation, optional
+        Attitudes at ``t = 0``; by default body and space axes coincide.
+    axes : sequence of n Axes3D, optional
+        Where to draw; by default on a new figure that pyplot does not know, in two columns.
+
+    Returns
+    -------
+    tuple of n LocusArtists
+
+    Raises
+    ------
+    ValueError
+        As in :func:`locus_data`, and if there are not n axes.
+    ImportError
+        Without matplotlib.
+
+    Examples
+    --------
+    >>> import numpy as np, rigid
+    >>> from rigid import figures
+    >>> scene = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
+    >>> tilted = [np.cos(np.pi / 6), np.sin(np.pi / 6), 0.0, 0.0]
+    >>> drawn = figures.loci(scene, [[0.0, -0.26, 5.0], [0.0, 0.0, 5.0]], tilted)
+    >>> [one.data.kind for one in drawn]
+    ['prolate', 'cusp']
+    """
+    rates, _ = rows("omega", omega, 3)
+    start = np.array(UPRIGHT) if attitude is None else attitudes(attitude)
+    if start.shape not in ((4,), (len(rates), 4)):
+        raise ValueError(f"attitude: expected shape (4,) or {(len(rates), 4)}, got {start.shape}")
+    starts = np.broadcast_to(start, (len(rates), 4))
+    places = panels(axes, ["space"] * len(rates), columns=min(2, len(rates)))
+    drawn = []
+    for ax, one, quaternion in zip(places, rates, starts, strict=True):
+        drawn.append(locus(scene, one, quaternion, ax=ax))
+        ax.set_title(WORDS.get(drawn[-1].data.kind, drawn[-1].data.kind), fontsize="medium")
+    return tuple(drawn)

@@ -1,0 +1,235 @@
+"""Why a symmetric top nutates: the well that its tilt moves in."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .. import top
+from .._check import vector
+from .._shown import undriven
+from ..scenes import HeavyTop
+from . import colours
+from ._draw import in_plane, label_in_plane
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
+
+__all__ = [
+    "PotentialWell",
+    "PotentialWellArtists",
+    "constants_of",
+    "effective_potential",
+    "effective_potential_data",
+]
+
+Floats = NDArray[np.float64]
+
+UPRIGHT = [1.0, 0.0, 0.0, 0.0]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PotentialWell:
+    """The effective potential of a top, and what its energy allows.
+
+    Attributes
+    ----------
+    tilt, potential : ndarray, shape (m,)
+        Tilts between 0 and pi (rad) and ``V'`` there (J).
+    E_prime : float
+        Energy of the nutation (J).
+    theta_upper, theta_lower : float
+        Tilts of the upper and the lower circle, between which ``V' <= E'`` (rad).
+    theta_steady, lowest : float
+        Where ``V'`` is least (rad), and how much it is there (J): a top that precesses steadily.
+    """
+
+    tilt: Floats
+    potential: Floats
+    E_prime: float
+    theta_upper: float
+    theta_lower: float
+    theta_steady: float
+    lowest: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PotentialWellArtists:
+    """What :func:`effective_potential` has drawn.
+
+    Attributes
+    ----------
+    ax : Axes
+        Where.
+    data : PotentialWell
+        What.
+    curve, level : Line2D
+        The potential, and the energy between the circles.
+    turning, steady : Line2D
+        The points at the circles, and the lowest one.
+    """
+
+    ax: Any
+    data: PotentialWell
+    curve: Any
+    level: Any
+    turning: Any
+    steady: Any
+
+
+def effective_potential_data(
+    scene: HeavyTop,
+    omega: ArrayLike,
+    attitude: ArrayLike | Rotation | None = None,
+    *,
+    samples: int = 721,
+) -> PotentialWell:
+    """The numbers under :func:`effective_potential`.
+
+    Parameters
+    ----------
+    scene : HeavyTop
+        Two moments equal to the bit, the centre of mass exactly on the third axis.
+    omega : array_like, shape (3,)
+        Angular velocity in the body at any time (rad/s).
+    attitude : array_like, shape (4,), or scipy Rotation, optional
+        Attitude at that time; by default body and space axes coincide.
+    samples : int
+        Number of tilts.
+
+    Returns
+    -------
+    PotentialWell
+
+    Raises
+    ------
+    ValueError
+        If the top is not symmetric or not left to itself, its potential is constant, or the state
+        is not finite.
+
+    Examples
+    --------
+    >>> import numpy as np, rigid
+    >>> from rigid import figures
+    >>> scene = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
+    >>> tilted = [np.cos(np.pi / 6), np.sin(np.pi / 6), 0.0, 0.0]
+    >>> data = figures.effective_potential_data(scene, [0.0, 0.0, 5.0], tilted)
+    >>> round(data.theta_upper, 9), round(data.theta_lower, 9)
+    (1.047197551, 1.377833075)
+    """
+    known = constants_of(scene, omega, attitude)
+    a, b, e_prime = (known[name] for name in ("a", "b", "E_prime"))
+    upper, lower = top.turning_angles(scene, a=a, b=b, E_prime=e_prime)
+    steady = top.effective_minimum(scene, a=a, b=b)
+    tilt = np.linspace(0.0, np.pi, samples)
+    return PotentialWell(
+        tilt=tilt,
+        potential=top.effective_potential(scene, tilt, a=a, b=b).value,
+        E_prime=e_prime,
+        theta_upper=float(upper),
+        theta_lower=float(lower),
+        theta_steady=float(steady),
+        lowest=float(top.effective_potential(scene, steady, a=a, b=b).value),
+    )
+
+
+def effective_potential(
+    scene: HeavyTop,
+    omega: ArrayLike,
+    attitude: ArrayLike | Rotation | None = None,
+    *,
+    ax: Any | None = None,
+) -> PotentialWellArtists:
+    """Draw the effective potential of a top against its tilt, and the energy of its nutation.
+
+    The tilt moves as a particle in this well, between the circles where ``V' = E'`` (Goldstein,
+    *Classical Mechanics*, § 5.7; Ercan 2016, fig. 15, whose level E is E', erratum D-40).
+
+    Parameters
+    ----------
+    scene, omega, attitude
+        As in :func:`effective_potential_data`.
+    ax : Axes, optional
+        Where to draw; by default on a new figure that pyplot does not know.
+
+    Returns
+    -------
+    PotentialWellArtists
+
+    Raises
+    ------
+    ValueError
+        As in :func:`effective_potential_data`, and if the axes are not two-dimensional.
+    ImportError
+        Without matplotlib or SciPy.
+
+    Examples
+    --------
+    >>> import numpy as np, rigid
+    >>> from rigid import figures
+    >>> scene = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
+    >>> tilted = [np.cos(np.pi / 6), np.sin(np.pi / 6), 0.0, 0.0]
+    >>> drawn = figures.effective_potential(scene, [0.0, 0.0, 5.0], tilted)
+    >>> drawn.ax.figure.savefig("potential.png")  # doctest: +SKIP
+    """
+    data = effective_potential_data(scene, omega, attitude)
+    ax = in_plane(ax)
+    blue, level_colour = colours.HUES["blue"], colours.HUES["vermilion"]
+    (curve,) = ax.plot(np.degrees(data.tilt), data.potential, color=blue, linewidth=1.8)
+    ends = np.degrees([data.theta_upper, data.theta_lower])
+    (level,) = ax.plot(ends, [data.E_prime] * 2, color=level_colour, linewidth=1.8)
+    ax.axhline(data.E_prime, color=level_colour, linewidth=0.8, linestyle="dashed", zorder=1)
+    (turning,) = ax.plot(ends, [data.E_prime] * 2, "o", color=level_colour, markersize=6)
+    (steady,) = ax.plot(np.degrees(data.theta_steady), data.lowest, "o", color=blue, markersize=6)
+
+    height = max(data.E_prime - data.lowest, 0.2 * scene.mgl, 0.05 * abs(data.lowest))
+    low, high = data.lowest - 0.75 * height, data.E_prime + 1.6 * height
+    marks = [(data.theta_steady, data.lowest, r"$\theta_\mathrm{m}$", 0.16)]
+    if ends[1] - ends[0] > 1.0:
+        marks.append((data.theta_upper, data.E_prime, r"$\theta_\mathrm{upper}$", 0.06))
+        marks.append((data.theta_lower, data.E_prime, r"$\theta_\mathrm{lower}$", 0.06))
+    for theta, value, name, share in marks:
+        place = np.degrees(theta)
+        ax.plot([place, place], [low, value], color=colours.FAINT, linewidth=0.9, zorder=1)
+        # Outside the well, and inside the axes.
+        left = (22.0 < place < 158.0 and theta < data.theta_steady) or place >= 158.0
+        beside = np.array([place + (-2.0 if left else 2.0), low + share * (high - low)])
+        label_in_plane(ax, beside, name, ha="right" if left else "left")
+    inside = data.potential < high
+    # Names beside the lines, where the well leaves room.
+    label_in_plane(ax, np.array([176.0, data.E_prime]), "$E'$", level_colour, va="bottom")
+    rising = np.flatnonzero(inside)[-1]
+    beside = np.array([np.degrees(data.tilt[rising]) + 3.0, data.potential[rising]])
+    label_in_plane(ax, beside, r"$V'(\theta)$", blue, ha="left", va="top")
+    ax.set(
+        xlim=(0.0, 180.0),
+        ylim=(low, high),
+        xlabel=r"tilt $\theta$ (°)",
+        ylabel="energy (J)",
+        xticks=np.arange(0.0, 181.0, 30.0),
+    )
+    return PotentialWellArtists(
+        ax=ax, data=data, curve=curve, level=level, turning=turning, steady=steady
+    )
+
+
+def constants_of(
+    scene: HeavyTop, omega: ArrayLike, attitude: ArrayLike | Rotation | None
+) -> dict[str, float]:
+    """a, b, alpha, beta and E' of one symmetric top."""
+    if isinstance(scene, HeavyTop):
+        undriven(scene, "energy and momenta of a top")
+    known = top.heavy_constants(
+        scene, vector("omega", omega, 3), UPRIGHT if attitude is None else attitude
+    )
+    if known.a is None:
+        raise ValueError(
+            f"moments = {scene.body.moments}, com = {scene.com}: a symmetric top has two moments "
+            "equal to the bit and its centre of mass exactly on the third axis"
+        )
+    if np.ndim(known.energy):
+        raise ValueError(f"attitude: expected a single one, got the shape {np.shape(known.energy)}")
+    return {name: float(getattr(known, name)) for name in ("a", "b", "alpha", "beta", "E_prime")}

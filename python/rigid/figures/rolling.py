@@ -1,0 +1,234 @@
+"""Poinsot's picture of a free body."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import free
+from .._given import to_space
+from .._shown import states_of, undriven
+from ..scenes import FreeBody, scene_from_dict
+from ..simulate import Run
+from ..solidshapes import across, ellipsoid_faces, plane_face
+from . import colours
+from ._draw import arrow, curve, fit, in_space, label
+from ._sides import eye, sides, surface
+
+__all__ = [
+    "PoinsotArtists",
+    "PoinsotPicture",
+    "poinsot",
+    "poinsot_data",
+]
+
+Floats = NDArray[np.float64]
+
+UP = np.array([0.0, 0.0, 1.0])
+ELEV, AZIM = 22.0, -60.0
+POLHODE, HERPOLHODE = colours.HUES["blue"], colours.HUES["black"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PoinsotPicture:
+    """The inertia ellipsoid at one time of a motion, with the plane that it rolls on.
+
+    All points are in axes of space of which the third is along L (rad/s).
+
+    Attributes
+    ----------
+    t : float
+        The time (s).
+    semi_axes : ndarray, shape (3,)
+        Of the ellipsoid (rad/s).
+    axes : ndarray, shape (3, 3)
+        Unit vectors along its axes, one in a row.
+    distance : float
+        Of the invariable plane from the centre (rad/s).
+    polhode : ndarray, shape (m, 3)
+        The curve of contact on the ellipsoid, of the whole motion, where it is at that time.
+    herpolhode : ndarray, shape (m, 3)
+        The curve of contact in the plane.
+    contact : ndarray, shape (3,)
+        The point of contact at that time, which is omega.
+    """
+
+    t: float
+    semi_axes: Floats
+    axes: Floats
+    distance: float
+    polhode: Floats
+    herpolhode: Floats
+    contact: Floats
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PoinsotArtists:
+    """What :func:`poinsot` has drawn.
+
+    Attributes
+    ----------
+    ax : Axes3D
+        Where.
+    data : PoinsotPicture
+        What.
+    ellipsoid, plane : Poly3DCollection
+        The ellipsoid and the invariable plane.
+    polhode, hidden : Line3D
+        The polhode on this side of the ellipsoid, and behind it.
+    herpolhode, contact : Line3D
+        The curve in the plane, and the point of contact.
+    omega, momentum : SpaceArrow
+        The angular velocity, which ends in the contact, and the direction of L.
+    """
+
+    ax: Any
+    data: PoinsotPicture
+    ellipsoid: Any
+    plane: Any
+    polhode: Any
+    hidden: Any
+    herpolhode: Any
+    contact: Any
+    omega: Any
+    momentum: Any
+
+
+def poinsot_data(run: Run, *, frame: int = 0) -> PoinsotPicture:
+    """The numbers under :func:`poinsot`.
+
+    Parameters
+    ----------
+    run : Run
+        Of a single free body, with attitudes.
+    frame : int
+        Which of its times is shown.
+
+    Returns
+    -------
+    PoinsotPicture
+
+    Raises
+    ------
+    TypeError
+        If the run is not that of a free body.
+    ValueError
+        If attitudes are missing, there is more than one body, it is at rest or under torque or
+        damping, or there is no such time.
+
+    Examples
+    --------
+    >>> import numpy as np, rigid
+    >>> from rigid import figures
+    >>> body = rigid.FreeBody(rigid.Body((1.0, 2.0, 2.5)))
+    >>> run = rigid.simulate(body, [1.1, 0.3, 0.4], t=np.linspace(0.0, 20.0, 401))
+    >>> data = figures.poinsot_data(run, frame=100)
+    >>> bool(abs(data.contact[2] - data.distance) < 1e-14)
+    True
+    """
+    scene = scene_from_dict(run.spec["scene"])
+    if not isinstance(scene, FreeBody):
+        raise TypeError(f"scene = {scene!r}: Poinsot's picture is that of a rigid.FreeBody")
+    undriven(scene, "Poinsot's picture")
+    omega, attitude = states_of(run)
+    k = _index("frame", frame, len(run.t))
+    rolled = free.poinsot(scene, omega, attitude)
+    assert rolled.normal is not None
+    assert rolled.contact is not None
+    level = np.stack(across(rolled.normal))
+    return PoinsotPicture(
+        t=float(run.t[k]),
+        semi_axes=rolled.semi_axes,
+        axes=to_space(attitude[k], np.eye(3)) @ level.T,
+        distance=float(rolled.distance),
+        polhode=to_space(attitude[k], rolled.polhode) @ level.T,
+        herpolhode=rolled.contact @ level.T,
+        contact=rolled.contact[k] @ level.T,
+    )
+
+
+def poinsot(run: Run, *, frame: int = 0, ax: Any | None = None) -> PoinsotArtists:
+    """Draw Poinsot's picture: the inertia ellipsoid rolls on a plane that is fixed in space.
+
+    It touches the plane in omega, at rest for the moment; the point of contact describes the
+    polhode on the ellipsoid and the herpolhode in the plane (Landau and Lifshitz, *Mechanics*,
+    § 37; Goldstein, *Classical Mechanics*, § 5.6; lecture notes, fig. 5.3).
+
+    Parameters
+    ----------
+    run, frame
+        As in :func:`poinsot_data`.
+    ax : Axes3D, optional
+        Where to draw; by default on a new figure that pyplot does not know.
+
+    Returns
+    -------
+    PoinsotArtists
+
+    Raises
+    ------
+    TypeError, ValueError
+        As in :func:`poinsot_data`, and if the axes are not three-dimensional.
+    ImportError
+        Without matplotlib.
+
+    Examples
+    --------
+    >>> import numpy as np, rigid
+    >>> from rigid import figures
+    >>> body = rigid.FreeBody(rigid.Body((1.0, 2.0, 2.5)))
+    >>> run = rigid.simulate(body, [1.1, 0.3, 0.4], t=np.linspace(0.0, 20.0, 401))
+    >>> drawn = figures.poinsot(run)
+    >>> drawn.ax.figure.savefig("poinsot.png")  # doctest: +SKIP
+    """
+    data = poinsot_data(run, frame=frame)
+    ax = in_space(ax)
+    faces = ellipsoid_faces(data.semi_axes, rings=30, sectors=60) @ data.axes
+    towards = eye(ELEV, AZIM)
+    ellipsoid = surface(ax, faces, "#b9ddf4", towards)
+    foot = data.distance * UP
+    radius = float(np.linalg.norm(data.herpolhode - foot, axis=1).max())
+    square = plane_face(foot, UP, 1.25 * max(radius, 0.3 * data.distance))
+    plane = surface(ax, square, colours.FAINT, towards, alpha=0.4, zorder=2, linewidths=0.0)
+    outward = data.polhode @ data.axes.T / data.semi_axes**2 @ data.axes
+    near, far = sides(data.polhode, outward, towards)
+    polhode = curve(ax, near, POLHODE, linewidth=1.6, zorder=3)
+    hidden = curve(ax, far, POLHODE, linewidth=0.8, alpha=0.5, zorder=3)
+    herpolhode = curve(ax, data.herpolhode, HERPOLHODE, linewidth=1.2, zorder=4)
+    omega = arrow(ax, data.contact, colours.OMEGA.colour, zorder=4)
+    label(
+        ax,
+        0.6 * data.contact + 0.06 * data.distance * np.cross(towards, UP),
+        colours.OMEGA.label,
+        colours.OMEGA.colour,
+    )
+    momentum = arrow(ax, 1.4 * foot, colours.L.colour, colours.L.label, zorder=4)
+    (contact,) = ax.plot(
+        *data.contact[:, np.newaxis], "o", color=colours.OMEGA.colour, markersize=6, zorder=6
+    )
+    leftmost = square[0, (square[0] @ np.cross(towards, UP)).argmax()]
+    label(ax, leftmost, "invariable plane ", colours.NEUTRAL, fontsize="small", ha="right")
+    fit(ax, faces, square, 1.5 * foot, elev=ELEV, azim=AZIM)
+    return PoinsotArtists(
+        ax=ax,
+        data=data,
+        ellipsoid=ellipsoid,
+        plane=plane,
+        polhode=polhode,
+        hidden=hidden,
+        herpolhode=herpolhode,
+        contact=contact,
+        omega=omega,
+        momentum=momentum,
+    )
+
+
+def _index(name: str, value: int, length: int) -> int:
+    if isinstance(value, bool) or not isinstance(value, (int, np.integer)):
+        raise TypeError(f"{name} = {value!r}: must be a whole number")
+    if not -length <= value < length:
+        raise ValueError(f"{name} = {value}: the run has {length} times")
+    return int(value)

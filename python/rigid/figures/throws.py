@@ -1,0 +1,299 @@
+"""Rates and invariants against time: a thrown body, and what a run keeps."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import free
+from ..scenes import HeavyTop, scene_from_dict
+from ..simulate import Run
+from ..top.constants import symmetry_of
+from . import colours
+from ._draw import in_plane, label_in_plane, panels
+
+__all__ = [
+    "Drift",
+    "DriftArtists",
+    "ThrowArtists",
+    "invariants",
+    "invariants_data",
+    "throw",
+]
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ThrowArtists:
+    """What :func:`throw` has drawn.
+
+    Attributes
+    ----------
+    axes : tuple of 6 Axes
+        Where: clean about the axes 1, 2, 3, then with noise.
+    data : ThrowExperiment
+        What.
+    omega : tuple of 6 tuples of 3 Line2D
+        The rates about the axes of the body.
+    dots : tuple of 6 Line2D
+        The local indicator at whole seconds.
+    """
+
+    axes: tuple[Any, ...]
+    data: free.ThrowExperiment
+    omega: tuple[tuple[Any, ...], ...]
+    dots: tuple[Any, ...]
+
+
+def throw(experiment: free.ThrowExperiment, *, axes: Sequence[Any] | None = None) -> ThrowArtists:
+    """Draw the rates of a body thrown about each of its axes, cleanly and with noise.
+
+    The dots are the largest real part of an eigenvalue of the Jacobian at whole seconds: how fast a
+    disturbance would grow if the rates stood still. They are positive on stable motions too, and no
+    label of stability (Buller and Wernstål 2011, fig. 3; errata S-14, S-15).
+
+    Parameters
+    ----------
+    experiment : ThrowExperiment
+        Runs of :func:`rigid.free.throw_experiment`, which has all the numbers.
+    axes : sequence of 6 Axes, optional
+        Where to draw; by default on a new figure that pyplot does not know.
+
+    Returns
+    -------
+    ThrowArtists
+
+    Raises
+    ------
+    TypeError
+        If ``experiment`` is none.
+    ValueError
+        If there are not six axes.
+    ImportError
+        Without matplotlib.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> from rigid import figures, free
+    >>> thrown = free.throw_experiment(rigid.Body.box(0.01, 0.08, 0.25), [0.05, 0.05, 0.05])
+    >>> drawn = figures.throw(thrown)
+    >>> drawn.axes[0].figure.savefig("throw.png")  # doctest: +SKIP
+    """
+    if not isinstance(experiment, free.ThrowExperiment):
+        raise TypeError(f"experiment = {experiment!r}: must be a rigid.free.ThrowExperiment")
+    places = panels(axes, ["plane"] * 6, columns=3)
+    if axes is None:
+        places[0].figure.set_size_inches(11.0, 6.0)
+    low = min(experiment.omega.min(), 0.0)
+    high = max(experiment.omega.max(), experiment.dots.max())
+    room = 0.08 * (high - low)
+    lines, dots = [], []
+    for k, ax in enumerate(places):
+        rates = experiment.omega[k].T
+        lines.append(
+            tuple(
+                ax.plot(experiment.t, rate, color=ink.colour, linewidth=1.4)[0]
+                for rate, ink in zip(rates, colours.AXES, strict=True)
+            )
+        )
+        dots += ax.plot(experiment.dots_t, experiment.dots[k], "o", color="black", markersize=3)
+        ax.axhline(0.0, color=colours.FAINT, linewidth=0.7, zorder=1)
+        ax.set(xlim=(0.0, experiment.t[-1]), ylim=(low - room, high + room))
+        how = "cleanly" if k < 3 else "with noise"
+        ax.set_title(f"{how} about axis {k % 3 + 1}", fontsize="medium", loc="left")
+        if k >= 3:
+            ax.set_xlabel("$t$ (s)")
+    for row in (0, 3):
+        places[row].set_ylabel(r"$\omega$ (rad/s)")
+    # Names in the first panel, where the rates are apart and constant.
+    for place, (name, colour) in enumerate(
+        [(rf"$\omega_{k + 1}$", ink.colour) for k, ink in enumerate(colours.AXES)]
+        + [(r"max Re $\lambda$ (1/s)", "black")]
+    ):
+        where = np.array([0.04 + 0.13 * place, 0.62])
+        style: dict[str, Any] = {"transform": places[0].transAxes, "ha": "left"}
+        label_in_plane(places[0], where, name, colour, fontsize="medium", **style)
+    return ThrowArtists(axes=tuple(places), data=experiment, omega=tuple(lines), dots=tuple(dots))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Drift:
+    """How far the constants of a motion are from their first values.
+
+    Attributes
+    ----------
+    t : ndarray, shape (m,)
+        Times (s).
+    names : tuple of str of length k
+        ``"energy"``; of a free body ``"L"``, its size, and ``"L_space"``, the vector; of a heavy
+        top ``"p_phi"``, about the vertical, and of a symmetric one ``"p_psi"``. Under torque or
+        damping only ``"energy less work"``.
+    drift : ndarray, shape (k, m)
+        Size of the difference: of energies relative to the kinetic energy at the start (under
+        torque, to the largest), plus ``mgl``; of momenta to ``|L|`` at the start, plus
+        ``sqrt(mgl I_max)``.
+    """
+
+    t: Floats
+    names: tuple[str, ...]
+    drift: Floats
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class DriftArtists:
+    """What :func:`invariants` has drawn.
+
+    Attributes
+    ----------
+    ax : Axes
+        Where.
+    data : Drift
+        What.
+    lines : tuple of k Line2D
+        The drifts, in the order of their names.
+    """
+
+    ax: Any
+    data: Drift
+    lines: tuple[Any, ...]
+
+
+NAMES = {
+    "energy": ("$E$", colours.HUES["vermilion"]),
+    "energy less work": ("$E - W$", colours.HUES["vermilion"]),
+    "L": (r"$|\mathbf{L}|$", colours.HUES["blue"]),
+    "L_space": (r"$\mathbf{L}$ in space", colours.HUES["green"]),
+    "p_phi": (r"$p_\phi$", colours.HUES["blue"]),
+    "p_psi": (r"$p_\psi$", colours.HUES["green"]),
+}
+"""Labels and colours of the constants."""
+
+ROUNDING = float(np.finfo(np.float64).eps)
+
+
+def invariants_data(run: Run) -> Drift:
+    """The numbers under :func:`invariants`, of :func:`rigid.free.invariants`.
+
+    Parameters
+    ----------
+    run : Run
+        Of a single body; a heavy top needs its vertical or its attitude.
+
+    Returns
+    -------
+    Drift
+
+    Raises
+    ------
+    TypeError
+        If ``run`` is none.
+    ValueError
+        If it has many bodies, less than two times or states that are not finite, or lacks the
+        vertical.
+
+    Examples
+    --------
+    >>> import numpy as np, rigid
+    >>> from rigid import figures
+    >>> scene = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
+    >>> run = rigid.simulate(
+    ...     scene, [1.0, 1.0, 1.0], t=np.linspace(0.0, 50.0, 101), method="rk4", step=0.05
+    ... )
+    >>> data = figures.invariants_data(run)
+    >>> data.names, bool(data.drift[0].max() > 1e-9)
+    (('energy', 'L', 'L_space'), True)
+    """
+    if not isinstance(run, Run):
+        raise TypeError(f"run = {run!r}: must be a rigid.Run")
+    if run.omega.ndim != 2 or len(run.t) < 2:
+        raise ValueError(
+            f"omega of shape {run.omega.shape}: needs one body at two times or more, (m, 3)"
+        )
+    scene = scene_from_dict(run.spec["scene"])
+    kept = free.invariants(run)
+    energy, momentum = float(kept.kinetic[0]), float(kept.L[0])
+    constants = {"energy": kept.energy}
+    if run.work is not None:
+        constants = {"energy less work": kept.energy - run.work}
+        energy = float(kept.kinetic.max())
+    elif isinstance(scene, HeavyTop):
+        constants["p_phi"] = _known(kept.p_phi)
+        if symmetry_of(scene) is not None:
+            constants["p_psi"] = _known(kept.p_psi)
+    else:
+        constants["L"] = kept.L
+        if kept.L_space is not None:
+            constants["L_space"] = kept.L_space
+    if isinstance(scene, HeavyTop):
+        energy += scene.mgl
+        momentum += float(np.sqrt(scene.mgl * max(scene.body.moments)))
+    if energy == 0.0:
+        raise ValueError("omega = [0, 0, 0]: a free body at rest has nothing to drift")
+    drift = []
+    for name, values in constants.items():
+        change = values - values[:1]
+        size = np.linalg.norm(change, axis=-1) if change.ndim == 2 else np.abs(change)
+        drift.append(size / (energy if name.startswith("energy") else momentum))
+    return Drift(t=run.t, names=tuple(constants), drift=np.array(drift))
+
+
+def invariants(run: Run, *, ax: Any | None = None) -> DriftArtists:
+    """Draw how far energy and angular momentum of a run drift, on a logarithmic scale.
+
+    The grey line is the rounding of a single number; what is exactly as at the start lies at the
+    lower edge. A constant that a scheme keeps stays down there, one that it does not keep drifts.
+
+    Parameters
+    ----------
+    run
+        As in :func:`invariants_data`.
+    ax : Axes, optional
+        Where to draw; by default on a new figure that pyplot does not know.
+
+    Returns
+    -------
+    DriftArtists
+
+    Raises
+    ------
+    TypeError, ValueError
+        As in :func:`invariants_data`, and if the axes are not two-dimensional.
+    ImportError
+        Without matplotlib.
+
+    Examples
+    --------
+    >>> import numpy as np, rigid
+    >>> from rigid import figures
+    >>> scene = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
+    >>> run = rigid.simulate(
+    ...     scene, [1.0, 1.0, 1.0], t=np.linspace(0.0, 50.0, 101), method="rk4", step=0.05
+    ... )
+    >>> drawn = figures.invariants(run)
+    >>> drawn.ax.figure.savefig("drift.png")  # doctest: +SKIP
+    """
+    data = invariants_data(run)
+    ax = in_plane(ax)
+    ax.axhline(ROUNDING, color=colours.FAINT, linewidth=1.0, zorder=1)
+    lines, floor = [], 0.02 * ROUNDING
+    for name, values in zip(data.names, data.drift, strict=True):
+        words, colour = NAMES[name]
+        seen = np.maximum(values, floor)
+        lines += ax.plot(data.t, seen, color=colour, linewidth=1.2, label=words)
+    ax.set(yscale="log", xlim=(data.t[0], data.t[-1]), xlabel="$t$ (s)", ylabel="relative drift")
+    ax.set_ylim(0.7 * floor, 10.0 * max(float(data.drift.max()), ROUNDING))
+    method = run.spec["method"]
+    ax.set_title(method, fontsize="medium", loc="left")
+    ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)
+    return DriftArtists(ax=ax, data=data, lines=tuple(lines))
+
+
+def _known(values: Floats | None) -> Floats:
+    assert values is not None  # the energy of a heavy top has needed its vertical
+    return values
