@@ -68,7 +68,7 @@ class Run:
         The same of the conserved angular momentum: ``|L|`` of a free body, relative to itself;
         ``L·gamma`` of a top, relative to ``|L| + sqrt(mgl I_max)`` at the start. Under torque and
         damping: of ``L·gamma`` (of ``L·L`` where rates alone are carried) less what they added;
-        ``"etd4"`` and ``"splitting"`` keep that by construction.
+        ``"etd4"`` and ``"splitting"`` keep that by construction, ``"midpoint"`` both balances.
     unit_drift : ndarray, shape (n,)
         Largest deviation of ``|gamma|`` and ``|q|`` from one; 0 if neither is carried.
     status : ndarray of uint8, shape (n,)
