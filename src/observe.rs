@@ -90,6 +90,47 @@ impl Flips {
             watched.flips = watched.flips + R::select(flipped, R::splat(1.0), zero);
             watched.side = R::select(flipped, -watched.side, watched.side);
         }
+        if const { S::ORDER > 0 } {
+            Self::twice_in_a_step(scheme, p, watched, time, [before, after], course);
+        }
+    }
+
+    /// In a long step a component may pass zero and come back: towards zero at the begin, away from it at the end, and
+    /// beyond it between.
+    #[inline(always)]
+    fn twice_in_a_step<R: Real, M: Model<R>, L: Layout, S: Scheme<R, M, L, D>, const D: usize>(
+        scheme: &S,
+        p: &Parameters<R>,
+        watched: &mut Watched<R>,
+        time: R,
+        [before, after]: [&[R; D]; 2],
+        course: &Coefficients<R, D>,
+    ) {
+        let zero = R::splat(0.0);
+        let first = course.order(1);
+        let begin_slope = along(&watched.axis, &[first[0], first[1], first[2]]) * watched.side;
+        let end_slope = along(&watched.axis, &scheme.velocity(p, after)) * p.step * watched.side;
+        let dips = R::select(zero.lt(end_slope), begin_slope, zero).lt(zero);
+        if R::any(dips) {
+            let turn = turning_share(course, S::ORDER, 0, &watched.axis, [begin_slope, end_slope]);
+            let (omega, _) = on_the_way(course, S::ORDER, 0, turn);
+            let begin = along(&watched.axis, &[before[0], before[1], before[2]]) * watched.side;
+            let deepest = along(&watched.axis, &omega) * watched.side;
+            // Not of a step that ends on the other side: that is one flip, and `side` is the new one by now.
+            let twice = R::select(zero.lt(begin), R::select(dips, deepest, zero), zero).lt(zero);
+            if R::any(twice) {
+                let mut share = turn * (begin / (begin - deepest));
+                for _ in 0..6 {
+                    let (omega, rate) = on_the_way(course, S::ORDER, 0, share);
+                    let (value, slope) = (along(&watched.axis, &omega), along(&watched.axis, &rate));
+                    // The first of the two lies before the turn.
+                    share = newton(share, value, slope).min(turn);
+                }
+                let at = p.step.fma(share, time);
+                watched.left = R::select(twice, first_time(watched.left, at), watched.left);
+                watched.flips = watched.flips + R::select(twice, R::splat(2.0), zero);
+            }
+        }
     }
 }
 
@@ -159,8 +200,8 @@ impl Tilt {
             // The cosine falls, then rises.
             let turns = R::select(zero.lt(end_slope), begin_slope, zero).lt(zero);
             if R::any(turns) {
-                let turn =
-                    turning_share::<R, L, D>(course, S::ORDER, &watched.axis, [begin_slope, end_slope]);
+                let first = 3 + 3 * L::WATCHED;
+                let turn = turning_share(course, S::ORDER, first, &watched.axis, [begin_slope, end_slope]);
                 let (n, _) = on_the_way(course, S::ORDER, 3 + 3 * L::WATCHED, turn);
                 let [cosine_there, sine2_there] = tilt(&watched.axis, &n);
                 share = R::select(turns, turn, share);
@@ -188,11 +229,13 @@ impl Tilt {
     }
 }
 
-/// Where in a step the cosine of the tilt turns, its slopes at both ends being of opposite sign.
+/// Where in a step the part along an axis of three numbers, from the `first` on, turns, its slopes at both ends being
+/// of opposite sign.
 #[inline(always)]
-fn turning_share<R: Real, L: Layout, const D: usize>(
+fn turning_share<R: Real, const D: usize>(
     course: &Coefficients<R, D>,
     order: usize,
+    first: usize,
     axis: &[R; 3],
     [begin_slope, end_slope]: [R; 2],
 ) -> R {
@@ -201,7 +244,8 @@ fn turning_share<R: Real, L: Layout, const D: usize>(
         let (mut slope, mut bend) = (R::splat(0.0), R::splat(0.0));
         for k in (1..=order).rev() {
             bend = bend.fma(share, slope);
-            let along = along(axis, &direction(course.order(k), L::WATCHED));
+            let row = course.order(k);
+            let along = along(axis, &[row[first], row[first + 1], row[first + 2]]);
             slope = slope.fma(share, along * R::splat(k as f64));
         }
         share = newton(share, slope, bend);

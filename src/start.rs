@@ -4,7 +4,7 @@ use crate::body::Inertia;
 use crate::group::{Group, MAX_STATE};
 use crate::kernel::{Compiled, Kernel, System, Table, Watch};
 use crate::method::{Form, Method};
-use crate::model::{Parameters, cross, dot, quaternion_product, seen_from_body};
+use crate::model::{Drive, Parameters, cross, dot, quaternion_product, seen_from_body};
 use crate::observe::tilt;
 use crate::outside::Outside;
 use crate::special::sincos;
@@ -412,32 +412,58 @@ pub fn widen_scales(group: &mut Group, lane: usize, system: System, body: &Body,
 
 /// The side of zero that a component starts on; on zero, the side that it is about to enter.
 fn side(body: &Body, k: usize) -> f64 {
-    let value = if body.omega[k] == 0.0 { rates_soon(body)[k] } else { body.omega[k] };
+    let value = if body.omega[k] == 0.0 {
+        rates_soon(body, &Drive::none(), body.fastest_rate())[k]
+    } else {
+        body.omega[k]
+    };
     if value < 0.0 { -1.0 } else { 1.0 }
 }
 
-/// The rates, times a time in which the body turns by a thousandth of a radian, after that time: by their
-/// Taylor series, since the first derivatives may vanish too (a top released at rest).
-fn rates_soon(body: &Body) -> [f64; 3] {
+/// The same of a driven body in a lane, as fast as `rate`, watched along a signed axis.
+pub fn enter_side(group: &mut Group, lane: usize, body: &Body, watched: i32, drive: &Drive<f64>, rate: f64) {
+    let axis = watched.unsigned_abs() as usize;
+    if axis > 0 && body.omega[axis - 1] == 0.0 {
+        let value = rates_soon(body, drive, rate)[axis - 1];
+        group.side.0[lane] = f64::from(watched.signum()) * if value < 0.0 { -1.0 } else { 1.0 };
+    }
+}
+
+/// The rates, times a time in which a body as fast as `rate` turns by a thousandth of a radian, after that time: by
+/// their Taylor series, since the first derivatives may vanish too (a top released at rest).
+fn rates_soon(body: &Body, drive: &Drive<f64>, rate: f64) -> [f64; 3] {
     const TERMS: usize = 6;
-    let time = 1e-3 / body.fastest_rate();
+    let time = 1e-3 / rate;
     let (i, c) = (body.moments, body.weight.map(|c| c * time * time));
     let (mut w, mut n) = ([[0.0; 3]; TERMS], [[0.0; 3]; TERMS]);
     w[0] = body.omega.map(|rate| rate * time);
     n[0] = body.vertical();
+    // Torques in space, seen from the body, turn like its vertical.
+    let seen = |torque: &[f64; 3]| seen_from_body(&body.attitude, torque).map(|x| x * time * time);
+    let (mut steady, mut rising) = ([[0.0; 3]; TERMS], [[0.0; 3]; TERMS]);
+    (steady[0], rising[0]) = (seen(&drive.space[0]), seen(&drive.space[1]).map(|x| x * time));
+    let own = [drive.body[0].map(|x| x * time * time), drive.body[1].map(|x| x * time * time * time)];
+    let [d11, d22, d33, d23, d31, d12] = drive.damping.map(|d| d * time);
+    let damping = [[d11, d12, d31], [d12, d22, d23], [d31, d23, d33]];
     let mut sum = w[0];
     for m in 0..TERMS - 1 {
         let order = (m + 1) as f64;
         for x in 0..3 {
             let (y, z) = ((x + 1) % 3, (x + 2) % 3);
-            let mut torque = n[m][y] * c[z] - n[m][z] * c[y];
-            let mut turning = 0.0;
+            let mut torque = n[m][y] * c[z] - n[m][z] * c[y] + steady[m][x] - dot(&damping[x], &w[m]);
+            torque += if m < 2 { own[m][x] } else { 0.0 };
+            torque += if m > 0 { rising[m - 1][x] } else { 0.0 };
             for a in 0..=m {
                 torque += (i[y] - i[z]) * w[a][y] * w[m - a][z];
-                turning += n[a][y] * w[m - a][z] - n[a][z] * w[m - a][y];
             }
             w[m + 1][x] = torque / i[x] / order;
-            n[m + 1][x] = turning / order;
+            for row in [&mut n, &mut steady, &mut rising] {
+                let mut turning = 0.0;
+                for a in 0..=m {
+                    turning += row[a][y] * w[m - a][z] - row[a][z] * w[m - a][y];
+                }
+                row[m + 1][x] = turning / order;
+            }
             sum[x] += w[m + 1][x];
         }
     }

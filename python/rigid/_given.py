@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ._check import numbers
 from .bodies import Body, possible
-from .scenes import FreeBody, HeavyTop
+from .scenes import FreeBody, HeavyTop, scene_words
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -63,6 +63,10 @@ def moments_of(body: object, *, rod: bool = False) -> Floats:
     where none is needed.
     """
     if isinstance(body, (FreeBody, HeavyTop)):
+        if body.outside is not None:
+            raise ValueError(
+                f"scene = {scene_words(body)}: torque and damping are not taken into account here"
+            )
         body = body.body
     if isinstance(body, Body):
         return np.array(body.moments)

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from . import _core
 from .columns import fastest_rates
-from .methods import rotations
+from .methods import rotations, stiff_methods
 
 __all__ = [
     "SAMPLE",
@@ -129,6 +129,9 @@ def believe(
     if times[0] < 0.0:
         checks = np.union1d(checks, [0])
     ratio = max(2.0 ** (2.0 / order), 1.2)
+    if "outside" in table and method in stiff_methods():
+        # Under strong damping their order falls, to one at worst.
+        ratio = max(ratio, 2.0)
     shorter = span / np.maximum(taken, 1.0) / ratio
     again = _core.simulate(
         **table,
@@ -148,12 +151,14 @@ def believe(
     error = SAFETY * distances(seen, again) + floor[:, None]
     # What is not a number is not known; a body that was not run has no error.
     error = np.where(np.isfinite(error), error, np.inf)
-    if "outside" in table:
+    if "outside" in table and method in stiff_methods() and tolerance is None:
         # Damping can stop a body within a step: the way it turned meanwhile is lost in both runs.
         error[rates * span > np.pi * taken] = np.inf
     error[taken == 0] = np.nan
-    lost = np.abs(times[checks])
-    lost_from = np.where(error >= 1.0, lost, np.inf).min(axis=1)
+    # The one nearest to the start, with its sign.
+    lost = np.where(error >= 1.0, np.abs(times[checks]), np.inf)
+    nearest = lost.argmin(axis=1)
+    lost_from = np.where(np.isfinite(lost.min(axis=1)), times[checks][nearest], np.inf)
     return Belief(error.max(axis=1), lost_from)
 
 

@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from . import _core
 from ._check import resolve_threads, sorted_times
 from .belief import around
-from .columns import check_scene, columns, each_row, fastest_rates, laid_out
-from .grid import pixels
+from .columns import check_scene, columns, each_row, fastest_rates
+from .grid import outsides, pixels
 from .mapspec import MapSpec, core_job
 from .methods import EXACT, SECOND, angle_per_step
 from .quaternions import quaternion_product
@@ -118,8 +118,8 @@ def growth(table: Mapping[str, Any], times: Floats, threads: int) -> Floats:
         threads=threads,
         times=times.tolist(),
     )
-    omega = states["omega"].reshape(count, 13, -1, 3) / scale[:, None, None, None]
-    attitude = states["attitude"].reshape(count, 13, -1, 4)
+    omega = states["omega"].reshape(count, 13, len(times), 3) / scale[:, None, None, None]
+    attitude = states["attitude"].reshape(count, 13, len(times), 4)
     known = np.isfinite(omega).all(axis=(1, 3)) & np.isfinite(attitude).all(axis=(1, 3))
     attitude = np.where(known[:, None, :, None], attitude, [1.0, 0.0, 0.0, 0.0])
     turn = quaternion_product(attitude[:, :1] * [1.0, -1.0, -1.0, -1.0], attitude)
@@ -130,7 +130,8 @@ def growth(table: Mapping[str, Any], times: Floats, threads: int) -> Floats:
     first, second = forward - back, forward + back
     first[~known] = 0.0
     factors = np.linalg.norm(first, 2, axis=(-2, -1)) / (2.0 * DIFFERENCE)
-    bent = np.abs(second).max(axis=(-2, -1)) > BENT * np.abs(first).max(axis=(-2, -1))
+    size = np.abs(first).max(axis=(-2, -1))
+    bent = (np.abs(second).max(axis=(-2, -1)) > BENT * size) | (size > BENT)
     found: Floats = np.where(known, np.where(bent, np.inf, factors), np.nan)
     return found
 
@@ -143,11 +144,24 @@ def over_map(spec: MapSpec, samples: int, threads: int) -> Floats:
     of_pixel = np.repeat(possible, samples)
     omega = np.array([body["omega"] for body in drawn]).reshape(-1, 3)
     attitude = np.array([body["attitude"] for body in drawn]).reshape(-1, 4)
-    table = laid_out(spec.scene, omega, attitude, len(drawn))
-    table |= {"moments": rows.moments[of_pixel], "weight": rows.weight[of_pixel]}
-    factors = growth(table, np.array([spec.t_end]), threads).reshape(-1, samples)
+    factors = np.empty(len(drawn))
+    every = outsides(spec.scene, rows)
+    groups: dict[_core.Outside | None, list[int]] = {}
+    for place, pixel in enumerate(of_pixel):
+        groups.setdefault(None if every is None else every[pixel], []).append(place)
+    for acting, mine in groups.items():
+        table: dict[str, Any] = {
+            "scene": spec.scene.kind,
+            "moments": rows.moments[of_pixel[mine]],
+            "weight": rows.weight[of_pixel[mine]],
+            "omega": omega[mine],
+            "attitude": attitude[mine],
+        }
+        if acting is not None:
+            table["outside"] = acting
+        factors[mine] = growth(table, np.array([spec.t_end]), threads)[:, 0]
     layer = np.full(spec.shape, np.nan)
-    layer.flat[possible] = np.median(factors, axis=1)
+    layer.flat[possible] = np.median(factors.reshape(-1, samples), axis=1)
     return layer
 
 

@@ -52,6 +52,7 @@ def schemes() -> dict[tuple[str, str], Scheme]:
     }
 
 
+@np.errstate(all="ignore")
 def cheapest(
     accuracy: float, kind: str, question: str | Criterion, angles: Mapping[str, float]
 ) -> str:

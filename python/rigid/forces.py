@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
-from ._check import numbers, sorted_times
+from ._check import numbers, shaped, sorted_times
 
 __all__ = ["Damping", "Torque", "checked_damping", "checked_torque", "damping_words", "outside_of"]
 
@@ -73,12 +73,14 @@ class Torque:
 
     @classmethod
     def _made(cls, values: ArrayLike, times: ArrayLike | None, frame: int) -> Torque:
-        array = numbers("torque", values)
+        array = shaped("torque", values)
         if times is None:
             knots = np.empty(0)
             wanted: tuple[int, ...] = (3,)
         else:
             knots = sorted_times("torque times", times)
+            if len(knots) < 2:
+                raise ValueError(f"torque times = {knots.tolist()}: a table has at least two times")
             wanted = (len(knots), 3)
         if array.shape != wanted:
             hint = "; give the times of a table" if times is None and array.ndim == 2 else ""
@@ -114,7 +116,7 @@ class Torque:
         ValueError
             If the table does not reach a time.
         """
-        times = np.atleast_1d(numbers("t", t))
+        times = np.atleast_1d(shaped("t", t))
         if self.times:
             outside = (times < self.times[0]) | (times > self.times[-1])
             if outside.any():
@@ -165,11 +167,12 @@ class Torque:
     def _outside(self, damping: Damping | None, unit: int) -> _core.Outside:
         d = damping or (_ZERO, _ZERO, _ZERO)
         entries = np.array([d[0][0], d[1][1], d[2][2], d[1][2], d[0][2], d[0][1]])
+        scaled = [np.ldexp(np.array(x), -unit) for x in (self.in_body, self.in_space, entries)]
+        for name, array in (("torque", scaled[:2]), ("damping", scaled[2:])):
+            if not all(np.isfinite(part).all() for part in array):
+                raise ValueError(f"{name}: must be below 1e308 times the largest moment")
         return _core.Outside(
-            times=list(self.times),
-            body=np.ldexp(np.array(self.in_body), -unit),
-            space=np.ldexp(np.array(self.in_space), -unit),
-            damping=np.ldexp(entries, -unit).tolist(),
+            times=list(self.times), body=scaled[0], space=scaled[1], damping=scaled[2].tolist()
         )
 
 
@@ -207,6 +210,11 @@ def checked_damping(damping: ArrayLike | None) -> Damping | None:
         raise ValueError(f"damping = {array.tolist()}: must be a symmetric matrix")
     if not size:
         return None
+    if np.linalg.eigvalsh(array / size).min() < -1e-14:
+        raise ValueError(
+            f"damping = {array.tolist()}: must be positive semi-definite: no motion may be fed by "
+            "it"
+        )
     # As a difference: the sum of two huge entries could overflow.
     first, second, third = _vectors(array + 0.5 * (array.T - array))
     outside_of(None, (first, second, third))

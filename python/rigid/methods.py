@@ -24,6 +24,7 @@ __all__ = [
     "rotations",
     "run_methods",
     "series_methods",
+    "stiff_methods",
 ]
 
 EXACT = "exact"
@@ -154,3 +155,8 @@ def check_method(name: str, kind: str, *, watched: bool, driven: bool = False) -
                 f"method = {name!r}: moves bodies without torque and damping only; under them "
                 f"move {', '.join(map(repr, driven_methods()))}"
             )
+
+
+def stiff_methods() -> list[str]:
+    """The schemes that strong damping does not force to short steps."""
+    return [method.name for method in methods() if method.stiff]

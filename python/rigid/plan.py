@@ -292,6 +292,8 @@ def decide(
     chosen, why = _choice(scene, question, forms, method, step)
     rates = turning = None
     between = (back, back + (span or 0.0))
+    if scene.torque is not None and span is not None:
+        scene.torque.at(between)  # refuses times that its table does not reach
     if table is not None and (span is not None or not driven):
         turning = fastest_rates(table, between)
         rates = turning

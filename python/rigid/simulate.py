@@ -83,8 +83,9 @@ class Run:
         than 32 bodies and no ``accuracy``, a sample of 32 is run again and the others are given its
         largest error. By closed form, ``1e-15`` per radian turned. NaN for a body that was not run.
     lost_from : ndarray, shape (n,)
-        Time from which on the error is 1 or more: from there the state is numerical, not physical.
-        Infinite if there is none.
+        Time from which on, away from 0, the error is 1 or more: from there the state is numerical,
+        not physical. Negative if that is backward in time; infinite if there is none; NaN for a
+        body that was not run or overflowed.
     nanoseconds : int
         Processor time of the states, of all threads together; not that of the second run.
     spec : dict
@@ -146,7 +147,7 @@ class Run:
     def _reason(self, status: Status, error: float, since: float) -> str:
         if status == Status.FLAGGED:
             words = f"{error:.1e}, above the {self._limit:g} asked for"
-            if since < np.inf:
+            if np.isfinite(since):
                 words = f"1 or more from t = {since:.4g} on"
             return f"flagged: the error is believed to be {words}"
         return {
@@ -412,6 +413,8 @@ def _to_run(
         return values[0] if single and values is not None else values
 
     limit = 1.0 if spec["accuracy"] is None else spec["accuracy"]
+    unknown = np.isin(states["status"], (Status.STEP_LIMIT, Status.NOT_FINITE))
+    belief = Belief(*(np.where(unknown, np.nan, x) for x in (belief.error, belief.lost_from)))
     lost = (states["status"] == Status.OK) & (belief.error >= limit)
     states["status"] = np.where(lost, np.uint8(Status.FLAGGED), states["status"])
     return Run(

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _core
-from .belief import SAMPLE, Belief, ahead, believe, evenly, span_of, taken_from
-from .columns import each_row
+from .belief import SAMPLE, Belief, ahead, around, believe, evenly, span_of, taken_from
+from .columns import fastest_rates
 from .costs import ROUNDING
 from .methods import order_of
 from .separatrix import next_to_separatrix
@@ -69,10 +69,10 @@ def by_steps(
 ) -> tuple[dict[str, Any], Belief]:
     """The states, and what is believed of their errors."""
     states, belief = _stepped(request, steps, accuracy, check=check)
-    reached = float(np.abs(request.times).max(initial=0.0))
-    delay, lost = next_to_separatrix(request.table, states, reached)
+    delay, lost = next_to_separatrix(request.table, states, around(request.times))
     error = np.where(delay > 0.0, np.fmax(belief.error, delay), belief.error)
-    return states, Belief(error, np.fmin(belief.lost_from, lost))
+    earlier = ~(np.abs(belief.lost_from) < np.abs(lost))
+    return states, Belief(error, np.where(earlier, lost, belief.lost_from))
 
 
 def _stepped(
@@ -118,9 +118,11 @@ def _stepped(
 
 def of_closed_form(table: Mapping[str, Any], times: Floats) -> Belief:
     """What is believed of the errors of a closed form: 1e-15 for each radian turned."""
-    rates = _core.fastest_rates(**each_row(table))
+    rates = fastest_rates(table, around(times))
     error = ROUNDING * (1.0 + rates * span_of(times))
-    return Belief(error, np.full(len(rates), np.inf))
+    with np.errstate(divide="ignore"):
+        lost = np.where(error >= 1.0, 1.0 / (ROUNDING * rates), np.inf)
+    return Belief(error, lost)
 
 
 def _rows(states: Mapping[str, Any], bodies: NDArray[np.intp]) -> dict[str, Any]:

@@ -167,6 +167,10 @@ impl Map {
         let method = self.judge.method();
         let name = method.facts().name;
         let refuse = |argument, value, rule| Err(Error::Value { argument, value, rule });
+        if self.judge == Judge::Only(Solver::Exact) {
+            let rule = "no verdict in closed form is known under torque and damping";
+            return refuse("method", format!("'{}'", Solver::EXACT), rule);
+        }
         let Some(limit) = method.damping_limit() else {
             return refuse("method", format!("'{name}'"), "moves bodies without torque and damping only");
         };

@@ -6,7 +6,7 @@ use crate::kernel::{Compiled, Kernel};
 use crate::observe::{TiltLimit, largest_tilt};
 use crate::outside::Outside;
 use crate::simd::Isa;
-use crate::start::{Body, load, widen_scales};
+use crate::start::{Body, enter_side, load, widen_scales};
 use crate::trajectory::{DRIFT_LIMIT, Status};
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -63,8 +63,10 @@ impl Map {
                     let seat = self.seat(body, outside.is_some(), job.again);
                     load(&mut group, lane, (kernel, compiled), seat, body, self.axis, step);
                     if let Some(outside) = outside {
-                        drives.set(lane, &outside.drive(0.0, false, body.moments));
+                        let drive = outside.drive(0.0, false, body.moments);
+                        drives.set(lane, &drive);
                         let rate = body.fastest_rate_driven(outside, [0.0, self.t_end]);
+                        enter_side(&mut group, lane, body, self.axis, &drive, rate);
                         widen_scales(&mut group, lane, kernel.system, body, rate);
                     }
                     if let Some(limit) = limit {

@@ -2,7 +2,8 @@
 //!
 //! Of a torque in the body the rates alone need to know; of a torque in space they need all rows of the attitude's
 //! matrix, in which it is linear. Work and impulse are integrated with the motion: energy less work, and momentum
-//! less impulse, stay as they are, so that a drift tells the error here too.
+//! less impulse, stay as they are, so that a drift tells the error here too
+//! (not of the exponential scheme, which makes them up from what it gained).
 
 use super::{Drive, Free, Model, Parameters, Top, cross, direction, dot};
 use crate::real::Real;

@@ -1,7 +1,7 @@
 //! States by series, each body in steps of its own: wanted times are answered from the polynomial of a step, and a
 //! lane whose body is done takes the next.
 
-use super::{Request, Schedule, States, Status, invariants_at_start, system_of};
+use super::{Request, Schedule, States, Status, around, invariants_at_start, system_of};
 use crate::error::Error;
 use crate::group::{Drives, Group, LANES};
 use crate::kernel::{Compiled, Kernel, Watch};
@@ -10,7 +10,7 @@ use crate::method::Method;
 use crate::outside::Outside;
 use crate::run::over_blocks;
 use crate::simd::Isa;
-use crate::start::{Body, Seat, State, load, read, start_clock, unload};
+use crate::start::{Body, Seat, State, load, read, start_clock, unload, widen_scales};
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -188,7 +188,12 @@ impl<'a> Ride<'a> {
         let first = if first.is_finite() { first } else { span };
         let direction = if passenger.backward { -1.0 } else { 1.0 };
         load(&mut self.group, lane, self.kernel, passenger.seat, body, 0, direction * first);
-        let rate = body.fastest_rate();
+        let mut rate = body.fastest_rate();
+        if let Some(outside) = self.outside {
+            // What stands still at first is moved by what acts on it.
+            rate = body.fastest_rate_driven(outside, around(self.times));
+            widen_scales(&mut self.group, lane, self.kernel.0.system, body, rate);
+        }
         self.leaps.direction.0[lane] = direction;
         self.leaps.inverse_rate.0[lane] = if rate > 0.0 { 1.0 / rate } else { 0.0 };
         for row in self.leaps.begin.iter_mut().chain(&mut self.leaps.now) {

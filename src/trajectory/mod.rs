@@ -12,6 +12,7 @@ use crate::kernel::System;
 use crate::method::{Method, phi};
 use crate::outside::Outside;
 use crate::simd::Isa;
+use crate::special::exp;
 use crate::start::{Body, Seat, State};
 use std::sync::atomic::AtomicBool;
 
@@ -222,15 +223,15 @@ fn slowed_evenly(
         );
     };
     let rate = rates.first().copied().unwrap_or(0.0);
-    let factors: Vec<[f64; 5]> = times.iter().map(|&t| phi(-rate * t)).collect();
-    let slow: Vec<f64> = times.iter().zip(&factors).map(|(&t, f)| t * f[1]).collect();
+    let factors: Vec<f64> = times.iter().map(|&t| exp(-rate * t)).collect();
+    let slow: Vec<f64> = times.iter().map(|&t| t * phi(-rate * t)[1]).collect();
     let request = Request { schedule: Schedule::Times(&slow), ..*request };
     let Some(mut states) = simulate(&request, threads, isa, stop)? else { return Ok(None) };
     let mut work = Vec::with_capacity(states.omega.len() / 3);
     for (body, rows) in request.bodies.iter().zip(states.omega.chunks_mut(3 * times.len().max(1))) {
         let kinetic = |w: &[f64]| (0..3).map(|k| 0.5 * body.moments[k] * w[k] * w[k]).sum::<f64>();
-        for (row, factor) in rows.chunks_mut(3).zip(&factors) {
-            row.iter_mut().for_each(|w| *w *= factor[0]);
+        for (row, &factor) in rows.chunks_mut(3).zip(&factors) {
+            row.iter_mut().for_each(|w| *w *= factor);
             work.push(kinetic(row) - kinetic(&body.omega));
         }
     }
@@ -262,13 +263,24 @@ fn check_driven(request: &Request, method: Method, outside: &Outside) -> Result<
         }
         last = Some((body.moments, step));
         let [.., rate] = outside.damping_rates(body.moments);
-        // A step that is cut to the span is not made at all.
-        if step.is_finite() && step * rate > limit {
+        // A step is cut to the span.
+        let span = match request.schedule {
+            Schedule::Times(times) => around(times).iter().fold(0.0_f64, |a, t| a.max(t.abs())),
+            Schedule::Strides(_) => f64::INFINITY,
+        };
+        let step = step.min(span);
+        if step * rate > limit {
             let (name, longest) = (method.facts().name, limit / rate);
             return Err(Error::Unstable { step, rate, name, longest });
         }
     }
     Ok(())
+}
+
+/// First and last of ascending times and 0.
+fn around(times: &[f64]) -> [f64; 2] {
+    let end = |time: Option<&f64>| time.copied().unwrap_or(0.0);
+    [end(times.first()).min(0.0), end(times.last()).max(0.0)]
 }
 
 impl States {

@@ -1,19 +1,19 @@
 //! States by steps of a scheme.
 
-use super::{Request, Schedule, States, Status, invariants_at_start, system_of};
+use super::{Request, Schedule, States, Status, around, invariants_at_start, system_of};
 use crate::group::{Drives, Group, LANES};
 use crate::kernel::{Compiled, Kernel, Watch};
 use crate::method::Method;
 use crate::outside::Outside;
 use crate::run::over_blocks;
 use crate::simd::Isa;
-use crate::start::{Body, Seat, load, start_clock, unload};
+use crate::start::{Body, Seat, load, start_clock, unload, widen_scales};
 use std::ops::Range;
 use std::rc::Rc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Longest burst between two looks at the stop flag.
-const PATIENCE: usize = 1 << 16;
+/// Longest burst between two looks at the stop flag: a tenth of a second of the dearest steps on the slowest path.
+const PATIENCE: usize = 1 << 9;
 
 /// One piece of a body's way: steps of equal size to the next wanted state.
 #[derive(Clone, Copy)]
@@ -188,6 +188,10 @@ impl<'a> Passengers<'a> {
             for (lane, body) in self.bodies.iter().enumerate() {
                 self.last[lane] = body.attitude;
                 load(&mut group, lane, (self.kernel, self.compiled), self.seats[lane], body, 0, 0.0);
+                if let (Some(outside), Schedule::Times(times)) = (self.outside, &self.request.schedule) {
+                    let rate = body.fastest_rate_driven(outside, around(times));
+                    widen_scales(&mut group, lane, self.kernel.system, body, rate);
+                }
             }
             let mut moved = [false; LANES];
             let mut drives = Drives::NONE;

@@ -275,9 +275,16 @@ def power_balance(
             f"t of shape {times.shape}, omega of shape {rates.shape}: the rate of the kinetic "
             "energy needs three distinct times or more, and states at each"
         )
-    moments = moments_of(scene)
+    moments = np.array(scene.body.moments)
     kinetic = 0.5 * (moments * rates * rates).sum(axis=-1)
     acting = np.zeros(3)
+    if scene.torque is not None:
+        own, in_space = scene.torque.at(times)
+        acting = acting + own
+        if scene.torque.acts_in_space:
+            acting = acting + _body_torque(in_space, quaternions, "space")
+    if scene.damping is not None:
+        acting = acting - rates @ np.array(scene.damping)
     if isinstance(scene, HeavyTop):
         if vertical is None:
             raise ValueError("attitude = None: the torque of the weight needs it")
