@@ -44,6 +44,9 @@ SAFETY = 3.0
 CHECKS = 16
 """Times of a run, at most, at which the two runs are compared."""
 
+REST = 1e-6
+"""Rates below this share of the fastest that a body can reach are those of a body at rest."""
+
 ROUNDING = 5e-16
 """What rounding may leave per radian turned of two runs that agree to the bit (rad)."""
 
@@ -79,14 +82,16 @@ def taken_from(table: Mapping[str, Any], bodies: NDArray[np.intp]) -> dict[str, 
     }
 
 
-def distances(states: Mapping[str, Any], other: Mapping[str, Any]) -> Floats:
+def distances(
+    states: Mapping[str, Any], other: Mapping[str, Any], rest: Floats | float = 0.0
+) -> Floats:
     """Relative distance of the states of two runs, shape (n, m).
 
     The largest of ``|d omega|`` over the largest ``|omega|`` of the body, of the angle between the
-    verticals and of the angle between the attitudes.
+    verticals and of the angle between the attitudes. Rates below ``rest`` are compared with that.
     """
     rates, others = states["omega"], other["omega"]
-    size = np.linalg.norm(others, axis=-1).max(axis=1, initial=0.0)
+    size = np.maximum(np.linalg.norm(others, axis=-1).max(axis=1, initial=0.0), rest)
     moving = np.where(size > 0.0, size, 1.0)
     parts = [np.linalg.norm(rates - others, axis=-1) / moving[:, None]]
     if states["vertical"] is not None:
@@ -148,7 +153,7 @@ def believe(
         name: None if states[name] is None else states[name][:, checks]
         for name in ("omega", "vertical", "attitude")
     }
-    error = SAFETY * distances(seen, again) + floor[:, None]
+    error = SAFETY * distances(seen, again, REST * rates) + floor[:, None]
     # What is not a number is not known; a body that was not run has no error.
     error = np.where(np.isfinite(error), error, np.inf)
     if "outside" in table and method in stiff_methods() and tolerance is None:

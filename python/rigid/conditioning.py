@@ -30,6 +30,9 @@ DIFFERENCE = 1e-11
 
 Rounding shows in the fifth digit of their growth, as it is magnified like them."""
 
+WAYPOINTS = 65
+"""Times at which neighbours are compared, beside those asked for."""
+
 BENT = 0.1
 """Second differences above this share of the first: neighbours so far apart say nothing."""
 
@@ -97,9 +100,22 @@ def condition(
     return factors[0] if single else factors
 
 
-@np.errstate(all="ignore")
 def growth(table: Mapping[str, Any], times: Floats, threads: int) -> Floats:
     """The condition of the bodies of a table at these times, shape (n, m)."""
+    # On the way too: neighbours that have parted may meet again.
+    way = np.union1d(times, np.linspace(*around(times), WAYPOINTS))
+    factors = _on_the_way(table, way, threads)
+    for side in (way >= 0.0, way <= 0.0):
+        outward = np.flatnonzero(side)[np.argsort(np.abs(way[side]), kind="stable")]
+        parted = np.logical_or.accumulate(np.isinf(factors[:, outward]), axis=1)
+        factors[:, outward] = np.where(parted, np.inf, factors[:, outward])
+    found: Floats = factors[:, np.searchsorted(way, times)]
+    return found
+
+
+@np.errstate(all="ignore")
+def _on_the_way(table: Mapping[str, Any], times: Floats, threads: int) -> Floats:
+    """The same at each time by itself."""
     count = len(table["omega"])
     weight = np.linalg.norm(table["weight"], axis=1) / table["moments"].min(axis=1)
     scale = np.sqrt(np.sum(table["omega"] ** 2, axis=1) + weight)

@@ -60,8 +60,8 @@ class Run:
     energy_drift : ndarray, shape (n,)
         Largest error of the energy at a wanted time, relative to the kinetic energy at the start
         (plus ``mgl`` for a top). Under torque and damping: of the energy less the ``work``, the
-        residual of the power balance ``dE/dt = torque·omega - omega·D omega``, relative to that
-        energy, the kinetic energy then and the ``work``. Of ``"etd4"`` and ``"splitting"`` the
+        residual of the power balance ``dE/dt = torque·omega - omega·D omega``, relative to the
+        energy that the body can reach. Of ``"etd4"`` and ``"splitting"`` the
         ``work`` is what the kinetic energy gained but for the work of the weight: of a body without
         weight the residual tells nothing.
     momentum_drift : ndarray, shape (n,)

@@ -122,7 +122,8 @@ def of_closed_form(table: Mapping[str, Any], times: Floats) -> Belief:
     error = ROUNDING * (1.0 + rates * span_of(times))
     with np.errstate(divide="ignore"):
         lost = np.where(error >= 1.0, 1.0 / (ROUNDING * rates), np.inf)
-    return Belief(error, lost)
+    first, last = around(times)
+    return Belief(error, np.where((-first > last) & (lost < np.inf), -lost, lost))
 
 
 def _rows(states: Mapping[str, Any], bodies: NDArray[np.intp]) -> dict[str, Any]:

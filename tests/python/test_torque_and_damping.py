@@ -179,7 +179,9 @@ def test_the_error_is_the_one_that_halving_the_step_reveals(method: str, case: G
     size = np.abs(energy).max() + np.abs(work).max()
     off = np.abs(energy - energy[0] - work).max() / size
     assert off < 10.0 * (error / scale + angle + rounding)
-    assert off < 2.0 * fine.energy_drift + 1e-15
+    # Reported relative to the energy that the body can reach: in these scenes up to ten times more
+    # than it does reach.
+    assert off < 20.0 * fine.energy_drift + 1e-14
 
 
 @pytest.mark.parametrize("method", EXPLICIT, ids=lambda method: method.name)
@@ -361,7 +363,7 @@ REFUSED: list[tuple[Any, type[Exception], list[str]]] = [
     (
         free(damping=[[1, 2, 0], [2, 1, 0], [0, 0, 1]]),
         ValueError,
-        ["damping = [1.0, 1.0, 1.0, 0.0, 0.0, 2.0]: must be positive semi-definite"],
+        ["damping = [[1.0, 2.0, 0.0], [2.0, 1.0, 0.0]", "must be positive semi-definite"],
     ),
     (free(torque=(0, 0, 1)), TypeError, ["torque = (0, 0, 1): must be a rigid.Torque"]),
     (lambda: rigid.Torque.body((1, 2)), ValueError, ["torque: expected shape (3,), got (2,)"]),
@@ -388,12 +390,12 @@ REFUSED: list[tuple[Any, type[Exception], list[str]]] = [
     (
         lambda: rigid.Torque.body(TABLE[:1], times=[0]),
         ValueError,
-        ["torque times = 0: a table has at least two times"],
+        ["torque times = [0.0]: a table has at least two times"],
     ),
     (
         lambda: rigid.Torque.body((0, np.inf, 0)),
         ValueError,
-        ["torque = inf: must be finite"],
+        ["torque[1] = inf: must be finite"],
     ),
     (
         run(PUSHED, t=[4.5]),
