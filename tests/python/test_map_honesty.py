@@ -130,3 +130,25 @@ def test_intervals_of_neighbouring_pixels_cover_their_common_share() -> None:
     assert 0.05 < probability < 0.95
     covered = ((result.lower <= probability) & (probability <= result.upper)).mean()
     assert 0.93 <= covered <= 0.98, (probability, covered)
+
+
+@pytest.mark.parametrize("method", ["taylor16", "taylor26"])
+def test_a_pair_of_flips_inside_a_long_step_is_seen(method: str) -> None:
+    """In two of these pixels the rate passes zero and comes back within a step of the series."""
+    options: dict[str, Any] = {
+        "axes": {
+            "omega1": np.linspace(-1.5, 1.5, 41),
+            "omega2": np.linspace(-1.5, 1.5, 40),
+        },
+        "start": rigid.Start(omega=(0.0, 0.0, 0.4), tilt=0.7),
+        "stable": rigid.no_flip(3),
+        "t_end": 3.0,
+        "samples": 1,
+        "check": 0.0,
+        "rng": 1,
+        "progress": False,
+    }
+    top = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
+    fine = rigid.stability_map(top, method="rk4", step=2e-3, **options)
+    long = rigid.stability_map(top, method=method, **options)
+    np.testing.assert_array_equal(long.stable, fine.stable)
