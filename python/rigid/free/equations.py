@@ -186,7 +186,7 @@ def invariants(
     (True, True)
     """
     scene, rates, quaternions, vertical = _states(motion, omega, attitude)
-    momentum = moments_of(scene) * rates
+    momentum = np.array(scene.body.moments) * rates
     kinetic = 0.5 * (momentum * rates).sum(axis=-1)
     potential, p_psi = np.zeros_like(kinetic), None
     if isinstance(scene, HeavyTop):
