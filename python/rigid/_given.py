@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._check import numbers
+from ._check import first_place, numbers, shaped
 from .bodies import Body, possible
 from .scenes import FreeBody, HeavyTop, scene_words
 
@@ -33,27 +33,20 @@ BodyLike: TypeAlias = Body | FreeBody | ArrayLike
 
 def finite_array(name: str, value: ArrayLike) -> Floats:
     """``value`` as finite floats of any shape."""
-    array = numbers(name, value)
-    require(name, array, np.isfinite(array), "must be finite")
-    return array
+    return shaped(name, value)
 
 
 def require(name: str, array: NDArray[Any], good: NDArray[np.bool_], rule: str) -> None:
     """Raise for the first element that breaks the rule."""
     if not good.all():
-        index = tuple(int(i) for i in np.argwhere(~good)[0])
-        place = f"{list(index)}" if index else ""
+        index, place = first_place(~good)
         raise ValueError(f"{name}{place} = {array[index]}: {rule}")
 
 
 def vectors(name: str, value: ArrayLike, width: int = 3) -> Floats:
     """``value`` as finite floats of shape (..., width)."""
-    array = finite_array(name, value)
-    if array.ndim == 0 or array.shape[-1] != width:
-        if array.size == 0 and array.ndim < 2:
-            return np.empty((0, width))
-        raise ValueError(f"{name}: expected shape (..., {width}), got {array.shape}")
-    return array
+    array = numbers(name, value)
+    return np.empty((0, width)) if array.shape == (0,) else shaped(name, array, width)
 
 
 def moments_of(body: object, *, rod: bool = False) -> Floats:

@@ -12,7 +12,7 @@ from . import _core
 from ._check import resolve_threads, sorted_times
 from .belief import around
 from .columns import check_scene, columns, each_row, fastest_rates
-from .grid import outsides, pixels
+from .grid import pixels, tables
 from .mapspec import MapSpec, core_job
 from .methods import EXACT, SECOND, angle_per_step
 from .quaternions import quaternion_product
@@ -161,20 +161,7 @@ def over_map(spec: MapSpec, samples: int, threads: int) -> Floats:
     omega = np.array([body["omega"] for body in drawn]).reshape(-1, 3)
     attitude = np.array([body["attitude"] for body in drawn]).reshape(-1, 4)
     factors = np.empty(len(drawn))
-    every = outsides(spec.scene, rows)
-    groups: dict[_core.Outside | None, list[int]] = {}
-    for place, pixel in enumerate(of_pixel):
-        groups.setdefault(None if every is None else every[pixel], []).append(place)
-    for acting, mine in groups.items():
-        table: dict[str, Any] = {
-            "scene": spec.scene.kind,
-            "moments": rows.moments[of_pixel[mine]],
-            "weight": rows.weight[of_pixel[mine]],
-            "omega": omega[mine],
-            "attitude": attitude[mine],
-        }
-        if acting is not None:
-            table["outside"] = acting
+    for mine, table in tables(spec.scene, rows, of_pixel, omega, attitude):
         factors[mine] = growth(table, np.array([spec.t_end]), threads)[:, 0]
     layer = np.full(spec.shape, np.nan)
     layer.flat[possible] = np.median(factors.reshape(-1, samples), axis=1)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from math import pi, prod
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,7 +17,9 @@ from .forces import Damping, Torque, checked_damping, outside_of
 from .scenes import FreeBody, HeavyTop, Scene
 from .starts import Start, tilted_attitude, tilted_rates
 
-__all__ = ["PARAMETERS", "Axis", "Pixels", "make_axes", "outsides", "pixels"]
+Floats = NDArray[np.float64]
+
+__all__ = ["PARAMETERS", "Axis", "Pixels", "make_axes", "outsides", "pixels", "tables"]
 
 _SIDES = ("a", "b", "c")
 _MOMENTS = ("I1", "I2", "I3")
@@ -314,6 +317,28 @@ def outsides(scene: Scene, rows: Pixels) -> list[_core.Outside] | None:
     ]
     every = [one for one in made if one is not None]
     return [every[place] for place in np.broadcast_to(places.ravel(), len(rows.moments))]
+
+
+def tables(
+    scene: Scene, rows: Pixels, of_pixel: NDArray[np.intp], omega: Floats, attitude: Floats
+) -> Iterator[tuple[list[int], dict[str, Any]]]:
+    """Bodies of these pixels as the core reads them, those together on which the same acts.
+
+    With each table come the places of its bodies among those given.
+    """
+    every = outsides(scene, rows)
+    groups: dict[_core.Outside | None, list[int]] = {}
+    for place, pixel in enumerate(of_pixel):
+        groups.setdefault(None if every is None else every[pixel], []).append(place)
+    for acting, mine in groups.items():
+        table: dict[str, Any] = {
+            "scene": scene.kind,
+            "moments": rows.moments[of_pixel[mine]],
+            "weight": rows.weight[of_pixel[mine]],
+            "omega": omega[mine],
+            "attitude": attitude[mine],
+        }
+        yield mine, table if acting is None else {**table, "outside": acting}
 
 
 def _moments(

@@ -22,7 +22,7 @@ from .bodies import possible
 from .columns import check_scene, columns, each_row, fastest_rates
 from .costs import cheapest, check_attainable, numbers, schemes, steps_for
 from .criteria import Criterion, NoFlip, TiltBelow
-from .grid import Pixels, outsides, pixels
+from .grid import Pixels, pixels, tables
 from .methods import (
     AUTO,
     EXACT,
@@ -435,23 +435,12 @@ def map_plan(spec: MapSpec) -> Plan:
 
 def _map_rates(spec: MapSpec, rows: Pixels, real: NDArray[np.bool_], scheme: str) -> Floats:
     """The rates that the steps of each possible pixel follow."""
-    every = outsides(spec.scene, rows)
-    rates = np.empty(len(rows.moments))
-    groups: dict[_core.Outside | None, NDArray[np.bool_]] = {None: real} if every is None else {}
-    for k, outside in enumerate(every or ()):
-        groups.setdefault(outside, np.zeros(len(rates), dtype=bool))[k] = real[k]
-    for acting, mine in groups.items():
-        table: dict[str, Any] = {
-            "scene": spec.scene.kind,
-            "moments": rows.moments[mine],
-            "weight": rows.weight[mine],
-            "omega": np.ascontiguousarray(rows.omega[mine]),
-            "attitude": np.ascontiguousarray(rows.attitude[mine]),
-        }
-        if acting is not None:
-            table["outside"] = acting
+    possible = np.flatnonzero(real)
+    rates = np.empty(len(possible))
+    starts = rows.omega[possible], rows.attitude[possible]
+    for mine, table in tables(spec.scene, rows, possible, *starts):
         rates[mine] = fastest_rates(table, (0.0, spec.t_end), scheme)
-    return rates[real]
+    return rates
 
 
 def require_closed_forms(spec: MapSpec) -> None:

@@ -45,30 +45,28 @@ def next_to_separatrix(
     order = np.argsort(moments[0], kind="stable")
     if len(np.unique(moments[0])) < 3 or not np.all(moments == moments[0]):
         return delay, never
-    i1, i2, i3 = moments[:, order].T
+    i1, i2, i3 = moments[0, order]
     momentum2 = np.sum((moments * table["omega"]) ** 2, axis=1)
-
-    def sides(omega: Floats) -> tuple[Floats, Floats]:
-        # From components: as a difference of energy and momentum nothing would be left of them.
-        first, third = omega[..., order[0]] ** 2, omega[..., order[2]] ** 2
-        return (i1 * (i2 - i1) * first.T).T, (i3 * (i3 - i2) * third.T).T
-
-    about_first, about_third = sides(table["omega"])
-    distance = np.abs(about_first - about_third)
-    later_first, later_third = sides(states["omega"])
-    moved = (later_first - later_third) - (about_first - about_third)[:, None]
-    share = np.where(momentum2 > 0.0, np.abs(moved).max(axis=1, initial=0.0) / distance, 0.0)
-    # On either side it is largest for the rotation about the axis there.
-    on_first = about_first > about_third
-    largest = momentum2 * np.where(on_first, (i2 - i1) / i1, (i3 - i2) / i3)
     kinetic = np.sum(moments * table["omega"] ** 2, axis=1)
     acts = np.linalg.norm(table["weight"], axis=1)
     if states["work"] is not None:
         acts = acts + np.abs(states["work"]).max(axis=1, initial=0.0)
-    free = acts < FREE * kinetic
-    near = np.flatnonzero((distance < NEAR * largest) & (momentum2 > 0.0) & free)
+
+    def sides(omega: Floats) -> tuple[Floats, Floats]:
+        # From components: as a difference of energy and momentum nothing would be left of them.
+        first, third = omega[..., order[0]] ** 2, omega[..., order[2]] ** 2
+        return i1 * (i2 - i1) * first, i3 * (i3 - i2) * third
+
+    about_first, about_third = sides(table["omega"])
+    distance = np.abs(about_first - about_third)
+    # On either side it is largest for the rotation about the axis there.
+    largest = momentum2 * np.where(about_first > about_third, (i2 - i1) / i1, (i3 - i2) / i3)
+    near = np.flatnonzero((distance < NEAR * largest) & (momentum2 > 0.0) & (acts < FREE * kinetic))
     if not len(near):
         return delay, never
+    later_first, later_third = sides(states["omega"][near])
+    moved = (later_first - later_third) - (about_first - about_third)[near, None]
+    share = np.abs(moved).max(axis=1, initial=0.0) / distance[near]
     some: dict[str, Any] = {
         "scene": "free",
         "moments": np.ascontiguousarray(moments[near]),
@@ -80,6 +78,6 @@ def next_to_separatrix(
     # Backward in time a body passes the saddle about as late.
     passed = np.where(first <= reached[1], first, np.where(first <= -reached[0], -first, np.inf))
     flips = np.isfinite(passed)
-    delay[near] = np.where(flips, np.minimum(share[near], 1.0), 0.0)
-    never[near] = np.where(flips & (share[near] >= 1.0), passed, np.inf)
+    delay[near] = np.where(flips, np.minimum(share, 1.0), 0.0)
+    never[near] = np.where(flips & (share >= 1.0), passed, np.inf)
     return delay, never
