@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from rigid import _core, build_info, methods
-from rigid.belief import distances
+from rigid.solve.error_estimate import distances
 
 TARGET = Path(__file__).parents[1] / "python" / "rigid" / "calibration.json"
 KINDS = ("free", "lagrange", "top", "driven")
@@ -48,9 +48,9 @@ def bodies(kind: str, count: int) -> dict[str, Any]:
     attitude = rng.normal(size=(count, 4))
     attitude /= np.linalg.norm(attitude, axis=1, keepdims=True)
     zero = np.zeros((1, 3))
-    damped = _core.Outside(times=[], body=zero, space=zero, damping=[0.1, 0.1, 0.1, 0.0, 0.0, 0.0])
+    damped = _core.Forcing(times=[], body=zero, space=zero, damping=[0.1, 0.1, 0.1, 0.0, 0.0, 0.0])
     return {
-        **({"outside": damped} if kind == "driven" else {}),
+        **({"forcing": damped} if kind == "driven" else {}),
         "scene": "free" if kind == "free" else "top",
         "moments": moments,
         "weight": weight,

@@ -119,8 +119,10 @@ def families() -> None:
     print(row("all", every))
     attitudes, rates = (every > 1.0).sum(axis=0)
     left_out = len(table["family"]) - len(every)
-    print(f"\nBeyond the bar: {attitudes} attitudes, {rates} rates. Left out: {left_out} scenes,")
-    print(f"whose attitude changes by more than {LARGEST_COST} rad when the inputs are rounded.")
+    print(f"\nErrors above the bar: {attitudes} attitudes, {rates} rates. Left out: {left_out}")
+    print(
+        f"scenes, whose attitude changes by more than {LARGEST_COST} rad when inputs are rounded."
+    )
 
 
 def share_of_bar(table: dict[str, Any], k: int) -> tuple[float, float]:

@@ -5,10 +5,10 @@
 //!
 //! `cargo bench --bench closed_forms`. Thread CPU time, the parts in turn, medians.
 
-use rigid::clock::thread_nanoseconds;
-use rigid::exact::{Evaluator, ExitRows, Kind, StartRows, StateRows};
-use rigid::group::{LANES, Row};
+use rigid::exact::{Evaluator, EvaluatorKind, ExitRows, StartRows, StateRows};
+use rigid::parallel::thread_nanoseconds;
 use rigid::simd::Isa;
+use rigid::simd::{LANES, Row};
 use rigid::start::Body;
 use std::hint::black_box;
 
@@ -16,18 +16,18 @@ const REPEATS: usize = 31;
 const ROUNDS: usize = 100;
 
 /// Bodies of one kind: away from all limits, or close to a separatrix, or both mixed in a register.
-fn starts(kind: Kind, tame: bool, mixed: bool) -> StartRows {
+fn starts(kind: EvaluatorKind, tame: bool, mixed: bool) -> StartRows {
     let body = |lane: usize| {
         let x = 1e-3 * lane as f64;
         let near = !tame && (!mixed || lane.is_multiple_of(2));
         let (moments, weight) = match kind {
-            Kind::Symmetric => ([1.0, 1.0, 0.7], [0.0; 3]),
-            Kind::Free => ([1.0, 1.6, 2.1], [0.0; 3]),
-            Kind::Lagrange => ([1.0, 1.0, 0.5], [0.0, 0.0, 1.0]),
+            EvaluatorKind::Symmetric => ([1.0, 1.0, 0.7], [0.0; 3]),
+            EvaluatorKind::Free => ([1.0, 1.6, 2.1], [0.0; 3]),
+            EvaluatorKind::Lagrange => ([1.0, 1.0, 0.5], [0.0, 0.0, 1.0]),
         };
         let omega = match kind {
-            Kind::Lagrange if near => [1e-6, 2e-6, 2.5 + x],
-            Kind::Lagrange => [0.3 + x, -0.2, 6.0],
+            EvaluatorKind::Lagrange if near => [1e-6, 2e-6, 2.5 + x],
+            EvaluatorKind::Lagrange => [0.3 + x, -0.2, 6.0],
             _ if near => [1e-6 + 1e-6 * x, 1.0, 1e-6],
             _ => [0.2 + x, 0.3, 1.0],
         };
@@ -68,8 +68,8 @@ fn main() {
             continue;
         }
         let (symmetric, spinning) =
-            (Evaluator::new(Kind::Symmetric, isa), starts(Kind::Symmetric, true, false));
-        for kind in [Kind::Symmetric, Kind::Free, Kind::Lagrange] {
+            (Evaluator::new(EvaluatorKind::Symmetric, isa), starts(EvaluatorKind::Symmetric, true, false));
+        for kind in [EvaluatorKind::Symmetric, EvaluatorKind::Free, EvaluatorKind::Lagrange] {
             for (name, tame, mixed) in
                 [("tame", true, false), ("separatrix", false, false), ("mixed", false, true)]
             {

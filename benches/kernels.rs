@@ -2,10 +2,14 @@
 //!
 //! `cargo bench --bench kernels`. Thread CPU time, best of several repeats, the two sides interleaved.
 
-use rigid::clock::thread_nanoseconds;
-use rigid::group::{Group, LANES, Row};
-use rigid::kernel::{Compiled, Kernel, System, Table, Watch};
+use rigid::kernel::Group;
+use rigid::kernel::{Compiled, ForcingRows, Kernel, System};
+use rigid::observe::{Observed, Start};
+use rigid::parallel::thread_nanoseconds;
+use rigid::scheme::{self, Engine, Step};
 use rigid::simd::Isa;
+use rigid::simd::{LANES, Row};
+use rigid::start::Body;
 use std::hint::black_box;
 
 const STEPS: usize = 2000;
@@ -15,12 +19,12 @@ const REPEATS: usize = 15;
 fn bodies(kernel: Kernel) -> Group {
     let mut group = Group::waiting();
     for lane in 0..LANES {
-        let moments = if kernel.table.is_for_symmetric() { [1.0, 1.0, 0.7] } else { [1.0, 1.6, 0.7] };
+        let moments = if kernel.step.engine == Engine::KickRotor { [1.0, 1.0, 0.7] } else { [1.0, 1.6, 0.7] };
         let start = [0.31 * (1.0 + 1e-3 * lane as f64), -0.42, 0.93, 0.36, 0.48, 0.8, 0.8, -0.6, 0.0, 0.1];
         for i in 0..3 {
             group.moments[i].0[lane] = moments[i];
         }
-        if kernel.system.is_top() {
+        if kernel.system.scene().has_weight {
             group.weight = [Row([0.36; LANES]), Row([0.24; LANES]), Row([1.1; LANES])];
         }
         for i in 0..kernel.system.len() {
@@ -32,9 +36,25 @@ fn bodies(kernel: Kernel) -> Group {
             }
         }
         group.step.0[lane] = 0.02;
-        group.axis[2].0[lane] = 1.0;
-        group.side.0[lane] = 1.0;
-        group.cosine.0[lane] = 1.0;
+        let body = Body {
+            moments,
+            weight: [0.0; 3],
+            omega: [start[0], start[1], start[2]],
+            attitude: [1.0, 0.0, 0.0, 0.0],
+        };
+        let third = [0.0, 0.0, 1.0];
+        let limit = f64::INFINITY;
+        let rows = kernel.observed.start(&Start {
+            body: &body,
+            forcing: None,
+            axis: 3,
+            unit: third,
+            direction: third,
+            limit,
+        });
+        for (row, number) in group.observed.iter_mut().zip(rows) {
+            row.0[lane] = number;
+        }
     }
     group
 }
@@ -43,7 +63,7 @@ fn bodies(kernel: Kernel) -> Group {
 fn once(compiled: Compiled, start: &Group) -> f64 {
     let mut group = black_box(start.clone());
     let begin = thread_nanoseconds();
-    compiled.advance(&mut group, STEPS);
+    compiled.advance(&mut group, &ForcingRows::NONE, STEPS);
     let elapsed = thread_nanoseconds() - begin;
     black_box(&group);
     elapsed as f64 / (STEPS * LANES) as f64
@@ -84,13 +104,13 @@ fn fma_peak(isa: Isa) -> f64 {
 
 /// Floating-point operations of one step (fma = 2), counted by hand from the source; see benches/README.md.
 fn flops(kernel: Kernel) -> Option<f64> {
-    match (kernel.system, kernel.table, kernel.watch) {
+    match (kernel.system, kernel.step.engine, kernel.observed) {
         // 4 right-hand sides of 6 mul, 3 x 3 stage fma, 3 x (2 fma, 1 add, 1 fma).
-        (System::FreeRates, Table::Rk4, Watch::Nothing) => Some(24.0 + 18.0 + 21.0),
+        (System::FreeRates, Engine::Rk4, Observed::Nothing) => Some(24.0 + 18.0 + 21.0),
         // 4 x (6 mul + 6 fma; 3 mul + 3 fma), 18 stage fma, 6 x (2 fma + 1 add + 1 fma).
-        (System::TopAxis, Table::Rk4, Watch::Nothing) => Some(4.0 * 27.0 + 36.0 + 42.0),
-        (system, table, Watch::Nothing) => {
-            let order = taylor_order(table)?;
+        (System::TopAxis, Engine::Rk4, Observed::Nothing) => Some(4.0 * 27.0 + 36.0 + 42.0),
+        (system, _, Observed::Nothing) => {
+            let order = kernel.step.is_series().then_some(kernel.step.numbers.order as f64)?;
             let vectors = (system.len() - 3) / 3;
             // Products; Euler's equations and the factor of each order; the sum and its compensation.
             let [products, of_order] = match system {
@@ -107,15 +127,15 @@ fn flops(kernel: Kernel) -> Option<f64> {
     }
 }
 
-fn taylor_order(table: Table) -> Option<f64> {
-    match table {
-        Table::Taylor8 => Some(8.0),
-        Table::Taylor12 => Some(12.0),
-        Table::Taylor16 => Some(16.0),
-        Table::Taylor20 => Some(20.0),
-        Table::Taylor26 => Some(26.0),
-        _ => None,
+/// Every step of every scheme, each once.
+fn steps() -> Vec<Step> {
+    let mut all: Vec<Step> = Vec::new();
+    for step in scheme::ALL.iter().flat_map(|scheme| scheme.steps()) {
+        if !all.contains(&step) {
+            all.push(step);
+        }
     }
+    all
 }
 
 fn main() {
@@ -124,23 +144,23 @@ fn main() {
     let mut peaks = [0.0_f64; 3];
     use System::*;
     let systems = [
-        (FreeRates, Watch::Nothing),
-        (FreeRates, Watch::Flips),
-        (FreeAxis, Watch::Nothing),
-        (FreeAxis, Watch::Tilt),
-        (FreeAttitude, Watch::Nothing),
-        (TopAxis, Watch::Nothing),
-        (TopAxis, Watch::Flips),
-        (TopAxis, Watch::Tilt),
-        (TopTwoAxes, Watch::Tilt),
-        (TopAttitude, Watch::Nothing),
-        (SpinFreeAxis, Watch::Nothing),
-        (SpinFreeAttitude, Watch::Nothing),
+        (FreeRates, Observed::Nothing),
+        (FreeRates, Observed::Flips),
+        (FreeAxis, Observed::Nothing),
+        (FreeAxis, Observed::Tilt),
+        (FreeAttitude, Observed::Nothing),
+        (TopAxis, Observed::Nothing),
+        (TopAxis, Observed::Flips),
+        (TopAxis, Observed::Tilt),
+        (TopTwoAxes, Observed::Tilt),
+        (TopAttitude, Observed::Nothing),
+        (ReducedTopAxis, Observed::Nothing),
+        (ReducedTopAttitude, Observed::Nothing),
     ];
-    for table in Table::ALL {
-        for (system, watch) in systems.into_iter().filter(|&(system, _)| table.moves(system)) {
-            let kernel = Kernel { system, table, watch };
-            let name = format!("{system:?} {table:?} {watch:?}");
+    for step in steps() {
+        for (system, observed) in systems.into_iter().filter(|&(system, _)| system.is_moved_by(step)) {
+            let kernel = Kernel { system, step, observed };
+            let name = format!("{system:?} {step:?} {observed:?}");
             if filter.as_ref().is_some_and(|f| !name.contains(f.as_str())) {
                 continue;
             }

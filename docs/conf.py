@@ -1,6 +1,10 @@
 """The pages of rigid: ``sphinx-build -W -b html docs out``."""
 
+from itertools import groupby
+from pathlib import Path
+
 import rigid
+from rigid.maps.parameters import PARAMETERS
 
 project = "rigid"
 author = "The rigid developers"
@@ -35,3 +39,16 @@ sphinx_gallery_conf = {
     "show_signature": False,
     "remove_config_comments": True,
 }
+
+
+def write_map_parameters(path: Path) -> None:
+    """Write the table of ``maps.md``: a row for the parameters of one meaning."""
+    lines = ["| names | unit | meaning |", "|---|---|---|"]
+    words = {name: (p.unit, p.meaning.rstrip(" 123")) for name, p in PARAMETERS.items()}
+    for (unit, meaning), names in groupby(words, key=words.__getitem__):
+        listed = ", ".join(f"`{name}`" for name in names)
+        lines.append(f"| {listed} | {'' if unit == '1' else unit} | {meaning} |")
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+write_map_parameters(Path(__file__).with_name("map_parameters.txt"))

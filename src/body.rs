@@ -9,27 +9,67 @@ const FLATNESS: f64 = 4.0 * f64::EPSILON;
 /// Relative error of an eigenvalue of a tensor of inertia.
 const EIGENVALUE_ROUNDING: f64 = 16.0 * f64::EPSILON;
 
+/// Whether a rigid body has three principal moments, or the first rule that they break.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum MomentStatus {
+    /// A rigid body with these moments exists.
+    Possible = 0,
+    /// A moment is NaN or infinite.
+    NotFinite = 1,
+    /// A moment is zero or negative.
+    NotPositive = 2,
+    /// A moment exceeds the sum of the other two by more than the rounding of a flat body.
+    Triangle = 3,
+}
+
+impl MomentStatus {
+    /// All statuses, in the order of their codes.
+    pub const ALL: [MomentStatus; 4] =
+        [MomentStatus::Possible, MomentStatus::NotFinite, MomentStatus::NotPositive, MomentStatus::Triangle];
+
+    /// The status of three moments.
+    pub fn of(moments: [f64; 3]) -> MomentStatus {
+        let [a, b, c] = moments;
+        // As a difference: the sum of two huge moments could overflow, the half of a subnormal one rounds.
+        let exceeds = |big: f64, x: f64, y: f64| big - x > y + FLATNESS * big;
+        if moments.iter().any(|m| !m.is_finite()) {
+            MomentStatus::NotFinite
+        } else if moments.iter().any(|&m| m <= 0.0) {
+            MomentStatus::NotPositive
+        } else if exceeds(a, b, c) || exceeds(b, c, a) || exceeds(c, a, b) {
+            MomentStatus::Triangle
+        } else {
+            MomentStatus::Possible
+        }
+    }
+
+    /// A description of the status.
+    pub fn name(self) -> &'static str {
+        match self {
+            MomentStatus::Possible => "possible",
+            MomentStatus::NotFinite => "not finite",
+            MomentStatus::NotPositive => "not positive",
+            MomentStatus::Triangle => "triangle inequality broken",
+        }
+    }
+}
+
 /// Principal moments about the body axes 1, 2, 3, in the user's order: finite, positive, no one above the
 /// sum of the other two.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Inertia([f64; 3]);
 
 impl Inertia {
-    /// Checks the moments against the physics of a distribution of mass.
+    /// Checks that a distribution of mass with these moments exists.
     pub fn new(moments: [f64; 3]) -> Result<Self, Error> {
         let [a, b, c] = moments;
-        if moments.iter().any(|m| !m.is_finite()) {
-            return Err(Error::MomentNotFinite(a, b, c));
+        match MomentStatus::of(moments) {
+            MomentStatus::Possible => Ok(Inertia(moments)),
+            MomentStatus::NotFinite => Err(Error::MomentNotFinite(a, b, c)),
+            MomentStatus::NotPositive => Err(Error::MomentNotPositive(a, b, c)),
+            MomentStatus::Triangle => Err(Error::MomentTriangle(a, b, c)),
         }
-        if moments.iter().any(|&m| m <= 0.0) {
-            return Err(Error::MomentNotPositive(a, b, c));
-        }
-        // As a difference: the sum of two huge moments could overflow, the half of a subnormal one rounds.
-        let exceeds = |big: f64, x: f64, y: f64| big - x > y + FLATNESS * big;
-        if exceeds(a, b, c) || exceeds(b, c, a) || exceeds(c, a, b) {
-            return Err(Error::MomentTriangle(a, b, c));
-        }
-        Ok(Inertia(moments))
     }
 
     /// The three moments.
@@ -45,7 +85,7 @@ impl Inertia {
 
 /// Principal moments (ascending) and axes (columns, right-handed) of a tensor of inertia.
 ///
-/// Each axis but the last has its largest component positive, so that the same tensor gives the same axes.
+/// Each axis but the last has its largest component positive, so that equal tensors give equal axes.
 pub fn principal_axes(tensor: [[f64; 3]; 3]) -> Result<(Inertia, [[f64; 3]; 3]), Error> {
     let scale = tensor.iter().flatten().fold(0.0_f64, |m, x| m.max(x.abs()));
     for row in 0..3 {
@@ -72,4 +112,29 @@ pub fn principal_axes(tensor: [[f64; 3]; 3]) -> Result<(Inertia, [[f64; 3]; 3]),
     let third = first.cross(&second);
     let axes = [0, 1, 2].map(|row| [first[row], second[row], third[row]]);
     Ok((inertia, axes))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_status_of_moments_names_the_first_rule_that_they_break() {
+        let cases = [
+            ([1.0, 2.0, 3.0], MomentStatus::Possible),
+            // 0.1 + 0.2 is above 0.3 by an ulp: a flat body, rounded.
+            ([0.1, 0.2, 0.1 + 0.2], MomentStatus::Possible),
+            ([1.0, f64::NAN, -1.0], MomentStatus::NotFinite),
+            ([1.0, 0.0, 5.0], MomentStatus::NotPositive),
+            ([1.0, 1.0, 2.1], MomentStatus::Triangle),
+            ([f64::MAX, f64::MAX, f64::MAX], MomentStatus::Possible),
+        ];
+        for (moments, status) in cases {
+            assert_eq!(MomentStatus::of(moments), status, "{moments:?}");
+            assert_eq!(Inertia::new(moments).is_ok(), status == MomentStatus::Possible);
+        }
+        for (code, status) in MomentStatus::ALL.into_iter().enumerate() {
+            assert_eq!(status as usize, code);
+        }
+    }
 }

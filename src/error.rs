@@ -1,16 +1,16 @@
-//! Everything that can be wrong with a request. Inside a run nothing fails: each body has a status.
+//! Errors of requests. A run raises no error: each body has a status.
 
 use thiserror::Error;
 
-/// A refused request: the argument, its value and the rule that it breaks.
+/// An invalid request: the argument, its value and the rule that it breaks.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum Error {
     /// `RIGID_ISA` names a path that does not exist or that the CPU lacks.
     #[error("RIGID_ISA = '{value}' is not available here; available: {available}")]
     Isa {
-        /// What the variable says.
+        /// The value of the variable.
         value: String,
-        /// What could be said.
+        /// The valid values.
         available: String,
     },
     /// A moment of inertia is NaN or infinite.
@@ -49,8 +49,14 @@ pub enum Error {
         argument: &'static str,
         /// What was given.
         value: String,
-        /// What could have been given.
+        /// The valid values.
         known: String,
+    },
+    /// A quaternion of length zero.
+    #[error("attitude[{index}] = [0.0, 0.0, 0.0, 0.0]: a zero quaternion is no attitude")]
+    ZeroQuaternion {
+        /// Index of the row.
+        index: usize,
     },
     /// A number outside its range.
     #[error("{argument} = {value}: {rule}")]
@@ -59,10 +65,10 @@ pub enum Error {
         argument: &'static str,
         /// What was given.
         value: String,
-        /// What it must be.
+        /// The rule that the value breaks.
         rule: &'static str,
     },
-    /// An explicit method would blow up.
+    /// An explicit method would be unstable.
     #[error(
         "step = {step:e}: '{name}' is unstable under damping with steps beyond {longest:e} (the fastest damping rate \
          is {rate:e}); take shorter ones, leave the step out, or take a method for strong damping"
@@ -87,23 +93,20 @@ pub enum Error {
         /// The shape it has.
         got: String,
     },
-    /// A closed form is wanted of a motion that has none.
-    #[error(
-        "method = 'exact': body {index} has no closed form (free bodies have one, tops that are symmetric to the bit \
-         with the centre of mass on the axis, and tops that swing in a plane about a principal axis)"
-    )]
+    /// A closed form was requested for a motion that has none.
+    #[error("method = 'exact': body {index} has no closed form; {rule}")]
     NoClosedForm {
-        /// Which body.
+        /// Index of the body.
         index: usize,
+        /// Which bodies have one.
+        rule: &'static str,
     },
-    /// A verdict in closed form is wanted where there is none.
-    #[error(
-        "method = 'exact': the criterion has no closed form in pixel {pixel} (there is one for no_flip of a free body, \
-         and for no_flip and the tilt from the vertical of the symmetry axis of a top that is symmetric to the bit \
-         with the centre of mass on that axis)"
-    )]
-    NoClosedVerdict {
-        /// Which pixel, flat.
+    /// A classification in closed form was requested for a body that has none.
+    #[error("method = 'exact': the criterion has no closed form in pixel {pixel}; {rule}")]
+    NoClosedClassification {
+        /// Flat index of the pixel.
         pixel: usize,
+        /// Which bodies have one.
+        rule: &'static str,
     },
 }

@@ -1,31 +1,31 @@
 //! `rigid`: the rotation of rigid bodies.
 //!
-//! Read from left to right; nothing points back.
+//! An arrow points from a module to the modules that it uses:
 //!
 //! ```text
-//! real ← simd        real ← special ← model ← method ← observe ← group ← leaps ← kernel
-//! body ← outside        {outside, kernel} ← start ← exact        special ← sample
-//! {exact, sample, run} ← trajectory ← ensemble ← python
+//! real ← simd        real ← special ← kinematics        body, kinematics ← forcing ← start
+//! {kinematics, forcing} ← scene ← scheme ← observe ← kernel        {special, start} ← exact
+//! special ← sample        {kernel, exact, sample, parallel} ← trajectory ← map ← python
 //! ```
 
 pub mod body;
-pub mod clock;
-pub mod ensemble;
 pub mod error;
 pub mod exact;
-pub mod group;
+pub mod forcing;
 pub mod kernel;
-pub mod leaps;
-pub mod method;
-pub mod model;
+pub mod kinematics;
+pub mod map;
 pub mod observe;
-pub mod outside;
+pub mod parallel;
 #[cfg(feature = "python")]
 mod python;
 pub mod real;
-pub mod run;
 pub mod sample;
+pub mod scene;
+pub mod scheme;
 pub mod simd;
+pub mod solver;
 pub mod special;
 pub mod start;
+pub mod status;
 pub mod trajectory;

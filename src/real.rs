@@ -1,6 +1,6 @@
 //! `Real`: the arithmetic of a trajectory.
 //!
-//! Kernels are written once over this trait. Every operation is correctly rounded or exact and looks at
+//! Kernels are written once over this trait. Every operation is correctly rounded or exact and depends on
 //! its own lane only, so a kernel gives the same 64 bits in each lane of every implementation.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -12,9 +12,9 @@ pub(crate) const INTEGER_SHIFT: f64 = 6_755_399_441_055_744.0;
 pub trait Real:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
 {
-    /// One truth value per lane.
+    /// One boolean per lane.
     type Mask: Copy;
-    /// The same number in every lane.
+    /// All lanes set to one number.
     fn splat(x: f64) -> Self;
     /// `self * b + c`, rounded once.
     fn fma(self, b: Self, c: Self) -> Self;
@@ -36,7 +36,7 @@ pub trait Real:
     fn lt(self, other: Self) -> Self::Mask;
     /// Lane-wise `if mask { a } else { b }`.
     fn select(mask: Self::Mask, a: Self, b: Self) -> Self;
-    /// Whether some lane is true. Only to skip work whose result no lane would use.
+    /// Whether some lane is true. Use it only to skip work whose result no lane needs.
     fn any(mask: Self::Mask) -> bool;
     /// 2^self for an integer-valued self in -1022 ..= 1023.
     fn exp2i(self) -> Self;

@@ -5,7 +5,7 @@
 //! `numpy.random.Philox(key=seed, counter=[block, sample, pixel, 0])` gives the same numbers.
 
 use crate::error::Error;
-use crate::model::{quaternion_product, rotation_by};
+use crate::kinematics::{quaternion_product, rotation_by};
 use crate::real::Real;
 use crate::special::{ln, sincos};
 use std::f64::consts::TAU;
@@ -35,7 +35,7 @@ pub fn uniforms(key: [u64; 2], block: u64, sample: u64, pixel: u64) -> [f64; 4] 
         .map(|bits| (bits >> 11) as f64 * (1.0 / 9_007_199_254_740_992.0))
 }
 
-/// The laws of a perturbation. Each takes four uniforms, whatever it needs of them.
+/// The distributions of a perturbation. Each takes four uniforms, even if it needs fewer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Law {
     /// No perturbation.
@@ -59,7 +59,7 @@ impl Law {
         ("uniform_attitude", Law::UniformAttitude),
     ];
 
-    /// The law of that name.
+    /// The distribution of that name.
     pub fn parse(argument: &'static str, name: &str) -> Result<Law, Error> {
         Law::NAMES.iter().find(|(known, _)| *known == name).map(|&(_, law)| law).ok_or_else(|| {
             Error::Unknown {
@@ -79,7 +79,7 @@ fn box_muller<R: Real>(u: R, v: R) -> [R; 2] {
     [radius * cos, radius * sin]
 }
 
-/// Three numbers of the law, of unit size.
+/// Three numbers of the distribution, of unit size.
 #[inline(always)]
 pub fn vector<R: Real>(law: Law, u: [R; 4]) -> [R; 3] {
     let (one, two) = (R::splat(1.0), R::splat(2.0));
@@ -99,7 +99,7 @@ pub fn vector<R: Real>(law: Law, u: [R; 4]) -> [R; 3] {
     }
 }
 
-/// A perturbed attitude: `q` turned in the body by a rotation vector of the law, or any attitude at all.
+/// A perturbed attitude: `q` turned in the body by a rotation vector of the distribution, or a uniform random attitude.
 #[inline(always)]
 pub fn attitude<R: Real>(law: Law, size: R, q: [R; 4], u: [R; 4]) -> [R; 4] {
     match law {

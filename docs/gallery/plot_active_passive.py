@@ -1,10 +1,10 @@
 """Active and passive turns
 ========================
 
-The same matrix turns the axes one way or the vector the other way. Passive: the axes turn by
-epsilon, the vector stays and has other components. Active: the vector turns, the axes stay; to
-first order it gains ``epsilon n × r``, across itself. This library's rotations are active, from
-body to space; the passive ones are their transposes.
+The same matrix rotates the axes one way, or the vector the other way. Passive: the axes rotate by
+epsilon; the vector stays and gets other components. Active: the vector rotates and the axes stay;
+to first order the vector changes by ``epsilon n × r``, perpendicular to itself. The rotations of
+this library are active, from body to space. The passive matrices are their transposes.
 """
 
 import matplotlib.pyplot as plt

@@ -1,11 +1,11 @@
 """What the bearings of an unbalanced wheel supply
 ===============================================
 
-A body that turns about an axis which is no principal axis has an angular momentum beside the axis,
-that goes around with it. The bearings must supply the torque for this: it turns with the body, and
-its size rises as the square of the rate. Only the part about the axis, ``I_zz omega'``, is that of
-the drive; with a drive that speeds the body up, the products of inertia load the bearings as soon
-as it starts.
+If a body rotates about an axis that is not a principal axis, its angular momentum is not parallel
+to the axis and rotates with the body. The bearings must supply the torque for this change. The
+torque rotates with the body and grows with the square of the rate. Only the component about the
+axis, ``I_zz omega'``, is the torque of the drive. If the drive speeds the body up, the products of
+inertia load the bearings from the start.
 """
 
 import matplotlib.pyplot as plt

@@ -1,11 +1,11 @@
 """Cones that roll on each other
 =============================
 
-In space, omega of a free symmetric top goes around L on a fixed cone of half angle
-``|alpha - theta|``; in the body, it goes around the axis on a cone of half angle alpha. The two
-touch along omega, where the body is at rest for the moment, so that one rolls on the other: outside
-for a prolate top, around the space cone for an oblate one. The lower pictures are later by a sixth
-of a period of the body cone.
+In space, omega of a free symmetric top moves around L on a fixed cone of half angle ``|alpha -
+theta|``. In the body, omega moves around the symmetry axis on a cone of half angle alpha. The two
+cones touch along omega, where the body is instantaneously at rest. So the body cone rolls on the
+space cone: outside for a prolate top, around it for an oblate top. The lower pictures are later by
+a sixth of a period of the body cone.
 """
 
 import matplotlib.pyplot as plt

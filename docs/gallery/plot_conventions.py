@@ -1,12 +1,12 @@
 """Conventions in one picture
 ==========================
 
-Left: the axes of space (primed) and those of the body, three turns apart: phi about the vertical
-z', theta about the line of nodes ON, psi about the axis z of the body. The matrix
-``R = Rz(phi) Rx(theta) Rz(psi)`` takes components in the body to components in space, and the
-quaternion is ``(w, x, y, z)`` of the same turn. Right: a top in the same attitude. The weight pulls
-along -z'; the centre of mass lies in the direction ``com`` of the body, at a distance l from the
-fixed point.
+Left: the axes of space (primed), the axes of the body, and the three rotations between them: phi
+about the vertical z', theta about the line of nodes ON, psi about the axis z of the body. The
+matrix ``R = Rz(phi) Rx(theta) Rz(psi)`` takes components in the body to components in space; the
+quaternion ``(w, x, y, z)`` describes the same rotation. Right: a top in the same attitude. The
+weight acts along -z'. The centre of mass lies in the direction ``com`` of the body, at a distance l
+from the fixed point.
 """
 
 import matplotlib.pyplot as plt

@@ -1,10 +1,10 @@
 """The cubic of the heavy top
 ==========================
 
-The height ``u = cos(theta)`` of a symmetric top obeys ``u'² = f(u)`` with a cubic f. It moves where
-f is positive between -1 and 1 (grey), from u1 to u2; the third root is never reached. The
-precession reverses at ``u = a/b``: between the roots for a top that loops, as here, and at u2 for
-one with cusps.
+The height ``u = cos(theta)`` of a symmetric top obeys ``u'² = f(u)`` with a cubic f. The top moves
+where f is positive between -1 and 1 (grey), from u1 to u2; it never reaches the third root. The
+precession reverses at ``u = a/b``. For a top with loops, as here, this height lies between the
+roots; for a top with cusps it is u2.
 """
 
 import matplotlib.pyplot as plt

@@ -1,10 +1,11 @@
 """Fast tops draw cycloids
 =======================
 
-The faster a top spins, the smaller and quicker its nutation; unrolled, the path of its axis comes
-near a cycloid. Let go at rest it has cusps; pushed half as fast as the steady precession it only
-waves; pushed backward it loops. The first-order cycloid (dashed) has the right width, but runs
-ahead or behind in the long run, because the true frequency differs by twice the precession.
+The faster a top spins, the smaller and faster its nutation, and the closer the unrolled path of its
+axis comes to a cycloid. If the axis is released at rest, the path has cusps. If it is pushed half
+as fast as the steady precession, the path has waves; if it is pushed backward, the path has loops.
+The first-order cycloid (dashed) has the right width, but gets ahead or behind over a long time,
+because the true frequency differs by twice the precession.
 """
 
 import matplotlib.pyplot as plt

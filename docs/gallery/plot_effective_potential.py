@@ -1,11 +1,11 @@
 """The effective potential of a heavy top
 ======================================
 
-With its two momenta constant, the tilt of a symmetric top moves as a particle in a well: the weight
-pulls it down, and the term ``I1 (a - b cos)² / (2 sin²)`` of the precession keeps it off the
-vertical. With the energy E' it goes up and down between the two circles where the well is as high;
-with the least energy it stays at the bottom, which is steady precession. Here a top is let go at 60
-degrees with a spin of 5 rad/s: that is its upper circle.
+Two momenta of a symmetric top are constant, so its tilt moves like a particle in a potential well.
+The weight pulls the tilt down; the term ``I1 (a - b cos)² / (2 sin²)`` of the precession keeps it
+away from the vertical. With the energy E' the tilt moves between the two angles at which the
+potential is E'. With the least energy the tilt stays at the minimum: this is steady precession.
+Here a top is released at 60 degrees with a spin of 5 rad/s; this tilt is its upper turning point.
 """
 
 import matplotlib.pyplot as plt

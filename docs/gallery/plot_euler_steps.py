@@ -1,10 +1,10 @@
 """Euler angles, turn by turn
 ==========================
 
-The attitude of a body is reached by three turns: by phi about the vertical, by theta about the line
-of nodes N, by psi about the axis of the body. Each panel has the axes before the turn dashed and
-those after it solid; two of them move, by the same angle, and one stays. Seen from the vertical,
-the first turn is one of the plane, where a point keeps its place and changes its coordinates.
+Three rotations produce the attitude of a body: by phi about the vertical, by theta about the line
+of nodes N, by psi about the axis of the body. Each panel shows the axes before the rotation dashed
+and after the rotation solid; two axes move by the same angle, and one stays. Seen from above, the
+first rotation is a rotation of the plane: a point keeps its place and gets other coordinates.
 """
 
 import matplotlib.pyplot as plt

@@ -1,10 +1,10 @@
 """Frames of a rigid body
 ======================
 
-Six numbers place a rigid body: three for the origin of its axes, three angles for their direction.
-Between the axes of space (thin, O') and those of the body (thick, O) stand axes that are parallel
-to the first and go with the second (dashed). A point P of the body has constant components along
-the thick axes and is seen from space at ``r = R + r'``.
+Six numbers give the position and attitude of a rigid body: three for the origin of its axes, three
+angles for their direction. The dashed axes are parallel to the axes of space (thin, O') and move
+with the origin of the body (thick, O). A point P of the body has constant components along the
+thick axes. Its position in space is ``r = R + r'``.
 """
 
 import matplotlib.pyplot as plt

@@ -1,11 +1,11 @@
 """The free symmetric top seen from the body
 =========================================
 
-Without torque, the part of omega along the axis of a symmetric top stays, and the part A across it
-turns at the constant rate ``k = omega3 (I3 - I) / I``. So omega goes around the axis on a cone,
-seen from the body: the same way as the spin for an oblate top such as the Earth, whose pole moves
-on a small circle in some 300 days if the Earth is taken as rigid, and the other way for a prolate
-one.
+Without torque, the component of omega along the axis of a symmetric top is constant, and the
+component A perpendicular to the axis rotates at the constant rate ``k = omega3 (I3 - I) / I``. Seen
+from the body, omega moves around the axis on a cone. For an oblate top it moves in the sense of the
+spin: the pole of a rigid Earth would move on a small circle in some 300 days. For a prolate top it
+moves in the opposite sense.
 """
 
 import matplotlib.pyplot as plt

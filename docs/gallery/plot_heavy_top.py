@@ -2,9 +2,9 @@
 ============================
 
 A top turns about the fixed point O under the weight at its centre of mass C, at the distance l. The
-torque ``M g l sin theta`` is along the line of nodes, and so across the vertical as well as across
-the axis: the angular momenta about these two stay constant, and theta alone is left to be solved
-for.
+torque ``M g l sin theta`` is along the line of nodes, perpendicular to the vertical and to the axis
+of the top. So the angular momenta about the vertical and about the axis are constant, and theta is
+the only unknown.
 """
 
 import matplotlib.pyplot as plt

@@ -2,8 +2,9 @@
 ===================
 
 Energy and angular momentum of a tumbling body over a hundred turns, by two schemes of order 4 with
-the same step. The Runge-Kutta scheme loses all of them a little in every step. The symplectic
-splitting keeps the angular momentum, in space too, to rounding; its energy error stays where it is.
+the same step. The Runge-Kutta scheme loses a little of each in every step. The symplectic splitting
+preserves the angular momentum in the body and in space to rounding, and the error of its energy
+does not grow.
 """
 
 import matplotlib.pyplot as plt

@@ -1,11 +1,11 @@
 """Loops, cusps and waves of a heavy top
 =====================================
 
-The axis of a symmetric top stays between two circles on the unit sphere. What it does on the upper
-one depends on where ``phi' = (a - b cos) / sin²`` changes its sign: between the circles it loops;
-on the upper circle, as of a top that is let go, it has cusps; outside them it moves on all the
-time, with the spin or, for ``a/b`` below both, against it. All four start at 60 degrees, pushed
-sideways at -0.3, 0, 0.2 and -4 rad/s.
+The axis of a symmetric top stays between two circles on the unit sphere. The shape of its path
+depends on where ``phi' = (a - b cos) / sin²`` changes sign. Between the circles: loops. On the
+upper circle, as for a top that is released at rest: cusps. Outside the circles: the precession
+never reverses; it has the sense of the spin or, if ``a/b`` is below both circles, the opposite
+sense. All four tops start at 60 degrees, pushed sideways at -0.3, 0, 0.2 and -4 rad/s.
 """
 
 import matplotlib.pyplot as plt
@@ -26,7 +26,7 @@ figures.loci(top, omega, tilted, axes=axes)
 plt.show()
 
 # %%
-# A single one, the lower circle of which is its start: large loops that nearly reach the vertical.
+# A single top that starts on its lower circle: large loops that nearly reach the vertical.
 
 figure = plt.figure(figsize=(6, 6), layout="constrained")
 ax = figure.add_subplot(projection="3d")

@@ -1,10 +1,10 @@
 """The frame of the line of nodes
 ==============================
 
-Half-way between space and body lies a frame that follows the line of nodes but does not spin: xi
-along ON, eta along OM, zeta along the axis of the body. Here the angular velocity is simplest,
-``(theta', phi' sin theta, phi' cos theta + psi')``: theta changes about ON, phi about the vertical
-z', psi about the axis z. A symmetric top has constant moments in this frame, too.
+The node frame follows the line of nodes but does not spin: xi along ON, eta along OM, zeta along
+the axis of the body. In this frame the angular velocity has its simplest form, ``(theta', phi' sin
+theta, phi' cos theta + psi')``: theta changes about ON, phi about the vertical z', psi about the
+axis z. The moments of a symmetric top are constant in this frame too.
 """
 
 import matplotlib.pyplot as plt

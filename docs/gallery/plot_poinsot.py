@@ -1,10 +1,10 @@
 """Poinsot's rolling ellipsoid
 ===========================
 
-A free body turns as if its inertia ellipsoid rolled, without slipping, on a plane that is fixed in
-space across the angular momentum. The two touch in omega, which for the moment is at rest. On the
-ellipsoid the point of contact runs around a closed curve, the polhode; in the plane it draws the
-herpolhode, which in general never closes.
+A free body rotates as if its inertia ellipsoid rolled without slipping on a plane that is fixed in
+space and perpendicular to the angular momentum. The ellipsoid touches the plane at omega, where the
+body is instantaneously at rest. On the ellipsoid the point of contact moves around a closed curve,
+the polhode. In the plane it draws the herpolhode, which in general does not close.
 """
 
 import matplotlib.pyplot as plt
@@ -22,4 +22,4 @@ figures.poinsot(run, frame=130, ax=ax)
 plt.show()
 
 # %%
-# The same as a page that plays by itself in a browser is ``run.animate("poinsot.html")``.
+# ``run.animate("poinsot.html")`` writes the motion to a page that plays in a browser.

@@ -1,10 +1,11 @@
 """All polhodes of one energy
 ==========================
 
-The ends of omega of a free body, for one energy and all angular momenta, on its inertia ellipsoid.
-Around the axes of the least and of the largest moment the curves are closed: rotations about these
-axes last. The two ellipses through the ends of the middle axis are the separatrix: near them the
-body stays about the middle axis for long, then turns over, and back again.
+Each curve holds the ends of omega of a free body, on the ellipsoid of one energy, for one angular
+momentum. Around the axes of the smallest and of the largest moment the curves are closed: rotation
+about these axes is stable. The two ellipses through the ends of the middle axis are the separatrix.
+Near the separatrix the body rotates about its middle axis for a long time, then flips, and flips
+back.
 """
 
 import matplotlib.pyplot as plt

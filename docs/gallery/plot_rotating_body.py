@@ -1,9 +1,9 @@
 """Velocities in a rotating body
 =============================
 
-Every point of a body that turns about a fixed point goes, at this instant, on a circle about the
-axis through omega, with the velocity ``v = omega × r``. Points on the axis are at rest; the speed
-rises with the distance from it, and no distance between two points changes.
+At each instant, every point of a body that rotates about a fixed point moves on a circle about the
+axis through omega, with the velocity ``v = omega × r``. Points on the axis are at rest. The speed
+grows with the distance from the axis, and the distance between any two points is constant.
 """
 
 from itertools import product

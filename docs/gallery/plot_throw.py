@@ -1,10 +1,10 @@
 """A box thrown about each of its axes
 ===================================
 
-A box of 1 cm by 8 cm by 25 cm, turning at 1 rad/s: exactly about an axis it goes on for ever; with
-0.05 rad/s of noise on every component the rotation about the middle axis turns over, again and
-again. The dots are the growth rate of a disturbance if the rates stood still. They say what happens
-at the start; later they are positive on lasting motions too.
+A box of 1 cm by 8 cm by 25 cm, rotating at 1 rad/s. Exactly about a principal axis the rotation
+continues for ever. With noise of 0.05 rad/s on every component, the rotation about the middle axis
+flips again and again. The dots are the growth rate of a disturbance if the rates were constant.
+They describe the beginning of the motion only; later they are positive on stable motions too.
 """
 
 import matplotlib.pyplot as plt

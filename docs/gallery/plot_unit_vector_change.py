@@ -1,10 +1,10 @@
 """How a unit vector changes
 =========================
 
-A unit vector that turns with a frame cannot change its length, so it changes across itself:
-``de/dt = omega × e``. In a small turn by delta about the second axis, the first unit vector moves
-by delta towards the negative third axis. What is left between the true change and its first order
-falls as the square of the angle.
+A unit vector that rotates with a frame cannot change its length, so its change is perpendicular to
+itself: ``de/dt = omega × e``. In a small rotation by delta about the second axis, the first unit
+vector moves by delta towards the negative third axis. The difference between the true change and
+its first order decreases with the square of the angle.
 """
 
 import matplotlib.pyplot as plt

@@ -1,10 +1,10 @@
 """When an upright top sleeps
 ==========================
 
-An upright top stays upright if its cubic f is negative beside ``u = 1``. Below the least spin
-``2 sqrt(mgl I1) / I3`` it is positive there (blue), and the top falls as far as that reaches. The
-usual approximation ``(1 - u)² (2 alpha - a²)`` vanishes exactly at the least spin and cannot tell;
-f itself is ``-alpha (1 - u)³`` there, and the top sleeps.
+An upright top stays upright if its cubic f is negative near ``u = 1``. Below the least spin ``2
+sqrt(mgl I1) / I3`` f is positive there (blue), and the top falls as far as f is positive. The usual
+approximation ``(1 - u)² (2 alpha - a²)`` is zero at the least spin and does not decide; f itself is
+``-alpha (1 - u)³`` there, and the top sleeps.
 """
 
 import matplotlib.pyplot as plt

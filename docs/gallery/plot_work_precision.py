@@ -1,9 +1,10 @@
 """Error against run time
 ======================
 
-What an error costs: each line is a method with ever shorter steps, its error against the closed
-form and the processor time of a body. High orders are steep, low ones soon too slow; the closed
-form itself stands at the lower left, as a star. Times are those of the machine that made the page.
+The cost of an error: each line is a method with shorter and shorter steps; it shows the error
+against the closed form over the processor time of a body. Methods of high order have steep lines;
+methods of low order soon become slow. The star at the lower left is the closed form. The times
+belong to the machine that built the page.
 """
 
 import matplotlib.pyplot as plt

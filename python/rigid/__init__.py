@@ -1,44 +1,52 @@
 """Rotation of rigid bodies: exact where physics allows, fast elsewhere, the error stated.
 
-The main job is :func:`stability_map`; :func:`simulate` gives the states of bodies at wanted times.
+The main job is :func:`stability_map`; :func:`simulate` gives the states of bodies at given times.
 Conventions: SI or any consistent units; body axes are principal axes; ``omega`` in the body
 (rad/s); attitudes are unit quaternions, scalar first, active, body to space; gravity along ``-e3``
 of space.
 
-The textbook is in modules that load when they are first named, ``rigid.particles`` say:
+The modules of the textbook are imported on first access, for example ``rigid.particles``:
 :mod:`~rigid.particles`, :mod:`~rigid.statics` and :mod:`~rigid.springs`; :mod:`~rigid.rotations`
 and :mod:`~rigid.frames`; :mod:`~rigid.inertia`, :mod:`~rigid.solids` and :mod:`~rigid.meshes`;
 :mod:`~rigid.fixed_axis`, :mod:`~rigid.free`, :mod:`~rigid.top` and :mod:`~rigid.earth`;
 :mod:`~rigid.figures` and :mod:`~rigid.animation`.
 """
 
+from __future__ import annotations
+
 from importlib import import_module
 from types import ModuleType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from . import exact
+from ._checks.progress import Progress
 from ._core import __version__
-from .bodies import Body
 from .citing import cite
-from .conditioning import condition
-from .criteria import no_flip, tilt_below
-from .extremes import Extremes, extremes
-from .forces import Torque
 from .info import build_info
-from .mapfile import load_map
-from .mapresult import Replay, StabilityMap
-from .maps import stability_map
-from .mapspec import MapSpec
-from .methods import Method, methods
-from .plan import Plan, plan
-from .progress import Progress
-from .report import report
-from .reportresult import Report, Row
-from .scenes import FreeBody, HeavyTop
-from .simulate import Run, Status, simulate
-from .starts import Noise, Start, direction, normal, uniform, uniform_attitude
+from .maps.compute import stability_map
+from .maps.replay import Replay
+from .maps.result import StabilityMap, load_map
+from .maps.spec import MapSpec
+from .model.body import Body
+from .model.criteria import no_flip, tilt_below
+from .model.scene import FreeBody, HeavyTop
+from .model.start import Noise, Start, direction, normal, uniform, uniform_attitude
+from .model.torque import Torque
+from .reports.compute import report
+from .reports.result import Report
+from .reports.row import Row
+from .reports.stress import Extremes, extremes
+from .solve.choose_method import plan
+from .solve.methods import Method, methods
+from .solve.plan import Plan
+from .solve.run import Run, Status, plug_in_animator
+from .solve.sensitivity import condition
+from .solve.simulate import simulate
 
 if TYPE_CHECKING:
+    from os import PathLike
+    from pathlib import Path
+
     from . import (
         animation,
         earth,
@@ -134,6 +142,16 @@ if not TYPE_CHECKING:  # a type checker would take any name for a module
         if name in _LATER:
             return import_module(f".{name}", __name__)
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def _animate(run: Run, path: str | PathLike[str], **options: Any) -> Path:
+    """:func:`rigid.animation.animate`, imported when it is first called."""
+    from .animation import animate
+
+    return animate(run, path, **options)
+
+
+plug_in_animator(_animate)
 
 
 def __dir__() -> list[str]:

@@ -7,30 +7,47 @@ import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
+    "DRIFT_LIMIT",
+    "Forcing",
     "MapJob",
-    "Outside",
+    "MapStatistics",
     "__version__",
     "build_info",
     "check_method",
     "check_moments",
+    "chosen_methods",
     "closed_forms",
+    "closed_forms_for",
+    "default_steps",
     "elliptic",
     "fastest_rates",
     "flip_times",
     "free_quantities",
+    "lagrange_axes",
+    "map_columns",
     "methods",
+    "moment_status",
+    "moment_status_names",
     "principal_axes",
     "simulate",
+    "status_names",
     "tilt_times",
     "top_quantities",
+    "unit_quaternions",
 ]
 
+DRIFT_LIMIT: float
 __version__: str
 
 def build_info() -> dict[str, Any]: ...
 def methods() -> list[dict[str, Any]]: ...
+def chosen_methods() -> dict[str, str]: ...
+def map_columns() -> list[dict[str, Any]]: ...
 def check_method(method: str, scene: str, watched: bool) -> None: ...
 def check_moments(moments: Sequence[float]) -> None: ...
+def moment_status(moments: NDArray[np.float64]) -> NDArray[np.uint8]: ...
+def moment_status_names() -> list[str]: ...
+def unit_quaternions(quaternions: NDArray[np.float64]) -> NDArray[np.float64]: ...
 def principal_axes(
     tensor: Sequence[Sequence[float]],
 ) -> tuple[list[float], list[list[float]]]: ...
@@ -49,7 +66,7 @@ def simulate(
     times: Sequence[float] | None = None,
     strides: Sequence[int] | None = None,
     tolerance: float | None = None,
-    outside: Outside | None = None,
+    forcing: Forcing | None = None,
 ) -> dict[str, Any]: ...
 def closed_forms(
     *,
@@ -66,10 +83,22 @@ def fastest_rates(
     weight: NDArray[np.float64],
     omega: NDArray[np.float64],
     attitude: NDArray[np.float64],
-    outside: Outside | None = None,
+    forcing: Forcing | None = None,
     span: Sequence[float] | None = None,
     method: str | None = None,
 ) -> NDArray[np.float64]: ...
+def default_steps(method: str, rates: NDArray[np.float64]) -> NDArray[np.float64]: ...
+def status_names() -> list[str]: ...
+def closed_forms_for(
+    question: str,
+    *,
+    moments: NDArray[np.float64],
+    weight: NDArray[np.float64],
+    axis: int | None = None,
+) -> list[str]: ...
+def lagrange_axes(
+    moments: NDArray[np.float64], weight: NDArray[np.float64]
+) -> NDArray[np.int64]: ...
 def free_quantities(
     *, moments: NDArray[np.float64], omega: NDArray[np.float64]
 ) -> dict[str, Any]: ...
@@ -101,7 +130,7 @@ def tilt_times(
 def elliptic(name: str, arguments: Sequence[NDArray[np.float64]]) -> list[NDArray[np.float64]]: ...
 
 @final
-class Outside:
+class Forcing:
     def __new__(
         cls,
         *,
@@ -109,7 +138,7 @@ class Outside:
         body: NDArray[np.float64],
         space: NDArray[np.float64],
         damping: Sequence[float],
-    ) -> Outside: ...
+    ) -> Forcing: ...
     def slows_evenly(self, moments: Sequence[float]) -> float | None: ...
     def damping_rates(self, moments: Sequence[float]) -> list[float]: ...
 
@@ -137,7 +166,7 @@ class MapJob:
         samples: int,
         checked: int,
         seed: int,
-        outside: Sequence[Outside] | None = None,
+        forcing: Sequence[Forcing] | None = None,
     ) -> MapJob: ...
     @property
     def status(self) -> NDArray[np.uint8]: ...
@@ -149,3 +178,9 @@ class MapJob:
         interrupted: Callable[[], bool] | None = None,
     ) -> dict[str, Any] | None: ...
     def sample(self, pixel: int, sample: int) -> dict[str, Any]: ...
+
+@final
+class MapStatistics:
+    def __new__(cls, pixels: int) -> MapStatistics: ...
+    def merge(self, part: dict[str, Any]) -> None: ...
+    def arrays(self) -> dict[str, NDArray[Any]]: ...

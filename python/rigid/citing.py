@@ -1,4 +1,4 @@
-"""What to cite: the software, and who found the methods that were used."""
+"""References of the software and of the methods behind a result."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from . import _core
-from .methods import AUTO, EXACT, FALLBACK, Method, methods
-from .plan import Plan
+from .solve.methods import AUTO, EXACT, FALLBACK, Method, methods
+from .solve.plan import Plan
 
 if TYPE_CHECKING:
-    from .mapresult import StabilityMap
-    from .reportresult import Report
-    from .simulate import Run
+    from .maps.result import StabilityMap
+    from .reports.result import Report
+    from .solve.run import Run
 
 __all__ = ["cite"]
 
@@ -46,17 +46,17 @@ _OF_FORM: Mapping[str, str] = {
 
 
 def cite(used: Run | StabilityMap | Report | Plan | Method | str) -> str:
-    """BibTeX of this software and of the methods that a result was made with.
+    """BibTeX entries of this software and of the methods behind a result.
 
     Parameters
     ----------
     used : Run, StabilityMap, Report, Plan, Method or str
-        What was used; a string is the name of a method or ``"exact"``.
+        A result, a plan, the name of a method, or ``"exact"`` for the closed forms.
 
     Returns
     -------
     str
-        Entries that BibTeX reads; the key of a method is ``rigid-`` and its name.
+        BibTeX entries; the key of a method is ``rigid-`` and its name.
 
     Raises
     ------

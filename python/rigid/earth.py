@@ -8,7 +8,7 @@ from math import pi
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._given import finite_array, require
+from ._checks.arrays import finite_array, require
 from .free import symmetric_free_top
 
 __all__ = [
@@ -29,7 +29,7 @@ SOLAR_DAY = 86400.0
 """The mean solar day (s), from noon to noon."""
 
 SIDEREAL_DAY = 86164.0905
-"""The sidereal day (s), one turn of the Earth: it is this that a rate of rotation belongs to."""
+"""The sidereal day (s): the time of one turn of the Earth. Use this day for rates of rotation."""
 
 MEAN_RADIUS = 6371e3
 """Mean radius of the Earth (m)."""
@@ -38,13 +38,12 @@ MEAN_RADIUS = 6371e3
 def rotation_rate(day: ArrayLike = SIDEREAL_DAY) -> Floats:
     """Rate of one turn in a day (rad/s).
 
-    Buller and Wernstål 2011, § 2, take the solar day for a turn (erratum S-08), which is one turn
-    in 366 short.
+    Buller and Wernstål 2011, § 2, use the solar day (erratum S-08), and so miss one turn in 366.
 
     Parameters
     ----------
     day : array_like, shape (...)
-        Length of the day (s), positive; the sidereal one by default.
+        Length of the day (s), positive; the sidereal day by default.
 
     Returns
     -------
@@ -103,8 +102,8 @@ def ellipsoid_moments(polar_radius: float, equatorial_radius: float, mass: float
 def ellipticity(polar_radius: ArrayLike, equatorial_radius: ArrayLike) -> Floats:
     """``(I3 - I) / I`` of a homogeneous ellipsoid of revolution, from its radii.
 
-    ``(Re² - Rp²) / (Re² + Rp²)``, as a product, so that a small flattening keeps its digits. The
-    real Earth, denser inside, has 0.0032846.
+    ``(Re² - Rp²) / (Re² + Rp²)``; the function factors the difference, so that a small flattening
+    loses no digits. The value of the Earth, which is denser inside, is 0.0032846.
 
     Parameters
     ----------
@@ -133,10 +132,11 @@ def ellipticity(polar_radius: ArrayLike, equatorial_radius: ArrayLike) -> Floats
 
 
 def euler_period(ellipticity: ArrayLike, rate: ArrayLike) -> Floats:
-    """Euler's period, ``2 pi / (|ellipticity| rate)``, in which the pole goes around its circle.
+    """Euler's period, ``2 pi / (|ellipticity| rate)``: the period of the free polar motion.
 
     Landau and Lifshitz, *Mechanics*, § 36. Ercan 2016, § 9.1, prints 305 d for 0.00329 and
-    7.29e-5 rad/s, which give 303.21 d (erratum D-25). Observed are 433 d, because the Earth yields.
+    7.29e-5 rad/s, which give 303.21 d (erratum D-25). The observed period is 433 d, because the
+    Earth is not rigid.
 
     Parameters
     ----------
@@ -168,24 +168,24 @@ def euler_period(ellipticity: ArrayLike, rate: ArrayLike) -> Floats:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Wobble:
-    """The free precession of a slightly oblate body that turns nearly about its axis.
+    """The free precession of a slightly oblate body that spins nearly about its symmetry axis.
 
     Attributes
     ----------
     period : ndarray, shape (...)
         Euler's period, in the body (s).
     precession : ndarray, shape (...)
-        ``phi' = |L| / I``, at which the axis turns about L in space (rad/s): about
-        ``1 + ellipticity`` times the rate.
+        Rate of precession of the axis about L in space (rad/s), ``phi' = |L| / I``: about
+        ``1 + ellipticity`` times the rate of rotation.
     space_period : ndarray, shape (...)
-        Period of that turning (s), nearly a day.
+        Period of this precession (s), nearly a day.
     alpha, theta : ndarray, shape (...)
         Angles of omega and of L from the axis (rad).
     separation : ndarray, shape (...)
         Angle between omega and L (rad), the half angle of the space cone.
     pole_circle, space_circle : ndarray, shape (...)
-        Radii at the surface (m) of the circles of the pole of rotation: about that of the axis, and
-        in space about that of L.
+        Radii (m) of the circles of the pole of rotation at the surface: in the body about the pole
+        of the axis, and in space about the pole of L.
     """
 
     period: Floats
@@ -208,13 +208,13 @@ def wobble(
     """Periods, angles and circles of the free precession, by :func:`rigid.free.symmetric_free_top`.
 
     Ercan 2016, § 9.3, prints ``phi' = 0.00329`` for 1.00329 times the rate (erratum D-26), and a
-    pole circle of some tens of centimetres where its own 0.2 arc seconds give a radius of 6.18 m
+    circle of the pole of some tens of centimetres, although 0.2 arc seconds give a radius of 6.18 m
     (D-27).
 
     Parameters
     ----------
     ellipticity : array_like, shape (...)
-        ``(I3 - I) / I`` in (-1, 1]: no body has more.
+        ``(I3 - I) / I`` in (-1, 1]; larger values are impossible.
     rate : array_like, shape (...)
         ``|omega|`` (rad/s), positive.
     tilt : array_like, shape (...)

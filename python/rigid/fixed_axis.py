@@ -1,4 +1,4 @@
-"""A body that turns about an axis in bearings: what they must supply, and whether it is balanced.
+"""A body that turns about an axis in bearings: the load of the bearings, and balance.
 
 Body axes are any axes fixed in the body with their origin on the axis of rotation; they need not be
 principal axes. The products of inertia carry their minus signs in the tensor.
@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._check import finite_float, shaped, together, vector
+from ._checks.arguments import finite_float, shaped, together, vector
 
 __all__ = [
     "Analogy",
@@ -27,25 +27,25 @@ __all__ = [
 Floats = NDArray[np.float64]
 
 BALANCE = 1e-9
-"""Share of the moments, or of the radius of gyration, below which an imbalance counts as none."""
+"""An imbalance below this fraction of the moments, or of the gyration radius, counts as none."""
 
 _E3 = (0.0, 0.0, 1.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class BearingTorques:
-    """Angular momentum of a body that turns about a fixed axis, and the torque that this takes.
+    """Angular momentum of a body that turns about a fixed axis, and the torque of the motion.
 
     Attributes
     ----------
     angular_momentum, torque : ndarray, shape (..., 3)
-        About the origin, in the body (kg m²/s, N m).
+        Angular momentum and torque about the origin, components in the body (kg m²/s, N m).
     angular_momentum_space, torque_space : ndarray, shape (..., 3)
-        The same in space.
+        Angular momentum and torque, components in space.
     driving : ndarray, shape (...)
-        The part along the axis, ``I_zz omega'`` for the z axis: what speeds the body up.
+        Component of the torque along the axis, from the drive: ``I_zz omega'`` for the z axis.
     bearing : ndarray, shape (..., 3)
-        The rest, across the axis, in the body: what the bearings must supply.
+        Part of the torque perpendicular to the axis, from the bearings; components in the body.
     """
 
     angular_momentum: Floats
@@ -58,19 +58,18 @@ class BearingTorques:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Balance:
-    """Whether a body turns about an axis without shaking its bearings.
+    """Static and dynamic balance of a body about an axis.
 
     Attributes
     ----------
     offset : ndarray, shape (...)
         Distance of the centre of mass from the axis (m).
     product : ndarray, shape (...)
-        Size of the products of inertia with the axis, ``sqrt(I_xz² + I_yz²)`` for the z axis
-        (kg m²).
+        Size of the products of inertia of the axis, ``sqrt(I_xz² + I_yz²)`` for the z axis (kg m²).
     static : ndarray of bool, shape (...)
-        Whether the centre of mass lies on the axis: no net force when turning, no fall at rest.
+        Whether the centre of mass lies on the axis, so that the rotation needs no net force.
     dynamic : ndarray of bool, shape (...)
-        Whether the axis is a principal one: no torque across it.
+        Whether the axis is a principal axis, so that a steady rotation needs no torque.
     """
 
     offset: Floats
@@ -80,7 +79,7 @@ class Balance:
 
     @property
     def balanced(self) -> NDArray[np.bool_]:
-        """Whether it is both: the bearings carry the weight and nothing else."""
+        """Whether the body is balanced both ways, so that the bearings carry the weight only."""
         return self.static & self.dynamic
 
 
@@ -91,9 +90,9 @@ class Quantity:
     Attributes
     ----------
     name, symbol, unit : str
-        As printed.
+        Name, symbol and SI unit, as printed.
     dimension : tuple of 3 ints
-        Exponents of kg, m, s; an angle has none.
+        Exponents of kg, m and s; all zero for an angle.
     """
 
     name: str
@@ -104,12 +103,12 @@ class Quantity:
 
 @dataclass(frozen=True, slots=True)
 class Analogy:
-    """A quantity of rotation about the z axis and the one of motion along it that it resembles.
+    """A quantity of rotation about the z axis and the analogous quantity of motion along it.
 
     Attributes
     ----------
     rotation, translation : Quantity
-        The two.
+        Both quantities.
     """
 
     rotation: Quantity
@@ -124,14 +123,14 @@ def bearing_torques(
     axis: ArrayLike = _E3,
     angle: ArrayLike = 0.0,
 ) -> BearingTorques:
-    """Torque on a body that turns about a fixed axis, of its drive and of its bearings.
+    """Torque of the drive and of the bearings on a body that turns about a fixed axis.
 
     ``L = I n omega`` and ``N = I n omega' + n × I n omega²``: about the z axis
     ``(I_xz omega' - I_yz omega², I_yz omega' + I_xz omega², I_zz omega')`` in the body (Goldstein,
-    *Classical Mechanics*, § 5.5; Ercan 2016, eq. (29), which is in space). ``I_zz`` does not depend
-    on time (erratum D-15), the products in space do: putting those of the body into eq. (29)
-    forgets the terms in ``omega²``. It is the bearings that supply what lies across the axis
-    (erratum D-42).
+    *Classical Mechanics*, § 5.5; Ercan 2016, eq. (29), with components in space). ``I_zz`` does not
+    depend on time (erratum D-15), but the products of inertia in space do: eq. (29) with products
+    in the body lacks the terms in ``omega²``. The bearings supply the torque perpendicular to the
+    axis (erratum D-42).
 
     Parameters
     ----------
@@ -142,7 +141,7 @@ def bearing_torques(
     axis : array_like, shape (3,)
         Direction of the axis in the body, of any length. Default: the z axis.
     angle : array_like, shape (...)
-        Angle (rad) that the body has turned since its axes were those of space.
+        Angle (rad) of the body from the axes of space.
 
     Returns
     -------
@@ -151,7 +150,7 @@ def bearing_torques(
     Raises
     ------
     ValueError
-        If the tensor is not symmetric or that of no body, the axis is zero, or an argument is not
+        If the tensor is not symmetric or no body has it, the axis is zero, or an argument is not
         finite.
 
     Examples
@@ -188,10 +187,10 @@ def bearing_forces(
     *,
     axis: ArrayLike = _E3,
 ) -> Floats:
-    """Force of the bearings on a body that turns about a fixed axis, without that of its weight.
+    """Force of the bearings on a body that turns about a fixed axis, without weight.
 
-    ``F = m (omega' n × c + omega² n × (n × c))``, in the body: zero if the centre of mass lies on
-    the axis (Ercan 2016, § 7.2).
+    ``F = m (omega' n × c + omega² n × (n × c))`` in the body; zero if the centre of mass
+    lies on the axis (Ercan 2016, § 7.2).
 
     Parameters
     ----------
@@ -237,10 +236,10 @@ def balance_test(
     axis: ArrayLike = _E3,
     rtol: float = BALANCE,
 ) -> Balance:
-    """Whether a body is balanced about an axis, at rest and when it turns.
+    """Static and dynamic balance of a body about an axis.
 
-    No force when turning if the centre of mass lies on the axis, no torque across it if the axis is
-    a principal one (Ercan 2016, §§ 6, 7.2).
+    A steady rotation needs no force if the centre of mass lies on the axis, and no torque if the
+    axis is a principal axis (Ercan 2016, §§ 6, 7.2).
 
     Parameters
     ----------
@@ -249,12 +248,12 @@ def balance_test(
     mass : array_like, shape (...)
         Mass (kg), positive.
     com : array_like, shape (..., 3)
-        Centre of mass in the body (m), from that point.
+        Centre of mass in the body (m), from the point of the tensor.
     axis : array_like, shape (3,)
         Direction of the axis in the body, of any length.
     rtol : float
-        Offsets up to this share of the radius of gyration, and products up to this share of the
-        moments, count as none.
+        Offsets up to this fraction of the radius of gyration, and products up to this fraction of
+        the moments, count as zero.
 
     Returns
     -------
@@ -263,7 +262,7 @@ def balance_test(
     Raises
     ------
     ValueError
-        If the mass is not positive, the tensor is not symmetric or that of no body, the axis is
+        If the mass is not positive, the tensor is not symmetric or no body has it, the axis is
         zero, or an argument is not finite.
 
     Examples
@@ -280,7 +279,7 @@ def balance_test(
     if (m <= 0.0).any():
         raise ValueError(f"mass = {m[m <= 0.0][0]}: must be positive")
     share = finite_float("rtol", rtol, nonnegative=True)
-    # Vectors across the axis are found by a cross product, which does not cancel.
+    # Components perpendicular to the axis come from a cross product, which loses no digits.
     offset = np.linalg.norm(np.cross(n, c), axis=-1)
     product = np.linalg.norm(np.cross(n, inertia @ n), axis=-1)
     moments = 0.5 * np.trace(inertia, axis1=-2, axis2=-1)
@@ -294,7 +293,7 @@ def balance_test(
 
 
 def analogy_table() -> tuple[Analogy, ...]:
-    """The seven quantities of rotation about the z axis and their companions of translation.
+    """The seven quantities of rotation about the z axis and the analogous ones of translation.
 
     Ercan 2016, table 1.
 

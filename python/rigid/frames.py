@@ -1,8 +1,9 @@
-"""Moving frames: how motion looks from them, and the forces that are not there.
+"""Moving frames: motion seen from a moving frame, and fictitious forces.
 
-A frame has its origin at ``R``, which moves with ``V`` and ``A``, and turns with the angular
-velocity ``omega``. No components are turned here: all vectors of a call are components along the
-same axes, those of space or those that the axes of the frame have at the moment.
+The origin of a frame is at ``R`` and moves with the velocity ``V`` and the acceleration ``A``; the
+frame turns with the angular velocity ``omega``. The functions do not turn components: all vectors
+of a call must have components along the same axes, either those of space or the momentary axes of
+the frame.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._check import finite_float, shaped, together, vectors
+from ._checks.arguments import finite_float, shaped, together, vectors
 
 __all__ = [
     "EarthFrame",
@@ -38,7 +39,7 @@ EARTH_RADIUS = 6.371e6
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Motion:
-    """Where a point is and how it moves, in one frame.
+    """Position, velocity and acceleration of a point in one frame.
 
     Attributes
     ----------
@@ -53,18 +54,18 @@ class Motion:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FictitiousForces:
-    """The forces (N) that a moving frame needs for Newton's law; each of shape (..., 3).
+    """Fictitious forces (N) of a moving frame; each of shape (..., 3).
 
     Attributes
     ----------
     translation : ndarray
-        ``-m A``, of the acceleration of the origin.
+        ``-m A``, from the acceleration of the origin.
     coriolis : ndarray
         ``-2 m omega × v'``.
     centrifugal : ndarray
         ``-m omega × (omega × r')``.
     euler : ndarray
-        ``-m omega' × r'``, of a rate that changes.
+        ``-m omega' × r'``, from the change of the angular velocity.
     """
 
     translation: Floats
@@ -74,7 +75,7 @@ class FictitiousForces:
 
     @property
     def total(self) -> Floats:
-        """Their sum."""
+        """Sum of the forces."""
         return np.asarray(self.translation + self.coriolis + self.centrifugal + self.euler)
 
 
@@ -87,8 +88,8 @@ class EarthFrame:
     omega : ndarray, shape (..., 3)
         Rotation of the Earth (rad/s).
     acceleration : ndarray, shape (..., 3)
-        That of the origin, towards the axis of the Earth (m/s²). The ``g`` that a plumb line shows
-        has it in it already.
+        Acceleration of the origin, towards the axis of the Earth (m/s²). A plumb line measures
+        ``g`` with this acceleration included.
     """
 
     omega: Floats
@@ -105,24 +106,24 @@ def translating_frame(
     origin_acceleration: ArrayLike = _ZERO,
     back: bool = False,
 ) -> Motion:
-    """A motion seen from a frame that does not turn.
+    """A motion relative to a frame that does not turn.
 
-    ``r' = r - R``, ``v' = v - V``, ``a' = a - A``; Newton's law holds there with the additional
+    ``r' = r - R``, ``v' = v - V``, ``a' = a - A``; in the frame Newton's law has the additional
     force ``-m A`` (Landau and Lifshitz, *Mechanics*, § 39; Ercan 2016, eqs. (8)–(11)).
 
     Parameters
     ----------
     position, velocity, acceleration : array_like, shape (..., 3)
-        Of the point (m, m/s, m/s²), seen at rest; with ``back``, seen from the frame.
+        Motion of the point (m, m/s, m/s²) seen from space; with ``back``, seen from the frame.
     origin, origin_velocity, origin_acceleration : array_like, shape (..., 3)
-        Of the origin of the frame, seen at rest.
+        Motion of the origin of the frame, seen from space.
     back : bool
-        From the frame to rest instead.
+        Whether to transform from the frame to space.
 
     Returns
     -------
     Motion
-        Seen from the frame; with ``back``, seen at rest.
+        Seen from the frame; with ``back``, seen from space.
 
     Raises
     ------
@@ -162,28 +163,29 @@ def rotating_frame(
     origin_acceleration: ArrayLike = _ZERO,
     back: bool = False,
 ) -> Motion:
-    """A motion seen from a frame that turns and whose origin moves.
+    """A motion relative to a frame that turns and whose origin moves.
 
     ``v = V + v' + omega × r'`` and
     ``a = A + a' + 2 omega × v' + omega' × r' + omega × (omega × r')`` with the arm ``r' = r - R``
-    (Landau and Lifshitz, *Mechanics*, § 39; Ercan 2016, eqs. (17), (18), where the arm is printed
-    without its prime, erratum D-06).
+    (Landau and Lifshitz, *Mechanics*, § 39; Ercan 2016, eqs. (17), (18), where the arm lacks its
+    prime, erratum D-06).
 
     Parameters
     ----------
     position, velocity, acceleration : array_like, shape (..., 3)
-        Of the point (m, m/s, m/s²), seen at rest; with ``back``, seen from the frame.
+        Motion of the point (m, m/s, m/s²) seen from space; with ``back``, seen from the frame.
     omega, omega_dot : array_like, shape (..., 3)
         Angular velocity of the frame (rad/s) and its derivative (rad/s²), the same in both frames.
     origin, origin_velocity, origin_acceleration : array_like, shape (..., 3)
-        Of the origin of the frame, seen at rest.
+        Motion of the origin of the frame, seen from space.
     back : bool
-        From the frame to rest instead.
+        Whether to transform from the frame to space.
 
     Returns
     -------
     Motion
-        Seen from the frame; with ``back``, seen at rest. Along the same axes as the arguments.
+        Seen from the frame; with ``back``, seen from space. Components are along the axes of the
+        arguments.
 
     Raises
     ------
@@ -217,18 +219,18 @@ def rotating_frame(
 
 
 def transport(vector: ArrayLike, rate: ArrayLike, omega: ArrayLike) -> Floats:
-    """Rate of change of any vector, seen at rest: ``dQ/dt = δQ/δt + omega × Q``.
+    """Rate of change of a vector, seen from space: ``dQ/dt = δQ/δt + omega × Q``.
 
     Landau and Lifshitz, *Mechanics*, § 36; Goldstein, *Classical Mechanics*, § 4.9; Ercan 2016,
-    eqs. (16), (19). With ``-omega`` it leads from rest to the frame. That of ``omega`` itself is
-    the same in both.
+    eqs. (16), (19). Pass ``-omega`` to go from space to the frame. The rate of change of ``omega``
+    itself is the same in both.
 
     Parameters
     ----------
     vector : array_like, shape (..., 3)
         The vector ``Q``.
     rate : array_like, shape (..., 3)
-        Its rate of change ``δQ/δt`` seen from the frame, that of its components there.
+        Rate of change ``δQ/δt`` of ``Q`` seen from the frame.
     omega : array_like, shape (..., 3)
         Angular velocity of the frame (rad/s).
 
@@ -260,21 +262,21 @@ def fictitious_forces(
     omega_dot: ArrayLike = _ZERO,
     acceleration: ArrayLike = _ZERO,
 ) -> FictitiousForces:
-    """What a moving frame adds to the forces, each by its name.
+    """The fictitious forces of a moving frame.
 
-    Landau and Lifshitz, *Mechanics*, § 39; Goldstein, *Classical Mechanics*, § 4.10. The first is
-    eq. (11) of Ercan 2016.
+    Landau and Lifshitz, *Mechanics*, § 39; Goldstein, *Classical Mechanics*, § 4.10. The force of
+    the accelerated origin is eq. (11) of Ercan 2016.
 
     Parameters
     ----------
     mass : array_like, shape (...)
         Mass (kg) of the particle, >= 0.
     position, velocity : array_like, shape (..., 3)
-        Seen from the frame (m, m/s).
+        Position and velocity seen from the frame (m, m/s).
     omega, omega_dot : array_like, shape (..., 3)
         Angular velocity of the frame (rad/s) and its derivative (rad/s²).
     acceleration : array_like, shape (..., 3)
-        That of the origin, seen at rest (m/s²).
+        Acceleration of the origin, seen from space (m/s²).
 
     Returns
     -------
@@ -325,14 +327,14 @@ def earth_frame(
     latitude : array_like, shape (...)
         Geographical latitude (rad), in [-pi/2, pi/2], north positive.
     rate : float
-        Rotation of the planet (rad/s). Default: the sidereal one of the Earth.
+        Angular velocity of the planet (rad/s). Default: sidereal rotation of the Earth.
     radius : float
         Distance (m) of the observer from the centre, >= 0.
 
     Returns
     -------
     EarthFrame
-        ``omega`` and ``acceleration`` are arguments of :func:`fictitious_forces`.
+        Pass its ``omega`` and ``acceleration`` to :func:`fictitious_forces`.
 
     Raises
     ------

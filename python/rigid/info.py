@@ -1,11 +1,11 @@
-"""How this installation was built and what it runs with."""
+"""The build of this installation and its instruction set."""
 
 from __future__ import annotations
 
 from typing import Any
 
 from . import _core
-from ._check import resolve_threads
+from ._checks.arguments import resolve_threads
 
 __all__ = ["build_info"]
 

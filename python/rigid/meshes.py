@@ -1,10 +1,10 @@
 """Closed triangle meshes: mass properties of the homogeneous solid inside, exactly.
 
-By the divergence theorem the integrals over the volume are sums over the triangles, each the signed
-tetrahedron that it spans with an inner point: B. Mirtich, *Journal of Graphics Tools* 1 (2) (1996)
-31, in the closed form of the second moments of a tetrahedron (F. Tonon, *Journal of Mathematics and
-Statistics* 1 (2005) 8). Lengths are measured from the middle of the mesh and in units of its size,
-so neither a mesh far from the origin nor a tiny or huge one loses digits.
+By the divergence theorem the integrals over the volume are sums over signed tetrahedra, one for
+each triangle with a common inner point (B. Mirtich, *Journal of Graphics Tools* 1 (2) (1996) 31).
+The second moments of a tetrahedron have a closed form (F. Tonon, *Journal of Mathematics and
+Statistics* 1 (2005) 8). The functions measure lengths from the middle of the mesh in units of its
+size, so that a mesh far from the origin, a tiny mesh and a huge mesh lose no digits.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._check import first_place, shaped
-from .massproperties import MassProperties, tensor_of_squares
+from ._checks.arguments import first_place, shaped
+from .inertia.mass_properties import MassProperties, tensor_of_squares
 
 __all__ = ["mesh_properties"]
 
@@ -21,10 +21,10 @@ Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 _SLIVER = 1e-14
-"""Sine of the angle between two sides at which a triangle counts as a line."""
+"""A triangle counts as a line if the sine of the angle between two sides is at most this."""
 
 _ROUNDING = 1e-15
-"""Share of its terms by which a sum of volumes is rounded."""
+"""Rounding error of a sum of volumes, relative to its terms."""
 
 
 def mesh_properties(
@@ -39,15 +39,15 @@ def mesh_properties(
     Parameters
     ----------
     vertices : array_like, shape (..., v, 3)
-        Corners (m); leading axes are bodies with the same faces.
+        Corners (m); leading axes count bodies with the same faces.
     faces : array_like of int, shape (f, 3)
-        Corners of each triangle, counted from 0, counterclockwise seen from outside. Several
-        closed surfaces are allowed: separate bodies, or a cavity, which is seen from inside it.
-        That surfaces do not cut or contain each other otherwise is not checked.
+        Indices of the corners of each triangle, from 0, counterclockwise seen from outside. Several
+        closed surfaces are allowed: separate bodies, or cavities (counterclockwise seen from inside
+        the cavity). The function does not check whether surfaces intersect.
     density : array_like, shape (...), optional
-        Density (kg/m³); 1 if neither it nor the mass is given.
+        Density (kg/m³); 1 if neither density nor mass is given.
     mass : array_like, shape (...), optional
-        Mass (kg), instead of the density.
+        Mass (kg). Pass either the mass or the density.
 
     Returns
     -------
@@ -56,8 +56,8 @@ def mesh_properties(
     Raises
     ------
     ValueError
-        If the mesh is open, not consistently oriented, inside out, has a triangle without area or
-        an edge of more than two triangles: the message says which and where.
+        If the mesh is open, not consistently oriented or inside out, or if it has a triangle
+        without area or an edge of more than two triangles. The message names the triangle or edge.
 
     Examples
     --------
@@ -124,7 +124,7 @@ def _triangles(faces: ArrayLike, count: int) -> Indices:
 
 
 def _check_closed(triangles: Indices) -> None:
-    """Each edge must be run through once in each direction."""
+    """Raise ValueError unless two triangles share each edge, with opposite directions."""
     start, end = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
     base = int(triangles.max()) + 1
     there, back = start * base + end, end * base + start
@@ -153,7 +153,7 @@ def _check_closed(triangles: Indices) -> None:
 
 
 def _count(known: Indices, counts: Indices, wanted: Indices) -> Indices:
-    """How often each wanted value was counted."""
+    """The count of each requested value."""
     place = np.minimum(np.searchsorted(known, wanted), len(known) - 1)
     return np.where(known[place] == wanted, counts[place], 0)
 
@@ -172,7 +172,7 @@ def _check_areas(local: Floats, triangles: Indices) -> None:
 
 
 def _check_surfaces(local: Floats, triangles: Indices) -> None:
-    """A surface that encloses a negative volume must be a cavity, within the reach of another."""
+    """Raise ValueError unless each surface with a negative volume lies inside another surface."""
     label = np.arange(int(triangles.max()) + 1)
     while True:
         smallest = label[triangles].min(axis=1)
@@ -193,15 +193,15 @@ def _check_surfaces(local: Floats, triangles: Indices) -> None:
     if np.any(lost):
         k = int(first[first_place(lost)[0][0]])
         raise ValueError(
-            f"faces[{k}] = {triangles[k].tolist()}: the surface that it belongs to is inside out, "
-            "and no cavity of another"
+            f"faces[{k}] = {triangles[k].tolist()}: the surface of this triangle is inside out and "
+            "is no cavity of another surface"
         )
 
 
 def _moments(r: Floats, triangles: Indices) -> tuple[Floats, Floats, Floats, Floats]:
-    """Volume, integrals of ``r`` and of ``r ⊗ r`` over it, and the rounding of the volume.
+    """Volume, integrals of ``r`` and of ``r ⊗ r`` over the volume, and rounding of the volume.
 
-    Of the tetrahedron of the origin and ``a, b, c``: ``d/6``, ``d/24 s`` and
+    The integrals over the tetrahedron of the origin and ``a, b, c`` are ``d/6``, ``d/24 s`` and
     ``d/120 (a ⊗ a + b ⊗ b + c ⊗ c + s ⊗ s)`` with ``d = a·b×c``, ``s = a + b + c``.
     """
     a, b, c = (r[..., triangles[:, k], :] for k in range(3))

@@ -1,7 +1,8 @@
 """Particles under forces between pairs: their small oscillations, and the limit of the rigid body.
 
-A body of stiff springs is a rigid body but for an error that falls as the inverse of the stiffness,
-at a cost that rises as its square root: why rotation is not computed this way.
+A body of stiff springs approximates a rigid body with an error that falls as the inverse of the
+stiffness. The cost rises as the square root of the stiffness, so rigid motion is not computed this
+way.
 """
 
 from __future__ import annotations
@@ -12,11 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._check import finite_float, numbers, shaped, sorted_times, vector
-from .bodies import Body
+from ._checks.arguments import finite_float, numbers, shaped, sorted_times, vector
+from .model.body import Body
+from .model.scene import FreeBody
 from .particles import degrees_of_freedom, pairs_of, refuse_coincidence
-from .scenes import FreeBody
-from .simulate import simulate
+from .solve.simulate import simulate
 
 __all__ = ["Law", "Modes", "PairSystem", "SpringPath", "pair_system", "spring_body"]
 
@@ -24,10 +25,10 @@ Floats = NDArray[np.float64]
 Counts = NDArray[np.intp]
 
 Law = Callable[[Floats], tuple[Floats, Floats, Floats]]
-"""Energy of the pairs and its first two derivatives, of their distances ``(..., P)``."""
+"""Function of distances ``(..., P)``: energies of the pairs and their first two derivatives."""
 
 SMALL = 1e-9
-"""A force, or a squared frequency, below this share of the largest stiffness is zero."""
+"""A force, or a squared frequency, below this fraction of the largest stiffness is zero."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -37,12 +38,13 @@ class Modes:
     Attributes
     ----------
     omega_squared : ndarray, shape (..., 3 N)
-        Squared frequencies (rad²/s²), ascending; negative where the equilibrium is unstable.
+        Squared frequencies (rad²/s²), ascending; negative for unstable modes.
     shapes : ndarray, shape (..., 3 N, N, 3)
         Displacements of the particles in each mode, with ``Σ m u² = 1``.
     zero : ndarray of int, shape (...)
-        Number of modes without frequency: 6 of a body that its forces hold, the shifts and the
-        turns; 5 if it lies on a line that they hold straight; more if it can be deformed freely.
+        Number of modes with the frequency zero: 6 for a body that its forces hold together, the
+        translations and the rotations; 5 if the body lies on a line; more if the body can deform
+        without force.
     """
 
     omega_squared: Floats
@@ -51,10 +53,10 @@ class Modes:
 
     @property
     def stiff_step(self) -> Floats:
-        """One over the largest frequency (s): ``sqrt(m / k)`` of the stiffest part, m reduced.
+        """Inverse of the largest frequency (s): ``sqrt(m / k)`` with the reduced mass m.
 
-        An explicit step must stay below a small multiple of it: twice for the leapfrog scheme, 2.83
-        times for the classical Runge-Kutta scheme. inf if there is no frequency.
+        Steps of an explicit scheme must be shorter than a multiple of this time: 2 for leapfrog,
+        2.83 for the classical Runge-Kutta scheme. inf if all frequencies are zero.
         """
         with np.errstate(divide="ignore"):
             largest = np.maximum(self.omega_squared[..., -1], 0.0)
@@ -64,7 +66,7 @@ class Modes:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Pulls:
-    """Pairs (..., P): unit vectors from the second particle to the first, and the law there."""
+    """Pairs (..., P): unit vectors from the second to the first particle, and values of the law."""
 
     direction: Floats
     distance: Floats
@@ -75,7 +77,7 @@ class _Pulls:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PairSystem:
-    """Particles with a potential ``V = Σ V_ij(|r_i - r_j|)``, made by :func:`pair_system`.
+    """Particles with a potential ``V = Σ V_ij(|r_i - r_j|)``; create them by :func:`pair_system`.
 
     Attributes
     ----------
@@ -84,7 +86,7 @@ class PairSystem:
     positions : ndarray, shape (N, 3)
         The reference configuration (m).
     pairs : ndarray of int, shape (P, 2)
-        Which particles act on each other.
+        Indices of the particles that act on each other.
     law : callable
         Energy and its derivatives, see :data:`Law`.
     """
@@ -108,7 +110,7 @@ class PairSystem:
     def hessian(self, positions: ArrayLike | None = None) -> Floats:
         """Second derivatives ``∂²V/∂r∂r`` (N/m), shape (..., 3 N, 3 N).
 
-        Each pair has the stiffness ``V''`` along its line and ``V'/d`` across it.
+        Each pair has the stiffness ``V''`` along its line and ``V'/d`` perpendicular to it.
         """
         pulls = self._pulls(positions)
         across = (pulls.tension / pulls.distance)[..., np.newaxis, np.newaxis]
@@ -124,9 +126,9 @@ class PairSystem:
         """Frequencies and shapes of the small oscillations about an equilibrium.
 
         The squared frequencies are the eigenvalues of ``M^-½ (∂²V/∂r∂r) M^-½`` (Goldstein,
-        *Classical Mechanics*, § 6.2; Landau and Lifshitz, *Mechanics*, § 23): those of the second
-        derivatives alone, as printed in the lecture notes, § 5.1, are no frequencies (erratum
-        G-02), and six of them are zero, not positive (erratum G-01).
+        *Classical Mechanics*, § 6.2; Landau and Lifshitz, *Mechanics*, § 23). The lecture notes,
+        § 5.1, print the eigenvalues of the second derivatives, which are no frequencies
+        (erratum G-02); six of these eigenvalues are zero, not positive (erratum G-01).
 
         Raises
         ------
@@ -183,7 +185,7 @@ def pair_system(
     rest: ArrayLike | None = None,
     law: Law | None = None,
 ) -> PairSystem:
-    """Particles joined by springs, or by any potential of their distances.
+    """Create particles joined by springs, or by another potential of their distances.
 
     ``V = Σ k (d - d0)²/2``, or the sum of the given law over the pairs (lecture notes, § 5.1).
 
@@ -194,26 +196,26 @@ def pair_system(
     positions : array_like, shape (N, 3)
         Reference configuration (m).
     pairs : array_like of int, shape (P, 2), optional
-        Which particles act on each other. Default: all pairs, in the order of
+        Indices of the particles that act on each other. Default: all pairs, in the order of
         ``numpy.triu_indices(N, 1)``.
     stiffness : float or array_like, shape (P,)
-        Stiffness (N/m) of the springs, >= 0. Either this or ``law``.
+        Stiffness (N/m) of the springs, >= 0. Pass either ``stiffness`` or ``law``.
     rest : float or array_like, shape (P,), optional
-        Lengths (m) at rest of the springs. Default: the distances of the reference.
+        Rest lengths (m) of the springs. Default: the distances of the reference configuration.
     law : callable, optional
-        Instead of springs: takes distances ``(..., P)``, returns energy, first and second
-        derivative, each of that shape.
+        Function of distances ``(..., P)`` that returns energy, first and second derivative, each of
+        the shape of the distances. Pass a law instead of springs.
 
     Returns
     -------
     PairSystem
-        With ``energy``, ``forces``, ``hessian`` and ``modes`` of any configuration.
+        Call its methods ``energy``, ``forces``, ``hessian`` and ``modes``.
 
     Raises
     ------
     ValueError
-        If a mass is not positive, a stiffness or a length negative, two joined particles coincide,
-        or both springs and a law are given, or neither.
+        If a mass is not positive, a stiffness or a length is negative, two joined particles
+        coincide, or not exactly one of ``stiffness`` and ``law`` is given.
 
     Examples
     --------
@@ -228,7 +230,7 @@ def pair_system(
     first, second = pairs_of(pairs, len(m))
     if law is not None:
         if stiffness is not None or rest is not None:
-            raise ValueError("stiffness, rest, law: those of springs exclude a law")
+            raise ValueError("stiffness, rest, law: give stiffness and rest, or a law, not both")
     elif stiffness is None:
         raise ValueError("stiffness, law: give the stiffness of springs or a law")
     else:
@@ -237,26 +239,26 @@ def pair_system(
         lengths = distances if rest is None else _of_pairs("rest", rest, len(first))
         law = _hooke(k, lengths)
     system = PairSystem(masses=m, positions=r, pairs=np.stack([first, second], axis=-1), law=law)
-    system.energy()  # refuses particles that coincide and what is no law
+    system.energy()  # raises if particles coincide or the law returns wrong values
     return system
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SpringPath:
-    """The path of a body of springs beside that of the rigid body.
+    """The motion of a body of springs, and that of the rigid body.
 
     Attributes
     ----------
     t : ndarray, shape (m,)
         Times (s).
     positions : ndarray, shape (m, N, 3)
-        Where the particles are (m).
+        Positions of the particles (m).
     rigid : ndarray, shape (m, N, 3)
-        Where the rigid body has them.
+        Positions of the particles in the rigid body (m).
     distance : ndarray, shape (m,)
-        Largest distance between the two (m).
+        Largest distance between both positions of a particle (m).
     evaluations : int
-        How often the forces were evaluated.
+        Number of evaluations of the forces.
     stiff_step : float
         Step limit of the stiffest oscillation (s), see :attr:`Modes.stiff_step`.
     """
@@ -282,10 +284,10 @@ def spring_body(
 ) -> SpringPath:
     """Motion of particles joined by springs, and of the rigid body that they approximate.
 
-    The springs are at rest length at the start, where the particles move as a rigid body. The
+    At the start the springs have their rest lengths, and the particles move as a rigid body. The
     distance from the rigid body falls as ``1 / stiffness``, the steps as ``sqrt(m / stiffness)``
-    (lecture notes, § 5.1: the rigid body as the limit of infinite frequencies). The springs are
-    integrated by SciPy (DOP853), the rigid body by :func:`rigid.simulate`.
+    (lecture notes, § 5.1: the rigid body as the limit of infinite frequencies). SciPy integrates
+    the springs (DOP853), and :func:`rigid.simulate` the rigid body.
 
     Parameters
     ----------
@@ -294,9 +296,10 @@ def spring_body(
     omega, velocity : array_like, shape (3,)
         Angular velocity (rad/s) at the start and velocity (m/s) of the centre of mass, in space.
     t : array_like, shape (m,)
-        Wanted times (s), ascending from 0 on.
+        Times (s), ascending and not negative.
     rtol : float
-        Relative tolerance of a step; the absolute one is a hundredth of it of the size of the body.
+        Relative tolerance of a step. The absolute tolerance is ``0.01 rtol`` times the size of the
+        body.
 
     Returns
     -------
@@ -305,8 +308,8 @@ def spring_body(
     Raises
     ------
     ValueError
-        If the springs do not hold the particles to first order, which is so on a line and in a
-        plane, or an argument is out of range.
+        If the springs do not hold the particles together to first order, as in a plane or on a
+        line, or an argument is out of range.
 
     Examples
     --------
@@ -325,8 +328,8 @@ def spring_body(
     times = sorted_times("t", t)
     if times.size == 0 or times[0] < 0.0 or times[-1] == 0.0:
         raise ValueError(
-            f"t, shape {times.shape}: the springs start at t = 0, no time may be before it and the "
-            "last must be after"
+            f"t, shape {times.shape}: the springs start at t = 0; no time may be negative, and the "
+            "last must be positive"
         )
     w, v = vector("omega", omega, 3), vector("velocity", velocity, 3)
     tolerance = finite_float("rtol", rtol, positive=True)
@@ -382,7 +385,7 @@ def _turns(masses: Floats, arms: Floats, omega: Floats, times: Floats) -> Floats
 
 
 def _squares(arms: Floats) -> Floats:
-    """``r² 1 - r r`` of each arm."""
+    """``r² 1 - r r`` for each arm."""
     own = (arms * arms).sum(axis=-1)[:, np.newaxis, np.newaxis]
     return np.asarray(own * np.eye(3) - arms[:, :, np.newaxis] * arms[:, np.newaxis, :])
 

@@ -1,7 +1,7 @@
-"""Statics: whether forces balance, what balances them, and the axis of a system of forces.
+"""Statics: equilibrium of forces, the balancing force and couple, and the central axis.
 
-The six simple machines, without friction. A lever rests on its fulcrum between a load and an effort
-at two arms:
+Examples are the six simple machines without friction. A lever rests on its fulcrum between a load
+and an effort at two arms:
 
 >>> from math import cos, pi, sin, tan
 >>> from rigid import statics
@@ -13,7 +13,7 @@ at two arms:
 ...          [[-arm, 0, 0], [effort_arm, 0, 0], [0, 0, 0]])
 True
 
-A wheel and its axle are a lever all around; in a movable pulley two strands share the load:
+A wheel and its axle are a rotating lever; in a movable pulley two strands share the load:
 
 >>> wheel, axle = 0.5, 0.1
 >>> effort = load * axle / wheel
@@ -55,7 +55,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._check import finite_float, shaped, together
+from ._checks.arguments import finite_float, shaped, together
 
 __all__ = ["Equilibrant", "Equilibrium", "Wrench", "equilibrant", "equilibrium", "wrench"]
 
@@ -63,12 +63,12 @@ Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 BALANCE = 1e-9
-"""Share of the sum of the sizes below which a sum counts as zero."""
+"""A sum below this fraction of the sum of the sizes counts as zero."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Equilibrium:
-    """Whether forces balance.
+    """Sums of forces and torques, and whether both are zero.
 
     Attributes
     ----------
@@ -77,7 +77,8 @@ class Equilibrium:
     torque : ndarray, shape (..., 3)
         Sum of ``(r_i - about) × F_i`` (N m). It depends on ``about`` unless the force vanishes.
     balanced : ndarray of bool, shape (...)
-        Whether both vanish: then, and then for every reference point, a body at rest stays so.
+        Whether force and torque are zero, for one and hence for every reference point: a body at
+        rest remains at rest.
     """
 
     force: Floats
@@ -87,7 +88,7 @@ class Equilibrium:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Equilibrant:
-    """What balances a system of forces.
+    """The force and the couple that balance a system of forces.
 
     Attributes
     ----------
@@ -96,8 +97,8 @@ class Equilibrant:
     couple : ndarray, shape (..., 3)
         A couple (N m), the same wherever it acts.
     needs_force, needs_couple : ndarray of bool, shape (...)
-        Whether they are needed: a force alone, a couple alone (no single force will do), both, or
-        nothing.
+        Whether the force and the couple are needed. If only the couple is needed, no single force
+        balances the system.
     """
 
     force: Floats
@@ -117,16 +118,16 @@ class Wrench:
     torque : ndarray, shape (..., 3)
         Sum of the torques about the reference point (N m).
     has_axis : ndarray of bool, shape (...)
-        False if the forces have no sum: a pure couple, or nothing at all.
+        False if the sum of the forces is zero, as for a pure couple.
     point : ndarray, shape (..., 3)
-        The point of the axis that is nearest to the reference point (m); that point itself if there
-        is no axis.
+        The point of the axis that is nearest to the reference point (m); the reference point if
+        there is no axis.
     couple : ndarray, shape (..., 3)
-        The torque about the axis (N m), along it; the smallest about any point. The whole torque if
+        The torque along the axis (N m), the smallest torque about any point; the whole torque if
         there is no axis.
     pitch : ndarray, shape (...)
-        Couple by force (m), positive for a right-handed wrench; inf for a pure couple, 0 if nothing
-        acts.
+        Couple divided by force (m), positive for a right-handed wrench; inf for a pure couple, 0
+        without force and couple.
     """
 
     force: Floats
@@ -144,11 +145,12 @@ def equilibrium(
     about: ArrayLike = (0.0, 0.0, 0.0),
     rtol: float = BALANCE,
 ) -> Equilibrium:
-    """Sum of forces, sum of torques, and whether a body at rest stays so.
+    """Sum of forces, sum of torques, and whether both are zero.
 
-    ``Σ F_i = 0`` and ``Σ r_i × F_i = 0``, each force with its own arm (lecture notes, § 5.2, index
-    supplied, erratum G-04). About another point ``N_c = N_0 - c × F``: the reference point is
-    arbitrary only if the forces have no sum (erratum G-05).
+    In equilibrium ``Σ F_i = 0`` and ``Σ r_i × F_i = 0``, each force with its own arm (lecture
+    notes, § 5.2, where the index is missing, erratum G-04). About another point
+    ``N_c = N_0 - c × F``: the torque depends on the reference point unless the sum of the forces is
+    zero (erratum G-05).
 
     Parameters
     ----------
@@ -157,7 +159,7 @@ def equilibrium(
     about : array_like, shape (3,) or (..., 3)
         Reference point (m).
     rtol : float
-        A sum counts as zero below this share of the sum of the sizes.
+        A sum below this fraction of the sum of the sizes counts as zero.
 
     Returns
     -------
@@ -192,8 +194,8 @@ def equilibrant(
 ) -> Equilibrant:
     """The force at the reference point, and the couple, that balance a system of forces.
 
-    A sum of forces without torque is balanced by one force at the reference point; a torque without
-    a sum of forces only by a couple (lecture notes, § 5.2).
+    One force at the reference point balances a force without torque. Only a couple balances a
+    torque without force (lecture notes, § 5.2).
 
     Parameters
     ----------
@@ -232,10 +234,10 @@ def wrench(
     about: ArrayLike = (0.0, 0.0, 0.0),
     rtol: float = BALANCE,
 ) -> Wrench:
-    """The central axis of a system of forces, and the couple about it.
+    """The central axis of a system of forces, and the couple about this axis.
 
     Poinsot's theorem: the axis has the direction of ``F = Σ F_i`` and passes through
-    ``about + F × N / F²``; what is left of the torque is ``(N·F) F / F²``.
+    ``about + F × N / F²``; the torque about the axis is ``(N·F) F / F²``.
 
     Parameters
     ----------

@@ -1,6 +1,6 @@
-//! What a closed form says about a whole motion: periods, turning points, advances, and times of events.
+//! Quantities of a whole motion from its closed form: periods, turning points, advances, and times of events.
 
-use super::place::{Form, Kind, Place};
+use super::canonical::{CanonicalForm, ClosedForm, EvaluatorKind};
 use super::{Exit, Free, Lagrange, Motion, Symmetric};
 use crate::simd::Isa;
 use crate::special::{atan2, sincos};
@@ -22,6 +22,18 @@ pub struct FreeQuantities {
     pub precession: f64,
 }
 
+impl FreeQuantities {
+    /// Period of the rates.
+    pub fn period(&self) -> f64 {
+        2.0 * self.flip_time
+    }
+
+    /// Angle by which the encircled axis precesses in a period; 0 if it does not precess.
+    pub fn turn(&self) -> f64 {
+        if self.precession == 0.0 { 0.0 } else { 2.0 * self.flip_time * self.precession }
+    }
+}
+
 /// The nutation of a top as a whole.
 #[derive(Clone, Copy, Debug)]
 pub struct TopQuantities {
@@ -33,59 +45,86 @@ pub struct TopQuantities {
     pub advance: [f64; 2],
     /// Complementary parameter.
     pub mc: f64,
-    /// What it is called.
+    /// Name of the motion.
     pub kind: &'static str,
+}
+
+impl TopQuantities {
+    /// Mean rate of precession.
+    pub fn precession(&self) -> f64 {
+        self.advance[0] / self.period
+    }
+
+    /// Whether the top precesses against its spin.
+    pub fn is_retrograde(&self, body: &Body) -> bool {
+        let along: f64 = (0..3).map(|k| body.omega[k] * body.weight[k]).sum();
+        self.advance[0] * along < 0.0
+    }
+}
+
+/// Times of the first `count` sign changes of a component (0 to 2) after the start, infinite from the first that does
+/// not come; `None` if the motion has no closed form for them.
+pub fn sign_change_times(isa: Isa, body: &Body, axis: usize, count: usize) -> Option<Vec<f64>> {
+    let [first, interval] = sign_changes(isa, body, axis)?;
+    let never = first == f64::INFINITY;
+    Some((0..count).map(|k| if never || k == 0 { first } else { first + k as f64 * interval }).collect())
 }
 
 /// Runs scalar code with the FMA instruction where there is one: same bits, ten times faster.
 macro_rules! with_fma {
-    ($($(#[$doc:meta])* $name:ident = $generic:ident($($argument:ident: $type:ty),*) -> $out:ty;)*) => {$(
+    ($(
+        $(#[$doc:meta])*
+        $vis:vis fn $name:ident $(<$motion:ident>)? =
+            $generic:ident($($argument:ident: $type:ty),*) -> $out:ty;
+    )*) => {$(
         $(#[$doc])*
-        pub fn $name(isa: Isa, $($argument: $type),*) -> $out {
+        $vis fn $name $(<$motion: Motion<f64>>)? (isa: Isa, $($argument: $type),*) -> $out {
             #[cfg(target_arch = "x86_64")]
             #[target_feature(enable = "avx2,fma")]
-            fn fma($($argument: $type),*) -> $out {
-                $generic($($argument),*)
+            fn fma $(<$motion: Motion<f64>>)? (isa: Isa, $($argument: $type),*) -> $out {
+                $generic(isa, $($argument),*)
             }
             match isa {
                 #[cfg(target_arch = "x86_64")]
                 Isa::Avx512 | Isa::Avx2 => {
                     assert!(isa.is_available());
-                    // Safety: asked the line before.
-                    unsafe { fma($($argument),*) }
+                    // Safety: the line before checks the feature.
+                    unsafe { fma(isa, $($argument),*) }
                 }
-                _ => $generic($($argument),*),
+                _ => $generic(isa, $($argument),*),
             }
         }
     )*};
 }
 with_fma! {
     /// The quantities of a free body.
-    free_quantities = free(body: &Body) -> FreeQuantities;
+    pub fn free_quantities = free(body: &Body) -> FreeQuantities;
     /// Time of the first sign change of a component (0 to 2) after the start, and the time from one to the next;
     /// `None` if the motion has no closed form for it.
-    sign_changes = changes(body: &Body, axis: usize) -> Option<[f64; 2]>;
-    /// The quantities of a symmetric top; `None` if it is none.
-    top_quantities = top(body: &Body) -> Option<TopQuantities>;
+    pub fn sign_changes = changes(body: &Body, axis: usize) -> Option<[f64; 2]>;
+    /// The quantities of a symmetric top; `None` if the body is not a symmetric top.
+    pub fn top_quantities = top(body: &Body) -> Option<TopQuantities>;
     /// First time at which the angle between the vertical and the centre of mass of a symmetric top is `limit`.
-    tilt_time = time_of_tilt(body: &Body, limit: f64) -> Option<f64>;
+    pub fn tilt_time = time_of_tilt(body: &Body, limit: f64) -> Option<f64>;
+    /// The motion of a body that has this canonical form. All quantities share the code of its set-up.
+    fn motion<M> = set_up(form: CanonicalForm, body: &Body) -> M;
 }
 
 #[inline(always)]
-fn motion<M: Motion<f64>>(place: &Place, body: &Body) -> M {
-    let body = place.canonical(body);
+fn set_up<M: Motion<f64>>(_: Isa, form: CanonicalForm, body: &Body) -> M {
+    let body = form.to_canonical(body);
     M::new(&body.moments, &body.weight, &body.omega, &body.attitude)
 }
 
 #[inline(always)]
-fn free(body: &Body) -> FreeQuantities {
+fn free(isa: Isa, body: &Body) -> FreeQuantities {
     let body = &Body { weight: [0.0; 3], ..*body };
-    let Some(place) = Place::of(body) else { unreachable!("every free body has a closed form") };
+    let Some(form) = CanonicalForm::of(body) else { unreachable!("every free body has a closed form") };
     let never = f64::INFINITY;
     let omega = body.omega;
-    match place.form {
-        Form::Asymmetric => {
-            let m: Free<f64> = motion(&place, body);
+    match form.closed_form {
+        ClosedForm::Asymmetric => {
+            let m: Free<f64> = motion(isa, form, body);
             let (axis, sign) = m.encircled();
             let [k, kc] = m.torus.moduli;
             let circulates = kc > 0.0;
@@ -97,12 +136,12 @@ fn free(body: &Body) -> FreeQuantities {
                 precession: m.precession(),
             }
         }
-        Form::Symmetric => {
-            let m: Symmetric<f64> = motion(&place, body);
+        ClosedForm::Symmetric => {
+            let m: Symmetric<f64> = motion(isa, form, body);
             let [body_rate, about_l] = m.turning();
-            let [w1, w2, w3] = place.canonical(body).omega;
+            let [w1, w2, w3] = form.to_canonical(body).omega;
             let transverse = (w1 * w1 + w2 * w2).sqrt();
-            let axis = (0..3).find(|&k| place.axis(k) == 2).unwrap_or(2);
+            let axis = (0..3).find(|&k| form.axis(k) == 2).unwrap_or(2);
             let turns = body_rate != 0.0 && transverse > 0.0;
             let mut amplitude = if turns { [transverse; 3] } else { omega.map(f64::abs) };
             amplitude[axis] = w3.abs();
@@ -129,38 +168,38 @@ fn free(body: &Body) -> FreeQuantities {
 }
 
 #[inline(always)]
-fn changes(body: &Body, axis: usize) -> Option<[f64; 2]> {
-    let place = Place::of(body)?;
+fn changes(isa: Isa, body: &Body, axis: usize) -> Option<[f64; 2]> {
+    let form = CanonicalForm::of(body)?;
     let never = Some([f64::INFINITY; 2]);
-    let question = Exit { axis: place.axis(axis) as f64, limit: 0.0, direction: 1.0 };
-    match place.form {
-        Form::Spin => never,
-        Form::Symmetric => {
-            let m: Symmetric<f64> = motion(&place, body);
+    let question = Exit { axis: form.axis(axis) as f64, limit: 0.0, direction: 1.0 };
+    match form.closed_form {
+        ClosedForm::PermanentRotation => never,
+        ClosedForm::Symmetric => {
+            let m: Symmetric<f64> = motion(isa, form, body);
             Some([m.exit(&question), PI / m.turning()[0].abs()])
         }
-        Form::Asymmetric => {
-            let m: Free<f64> = motion(&place, body);
+        ClosedForm::Asymmetric => {
+            let m: Free<f64> = motion(isa, form, body);
             Some([m.exit(&question), m.half_period()])
         }
-        Form::Lagrange if place.axis(axis) == 2 => never,
-        Form::Lagrange | Form::Pendulum => None,
+        ClosedForm::Lagrange if form.axis(axis) == 2 => never,
+        ClosedForm::Lagrange | ClosedForm::Pendulum => None,
     }
 }
 
-/// The angle whose 1 - cos and 1 + cos are these.
+/// The angle with given 1 - cos and 1 + cos.
 #[inline(always)]
 fn angle(versine: f64, rest: f64) -> f64 {
     2.0 * atan2(versine.sqrt(), rest.sqrt())
 }
 
 #[inline(always)]
-fn top(body: &Body) -> Option<TopQuantities> {
-    let place = Place::of(body)?;
-    if place.kind() != Kind::Lagrange {
-        return upright(body, &place);
+fn top(isa: Isa, body: &Body) -> Option<TopQuantities> {
+    let form = CanonicalForm::of(body)?;
+    if form.kind() != EvaluatorKind::Lagrange {
+        return upright(body, form);
     }
-    let m: Lagrange<f64> = motion(&place, body);
+    let m: Lagrange<f64> = motion(isa, form, body);
     let [wa, wb, _] = m.points.w;
     let [rest_a, rest_b] = m.points.rest;
     let [top, spin] = m.momenta();
@@ -190,11 +229,11 @@ fn top(body: &Body) -> Option<TopQuantities> {
     })
 }
 
-/// A top that stands upright or hangs, without swing.
+/// A top that is upright or hangs, without swinging.
 #[inline(always)]
-fn upright(body: &Body, place: &Place) -> Option<TopQuantities> {
+fn upright(body: &Body, form: CanonicalForm) -> Option<TopQuantities> {
     let axis = (0..3).find(|&k| body.is_weighed_along(k))?;
-    if place.form != Form::Spin {
+    if form.closed_form != ClosedForm::PermanentRotation {
         return None;
     }
     let weight = body.weight[axis].abs();
@@ -213,15 +252,15 @@ fn upright(body: &Body, place: &Place) -> Option<TopQuantities> {
 }
 
 #[inline(always)]
-fn time_of_tilt(body: &Body, limit: f64) -> Option<f64> {
-    let place = Place::of(body)?;
+fn time_of_tilt(isa: Isa, body: &Body, limit: f64) -> Option<f64> {
+    let form = CanonicalForm::of(body)?;
     let (sin, _) = sincos(0.5 * limit);
     let versine = 2.0 * sin * sin;
-    if place.kind() != Kind::Lagrange {
+    if form.kind() != EvaluatorKind::Lagrange {
         let axis = (0..3).find(|&k| body.is_weighed_along(k))?;
         return Some(if body.depth(axis) == versine { 0.0 } else { f64::INFINITY });
     }
-    let m: Lagrange<f64> = motion(&place, body);
+    let m: Lagrange<f64> = motion(isa, form, body);
     // A turning point is reached without being passed.
     let at = |w: f64| (w - versine).abs() <= 4.0 * f64::EPSILON * w;
     let [wa, wb, _] = m.points.w;

@@ -1,11 +1,11 @@
-//! Closed forms of bodies side by side: where the generic motions meet instruction sets.
+//! Closed forms of many bodies at once: one entry point for each motion and instruction set.
 
-use super::{Exit, Free, Kind, Lagrange, Motion, Symmetric};
-use crate::group::{LANES, Row};
+use super::{EvaluatorKind, Exit, Free, Lagrange, Motion, Symmetric};
 use crate::real::Pack;
 use crate::simd::Isa;
 #[cfg(target_arch = "x86_64")]
 use crate::simd::{Arr, V4, V8};
+use crate::simd::{LANES, Row};
 use crate::start::Body;
 
 /// Bodies at their start, one in each lane, in the variables of their closed form.
@@ -18,7 +18,7 @@ pub struct StartRows {
 }
 
 impl StartRows {
-    /// The same body in all lanes.
+    /// One body in all lanes.
     pub fn filled(body: &Body) -> StartRows {
         StartRows {
             moments: body.moments.map(|x| Row([x; LANES])),
@@ -46,7 +46,7 @@ impl StartRows {
 pub struct StateRows {
     /// Rates.
     pub omega: [Row; 3],
-    /// Unit quaternions; untouched if only rates were wanted.
+    /// Unit quaternions; unchanged if only rates were requested.
     pub attitude: [Row; 4],
 }
 
@@ -64,44 +64,17 @@ fn load<P: Pack, const N: usize>(rows: &[Row; N], at: usize) -> [P; N] {
     out
 }
 
-/// Sets up the motion of each lane once, then evaluates it at each row of times.
 #[inline(always)]
-fn states<P: Pack, M: Motion<P>, const ATTITUDE: bool>(
-    starts: &StartRows,
-    times: &[Row],
-    out: &mut [StateRows],
-) {
-    for at in (0..LANES).step_by(P::LANES) {
-        let motion = M::new(
-            &load(&starts.moments, at),
-            &load(&starts.weight, at),
-            &load(&starts.omega, at),
-            &load(&starts.attitude, at),
-        );
-        for (time, state) in times.iter().zip(out.iter_mut()) {
-            let t = P::load(&time.0[at..]);
-            if const { ATTITUDE } {
-                let (omega, attitude) = motion.state(t);
-                for k in 0..3 {
-                    omega[k].store(&mut state.omega[k].0[at..]);
-                }
-                for k in 0..4 {
-                    attitude[k].store(&mut state.attitude[k].0[at..]);
-                }
-            } else {
-                let omega = motion.rates(t);
-                for k in 0..3 {
-                    omega[k].store(&mut state.omega[k].0[at..]);
-                }
-            }
-        }
+fn store<P: Pack, const N: usize>(v: &[P; N], rows: &mut [Row; N], at: usize) {
+    for k in 0..N {
+        v[k].store(&mut rows[k].0[at..]);
     }
 }
 
-/// What each lane may leave; see `Exit`.
+/// The boundary of the stable motion of each lane; see `Exit`.
 #[derive(Clone, Copy)]
 pub struct ExitRows {
-    /// Watched component.
+    /// Observed component.
     pub axis: Row,
     /// Limit.
     pub limit: Row,
@@ -109,16 +82,43 @@ pub struct ExitRows {
     pub direction: Row,
 }
 
-/// The time at which each lane leaves what is asked for.
+/// The motion of the lanes from `at` on.
+#[inline(always)]
+fn motion<P: Pack, M: Motion<P>>(starts: &StartRows, at: usize) -> M {
+    M::new(
+        &load(&starts.moments, at),
+        &load(&starts.weight, at),
+        &load(&starts.omega, at),
+        &load(&starts.attitude, at),
+    )
+}
+
+/// Sets up the motion of each lane, then evaluates it at each row of times: the rates, and on request the attitude.
+#[inline(always)]
+fn states<P: Pack, M: Motion<P>>(starts: &StartRows, times: &[Row], attitude: bool, out: &mut [StateRows]) {
+    let out = &mut out[..times.len()];
+    for at in (0..LANES).step_by(P::LANES) {
+        let motion: M = motion(starts, at);
+        for k in 0..times.len() {
+            let t = P::load(&times[k].0[at..]);
+            if M::RATES_ALONE && !attitude {
+                store(&motion.rates(t), &mut out[k].omega, at);
+                continue;
+            }
+            let (omega, q) = motion.state(t);
+            store(&omega, &mut out[k].omega, at);
+            if attitude {
+                store(&q, &mut out[k].attitude, at);
+            }
+        }
+    }
+}
+
+/// The exit time of each lane. The compiler removes most of the set-up, which is not needed here.
 #[inline(always)]
 fn exits<P: Pack, M: Motion<P>>(starts: &StartRows, questions: &ExitRows, out: &mut Row) {
     for at in (0..LANES).step_by(P::LANES) {
-        let motion = M::new(
-            &load(&starts.moments, at),
-            &load(&starts.weight, at),
-            &load(&starts.omega, at),
-            &load(&starts.attitude, at),
-        );
+        let motion: M = motion(starts, at);
         let question = Exit {
             axis: P::load(&questions.axis.0[at..]),
             limit: P::load(&questions.limit.0[at..]),
@@ -128,77 +128,94 @@ fn exits<P: Pack, M: Motion<P>>(starts: &StartRows, questions: &ExitRows, out: &
     }
 }
 
+type States = unsafe fn(&StartRows, &[Row], bool, &mut [StateRows]);
 type Exits = unsafe fn(&StartRows, &ExitRows, &mut Row);
-type States = unsafe fn(&StartRows, &[Row], &mut [StateRows]);
 
 /// The closed form of a kind, compiled for an instruction set that this CPU has.
 #[derive(Clone, Copy)]
 pub struct Evaluator {
-    rates: States,
     states: States,
     exits: Exits,
 }
 
+/// The entry points of a motion for an instruction set.
+macro_rules! entry_points {
+    ($($isa:ident [$($feature:tt)*];)*) => {$(
+        mod $isa {
+            use super::*;
+
+            $($feature)*
+            pub fn states_of<P: Pack, M: Motion<P>>(
+                starts: &StartRows,
+                times: &[Row],
+                attitude: bool,
+                out: &mut [StateRows],
+            ) {
+                states::<P, M>(starts, times, attitude, out)
+            }
+
+            $($feature)*
+            pub fn exits_of<P: Pack, M: Motion<P>>(starts: &StartRows, questions: &ExitRows, out: &mut Row) {
+                exits::<P, M>(starts, questions, out)
+            }
+        }
+    )*};
+}
+#[cfg(target_arch = "x86_64")]
+entry_points! {
+    avx512 [#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,avx2,fma")]];
+    avx2 [#[target_feature(enable = "avx2,fma")]];
+}
+entry_points! {
+    scalar [];
+}
+
 macro_rules! evaluator {
-    ($isa:ident, $motion:ident, $avx512:ty, $avx2:ty) => {{
-        #[cfg(target_arch = "x86_64")]
-        evaluator!(@functions avx512, [#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,avx2,fma")]],
-            $avx512, $motion);
-        #[cfg(target_arch = "x86_64")]
-        evaluator!(@functions avx2, [#[target_feature(enable = "avx2,fma")]], $avx2, $motion);
-        evaluator!(@functions scalar, [], f64, $motion);
+    ($isa:ident, $motion:ident, $avx512:ty, $avx2:ty) => {
         match $isa {
             #[cfg(target_arch = "x86_64")]
-            Isa::Avx512 => Evaluator { rates: avx512::rates, states: avx512::full, exits: avx512::exits_of },
+            Isa::Avx512 => Evaluator {
+                states: avx512::states_of::<$avx512, $motion<$avx512>>,
+                exits: avx512::exits_of::<$avx512, $motion<$avx512>>,
+            },
             #[cfg(target_arch = "x86_64")]
-            Isa::Avx2 => Evaluator { rates: avx2::rates, states: avx2::full, exits: avx2::exits_of },
-            _ => Evaluator { rates: scalar::rates, states: scalar::full, exits: scalar::exits_of },
-        }
-    }};
-    (@functions $name:ident, [$($feature:tt)*], $pack:ty, $motion:ident) => {
-        mod $name {
-            use super::*;
-            $($feature)*
-            pub fn rates(starts: &StartRows, times: &[Row], out: &mut [StateRows]) {
-                states::<$pack, $motion<$pack>, false>(starts, times, out)
-            }
-            $($feature)*
-            pub fn full(starts: &StartRows, times: &[Row], out: &mut [StateRows]) {
-                states::<$pack, $motion<$pack>, true>(starts, times, out)
-            }
-            $($feature)*
-            pub fn exits_of(starts: &StartRows, questions: &ExitRows, out: &mut Row) {
-                exits::<$pack, $motion<$pack>>(starts, questions, out)
-            }
+            Isa::Avx2 => Evaluator {
+                states: avx2::states_of::<$avx2, $motion<$avx2>>,
+                exits: avx2::exits_of::<$avx2, $motion<$avx2>>,
+            },
+            _ => Evaluator {
+                states: scalar::states_of::<f64, $motion<f64>>,
+                exits: scalar::exits_of::<f64, $motion<f64>>,
+            },
         }
     };
 }
 
 impl Evaluator {
     /// The evaluator for that instruction set; panics if the CPU lacks it.
-    pub fn new(kind: Kind, isa: Isa) -> Evaluator {
+    pub fn new(kind: EvaluatorKind, isa: Isa) -> Evaluator {
         assert!(isa.is_available(), "{} is not available on this CPU", isa.name());
         match kind {
-            Kind::Symmetric => evaluator!(isa, Symmetric, V8, V4),
+            EvaluatorKind::Symmetric => evaluator!(isa, Symmetric, V8, V4),
             // Two packs in flight hide the latency of its square roots (benches/README.md).
-            Kind::Free => evaluator!(isa, Free, Arr<V8, 2>, Arr<V4, 2>),
-            Kind::Lagrange => evaluator!(isa, Lagrange, V8, V4),
+            EvaluatorKind::Free => evaluator!(isa, Free, Arr<V8, 2>, Arr<V4, 2>),
+            EvaluatorKind::Lagrange => evaluator!(isa, Lagrange, V8, V4),
         }
     }
 
     /// The rates of all lanes at each row of times.
     pub fn rates(self, starts: &StartRows, times: &[Row], out: &mut [StateRows]) {
         // Safety: `new` has seen the features that the entry point needs.
-        unsafe { (self.rates)(starts, times, out) }
+        unsafe { (self.states)(starts, times, false, out) }
     }
 
     /// The states of all lanes at each row of times.
     pub fn states(self, starts: &StartRows, times: &[Row], out: &mut [StateRows]) {
         // Safety: as above.
-        unsafe { (self.states)(starts, times, out) }
+        unsafe { (self.states)(starts, times, true, out) }
     }
 
-    /// The times at which the lanes leave what is asked for.
+    /// The exit times of the lanes.
     pub fn exits(self, starts: &StartRows, questions: &ExitRows, out: &mut Row) {
         // Safety: as above.
         unsafe { (self.exits)(starts, questions, out) }

@@ -5,13 +5,13 @@
 //! terms (Celledoni et al. 2008, doi 10.1137/070704393; van Zon & Schofield 2007, doi 10.1016/j.jcp.2006.11.019).
 
 use super::{Exit, Motion, normalised, power_near, scaled, to_next_zero, turn};
-use crate::model::quaternion_product;
+use crate::kinematics::quaternion_product;
 use crate::real::Real;
 use crate::special::carlson_rf;
 use crate::special::theta::{Phase, Shifted, Torus};
 use std::f64::consts::FRAC_PI_2;
 
-/// The names of the axes, and how to undo them.
+/// The names of the axes, and the inverse renaming.
 #[derive(Clone, Copy)]
 struct Roles<R: Real> {
     /// Body axis of each role, as a number.
@@ -27,7 +27,7 @@ fn same<R: Real>(a: R, b: f64) -> R::Mask {
 }
 
 impl<R: Real> Roles<R> {
-    /// Exchanges two roles where the mask says so.
+    /// Exchanges two roles where the mask is true.
     #[inline(always)]
     fn exchange<const A: usize, const B: usize>(
         &mut self,
@@ -71,7 +71,7 @@ fn energy_product<R: Real>(i: R, a: R, b: R, w: R) -> [R; 2] {
     [third, second_low.fma(w, second.fms(w, third))]
 }
 
-/// What the motion of one body is made of.
+/// The constants of the motion of one body.
 #[derive(Clone, Copy)]
 pub struct Free<R: Real> {
     roles: Roles<R>,
@@ -84,7 +84,7 @@ pub struct Free<R: Real> {
     start: Phase<R>,
     /// Rate of the series argument.
     rate: R,
-    /// Amplitudes of the direction of L in the body, by role; they carry the constants of sn, cn and dn.
+    /// Amplitudes of the direction of L in the body, by role; they contain the constants of sn, cn and dn.
     amplitude: [R; 3],
     /// Rates over components of that direction, by role.
     rates: [R; 3],
@@ -105,7 +105,7 @@ pub struct Free<R: Real> {
     half_turn: R,
     /// From the frame of L to space, at the start.
     frame: [R; 4],
-    /// The start itself.
+    /// The start.
     omega: [R; 3],
     attitude: [R; 4],
 }
@@ -126,7 +126,7 @@ impl<R: Real> Motion<R> for Free<R> {
         roles.exchange::<1, 2>(swap, &mut i, &mut w);
         let swap = i[1].lt(i[0]);
         roles.exchange::<0, 1>(swap, &mut i, &mut w);
-        // (L^2 - 2 E I2) (I3 - I1): its sign says which axis the polhode encircles. All products in two parts: on the
+        // (L^2 - 2 E I2) (I3 - I1): its sign shows which axis the polhode encircles. All products in two parts: on the
         // separatrix it is zero, and next to it all digits count.
         let about3 = energy_product(i[2], i[2], i[1], w[2]);
         let about1 = energy_product(i[0], i[1], i[0], w[0]);

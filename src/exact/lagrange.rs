@@ -82,7 +82,7 @@ impl<R: Real> Start<R> {
         let f0 = (is * is) * inverse_k;
         let f1 = w.fma(rest, ((i1 * transverse2).fms(cosine, spin * lift)) / weight);
         let f2 = (-(i1 * transverse2)).fma(i1, -(two * (k * w)) + margin) * inverse_k;
-        // The outer root that stands alone, from x^3 - 3 x = 2 rho on [sqrt 3, 2] about the centre.
+        // The isolated outer root, from x^3 - 3 x = 2 rho on [sqrt 3, 2] about the centre.
         let third = R::splat(1.0 / 3.0);
         let centre = f2 * third;
         let p = (centre.fma(centre, f1 * third)).max(zero);
@@ -147,13 +147,13 @@ impl<R: Real> Start<R> {
         let other = R::select(some, pi / R::select(some, larger, one), zero);
         let top_a = R::select(positive, larger, other).max(zero);
         let top_c = R::select(positive, other, larger).min(zero);
-        // A turning point at the start stays one.
+        // A turning point at the start remains a turning point.
         let off = half.lt(R::select(near, R::select((top_a + top_a).lt(w), one, zero), zero));
         (wa, ya) = (R::select(off, top_a, wa), R::select(off, top_a - w, ya));
         rest_a = R::select(off, R::splat(2.0) - top_a, rest_a);
         (wc, yc) = (R::select(near, top_c, wc), R::select(near, top_c - w, yc));
         gap = R::select(near, R::select(off, r, wa - top_c), gap);
-        // A small wc beside a larger wa comes from the product alone.
+        // If wc is small beside wa, the product determines wc.
         let beside = half.lt(R::select(near, zero, R::select((-(wc + wc)).lt(wa), one, zero)));
         let product = -((top * top) * inverse_k) / R::select(beside, wa * wb, one);
         (wc, yc) = (R::select(beside, product, wc), R::select(beside, product - w, yc));
@@ -217,7 +217,7 @@ impl<R: Real> Parameter<R> {
     }
 }
 
-/// What the motion of one top is made of.
+/// The constants of the motion of one top.
 #[derive(Clone, Copy)]
 pub struct Lagrange<R: Real> {
     /// Power of two by which rates were divided and times multiplied.
@@ -291,6 +291,8 @@ impl<R: Real> Lagrange<R> {
 }
 
 impl<R: Real> Motion<R> for Lagrange<R> {
+    const RATES_ALONE: bool = false;
+
     /// Symmetric about axis 3 with the weight on it, not upright at rest.
     #[inline(always)]
     fn new(moments: &[R; 3], weight: &[R; 3], omega: &[R; 3], attitude: &[R; 4]) -> Self {
@@ -440,7 +442,7 @@ impl<R: Real> Motion<R> for Lagrange<R> {
         let quarters = sign.fms(there.quarters, self.start.quarters);
         let rests = sign.fms(there.rest, self.start.rest);
         let distance = R::select(zero.lt(quarters.abs()), quarters * quarter, zero) + rests;
-        // A start that moves towards the limit is not past it, whatever the rounding says.
+        // A start that moves towards the limit is not past the limit, whatever the rounding.
         let phase = self.phase_at_start();
         let approaches = R::select(rising, -phase, phase);
         let wrapped = R::select(zero.lt(approaches), zero, (quarter + quarter) + distance);
@@ -450,11 +452,6 @@ impl<R: Real> Motion<R> for Lagrange<R> {
         let now = self.tilt_at_start;
         let beyond = R::select(rising, now - w, w - now);
         R::select(zero.lt(beyond), zero, R::select(crossed, time, never))
-    }
-
-    #[inline(always)]
-    fn rates(&self, t: R) -> [R; 3] {
-        self.state(t).0
     }
 
     #[inline(always)]

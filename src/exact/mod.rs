@@ -1,16 +1,16 @@
 //! Closed forms: the motion of a body at any time, evaluated and not integrated.
 
+mod canonical;
 pub mod derived;
 mod evaluate;
 mod free;
 mod lagrange;
-mod place;
 mod symmetric;
 
+pub use canonical::{CanonicalForm, ClosedForm, EvaluatorKind, Question, lagrange_axis};
 pub use evaluate::{Evaluator, ExitRows, StartRows, StateRows};
 pub use free::Free;
 pub use lagrange::Lagrange;
-pub use place::{Form, Kind, Place};
 pub use symmetric::Symmetric;
 
 use crate::real::Real;
@@ -19,24 +19,29 @@ use crate::special::theta::Phase;
 
 /// A motion in closed form.
 pub trait Motion<R: Real>: Copy {
+    /// Whether the rates without the attitude cost less than a state.
+    const RATES_ALONE: bool = true;
     /// The motion from its start: moments, `mgl com`, rates in the body, unit quaternion.
     fn new(moments: &[R; 3], weight: &[R; 3], omega: &[R; 3], attitude: &[R; 4]) -> Self;
     /// The rates in the body at the time `t`.
-    fn rates(&self, t: R) -> [R; 3];
+    #[inline(always)]
+    fn rates(&self, t: R) -> [R; 3] {
+        self.state(t).0
+    }
     /// Rates and attitude at the time `t`.
     fn state(&self, t: R) -> ([R; 3], [R; 4]);
-    /// First time after the start at which the motion leaves what is asked for; infinite if it never does.
+    /// First time after the start at which the motion crosses the boundary `question`; infinite if it never does.
     fn exit(&self, question: &Exit<R>) -> R;
 }
 
-/// What a motion may leave. A free motion reads the axis, a top the rest.
+/// The boundary of the stable motion. A free motion reads the axis, a top the other fields.
 #[derive(Clone, Copy)]
 pub struct Exit<R> {
-    /// 0, 1 or 2: the component of the rates whose sign is watched.
+    /// 0, 1 or 2: the component of the rates whose sign is observed.
     pub axis: R,
     /// 1 - cos of the angle between the vertical and the centre of mass that must not be passed.
     pub limit: R,
-    /// Passed upward (1) or downward (-1).
+    /// The limit is crossed upward (1) or downward (-1).
     pub direction: R,
 }
 

@@ -4,7 +4,7 @@
 //! without a branch (Landau & Lifshitz, Mechanics, §33 and §35).
 
 use super::{Exit, Motion, normalised, power_near, scaled, turn};
-use crate::model::quaternion_product;
+use crate::kinematics::quaternion_product;
 use crate::real::Real;
 use crate::special::atan2;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -14,7 +14,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 pub struct Symmetric<R> {
     /// Power of two by which rates were divided and times multiplied.
     unit: R,
-    /// Rate at which the transverse rates turn in the body, backwards, and half of it.
+    /// Rate at which the transverse rates turn in the body, backwards, and half that rate.
     body_rate: R,
     half_body_rate: R,
     /// Half the rate about L.
@@ -94,7 +94,7 @@ impl<R: Real> Motion<R> for Symmetric<R> {
         let (sb, cb) = turn(&[(self.half_body_rate, time)], zero);
         let [u1, u2, u3] = self.direction;
         let about_l = [c, s * u1, s * u2, s * u3];
-        // Times the turn about axis 3, whose quaternion has two components.
+        // Product with the turn about axis 3, whose quaternion has two components.
         let local = [
             about_l[0].fms(cb, about_l[3] * sb),
             about_l[1].fma(cb, about_l[2] * sb),

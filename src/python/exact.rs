@@ -1,8 +1,12 @@
 //! The derived quantities of closed forms and the elliptic functions, array by array.
 
-use super::{bodies, parse_scene, rows, same_length};
+use super::convert::{bodies, rows, same_length};
 use crate::error::Error;
-use crate::exact::derived::{TopQuantities, free_quantities, sign_changes, tilt_time, top_quantities};
+use crate::exact::derived::{
+    FreeQuantities, TopQuantities, free_quantities, sign_change_times, tilt_time, top_quantities,
+};
+use crate::exact::{CanonicalForm, ClosedForm, Question, lagrange_axis};
+use crate::scene::Scene;
 use crate::simd::Isa;
 use crate::special::{agm, carlson_rc, carlson_rd, carlson_rf, carlson_rj};
 use crate::start::Body;
@@ -25,6 +29,76 @@ fn bodies_of(
     )
 }
 
+/// The name of the closed form of each body, empty if the body has none.
+#[pyfunction]
+#[pyo3(signature = (*, scene, moments, weight, omega, attitude))]
+pub fn closed_forms(
+    scene: &str,
+    moments: PyReadonlyArray2<'_, f64>,
+    weight: PyReadonlyArray2<'_, f64>,
+    omega: PyReadonlyArray2<'_, f64>,
+    attitude: PyReadonlyArray2<'_, f64>,
+) -> PyResult<Vec<&'static str>> {
+    Scene::parse(scene)?;
+    let bodies = bodies(
+        rows::<3>("moments", &moments)?,
+        rows::<3>("weight", &weight)?,
+        rows::<3>("omega", &omega)?,
+        rows::<4>("attitude", &attitude)?,
+    )?;
+    Ok(bodies.iter().map(|body| CanonicalForm::of(body).map_or("", |form| form.closed_form.name())).collect())
+}
+
+/// The name of the closed form that applies to a question for each body from any start, empty if there is none. The
+/// question is "states", "no_flip" or "tilt_from_vertical"; the last two need a body axis, 1 to 3, which is optional
+/// for "no_flip".
+#[pyfunction]
+#[pyo3(signature = (question, *, moments, weight, axis=None))]
+pub fn closed_forms_for(
+    question: &str,
+    moments: PyReadonlyArray2<'_, f64>,
+    weight: PyReadonlyArray2<'_, f64>,
+    axis: Option<usize>,
+) -> PyResult<Vec<&'static str>> {
+    let index = |axis: usize| {
+        let rule = "must be 1, 2 or 3";
+        let wrong = || Error::Value { argument: "axis", value: axis.to_string(), rule };
+        (1..=3).contains(&axis).then(|| axis - 1).ok_or_else(wrong)
+    };
+    let axis = axis.map(index).transpose()?;
+    let question = match (question, axis) {
+        ("states", _) => Question::States,
+        ("no_flip", axis) => Question::NoFlip(axis),
+        ("tilt_from_vertical", Some(axis)) => Question::TiltFromVertical(axis),
+        ("tilt_from_vertical", None) => {
+            let rule = "the tilt of an axis needs the axis";
+            return Err(Error::Value { argument: "axis", value: "None".into(), rule }.into());
+        }
+        _ => {
+            let known = "states, no_flip, tilt_from_vertical".into();
+            return Err(Error::Unknown { argument: "question", value: question.into(), known }.into());
+        }
+    };
+    let (moments, weight) = (rows::<3>("moments", &moments)?, rows::<3>("weight", &weight)?);
+    same_length("weight", moments.len(), weight.len())?;
+    let name =
+        |(&moments, &weight)| ClosedForm::answering(question, moments, weight).map_or("", ClosedForm::name);
+    Ok(moments.iter().zip(weight).map(name).collect())
+}
+
+/// The symmetry axis 1, 2 or 3 of each Lagrange top, 0 for any other body.
+#[pyfunction]
+pub fn lagrange_axes<'py>(
+    py: Python<'py>,
+    moments: PyReadonlyArray2<'py, f64>,
+    weight: PyReadonlyArray2<'py, f64>,
+) -> PyResult<Bound<'py, PyArray1<i64>>> {
+    let (moments, weight) = (rows::<3>("moments", &moments)?, rows::<3>("weight", &weight)?);
+    same_length("weight", moments.len(), weight.len())?;
+    let axis = |(&moments, &weight)| lagrange_axis(moments, weight).map_or(0, |axis| axis as i64 + 1);
+    Ok(moments.iter().zip(weight).map(axis).collect::<Vec<i64>>().into_pyarray(py))
+}
+
 /// Periods, amplitudes and precession of free bodies.
 #[pyfunction]
 #[pyo3(name = "free_quantities", signature = (*, moments, omega))]
@@ -42,17 +116,16 @@ pub fn free_quantities_of<'py>(
     )?;
     let all: Vec<_> = bodies.iter().map(|body| free_quantities(isa, body)).collect();
     let dict = PyDict::new(py);
-    let column = |of: fn(&crate::exact::derived::FreeQuantities) -> f64| -> Bound<'py, PyArray1<f64>> {
+    let column = |of: fn(&FreeQuantities) -> f64| -> Bound<'py, PyArray1<f64>> {
         all.iter().map(of).collect::<Vec<f64>>().into_pyarray(py)
     };
     dict.set_item("axis", all.iter().map(|q| q.axis).collect::<Vec<i8>>().into_pyarray(py))?;
     dict.set_item("m", column(|q| q.parameter[0]))?;
     dict.set_item("mc", column(|q| q.parameter[1]))?;
-    dict.set_item("period", column(|q| 2.0 * q.flip_time))?;
+    dict.set_item("period", column(FreeQuantities::period))?;
     dict.set_item("flip_time", column(|q| q.flip_time))?;
     dict.set_item("precession", column(|q| q.precession))?;
-    let turn = column(|q| if q.precession == 0.0 { 0.0 } else { 2.0 * q.flip_time * q.precession });
-    dict.set_item("turn", turn)?;
+    dict.set_item("turn", column(FreeQuantities::turn))?;
     let amplitude: Vec<f64> = all.iter().flat_map(|q| q.amplitude).collect();
     dict.set_item("amplitude", amplitude.into_pyarray(py).reshape([all.len(), 3])?)?;
     Ok(dict)
@@ -72,7 +145,7 @@ pub fn flip_times<'py>(
     axis: usize,
     count: usize,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    parse_scene(scene)?;
+    Scene::parse(scene)?;
     if !(1..=3).contains(&axis) {
         let rule = "must be 1, 2 or 3";
         return Err(Error::Value { argument: "axis", value: axis.to_string(), rule }.into());
@@ -81,10 +154,10 @@ pub fn flip_times<'py>(
     let bodies = bodies_of(&moments, &weight, &omega, &attitude)?;
     let mut times = Vec::with_capacity(bodies.len() * count);
     for (index, body) in bodies.iter().enumerate() {
-        let [first, interval] =
-            sign_changes(isa, body, axis - 1).ok_or(Error::NoClosedVerdict { pixel: index })?;
-        let never = first == f64::INFINITY;
-        times.extend((0..count).map(|k| if never || k == 0 { first } else { first + k as f64 * interval }));
+        let changes = sign_change_times(isa, body, axis - 1, count);
+        times.extend(
+            changes.ok_or(Error::NoClosedClassification { pixel: index, rule: Question::RULE_OF_CLASSES })?,
+        );
     }
     times.into_pyarray(py).reshape([bodies.len(), count])
 }
@@ -101,7 +174,9 @@ pub fn top_quantities_of<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let isa = Isa::current()?;
     let bodies = bodies_of(&moments, &weight, &omega, &attitude)?;
-    let quantities = |(index, body)| top_quantities(isa, body).ok_or(Error::NoClosedForm { index });
+    let quantities = |(index, body)| {
+        top_quantities(isa, body).ok_or(Error::NoClosedForm { index, rule: Question::RULE_OF_STATES })
+    };
     let all: Vec<TopQuantities> = bodies.iter().enumerate().map(quantities).collect::<Result<_, _>>()?;
     let dict = PyDict::new(py);
     let column = |of: fn(&TopQuantities) -> f64| -> Bound<'py, PyArray1<f64>> {
@@ -112,14 +187,10 @@ pub fn top_quantities_of<'py>(
     dict.set_item("period", column(|q| q.period))?;
     dict.set_item("precession_advance", column(|q| q.advance[0]))?;
     dict.set_item("spin_advance", column(|q| q.advance[1]))?;
-    dict.set_item("precession", column(|q| q.advance[0] / q.period))?;
+    dict.set_item("precession", column(TopQuantities::precession))?;
     dict.set_item("mc", column(|q| q.mc))?;
     dict.set_item("kind", all.iter().map(|q| q.kind).collect::<Vec<_>>())?;
-    let retrograde = |(q, body): (&TopQuantities, &Body)| {
-        let along: f64 = (0..3).map(|k| body.omega[k] * body.weight[k]).sum();
-        q.advance[0] * along < 0.0
-    };
-    let retrograde: Vec<bool> = all.iter().zip(&bodies).map(retrograde).collect();
+    let retrograde: Vec<bool> = all.iter().zip(&bodies).map(|(q, body)| q.is_retrograde(body)).collect();
     dict.set_item("retrograde", retrograde.into_pyarray(py))?;
     Ok(dict)
 }
@@ -137,7 +208,9 @@ pub fn tilt_times<'py>(
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let isa = Isa::current()?;
     let bodies = bodies_of(&moments, &weight, &omega, &attitude)?;
-    let time = |(index, body)| tilt_time(isa, body, limit).ok_or(Error::NoClosedForm { index });
+    let time = |(index, body)| {
+        tilt_time(isa, body, limit).ok_or(Error::NoClosedForm { index, rule: Question::RULE_OF_STATES })
+    };
     let times: Vec<f64> = bodies.iter().enumerate().map(time).collect::<Result<_, _>>()?;
     Ok(times.into_pyarray(py))
 }

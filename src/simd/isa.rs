@@ -1,4 +1,4 @@
-//! Which instruction set runs: the widest the CPU has, or the one that `RIGID_ISA` names.
+//! The instruction set of the kernels: the widest one of the CPU, or the one that `RIGID_ISA` names.
 
 use crate::error::Error;
 use std::sync::OnceLock;
@@ -35,7 +35,7 @@ impl Isa {
         match self {
             #[cfg(target_arch = "x86_64")]
             Isa::Avx512 => {
-                // is_x86_feature_detected! also asks the operating system for the wide registers.
+                // is_x86_feature_detected! also checks that the operating system saves the wide registers.
                 is_x86_feature_detected!("avx512f")
                     && is_x86_feature_detected!("avx512dq")
                     && is_x86_feature_detected!("avx512vl")

@@ -1,11 +1,13 @@
-//! Registers and the choice of the instruction set. `kernel.rs` and `ensemble.rs` enter the chosen path.
+//! Registers and the choice of the instruction set. The kernels and `map/draw.rs` enter the chosen path.
 
 mod arr;
 mod isa;
+mod row;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
 pub use arr::Arr;
 pub use isa::Isa;
+pub use row::{LANES, Row};
 #[cfg(target_arch = "x86_64")]
 pub(crate) use x86::{V4, V8};

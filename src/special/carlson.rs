@@ -166,7 +166,7 @@ fn rj_series<R: Real>(e2: R, e3: R, e4: R, e5: R) -> R {
     e2.fma(polynomial(e2, [C2, C22, C222]), e3.fma(of_e3, e4.fma(of_e4, e5 * of_e5)))
 }
 
-/// Distance from the mean, in units of it, at which the first terms left out of `rj_series` are below
+/// Distance from the mean, in units of the mean, at which the first terms left out of `rj_series` are below
 /// 1.4 SPREAD^8 < 1e-17.
 const RJ_SPREAD: f64 = 0.007;
 
@@ -226,7 +226,7 @@ pub fn carlson_rj<R: Real>(x: R, y: R, z: R, p: R) -> R {
         }
         let (a, b, c, d) = (x.sqrt(), y.sqrt(), z.sqrt(), p.sqrt());
         let shift = a.fma(b + c, b * c);
-        // R_C(1, 1 + e): e and 1 + e from products of which none cancels.
+        // R_C(1, 1 + e): e and 1 + e from products without cancellation.
         let inverse = one / ((d + a) * (d + b) * (d + c));
         let e = ((d - a) * (d - b) * (d - c)) * inverse;
         let below = (two * d) * ((p + shift) * inverse);
@@ -257,7 +257,7 @@ pub fn carlson_rj<R: Real>(x: R, y: R, z: R, p: R) -> R {
 /// Within 4 ulp where their product and the square of the larger are normal numbers (measured: 3.3); 0 of a 0.
 #[inline(always)]
 pub fn agm<R: Real>(a: R, b: R) -> R {
-    // What the last mean misses is SPREAD^2 / 16 of it.
+    // The relative error of the last mean is SPREAD^2 / 16.
     const SPREAD: f64 = 1e-8;
     let (mut a, mut b) = (a, b);
     let half = R::splat(0.5);

@@ -39,7 +39,7 @@ const COS: [f64; 6] = [
 fn sincos_kernel<R: Real>(x: R) -> (R, R) {
     let z = x * x;
     let sin = (x * z).fma(polynomial(z, SIN), x);
-    // 1 - z/2, with the rounding of the difference carried on.
+    // 1 - z/2, with compensation of the rounding of the difference.
     let half = z * R::splat(0.5);
     let one = R::splat(1.0);
     let head = one - half;
@@ -47,7 +47,7 @@ fn sincos_kernel<R: Real>(x: R) -> (R, R) {
     (sin, cos)
 }
 
-/// sin and cos of x + tail, |x| <= pi/4, the tail below an ulp of x: it joins before the last rounding.
+/// sin and cos of x + tail, |x| <= pi/4, the tail below an ulp of x; the tail is added before the last rounding.
 #[inline(always)]
 pub(crate) fn sincos_kernel_with_tail<R: Real>(x: R, tail: R) -> (R, R) {
     let z = x * x;
@@ -91,7 +91,7 @@ fn sincos_in_quadrant<R: Real>(x: R, n: R, r: R, e: R) -> (R, R) {
     let cos_sign = (n + R::splat(1.0)).fms(half, quarter).round();
     let sin = R::select(swap, c, s).neg_if_odd(sin_sign);
     let cos = R::select(swap, s, c).neg_if_odd(cos_sign);
-    // Beyond 2^50 the argument no longer knows its phase.
+    // Beyond 2^50 the phase of the argument is undetermined.
     let known = x.abs().lt(R::splat(1_125_899_906_842_624.0));
     let nan = R::splat(f64::NAN);
     (R::select(known, sin, nan), R::select(known, cos, nan))
@@ -106,7 +106,7 @@ fn sincos_reduced<R: Real>(x: R) -> (R, R) {
 
 /// sin and cos, within 1 ulp for |x| <= 1e8; NaN from 2^50 on.
 ///
-/// The reduction is skipped when no lane needs it; a lane that does not need it never uses it.
+/// The reduction is skipped if no lane needs it; a lane that does not need the reduction never uses the result.
 #[inline(always)]
 pub fn sincos<R: Real>(x: R) -> (R, R) {
     let (sin, cos) = sincos_kernel(x);
@@ -119,7 +119,7 @@ pub fn sincos<R: Real>(x: R) -> (R, R) {
     }
 }
 
-/// sin and cos of the unevaluated sum x + tail, the tail below an ulp of x: what a long phase is reduced from.
+/// sin and cos of the unevaluated sum x + tail, the tail below an ulp of x, for the reduction of a long phase.
 #[inline(always)]
 pub fn sincos_of_sum<R: Real>(x: R, tail: R) -> (R, R) {
     let (n, r, e) = reduced(x);

@@ -75,7 +75,7 @@ pub fn jacobi<R: Real>(u: R, mc: R) -> (R, R, R) {
     }
     let [t1, t2, t3, t4] = thetas(q, q * four.fnma(square, R::splat(2.0)));
     let (t1, t2) = (s * t1, c * t2);
-    // DLMF 22.2.4 to 22.2.6, and K further on: what is left of k' is 4 sqrt(q) once theta2^2 is divided out.
+    // DLMF 22.2.4 to 22.2.6, and K further on: k' divided by theta2^2 leaves 4 sqrt(q).
     let past = R::odd(turns);
     let root = four * q.sqrt();
     let (upper, lower) = (R::select(steep, null2, null4), R::select(steep, null4, null2));

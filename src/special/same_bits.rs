@@ -1,4 +1,4 @@
-//! Duplications stop in a lane when that lane has converged: the same bits alone, beside any neighbours, and in
+//! Duplications stop in a lane when that lane has converged: the bits are equal with any neighbours and in
 //! every register.
 
 use super::{agm, carlson_rc, carlson_rd, carlson_rf, carlson_rj};

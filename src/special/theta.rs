@@ -70,7 +70,7 @@ pub struct Torus<R: Real> {
     /// The smaller nome and its square root.
     nome: R,
     root: R,
-    /// Powers of the nome that the multiples still want in a theta series; the hyperbolic ones carry them.
+    /// Powers of the nome by which the multiples are multiplied in a theta series; hyperbolic multiples contain them.
     power: [R; TOP],
     /// sn, cn and dn over their quotients of theta series.
     pub quotient: [R; 3],
@@ -78,7 +78,7 @@ pub struct Torus<R: Real> {
     pub scale: R,
     /// A quarter period in units of the series argument: pi/2, or -ln(q)/2.
     quarter: R,
-    /// What `quarter` misses.
+    /// Rounding error of `quarter`.
     quarter_low: R,
     inverse_quarter: R,
     /// k and k', the square roots of the parameter and its complement.
@@ -90,7 +90,7 @@ pub struct Torus<R: Real> {
 pub struct Phase<R> {
     /// Quarter periods.
     pub quarters: R,
-    /// What is left, relative to the nearest quarter period.
+    /// Rest of the argument, relative to the nearest quarter period.
     pub rest: R,
 }
 
@@ -194,7 +194,7 @@ impl<R: Real> Torus<R> {
         Phase { quarters: start.quarters + turns, rest: R::select(known, rest, R::splat(f64::NAN)) }
     }
 
-    /// The multiples that all series at this phase are made of.
+    /// The multiples that all series at this phase contain.
     #[inline(always)]
     pub fn multiples(&self, phase: &Phase<R>) -> Multiples<R> {
         let (zero, one) = (R::splat(0.0), R::splat(1.0));
@@ -210,7 +210,7 @@ impl<R: Real> Torus<R> {
             x = Multiples::circular((sin, cos));
         }
         if R::any(self.hyperbolic) {
-            // On the separatrix there is nothing to see beyond sech(170) = 1e-74.
+            // On the separatrix terms below sech(170) = 1e-74 are negligible.
             let end = R::splat(170.0);
             let edge = R::select(phase.rest.lt(zero), -end, end);
             let bounded = R::select(end.lt(phase.rest.abs()), edge, phase.rest);
@@ -259,7 +259,7 @@ impl<R: Real> Torus<R> {
         ([R::select(h, sn, th1), R::select(h, cn, th2), R::select(h, dn, th3)], R::select(h, under, th4))
     }
 
-    /// The theta function that belongs under sn, cn and dn, and its derivative; the hyperbolic one at the rest.
+    /// The theta function in the denominators of sn, cn and dn, and its derivative; the hyperbolic one at the rest.
     #[inline(always)]
     fn denominator(&self, phase: &Phase<R>, x: &Multiples<R>) -> (R, R) {
         let (one, two) = (R::splat(1.0), R::splat(2.0));
@@ -297,7 +297,7 @@ pub struct Shifted<R: Real> {
 
 impl<R: Real> Shifted<R> {
     /// The function at the imaginary elliptic argument `eta <= K'/2`: `odd` chooses theta1 over theta4 (ALTERNATE)
-    /// or theta2 over theta3. A constant factor of modulus one is left out.
+    /// or theta2 over theta3. A constant factor of modulus one is omitted.
     #[inline(always)]
     pub fn new<const ALTERNATE: bool>(torus: &Torus<R>, eta: R, odd: R::Mask) -> Self {
         let (zero, one) = (R::splat(0.0), R::splat(1.0));
@@ -347,7 +347,7 @@ impl<R: Real> Shifted<R> {
         zero.lt(R::select(torus.hyperbolic, hyperbolic, R::select(self.odd, one, zero)))
     }
 
-    /// Whether odd multiples count in some lane; only to skip what no lane would use.
+    /// Whether odd multiples count in some lane; only to skip work that no lane needs.
     #[inline(always)]
     fn any_odd(&self, torus: &Torus<R>) -> bool {
         R::any(torus.hyperbolic) || R::any(self.odd)

@@ -1,30 +1,30 @@
-//! States by series, each body in steps of its own: wanted times are answered from the polynomial of a step, and a
-//! lane whose body is done takes the next.
+//! States by Taylor series with adaptive steps: states at given times are evaluated from the polynomial of a step, and
+//! a lane whose body is finished gets the next body.
 
-use super::{Request, Schedule, States, Status, around, invariants_at_start, system_of};
+use super::{Request, Schedule, States, invariants_at_start, system_of, time_range};
 use crate::error::Error;
-use crate::group::{Drives, Group, LANES};
-use crate::kernel::{Compiled, Kernel, Watch};
-use crate::leaps::Leaps;
-use crate::method::Method;
-use crate::outside::Outside;
-use crate::run::over_blocks;
-use crate::simd::Isa;
-use crate::start::{Body, Seat, State, load, read, start_clock, unload, widen_scales};
+use crate::forcing::Forcing;
+use crate::kernel::{AdaptiveSteps, Compiled, ForcingRows, Group, Kernel};
+use crate::kernel::{Entry, KernelAssignment, State, load, read, start_clock, unload};
+use crate::observe::Observed;
+use crate::parallel::over_blocks;
+use crate::scheme::Scheme;
+use crate::simd::{Isa, LANES};
+use crate::start::Body;
+use crate::status::Status;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Bodies in a block: enough that the last ones hardly leave lanes waiting.
+/// Bodies in a block: enough that few lanes are inactive at the end of a block.
 const BLOCK: usize = 1024;
 
-/// Most steps between two looks at the stop flag.
-const PATIENCE: u64 = 1 << 14;
+/// Largest number of steps between two checks of the stop flag.
+const STEPS_BETWEEN_STOPS: u64 = 1 << 14;
 
 /// Runs the request; `None` if it was stopped.
 pub fn simulate(
     request: &Request,
-    outside: Option<&Outside>,
-    method: Method,
+    scheme: &Scheme,
     threads: usize,
     isa: Isa,
     stop: &AtomicBool,
@@ -38,7 +38,7 @@ pub fn simulate(
     };
     let tolerance = request.tolerance.filter(|t| (f64::MIN_POSITIVE..1.0).contains(t));
     let tolerance = tolerance.ok_or_else(|| refused("must be positive and below one"))?;
-    if !method.is_series() {
+    if !scheme.is_series() {
         return Err(refused("only the Taylor methods choose their steps"));
     }
     let blocks: Vec<Range<usize>> = (0..request.bodies.len())
@@ -47,15 +47,15 @@ pub fn simulate(
         .collect();
     let parts = over_blocks(blocks.len(), threads, stop, |b| {
         States::timed(|| {
-            let mut states = States::unknown(request, outside.is_some(), blocks[b].len());
-            for spin_free in [false, true] {
-                Ride::new(request, outside, times, method, blocks[b].clone(), spin_free, isa, tolerance)
-                    .map_or(Some(()), |ride| ride.run(&mut states, stop))?;
+            let mut states = States::unknown(request, blocks[b].len());
+            for reduced in [false, true] {
+                AdaptiveBatch::new(request, times, scheme, blocks[b].clone(), reduced, isa, tolerance)
+                    .map_or(Some(()), |batch| batch.run(&mut states, stop))?;
             }
             Some(states)
         })
     });
-    let mut all = States::with_capacity(request, outside.is_some());
+    let mut all = States::with_capacity(request);
     for part in parts {
         let Some(Some(part)) = part else { return Ok(None) };
         all.append(part);
@@ -63,88 +63,87 @@ pub fn simulate(
     Ok(Some(all))
 }
 
-/// A body on its way: forward through the times >= 0, then from its start backward through the others.
+/// The body of an active lane. It moves forward through the times >= 0, then from its start backward through the others.
 #[derive(Clone, Copy)]
-struct Passenger {
-    /// In the block.
+struct LaneTask {
+    /// Index of the body in the block.
     body: usize,
-    seat: Seat,
-    /// The next wanted time.
+    assignment: KernelAssignment,
+    /// The next requested time.
     wanted: usize,
     backward: bool,
     steps: u64,
-    /// Attitude when it was last read.
+    /// Attitude at the last recorded state.
     last: [f64; 4],
-    /// Where what acts from outside changes next; infinite if it does not.
+    /// The next knot of the forcing; infinite if there is none.
     knot: f64,
 }
 
-/// The bodies of a block that one kernel moves.
-struct Ride<'a> {
+/// The bodies of a block that one kernel integrates.
+struct AdaptiveBatch<'a> {
     request: &'a Request<'a>,
-    outside: Option<&'a Outside>,
     times: &'a [f64],
     /// The first time >= 0.
     split: usize,
     bodies: &'a [Body],
     first_steps: &'a [f64],
-    queue: Vec<(usize, Seat)>,
-    kernel: (Kernel, Compiled),
+    queue: Vec<(usize, KernelAssignment)>,
+    kernel: Compiled,
     group: Group,
-    leaps: Leaps,
-    drives: Drives,
+    adaptive: AdaptiveSteps,
+    forcing_rows: ForcingRows,
 }
 
-impl<'a> Ride<'a> {
-    /// `None` if no body of the block is moved so.
-    #[allow(clippy::too_many_arguments)] // What is asked, and of which bodies.
+impl<'a> AdaptiveBatch<'a> {
+    /// `None` if the block has no such body.
+    #[allow(clippy::too_many_arguments)] // The request, and which of its bodies.
     fn new(
         request: &'a Request<'a>,
-        outside: Option<&'a Outside>,
         times: &'a [f64],
-        method: Method,
+        scheme: &Scheme,
         block: Range<usize>,
-        spin_free: bool,
+        reduced: bool,
         isa: Isa,
         tolerance: f64,
     ) -> Option<Self> {
         let bodies = &request.bodies[block.clone()];
-        let seat_of = |body| match outside {
-            Some(_) => Seat::of_driven(method, body),
-            None => Seat::of_path(method, body, request.is_top),
+        let forced = !request.forcing.is_none();
+        let assignment_of = |body| match forced {
+            true => KernelAssignment::of_forced(scheme, body),
+            false => KernelAssignment::of_path(scheme, body, request.scene),
         };
-        let seats = bodies.iter().map(seat_of).enumerate();
-        let mut queue: Vec<(usize, Seat)> =
-            seats.filter(|(_, seat)| seat.is_spin_free() == spin_free).collect();
-        let seat = queue.first()?.1;
-        // The longest way first (the queue is emptied from its end): at the end no lane waits long.
-        queue.sort_by(|a, b| bodies[a.0].fastest_rate().total_cmp(&bodies[b.0].fastest_rate()));
-        let system = system_of(request, outside, seat);
-        let kernel = Kernel { system, table: seat.table, watch: Watch::Nothing };
-        Some(Ride {
+        let assignments = bodies.iter().map(assignment_of).enumerate();
+        let mut queue: Vec<(usize, KernelAssignment)> =
+            assignments.filter(|(_, assignment)| assignment.is_reduced() == reduced).collect();
+        let assignment = queue.first()?.1;
+        // The fastest bodies first (the queue is emptied from its end): at the end no lane is inactive for long.
+        // Rates are not negative: their bits are ordered as they are.
+        queue.sort_by_cached_key(|&(body, _)| bodies[body].fastest_rate(Forcing::NONE, [0.0; 2]).to_bits());
+        let system = system_of(request, assignment);
+        let kernel = Kernel { system, step: assignment.step, observed: Observed::Nothing };
+        Some(AdaptiveBatch {
             request,
-            outside,
             times,
             split: times.partition_point(|&t| t < 0.0),
             bodies,
             first_steps: &request.steps[block],
             queue,
-            kernel: (kernel, Compiled::new(kernel, isa)),
+            kernel: Compiled::new(kernel, isa),
             group: Group::waiting(),
-            leaps: Leaps::waiting(tolerance),
-            drives: Drives::NONE,
+            adaptive: AdaptiveSteps::waiting(tolerance),
+            forcing_rows: ForcingRows::NONE,
         })
     }
 
     fn run(mut self, states: &mut States, stop: &AtomicBool) -> Option<()> {
-        let mut lanes: [Option<Passenger>; LANES] = [None; LANES];
+        let mut lanes: [Option<LaneTask>; LANES] = [None; LANES];
         loop {
             for lane in 0..LANES {
                 while lanes[lane].is_none() {
-                    let Some((body, seat)) = self.queue.pop() else { break };
-                    let passenger = Passenger {
+                    let Some((body, assignment)) = self.queue.pop() else { break };
+                    let task = LaneTask {
                         body,
-                        seat,
+                        assignment,
                         wanted: self.split,
                         backward: false,
                         steps: 0,
@@ -156,147 +155,150 @@ impl<'a> Ride<'a> {
                     {
                         drift[body] = 0.0;
                     }
-                    lanes[lane] = self.depart(lane, passenger, states);
+                    lanes[lane] = self.enter(lane, task, states);
                 }
             }
-            let aboard = lanes.iter().flatten();
-            let Some(left) = aboard.map(|passenger| self.request.max_steps - passenger.steps).min() else {
+            let active = lanes.iter().flatten();
+            let Some(left) = active.map(|task| self.request.max_steps - task.steps).min() else {
                 return Some(());
             };
             if stop.load(Ordering::Relaxed) {
                 return None;
             }
-            let most = left.min(PATIENCE) as usize;
-            let made = self.kernel.1.leap(&mut self.group, &self.drives, &mut self.leaps, most) as u64;
+            let most = left.min(STEPS_BETWEEN_STOPS) as usize;
+            let made =
+                self.kernel.advance_adaptive(&mut self.group, &self.forcing_rows, &mut self.adaptive, most)
+                    as u64;
             states.lane_steps += made * LANES as u64;
             for lane in 0..LANES {
-                if let Some(mut passenger) = lanes[lane] {
-                    passenger.steps += made;
-                    lanes[lane] = self.arrive(lane, passenger, states);
+                if let Some(mut task) = lanes[lane] {
+                    task.steps += made;
+                    lanes[lane] = self.record_reached(lane, task, states);
                 }
             }
         }
     }
 
-    /// Puts a body into a lane, at its start; `None` if it has nowhere to go.
-    fn depart(&mut self, lane: usize, mut passenger: Passenger, states: &mut States) -> Option<Passenger> {
-        let body = &self.bodies[passenger.body];
-        let first = self.first_steps[passenger.body];
+    /// Loads a body into a lane, at its start; `None` if no requested time is left.
+    fn enter(&mut self, lane: usize, mut task: LaneTask, states: &mut States) -> Option<LaneTask> {
+        let body = &self.bodies[task.body];
+        let first = self.first_steps[task.body];
         let span =
             self.times.last().copied().unwrap_or(0.0).abs() + self.times.first().map_or(0.0, |t| t.abs());
-        // What does not turn is there in one step.
+        // A body that does not turn needs one step.
         let first = if first.is_finite() { first } else { span };
-        let direction = if passenger.backward { -1.0 } else { 1.0 };
-        load(&mut self.group, lane, self.kernel, passenger.seat, body, 0, direction * first);
-        let mut rate = body.fastest_rate();
-        if let Some(outside) = self.outside {
-            // What stands still at first is moved by what acts on it.
-            rate = body.fastest_rate_driven(outside, around(self.times));
-            widen_scales(&mut self.group, lane, self.kernel.0.system, body, rate);
-        }
-        self.leaps.direction.0[lane] = direction;
-        self.leaps.inverse_rate.0[lane] = if rate > 0.0 { 1.0 / rate } else { 0.0 };
-        for row in self.leaps.begin.iter_mut().chain(&mut self.leaps.now) {
+        let direction = if task.backward { -1.0 } else { 1.0 };
+        let rate = body.fastest_rate(self.request.forcing, time_range(self.times));
+        let forced_rate = (!self.request.forcing.is_none()).then_some(rate);
+        let entry = Entry::unobserved(body, forced_rate, direction * first);
+        load(&mut self.group, lane, self.kernel, task.assignment, &entry);
+        self.adaptive.direction.0[lane] = direction;
+        self.adaptive.inverse_rate.0[lane] = if rate > 0.0 { 1.0 / rate } else { 0.0 };
+        for row in self.adaptive.begin.iter_mut().chain(&mut self.adaptive.now) {
             row.0[lane] = 0.0;
         }
-        passenger.last = body.attitude;
-        self.meet(lane, &mut passenger, 0.0);
-        while let Some(0.0) = self.wanted(&passenger) {
-            let mut start = unload(&self.group, lane, self.kernel, passenger.seat, 0.0);
+        task.last = body.attitude;
+        self.enter_interval(lane, &mut task, 0.0);
+        while let Some(0.0) = self.next_time(&task) {
+            let mut start = unload(&self.group, lane, self.kernel, task.assignment, 0.0);
             start.omega = body.omega;
-            self.record(lane, &mut passenger, start, states);
-            passenger.wanted += 1;
+            self.record(lane, &mut task, start, states);
+            task.wanted += 1;
         }
-        self.go_on(lane, passenger, states)
+        self.aim(lane, task, states)
     }
 
-    /// Lets what acts from outside from a knot on, which a body has reached, act until the next.
-    fn meet(&mut self, lane: usize, passenger: &mut Passenger, knot: f64) {
-        let Some(outside) = self.outside else { return };
-        let backward = passenger.backward;
-        let moments = self.bodies[passenger.body].moments;
-        self.drives.set(lane, &outside.drive(knot, backward, moments));
-        start_clock(&mut self.group, self.kernel.0, lane);
+    /// Applies the forcing of the interval that begins at a knot which the body has reached.
+    fn enter_interval(&mut self, lane: usize, task: &mut LaneTask, knot: f64) {
+        let forcing = self.request.forcing;
+        if forcing.is_none() {
+            return;
+        }
+        let backward = task.backward;
+        let moments = self.bodies[task.body].moments;
+        self.forcing_rows.set(lane, &forcing.interval(knot, backward, moments));
+        start_clock(&mut self.group, self.kernel.kernel().system, lane);
         let never = if backward { f64::NEG_INFINITY } else { f64::INFINITY };
-        passenger.knot = outside.next_knot(knot, backward).unwrap_or(never);
-        self.leaps.end.0[lane] = passenger.knot;
+        task.knot = forcing.next_knot(knot, backward).unwrap_or(never);
+        self.adaptive.end.0[lane] = task.knot;
     }
 
-    /// Answers the wanted times that a lane has reached; the next body, or none, if it is done.
-    fn arrive(&mut self, lane: usize, mut passenger: Passenger, states: &mut States) -> Option<Passenger> {
-        let leaps = &self.leaps;
-        let [begin, lost] = [leaps.begin[0].0[lane], leaps.begin[1].0[lane]];
-        let (now, unit, direction) = (leaps.now[0].0[lane], leaps.unit.0[lane], leaps.direction.0[lane]);
-        while let Some(time) = self.wanted(&passenger).filter(|&time| (time - now) * direction <= 0.0) {
+    /// Records the requested states that a lane has reached; `None` if its body is finished.
+    fn record_reached(&mut self, lane: usize, mut task: LaneTask, states: &mut States) -> Option<LaneTask> {
+        let adaptive = &self.adaptive;
+        let [begin, lost] = [adaptive.begin[0].0[lane], adaptive.begin[1].0[lane]];
+        let (now, unit, direction) =
+            (adaptive.now[0].0[lane], adaptive.unit.0[lane], adaptive.direction.0[lane]);
+        while let Some(time) = self.next_time(&task).filter(|&time| (time - now) * direction <= 0.0) {
             let units = ((time - begin) - lost) / unit;
-            let y = self.kernel.1.inside(&self.leaps, lane, units);
-            let state = read(&self.group, lane, self.kernel, passenger.seat, y, time);
-            self.record(lane, &mut passenger, state, states);
-            if passenger.backward && passenger.wanted == 0 {
-                return self.leave(lane, passenger, states);
+            let y = self.kernel.dense_output(&self.adaptive, lane, units);
+            let state = read(&self.group, lane, self.kernel, task.assignment, y, time);
+            self.record(lane, &mut task, state, states);
+            if task.backward && task.wanted == 0 {
+                return self.leave(lane, task, states);
             }
-            passenger.wanted = if passenger.backward { passenger.wanted - 1 } else { passenger.wanted + 1 };
+            task.wanted = if task.backward { task.wanted - 1 } else { task.wanted + 1 };
         }
         if !now.is_finite() {
-            let body = passenger.body;
+            let body = task.body;
             states.status[body] = Status::NotFinite;
             for drift in [&mut states.energy_drift, &mut states.momentum_drift, &mut states.unit_drift] {
                 drift[body] = f64::NAN;
             }
-            return self.leave(lane, passenger, states);
+            return self.leave(lane, task, states);
         }
         // Steps end at a knot but for rounding; one more, too short to have a length, would be made.
-        let short = (passenger.knot - now) * direction;
-        if passenger.knot.is_finite() && short <= 4.0 * f64::EPSILON * passenger.knot.abs() {
-            let knot = passenger.knot;
-            self.meet(lane, &mut passenger, knot);
+        let short = (task.knot - now) * direction;
+        if task.knot.is_finite() && short <= 4.0 * f64::EPSILON * task.knot.abs() {
+            let knot = task.knot;
+            self.enter_interval(lane, &mut task, knot);
         }
-        self.go_on(lane, passenger, states)
+        self.aim(lane, task, states)
     }
 
-    /// The time that a body is on its way to.
-    fn wanted(&self, passenger: &Passenger) -> Option<f64> {
-        self.times.get(passenger.wanted).copied()
+    /// The next requested time of a body.
+    fn next_time(&self, task: &LaneTask) -> Option<f64> {
+        self.times.get(task.wanted).copied()
     }
 
-    /// On to the next wanted time, or back to the start and backward, or out.
-    fn go_on(&mut self, lane: usize, passenger: Passenger, states: &mut States) -> Option<Passenger> {
-        let Some(time) = self.wanted(&passenger) else {
+    /// Sets the next requested time of the lane, or starts the body backward, or removes it from the lane.
+    fn aim(&mut self, lane: usize, task: LaneTask, states: &mut States) -> Option<LaneTask> {
+        let Some(time) = self.next_time(&task) else {
             if self.split == 0 {
-                return self.leave(lane, passenger, states);
+                return self.leave(lane, task, states);
             }
-            let back = Passenger { wanted: self.split - 1, backward: true, ..passenger };
-            return self.depart(lane, back, states);
+            let back = LaneTask { wanted: self.split - 1, backward: true, ..task };
+            return self.enter(lane, back, states);
         };
-        if passenger.steps >= self.request.max_steps {
-            states.status[passenger.body] = Status::StepLimit;
-            return self.leave(lane, passenger, states);
+        if task.steps >= self.request.max_steps {
+            states.status[task.body] = Status::StepLimit;
+            return self.leave(lane, task, states);
         }
-        // A knot is looked at as soon as it is as near as rounding allows.
-        let (knot, margin) = (passenger.knot, 4.0 * f64::EPSILON * passenger.knot.abs());
-        self.leaps.next.0[lane] = match passenger.backward {
+        // A knot is handled as soon as its distance is within rounding.
+        let (knot, margin) = (task.knot, 4.0 * f64::EPSILON * task.knot.abs());
+        self.adaptive.next.0[lane] = match task.backward {
             _ if knot.is_infinite() => time,
             false => time.min(knot - margin),
             true => time.max(knot + margin),
         };
-        Some(passenger)
+        Some(task)
     }
 
-    fn leave(&mut self, lane: usize, passenger: Passenger, states: &mut States) -> Option<Passenger> {
-        states.steps[passenger.body] = passenger.steps;
+    fn leave(&mut self, lane: usize, task: LaneTask, states: &mut States) -> Option<LaneTask> {
+        states.steps[task.body] = task.steps;
         self.group.wait(lane);
-        self.leaps.next.0[lane] = f64::INFINITY;
-        self.leaps.end.0[lane] = f64::INFINITY;
-        self.leaps.direction.0[lane] = 1.0;
-        for row in &mut self.leaps.now {
+        self.adaptive.next.0[lane] = f64::INFINITY;
+        self.adaptive.end.0[lane] = f64::INFINITY;
+        self.adaptive.direction.0[lane] = 1.0;
+        for row in &mut self.adaptive.now {
             row.0[lane] = 0.0;
         }
         None
     }
 
-    fn record(&self, lane: usize, passenger: &mut Passenger, state: State, states: &mut States) {
-        let at = passenger.body * self.times.len() + passenger.wanted;
-        let known = (invariants_at_start(&self.group, lane), &mut passenger.last);
-        states.record(passenger.body, at, state, known);
+    fn record(&self, lane: usize, task: &mut LaneTask, state: State, states: &mut States) {
+        let at = task.body * self.times.len() + task.wanted;
+        let known = (invariants_at_start(&self.group, lane), &mut task.last);
+        states.record(task.body, at, state, known);
     }
 }

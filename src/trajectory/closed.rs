@@ -1,35 +1,36 @@
 //! States in closed form: many bodies side by side, or many times of one.
 
-use super::{Record, Request, States, Status, norm, worse};
-use crate::exact::{Evaluator, Place, StartRows, StateRows};
-use crate::group::{LANES, Row};
-use crate::run::over_blocks;
-use crate::simd::Isa;
-use crate::start::{Body, invariant_scales};
+use super::states::{norm, worse};
+use super::{Record, Request, States};
+use crate::exact::{CanonicalForm, Evaluator, StartRows, StateRows};
+use crate::parallel::over_blocks;
+use crate::scene::Scene;
+use crate::simd::{Isa, LANES, Row};
+use crate::start::Body;
+use crate::status::Status;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Rows of times evaluated between two looks at the stop flag.
-const PATIENCE: usize = 256;
+const ROWS_BETWEEN_STOPS: usize = 256;
 
 /// Runs the request; `None` if it was stopped.
 pub fn simulate(
     request: &Request,
     times: &[f64],
-    places: &[Place],
+    forms: &[CanonicalForm],
     threads: usize,
     isa: Isa,
     stop: &AtomicBool,
 ) -> Option<States> {
-    let groups = groups(places);
+    let groups = groups(forms);
     let parts = over_blocks(groups.len(), threads, stop, |g| {
         let group = groups[g].clone();
-        let known =
-            request.bodies[group.clone()].iter().map(|b| Invariants::new(b, request.is_top)).collect();
-        let riders = Riders { request, times, places: &places[group.clone()], group, isa, known };
-        States::timed(|| riders.run(stop))
+        let known = request.bodies[group.clone()].iter().map(|b| Invariants::new(b, request.scene)).collect();
+        let batch = ClosedFormBatch { request, times, forms: &forms[group.clone()], group, isa, known };
+        States::timed(|| batch.run(stop))
     });
-    let mut all = States::with_capacity(request, false);
+    let mut all = States::with_capacity(request);
     for part in parts {
         all.append(part??);
     }
@@ -37,10 +38,10 @@ pub fn simulate(
 }
 
 /// Runs of neighbours with the same kind of closed form.
-fn groups(places: &[Place]) -> Vec<Range<usize>> {
-    let mut groups = Vec::with_capacity(places.len().div_ceil(LANES));
+fn groups(forms: &[CanonicalForm]) -> Vec<Range<usize>> {
+    let mut groups = Vec::with_capacity(forms.len().div_ceil(LANES));
     let mut first = 0;
-    for run in places.chunk_by(|a, b| a.kind() == b.kind()) {
+    for run in forms.chunk_by(|a, b| a.kind() == b.kind()) {
         let end = first + run.len();
         groups.extend((first..end).step_by(LANES).map(|begin| begin..end.min(begin + LANES)));
         first = end;
@@ -49,25 +50,25 @@ fn groups(places: &[Place]) -> Vec<Range<usize>> {
 }
 
 /// The bodies of one group.
-struct Riders<'a> {
+struct ClosedFormBatch<'a> {
     request: &'a Request<'a>,
     times: &'a [f64],
-    places: &'a [Place],
+    forms: &'a [CanonicalForm],
     group: Range<usize>,
     isa: Isa,
-    /// Of each body.
+    /// The invariants of each body.
     known: Vec<Invariants>,
 }
 
-impl Riders<'_> {
+impl ClosedFormBatch<'_> {
     fn run(&self, stop: &AtomicBool) -> Option<States> {
-        let evaluator = Evaluator::new(self.places[0].kind(), self.isa);
-        let canonical = |index: usize| self.places[index].canonical(self.body(index));
-        let mut states = States::unknown(self.request, false, self.places.len());
+        let evaluator = Evaluator::new(self.forms[0].kind(), self.isa);
+        let canonical = |index: usize| self.forms[index].to_canonical(self.body(index));
+        let mut states = States::unknown(self.request, self.forms.len());
         for drift in [&mut states.energy_drift, &mut states.momentum_drift, &mut states.unit_drift] {
             drift.fill(0.0);
         }
-        let mut out = vec![StateRows::ZERO; PATIENCE.min(self.times.len())];
+        let mut out = vec![StateRows::ZERO; ROWS_BETWEEN_STOPS.min(self.times.len())];
         let evaluate = |starts: &StartRows, rows: &[Row], out: &mut [StateRows]| {
             if self.with_attitude() {
                 evaluator.states(starts, rows, out);
@@ -75,28 +76,28 @@ impl Riders<'_> {
                 evaluator.rates(starts, rows, out);
             }
         };
-        // One body a lane, or one time a lane: whatever leaves fewer lanes empty. The bits are the same.
-        if self.times.len() <= self.places.len() * self.times.len().div_ceil(LANES) {
+        // One body a lane, or one time a lane: the choice that leaves fewer lanes empty changes no bit.
+        if self.times.len() <= self.forms.len() * self.times.len().div_ceil(LANES) {
             let mut starts = StartRows::filled(&canonical(0));
-            for lane in 1..self.places.len() {
+            for lane in 1..self.forms.len() {
                 starts.set(lane, &canonical(lane));
             }
             let rows: Vec<Row> = self.times.iter().map(|&t| Row([t; LANES])).collect();
-            for (first, rows) in rows.chunks(PATIENCE).enumerate() {
+            for (first, rows) in rows.chunks(ROWS_BETWEEN_STOPS).enumerate() {
                 if stop.load(Ordering::Relaxed) {
                     return None;
                 }
                 evaluate(&starts, rows, &mut out);
                 for (k, state) in out[..rows.len()].iter().enumerate() {
-                    for lane in 0..self.places.len() {
-                        self.record(&mut states, lane, first * PATIENCE + k, state, lane);
+                    for lane in 0..self.forms.len() {
+                        self.record(&mut states, lane, first * ROWS_BETWEEN_STOPS + k, state, lane);
                     }
                 }
             }
         } else {
-            for body in 0..self.places.len() {
+            for body in 0..self.forms.len() {
                 let starts = StartRows::filled(&canonical(body));
-                for (first, times) in self.times.chunks(PATIENCE * LANES).enumerate() {
+                for (first, times) in self.times.chunks(ROWS_BETWEEN_STOPS * LANES).enumerate() {
                     if stop.load(Ordering::Relaxed) {
                         return None;
                     }
@@ -108,7 +109,7 @@ impl Riders<'_> {
                     let rows: Vec<Row> = times.chunks(LANES).map(row).collect();
                     evaluate(&starts, &rows, &mut out);
                     for k in 0..times.len() {
-                        let time = first * PATIENCE * LANES + k;
+                        let time = first * ROWS_BETWEEN_STOPS * LANES + k;
                         self.record(&mut states, body, time, &out[k / LANES], k % LANES);
                     }
                 }
@@ -122,9 +123,9 @@ impl Riders<'_> {
         let body = self.body(index);
         let mut omega = [0, 1, 2].map(|k| rows.omega[k].0[lane]);
         let mut attitude = [0, 1, 2, 3].map(|k| rows.attitude[k].0[lane]);
-        (omega, attitude) = self.places[index].back(body, omega, attitude);
+        (omega, attitude) = self.forms[index].to_body(body, omega, attitude);
         if self.times[time] == 0.0 {
-            // Through other variables and back, the start would return rounded.
+            // The change of variables and back would round the start.
             (omega, attitude) = (body.omega, body.attitude);
         }
         let at = index * self.times.len() + time;
@@ -140,7 +141,7 @@ impl Riders<'_> {
             }
             states.unit_drift[index] = worse(states.unit_drift[index], (norm(&attitude) - 1.0).abs());
         }
-        let now = invariants(body, self.request.is_top, omega, vertical);
+        let now = invariants(body, self.request.scene, omega, vertical);
         let Invariants { start, inverse_scale } = self.known[index];
         let drift = [0, 1].map(|k| (now[k] - start[k]).abs() * inverse_scale[k]);
         states.energy_drift[index] = worse(states.energy_drift[index], drift[0]);
@@ -154,9 +155,9 @@ impl Riders<'_> {
         &self.request.bodies[self.group.start + index]
     }
 
-    /// Whether the attitude is evaluated: it is wanted, or the energy needs the vertical.
+    /// Whether the attitude is evaluated: it is recorded, or the energy depends on the vertical.
     fn with_attitude(&self) -> bool {
-        self.request.is_top || self.request.record != Record::Rates
+        self.request.scene.has_weight || self.request.record != Record::Rates
     }
 }
 
@@ -168,20 +169,20 @@ struct Invariants {
 }
 
 impl Invariants {
-    fn new(body: &Body, is_top: bool) -> Self {
-        let start = invariants(body, is_top, body.omega, vertical_of(body.attitude));
+    fn new(body: &Body, scene: &Scene) -> Self {
+        let start = invariants(body, scene, body.omega, vertical_of(body.attitude));
         let moves = body.omega.iter().chain(&body.weight).any(|&x| x != 0.0);
         // Of a body that cannot move nothing can drift.
         let inverse = |scale: f64| if moves { 1.0 / scale } else { 0.0 };
-        Invariants { start, inverse_scale: invariant_scales(body, is_top).map(inverse) }
+        Invariants { start, inverse_scale: (scene.invariant_scales)(body).map(inverse) }
     }
 }
 
-/// Energy and conserved momentum: `L.L` of a free body, `L.gamma` of a top.
-fn invariants(body: &Body, is_top: bool, omega: [f64; 3], vertical: [f64; 3]) -> [f64; 2] {
+/// Energy and conserved momentum.
+fn invariants(body: &Body, scene: &Scene, omega: [f64; 3], vertical: [f64; 3]) -> [f64; 2] {
     let momentum = [0, 1, 2].map(|k| body.moments[k] * omega[k]);
     let energy = 0.5 * plain_dot(momentum, omega) + plain_dot(body.weight, vertical);
-    [energy, plain_dot(momentum, if is_top { vertical } else { momentum })]
+    [energy, plain_dot(momentum, scene.conserved.factor(momentum, vertical))]
 }
 
 /// a . b. Without `fma`, which costs a call outside the kernels.

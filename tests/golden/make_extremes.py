@@ -15,7 +15,7 @@ import gmpy2
 from make_closed_forms import Input, condition, state
 
 import rigid
-from rigid.extremes import Case, cases
+from rigid.reports.stress_cases import Case, cases
 
 BITS = 1000
 WRITTEN = Path(rigid.__file__).parent / "builtin" / "extremes.json"
@@ -24,7 +24,7 @@ WRITTEN = Path(rigid.__file__).parent / "builtin" / "extremes.json"
 def start_of(case: Case) -> Input | None:
     """The case, if it has a closed form."""
     scene = case.scene
-    if scene.outside is not None:
+    if scene.forcing is not None:
         return None
     mgl, axis = 0.0, 0
     if isinstance(scene, rigid.HeavyTop):

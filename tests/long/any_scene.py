@@ -10,10 +10,10 @@ import subprocess
 import sys
 from pathlib import Path
 
-TESTS = Path(__file__).parent.parent / "python" / "test_any_scene.py"
+TESTS = Path(__file__).parent.parent / "python" / "contract" / "test_any_scene.py"
 
 if __name__ == "__main__":
     examples = os.environ.get("RIGID_EXAMPLES", "2000")
     environment = os.environ | {"RIGID_EXAMPLES": examples}
-    command = [sys.executable, "-m", "pytest", "-q", str(TESTS)]
+    command = [sys.executable, "-m", "pytest", "--dist", "worksteal", str(TESTS)]
     raise SystemExit(subprocess.run(command, env=environment, check=False).returncode)

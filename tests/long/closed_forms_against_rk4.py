@@ -14,11 +14,11 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "python"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "shared"))
 
 from physics import Floats
 from random_scenes import batches, compared
-from rigid._check import resolve_threads
+from rigid._checks.arguments import resolve_threads
 
 BATCH = 8192
 SHOWN = 5

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "python"))
-from test_inertia import worst_principal_axes
+sys.path.insert(0, str(Path(__file__).parents[1] / "shared"))
+from random_tensors import worst_principal_axes
 
 BATCH = 100_000
 

@@ -291,11 +291,11 @@ REFUSED: list[tuple[Callable[[], Any], str]] = [
     ),
     (
         lambda: springs.pair_system(np.ones(4), FOUR, stiffness=1.0, law=morse),
-        "stiffness, rest, law: those of springs exclude a law",
+        "stiffness, rest, law: give stiffness and rest, or a law, not both",
     ),
     (
         lambda: springs.pair_system(np.ones(4), FOUR, rest=1.0, law=morse),
-        "stiffness, rest, law: those of springs exclude a law",
+        "stiffness, rest, law: give stiffness and rest, or a law, not both",
     ),
     (
         lambda: springs.pair_system(np.ones(4), FOUR, stiffness=-1.0),

@@ -1,16 +1,20 @@
 //! Taylor series that choose their steps: as exact as asked, the same bits in any company, states in between for
 //! nothing, and hardly a lane that waits.
 
-use rigid::method::Method;
+use crate::scene_of;
+use rigid::forcing::Forcing;
 use rigid::sample::{Law, attitude, uniforms};
+use rigid::scheme::{self, Scheme};
 use rigid::simd::Isa;
+use rigid::solver::Solver;
 use rigid::start::Body;
-use rigid::trajectory::{Record, Request, Schedule, Solver, States, Status, simulate};
+use rigid::status::Status;
+use rigid::trajectory::{Record, Request, Schedule, States, simulate};
 use std::sync::atomic::AtomicBool;
 
 struct Question<'a> {
     bodies: &'a [Body],
-    method: Method,
+    method: &'static Scheme,
     tolerance: f64,
     record: Record,
     times: &'a [f64],
@@ -19,7 +23,7 @@ struct Question<'a> {
     isa: Isa,
 }
 
-fn asked<'a>(bodies: &'a [Body], method: Method, tolerance: f64, times: &'a [f64]) -> Question<'a> {
+fn asked<'a>(bodies: &'a [Body], method: &'static Scheme, tolerance: f64, times: &'a [f64]) -> Question<'a> {
     let isa = Isa::available()[0];
     Question {
         bodies,
@@ -37,7 +41,8 @@ impl Question<'_> {
     fn request<'a>(&'a self, solver: Solver, steps: &'a [f64], tolerance: Option<f64>) -> Request<'a> {
         Request {
             bodies: self.bodies,
-            is_top: self.bodies.iter().any(|body| body.weight != [0.0; 3]),
+            scene: scene_of(self.bodies.iter().any(|body| body.weight != [0.0; 3])),
+            forcing: Forcing::NONE,
             solver,
             record: self.record,
             schedule: Schedule::Times(self.times),
@@ -48,7 +53,8 @@ impl Question<'_> {
     }
 
     fn answer(&self) -> States {
-        let first = |body: &Body| self.method.facts().angle_per_step / body.fastest_rate();
+        let first =
+            |body: &Body| self.method.facts.angle_per_step / body.fastest_rate(Forcing::NONE, [0.0; 2]);
         let steps: Vec<f64> = self.bodies.iter().map(first).collect();
         let request = self.request(Solver::Steps(self.method), &steps, Some(self.tolerance));
         simulate(&request, self.threads, self.isa, &AtomicBool::new(false)).unwrap().unwrap()
@@ -61,8 +67,8 @@ impl Question<'_> {
     }
 }
 
-fn series() -> impl Iterator<Item = Method> {
-    Method::ALL.into_iter().filter(|method| method.is_series())
+fn series() -> impl Iterator<Item = &'static Scheme> {
+    scheme::ALL.iter().copied().filter(|method| method.is_series())
 }
 
 /// Any body, symmetric about its axis 3 with its centre of mass there if asked; rates of one size times `spin`.
@@ -112,11 +118,13 @@ fn the_error_follows_the_tolerance() {
                     for k in 0..times.len() {
                         let [a, b] =
                             [&got, &exact].map(|s| &s.attitude.as_ref().unwrap()[4 * (81 * i + k)..][..4]);
-                        worst =
-                            worst.max(2.0 * distance(a, b) / (1.0 + body.fastest_rate() * times[k].abs()));
+                        worst = worst.max(
+                            2.0 * distance(a, b)
+                                / (1.0 + body.fastest_rate(Forcing::NONE, [0.0; 2]) * times[k].abs()),
+                        );
                     }
                 }
-                println!("{is_top} {} {tolerance:e}: {worst:.1e}", method.facts().name);
+                println!("{is_top} {} {tolerance:e}: {worst:.1e}", method.facts.name);
                 assert!(worst < tolerance + 3e-15, "{method:?} {tolerance:e}: {worst:e}");
             }
         }
@@ -129,7 +137,7 @@ fn states_in_between_are_free() {
     let bodies: Vec<Body> = (0..40).map(|i| body(i, true, false, 2.0)).collect();
     let many: Vec<f64> = (0..1000).map(|k| 0.02 * f64::from(k)).collect();
     let few = [many[7], many[500], many[999]];
-    let [many, few] = [&many[..], &few].map(|times| asked(&bodies, Method::Taylor16, 1e-14, times).answer());
+    let [many, few] = [&many[..], &few].map(|times| asked(&bodies, &scheme::TAYLOR16, 1e-14, times).answer());
     assert_eq!(many.steps, few.steps);
     for i in 0..bodies.len() {
         for (of_few, of_many) in [(0, 7), (1, 500), (2, 999)] {
@@ -196,7 +204,7 @@ fn the_same_bits_in_any_company() {
 fn lanes_are_used() {
     let bodies: Vec<Body> =
         (0..1024).map(|i| body(i, true, false, 8.0 * (1.0 + 3.0 * (i % 16) as f64 / 15.0))).collect();
-    let states = asked(&bodies, Method::Taylor16, 1e-13, &[100.0]).answer();
+    let states = asked(&bodies, &scheme::TAYLOR16, 1e-13, &[100.0]).answer();
     let (least, most) = (states.steps.iter().min().unwrap(), states.steps.iter().max().unwrap());
     let useful = states.steps.iter().sum::<u64>() as f64 / states.lane_steps as f64;
     println!("{least} to {most} steps, useful {useful:.3}");
@@ -208,15 +216,15 @@ fn lanes_are_used() {
 #[test]
 fn a_tolerance_that_says_nothing() {
     let bodies = [body(1, false, false, 1.0)];
-    let refusal = |method: Method, tolerance: f64| {
+    let refusal = |method: &'static Scheme, tolerance: f64| {
         let question = asked(&bodies, method, tolerance, &[1.0]);
         let request = question.request(Solver::Steps(method), &[0.1], Some(tolerance));
         simulate(&request, 1, Isa::Scalar, &AtomicBool::new(false)).err().expect("refused").to_string()
     };
-    for method in [Method::Rk4, Method::Splitting] {
+    for method in [&scheme::RK4, &scheme::SPLITTING] {
         assert!(refusal(method, 1e-9).contains("only the Taylor methods"));
     }
     for tolerance in [0.0, -1e-9, f64::NAN, f64::INFINITY, 1.0] {
-        assert!(refusal(Method::Taylor12, tolerance).contains("must be positive and below one"));
+        assert!(refusal(&scheme::TAYLOR12, tolerance).contains("must be positive and below one"));
     }
 }

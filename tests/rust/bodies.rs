@@ -4,10 +4,14 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 use proptest::prelude::*;
 use rigid::body::{Inertia, principal_axes};
 use rigid::error::Error;
-use rigid::method::Method;
+use rigid::forcing::Forcing;
+use rigid::scene::FREE;
+use rigid::scheme;
 use rigid::simd::Isa;
+use rigid::solver::Solver;
 use rigid::start::Body;
-use rigid::trajectory::{Record, Request, Schedule, Solver, Status, simulate};
+use rigid::status::Status;
+use rigid::trajectory::{Record, Request, Schedule, simulate};
 use std::sync::atomic::AtomicBool;
 
 /// The refusal of these moments, in any order.
@@ -213,13 +217,14 @@ fn tensors_that_are_none() {
 /// A body that was accepted moves: tiny and huge moments reach the rates of an ordinary body of the same shape.
 #[test]
 fn the_unit_of_inertia_does_not_matter() {
-    let rates = |unit: f64| {
+    let rates = |unit: f64| -> Vec<Vec<f64>> {
         let moments = Inertia::new([2.0 * unit, 3.0 * unit, 4.0 * unit]).unwrap().moments();
         let body = Body { moments, weight: [0.0; 3], omega: [0.3, 1.0, 0.2], attitude: [1.0, 0.0, 0.0, 0.0] };
-        Method::ALL.map(|method| {
+        let of_method = |method: &'static scheme::Scheme| {
             let request = Request {
                 bodies: &[body],
-                is_top: false,
+                scene: &FREE,
+                forcing: Forcing::NONE,
                 solver: Solver::Steps(method),
                 record: Record::Rates,
                 schedule: Schedule::Times(&[5.0]),
@@ -230,7 +235,8 @@ fn the_unit_of_inertia_does_not_matter() {
             let states = simulate(&request, 1, Isa::Scalar, &AtomicBool::new(false)).unwrap().unwrap();
             assert_eq!(states.status[0], Status::Finished);
             states.omega
-        })
+        };
+        scheme::ALL.iter().copied().map(of_method).collect()
     };
     // Powers of two: the same bits. Squares of the momenta must not overflow.
     for exponent in [-500, -30, 30, 500] {

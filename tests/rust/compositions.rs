@@ -1,12 +1,16 @@
 //! What the compositions promise: their order, on a free body, on a Lagrange top and on a top without symmetry, against
 //! the closed form or a converged run; the way back; lengths; and no drift of the energy.
 
+use crate::scene_of;
 use rigid::error::Error;
-use rigid::method::Method;
+use rigid::forcing::Forcing;
 use rigid::sample::uniforms;
+use rigid::scheme::{self, Scheme};
 use rigid::simd::Isa;
+use rigid::solver::Solver;
 use rigid::start::Body;
-use rigid::trajectory::{Record, Request, Schedule, Solver, States, Status, simulate};
+use rigid::status::Status;
+use rigid::trajectory::{Record, Request, Schedule, States, simulate};
 use std::sync::atomic::AtomicBool;
 
 const EPS: f64 = f64::EPSILON;
@@ -38,7 +42,8 @@ fn scenes() -> [Scene; 4] {
 fn ask(scene: &Scene, solver: Solver, times: &[f64], step: f64) -> States {
     let request = Request {
         bodies: &scene.bodies,
-        is_top: scene.is_top,
+        scene: scene_of(scene.is_top),
+        forcing: Forcing::NONE,
         solver,
         record: Record::Attitude,
         schedule: Schedule::Times(times),
@@ -64,27 +69,24 @@ fn all_finished(states: &States) -> bool {
 /// Of a scene with a closed form that, else the composition of the highest order with tiny steps.
 fn truth(scene: &Scene, time: f64) -> States {
     if scene.name == "asymmetric" {
-        ask(scene, Solver::Steps(Method::Splitting8), &[time], 0.01)
+        ask(scene, Solver::Steps(&scheme::SPLITTING8), &[time], 0.01)
     } else {
         ask(scene, Solver::Exact, &[time], 0.01)
     }
 }
 
-fn new_methods(scene: &Scene) -> impl Iterator<Item = Method> {
+fn new_methods(scene: &Scene) -> impl Iterator<Item = &'static Scheme> {
     let is_top = scene.is_top;
-    Method::ALL.into_iter().filter(move |m| m.facts().group_preserving && m.check(is_top, false).is_ok())
+    scheme::ALL
+        .iter()
+        .copied()
+        .filter(move |m| m.facts.group_preserving && m.check(scene_of(is_top), false).is_ok())
 }
 
 /// The order of what is left: a body without weight only drifts.
-fn nominal(method: Method, scene: &Scene) -> f64 {
-    f64::from(match method {
-        Method::Chin4a | Method::Srkn6 | Method::Srkn11 | Method::Srkn14 | Method::Pmlf4 | Method::Pmlf6
-            if !scene.is_top =>
-        {
-            10
-        }
-        _ => method.facts().order,
-    })
+fn nominal(method: &'static Scheme, scene: &Scene) -> f64 {
+    let kicks = [scheme::CHIN4A, scheme::SRKN6, scheme::SRKN11, scheme::SRKN14, scheme::PMLF4, scheme::PMLF6];
+    f64::from(if !scene.is_top && kicks.contains(method) { 10 } else { method.facts.order })
 }
 
 /// The slope between the finest steps whose error, of four bodies, is above rounding, and above that of the converged
@@ -109,10 +111,10 @@ fn orders() {
                 slope = (last.0 / error).ln() / (f64::from(n) / last.1).ln();
                 last = (error, f64::from(n));
             }
-            println!("{:22} {:11} {order:4} {slope:.2}", scene.name, method.facts().name);
-            let above = match method {
-                Method::Pmlf6 if scene.is_top => 1.3,
-                Method::Srkn14 => 0.3,
+            println!("{:22} {:11} {order:4} {slope:.2}", scene.name, method.facts.name);
+            let above = match method.facts.name {
+                "pmlf6" if scene.is_top => 1.3,
+                "srkn14" => 0.3,
                 _ => 0.1,
             };
             assert!(slope > order - 0.1 && slope < order + above, "{} {method:?}: {slope}", scene.name);
@@ -125,7 +127,7 @@ fn orders() {
 #[test]
 fn there_and_back() {
     for scene in scenes() {
-        for method in new_methods(&scene).filter(|m| m.facts().reversible) {
+        for method in new_methods(&scene).filter(|m| m.facts.reversible) {
             let there = ask(&scene, Solver::Steps(method), &[5.0], 0.025);
             let attitudes = there.attitude.as_ref().unwrap();
             let arrived = |(i, body): (usize, &Body)| Body {
@@ -137,8 +139,8 @@ fn there_and_back() {
             let back = ask(&Scene { bodies, ..scene }, Solver::Steps(method), &[-5.0], 0.025);
             let home = ask(&scene, Solver::Steps(method), &[0.0], 0.025);
             let miss = miss(&back, &home);
-            let roundings = (2.0 * 200.0 * 10.0 * method.facts().stages.max(7) as f64).sqrt() * EPS / 2.0;
-            println!("{:22} {:11} {miss:.1e} {:.1e}", scene.name, method.facts().name, 120.0 * roundings);
+            let roundings = (2.0 * 200.0 * 10.0 * method.facts.stages.max(7) as f64).sqrt() * EPS / 2.0;
+            println!("{:22} {:11} {miss:.1e} {:.1e}", scene.name, method.facts.name, 120.0 * roundings);
             assert!(miss <= 120.0 * roundings, "{} {method:?}: {miss:e}", scene.name);
         }
     }
@@ -162,11 +164,9 @@ fn nothing_drifts() {
             let (unit, momentum) = (largest(&all.unit_drift), largest(&all.momentum_drift));
             println!(
                 "{:22} {:11} energy {first:.1e} {worst:.1e} lengths {unit:.1e} {:.1e}",
-                scene.name,
-                method.facts().name,
-                momentum
+                scene.name, method.facts.name, momentum
             );
-            let turns = 1e5 * method.facts().stages.max(2) as f64 * EPS;
+            let turns = 1e5 * method.facts.stages.max(2) as f64 * EPS;
             assert!(unit <= turns && (scene.is_top || momentum <= turns));
             assert!(worst < 1.5 * first + turns, "{} {method:?}: {first:e} then {worst:e}", scene.name);
         }
@@ -192,7 +192,7 @@ fn no_plausible_wrong_state() {
         let rate = (x * x + y * y + z * z).sqrt();
         let step = 4.0 * h / rate;
         let truth = ask(&scene, Solver::Exact, &[step], step);
-        for (method, bound) in [(Method::Dmv6, 2e-2), (Method::Dmv8, 1e-2), (Method::Dmv10, 1e-2)] {
+        for (method, bound) in [(&scheme::DMV6, 2e-2), (&scheme::DMV8, 1e-2), (&scheme::DMV10, 1e-2)] {
             let states = ask(&scene, Solver::Steps(method), &[step], step);
             if states.status[0] == Status::Finished {
                 finished += 1;
@@ -211,17 +211,18 @@ fn no_plausible_wrong_state() {
 /// A method that cannot do what is asked says so.
 #[test]
 fn refusals() {
-    let refused = |method: Method, is_top, is_watched| match method.check(is_top, is_watched) {
-        Ok(()) => false,
-        Err(Error::Value { argument, value, .. }) => {
-            assert_eq!((argument, value), ("method", format!("'{}'", method.facts().name)));
-            true
-        }
-        Err(other) => panic!("{other:?}"),
-    };
-    for method in Method::ALL {
+    let refused =
+        |method: &'static Scheme, is_top, is_watched| match method.check(scene_of(is_top), is_watched) {
+            Ok(()) => false,
+            Err(Error::Value { argument, value, .. }) => {
+                assert_eq!((argument, value), ("method", format!("'{}'", method.facts.name)));
+                true
+            }
+            Err(other) => panic!("{other:?}"),
+        };
+    for method in scheme::ALL {
         let (drifts, processed) =
-            (method.facts().name.starts_with("dmv"), method.facts().name.starts_with("pmlf"));
+            (method.facts.name.starts_with("dmv"), method.facts.name.starts_with("pmlf"));
         assert!(!refused(method, false, false));
         assert_eq!(refused(method, true, false), drifts);
         assert_eq!(refused(method, false, true), processed);

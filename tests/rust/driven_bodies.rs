@@ -1,14 +1,21 @@
 //! Bodies under torque and damping: the same bits on every instruction set, in every lane and on any number of
 //! threads, and what must be refused.
 
-use rigid::group::{Drives, Group, LANES};
-use rigid::kernel::{Compiled, Kernel, System, Table, Watch};
-use rigid::method::Method;
-use rigid::outside::Outside;
+use crate::scene_of;
+use rigid::forcing::Forcing;
+use rigid::kernel::{Compiled, Kernel, System};
+use rigid::kernel::{Entry, KernelAssignment, load};
+use rigid::kernel::{ForcingRows, Group};
+use rigid::observe::Observed;
 use rigid::sample::{Law, attitude, uniforms};
+use rigid::scene::FREE;
+use rigid::scheme::{self, Scheme, Step};
 use rigid::simd::Isa;
-use rigid::start::{Body, Seat, load};
-use rigid::trajectory::{Record, Request, Schedule, Solver, States, Status, simulate_driven};
+use rigid::simd::LANES;
+use rigid::solver::Solver;
+use rigid::start::Body;
+use rigid::status::Status;
+use rigid::trajectory::{Record, Request, Schedule, States, simulate};
 use std::sync::atomic::AtomicBool;
 
 static GO: AtomicBool = AtomicBool::new(false);
@@ -28,51 +35,59 @@ fn body(number: u64, is_top: bool) -> Body {
 }
 
 /// A torque that changes and jumps, and damping about axes of its own.
-fn table(in_space: bool) -> Outside {
+fn table(in_space: bool) -> Forcing {
     let times = [-3.0, -0.5, 0.25, 0.25, 1.1, 4.0];
     let values: Vec<[f64; 3]> =
         (0..6).map(|k| uniforms([7, 8], 0, k, 0).map(|x| 3.0 * x - 1.5)[..3].try_into().unwrap()).collect();
     let zeros = [[0.0; 3]; 6];
     let space: &[[f64; 3]] = if in_space { &values } else { &zeros };
-    Outside::new(&times, &values, space, [0.3, 0.2, 0.4, 0.05, -0.1, 0.02]).unwrap()
+    Forcing::new(&times, &values, space, [0.3, 0.2, 0.4, 0.05, -0.1, 0.02]).unwrap()
 }
 
-fn driven_methods() -> Vec<Method> {
-    Method::ALL.into_iter().filter(|method| method.damping_limit().is_some()).collect()
+fn driven_methods() -> Vec<&'static Scheme> {
+    scheme::ALL.iter().copied().filter(|method| method.damping_limit().is_some()).collect()
 }
 
 #[test]
 fn every_kernel_on_every_instruction_set_and_in_every_lane() {
-    for system in [System::DrivenRates, System::DrivenFrame] {
-        for table_ in Table::ALL.into_iter().filter(|table| table.moves(system)) {
-            let kernel = Kernel { system, table: table_, watch: Watch::Nothing };
-            let seat_of = |body: &Body| {
-                let seats = driven_methods().into_iter().map(|method| Seat::of_driven(method, body));
-                seats.into_iter().find(|seat| seat.table == table_).expect("a method for every table")
+    for system in [System::ForcedRates, System::ForcedFrame] {
+        let forced: Vec<Step> = driven_methods().iter().map(|scheme| scheme.forced.unwrap().step).collect();
+        for step in forced.into_iter().filter(|&step| system.is_moved_by(step)) {
+            let kernel = Kernel { system, step, observed: Observed::Nothing };
+            let assignment_of = |body: &Body| {
+                let assignments =
+                    driven_methods().into_iter().map(|method| KernelAssignment::of_forced(method, body));
+                assignments
+                    .into_iter()
+                    .find(|assignment| assignment.step == step)
+                    .expect("a scheme for every step")
             };
-            let put = |group: &mut Group, drives: &mut Drives, lane: usize, number: usize, compiled| {
-                let mut body = body(number as u64, system == System::DrivenFrame);
-                if number == 7 {
-                    body.omega = [1e18; 3];
-                }
-                let step = if number == 3 { 0.0 } else { 0.02 + 0.002 * number as f64 };
-                load(group, lane, (kernel, compiled), seat_of(&body), &body, 0, step);
-                let outside = table(number.is_multiple_of(2));
-                drives.set(lane, &outside.drive(0.01 * number as f64, false, body.moments));
-            };
+            let put =
+                |group: &mut Group, forcing_rows: &mut ForcingRows, lane: usize, number: usize, compiled| {
+                    let mut body = body(number as u64, system == System::ForcedFrame);
+                    if number == 7 {
+                        body.omega = [1e18; 3];
+                    }
+                    let step = if number == 3 { 0.0 } else { 0.02 + 0.002 * number as f64 };
+                    load(group, lane, compiled, assignment_of(&body), &Entry::unobserved(&body, None, step));
+                    let forcing = table(number.is_multiple_of(2));
+                    forcing_rows.set(lane, &forcing.interval(0.01 * number as f64, false, body.moments));
+                };
             let whole = |isa| {
                 let compiled = Compiled::new(kernel, isa);
-                let (mut group, mut drives) = (Group::waiting(), Drives::NONE);
+                let (mut group, mut forcing_rows) = (Group::waiting(), ForcingRows::NONE);
                 for lane in 0..LANES {
-                    put(&mut group, &mut drives, lane, lane, compiled);
+                    put(&mut group, &mut forcing_rows, lane, lane, compiled);
                 }
                 for steps in [1, 5, 14] {
-                    compiled.advance_driven(&mut group, &drives, steps);
+                    compiled.advance(&mut group, &forcing_rows, steps);
                 }
                 group
             };
             let of_lane = |group: &Group, lane: usize| {
-                bits(&group.state.iter().chain(&group.carry).map(|row| row.0[lane]).collect::<Vec<_>>())
+                bits(
+                    &group.state.iter().chain(&group.compensation).map(|row| row.0[lane]).collect::<Vec<_>>(),
+                )
             };
             let scalar = whole(Isa::Scalar);
             for isa in Isa::available() {
@@ -84,11 +99,11 @@ fn every_kernel_on_every_instruction_set_and_in_every_lane() {
                 }
                 let compiled = Compiled::new(kernel, isa);
                 for number in [0, 3, 12, 31] {
-                    let (mut group, mut drives) = (Group::waiting(), Drives::NONE);
+                    let (mut group, mut forcing_rows) = (Group::waiting(), ForcingRows::NONE);
                     let lane = (number + 17) % LANES;
-                    put(&mut group, &mut drives, lane, number, compiled);
+                    put(&mut group, &mut forcing_rows, lane, number, compiled);
                     for steps in [1, 5, 14] {
-                        compiled.advance_driven(&mut group, &drives, steps);
+                        compiled.advance(&mut group, &forcing_rows, steps);
                     }
                     assert_eq!(of_lane(&group, lane), of_lane(&scalar, number), "{kernel:?} {isa:?}");
                 }
@@ -100,7 +115,7 @@ fn every_kernel_on_every_instruction_set_and_in_every_lane() {
 const TIMES: [f64; 6] = [-2.9, -0.7, 0.0, 0.25, 0.31, 3.9];
 
 fn ask(
-    method: Method,
+    method: &'static Scheme,
     record: Record,
     tolerance: Option<f64>,
     (bodies, is_top): (&[Body], bool),
@@ -110,7 +125,8 @@ fn ask(
     let steps: Vec<f64> = (0..bodies.len()).map(|i| [0.03, 0.05, 0.02, 0.04][i % 4]).collect();
     let request = Request {
         bodies,
-        is_top,
+        scene: scene_of(is_top),
+        forcing: &table(is_top),
         solver: Solver::Steps(method),
         record,
         schedule: Schedule::Times(&TIMES),
@@ -118,7 +134,7 @@ fn ask(
         tolerance,
         max_steps: 5000,
     };
-    simulate_driven(&request, Some(&table(is_top)), threads, isa, &GO).unwrap().unwrap()
+    simulate(&request, threads, isa, &GO).unwrap().unwrap()
 }
 
 fn all_bits(states: &States) -> Vec<u64> {
@@ -166,8 +182,8 @@ fn a_series_meets_knots_and_jumps_exactly() {
         let bodies: Vec<_> = (0..8).map(|i| body(i, is_top)).collect();
         let at =
             |method, tolerance| ask(method, Record::Attitude, tolerance, (&bodies, is_top), 1, Isa::Scalar);
-        let fixed = at(Method::Taylor26, None);
-        for method in Method::ALL.into_iter().filter(|method| method.is_series()) {
+        let fixed = at(&scheme::TAYLOR26, None);
+        for method in scheme::ALL.iter().copied().filter(|method| method.is_series()) {
             let own = at(method, Some(1e-16));
             // Rounding of some hundred steps, of motions that grow an error no more than ten times in this time.
             for (a, b) in own.omega.iter().zip(&fixed.omega) {
@@ -179,7 +195,7 @@ fn a_series_meets_knots_and_jumps_exactly() {
 
 #[test]
 fn a_torque_table_is_read_from_both_sides_of_a_jump() {
-    let outside = Outside::new(
+    let forcing = Forcing::new(
         &[0.0, 1.0, 1.0, 3.0],
         &[[0.0; 3], [2.0, 0.0, 0.0], [5.0, 0.0, 0.0], [1.0, 0.0, 0.0]],
         &[[0.0; 3]; 4],
@@ -187,26 +203,26 @@ fn a_torque_table_is_read_from_both_sides_of_a_jump() {
     )
     .unwrap();
     let at = |time, backward| {
-        let drive = outside.drive(time, backward, [1.0, 2.0, 3.0]);
-        [drive.body[0][0], drive.body[1][0]]
+        let interval = forcing.interval(time, backward, [1.0, 2.0, 3.0]);
+        [interval.body[0][0], interval.body[1][0]]
     };
     assert_eq!(at(0.0, false), [0.0, 2.0]);
     assert_eq!(at(0.5, true), [1.0, 2.0]);
     assert_eq!(at(1.0, true), [2.0, 2.0]);
     assert_eq!(at(1.0, false), [5.0, -2.0]);
     assert_eq!(at(3.0, true), [1.0, -2.0]);
-    assert_eq!(outside.next_knot(0.0, false), Some(1.0));
-    assert_eq!(outside.next_knot(1.0, false), Some(3.0));
-    assert_eq!(outside.next_knot(1.0, true), Some(0.0));
-    assert_eq!(outside.next_knot(3.0, false), None);
-    assert!(outside.check_reaches(3.0).is_ok() && outside.check_reaches(3.1).is_err());
+    assert_eq!(forcing.next_knot(0.0, false), Some(1.0));
+    assert_eq!(forcing.next_knot(1.0, false), Some(3.0));
+    assert_eq!(forcing.next_knot(1.0, true), Some(0.0));
+    assert_eq!(forcing.next_knot(3.0, false), None);
+    assert!(forcing.check_reaches(3.0).is_ok() && forcing.check_reaches(3.1).is_err());
 }
 
 /// The eigenvalues of `I^(-1) D` against those of matrices with known ones.
 #[test]
 fn damping_rates_of_known_matrices() {
     let rates = |damping, moments| {
-        Outside::new(&[], &[[0.0; 3]], &[[0.0; 3]], damping).unwrap().damping_rates(moments)
+        Forcing::new(&[], &[[0.0; 3]], &[[0.0; 3]], damping).unwrap().damping_rates(moments)
     };
     assert_eq!(rates([1.0, 3.0, 2.0, 0.0, 0.0, 0.0], [1.0, 2.0, 4.0]), [0.5, 1.0, 1.5]);
     // ((2, -1, 0), (-1, 2, -1), (0, -1, 2)) has 2 and 2 -+ sqrt 2.
@@ -221,16 +237,17 @@ fn damping_rates_of_known_matrices() {
 
 #[test]
 fn what_would_feed_a_motion_or_blow_up_is_refused() {
-    let make = |damping| Outside::new(&[], &[[0.0; 3]], &[[0.0; 3]], damping);
+    let make = |damping| Forcing::new(&[], &[[0.0; 3]], &[[0.0; 3]], damping);
     assert!(make([1.0, 1.0, 1.0, 2.0, 0.0, 0.0]).unwrap_err().to_string().contains("positive semi-definite"));
     assert!(make([1.0, f64::NAN, 1.0, 0.0, 0.0, 0.0]).unwrap_err().to_string().contains("finite"));
     let stiff = make([1e3, 1e3, 1e3, 0.0, 0.0, 0.0]).unwrap();
     let bodies = [body(0, false)];
-    for method in Method::ALL {
+    for method in scheme::ALL {
         let run = |step: f64| {
             let request = Request {
                 bodies: &bodies,
-                is_top: false,
+                scene: &FREE,
+                forcing: &stiff,
                 solver: Solver::Steps(method),
                 record: Record::Rates,
                 schedule: Schedule::Times(&[1.0]),
@@ -238,7 +255,7 @@ fn what_would_feed_a_motion_or_blow_up_is_refused() {
                 tolerance: None,
                 max_steps: 100_000,
             };
-            simulate_driven(&request, Some(&stiff), 1, Isa::Scalar, &GO)
+            simulate(&request, 1, Isa::Scalar, &GO)
         };
         let [.., rate] = stiff.damping_rates(bodies[0].moments);
         match method.damping_limit() {

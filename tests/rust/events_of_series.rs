@@ -1,15 +1,17 @@
 //! Events inside the long steps of a Taylor series: found on its polynomial, so as exactly as the states are.
 
 use rigid::exact::derived::{sign_changes, tilt_time, top_quantities};
-use rigid::group::Group;
-use rigid::kernel::{Compiled, Kernel, System, Watch};
-use rigid::method::Method;
-use rigid::observe::{TiltLimit, largest_tilt};
+use rigid::forcing::Forcing;
+use rigid::kernel::Group;
+use rigid::kernel::{Compiled, ForcingRows, Kernel, System};
+use rigid::kernel::{Entry, KernelAssignment, load};
+use rigid::observe::{EXIT_TIME, Observed, Tilt, largest_tilt};
+use rigid::scheme::{self, Scheme};
 use rigid::simd::Isa;
-use rigid::start::{Body, Seat, load};
+use rigid::start::Body;
 
-fn series() -> impl Iterator<Item = Method> {
-    Method::ALL.into_iter().filter(|method| method.is_series())
+fn series() -> impl Iterator<Item = &'static Scheme> {
+    scheme::ALL.iter().copied().filter(|method| method.is_series())
 }
 
 /// A body in a lane of its own, in the longest steps that keep the attitude to 4e-14 a radian (`angle_per_step`).
@@ -20,22 +22,30 @@ struct Run {
 }
 
 impl Run {
-    fn new(body: &Body, method: Method, system: System, watch: Watch, axis: i32) -> Run {
-        let kernel = Kernel { system, table: Seat::of(method, body, system.is_top()).table, watch };
+    fn new(
+        body: &Body,
+        method: &'static Scheme,
+        system: System,
+        observed: Observed,
+        (axis, limit): (i32, f64),
+    ) -> Run {
+        let kernel =
+            Kernel { system, step: KernelAssignment::of(method, body, system.scene()).step, observed };
         let compiled = Compiled::new(kernel, Isa::available()[0]);
         let mut group = Group::waiting();
-        let step = method.facts().angle_per_step / body.fastest_rate();
-        load(&mut group, 0, (kernel, compiled), Seat::of(method, body, system.is_top()), body, axis, step);
+        let step = method.facts.angle_per_step / body.fastest_rate(Forcing::NONE, [0.0; 2]);
+        let entry = Entry { body, forcing: None, axis, limit, step };
+        load(&mut group, 0, compiled, KernelAssignment::of(method, body, system.scene()), &entry);
         Run { group, compiled, step }
     }
 
     fn until(mut self, time: f64) -> Run {
-        self.compiled.advance(&mut self.group, (time / self.step).ceil() as usize);
+        self.compiled.advance(&mut self.group, &ForcingRows::NONE, (time / self.step).ceil() as usize);
         self
     }
 
     fn lost_at(&self) -> f64 {
-        self.group.left.0[0]
+        self.group.observed[EXIT_TIME].0[0]
     }
 }
 
@@ -52,7 +62,8 @@ fn the_flip_of_a_tumbler() {
                 continue;
             }
             for method in series() {
-                let run = Run::new(&body, method, System::FreeRates, Watch::Flips, axis).until(first + 1.0);
+                let run = Run::new(&body, method, System::FreeRates, Observed::Flips, (axis, f64::INFINITY))
+                    .until(first + 1.0);
                 let off = (run.lost_at() - first).abs();
                 assert!(off < 3.0 * 4e-14 * 15.0, "{method:?}, axis {axis} of {omega:?}: {off:e} at {first}");
             }
@@ -74,8 +85,10 @@ fn the_largest_tilt_of_a_top() {
         let body = top(omega);
         let quantities = top_quantities(Isa::available()[0], &body).unwrap();
         for method in series() {
-            let run = Run::new(&body, method, System::TopAxis, Watch::Tilt, 3).until(1.2 * quantities.period);
-            let seen = largest_tilt(run.group.cosine.0[0], run.group.sine2.0[0]);
+            let run = Run::new(&body, method, System::TopAxis, Observed::Tilt, (3, f64::INFINITY))
+                .until(1.2 * quantities.period);
+            let seen =
+                largest_tilt(run.group.observed[Tilt::COSINE].0[0], run.group.observed[Tilt::SINE2].0[0]);
             let off = (seen - quantities.tilt[1]).abs();
             assert!(off < 1e-12, "{method:?} of {omega:?}: {off:e}");
         }
@@ -95,10 +108,7 @@ fn the_limit_of_the_tilt_of_a_top() {
             let limit = low + part * (high - low);
             let expected = tilt_time(isa, &body, limit).unwrap();
             for method in series() {
-                let mut run = Run::new(&body, method, System::TopAxis, Watch::Tilt, 3);
-                let bound = TiltLimit::new(limit);
-                run.group.limit[0].0[0] = bound.cosine;
-                run.group.limit[1].0[0] = bound.sine2;
+                let run = Run::new(&body, method, System::TopAxis, Observed::Tilt, (3, limit));
                 let run = run.until(1.2 * quantities.period);
                 let off = (run.lost_at() - expected).abs();
                 let bound = 1e-12 / (1.0 - part).sqrt();

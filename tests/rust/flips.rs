@@ -1,12 +1,17 @@
 //! Flips: sign changes of a component of the rates, counted once each and located inside the step.
 
-use rigid::group::{Group, LANES};
-use rigid::kernel::{Compiled, Kernel, System, Watch};
-use rigid::method::{Coefficients, Method, Rk4, RungeKutta, Scheme};
-use rigid::model::{Free, Parameters, Rates};
-use rigid::observe::{self, Flips};
+use crate::scene_of;
+use rigid::forcing::ForcingInterval;
+use rigid::kernel::Group;
+use rigid::kernel::{Compiled, ForcingRows, Kernel, System};
+use rigid::kernel::{Entry, KernelAssignment, load};
+use rigid::observe::{EXIT_TIME, Flips, Follow, MAX_ROWS, Observed, Rows, Segment};
+use rigid::scene::FREE;
+use rigid::scene::{Free, Parameters, Rates};
+use rigid::scheme::{self, Coefficients, Numbers, Rk4Tableau, RungeKutta, Scheme, Stepper};
 use rigid::simd::Isa;
-use rigid::start::{Body, Seat, load};
+use rigid::simd::LANES;
+use rigid::start::Body;
 
 const UPRIGHT: [f64; 4] = [1.0, 0.0, 0.0, 0.0];
 
@@ -15,8 +20,8 @@ fn free(moments: [f64; 3], omega: [f64; 3]) -> Body {
 }
 
 /// The methods that a map may use.
-fn watching(is_top: bool) -> impl Iterator<Item = Method> {
-    Method::ALL.into_iter().filter(move |method| method.check(is_top, true).is_ok())
+fn watching(is_top: bool) -> impl Iterator<Item = &'static Scheme> {
+    scheme::ALL.iter().copied().filter(move |method| method.check(scene_of(is_top), true).is_ok())
 }
 
 /// One body, watched along an axis, in a lane of its own.
@@ -26,33 +31,34 @@ struct Watched {
 }
 
 impl Watched {
-    fn new(body: &Body, method: Method, axis: i32, step: f64) -> Watched {
+    fn new(body: &Body, method: &'static Scheme, axis: i32, step: f64) -> Watched {
         let is_top = body.weight != [0.0; 3];
-        let seat = Seat::of(method, body, is_top);
+        let assignment = KernelAssignment::of(method, body, scene_of(is_top));
         let system = if is_top { System::TopAxis } else { System::FreeRates };
-        let kernel = Kernel { system, table: seat.table, watch: Watch::Flips };
+        let kernel = Kernel { system, step: assignment.step, observed: Observed::Flips };
         let compiled = Compiled::new(kernel, Isa::available()[0]);
         let mut group = Group::waiting();
-        load(&mut group, 0, (kernel, compiled), seat, body, axis, step);
+        let entry = Entry { body, forcing: None, axis, limit: f64::INFINITY, step };
+        load(&mut group, 0, compiled, assignment, &entry);
         Watched { group, compiled }
     }
 
     fn after(mut self, steps: usize) -> Watched {
-        self.compiled.advance(&mut self.group, steps);
+        self.compiled.advance(&mut self.group, &ForcingRows::NONE, steps);
         self
     }
 
     fn flips(&self) -> f64 {
-        self.group.flips.0[0]
+        self.group.observed[Flips::COUNT].0[0]
     }
 
     /// The watched component, in rates or momenta.
     fn component(&self) -> f64 {
-        (0..3).map(|k| self.group.axis[k].0[0] * self.group.state[k].0[0]).sum()
+        (0..3).map(|k| self.group.observed[Flips::AXIS + k].0[0] * self.group.state[k].0[0]).sum()
     }
 
     fn first(&self) -> f64 {
-        self.group.left.0[0]
+        self.group.observed[EXIT_TIME].0[0]
     }
 }
 
@@ -75,15 +81,15 @@ fn swinger() -> Body {
 }
 
 /// Time of the `nth` flip, the counter started anew before each step.
-fn time_of_flip(body: &Body, method: Method, axis: i32, step: f64, nth: f64) -> f64 {
+fn time_of_flip(body: &Body, method: &'static Scheme, axis: i32, step: f64, nth: f64) -> f64 {
     let mut run = Watched::new(body, method, axis, step);
     while run.flips() < nth {
         assert!(run.group.count.0[0] * step < 200.0, "no such flip");
-        run.group.left.0[0] = f64::INFINITY;
+        run.group.observed[EXIT_TIME].0[0] = f64::INFINITY;
         let flips = run.flips();
-        run.group.flips.0[0] = 0.0;
+        run.group.observed[Flips::COUNT].0[0] = 0.0;
         run = run.after(1);
-        run.group.flips.0[0] += flips;
+        run.group.observed[Flips::COUNT].0[0] += flips;
     }
     run.first()
 }
@@ -104,12 +110,12 @@ fn located_to_the_order_of_the_scheme() {
     ];
     for (body, axis, nth) in cases {
         // Converged: RK4 with a step 16 times smaller than the finest, 16^-4 of its error.
-        let exact = time_of_flip(&body, Method::Rk4, axis, 0.05 / 64.0, nth);
+        let exact = time_of_flip(&body, &scheme::RK4, axis, 0.05 / 64.0, nth);
         // The others make errors that the cubic hides.
-        for method in [Method::Rk4, Method::Splitting] {
+        for method in [&scheme::RK4, &scheme::SPLITTING] {
             let error = |h: f64| (time_of_flip(&body, method, axis, h, nth) - exact).abs();
             let errors = [0.05, 0.025, 0.0125].map(error);
-            let expected = 2.0_f64.powi(method.facts().order as i32);
+            let expected = 2.0_f64.powi(method.facts.order as i32);
             let misses =
                 [errors[0] / errors[1], errors[1] / errors[2]].map(|ratio| (ratio / expected - 1.0).abs());
             println!("{method:?}, flip {nth} at {exact}: errors {errors:?}, ratios off by {misses:?}");
@@ -148,7 +154,7 @@ fn a_flip_on_the_border_of_two_steps() {
             for watched in [2, -2] {
                 let mut run = Watched::new(&body, method, watched, 0.125);
                 run.group.count.0[0] = 40.0;
-                run.group.side.0[0] = f64::from(watched.signum()) * came_from;
+                run.group.observed[Flips::SIGN].0[0] = f64::from(watched.signum()) * came_from;
                 let run = run.after(1);
                 assert_eq!(run.flips(), flips, "{method:?} from {came_from}");
                 // On the border itself, 40 steps of 1/8.
@@ -163,30 +169,23 @@ fn a_flip_on_the_border_of_two_steps() {
 }
 
 /// The classical scheme of one body, step 1/2, watched along axis 2 from its positive side.
-type Engine = RungeKutta<Rk4, f64, Free<f64>>;
+type Engine = RungeKutta<Rk4Tableau, f64, Free<f64>>;
 const BODY: Parameters<f64> = Parameters { moments: [1.0, 1.6, 2.0], weight: [0.0; 3], step: 0.5 };
-const POSITIVE: observe::Watched<f64> = observe::Watched {
-    axis: [0.0, 1.0, 0.0],
-    side: 1.0,
-    flips: 0.0,
-    left: f64::INFINITY,
-    limit: [f64::NEG_INFINITY, f64::INFINITY],
-    cosine: 1.0,
-    sine2: 0.0,
+const POSITIVE: Rows<f64> = {
+    let mut rows = [0.0; MAX_ROWS];
+    rows[EXIT_TIME] = f64::INFINITY;
+    rows[Flips::SIGN] = 1.0;
+    rows[Flips::AXIS + 1] = 1.0;
+    rows
 };
 
-/// Shows a step between any two states, begun at `time`, to the observer.
-fn look(watched: &mut observe::Watched<f64>, time: f64, before: [f64; 3], after: [f64; 3]) {
-    let engine = <Engine as Scheme<f64, Free<f64>, Rates, 3>>::new(&BODY);
+/// Shows a step between any two states, begun at `begin`, to the observer.
+fn look(watched: &mut Rows<f64>, begin: f64, before: [f64; 3], after: [f64; 3]) {
+    let engine =
+        <Engine as Stepper<f64, Free<f64>, Rates, 3>>::new(&BODY, &ForcingInterval::none(), &Numbers::NONE);
     let nothing = Coefficients::new();
-    Flips::after_step::<f64, Free<f64>, Rates, Engine, 3>(
-        &engine,
-        &BODY,
-        watched,
-        time,
-        [&before, &after],
-        &nothing,
-    );
+    let segment = Segment { begin, before: &before, after: &after, dense: &nothing };
+    <Flips as Follow<f64, Free<f64>, Rates, 3>>::after_step(&engine, &BODY, watched, &segment);
 }
 
 /// A step that ends exactly on zero has not yet flipped, whatever the sign of the zero.
@@ -196,11 +195,11 @@ fn ending_on_zero_is_not_yet_a_flip() {
         for (goes_on, flips) in [(0.01, 0.0), (-0.01, 1.0)] {
             let mut watched = POSITIVE;
             look(&mut watched, 2.0, [-0.3, 0.1, 0.5], [-0.3, zero, 0.5]);
-            assert_eq!((watched.flips, watched.side), (0.0, 1.0));
+            assert_eq!((watched[Flips::COUNT], watched[Flips::SIGN]), (0.0, 1.0));
             look(&mut watched, 2.5, [-0.3, zero, 0.5], [-0.3, goes_on, 0.5]);
-            assert_eq!(watched.flips, flips);
-            assert_eq!(watched.side, if flips > 0.0 { -1.0 } else { 1.0 });
-            assert_eq!(watched.left, if flips > 0.0 { 2.5 } else { f64::INFINITY });
+            assert_eq!(watched[Flips::COUNT], flips);
+            assert_eq!(watched[Flips::SIGN], if flips > 0.0 { -1.0 } else { 1.0 });
+            assert_eq!(watched[EXIT_TIME], if flips > 0.0 { 2.5 } else { f64::INFINITY });
         }
     }
 }
@@ -231,7 +230,7 @@ fn the_root_of_the_cubic() {
             let middle = 0.5 * (low + high);
             (low, high) = if cubic(middle) > 0.0 { (middle, high) } else { (low, middle) };
         }
-        let miss = (watched.left - 0.5 * low).abs();
+        let miss = (watched[EXIT_TIME] - 0.5 * low).abs();
         assert!(miss <= 0.5 * 6.0 * f64::EPSILON / 0.3, "{before:?} {after:?}: {miss:e}");
         // A straight line through the ends would be seen.
         assert!((before[1] / (before[1] - after[1]) - low).abs() > 0.01);
@@ -274,10 +273,10 @@ fn starting_on_zero_is_no_flip() {
         cases.push((3, top([1.6, 1.0, 0.7], [0.0, 0.0, 0.5], [0.0; 3], [0.8, 0.4, 0.4 * sign, 0.2]), 3));
     }
     for (power, body, axis) in cases {
-        for method in watching(body.weight != [0.0; 3]).filter(|m| m.facts().order >= power) {
+        for method in watching(body.weight != [0.0; 3]).filter(|m| m.facts.order >= power) {
             for watched in [axis, -axis] {
                 let start = Watched::new(&body, method, watched, 0.01);
-                assert_eq!(start.group.side.0[0].abs(), 1.0);
+                assert_eq!(start.group.observed[Flips::SIGN].0[0].abs(), 1.0);
                 let run = start.after(20);
                 assert_eq!(run.flips(), 0.0, "{method:?}, axis {watched} of {body:?}");
                 assert_eq!(run.first(), f64::INFINITY);
@@ -316,8 +315,8 @@ fn stable_spin_for_a_million_steps() {
         for axis in 1..=3 {
             let kernel = Kernel {
                 system: System::FreeRates,
-                table: Seat::of(method, &free([1.0, 1.6, 2.0], [0.0; 3]), false).table,
-                watch: Watch::Flips,
+                step: KernelAssignment::of(method, &free([1.0, 1.6, 2.0], [0.0; 3]), &FREE).step,
+                observed: Observed::Flips,
             };
             let compiled = Compiled::new(kernel, Isa::available()[0]);
             let mut group = Group::waiting();
@@ -327,14 +326,24 @@ fn stable_spin_for_a_million_steps() {
                 let mut omega = [1e-3 * angle.sin(), 1e-3 * angle.cos(), 1e-3 * (2.0 * angle).sin()];
                 omega[axis - 1] += 1.0 + 0.01 * angle;
                 let body = free([1.0, 1.6, 2.0], omega);
-                let seat = Seat::of(method, &body, false);
-                load(&mut group, lane, (kernel, compiled), seat, &body, axis as i32, 1.0 / 16.0);
+                let assignment = KernelAssignment::of(method, &body, &FREE);
+                let (axis, limit, step) = (axis as i32, f64::INFINITY, 1.0 / 16.0);
+                let entry = Entry { body: &body, forcing: None, axis, limit, step };
+                load(&mut group, lane, compiled, assignment, &entry);
             }
             // Fewer of those that are dear.
-            let steps = if method.facts().order <= 4 { 1_000_000 } else { 50_000 };
-            compiled.advance(&mut group, if method.facts().symplectic && axis == 2 { 10_000 } else { steps });
+            let steps = if method.facts.order <= 4 { 1_000_000 } else { 50_000 };
+            compiled.advance(
+                &mut group,
+                &ForcingRows::NONE,
+                if method.facts.symplectic && axis == 2 { 10_000 } else { steps },
+            );
             for lane in 0..LANES {
-                assert_eq!(group.flips.0[lane] > 0.0, axis == 2, "{method:?} axis {axis} lane {lane}");
+                assert_eq!(
+                    group.observed[Flips::COUNT].0[lane] > 0.0,
+                    axis == 2,
+                    "{method:?} axis {axis} lane {lane}"
+                );
                 // The worst drift is at the end of the burst: what was not conserved would not prove stability.
                 assert!(group.energy.worst.0[lane] < 0.1, "{}", group.energy.worst.0[lane]);
             }

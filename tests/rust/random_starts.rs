@@ -4,12 +4,13 @@
 //! The draws are fixed, so the tests are: a mean of n draws is held to 4 of its standard errors.
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
-use rigid::ensemble::{Criterion, Judge, Map, Pixel};
-use rigid::method::Method;
+use rigid::map::{Criterion, Map, MethodChoice, Pixel};
 use rigid::sample::{Law, attitude, philox4x64, uniforms, vector};
+use rigid::scene::FREE;
+use rigid::scheme;
 use rigid::simd::Isa;
+use rigid::solver::Solver;
 use rigid::start::Body;
-use rigid::trajectory::Solver;
 
 const N: u64 = 100_000;
 const KEY: [u64; 2] = [20_261_121, 0];
@@ -209,8 +210,9 @@ fn draws_do_not_shift_each_other() {
     let draw = |omega_law, attitude_law, samples, pixel, sample| {
         let pixel_of = Pixel { body, omega_size: [0.5, 0.25, 2.0], attitude_size: 0.1, possible: true };
         let map = Map {
-            is_top: false,
-            judge: Judge::Only(Solver::Steps(Method::Rk4)),
+            scene: &FREE,
+            forcing: Vec::new(),
+            method: MethodChoice::Only(Solver::Steps(&scheme::RK4)),
             pixels: vec![pixel_of; 3],
             omega_law,
             attitude_law,

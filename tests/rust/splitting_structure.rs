@@ -1,17 +1,20 @@
 //! What a splitting keeps besides its order: the way back, the lengths, the energy, the exact motion of a symmetric
 //! body, and the names of the axes. And that one step of each scheme is what its table says, written out naively.
 
+use crate::scene_of;
 use nalgebra::{Quaternion, SVector, Unit, UnitQuaternion, Vector3};
-use rigid::method::{
-    Composition, ExactRotor, Facts, Flow, Method, Numbers, Planar, Planar4, Rk4, Rotor, Rotor8, RungeKutta,
-    Scheme, Splitting,
-};
-use rigid::model::{Attitude, AxisAttitude, Free, Layout, Model, Parameters, Top};
+use rigid::forcing::{Forcing, ForcingInterval};
 use rigid::real::Real;
 use rigid::sample::{Law, attitude, uniforms};
+use rigid::scene::{Attitude, AxisAttitude, Free, Layout, Model, Parameters, Top};
+use rigid::scheme::{
+    self, Coefficients, ComposedPlanar, ExactRotor, Flow, KickRotor, Numbers, Planar, Rk4Tableau, Round,
+    RungeKutta, Scheme, Splitting, Stepper,
+};
 use rigid::simd::Isa;
+use rigid::solver::Solver;
 use rigid::start::Body;
-use rigid::trajectory::{Record, Request, Schedule, Solver, States, simulate};
+use rigid::trajectory::{Record, Request, Schedule, States, simulate};
 use std::sync::atomic::AtomicBool;
 
 const EPS: f64 = f64::EPSILON;
@@ -38,15 +41,42 @@ fn without_vertical(y: [f64; 10]) -> [f64; 7] {
     [y[0], y[1], y[2], y[6], y[7], y[8], y[9]]
 }
 
+/// The numbers that an engine is tested with.
+trait Tested {
+    const NUMBERS: &'static Numbers;
+}
+impl<M> Tested for RungeKutta<Rk4Tableau, f64, M> {
+    const NUMBERS: &'static Numbers = scheme::RK4.any.numbers;
+}
+impl Tested for Splitting<Planar, f64> {
+    const NUMBERS: &'static Numbers = scheme::SPLITTING.any.numbers;
+}
+impl Tested for Splitting<KickRotor, f64> {
+    const NUMBERS: &'static Numbers = scheme::SPLITTING.symmetric.numbers;
+}
+
 fn go<S, M, L, const D: usize>(p: &Parameters<f64>, y: &mut [f64; D], steps: usize)
 where
     M: Model<f64>,
     L: Layout,
-    S: Scheme<f64, M, L, D>,
+    S: Stepper<f64, M, L, D> + Tested,
 {
-    let scheme = S::new(p);
+    go_by::<S, M, L, D>(S::NUMBERS, p, y, steps);
+}
+
+fn go_by<S, M, L, const D: usize>(
+    numbers: &'static Numbers,
+    p: &Parameters<f64>,
+    y: &mut [f64; D],
+    steps: usize,
+) where
+    M: Model<f64>,
+    L: Layout,
+    S: Stepper<f64, M, L, D>,
+{
+    let stepper = S::new(p, &ForcingInterval::none(), numbers);
     for _ in 0..steps {
-        scheme.step(p, y);
+        stepper.step(p, y, &mut [0.0; D], &mut Coefficients::new());
     }
 }
 
@@ -75,7 +105,7 @@ fn round_trip<S, M, L, const D: usize>(p: Parameters<f64>, start: [f64; D]) -> (
 where
     M: Model<f64>,
     L: Layout,
-    S: Scheme<f64, M, L, D>,
+    S: Stepper<f64, M, L, D> + Tested,
 {
     let mut far = start;
     go::<S, M, L, D>(&p, &mut far, ROUND_TRIP);
@@ -102,8 +132,8 @@ fn there_and_back() {
     for (trip, bound) in [
         round_trip::<Splitting<Planar, f64>, Free<f64>, Attitude, 7>(p, free),
         round_trip::<Splitting<Planar, f64>, Top<f64>, AxisAttitude, 10>(p, y),
-        round_trip::<Splitting<Rotor, f64>, Free<f64>, Attitude, 7>(twist, free),
-        round_trip::<Splitting<Rotor, f64>, Top<f64>, AxisAttitude, 10>(twist, y),
+        round_trip::<Splitting<KickRotor, f64>, Free<f64>, Attitude, 7>(twist, free),
+        round_trip::<Splitting<KickRotor, f64>, Top<f64>, AxisAttitude, 10>(twist, y),
     ] {
         println!("{trip:.1e} of {bound:.1e}");
         assert!(trip <= bound && bound < 1e-9, "{trip:e}, bound {bound:e}");
@@ -112,7 +142,7 @@ fn there_and_back() {
     // The same flows without the palindrome, and the classical scheme, do not find the way back.
     let (lost, _) = round_trip::<Splitting<OneWay, f64>, Top<f64>, AxisAttitude, 10>(p, y);
     assert!(lost > 1e-3, "{lost:e}");
-    let (lost, bound) = round_trip::<RungeKutta<Rk4, f64, Top<f64>>, Top<f64>, AxisAttitude, 10>(p, y);
+    let (lost, bound) = round_trip::<RungeKutta<Rk4Tableau, f64, Top<f64>>, Top<f64>, AxisAttitude, 10>(p, y);
     assert!(lost > 100.0 * bound, "{lost:e}, bound {bound:e}");
 }
 
@@ -120,11 +150,12 @@ fn there_and_back() {
 #[derive(Clone, Copy)]
 struct OneWay;
 
-impl Composition for OneWay {
-    const FACTS: Facts = Facts { stages: 4, order: 1, reversible: false, ..Planar::FACTS };
+impl Round for OneWay {
     type Drift<R: Real> = ExactRotor<R>;
-    const ROUND: &'static [Flow] = &[Flow::Turn(0), Flow::Turn(1), Flow::Turn(2), Flow::Kick];
-    const NUMBERS: Numbers = Numbers::of(&[1.0; 4]);
+    const FLOWS: &'static [Flow] = &[Flow::Turn(0), Flow::Turn(1), Flow::Turn(2), Flow::Kick];
+}
+impl Tested for Splitting<OneWay, f64> {
+    const NUMBERS: &'static Numbers = &Numbers::of(&[1.0; 4]);
 }
 
 // --- Lengths and energy ---------------------------------------------------------------------------------------
@@ -136,7 +167,7 @@ fn lengths<S, M, L, const D: usize>(p: Parameters<f64>, start: [f64; D]) -> Vec<
 where
     M: Model<f64>,
     L: Layout,
-    S: Scheme<f64, M, L, D>,
+    S: Stepper<f64, M, L, D> + Tested,
 {
     let parts = [0..3, 3..L::QUATERNION_AT, L::QUATERNION_AT..D];
     let mut y = start;
@@ -156,10 +187,10 @@ fn lengths_at_rounding() {
     let (p, y) = general();
     let (twist, free) = (symmetric().0, without_vertical(y));
     let planar = lengths::<Splitting<Planar, f64>, Free<f64>, Attitude, 7>(p, free);
-    let rotor = lengths::<Splitting<Rotor, f64>, Free<f64>, Attitude, 7>(twist, free);
+    let rotor = lengths::<Splitting<KickRotor, f64>, Free<f64>, Attitude, 7>(twist, free);
     // The weight changes |L|; the vertical and the attitude keep their lengths.
     let planar_top = lengths::<Splitting<Planar, f64>, Top<f64>, AxisAttitude, 10>(p, y);
-    let rotor_top = lengths::<Splitting<Rotor, f64>, Top<f64>, AxisAttitude, 10>(twist, y);
+    let rotor_top = lengths::<Splitting<KickRotor, f64>, Top<f64>, AxisAttitude, 10>(twist, y);
     assert!(planar_top[0] > 1e-3 && rotor_top[0] > 1e-3);
     for (lengths, bound) in [
         (&planar[..], changing),
@@ -172,7 +203,7 @@ fn lengths_at_rounding() {
     }
 
     // The classical scheme loses h^5 or so a step.
-    let lost = lengths::<RungeKutta<Rk4, f64, Top<f64>>, Top<f64>, AxisAttitude, 10>(p, y);
+    let lost = lengths::<RungeKutta<Rk4Tableau, f64, Top<f64>>, Top<f64>, AxisAttitude, 10>(p, y);
     assert!(lost[1] > 1e3 * changing && lost[2] > 1e3 * changing, "{lost:?}");
 }
 
@@ -181,14 +212,14 @@ fn energy_errors<S, M, L, const D: usize>(p: Parameters<f64>, mut y: [f64; D]) -
 where
     M: Model<f64>,
     L: Layout,
-    S: Scheme<f64, M, L, D>,
+    S: Stepper<f64, M, L, D> + Tested,
 {
     let energy = |y: &[f64; D]| S::kinetic(&p, y) + M::potential(&p, y);
     let start = energy(&y);
-    let scheme = S::new(&p);
+    let stepper = S::new(&p, &ForcingInterval::none(), S::NUMBERS);
     let (mut early, mut worst) = (0.0, 0.0_f64);
     for i in 0..LONG {
-        scheme.step(&p, &mut y);
+        stepper.step(&p, &mut y, &mut [0.0; D], &mut Coefficients::new());
         worst = worst.max((energy(&y) - start).abs());
         if i == LONG / 10 {
             early = worst;
@@ -202,7 +233,7 @@ fn energy_does_not_drift() {
     let (p, y) = general();
     let halved = Parameters { step: p.step / 2.0, ..p };
     type PlanarSteps = Splitting<Planar, f64>;
-    type RotorSteps = Splitting<Rotor, f64>;
+    type RotorSteps = Splitting<KickRotor, f64>;
     let twist = symmetric().0;
     let cases = [
         (
@@ -235,10 +266,10 @@ fn the_rotor_is_exact_for_any_step() {
     let y = without_vertical(y);
     for h in [1e-3, 0.1, 1.0, 10.0, 100.0, -7.0] {
         let mut once = y;
-        go::<Splitting<Rotor, f64>, Free<f64>, Attitude, 7>(&Parameters { step: h, ..p }, &mut once, 1);
+        go::<Splitting<KickRotor, f64>, Free<f64>, Attitude, 7>(&Parameters { step: h, ..p }, &mut once, 1);
         let mut often = y;
         let small = Parameters { step: h / 64.0, ..p };
-        go::<Splitting<Rotor, f64>, Free<f64>, Attitude, 7>(&small, &mut often, 64);
+        go::<Splitting<KickRotor, f64>, Free<f64>, Attitude, 7>(&small, &mut often, 64);
 
         // In closed form: a turn by |L| h / I1 about L, then by (1/I3 - 1/I1) L3 h about axis 3.
         let l = Vector3::new(y[0], y[1], y[2]);
@@ -259,11 +290,12 @@ fn the_rotor_is_exact_for_any_step() {
 
 // --- The names of the axes ------------------------------------------------------------------------------------
 
-fn run(bodies: &[Body], is_top: bool, method: Method) -> States {
+fn run(bodies: &[Body], is_top: bool, method: &'static Scheme) -> States {
     let steps = vec![0.02; bodies.len()];
     let request = Request {
         bodies,
-        is_top,
+        scene: scene_of(is_top),
+        forcing: Forcing::NONE,
         solver: Solver::Steps(method),
         record: Record::Attitude,
         schedule: Schedule::Strides(&[1, 199]),
@@ -278,7 +310,7 @@ fn run(bodies: &[Body], is_top: bool, method: Method) -> States {
 /// (1, 1, 1, 1)/2, a third of a turn about the diagonal.
 fn renamed(body: &Body) -> Body {
     let turn = |v: [f64; 3]| [v[1], v[2], v[0]];
-    let q = rigid::model::quaternion_product(&body.attitude, &[0.5, 0.5, 0.5, 0.5]);
+    let q = rigid::kinematics::quaternion_product(&body.attitude, &[0.5, 0.5, 0.5, 0.5]);
     Body { moments: turn(body.moments), weight: turn(body.weight), omega: turn(body.omega), attitude: q }
 }
 
@@ -301,7 +333,7 @@ fn the_renaming_is_one() {
 #[test]
 fn axes_may_be_renamed() {
     for is_top in [false, true] {
-        for method in Method::ALL.into_iter().filter(|m| !is_top || m.moves_tops()) {
+        for method in scheme::ALL.iter().copied().filter(|m| !is_top || m.moves_tops()) {
             for moments in [[1.0, 1.6, 0.7], [1.0, 1.0, 0.7], [0.7, 1.0, 1.0], [1.6, 1.0, 0.7]] {
                 let weight = if is_top { [0.2, -0.1, 0.3] } else { [0.0; 3] };
                 let body = Body { moments, weight, omega: [0.9, -0.4, 1.1], attitude: [0.8, 0.4, -0.4, 0.2] };
@@ -314,11 +346,11 @@ fn axes_may_be_renamed() {
     }
 }
 
-fn renamed_motion(is_top: bool, method: Method, bodies: [Body; 2], turns: usize) {
+fn renamed_motion(is_top: bool, method: &'static Scheme, bodies: [Body; 2], turns: usize) {
     let states = run(&bodies, is_top, method);
     let attitudes = states.attitude.unwrap();
     // 200 steps, of so many flows or evaluations, of some ten roundings each.
-    let roundings = (200.0 * 10.0 * method.facts().stages as f64).sqrt() * EPS / 2.0;
+    let roundings = (200.0 * 10.0 * method.facts.stages as f64).sqrt() * EPS / 2.0;
     for time in 0..2 {
         let [old, new] = [0, 1].map(|body| &states.omega[3 * (2 * body + time)..][..3]);
         for i in 0..3 {
@@ -332,7 +364,7 @@ fn renamed_motion(is_top: bool, method: Method, bodies: [Body; 2], turns: usize)
         let [old, new] = [0, 1].map(|body| &attitudes[4 * (2 * body + time)..][..4]);
         let mut q: [f64; 4] = old.try_into().unwrap();
         for _ in 0..turns {
-            q = rigid::model::quaternion_product(&q, &[0.5, 0.5, 0.5, 0.5]);
+            q = rigid::kinematics::quaternion_product(&q, &[0.5, 0.5, 0.5, 0.5]);
         }
         let miss = distance(&q, new);
         assert!(miss <= 4.0 * roundings, "{method:?} {bodies:?}: {miss:e}");
@@ -371,10 +403,10 @@ impl Naive {
     }
 }
 
-fn naive_splitting<C: Composition>(p: &Parameters<f64>, y: &[f64; 10]) -> [f64; 10] {
+fn naive_splitting<C: Round>(numbers: &Numbers, p: &Parameters<f64>, y: &[f64; 10]) -> [f64; 10] {
     let mut state = Naive::of(y);
-    for (i, fraction) in C::NUMBERS.fractions.iter().enumerate() {
-        let flow = C::ROUND[i % C::ROUND.len()];
+    for (i, fraction) in numbers.fractions.iter().enumerate() {
+        let flow = C::FLOWS[i % C::FLOWS.len()];
         let h = fraction * p.step;
         match flow {
             Flow::Turn(k) => {
@@ -424,7 +456,7 @@ fn one_step_as_its_table_says() {
         let [x, y, z, _] = u(1).map(|u| 2.0 * u - 1.0);
         let [w1, w2, w3, _] = u(2).map(|u| 2.0 * u - 1.0);
         let q = attitude(Law::UniformAttitude, 0.0, [1.0, 0.0, 0.0, 0.0], u(3));
-        let [g1, g2, g3] = rigid::model::seen_from_body(&q, &[0.0, 0.0, 1.0]);
+        let [g1, g2, g3] = rigid::kinematics::seen_from_body(&q, &[0.0, 0.0, 1.0]);
         let state = [x, y, z, g1, g2, g3, q[0], q[1], q[2], q[3]];
         let moments = [0.5 + b + c, 0.5 + c + a, 0.5 + a + b];
         let p = Parameters { moments, weight: [w1, w2, w3], step: 0.4 * step };
@@ -433,21 +465,26 @@ fn one_step_as_its_table_says() {
         let mut planar = state;
         go::<Splitting<Planar, f64>, Top<f64>, AxisAttitude, 10>(&p, &mut planar, 1);
         let mut rotor = state;
-        go::<Splitting<Rotor, f64>, Top<f64>, AxisAttitude, 10>(&twist, &mut rotor, 1);
+        go::<Splitting<KickRotor, f64>, Top<f64>, AxisAttitude, 10>(&twist, &mut rotor, 1);
         let mut planar4 = state;
-        go::<Splitting<Planar4, f64>, Top<f64>, AxisAttitude, 10>(&p, &mut planar4, 1);
+        let [four, eight] = [scheme::SPLITTING4.any.numbers, scheme::SPLITTING8.symmetric.numbers];
+        go_by::<Splitting<ComposedPlanar, f64>, Top<f64>, AxisAttitude, 10>(four, &p, &mut planar4, 1);
         let mut rotor8 = state;
-        go::<Splitting<Rotor8, f64>, Top<f64>, AxisAttitude, 10>(&twist, &mut rotor8, 1);
+        go_by::<Splitting<KickRotor, f64>, Top<f64>, AxisAttitude, 10>(eight, &twist, &mut rotor8, 1);
         let mut rk4 = state;
-        go::<RungeKutta<Rk4, f64, Top<f64>>, Top<f64>, AxisAttitude, 10>(&p, &mut rk4, 1);
+        go::<RungeKutta<Rk4Tableau, f64, Top<f64>>, Top<f64>, AxisAttitude, 10>(&p, &mut rk4, 1);
 
         // Numbers of size one, at most ten roundings of eps/2 on either side: no number is off by more than
         // 10 eps, and in the mean square of ten numbers by less. Five times as many flows: the same.
         for (name, got, naive) in [
-            ("planar", planar, naive_splitting::<Planar>(&p, &state)),
-            ("rotor", rotor, naive_splitting::<Rotor>(&twist, &state)),
-            ("planar 4", planar4, naive_splitting::<Planar4>(&p, &state)),
-            ("rotor 8", rotor8, naive_splitting::<Rotor8>(&twist, &state)),
+            ("planar", planar, naive_splitting::<Planar>(scheme::SPLITTING.any.numbers, &p, &state)),
+            (
+                "rotor",
+                rotor,
+                naive_splitting::<KickRotor>(scheme::SPLITTING.symmetric.numbers, &twist, &state),
+            ),
+            ("planar 4", planar4, naive_splitting::<ComposedPlanar>(four, &p, &state)),
+            ("rotor 8", rotor8, naive_splitting::<KickRotor>(eight, &twist, &state)),
             ("rk4", rk4, naive_rk4(&p, &state)),
         ] {
             let miss = distance(&got, &naive);

@@ -1,12 +1,16 @@
 //! Taylor series: their coefficients, their order, and what is left of their rounding after a long time.
 
+use crate::scene_of;
 use nalgebra::{DMatrix, DVector};
-use rigid::method::{Method, Scheme, Taylor, Taylor8, Taylor12, Taylor16, Taylor20, Taylor26};
-use rigid::model::{Attitude, Axis, Free, Parameters, Top};
+use rigid::forcing::{Forcing, ForcingInterval};
 use rigid::sample::{Law, attitude, uniforms};
+use rigid::scene::{Attitude, Axis, Free, Layout, Model, Parameters, Top};
+use rigid::scheme::{self, Coefficients, Scheme, Stepper, Taylor};
 use rigid::simd::Isa;
+use rigid::solver::Solver;
 use rigid::start::Body;
-use rigid::trajectory::{Record, Request, Schedule, Solver, States, Status, simulate};
+use rigid::status::Status;
+use rigid::trajectory::{Record, Request, Schedule, States, simulate};
 use std::sync::atomic::AtomicBool;
 
 const EPS: f64 = f64::EPSILON;
@@ -14,7 +18,8 @@ const EPS: f64 = f64::EPSILON;
 fn run(bodies: &[Body], solver: Solver, step: f64, times: &[f64]) -> States {
     let request = Request {
         bodies,
-        is_top: bodies[0].weight != [0.0; 3],
+        scene: scene_of(bodies[0].weight != [0.0; 3]),
+        forcing: Forcing::NONE,
         solver,
         record: Record::Attitude,
         schedule: Schedule::Times(times),
@@ -25,8 +30,8 @@ fn run(bodies: &[Body], solver: Solver, step: f64, times: &[f64]) -> States {
     simulate(&request, 1, Isa::available()[0], &AtomicBool::new(false)).unwrap().unwrap()
 }
 
-fn series() -> impl Iterator<Item = Method> {
-    Method::ALL.into_iter().filter(|method| method.facts().name.starts_with("taylor"))
+fn series() -> impl Iterator<Item = &'static Scheme> {
+    scheme::ALL.iter().copied().filter(|method| method.facts.name.starts_with("taylor"))
 }
 
 fn tilted(angle: f64) -> [f64; 4] {
@@ -70,41 +75,51 @@ fn truncated(x: f64, order: u32) -> [f64; 2] {
     sum
 }
 
+fn step<S, M, L, const D: usize>(stepper: &S, p: &Parameters<f64>, y: &mut [f64; D])
+where
+    M: Model<f64>,
+    L: Layout,
+    S: Stepper<f64, M, L, D>,
+{
+    stepper.step(p, y, &mut [0.0; D], &mut Coefficients::new());
+}
+
 /// The rates of a free symmetric body turn at a constant rate, and so do the directions and, at half the rate, the
 /// quaternion of a spin: sine and cosine, truncated. With an angle of 5 the truncation is 1e-10 of the
 /// numbers and more, so that no order may be missing nor one too many. Terms of up to 26, forty of them rounded.
-fn uniform_turn<S>(order: u32)
+fn uniform_turn<S>(of: &Scheme)
 where
-    S: Scheme<f64, Free<f64>, Attitude, 7> + Scheme<f64, Free<f64>, Axis, 6>,
+    S: Stepper<f64, Free<f64>, Attitude, 7> + Stepper<f64, Free<f64>, Axis, 6>,
 {
+    let (order, numbers) = (of.facts.order, of.any.numbers);
     let p = Parameters { moments: [1.0, 1.0, 0.5], weight: [0.0; 3], step: 2.5 };
     let bound = 40.0 * 26.0 * EPS;
     // Relative to the body, the rates turn at (1 - I3/I1) w3 = 2.
     let mut y = [0.3, 0.0, 4.0, 0.0, 0.0, 1.0];
-    let scheme = <S as Scheme<f64, Free<f64>, Axis, 6>>::new(&p);
-    Scheme::<f64, Free<f64>, Axis, 6>::step(&scheme, &p, &mut y);
+    let stepper = <S as Stepper<f64, Free<f64>, Axis, 6>>::new(&p, &ForcingInterval::none(), numbers);
+    step::<S, Free<f64>, Axis, 6>(&stepper, &p, &mut y);
     let [c, s] = truncated(5.0, order);
     assert!(distance(&y[..3], &[0.3 * c, -0.3 * s, 4.0]) < bound, "{order}: {y:?}");
     assert!((c - 5.0_f64.cos()).abs() > 100.0 * bound);
 
     // A spin of 2: a direction turns by 5 and the attitude by half of it.
     let mut y = [0.0, 0.0, 2.0, 0.6, 0.0, 0.8];
-    Scheme::<f64, Free<f64>, Axis, 6>::step(&scheme, &p, &mut y);
+    step::<S, Free<f64>, Axis, 6>(&stepper, &p, &mut y);
     assert!(distance(&y, &[0.0, 0.0, 2.0, 0.6 * c, -0.6 * s, 0.8]) < bound, "{order}: {y:?}");
     let mut y = [0.0, 0.0, 2.0, 1.0, 0.0, 0.0, 0.0];
-    let scheme = <S as Scheme<f64, Free<f64>, Attitude, 7>>::new(&p);
-    Scheme::<f64, Free<f64>, Attitude, 7>::step(&scheme, &p, &mut y);
+    let stepper = <S as Stepper<f64, Free<f64>, Attitude, 7>>::new(&p, &ForcingInterval::none(), numbers);
+    step::<S, Free<f64>, Attitude, 7>(&stepper, &p, &mut y);
     let [c, s] = truncated(2.5, order);
     assert!(distance(&y[3..], &[c, 0.0, 0.0, s]) < bound, "{order}: {y:?}");
 }
 
 #[test]
 fn of_a_uniform_turn_the_series_are_those_of_sine_and_cosine() {
-    uniform_turn::<Taylor<Taylor8, f64, Free<f64>>>(8);
-    uniform_turn::<Taylor<Taylor12, f64, Free<f64>>>(12);
-    uniform_turn::<Taylor<Taylor16, f64, Free<f64>>>(16);
-    uniform_turn::<Taylor<Taylor20, f64, Free<f64>>>(20);
-    uniform_turn::<Taylor<Taylor26, f64, Free<f64>>>(26);
+    uniform_turn::<Taylor<false, f64, Free<f64>>>(&scheme::TAYLOR8);
+    uniform_turn::<Taylor<false, f64, Free<f64>>>(&scheme::TAYLOR12);
+    uniform_turn::<Taylor<true, f64, Free<f64>>>(&scheme::TAYLOR16);
+    uniform_turn::<Taylor<true, f64, Free<f64>>>(&scheme::TAYLOR20);
+    uniform_turn::<Taylor<true, f64, Free<f64>>>(&scheme::TAYLOR26);
 }
 
 /// A pendulum, theta'' = -k sin theta: its first four derivatives, by hand. What is left is of order 5.
@@ -122,8 +137,10 @@ fn first_coefficients_of_a_pendulum() {
         // Centre of mass on axis 3, theta from hanging; the vertical in the plane of axes 3 and 1.
         let p = Parameters { moments: [1.0, 1.6, 0.7], weight: [0.0, 0.0, 0.5], step: h };
         let mut y = [0.0, w, 0.0, s, 0.0, -c];
-        let scheme: Taylor<Taylor16, f64, Top<f64>> = Scheme::<f64, Top<f64>, Axis, 6>::new(&p);
-        Scheme::<f64, Top<f64>, Axis, 6>::step(&scheme, &p, &mut y);
+        type Series = Taylor<true, f64, Top<f64>>;
+        let numbers = scheme::TAYLOR16.any.numbers;
+        let stepper = <Series as Stepper<f64, Top<f64>, Axis, 6>>::new(&p, &ForcingInterval::none(), numbers);
+        step::<Series, Top<f64>, Axis, 6>(&stepper, &p, &mut y);
         let [a, b, c, d] = derivatives;
         y[1] - (w + h * (a + h / 2.0 * (b + h / 3.0 * (c + h / 4.0 * d))))
     };
@@ -136,7 +153,7 @@ fn first_coefficients_of_a_pendulum() {
 fn truth(body: &Body, times: &[f64]) -> States {
     if *body == asymmetric() {
         // A fortieth of the radius of convergence or less: nothing is truncated.
-        run(&[*body], Solver::Steps(Method::Taylor26), 0.02, times)
+        run(&[*body], Solver::Steps(&scheme::TAYLOR26), 0.02, times)
     } else {
         run(&[*body], Solver::Exact, 1.0, times)
     }
@@ -155,7 +172,7 @@ fn fit<const N: usize>(rows: &[[f64; N]], values: &[f64]) -> DVector<f64> {
 fn one_step_has_the_stated_order() {
     for body in [free(), lagrange(), asymmetric()] {
         for method in series() {
-            let order = f64::from(method.facts().order);
+            let order = f64::from(method.facts.order);
             let (mut rows, mut values) = (Vec::new(), Vec::new());
             let mut h: f64 = 0.01;
             while h < 3.0 {
@@ -178,7 +195,7 @@ fn one_step_has_the_stated_order() {
                 h *= 1.02;
             }
             let measured = fit(&rows, &values)[0] - 1.0;
-            println!("{}: {measured:.3}, {} steps", method.facts().name, rows.len());
+            println!("{}: {measured:.3}, {} steps", method.facts.name, rows.len());
             assert!((measured - order).abs() < 0.1 && rows.len() > 30, "{body:?} {method:?}: {measured}");
         }
     }
@@ -200,11 +217,11 @@ fn random_body(number: u64, is_top: bool) -> Body {
 fn the_step_left_to_us_leaves_rounding() {
     for number in 0..300 {
         let body = random_body(number, number % 2 == 1);
-        let rate = body.fastest_rate();
+        let rate = body.fastest_rate(Forcing::NONE, [0.0; 2]);
         let end = [20.0 / rate];
-        let exact = run(&[body], Solver::Steps(Method::Taylor26), 0.3 / rate, &end).attitude.unwrap();
+        let exact = run(&[body], Solver::Steps(&scheme::TAYLOR26), 0.3 / rate, &end).attitude.unwrap();
         for method in series() {
-            let step = method.facts().angle_per_step / rate;
+            let step = method.facts.angle_per_step / rate;
             let got = run(&[body], Solver::Steps(method), step, &end).attitude.unwrap();
             let error = 2.0 * distance(&got, &exact) / 20.0;
             assert!(error < 1e-13, "{method:?} {body:?}: {error:e}");
@@ -222,7 +239,7 @@ fn energy_after_a_hundred_thousand_steps() {
     let times = [1e1, 1e2, 1e3, 1e4];
     let neighbour = |i: i32| Body { omega: [0.3 + 1e-3 * f64::from(i), 0.1, 2.0], ..asymmetric() };
     let bodies: Vec<Body> = (0..32).map(neighbour).collect();
-    let states = run(&bodies, Solver::Steps(Method::Taylor16), 0.1, &times);
+    let states = run(&bodies, Solver::Steps(&scheme::TAYLOR16), 0.1, &times);
     assert!(states.status.iter().all(|&status| status == Status::Finished));
     let mut squares = [0.0; 4];
     let mut worst = 0.0_f64;

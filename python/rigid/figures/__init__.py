@@ -1,12 +1,14 @@
 """Figures of the textbook, each with one call.
 
-Every figure has two parts: data, a frozen dataclass of arrays that a function of this package or of
-the physics modules computes; and a drawing of just these data on Matplotlib axes, made if none are
-given, that returns the artists by name. What is drawn can so be tested, restyled or animated.
+Every figure has two functions. ``x_data`` (or a function of the physics modules) computes the data,
+a frozen dataclass of arrays. ``x`` draws these data on your Matplotlib axes, or on new axes, and
+returns the artists by name, so that you can test, restyle or animate them.
 
-Needs Matplotlib, the extra ``maps``; importing the package does not. A figure without ``ax`` is not
-known to pyplot: save it with ``artists.ax.figure.savefig(...)``. Colours and labels are those of
-:mod:`rigid.figures.colours` throughout.
+Drawing needs Matplotlib, the extra ``maps``; importing the package does not. pyplot does not manage
+new figures: save them with ``artists.ax.figure.savefig(...)``. All colours and labels are those of
+:mod:`rigid.figures.colours`.
+
+The package uses all physics modules and ``drawing``. No other module uses it.
 """
 
 from __future__ import annotations
@@ -17,23 +19,13 @@ from .bodycones import cones, cones_data
 from .cubics import cubic, cubic_data, upright_cubic, upright_cubic_data
 from .eulersteps import euler_steps, euler_steps_data
 from .family import polhodes, polhodes_data
-from .measured import (
-    bearing_torque,
-    bearing_torque_data,
-    spring_modes,
-    spring_modes_data,
-)
+from .measured import bearing_torque, bearing_torque_data, spring_modes, spring_modes_data
 from .orientation import frames, frames_data, node_frame, node_frame_data
 from .paths import loci, locus, locus_data
 from .potential import effective_potential, effective_potential_data
 from .rolling import poinsot, poinsot_data
 from .rotating import rotating_body, rotating_body_data
-from .symmetric import (
-    coplanar_vectors,
-    coplanar_vectors_data,
-    free_top_omega,
-    free_top_omega_data,
-)
+from .symmetric import coplanar_vectors, coplanar_vectors_data, free_top_omega, free_top_omega_data
 from .throws import invariants, invariants_data, throw
 from .turning import (
     active_passive,

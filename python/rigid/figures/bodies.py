@@ -1,4 +1,4 @@
-"""Bodies as such: the box with its axes, and the heavy top with its angles."""
+"""The box with its principal axes, and the heavy top with its Euler angles."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._check import finite_float
-from ..bodies import Body
-from ..euler import euler_to_quaternion
+from .._checks.arguments import finite_float
+from ..drawing import colours
+from ..drawing.axes3d import arc, arc_between, arrow, circle, curve, fit, in_space, label
 from ..free import permanent_rotation
-from ..scenes import HeavyTop
+from ..model.body import Body
+from ..model.scene import HeavyTop, check_heavy_top
+from ..rotations.euler import euler_to_quaternion
 from ..top import gravity_torque
-from . import colours
-from ._draw import arc, arc_between, arrow, circle, curve, fit, in_space, label
 from .orientation import NodeFrame, node_frame_data
 
 __all__ = [
@@ -35,21 +35,21 @@ Floats = NDArray[np.float64]
 _UP = np.array([0.0, 0.0, 1.0])
 
 _OUTER_EDGES = np.array([[0.0, 1.0, -1.0], [1.0, 0.0, -1.0], [1.0, -1.0, 0.0]])
-"""Towards the edge along each axis that borders the view of the faces +x, +y, +z."""
+"""For each axis, direction of its parallel edge at the outline of the visible faces +x, +y, +z."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class BoxWithAxes:
-    """A homogeneous box and how it turns about its axes.
+    """A homogeneous box and the stability of rotations about its axes.
 
     Attributes
     ----------
     sides, moments : ndarray, shape (3,)
-        Along and about the axes 1, 2, 3 (m, kg m²).
+        Sides along, and moments about, the axes 1, 2, 3 (m, kg m²).
     corners : ndarray, shape (8, 3)
-        The corners (m).
+        Corners of the box (m).
     edges : ndarray of int, shape (12, 2)
-        Which corners are joined.
+        Indices of the two corners of each edge.
     kinds : tuple of 3 str
         Whether a rotation about an axis is ``"stable"``, ``"unstable"`` or ``"neutral"``.
     """
@@ -63,18 +63,18 @@ class BoxWithAxes:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class BoxArtists:
-    """What :func:`box` has drawn.
+    """Artists of the figure :func:`box`.
 
     Attributes
     ----------
     ax : Axes3D
-        Where.
+        Axes of the figure.
     data : BoxWithAxes
-        What.
+        Data of the figure.
     edges : tuple of 12 Line3D
-        The edges; those behind the box are faint.
+        The edges; hidden edges are faint.
     axes : tuple of 3 SpaceArrow
-        The axes, from the faces on; an arrow has its ``start`` and its ``vector``.
+        The axes outside the box; an arrow has the attributes ``start`` and ``vector``.
     """
 
     ax: Any
@@ -84,7 +84,7 @@ class BoxArtists:
 
 
 def box_data(body: Body) -> BoxWithAxes:
-    """Corners, edges and moments under :func:`box`.
+    """Corners, edges and moments of the figure :func:`box`.
 
     Parameters
     ----------
@@ -98,9 +98,9 @@ def box_data(body: Body) -> BoxWithAxes:
     Raises
     ------
     TypeError
-        If it is no body.
+        If ``body`` is no :class:`rigid.Body`.
     ValueError
-        If its sides are not known.
+        If the body has no sides.
 
     Examples
     --------
@@ -112,7 +112,7 @@ def box_data(body: Body) -> BoxWithAxes:
     if not isinstance(body, Body):
         raise TypeError(f"body = {body!r}: must be a rigid.Body")
     if body.sides is None:
-        raise ValueError(f"body = {body!r}: its sides are not known; make it by rigid.Body.box")
+        raise ValueError(f"body = {body!r}: its sides are not known; create it by rigid.Body.box")
     signs = np.array(list(product((-1.0, 1.0), repeat=3)))
     pairs = np.array(
         [(a, b) for a in range(8) for b in range(a) if np.abs(signs[a] - signs[b]).sum() == 2.0]
@@ -129,18 +129,18 @@ def box_data(body: Body) -> BoxWithAxes:
 
 
 def box(body: Body, *, ax: Any | None = None) -> BoxArtists:
-    """Draw a box with its principal axes, its moments, and which rotations last.
+    """Draw a box with its principal axes, its moments, and the stability of rotations about them.
 
-    The axis through the largest face has the largest moment, that through the smallest face the
-    smallest one; thrown spinning about the axis between them, the box tumbles (Buller and Wernstål
-    2011, fig. 2).
+    The axis through the largest face has the largest moment, the axis through the smallest face the
+    smallest moment. The box tumbles if it is thrown with a spin about the third axis (Buller and
+    Wernstål 2011, fig. 2).
 
     Parameters
     ----------
     body : Body
         As in :func:`box_data`.
     ax : Axes3D, optional
-        Where to draw; by default on a new figure that pyplot does not know.
+        Axes to draw on; by default those of a new figure, which pyplot does not manage.
 
     Returns
     -------
@@ -151,7 +151,7 @@ def box(body: Body, *, ax: Any | None = None) -> BoxArtists:
     TypeError, ValueError
         As in :func:`box_data`, and if the axes are not three-dimensional.
     ImportError
-        Without matplotlib.
+        If Matplotlib is not installed.
 
     Examples
     --------
@@ -211,7 +211,7 @@ def box(body: Body, *, ax: Any | None = None) -> BoxArtists:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class HeavyTopStill:
-    """A heavy top at one attitude, in space, its fixed point in the origin.
+    """A heavy top at one attitude, in space, with its fixed point at the origin.
 
     Attributes
     ----------
@@ -220,11 +220,11 @@ class HeavyTopStill:
     com : ndarray, shape (3,)
         Centre of mass (m).
     weight : ndarray, shape (3,)
-        Force of the weight on it (N).
+        Weight (N).
     torque : ndarray, shape (3,)
-        That of the weight about the fixed point (N m).
+        Torque of the weight about the fixed point (N m).
     rim : ndarray, shape (m, 3)
-        Edge of the cone that is drawn as the top, whose centre of mass is the given one (m).
+        Rim of the cone that represents the top and has the same centre of mass (m).
     """
 
     frame: NodeFrame
@@ -236,19 +236,19 @@ class HeavyTopStill:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class HeavyTopArtists:
-    """What :func:`heavy_top` has drawn.
+    """Artists of the figure :func:`heavy_top`.
 
     Attributes
     ----------
     ax : Axes3D
-        Where.
+        Axes of the figure.
     data : HeavyTopStill
-        What.
+        Data of the figure.
     top : Poly3DCollection
         The cone.
     weight, torque : SpaceArrow
-        Of the weight, each to a length that can be seen; an arrow has its ``start`` and its
-        ``vector``. None if it is zero.
+        Arrows of the weight and its torque, scaled to visible lengths, with the attributes
+        ``start`` and ``vector``. None if the vector is zero.
     arcs : tuple of 3 Line3D
         The angles phi, theta, psi.
     """
@@ -262,7 +262,7 @@ class HeavyTopArtists:
 
 
 def heavy_top_data(scene: HeavyTop, angles: ArrayLike, *, length: float = 1.0) -> HeavyTopStill:
-    """Vectors under :func:`heavy_top`.
+    """Vectors of the figure :func:`heavy_top`.
 
     Parameters
     ----------
@@ -282,7 +282,7 @@ def heavy_top_data(scene: HeavyTop, angles: ArrayLike, *, length: float = 1.0) -
     TypeError
         If the scene is no heavy top.
     ValueError
-        If its centre of mass lies elsewhere, the length is not positive or an argument not finite.
+        If ``com`` is not (0, 0, 1), the length is not positive, or an argument is not finite.
 
     Examples
     --------
@@ -293,8 +293,7 @@ def heavy_top_data(scene: HeavyTop, angles: ArrayLike, *, length: float = 1.0) -
     >>> (data.torque.round(12) + 0.0).tolist()  # along the line of nodes
     [2.0, 0.0, 0.0]
     """
-    if not isinstance(scene, HeavyTop):
-        raise TypeError(f"scene = {scene!r}: must be a rigid.HeavyTop")
+    check_heavy_top(scene)
     if scene.com != (0.0, 0.0, 1.0):
         raise ValueError(f"com = {scene.com}: must be (0, 0, 1), the top is drawn about axis 3")
     distance = finite_float("length", length, positive=True)
@@ -315,16 +314,16 @@ def heavy_top(
 ) -> HeavyTopArtists:
     """Draw a heavy top with its fixed point, its weight, and Euler's angles.
 
-    The torque of the weight, ``M g l sin theta``, is along the line of nodes: none about the
-    vertical and none about the axis, so that both of these angular momenta stay (Ercan 2016, fig.
-    14).
+    The torque of the weight, ``M g l sin theta``, has the direction of the line of nodes. It has no
+    component along the vertical and none along the axis, so both of these angular momenta are
+    constant (Ercan 2016, fig. 14).
 
     Parameters
     ----------
     scene, angles, length
         As in :func:`heavy_top_data`.
     ax : Axes3D, optional
-        Where to draw; by default on a new figure that pyplot does not know.
+        Axes to draw on; by default those of a new figure, which pyplot does not manage.
 
     Returns
     -------
@@ -335,7 +334,7 @@ def heavy_top(
     TypeError, ValueError
         As in :func:`heavy_top_data`, and if the axes are not three-dimensional.
     ImportError
-        Without matplotlib.
+        If Matplotlib is not installed.
 
     Examples
     --------
@@ -410,12 +409,12 @@ def heavy_top(
 
 
 def _face(sides: Floats, axis: int, sign: float) -> Floats:
-    """The corners, in turn, of the face of a box across an axis."""
+    """The corners, in order, of the face of a box that is perpendicular to an axis."""
     around = np.array([[-0.5, -0.5], [-0.5, 0.5], [0.5, 0.5], [0.5, -0.5]])
     return np.asarray(np.insert(around, axis, 0.5 * sign, axis=1) * sides)
 
 
 def _rounded(value: float) -> str:
-    """Three digits, powers of ten as the eye reads them."""
+    """A number with three digits, in TeX if it has a power of ten."""
     mantissa, _, exponent = f"{value:.3g}".partition("e")
     return rf"${mantissa}\cdot 10^{{{int(exponent)}}}$" if exponent else mantissa

@@ -1,4 +1,4 @@
-"""The cones of a free symmetric top, as one rolls on the other."""
+"""The body cone of a free symmetric top, rolling on the space cone."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._check import finite_float
-from .._given import BodyLike, moments_of
+from .._checks.arguments import finite_float
+from ..drawing import colours
+from ..drawing.axes3d import arrow, curve, fit, in_space, label
 from ..free import cones as cones_of
 from ..free import symmetric_free_top
-from ..quaternions import matrix_to_quaternion, quaternion_to_matrix
-from ..so3 import rotate
-from . import colours
-from ._draw import arrow, curve, fit, in_space, label
+from ..model.body_like import BodyLike, moments_of
+from ..rotations.quaternions import matrix_to_quaternion, quaternion_to_matrix
+from ..rotations.so3 import rotate
 from .symmetric import turning
 
 __all__ = ["ConesArtists", "RollingCones", "cones", "cones_data"]
@@ -32,13 +32,13 @@ class RollingCones:
     body_cone, space_cone : float
         Half angles (rad).
     rolling : str
-        ``"outside"`` for a prolate top, ``"inside"`` for an oblate one, whose body cone goes around
+        ``"outside"`` for a prolate top; ``"inside"`` for an oblate top, whose body cone encloses
         the space cone.
     omega, momentum, axis : ndarray, shape (3,)
-        omega (rad/s), L (kg m²/s) and the unit vector along the axis, towards the spin.
+        omega (rad/s), L (kg m²/s) and the unit vector along the axis in the direction of the spin.
     body_rim, space_rim : ndarray, shape (m, 3)
-        The circles that omega describes in the body and in space (rad/s), both in space components.
-        The first is carried by the body; both begin with omega at time 0.
+        The circles of omega in the body and in space (rad/s), with components in space. The body
+        carries the first circle; both start with omega at time 0.
     """
 
     body_cone: float
@@ -53,21 +53,21 @@ class RollingCones:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ConesArtists:
-    """What :func:`cones` has drawn.
+    """Artists of the figure :func:`cones`.
 
     Attributes
     ----------
     ax : Axes3D
-        Where.
+        Axes of the figure.
     data : RollingCones
-        What.
+        Data of the figure.
     body_cone, space_cone : Poly3DCollection
         The surfaces.
     body_rim, space_rim : Line3D
         Their rims.
     omega, momentum, axis : SpaceArrow
-        omega, and L and the axis at lengths that can be compared; an arrow has its ``start`` and
-        its ``vector``.
+        Arrows of omega, L and the axis, L and the axis scaled to comparable lengths, with the
+        attributes ``start`` and ``vector``.
     """
 
     ax: Any
@@ -84,7 +84,7 @@ class ConesArtists:
 def cones_data(
     body: BodyLike, omega: ArrayLike, *, t: float = 0.0, samples: int = 121
 ) -> RollingCones:
-    """Cones under :func:`cones`: those of :func:`rigid.free.cones`, where they are at a time.
+    """Cones of the figure :func:`cones`: the cones of :func:`rigid.free.cones` at a time.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ def cones_data(
     t : float
         Time (s).
     samples : int
-        Points of a rim.
+        Number of points of a rim.
 
     Returns
     -------
@@ -104,8 +104,8 @@ def cones_data(
     Raises
     ------
     ValueError
-        If the top is not symmetric, or omega, L and the axis are one line or omega and L are one,
-        so that nothing rolls, or an argument is not finite.
+        If the top is not symmetric, omega and L are parallel, so that no cone rolls, or an argument
+        is not finite.
 
     Examples
     --------
@@ -120,8 +120,8 @@ def cones_data(
     found = cones_of(body, rates, start, samples=samples)
     if str(found.rolling) == "none":
         raise ValueError(
-            f"omega = {rates.tolist()}: nothing rolls where omega and L are one line, which is so "
-            "along and across the axis and for a sphere"
+            f"omega = {rates.tolist()}: no cone rolls if omega and L are parallel, as they are "
+            "along the axis, perpendicular to the axis, and for a sphere"
         )
     top = symmetric_free_top(body, rates, start, t=[time])
     assert top.omega is not None
@@ -146,16 +146,16 @@ def cones(
 ) -> ConesArtists:
     """Draw the body cone of a free symmetric top as it rolls on the space cone.
 
-    They touch along omega, where the body is at rest for the moment. The space cone has the half
-    angle ``|alpha - theta|`` about L, the body cone alpha about the axis (Ercan 2016, figs. 12a, b,
-    errata D-21 to D-23). Frames of an animation are pictures at successive times ``t``.
+    The cones touch along omega, the momentary axis of rotation. The space cone has the half angle
+    ``|alpha - theta|`` about L, the body cone alpha about the axis (Ercan 2016, figs. 12a, b,
+    errata D-21 to D-23). For the frames of an animation draw successive times ``t``.
 
     Parameters
     ----------
     body, omega, t
         As in :func:`cones_data`.
     ax : Axes3D, optional
-        Where to draw; by default on a new figure that pyplot does not know.
+        Axes to draw on; by default those of a new figure, which pyplot does not manage.
 
     Returns
     -------
@@ -166,7 +166,7 @@ def cones(
     ValueError
         As in :func:`cones_data`, and if the axes are not three-dimensional.
     ImportError
-        Without matplotlib.
+        If Matplotlib is not installed.
 
     Examples
     --------
@@ -195,7 +195,7 @@ def cones(
             )
         )
         rims.append(curve(ax, rim, ink.colour, linewidth=1.8, zorder=2))
-    # Generators that the body carries show how far it has turned.
+    # Generators of the body cone show the rotation of the body.
     for end in data.body_rim[:-1:10]:
         curve(ax, np.array([np.zeros(3), end]), colours.BODY.colour, linewidth=0.7, zorder=2)
     size = float(np.linalg.norm(data.omega))
@@ -216,7 +216,7 @@ def cones(
         place = beyond * rim[np.argmax(np.linalg.norm(rim - data.omega, axis=-1))]
         text = f"{name}\n{np.degrees(angle):.1f}°"
         label(ax, place, text, colours.NEUTRAL, fontsize="medium", va=side)
-    # Room for the whole way around L, and a place to stand in space: frames fit on each other.
+    # Room for the whole motion around L and a fixed view, so that all frames have equal scales.
     shown = np.vstack([data.body_rim, data.space_rim, momentum.vector, axis.vector, spin.vector])
     swept = rotate(shown[:, np.newaxis, :], [0.0, 0.0, 1.0], np.linspace(0.0, 2.0 * np.pi, 25))
     azim = float(np.degrees(np.arctan2(*data.space_rim[0, 1::-1]))) - 90.0
@@ -235,7 +235,7 @@ def cones(
 
 
 def _upright(momentum: Floats) -> Floats:
-    """The attitude, a quaternion, that turns a vector of the body upwards in space."""
+    """Quaternion of the attitude in which a vector of the body points upwards in space."""
     up = momentum / np.linalg.norm(momentum)
     side = np.cross(up, np.eye(3)[np.argmin(np.abs(up))])
     side /= np.linalg.norm(side)

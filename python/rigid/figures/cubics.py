@@ -1,4 +1,4 @@
-"""The cubic of the height of a symmetric top, and that of an upright one."""
+"""The cubic of the height of a symmetric top, and of an upright top."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import top
-from .._check import vector
-from ..scenes import HeavyTop
-from . import colours
-from ._draw import in_plane, label_in_plane, panels
+from .._checks.arguments import vector
+from ..drawing import colours
+from ..drawing.axes3d import in_plane, label, panels
+from ..model.scene import HeavyTop
 from .potential import constants_of
 
 if TYPE_CHECKING:
@@ -40,15 +40,16 @@ class Cubic:
     Attributes
     ----------
     u, f : ndarray, shape (m,)
-        Heights from below -1 to beyond the third root, if that is not too far, and f there (1/s²).
+        Heights from below -1 to beyond the third root, or to beyond 1 if the third root is far
+        away, and f at these heights (1/s²).
     allowed, f_allowed : ndarray, shape (m,)
-        The same from ``u1`` to ``u2``, between which the top nutates.
+        Heights from ``u1`` to ``u2``, between which the top nutates, and f there.
     near, f_near : ndarray, shape (m,)
-        The same from a little below to a little above.
+        Heights from a little below ``u1`` to a little above ``u2``, and f there.
     roots : ndarray, shape (3,)
-        ``u1 <= u2 <= 1 <= u3``, the last inf without weight.
+        Roots ``u1 <= u2 <= 1 <= u3``; u3 is inf without weight.
     still : float
-        ``a / b``, the height at which the precession reverses (inf without spin).
+        ``a / b``, the height at which the precession reverses; inf without spin.
     """
 
     u: Floats
@@ -63,21 +64,21 @@ class Cubic:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CubicArtists:
-    """What :func:`cubic` has drawn.
+    """Artists of the figure :func:`cubic`.
 
     Attributes
     ----------
     ax, close : Axes
-        Where: all of the cubic, and the allowed heights within it; the same axes if these can be
-        seen without.
+        Axes of the whole cubic, and an inset with the allowed heights; the same axes if the figure
+        needs no inset.
     data : Cubic
-        What.
+        Data of the figure.
     curve, roots : Line2D
-        The cubic and the points at the roots in sight.
+        The cubic, and points at the visible roots.
     allowed : Line2D
-        The positive part between -1 and 1, in the closer axes.
+        The cubic between ``u1`` and ``u2``, in the axes ``close``.
     still : Line2D or None
-        The height of reversal, if it is in sight.
+        The height of reversal, if it is visible.
     """
 
     ax: Any
@@ -90,7 +91,7 @@ class CubicArtists:
 
 
 FARTHEST = 4.0
-"""A third root beyond this height is not drawn: nothing else could be seen."""
+"""A third root beyond this height is not drawn, because the other roots would be invisible."""
 
 
 def cubic_data(
@@ -100,12 +101,12 @@ def cubic_data(
     *,
     samples: int = 401,
 ) -> Cubic:
-    """The numbers under :func:`cubic`.
+    """Data of the figure :func:`cubic`.
 
     Parameters
     ----------
     scene, omega, attitude, samples
-        As in :func:`rigid.figures.effective_potential_data`; ``samples`` of each curve.
+        As in :func:`rigid.figures.effective_potential_data`; each curve has ``samples`` points.
 
     Returns
     -------
@@ -114,7 +115,7 @@ def cubic_data(
     Raises
     ------
     ValueError
-        If the top is not symmetric or not left to itself, or the state is not finite.
+        If the top is not symmetric, torque or damping acts, or the state is not finite.
 
     Examples
     --------
@@ -156,15 +157,15 @@ def cubic(
 ) -> CubicArtists:
     """Draw the cubic f(u) with its roots, and the heights between which the top nutates.
 
-    Motion needs ``f >= 0`` between -1 and 1; the precession reverses where ``u = a / b`` (lecture
-    notes, fig. 5.4; a steady precession has a double root, erratum G-21).
+    The motion needs ``f >= 0`` and a height between -1 and 1. The precession reverses at
+    ``u = a / b`` (lecture notes, fig. 5.4; a steady precession has a double root, erratum G-21).
 
     Parameters
     ----------
     scene, omega, attitude
         As in :func:`cubic_data`.
     ax : Axes, optional
-        Where to draw; by default on a new figure that pyplot does not know.
+        Axes to draw on; by default those of a new figure, which pyplot does not manage.
 
     Returns
     -------
@@ -175,7 +176,7 @@ def cubic(
     ValueError
         As in :func:`cubic_data`, and if the axes are not two-dimensional.
     ImportError
-        Without matplotlib.
+        If Matplotlib is not installed.
 
     Examples
     --------
@@ -188,26 +189,21 @@ def cubic(
     """
     data = cubic_data(scene, omega, attitude)
     ax = in_plane(ax)
-    blue, red, black = colours.HUES["blue"], colours.HUES["vermilion"], colours.HUES["black"]
+    red, black = colours.HUES["vermilion"], colours.HUES["black"]
     seen = data.roots[data.roots <= data.u[-1]]
-    dots: dict[str, Any] = {"color": red, "marker": "o", "linestyle": "none", "markersize": 5}
-    (curve,) = ax.plot(data.u, data.f, color=blue, linewidth=1.6)
-    (roots,) = ax.plot(seen, np.zeros_like(seen), zorder=4, **dots)
-    ax.axhline(0.0, color=colours.NEUTRAL, linewidth=0.8, zorder=1)
+    curve, roots = _with_roots(ax, data.u, data.f, seen)
     ax.axvspan(-1.0, 1.0, color=colours.FAINT, alpha=0.2, linewidth=0.0, zorder=0)
     depth, highest = -data.f.min(), data.f_allowed.max()
     high = max(0.75 * depth, 1.4 * highest)
     ax.set(xlim=(data.u[0], data.u[-1]), ylim=(-1.08 * depth, high))
     ax.set(xlabel=r"height $u = \cos\theta$", ylabel=r"$f(u) = \dot u^2$ (1/s²)")
     if len(seen) == 3:
-        label_in_plane(ax, np.array([seen[2], 0.07 * depth]), "$u_3$", ha="right")
+        label(ax, np.array([seen[2], 0.07 * depth]), "$u_3$", ha="right")
 
     close, unit = ax, high
     if highest < 0.2 * depth:
         close = ax.inset_axes((0.16, 0.66, 0.5, 0.3))
-        close.plot(data.near, data.f_near, color=blue, linewidth=1.6)
-        close.plot(seen[:2], [0.0, 0.0], zorder=4, **dots)
-        close.axhline(0.0, color=colours.NEUTRAL, linewidth=0.8, zorder=1)
+        _with_roots(close, data.near, data.f_near, seen[:2])
         unit = max(1.6 * highest, 0.3 * -data.f_near.min())
         close.set(xlim=(data.near[0], data.near[-1]), ylim=(-0.5 * unit, unit))
         close.tick_params(labelsize="small")
@@ -217,12 +213,12 @@ def cubic(
     still = None
     if data.near[0] < data.still < data.near[-1]:
         still = close.axvline(data.still, color=black, linewidth=1.0, linestyle="dashed", zorder=2)
-        label_in_plane(close, np.array([data.still, 0.85 * unit]), "$a/b$", black)
+        label(close, np.array([data.still, 0.85 * unit]), "$a/b$", black)
     if seen[1] - seen[0] < 1e-3:
-        label_in_plane(close, np.array([seen[0], 0.25 * unit]), "$u_1 = u_2$")
+        label(close, np.array([seen[0], 0.25 * unit]), "$u_1 = u_2$")
     else:
         for place, name in zip(seen, ("$u_1$", "$u_2$"), strict=False):
-            label_in_plane(close, np.array([place, -0.18 * unit]), name)
+            label(close, np.array([place, -0.18 * unit]), name)
     return CubicArtists(
         ax=ax,
         close=close,
@@ -234,6 +230,17 @@ def cubic(
     )
 
 
+def _with_roots(ax: Any, u: Floats, f: Floats, roots: Floats) -> tuple[Any, Any]:
+    """Draw f, its roots as dots, and the line f = 0."""
+    dots: dict[str, Any] = {"marker": "o", "linestyle": "none", "markersize": 5}
+    (curve,) = ax.plot(u, f, color=colours.HUES["blue"], linewidth=1.6)
+    (points,) = ax.plot(
+        roots, np.zeros_like(roots), zorder=4, color=colours.HUES["vermilion"], **dots
+    )
+    ax.axhline(0.0, color=colours.NEUTRAL, linewidth=0.8, zorder=1)
+    return curve, points
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class UprightCubic:
     """The cubic of an upright top near the vertical.
@@ -243,13 +250,13 @@ class UprightCubic:
     spin : ndarray, shape (k,)
         Spins (rad/s).
     spin_min : float
-        The least spin with which it sleeps (rad/s).
+        The least spin of a sleeping top (rad/s).
     u : ndarray, shape (m,)
         Heights.
     exact, approximate : ndarray, shape (k, m)
         ``f(u)`` and ``(1 - u)² (2 alpha - a²)`` (1/s²).
     stable : ndarray of bool, shape (k,)
-        Whether it stays upright.
+        Whether the top stays upright.
     """
 
     spin: Floats
@@ -262,14 +269,14 @@ class UprightCubic:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class UprightCubicArtists:
-    """What :func:`upright_cubic` has drawn.
+    """Artists of the figure :func:`upright_cubic`.
 
     Attributes
     ----------
     axes : tuple of 3 Axes
-        Where.
+        Axes of the figure.
     data : UprightCubic
-        What.
+        Data of the figure.
     exact, approximate : tuple of 3 Line2D
         The curves.
     """
@@ -283,18 +290,18 @@ class UprightCubicArtists:
 def upright_cubic_data(
     scene: HeavyTop, spins: ArrayLike = (0.9, 1.0, 1.1), *, lowest: float = 0.6, samples: int = 301
 ) -> UprightCubic:
-    """The numbers under :func:`upright_cubic`.
+    """Data of the figure :func:`upright_cubic`.
 
     Parameters
     ----------
     scene : HeavyTop
         A Lagrange top with weight.
     spins : array_like, shape (3,)
-        In units of the least spin with which the top sleeps.
+        Spins in units of the least spin of the sleeping top.
     lowest : float
-        The lowest of the heights, which end at 1, the vertical.
+        The lowest height; the highest is 1, the vertical.
     samples : int
-        Their number.
+        Number of heights.
 
     Returns
     -------
@@ -334,18 +341,18 @@ def upright_cubic(
     *,
     axes: Sequence[Any] | None = None,
 ) -> UprightCubicArtists:
-    """Draw f near the vertical of a top that spins below, at and above the bound of sleeping.
+    """Draw f near the vertical for a top with a spin below, at and above the bound of sleeping.
 
-    Where f is positive the top can go. At the bound the approximation vanishes and says nothing;
-    f itself, ``-alpha (1 - u)³``, is negative: the top sleeps (lecture notes, fig. 5.6; erratum
-    G-19).
+    The top reaches heights with positive f. At the bound the approximation is zero and does
+    not decide; there ``f = -alpha (1 - u)³`` is negative, so the top sleeps (lecture notes,
+    fig. 5.6; erratum G-19).
 
     Parameters
     ----------
     scene, spins
         As in :func:`upright_cubic_data`.
     axes : sequence of 3 Axes, optional
-        Where to draw; by default on a new figure that pyplot does not know.
+        Axes to draw on; by default those of a new figure, which pyplot does not manage.
 
     Returns
     -------
@@ -356,7 +363,7 @@ def upright_cubic(
     ValueError
         As in :func:`upright_cubic_data`, and if there are not three axes.
     ImportError
-        Without matplotlib.
+        If Matplotlib is not installed.
 
     Examples
     --------
@@ -388,9 +395,9 @@ def upright_cubic(
     places[0].set_ylabel("$f(u)$ (1/s²)")
     left = data.u[0] + 0.05 * (1.0 - data.u[0])
     bold: dict[str, Any] = {"ha": "left", "fontsize": "medium"}
-    label_in_plane(places[-1], np.array([left, 0.9 * size]), "$f(u)$", blue, **bold)
+    label(places[-1], np.array([left, 0.9 * size]), "$f(u)$", blue, **bold)
     nearby = r"$(1-u)^2(2\alpha-a^2)$"
-    label_in_plane(places[-1], np.array([left, 0.72 * size]), nearby, orange, **bold)
+    label(places[-1], np.array([left, 0.72 * size]), nearby, orange, **bold)
     return UprightCubicArtists(
         axes=tuple(places), data=data, exact=tuple(exact), approximate=tuple(approximate)
     )

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._check import vector
-from ..euler import euler_to_matrix, rotation_z
-from . import colours
-from ._draw import arc, arrow_in_plane, curve, fit, label, label_in_plane, panels, triad
+from .._checks.arguments import vector
+from ..drawing import colours
+from ..drawing.axes3d import arc, arrow_in_plane, curve, fit, label, panels, triad
+from ..rotations.euler import euler_to_matrix, rotation_z
 
 __all__ = ["EulerSteps", "EulerStepsArtists", "euler_steps", "euler_steps_data"]
 
@@ -28,12 +28,12 @@ class EulerSteps:
     angles : ndarray, shape (3,)
         ``phi, theta, psi`` (rad).
     axes : ndarray, shape (4, 3, 3)
-        Unit vectors along the axes before the first turn and after each, one in a row, in space
-        components.
+        Unit vectors along the axes, as rows, before the first turn and after each turn, with
+        components in space.
     turned_about : ndarray, shape (3, 3)
-        Unit vectors that the turns are about: the vertical, the line of nodes, body axis z.
+        Unit vectors along the axes of the turns: the vertical, the line of nodes, body axis z.
     point, seen : ndarray, shape (2,)
-        Coordinates of a point across the first axis, from the axes before and after the first turn.
+        Coordinates of a point in the plane of the first turn, along the axes before and after it.
     """
 
     angles: Floats
@@ -45,20 +45,20 @@ class EulerSteps:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class EulerStepsArtists:
-    """What :func:`euler_steps` has drawn.
+    """Artists of the figure :func:`euler_steps`.
 
     Attributes
     ----------
     axes : tuple of 3 Axes3D and Axes
         The panels.
     data : EulerSteps
-        What.
+        Data of the figure.
     before, after : tuple of 3 tuples of 3 SpaceArrow
         The axes in each panel.
     nodes : tuple of 3 Line3D
         The line of nodes in each panel.
     point : PlaneArrow
-        The vector that is seen from both axes in the plane.
+        The vector to the point, in the plane of the first turn.
     """
 
     axes: tuple[Any, ...]
@@ -70,7 +70,7 @@ class EulerStepsArtists:
 
 
 def euler_steps_data(angles: ArrayLike, *, point: ArrayLike = (0.35, 0.85)) -> EulerSteps:
-    """Axes under :func:`euler_steps`.
+    """Axes of the figure :func:`euler_steps`.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def euler_steps_data(angles: ArrayLike, *, point: ArrayLike = (0.35, 0.85)) -> E
     Raises
     ------
     ValueError
-        If an argument is not finite or of the wrong shape.
+        If an argument is not finite or has the wrong shape.
 
     Examples
     --------
@@ -124,19 +124,19 @@ _ABOUT = ("about $z'$", "about the line of nodes", "about $z$")
 def euler_steps(
     angles: ArrayLike, *, point: ArrayLike = (0.35, 0.85), axes: Sequence[Any] | None = None
 ) -> EulerStepsArtists:
-    """Draw the three turns of Euler's angles one by one, and the first in its plane.
+    """Draw the three turns of Euler's angles one by one, and the first turn in its plane.
 
-    By phi about the vertical, by theta about the line of nodes ``x'' = X``, by psi about ``Z = z``;
-    axes before a turn are dashed. In the plane of the first, ``x'' = x' cos phi + y' sin phi`` and
-    ``y'' = y' cos phi - x' sin phi`` (Ercan 2016, figs. 2-5, eq. (1) with the second line y'',
-    erratum D-03; lecture notes, fig. 5.2).
+    The turns are by phi about the vertical, by theta about the line of nodes ``x'' = X``, and by
+    psi about ``Z = z``; dashed lines are the axes before a turn. In the plane of the first turn
+    ``x'' = x' cos phi + y' sin phi`` and ``y'' = y' cos phi - x' sin phi`` (Ercan 2016, figs. 2-5,
+    eq. (1) with y'' in the second line, erratum D-03; lecture notes, fig. 5.2).
 
     Parameters
     ----------
     angles, point
         As in :func:`euler_steps_data`.
     axes : sequence of 3 Axes3D and Axes, optional
-        Where to draw; by default on a new figure that pyplot does not know.
+        Axes to draw on; by default those of a new figure, which pyplot does not manage.
 
     Returns
     -------
@@ -145,9 +145,9 @@ def euler_steps(
     Raises
     ------
     ValueError
-        As in :func:`euler_steps_data`, and if the axes are not those four.
+        As in :func:`euler_steps_data`, and if ``axes`` are not three Axes3D and one Axes.
     ImportError
-        Without matplotlib.
+        If Matplotlib is not installed.
 
     Examples
     --------
@@ -213,7 +213,7 @@ def _draw_turned_plane(ax: Any, data: EulerSteps) -> Any:
         colours.ANGLE.colour,
     )
     half = 0.5 * data.angles[0]
-    label_in_plane(ax, 0.44 * longest * np.array([np.cos(half), np.sin(half)]), TURNS[0])
+    label(ax, 0.44 * longest * np.array([np.cos(half), np.sin(half)]), TURNS[0])
     drawn = arrow_in_plane(ax, data.point, colours.HUES["black"], "$P$", linewidth=1.6)
     corners = np.vstack([np.zeros((1, 2)), longest * data.axes[:2, :2, :2].reshape(-1, 2)])
     low, high = corners.min(axis=0), corners.max(axis=0)
@@ -230,5 +230,5 @@ def _draw_turned_plane(ax: Any, data: EulerSteps) -> Any:
 
 
 def azimuth(phi: float) -> float:
-    """Degrees of azimuth to look from: between the first axis of space and the line of nodes."""
+    """Azimuth of the view (degrees): between the first axis of space and the line of nodes."""
     return float(np.degrees(0.5 * phi)) - 16.0  # aside, so that it does not hide body axis z

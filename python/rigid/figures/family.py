@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import exact, free
-from .._check import positive_int
-from .._given import BodyLike, moments_of
-from ..solidshapes import ellipsoid_faces
-from . import colours
-from ._draw import arrow, curve, fit, in_space, label
-from ._sides import sides, surface
+from .._checks.arguments import positive_int
+from ..drawing import colours
+from ..drawing.axes3d import arrow, curve, fit, in_space, label
+from ..drawing.shapes import ellipsoid_faces
+from ..drawing.sides import sides, surface
+from ..model.body_like import BodyLike, moments_of
 
 __all__ = ["Polhodes", "PolhodesArtists", "polhodes", "polhodes_data"]
 
@@ -30,15 +30,15 @@ class Polhodes:
     Attributes
     ----------
     moments : ndarray, shape (3,)
-        Of the body (kg m²).
+        Moments of the body (kg m²).
     semi_axes : ndarray, shape (3,)
-        Of the ellipsoid ``omega·I omega = 2 E`` (rad/s).
+        Semi-axes of the ellipsoid ``omega·I omega = 2 E`` (rad/s).
     curves : ndarray, shape (4 n, m, 3)
         Closed polhodes (rad/s).
     axis : ndarray of int8, shape (4 n,)
-        The axis 1, 2 or 3 that each encircles, with the sign of the rate along it.
+        The axis 1, 2 or 3 that each polhode encircles, with the sign of the rate about this axis.
     separatrix : ndarray, shape (2, m, 3)
-        The two ellipses through the ends of the middle axis that part them.
+        The two ellipses through the ends of the middle axis, which separate the polhodes.
     """
 
     moments: Floats
@@ -50,18 +50,18 @@ class Polhodes:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PolhodesArtists:
-    """What :func:`polhodes` has drawn.
+    """Artists of the figure :func:`polhodes`.
 
     Attributes
     ----------
     ax : Axes3D
-        Where.
+        Axes of the figure.
     data : Polhodes
-        What.
+        Data of the figure.
     seen, hidden : tuple of 4 n Line3D
-        The polhodes on this side of the ellipsoid, and behind it.
+        The polhodes on the visible and on the hidden side of the ellipsoid.
     separatrix : tuple of 2 Line3D
-        The ellipses between them, on this side.
+        The visible parts of the separating ellipses.
     ellipsoid : Poly3DCollection
         The ellipsoid.
     axes : tuple of 3 SpaceArrow
@@ -78,21 +78,21 @@ class PolhodesArtists:
 
 
 def polhodes_data(body: BodyLike, *, count: int = 5, samples: int = 361) -> Polhodes:
-    """The numbers under :func:`polhodes`, by Jacobi's functions.
+    """Data of the figure :func:`polhodes`, by Jacobi's functions.
 
     Parameters
     ----------
     body : Body, FreeBody or array_like, shape (3,)
         A body with three different moments.
     count : int
-        Polhodes around each end of the axes of the smallest and the largest moment.
+        Number of polhodes around each end of the axes of the smallest and of the largest moment.
     samples : int
-        Points of each curve, the first and the last of which coincide.
+        Number of points of each curve; the first and the last point coincide.
 
     Returns
     -------
     Polhodes
-        Of the energy with which the largest semi axis is 1 rad/s.
+        The energy is such that the largest semi-axis is 1 rad/s.
 
     Raises
     ------
@@ -115,8 +115,8 @@ def polhodes_data(body: BodyLike, *, count: int = 5, samples: int = 361) -> Polh
     points = positive_int("samples", samples, minimum=2)
     small, middle, large = order = np.argsort(moments)
     semi = np.sqrt(moments[small] / moments)
-    # Start across the middle axis: on the ellipse in the plane of the two others, where the
-    # separatrix passes at a known angle from that of the smallest moment.
+    # Start on the ellipse in the plane of the first and the third axis, where the angle between
+    # the separatrix and the axis of the smallest moment is known.
     i1, i2, i3 = moments[order]
     slope = np.sqrt(i1 * (i2 - i1) / (i3 * (i3 - i2)))
     parting = np.arctan2(slope * semi[small], semi[large])
@@ -152,16 +152,16 @@ def polhodes_data(body: BodyLike, *, count: int = 5, samples: int = 361) -> Polh
 def polhodes(body: BodyLike, *, count: int = 5, ax: Any | None = None) -> PolhodesArtists:
     """Draw the polhodes of one energy on the inertia ellipsoid, with the separatrix.
 
-    They are closed around the axes of the largest and the smallest moment: rotations about these
-    last. Around the middle axis nothing closes, and a small disturbance goes the whole way to the
-    other end (Landau and Lifshitz, *Mechanics*, § 37, fig. 51).
+    Polhodes encircle the axes of the largest and of the smallest moment: rotations about these axes
+    are stable. No polhode encircles the middle axis, and a small disturbance of a rotation about it
+    grows until the body has turned over (Landau and Lifshitz, *Mechanics*, § 37, fig. 51).
 
     Parameters
     ----------
     body, count
         As in :func:`polhodes_data`.
     ax : Axes3D, optional
-        Where to draw; by default on a new figure that pyplot does not know.
+        Axes to draw on; by default those of a new figure, which pyplot does not manage.
 
     Returns
     -------
@@ -172,7 +172,7 @@ def polhodes(body: BodyLike, *, count: int = 5, ax: Any | None = None) -> Polhod
     ValueError
         As in :func:`polhodes_data`, and if the axes are not three-dimensional.
     ImportError
-        Without matplotlib.
+        If Matplotlib is not installed.
 
     Examples
     --------
@@ -184,7 +184,7 @@ def polhodes(body: BodyLike, *, count: int = 5, ax: Any | None = None) -> Polhod
     ax = in_space(ax)
     order = np.argsort(data.moments)
     towards = np.empty(3)
-    towards[order] = 0.42, 1.0, 0.4  # the end of the middle axis in front
+    towards[order] = 0.42, 1.0, 0.4  # the middle axis points to the viewer
     towards /= np.linalg.norm(towards)
     elev = float(np.degrees(np.arcsin(towards[2])))
     azim = float(np.degrees(np.arctan2(towards[1], towards[0])))
@@ -204,7 +204,7 @@ def polhodes(body: BodyLike, *, count: int = 5, ax: Any | None = None) -> Polhod
     arrows = []
     names = {int(order[0]): "least", int(order[1]): "middle", int(order[2]): "largest"}
     length = np.full(3, 0.3)
-    length[order[1]] = 1.1  # seen from its end, it looks shorter
+    length[order[1]] = 1.1  # foreshortened
     tips = np.diag(data.semi_axes + length)
     for k, ink in enumerate(colours.AXES):
         start = np.diag(data.semi_axes)[k]

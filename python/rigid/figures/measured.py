@@ -1,4 +1,4 @@
-"""Springs that become a rigid body, and bearings that hold an unbalanced one: curves with units."""
+"""Springs that approach a rigid body, and bearing torques of an unbalanced body."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._check import finite_float, numbers
+from .._checks.arguments import finite_float, numbers
+from ..drawing import colours
+from ..drawing.axes3d import panels
 from ..fixed_axis import bearing_torques
 from ..springs import pair_system, spring_body
-from . import colours
-from ._draw import panels
 
 __all__ = [
     "BearingTorque",
@@ -32,21 +32,21 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SpringModes:
-    """Frequencies of a body of springs, and how far it is from the rigid one.
+    """Frequencies of a body of springs, and its distance from the rigid body.
 
     Attributes
     ----------
     frequencies : ndarray, shape (3 N,)
-        ``sqrt(omega²)`` of the modes, ascending (rad/s), of the first stiffness; those that vanish
+        ``sqrt(omega²)`` of the modes for the first stiffness, ascending (rad/s); zero frequencies
         are exactly 0.
     zero : int
-        How many vanish: six of a body that its springs hold.
+        Number of zero frequencies: six for a body that its springs hold together.
     stiffness : ndarray, shape (n,)
-        Of the springs (N/m), ascending.
+        Stiffnesses of the springs (N/m), ascending.
     distance : ndarray, shape (n,)
-        Largest distance (m) of a particle from where the rigid body has it, over the time.
+        Largest distance (m), over time, of a particle from its position in the rigid body.
     evaluations : ndarray of int, shape (n,)
-        How often the forces were evaluated: the cost.
+        Number of evaluations of the forces: the cost.
     """
 
     frequencies: Floats
@@ -58,18 +58,18 @@ class SpringModes:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SpringModesArtists:
-    """What :func:`spring_modes` has drawn.
+    """Artists of the figure :func:`spring_modes`.
 
     Attributes
     ----------
     axes : tuple of 2 Axes
-        The spectrum, and the distance against the stiffness.
+        Axes of the spectrum, and of the distance against the stiffness.
     data : SpringModes
-        What.
+        Data of the figure.
     rigid, elastic : Line2D
         Modes without and with a frequency, against their number.
     distance, slope : Line2D
-        The distances, and a line that falls as one over the stiffness.
+        The distances, and a line proportional to the inverse of the stiffness.
     """
 
     axes: tuple[Any, ...]
@@ -89,7 +89,7 @@ def spring_modes_data(
     t_end: float = 1.0,
     samples: int = 51,
 ) -> SpringModes:
-    """Modes and distances under :func:`spring_modes`.
+    """Modes and distances of the figure :func:`spring_modes`.
 
     Parameters
     ----------
@@ -98,9 +98,9 @@ def spring_modes_data(
     stiffness : array_like, shape (n,)
         Stiffnesses (N/m) of all springs, two or more, positive and ascending.
     t_end : float
-        How long the body turns (s).
+        Duration of the motion (s).
     samples : int
-        At how many times the distance is taken.
+        Number of times at which to compute the distance.
 
     Returns
     -------
@@ -154,17 +154,17 @@ def spring_modes(
 ) -> SpringModesArtists:
     """Draw the modes of particles on springs, and how they become a rigid body.
 
-    Six modes have no frequency: shifts and turns. The others rise as the root of the stiffness,
-    and the distance from the rigid body falls as its inverse (lecture notes, § 5.1; six of the
-    squared frequencies are zero, erratum G-01, and they are those of the mass-weighted matrix,
-    erratum G-02).
+    Six modes, the translations and the rotations, have the frequency zero. The other frequencies
+    rise as the square root of the stiffness, and the distance from the rigid body falls as its
+    inverse (lecture notes, § 5.1; six of the squared frequencies are zero, erratum G-01, and the
+    squared frequencies are eigenvalues of the mass-weighted matrix, erratum G-02).
 
     Parameters
     ----------
     masses, positions, omega, stiffness, t_end
         As in :func:`spring_modes_data`.
     axes : sequence of 2 Axes, optional
-        Where to draw; by default on a new figure that pyplot does not know.
+        Axes to draw on; by default those of a new figure, which pyplot does not manage.
 
     Returns
     -------
@@ -175,7 +175,7 @@ def spring_modes(
     ValueError
         As in :func:`spring_modes_data`, and if there are not two axes.
     ImportError
-        Without matplotlib.
+        If Matplotlib is not installed.
 
     Examples
     --------
@@ -246,19 +246,19 @@ def spring_modes(
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class BearingTorque:
-    """Torque that the bearings of an unbalanced body supply.
+    """Torque of the bearings on an unbalanced body.
 
     Attributes
     ----------
     angle : ndarray, shape (m,)
-        Turned angle, once around (rad).
+        Angle of rotation over one turn (rad).
     torque : ndarray, shape (m, 3)
-        Torque on the body at these angles and the given rate, in space (N m); the third part, about
-        the axis, is that of the drive.
+        Torque on the body at these angles and the given rate, components in space (N m); the third
+        component is the torque of the drive.
     omega : ndarray, shape (n,)
-        Rates from zero to the given one (rad/s).
+        Rates from zero to the given rate (rad/s).
     size : ndarray, shape (n,)
-        Size of the torque across the axis at these rates (N m).
+        Size of the torque perpendicular to the axis at these rates (N m).
     """
 
     angle: Floats
@@ -269,18 +269,18 @@ class BearingTorque:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class BearingTorqueArtists:
-    """What :func:`bearing_torque` has drawn.
+    """Artists of the figure :func:`bearing_torque`.
 
     Attributes
     ----------
     axes : tuple of 2 Axes
-        Against the angle, and against the rate.
+        Axes of the torque against the angle, and against the rate.
     data : BearingTorque
-        What.
+        Data of the figure.
     components : tuple of 3 Line2D
         The torque in space against the angle.
     size : Line2D
-        The size of its part across the axis against the rate.
+        The size of the torque perpendicular to the axis, against the rate.
     """
 
     axes: tuple[Any, ...]
@@ -292,7 +292,7 @@ class BearingTorqueArtists:
 def bearing_torque_data(
     tensor: ArrayLike, omega: float, *, omega_dot: float = 0.0, samples: int = 181
 ) -> BearingTorque:
-    """Torques under :func:`bearing_torque`: those of :func:`rigid.fixed_axis.bearing_torques`.
+    """Torques of the figure :func:`bearing_torque`, by :func:`rigid.fixed_axis.bearing_torques`.
 
     Parameters
     ----------
@@ -301,7 +301,7 @@ def bearing_torque_data(
     omega, omega_dot : float
         Rate about the axis (rad/s), not zero, and its derivative (rad/s²).
     samples : int
-        Points of a curve.
+        Number of points of a curve.
 
     Returns
     -------
@@ -310,7 +310,7 @@ def bearing_torque_data(
     Raises
     ------
     ValueError
-        If the tensor is that of no body, the rate is zero, or an argument is not finite.
+        If no body has the tensor, the rate is zero, or an argument is not finite.
 
     Examples
     --------
@@ -343,17 +343,17 @@ def bearing_torque(
     omega_dot: float = 0.0,
     axes: Sequence[Any] | None = None,
 ) -> BearingTorqueArtists:
-    """Draw the torque that the bearings of an unbalanced body must supply.
+    """Draw the torque of the bearings on an unbalanced body.
 
-    It turns with the body and rises as the square of the rate; only the part about the axis, of the
-    drive, stays as it is (Ercan 2016, § 6, eq. (29), errata D-15, D-42).
+    The torque turns with the body and rises as the square of the rate; only the component along the
+    axis, from the drive, is constant (Ercan 2016, § 6, eq. (29), errata D-15, D-42).
 
     Parameters
     ----------
     tensor, omega, omega_dot
         As in :func:`bearing_torque_data`.
     axes : sequence of 2 Axes, optional
-        Where to draw; by default on a new figure that pyplot does not know.
+        Axes to draw on; by default those of a new figure, which pyplot does not manage.
 
     Returns
     -------
@@ -364,7 +364,7 @@ def bearing_torque(
     ValueError
         As in :func:`bearing_torque_data`, and if there are not two axes.
     ImportError
-        Without matplotlib.
+        If Matplotlib is not installed.
 
     Examples
     --------

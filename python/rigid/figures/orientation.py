@@ -1,4 +1,4 @@
-"""Where the axes of a body are: seen from space, and from the line of nodes."""
+"""Orientation of the axes of a body: from the axes of space, and from the line of nodes."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._check import vector
-from ..euler import euler_to_matrix
-from . import colours
-from ._draw import arc, arrow, circle, curve, fit, in_space, label, triad
+from .._checks.arguments import vector
+from ..drawing import colours
+from ..drawing.axes3d import arc, arrow, circle, curve, fit, in_space, label, triad
+from ..rotations.euler import euler_to_matrix
 from .eulersteps import TURNS, azimuth, euler_steps_data
 
 __all__ = [
@@ -33,17 +33,17 @@ _Z = np.array([0.0, 0.0, 1.0])
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Frames:
-    """Axes of space, axes parallel to them in the body, and those of the body.
+    """Axes of space, parallel axes at the origin of the body, and axes of the body.
 
     Attributes
     ----------
     space, body : ndarray, shape (3, 3)
-        Unit vectors along the axes, one in a row, in space components.
+        Unit vectors along the axes, as rows, with components in space.
     origin : ndarray, shape (3,)
-        ``R``, where the axes of the body meet (m).
+        ``R``, the origin of the axes of the body (m).
     relative, position : ndarray, shape (3,), or None
-        A point seen from there, ``r'``, and from the origin of space, ``r = R + r'``; both in space
-        components (m).
+        Vectors to a point from the origin of the body, ``r'``, and from the origin of space,
+        ``r = R + r'``, with components in space (m).
     """
 
     space: Floats
@@ -55,16 +55,16 @@ class Frames:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FramesArtists:
-    """What :func:`frames` has drawn.
+    """Artists of the figure :func:`frames`.
 
     Attributes
     ----------
     ax : Axes3D
-        Where.
+        Axes of the figure.
     data : Frames
-        What.
+        Data of the figure.
     space, parallel, body : tuple of 3 SpaceArrow
-        The axes; an arrow has its ``start`` and its ``vector``.
+        The axes; an arrow has the attributes ``start`` and ``vector``.
     origin, relative, position : SpaceArrow or None
         The arrows ``R``, ``r'`` and ``r``.
     """
@@ -82,14 +82,14 @@ class FramesArtists:
 def frames_data(
     angles: ArrayLike, *, origin: ArrayLike = (1.6, 1.2, 0.5), point: ArrayLike | None = None
 ) -> Frames:
-    """Axes and vectors under :func:`frames`.
+    """Axes and vectors of the figure :func:`frames`.
 
     Parameters
     ----------
     angles : array_like, shape (3,)
         Euler angles ``phi, theta, psi`` (rad) of the body.
     origin : array_like, shape (3,)
-        Its origin in space (m); axes are drawn of length one.
+        Origin of the body in space (m); the axes have length one.
     point : array_like, shape (3,), optional
         A point of the body, in body components (m).
 
@@ -100,7 +100,7 @@ def frames_data(
     Raises
     ------
     ValueError
-        If an argument is not finite or not of three numbers.
+        If an argument is not finite or does not have three numbers.
 
     Examples
     --------
@@ -129,9 +129,9 @@ def frames(
     point: ArrayLike | None = None,
     ax: Any | None = None,
 ) -> FramesArtists:
-    """Draw the axes of space, parallel ones at the origin of a body, and those of the body.
+    """Draw the axes of space, parallel axes at the origin of a body, and the axes of the body.
 
-    Three coordinates place the origin, three angles turn the axes; a point of the body is seen at
+    Three coordinates determine the origin, three angles the orientation; a point of the body is at
     ``r = R + r'`` (Ercan 2016, figs. 1, 6, 7).
 
     Parameters
@@ -139,7 +139,7 @@ def frames(
     angles, origin, point
         As in :func:`frames_data`.
     ax : Axes3D, optional
-        Where to draw; by default on a new figure that pyplot does not know.
+        Axes to draw on; by default those of a new figure, which pyplot does not manage.
 
     Returns
     -------
@@ -150,7 +150,7 @@ def frames(
     ValueError
         As in :func:`frames_data`, and if the axes are not three-dimensional.
     ImportError
-        Without matplotlib.
+        If Matplotlib is not installed.
 
     Examples
     --------
@@ -172,7 +172,7 @@ def frames(
     )
     body = triad(ax, data.body, data.origin, ("$x$", "$y$", "$z$"), linewidth=2.6)
     label(ax, np.array([-0.09, -0.09, -0.09]), "$O'$" if apart else "$O$", colours.NEUTRAL)
-    # Names stand on the outer sides of the triangle of R, r' and r.
+    # Write the names outside the triangle of R, r' and r.
     aside = _apart(data.origin, data.position) if apart and data.position is not None else -_Z
     shift = None
     if apart:
@@ -205,16 +205,16 @@ def frames(
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class NodeFrame:
-    """The axes of space, of the body, and those between that follow the line of nodes.
+    """The axes of space, the axes of the body, and the axes of the line of nodes.
 
     Attributes
     ----------
     angles : ndarray, shape (3,)
         ``phi, theta, psi`` (rad).
     space, node, body : ndarray, shape (3, 3)
-        Unit vectors along the axes, one in a row, in space components. Those of ``node`` are xi
-        along the line of nodes ON, eta along OM across it in the equator of the body, and zeta,
-        which is body axis z.
+        Unit vectors along the axes, as rows, with components in space. The axes of ``node`` are xi
+        along the line of nodes ON, eta along OM in the equator of the body, perpendicular to ON,
+        and zeta, which is body axis z.
     """
 
     angles: Floats
@@ -225,18 +225,18 @@ class NodeFrame:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class NodeFrameArtists:
-    """What :func:`node_frame` has drawn.
+    """Artists of the figure :func:`node_frame`.
 
     Attributes
     ----------
     ax : Axes3D
-        Where.
+        Axes of the figure.
     data : NodeFrame
-        What.
+        Data of the figure.
     space, body : tuple of 3 SpaceArrow
         The axes.
     node : tuple of 2 SpaceArrow
-        ON and OM; the third axis is that of the body.
+        ON and OM; the third axis is body axis z.
     arcs : tuple of 3 Line3D
         The angles phi, theta, psi.
     """
@@ -250,7 +250,7 @@ class NodeFrameArtists:
 
 
 def node_frame_data(angles: ArrayLike) -> NodeFrame:
-    """Axes under :func:`node_frame`.
+    """Axes of the figure :func:`node_frame`.
 
     Parameters
     ----------
@@ -282,16 +282,16 @@ def node_frame_data(angles: ArrayLike) -> NodeFrame:
 def node_frame(angles: ArrayLike, *, ax: Any | None = None) -> NodeFrameArtists:
     """Draw the frame of the line of nodes between space and body.
 
-    In it ``omega = (theta', phi' sin theta, phi' cos theta + psi')``: theta changes along ON, phi
-    along the vertical ``z'`` and psi along ``z`` (Ercan 2016, fig. 13, eq. (49); the text has the
-    last two exchanged, erratum D-24).
+    In this frame ``omega = (theta', phi' sin theta, phi' cos theta + psi')``: the rate of theta is
+    along ON, the rate of phi along the vertical ``z'``, and the rate of psi along ``z`` (Ercan
+    2016, fig. 13, eq. (49); the text exchanges the last two, erratum D-24).
 
     Parameters
     ----------
     angles
         As in :func:`node_frame_data`.
     ax : Axes3D, optional
-        Where to draw; by default on a new figure that pyplot does not know.
+        Axes to draw on; by default those of a new figure, which pyplot does not manage.
 
     Returns
     -------
@@ -302,7 +302,7 @@ def node_frame(angles: ArrayLike, *, ax: Any | None = None) -> NodeFrameArtists:
     ValueError
         As in :func:`node_frame_data`, and if the axes are not three-dimensional.
     ImportError
-        Without matplotlib.
+        If Matplotlib is not installed.
 
     Examples
     --------
@@ -348,7 +348,7 @@ def node_frame(angles: ArrayLike, *, ax: Any | None = None) -> NodeFrameArtists:
 
 
 def _apart(first: Floats, second: Floats) -> Floats:
-    """Unit vector across both halves of an angle, on the side of the first; or downwards."""
+    """Unit vector perpendicular to the bisector, on the side of ``first``; or downwards."""
     gap = first / np.linalg.norm(first) - second / (np.linalg.norm(second) or 1.0)
     size = float(np.linalg.norm(gap))
     return np.asarray(gap / size) if size > 1e-9 else -_Z

@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import exact, top
-from .._check import positive_int, rows, sorted_times, vector
-from .._given import attitudes
-from ..scenes import HeavyTop
-from ..solidshapes import ellipsoid_faces
-from . import colours
-from ._draw import arrow, circle, curve, fit, in_space, panels
-from ._sides import eye, sides, surface
+from .._checks.arguments import positive_int, rows, sorted_times, vector
+from .._checks.arrays import attitudes
+from ..drawing import colours
+from ..drawing.axes3d import arrow, circle, curve, fit, in_space, panels
+from ..drawing.shapes import ellipsoid_faces
+from ..drawing.sides import eye, sides, surface
+from ..model.scene import HeavyTop, check_heavy_top
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -43,7 +43,7 @@ WORDS = {
     "retrograde": "against the spin",
     "steady": "steady precession",
 }
-"""Kinds of paths as a title says them."""
+"""Titles of the kinds of paths."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -53,16 +53,16 @@ class Locus:
     Attributes
     ----------
     kind : str
-        That of :func:`rigid.top.classify_locus`; ``"general"`` for a top without a symmetry or
-        under torque or damping.
+        Kind of path, as in :func:`rigid.top.classify_locus`; ``"general"`` for a top that is not
+        symmetric or is under torque or damping.
     t : ndarray, shape (m,)
         Times (s).
     point : ndarray, shape (m, 3)
         Unit vector to the centre of mass in space.
     theta, phi : ndarray, shape (m,)
-        Its tilt, and the azimuth of the node line (rad).
+        Tilt of the axis, and azimuth of the node line (rad).
     theta_upper, theta_lower : float or None
-        Tilts of the circles between which the axis moves (rad); None of a general one.
+        Tilts of the circles between which the axis moves (rad); None for the kind ``"general"``.
     """
 
     kind: str
@@ -76,20 +76,20 @@ class Locus:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class LocusArtists:
-    """What :func:`locus` has drawn.
+    """Artists of the figure :func:`locus`.
 
     Attributes
     ----------
     ax : Axes3D
-        Where.
+        Axes of the figure.
     data : Locus
-        What.
+        Data of the figure.
     seen, hidden : Line3D
-        The path on this side of the sphere, and behind it.
+        The path on the visible and on the hidden side of the sphere.
     circles : tuple of Line3D
-        The parts of the upper and of the lower circle on this side; none of a general top.
+        The visible parts of the upper and of the lower circle; empty for the kind ``"general"``.
     start : Line3D
-        The point at the first time.
+        The end of the axis at the first time.
     sphere : Poly3DCollection
         The unit sphere.
     """
@@ -111,7 +111,7 @@ def locus_data(
     t: ArrayLike | None = None,
     samples: int = 1201,
 ) -> Locus:
-    """The numbers under :func:`locus`.
+    """Data of the figure :func:`locus`.
 
     Parameters
     ----------
@@ -122,10 +122,10 @@ def locus_data(
     attitude : array_like, shape (4,), or scipy Rotation, optional
         Attitude at ``t = 0``; by default body and space axes coincide.
     t : array_like, shape (m,), optional
-        Times (s), ascending. Default: ``samples`` of them, as long as the axis of a symmetric top
-        takes to go around the vertical once, but four nutations or more.
+        Times (s), ascending. Default: ``samples`` times over one turn of a symmetric top's axis
+        about the vertical, but over four nutations at least.
     samples : int
-        Their number.
+        Number of times.
 
     Returns
     -------
@@ -134,7 +134,7 @@ def locus_data(
     Raises
     ------
     ValueError
-        If there are no times for a top that has no period, or the state is not finite.
+        If you pass no times for a top without a period, or the state is not finite.
 
     Examples
     --------
@@ -174,10 +174,9 @@ def locus_data(
 
 
 def _motion(scene: HeavyTop, omega: Floats, attitude: Floats | None) -> exact.TopMotion | None:
-    """The motion of a Lagrange top; None of others."""
-    if not isinstance(scene, HeavyTop):
-        raise TypeError(f"scene = {scene!r}: must be a rigid.HeavyTop")
-    if scene.outside is not None or scene.mgl == 0.0:
+    """The motion of a Lagrange top; None for other tops."""
+    check_heavy_top(scene)
+    if scene.is_driven or scene.mgl == 0.0:
         return None
     if top.heavy_constants(scene, omega, UPRIGHT).a is None:
         return None
@@ -185,7 +184,7 @@ def _motion(scene: HeavyTop, omega: Floats, attitude: Floats | None) -> exact.To
 
 
 def _once_around(motion: exact.TopMotion) -> float:
-    """The time of a turn about the vertical, but no shorter than four nutations."""
+    """The time of a turn about the vertical, but at least four nutations."""
     period, rate = float(motion.period), abs(float(motion.precession))
     turn = 2.0 * np.pi / rate if rate > 0.0 else 0.0
     return max(turn, 4.0 * period) if np.isfinite(period) else turn
@@ -201,15 +200,15 @@ def locus(
 ) -> LocusArtists:
     """Draw the path of the axis of a top on the unit sphere, between its two circles.
 
-    Landau and Lifshitz, *Mechanics*, § 35; Ercan 2016, fig. 16; lecture notes, fig. 5.5. The spin
-    takes no part in it.
+    Landau and Lifshitz, *Mechanics*, § 35; Ercan 2016, fig. 16; lecture notes, fig. 5.5. The figure
+    does not show the spin.
 
     Parameters
     ----------
     scene, omega, attitude, t
         As in :func:`locus_data`.
     ax : Axes3D, optional
-        Where to draw; by default on a new figure that pyplot does not know.
+        Axes to draw on; by default those of a new figure, which pyplot does not manage.
 
     Returns
     -------
@@ -220,7 +219,7 @@ def locus(
     ValueError
         As in :func:`locus_data`, and if the axes are not three-dimensional.
     ImportError
-        Without matplotlib.
+        If Matplotlib is not installed.
 
     Examples
     --------
@@ -271,8 +270,8 @@ def loci(
 ) -> tuple[LocusArtists, ...]:
     """Draw the paths of several starts side by side, each with its kind.
 
-    Loops, cusps, a monotone path and, what the lecture notes leave out (erratum G-18), one that is
-    against the spin throughout.
+    The kinds are loops, cusps, monotone paths and paths that always oppose the spin, which the
+    lecture notes lack (erratum G-18).
 
     Parameters
     ----------
@@ -283,7 +282,8 @@ def loci(
     attitude : array_like, shape (4,) or (n, 4), or scipy Rotation, optional
         Attitudes at ``t = 0``; by default body and space axes coincide.
     axes : sequence of n Axes3D, optional
-        Where to draw; by default on a new figure that pyplot does not know, in two columns.
+        Axes to draw on; by default those of a new figure with two columns, which pyplot does not
+        manage.
 
     Returns
     -------
@@ -294,7 +294,7 @@ def loci(
     ValueError
         As in :func:`locus_data`, and if there are not n axes.
     ImportError
-        Without matplotlib.
+        If Matplotlib is not installed.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Why a symmetric top nutates: the well that its tilt moves in."""
+"""The effective potential, in whose well the tilt of a symmetric top nutates."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import top
-from .._check import vector
-from .._shown import undriven
-from ..scenes import HeavyTop
-from . import colours
-from ._draw import in_plane, label_in_plane
+from .._checks.arguments import vector
+from ..animation.states import require_unforced
+from ..drawing import colours
+from ..drawing.axes3d import in_plane, label
+from ..model.scene import HeavyTop, check_heavy_top
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -33,7 +33,7 @@ UPRIGHT = [1.0, 0.0, 0.0, 0.0]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PotentialWell:
-    """The effective potential of a top, and what its energy allows.
+    """The effective potential of a top, and the tilts that its energy allows.
 
     Attributes
     ----------
@@ -44,7 +44,7 @@ class PotentialWell:
     theta_upper, theta_lower : float
         Tilts of the upper and the lower circle, between which ``V' <= E'`` (rad).
     theta_steady, lowest : float
-        Where ``V'`` is least (rad), and how much it is there (J): a top that precesses steadily.
+        Tilt of the minimum of ``V'`` (rad), and its value (J): the steady precession.
     """
 
     tilt: Floats
@@ -58,18 +58,18 @@ class PotentialWell:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PotentialWellArtists:
-    """What :func:`effective_potential` has drawn.
+    """Artists of the figure :func:`effective_potential`.
 
     Attributes
     ----------
     ax : Axes
-        Where.
+        Axes of the figure.
     data : PotentialWell
-        What.
+        Data of the figure.
     curve, level : Line2D
-        The potential, and the energy between the circles.
+        The potential, and the energy level between the circles.
     turning, steady : Line2D
-        The points at the circles, and the lowest one.
+        The points at the circles, and the minimum.
     """
 
     ax: Any
@@ -87,7 +87,7 @@ def effective_potential_data(
     *,
     samples: int = 721,
 ) -> PotentialWell:
-    """The numbers under :func:`effective_potential`.
+    """Data of the figure :func:`effective_potential`.
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ def effective_potential_data(
     Raises
     ------
     ValueError
-        If the top is not symmetric or not left to itself, its potential is constant, or the state
+        If the top is not symmetric, torque or damping acts, the potential is constant, or the state
         is not finite.
 
     Examples
@@ -145,15 +145,15 @@ def effective_potential(
 ) -> PotentialWellArtists:
     """Draw the effective potential of a top against its tilt, and the energy of its nutation.
 
-    The tilt moves as a particle in this well, between the circles where ``V' = E'`` (Goldstein,
-    *Classical Mechanics*, § 5.7; Ercan 2016, fig. 15, whose level E is E', erratum D-40).
+    The tilt moves as a particle in this well, between the circles with ``V' = E'`` (Goldstein,
+    *Classical Mechanics*, § 5.7; Ercan 2016, fig. 15, where the level E must be E', erratum D-40).
 
     Parameters
     ----------
     scene, omega, attitude
         As in :func:`effective_potential_data`.
     ax : Axes, optional
-        Where to draw; by default on a new figure that pyplot does not know.
+        Axes to draw on; by default those of a new figure, which pyplot does not manage.
 
     Returns
     -------
@@ -164,7 +164,7 @@ def effective_potential(
     ValueError
         As in :func:`effective_potential_data`, and if the axes are not two-dimensional.
     ImportError
-        Without matplotlib or SciPy.
+        If Matplotlib or SciPy is not installed.
 
     Examples
     --------
@@ -194,16 +194,16 @@ def effective_potential(
     for theta, value, name, share in marks:
         place = np.degrees(theta)
         ax.plot([place, place], [low, value], color=colours.FAINT, linewidth=0.9, zorder=1)
-        # Outside the well, and inside the axes.
+        # Outside the well, but inside the axes.
         left = (22.0 < place < 158.0 and theta < data.theta_steady) or place >= 158.0
         beside = np.array([place + (-2.0 if left else 2.0), low + share * (high - low)])
-        label_in_plane(ax, beside, name, ha="right" if left else "left")
+        label(ax, beside, name, ha="right" if left else "left")
     inside = data.potential < high
-    # Names beside the lines, where the well leaves room.
-    label_in_plane(ax, np.array([176.0, data.E_prime]), "$E'$", level_colour, va="bottom")
+    # Write the names beside the lines, outside the well.
+    label(ax, np.array([176.0, data.E_prime]), "$E'$", level_colour, va="bottom")
     rising = np.flatnonzero(inside)[-1]
     beside = np.array([np.degrees(data.tilt[rising]) + 3.0, data.potential[rising]])
-    label_in_plane(ax, beside, r"$V'(\theta)$", blue, ha="left", va="top")
+    label(ax, beside, r"$V'(\theta)$", blue, ha="left", va="top")
     ax.set(
         xlim=(0.0, 180.0),
         ylim=(low, high),
@@ -220,8 +220,7 @@ def constants_of(
     scene: HeavyTop, omega: ArrayLike, attitude: ArrayLike | Rotation | None
 ) -> dict[str, float]:
     """a, b, alpha, beta and E' of one symmetric top."""
-    if isinstance(scene, HeavyTop):
-        undriven(scene, "energy and momenta of a top")
+    require_unforced(check_heavy_top(scene), "energy and momenta of a top")
     known = top.heavy_constants(
         scene, vector("omega", omega, 3), UPRIGHT if attitude is None else attitude
     )

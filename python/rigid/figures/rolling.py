@@ -1,4 +1,4 @@
-"""Poinsot's picture of a free body."""
+"""Poinsot's construction for a free body."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import free
-from .._given import to_space
-from .._shown import states_of, undriven
-from ..scenes import FreeBody, scene_from_dict
-from ..simulate import Run
-from ..solidshapes import across, ellipsoid_faces, plane_face
-from . import colours
-from ._draw import arrow, curve, fit, in_space, label
-from ._sides import eye, sides, surface
+from ..animation.states import require_unforced, states_of
+from ..drawing import colours
+from ..drawing.axes3d import arrow, curve, fit, in_space, label
+from ..drawing.shapes import across, ellipsoid_faces, plane_face
+from ..drawing.sides import eye, sides, surface
+from ..model.scene import FreeBody, scene_from_dict
+from ..rotations.apply import to_space
+from ..solve.run import Run
 
 __all__ = [
     "PoinsotArtists",
@@ -34,26 +34,26 @@ POLHODE, HERPOLHODE = colours.HUES["blue"], colours.HUES["black"]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PoinsotPicture:
-    """The inertia ellipsoid at one time of a motion, with the plane that it rolls on.
+    """The inertia ellipsoid at one time of a motion, and the plane on which it rolls.
 
-    All points are in axes of space of which the third is along L (rad/s).
+    All points (rad/s) have components along axes of space; the third axis is parallel to L.
 
     Attributes
     ----------
     t : float
         The time (s).
     semi_axes : ndarray, shape (3,)
-        Of the ellipsoid (rad/s).
+        Semi-axes of the ellipsoid (rad/s).
     axes : ndarray, shape (3, 3)
-        Unit vectors along its axes, one in a row.
+        Unit vectors along the axes of the ellipsoid, as rows.
     distance : float
-        Of the invariable plane from the centre (rad/s).
+        Distance of the invariable plane from the centre (rad/s).
     polhode : ndarray, shape (m, 3)
-        The curve of contact on the ellipsoid, of the whole motion, where it is at that time.
+        The curve of contact on the ellipsoid over the whole motion, in its position at the time.
     herpolhode : ndarray, shape (m, 3)
         The curve of contact in the plane.
     contact : ndarray, shape (3,)
-        The point of contact at that time, which is omega.
+        The point of contact at the time, which is omega.
     """
 
     t: float
@@ -67,22 +67,22 @@ class PoinsotPicture:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PoinsotArtists:
-    """What :func:`poinsot` has drawn.
+    """Artists of the figure :func:`poinsot`.
 
     Attributes
     ----------
     ax : Axes3D
-        Where.
+        Axes of the figure.
     data : PoinsotPicture
-        What.
+        Data of the figure.
     ellipsoid, plane : Poly3DCollection
         The ellipsoid and the invariable plane.
     polhode, hidden : Line3D
-        The polhode on this side of the ellipsoid, and behind it.
+        The polhode on the visible and on the hidden side of the ellipsoid.
     herpolhode, contact : Line3D
-        The curve in the plane, and the point of contact.
+        The herpolhode, and the point of contact.
     omega, momentum : SpaceArrow
-        The angular velocity, which ends in the contact, and the direction of L.
+        Arrows of the angular velocity, which ends at the contact, and of the direction of L.
     """
 
     ax: Any
@@ -98,14 +98,14 @@ class PoinsotArtists:
 
 
 def poinsot_data(run: Run, *, frame: int = 0) -> PoinsotPicture:
-    """The numbers under :func:`poinsot`.
+    """Data of the figure :func:`poinsot`.
 
     Parameters
     ----------
     run : Run
-        Of a single free body, with attitudes.
+        Run of a single free body, with attitudes.
     frame : int
-        Which of its times is shown.
+        Index of the time to show.
 
     Returns
     -------
@@ -114,10 +114,10 @@ def poinsot_data(run: Run, *, frame: int = 0) -> PoinsotPicture:
     Raises
     ------
     TypeError
-        If the run is not that of a free body.
+        If the scene of the run is no free body.
     ValueError
-        If attitudes are missing, there is more than one body, it is at rest or under torque or
-        damping, or there is no such time.
+        If attitudes are missing, the run has several bodies, the body is at rest or under torque or
+        damping, or the index is out of range.
 
     Examples
     --------
@@ -132,7 +132,7 @@ def poinsot_data(run: Run, *, frame: int = 0) -> PoinsotPicture:
     scene = scene_from_dict(run.spec["scene"])
     if not isinstance(scene, FreeBody):
         raise TypeError(f"scene = {scene!r}: Poinsot's picture is that of a rigid.FreeBody")
-    undriven(scene, "Poinsot's picture")
+    require_unforced(scene, "Poinsot's picture")
     omega, attitude = states_of(run)
     k = _index("frame", frame, len(run.t))
     rolled = free.poinsot(scene, omega, attitude)
@@ -151,18 +151,19 @@ def poinsot_data(run: Run, *, frame: int = 0) -> PoinsotPicture:
 
 
 def poinsot(run: Run, *, frame: int = 0, ax: Any | None = None) -> PoinsotArtists:
-    """Draw Poinsot's picture: the inertia ellipsoid rolls on a plane that is fixed in space.
+    """Draw Poinsot's construction: the inertia ellipsoid rolls on a plane that is fixed in space.
 
-    It touches the plane in omega, at rest for the moment; the point of contact describes the
-    polhode on the ellipsoid and the herpolhode in the plane (Landau and Lifshitz, *Mechanics*,
-    § 37; Goldstein, *Classical Mechanics*, § 5.6; lecture notes, fig. 5.3).
+    The ellipsoid touches the plane at omega, on the momentary axis of rotation. The point of
+    contact moves along the polhode on the ellipsoid and along the herpolhode in the plane (Landau
+    and Lifshitz, *Mechanics*, § 37; Goldstein, *Classical Mechanics*, § 5.6; lecture notes,
+    fig. 5.3).
 
     Parameters
     ----------
     run, frame
         As in :func:`poinsot_data`.
     ax : Axes3D, optional
-        Where to draw; by default on a new figure that pyplot does not know.
+        Axes to draw on; by default those of a new figure, which pyplot does not manage.
 
     Returns
     -------
@@ -173,7 +174,7 @@ def poinsot(run: Run, *, frame: int = 0, ax: Any | None = None) -> PoinsotArtist
     TypeError, ValueError
         As in :func:`poinsot_data`, and if the axes are not three-dimensional.
     ImportError
-        Without matplotlib.
+        If Matplotlib is not installed.
 
     Examples
     --------

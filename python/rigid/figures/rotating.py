@@ -1,4 +1,4 @@
-"""A body that turns: its points, their circles and their velocities."""
+"""A rotating body: points, their circles and their velocities."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._check import positive_int, shaped
+from .._checks.arguments import positive_int, shaped
+from ..drawing import colours
+from ..drawing.axes3d import arrow, curve, fit, in_space
 from ..particles import velocity_field
-from ..so3 import rotate
-from . import colours
-from ._draw import arrow, curve, fit, in_space
+from ..rotations.so3 import rotate
 from .symmetric import turning
 
 __all__ = ["RotatingBody", "RotatingBodyArtists", "rotating_body", "rotating_body_data"]
@@ -29,9 +29,9 @@ class RotatingBody:
     omega : ndarray, shape (3,)
         Angular velocity (rad/s).
     positions, velocities : ndarray, shape (N, 3)
-        Of the points (m, m/s): ``v = omega × r``.
+        Positions and velocities of the points (m, m/s): ``v = omega × r``.
     circles : ndarray, shape (N, m, 3)
-        The circle on which each point goes (m).
+        The circle on which each point moves (m).
     """
 
     omega: Floats
@@ -42,17 +42,17 @@ class RotatingBody:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class RotatingBodyArtists:
-    """What :func:`rotating_body` has drawn.
+    """Artists of the figure :func:`rotating_body`.
 
     Attributes
     ----------
     ax : Axes3D
-        Where.
+        Axes of the figure.
     data : RotatingBody
-        What.
+        Data of the figure.
     omega, position : SpaceArrow
-        The angular velocity, and the position of one point; an arrow has its ``start`` and its
-        ``vector``. Velocities are scaled to one common size.
+        Arrows of the angular velocity and of the position of one point, with the attributes
+        ``start`` and ``vector``.
     velocities : tuple of N SpaceArrow
         The velocities.
     points : Line3D
@@ -70,7 +70,7 @@ class RotatingBodyArtists:
 def rotating_body_data(
     positions: ArrayLike, omega: ArrayLike, *, samples: int = 97
 ) -> RotatingBody:
-    """Velocities and paths under :func:`rotating_body`.
+    """Velocities and paths of the figure :func:`rotating_body`.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ def rotating_body_data(
     omega : array_like, shape (3,)
         Angular velocity (rad/s), not zero.
     samples : int
-        Points of a circle, the first and the last of which coincide.
+        Number of points of a circle; the first and the last point coincide.
 
     Returns
     -------
@@ -112,17 +112,17 @@ def rotating_body_data(
 def rotating_body(
     positions: ArrayLike, omega: ArrayLike, *, ax: Any | None = None
 ) -> RotatingBodyArtists:
-    """Draw the points of a body that turns, with their velocities ``v = omega × r``.
+    """Draw the points of a rotating body with their velocities ``v = omega × r``.
 
-    Every point goes on a circle about the axis; the point that is farthest from the axis has its
-    names (Ercan 2016, fig. 9).
+    Every point moves on a circle about the axis; the point that is farthest from the axis has
+    labels (Ercan 2016, fig. 9).
 
     Parameters
     ----------
     positions, omega
         As in :func:`rotating_body_data`.
     ax : Axes3D, optional
-        Where to draw; by default on a new figure that pyplot does not know.
+        Axes to draw on; by default those of a new figure, which pyplot does not manage.
 
     Returns
     -------
@@ -133,7 +133,7 @@ def rotating_body(
     ValueError
         As in :func:`rotating_body_data`, and if the axes are not three-dimensional.
     ImportError
-        Without matplotlib.
+        If Matplotlib is not installed.
 
     Examples
     --------

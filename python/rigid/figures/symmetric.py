@@ -1,4 +1,4 @@
-"""The free symmetric top: where omega, L and the axis are."""
+"""The free symmetric top: directions of omega, L and the axis."""
 
 from __future__ import annotations
 
@@ -9,11 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._check import finite_float, vector
-from .._given import BodyLike, moments_of
-from ..free import symmetric_free_top
-from . import colours
-from ._draw import (
+from .._checks.arguments import finite_float, vector
+from ..drawing import colours
+from ..drawing.axes3d import (
     arc,
     arrow,
     arrow_in_plane,
@@ -21,9 +19,10 @@ from ._draw import (
     fit,
     in_space,
     label,
-    label_in_plane,
     panels,
 )
+from ..free import symmetric_free_top
+from ..model.body_like import BodyLike, moments_of
 
 __all__ = [
     "CoplanarVectors",
@@ -41,16 +40,16 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FreeTopOmega:
-    """The angular velocity of a free symmetric top, seen from the body.
+    """The angular velocity of a free symmetric top in the body frame.
 
     Attributes
     ----------
     axis : ndarray, shape (3,)
         Unit vector along the axis of symmetry.
     k : float
-        Rate at which omega turns about it (rad/s).
+        Rate at which omega turns about the axis (rad/s).
     amplitude : float
-        ``A``, the part of omega across the axis (rad/s).
+        ``A``, the size of the component of omega perpendicular to the axis (rad/s).
     angle : float
         ``k t`` (rad).
     path : ndarray, shape (m, 3)
@@ -70,19 +69,19 @@ class FreeTopOmega:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FreeTopOmegaArtists:
-    """What :func:`free_top_omega` has drawn.
+    """Artists of the figure :func:`free_top_omega`.
 
     Attributes
     ----------
     ax : Axes3D
-        Where.
+        Axes of the figure.
     data : FreeTopOmega
-        What.
+        Data of the figure.
     start, now, amplitude : SpaceArrow
-        omega at both times, and its part across the axis; an arrow has its ``start`` and its
-        ``vector``.
+        Arrows of omega at both times and of its component perpendicular to the axis, with the
+        attributes ``start`` and ``vector``.
     path, projection : Line3D
-        The circle of omega, and that of its part across the axis.
+        The circle of omega, and the circle of its component perpendicular to the axis.
     """
 
     ax: Any
@@ -97,7 +96,7 @@ class FreeTopOmegaArtists:
 def free_top_omega_data(
     body: BodyLike, omega: ArrayLike, *, t: float = 0.0, samples: int = 121
 ) -> FreeTopOmega:
-    """Vectors under :func:`free_top_omega`.
+    """Vectors of the figure :func:`free_top_omega`.
 
     Parameters
     ----------
@@ -108,7 +107,7 @@ def free_top_omega_data(
     t : float
         Time (s).
     samples : int
-        Points of the path.
+        Number of points of the path.
 
     Returns
     -------
@@ -117,7 +116,7 @@ def free_top_omega_data(
     Raises
     ------
     ValueError
-        If the top is not symmetric, does not turn, or an argument is not finite.
+        If the top is not symmetric, omega is zero, or an argument is not finite.
 
     Examples
     --------
@@ -147,17 +146,18 @@ def free_top_omega_data(
 def free_top_omega(
     body: BodyLike, omega: ArrayLike, *, t: float = 0.0, ax: Any | None = None
 ) -> FreeTopOmegaArtists:
-    """Draw how omega turns about the axis of a free symmetric top, seen from the body.
+    """Draw how omega turns about the axis of a free symmetric top in the body frame.
 
-    Its part along the axis stays, that across it turns by ``k t`` on a circle of radius ``A``: one
-    way for an oblate top, the other for a prolate one (Ercan 2016, fig. 10, eqs. (43)-(45)).
+    The component along the axis is constant; the perpendicular component turns by ``k t`` on a
+    circle of radius ``A``, in opposite directions for oblate and prolate tops (Ercan 2016, fig. 10,
+    eqs. (43)-(45)).
 
     Parameters
     ----------
     body, omega, t
         As in :func:`free_top_omega_data`.
     ax : Axes3D, optional
-        Where to draw; by default on a new figure that pyplot does not know.
+        Axes to draw on; by default those of a new figure, which pyplot does not manage.
 
     Returns
     -------
@@ -168,7 +168,7 @@ def free_top_omega(
     ValueError
         As in :func:`free_top_omega_data`, and if the axes are not three-dimensional.
     ImportError
-        Without matplotlib.
+        If Matplotlib is not installed.
 
     Examples
     --------
@@ -192,7 +192,7 @@ def free_top_omega(
     _tips(ax, data.path, purple)
     drop = np.array([data.now, data.now - along])
     curve(ax, drop, colours.FAINT, linewidth=1.0, linestyle="dashed")
-    # The vector at time 0 only where it is not the one at time t.
+    # Draw the vector at time 0 only if it differs from the vector at time t.
     start = arrow(ax, data.start, purple, linewidth=1.2, linestyle="dashed", alpha=0.7)
     now = arrow(ax, data.now, purple, r"$\boldsymbol{\omega}(t)$", linewidth=2.4)
     amplitude = arrow(ax, data.now - along, black, "$A$", linewidth=1.8)
@@ -219,14 +219,14 @@ def free_top_omega(
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CoplanarVectors:
-    """L, omega and the axis of a free symmetric top, in the plane in which all three lie.
+    """L, omega and the axis of a free symmetric top, in their common plane.
 
     Attributes
     ----------
     along, across : float
-        Moments about the axis of symmetry and across it, ``I3`` and ``I`` (kg m²).
+        Moments about the axis of symmetry, ``I3``, and about a perpendicular axis, ``I`` (kg m²).
     omega, momentum : ndarray, shape (2,)
-        Parts across and along the axis, of omega (rad/s) and of L (kg m²/s).
+        Components of omega (rad/s) and of L (kg m²/s) perpendicular to the axis and along it.
     alpha, theta : float
         Angles of omega and of L from the axis (rad).
     """
@@ -241,16 +241,16 @@ class CoplanarVectors:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CoplanarVectorsArtists:
-    """What :func:`coplanar_vectors` has drawn, a panel for each body.
+    """Artists of the figure :func:`coplanar_vectors`, which has a panel for each body.
 
     Attributes
     ----------
     axes : tuple of Axes
         The panels.
     data : tuple of CoplanarVectors
-        What.
+        Data of the figure.
     omega, momentum : tuple of PlaneArrow
-        omega, and L scaled to a length that can be compared; an arrow has its ``start`` and its
+        Arrows of omega, and of L scaled to a comparable length, with the attributes ``start`` and
         ``vector``.
     """
 
@@ -261,7 +261,7 @@ class CoplanarVectorsArtists:
 
 
 def coplanar_vectors_data(body: BodyLike, omega: ArrayLike) -> CoplanarVectors:
-    """Vectors under a panel of :func:`coplanar_vectors`.
+    """Vectors of one panel of the figure :func:`coplanar_vectors`.
 
     Parameters
     ----------
@@ -312,11 +312,11 @@ def coplanar_vectors(
     Parameters
     ----------
     bodies : sequence of Body, FreeBody or array_like, shape (3,)
-        One for each panel, for instance an oblate and a prolate one.
+        A body for each panel, for example an oblate and a prolate top.
     omega : array_like, shape (3,)
-        Angular velocity in the body (rad/s), the same for all.
+        Angular velocity in the body (rad/s), used for all bodies.
     axes : sequence of Axes, optional
-        Where to draw; by default on a new figure that pyplot does not know.
+        Axes to draw on; by default those of a new figure, which pyplot does not manage.
 
     Returns
     -------
@@ -325,9 +325,9 @@ def coplanar_vectors(
     Raises
     ------
     ValueError
-        As in :func:`coplanar_vectors_data`, and if there are no bodies or not as many axes.
+        As in :func:`coplanar_vectors_data`, and if there are no bodies, or not one axes for each.
     ImportError
-        Without matplotlib.
+        If Matplotlib is not installed.
 
     Examples
     --------
@@ -359,7 +359,7 @@ def _draw_coplanar(ax: Any, data: CoplanarVectors) -> tuple[Any, Any]:
         turn = np.linspace(0.0, angle, 49)[:, np.newaxis]
         points = radius * size * np.hstack([np.sin(turn), np.cos(turn)])
         curve(ax, points, colours.ANGLE.colour)
-        label_in_plane(ax, points[24] * (1.0 + 0.06 / radius), text)
+        label(ax, points[24] * (1.0 + 0.06 / radius), text)
     kind = "oblate: $I_3 > I$" if data.along > data.across else "prolate: $I_3 < I$"
     sign = "<" if data.theta < data.alpha else ">"
     if data.along == data.across:
@@ -373,7 +373,7 @@ def _draw_coplanar(ax: Any, data: CoplanarVectors) -> tuple[Any, Any]:
 
 
 def turning(omega: ArrayLike) -> Floats:
-    """Rates of a body that turns."""
+    """The angular velocity, which must not be zero."""
     rates = vector("omega", omega, 3)
     if not rates.any():
         raise ValueError(f"omega = {rates.tolist()}: must not be zero, a body at rest has no axis")
@@ -381,7 +381,7 @@ def turning(omega: ArrayLike) -> Floats:
 
 
 def _tips(ax: Any, path: Floats, colour: str) -> None:
-    """Arrow heads along a closed path, to tell its sense."""
+    """Arrow heads that show the direction along a closed path."""
     for place in range(len(path) // 6, len(path) - 2, len(path) // 3):
         step = path[place + 1] - path[place]
         if step.any():

@@ -1,4 +1,4 @@
-"""Rates and invariants against time: a thrown body, and what a run keeps."""
+"""Angular velocities of a thrown body, and drift of the constants of motion of a run, over time."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import free
-from ..scenes import HeavyTop, scene_from_dict
-from ..simulate import Run
+from ..drawing import colours
+from ..drawing.axes3d import in_plane, label, panels
+from ..model.scene import HeavyTop, scene_from_dict
+from ..solve.run import Run
 from ..top.constants import symmetry_of
-from . import colours
-from ._draw import in_plane, label_in_plane, panels
 
 __all__ = [
     "Drift",
@@ -30,14 +30,14 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ThrowArtists:
-    """What :func:`throw` has drawn.
+    """Artists of the figure :func:`throw`.
 
     Attributes
     ----------
     axes : tuple of 6 Axes
-        Where: clean about the axes 1, 2, 3, then with noise.
+        Axes of the runs about the axes 1, 2, 3 without noise, then with noise.
     data : ThrowExperiment
-        What.
+        Data of the figure.
     omega : tuple of 6 tuples of 3 Line2D
         The rates about the axes of the body.
     dots : tuple of 6 Line2D
@@ -51,18 +51,19 @@ class ThrowArtists:
 
 
 def throw(experiment: free.ThrowExperiment, *, axes: Sequence[Any] | None = None) -> ThrowArtists:
-    """Draw the rates of a body thrown about each of its axes, cleanly and with noise.
+    """Draw the rates of a body thrown about each of its axes, with and without noise.
 
-    The dots are the largest real part of an eigenvalue of the Jacobian at whole seconds: how fast a
-    disturbance would grow if the rates stood still. They are positive on stable motions too, and no
-    label of stability (Buller and Wernstål 2011, fig. 3; errata S-14, S-15).
+    The dots are the largest real part of an eigenvalue of the Jacobian at whole seconds: the growth
+    rate of a disturbance if the angular velocity were constant. The value is positive on stable
+    motions too, so do not read it as stability (Buller and Wernstål 2011, fig. 3; errata S-14,
+    S-15).
 
     Parameters
     ----------
     experiment : ThrowExperiment
-        Runs of :func:`rigid.free.throw_experiment`, which has all the numbers.
+        Result of :func:`rigid.free.throw_experiment`.
     axes : sequence of 6 Axes, optional
-        Where to draw; by default on a new figure that pyplot does not know.
+        Axes to draw on; by default those of a new figure, which pyplot does not manage.
 
     Returns
     -------
@@ -71,11 +72,11 @@ def throw(experiment: free.ThrowExperiment, *, axes: Sequence[Any] | None = None
     Raises
     ------
     TypeError
-        If ``experiment`` is none.
+        If ``experiment`` is no :class:`rigid.free.ThrowExperiment`.
     ValueError
         If there are not six axes.
     ImportError
-        Without matplotlib.
+        If Matplotlib is not installed.
 
     Examples
     --------
@@ -111,33 +112,33 @@ def throw(experiment: free.ThrowExperiment, *, axes: Sequence[Any] | None = None
             ax.set_xlabel("$t$ (s)")
     for row in (0, 3):
         places[row].set_ylabel(r"$\omega$ (rad/s)")
-    # Names in the first panel, where the rates are apart and constant.
+    # Write the names in the first panel, where the rates differ and are constant.
     for place, (name, colour) in enumerate(
         [(rf"$\omega_{k + 1}$", ink.colour) for k, ink in enumerate(colours.AXES)]
         + [(r"max Re $\lambda$ (1/s)", "black")]
     ):
         where = np.array([0.04 + 0.13 * place, 0.62])
         style: dict[str, Any] = {"transform": places[0].transAxes, "ha": "left"}
-        label_in_plane(places[0], where, name, colour, fontsize="medium", **style)
+        label(places[0], where, name, colour, fontsize="medium", **style)
     return ThrowArtists(axes=tuple(places), data=experiment, omega=tuple(lines), dots=tuple(dots))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Drift:
-    """How far the constants of a motion are from their first values.
+    """Drift of the constants of motion from their first values.
 
     Attributes
     ----------
     t : ndarray, shape (m,)
         Times (s).
     names : tuple of str of length k
-        ``"energy"``; of a free body ``"L"``, its size, and ``"L_space"``, the vector; of a heavy
-        top ``"p_phi"``, about the vertical, and of a symmetric one ``"p_psi"``. Under torque or
-        damping only ``"energy less work"``.
+        ``"energy"``; for a free body ``"L"``, the size of the angular momentum, and ``"L_space"``,
+        the vector in space; for a heavy top ``"p_phi"``, and for a symmetric top ``"p_psi"``. Under
+        torque or damping only ``"energy less work"``.
     drift : ndarray, shape (k, m)
-        Size of the difference: of energies relative to the kinetic energy at the start (under
-        torque, to the largest), plus ``mgl``; of momenta to ``|L|`` at the start, plus
-        ``sqrt(mgl I_max)``.
+        Size of the difference. Energies are relative to the kinetic energy at the start (under
+        torque, to the largest kinetic energy) plus ``mgl``; momenta are relative to ``|L|`` at the
+        start plus ``sqrt(mgl I_max)``.
     """
 
     t: Floats
@@ -147,16 +148,16 @@ class Drift:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class DriftArtists:
-    """What :func:`invariants` has drawn.
+    """Artists of the figure :func:`invariants`.
 
     Attributes
     ----------
     ax : Axes
-        Where.
+        Axes of the figure.
     data : Drift
-        What.
+        Data of the figure.
     lines : tuple of k Line2D
-        The drifts, in the order of their names.
+        The drifts, in the order of ``data.names``.
     """
 
     ax: Any
@@ -178,12 +179,12 @@ ROUNDING = float(np.finfo(np.float64).eps)
 
 
 def invariants_data(run: Run) -> Drift:
-    """The numbers under :func:`invariants`, of :func:`rigid.free.invariants`.
+    """Data of the figure :func:`invariants`, by :func:`rigid.free.invariants`.
 
     Parameters
     ----------
     run : Run
-        Of a single body; a heavy top needs its vertical or its attitude.
+        Run of a single body; for a heavy top with the vertical or the attitude.
 
     Returns
     -------
@@ -192,10 +193,10 @@ def invariants_data(run: Run) -> Drift:
     Raises
     ------
     TypeError
-        If ``run`` is none.
+        If ``run`` is no :class:`rigid.Run`.
     ValueError
-        If it has many bodies, less than two times or states that are not finite, or lacks the
-        vertical.
+        If the run has several bodies, fewer than two times or states that are not finite, or lacks
+        the vertical.
 
     Examples
     --------
@@ -244,17 +245,17 @@ def invariants_data(run: Run) -> Drift:
 
 
 def invariants(run: Run, *, ax: Any | None = None) -> DriftArtists:
-    """Draw how far energy and angular momentum of a run drift, on a logarithmic scale.
+    """Draw the drift of energy and angular momentum of a run, on a logarithmic scale.
 
-    The grey line is the rounding of a single number; what is exactly as at the start lies at the
-    lower edge. A constant that a scheme keeps stays down there, one that it does not keep drifts.
+    The grey line is the rounding of a single number; a drift of exactly zero is drawn at the lower
+    edge. A constant that a scheme conserves remains near the grey line; other constants drift.
 
     Parameters
     ----------
     run
         As in :func:`invariants_data`.
     ax : Axes, optional
-        Where to draw; by default on a new figure that pyplot does not know.
+        Axes to draw on; by default those of a new figure, which pyplot does not manage.
 
     Returns
     -------
@@ -265,7 +266,7 @@ def invariants(run: Run, *, ax: Any | None = None) -> DriftArtists:
     TypeError, ValueError
         As in :func:`invariants_data`, and if the axes are not two-dimensional.
     ImportError
-        Without matplotlib.
+        If Matplotlib is not installed.
 
     Examples
     --------
@@ -295,5 +296,5 @@ def invariants(run: Run, *, ax: Any | None = None) -> DriftArtists:
 
 
 def _known(values: Floats | None) -> Floats:
-    assert values is not None  # the energy of a heavy top has needed its vertical
+    assert values is not None  # invariants() raises for a heavy top without vertical
     return values

@@ -1,4 +1,4 @@
-"""Small turns: of a vector or of the axes, and of a unit vector about another."""
+"""Small turns of a vector or of the axes, and of a unit vector about another."""
 
 from __future__ import annotations
 
@@ -9,12 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._check import finite_float, vector
-from ..euler import rotation_z
-from ..so3 import rotate
-from ..starts import body_axis
-from . import colours
-from ._draw import (
+from .._checks.arguments import finite_float, vector
+from ..drawing import colours
+from ..drawing.axes3d import (
     arc,
     arrow,
     arrow_in_plane,
@@ -23,9 +20,11 @@ from ._draw import (
     fit,
     in_space,
     label,
-    label_in_plane,
     panels,
 )
+from ..model.start import body_axis
+from ..rotations.euler import rotation_z
+from ..rotations.so3 import rotate
 
 __all__ = [
     "ActivePassive",
@@ -43,14 +42,14 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ActivePassive:
-    """The two readings of one turn in a plane.
+    """A turn in a plane, passive and active.
 
     Attributes
     ----------
     angle : float
-        Of the turn (rad).
+        Angle of the turn (rad).
     vector : ndarray, shape (2,)
-        The vector before it.
+        The vector before the turn.
     axes : ndarray, shape (2, 2)
         Passive: unit vectors along the turned axes, one in a row.
     seen : ndarray, shape (2,)
@@ -58,7 +57,7 @@ class ActivePassive:
     turned : ndarray, shape (2,)
         Active: the turned vector.
     first_order : ndarray, shape (2,)
-        What the active turn adds to first order, ``angle n × r``.
+        Change of the vector by the active turn to first order, ``angle n × r``.
     """
 
     angle: float
@@ -71,18 +70,18 @@ class ActivePassive:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ActivePassiveArtists:
-    """What :func:`active_passive` has drawn.
+    """Artists of the figure :func:`active_passive`.
 
     Attributes
     ----------
     axes : tuple of 2 Axes
         The panels, passive and active.
     data : ActivePassive
-        What.
+        Data of the figure.
     turned_axes : tuple of 2 PlaneArrow
-        Passive: the axes after the turn; an arrow has its ``start`` and its ``vector``.
+        Passive: the axes after the turn; an arrow has the attributes ``start`` and ``vector``.
     vector, turned, change : PlaneArrow
-        Active: the vector before and after the turn, and what it gains to first order.
+        Active: the vector before and after the turn, and its change to first order.
     """
 
     axes: tuple[Any, ...]
@@ -94,12 +93,12 @@ class ActivePassiveArtists:
 
 
 def active_passive_data(angle: float, *, vector: ArrayLike = (0.75, 0.6)) -> ActivePassive:
-    """Vectors under :func:`active_passive`.
+    """Vectors of the figure :func:`active_passive`.
 
     Parameters
     ----------
     angle : float
-        Of the turn (rad).
+        Angle of the turn (rad).
     vector : array_like, shape (2,)
         The vector, not zero.
 
@@ -110,7 +109,7 @@ def active_passive_data(angle: float, *, vector: ArrayLike = (0.75, 0.6)) -> Act
     Raises
     ------
     ValueError
-        If the vector is zero or an argument not finite.
+        If the vector is zero or an argument is not finite.
 
     Examples
     --------
@@ -139,18 +138,18 @@ def active_passive(
     vector: ArrayLike = (0.75, 0.6),
     axes: Sequence[Any] | None = None,
 ) -> ActivePassiveArtists:
-    """Draw a turn as one of the axes, and as one of the vector.
+    """Draw a turn of the axes (passive) and a turn of the vector (active).
 
-    Passive, the axes turn and the vector gets other components; active, the vector turns and gains
-    ``angle n × r`` to first order. The components of one are those of the other by the opposite
-    angle (lecture notes, fig. 5.1).
+    In the passive turn the axes turn and the components of the vector change. In the active turn
+    the vector turns and changes by ``angle n × r`` to first order. A passive turn gives the same
+    components as the active turn by the opposite angle (lecture notes, fig. 5.1).
 
     Parameters
     ----------
     angle, vector
         As in :func:`active_passive_data`.
     axes : sequence of 2 Axes, optional
-        Where to draw; by default on a new figure that pyplot does not know.
+        Axes to draw on; by default those of a new figure, which pyplot does not manage.
 
     Returns
     -------
@@ -161,7 +160,7 @@ def active_passive(
     ValueError
         As in :func:`active_passive_data`, and if there are not two axes.
     ImportError
-        Without matplotlib.
+        If Matplotlib is not installed.
 
     Examples
     --------
@@ -192,7 +191,7 @@ def active_passive(
     purple = colours.HUES["purple"]
     change = arrow_in_plane(active, data.first_order, purple, start=data.vector, linewidth=1.4)
     beside = data.vector + 0.5 * data.first_order + 0.04 * data.vector
-    label_in_plane(active, beside, r"$\varepsilon\,\mathbf{n}\times\mathbf{r}$", purple, ha="left")
+    label(active, beside, r"$\varepsilon\,\mathbf{n}\times\mathbf{r}$", purple, ha="left")
     start = float(np.arctan2(data.vector[1], data.vector[0]))
     _flat_arc(active, start, start + data.angle, 0.42 * length)
 
@@ -219,13 +218,13 @@ class UnitVectorChange:
     Attributes
     ----------
     angle : float
-        Of the turn (rad).
+        Angle of the turn (rad).
     unit, about : ndarray, shape (3,)
-        The vector before the turn, and that which it is about.
+        The vector before the turn, and the axis of the turn.
     turned : ndarray, shape (3,)
-        The vector after it.
+        The vector after the turn.
     change : ndarray, shape (3,)
-        The difference of the two.
+        Difference of the vector after and before the turn.
     first_order : ndarray, shape (3,)
         ``angle about × unit``.
     """
@@ -240,18 +239,18 @@ class UnitVectorChange:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class UnitVectorChangeArtists:
-    """What :func:`unit_vector_change` has drawn.
+    """Artists of the figure :func:`unit_vector_change`.
 
     Attributes
     ----------
     ax : Axes3D
-        Where.
+        Axes of the figure.
     data : UnitVectorChange
-        What.
+        Data of the figure.
     axes : tuple of 3 SpaceArrow
-        The unit vectors before the turn; an arrow has its ``start`` and its ``vector``.
+        The unit vectors before the turn; an arrow has the attributes ``start`` and ``vector``.
     turned, change, first_order : SpaceArrow
-        The vector after it, the difference, and the difference to first order.
+        The vector after the turn, the difference, and the difference to first order.
     """
 
     ax: Any
@@ -263,14 +262,14 @@ class UnitVectorChangeArtists:
 
 
 def unit_vector_change_data(angle: float, *, unit: int = 1, about: int = 2) -> UnitVectorChange:
-    """Vectors under :func:`unit_vector_change`.
+    """Vectors of the figure :func:`unit_vector_change`.
 
     Parameters
     ----------
     angle : float
-        Of the turn (rad).
+        Angle of the turn (rad).
     unit, about : {1, 2, 3}
-        Which unit vector changes, and which it turns about; not the same.
+        Number of the unit vector that turns, and number of the axis of the turn; they must differ.
 
     Returns
     -------
@@ -279,7 +278,7 @@ def unit_vector_change_data(angle: float, *, unit: int = 1, about: int = 2) -> U
     Raises
     ------
     ValueError
-        If the angle is not finite, or the two are the same or not one of the three.
+        If the angle is not finite, or ``unit`` and ``about`` are equal or not 1, 2 or 3.
 
     Examples
     --------
@@ -309,14 +308,14 @@ def unit_vector_change(
     """Draw how a unit vector changes in a small turn about another: ``d e/dt = omega × e``.
 
     A turn about axis 2 moves the first unit vector towards the negative third axis (Ercan 2016,
-    fig. 8, eqs. (13)-(15), whose caption has the first axis there, erratum D-05).
+    fig. 8, eqs. (13)-(15); the caption names the first axis instead, erratum D-05).
 
     Parameters
     ----------
     angle, unit, about
         As in :func:`unit_vector_change_data`.
     ax : Axes3D, optional
-        Where to draw; by default on a new figure that pyplot does not know.
+        Axes to draw on; by default those of a new figure, which pyplot does not manage.
 
     Returns
     -------
@@ -327,7 +326,7 @@ def unit_vector_change(
     ValueError
         As in :func:`unit_vector_change_data`, and if the axes are not three-dimensional.
     ImportError
-        Without matplotlib.
+        If Matplotlib is not installed.
 
     Examples
     --------
@@ -388,11 +387,11 @@ def _flat_arc(ax: Any, start: float, end: float, radius: float) -> None:
     angles = np.linspace(start, end, 49)[:, np.newaxis]
     points = radius * np.hstack([np.cos(angles), np.sin(angles)])
     curve(ax, points, colours.ANGLE.colour)
-    label_in_plane(ax, 1.2 * points[24], r"$\varepsilon$")
+    label(ax, 1.2 * points[24], r"$\varepsilon$")
 
 
 def _flat(ax: Any, points: Floats, margin: float) -> None:
-    """A plane to scale and without frame."""
+    """Prepare axes with equal scales and without frame."""
     low, high = points.min(axis=0) - margin, points.max(axis=0) + margin
     ax.set_aspect("equal")
     ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))

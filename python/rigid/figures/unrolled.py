@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import top
-from .._check import finite_float, positive_int, shaped
-from .._shown import undriven
-from ..euler import rotation_x
-from ..quaternions import matrix_to_quaternion
-from ..scenes import HeavyTop
-from ..solidshapes import across
-from . import colours
-from ._draw import panels
+from .._checks.arguments import finite_float, positive_int, shaped
+from ..animation.states import require_unforced
+from ..drawing import colours
+from ..drawing.axes3d import panels
+from ..drawing.shapes import across
+from ..model.scene import HeavyTop
+from ..rotations.euler import rotation_x
+from ..rotations.quaternions import matrix_to_quaternion
 from .paths import UP, WORDS
 
 if TYPE_CHECKING:
@@ -30,22 +30,22 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Cycloids:
-    """Paths of the axis of a fast top, unrolled, and the cycloids that they come near.
+    """Paths of the axis of a fast top, unrolled, and the cycloids that approximate them.
 
     Attributes
     ----------
     t : ndarray, shape (m,)
         Times (s).
     kind : ndarray of str, shape (k,)
-        Of the cycloid: that of :func:`rigid.top.fast_top_approx`.
+        Kind of the cycloid, from :func:`rigid.top.fast_top_approx`.
     tilt : float
         At the start (rad).
     precession : ndarray, shape (k,)
         Rates at the start (rad/s).
     phi, theta : ndarray, shape (k, m)
-        Azimuth from the start and tilt by closed form (rad).
+        Azimuth relative to the start and tilt (rad), by closed form.
     phi_approx, theta_approx : ndarray, shape (k, m)
-        The same to first order in the amplitude.
+        Azimuth and tilt to first order in the amplitude.
     """
 
     t: Floats
@@ -60,14 +60,14 @@ class Cycloids:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CycloidsArtists:
-    """What :func:`cycloids` has drawn.
+    """Artists of the figure :func:`cycloids`.
 
     Attributes
     ----------
     axes : tuple of k Axes
-        Where.
+        Axes of the figure.
     data : Cycloids
-        What.
+        Data of the figure.
     exact, approximate : tuple of k Line2D
         The paths and the cycloids.
     """
@@ -87,7 +87,7 @@ def cycloids_data(
     periods: float = 4.0,
     samples: int = 801,
 ) -> Cycloids:
-    """The numbers under :func:`cycloids`.
+    """Data of the figure :func:`cycloids`.
 
     Parameters
     ----------
@@ -96,12 +96,12 @@ def cycloids_data(
     tilt : float
         Tilt at the start (rad), a turning point.
     spin : float
-        Rate about the body axis that the centre of mass lies on (rad/s), not zero.
+        Rate about the body axis through the centre of mass (rad/s), not zero.
     pushes : array_like, shape (k,)
         Rates of precession at the start, in units of ``omega_P = mgl / (I3 omega3)``: 0 for a top
-        that is let go, 1 for one that goes on steadily, and less than 0 for loops.
+        released from rest, 1 for steady precession, less than 0 for loops.
     periods : float
-        Length, in periods of the nutation to first order.
+        Duration, in periods of the nutation to first order.
     samples : int
         Number of times.
 
@@ -112,8 +112,8 @@ def cycloids_data(
     Raises
     ------
     ValueError
-        If the top is not symmetric or not left to itself, has no spin, or an argument is out of
-        range.
+        If the top is not symmetric, torque or damping acts, the spin is zero, or an argument is out
+        of range.
 
     Examples
     --------
@@ -123,7 +123,7 @@ def cycloids_data(
     >>> figures.cycloids_data(scene, 1.0, 40.0).kind.tolist()
     ['curtate', 'cusp', 'prolate']
     """
-    undriven(scene, "cycloids")
+    require_unforced(scene, "cycloids")
     angle = finite_float("tilt", tilt)
     rate = finite_float("spin", spin)
     shares = shaped("pushes", pushes, None)
@@ -172,7 +172,7 @@ def cycloids(
     periods: float = 4.0,
     axes: Sequence[Any] | None = None,
 ) -> CycloidsArtists:
-    """Draw the path of the axis of a fast top, unrolled, and the cycloid that it comes near.
+    """Draw the path of the axis of a fast top, unrolled, and the cycloid that approximates it.
 
     Goldstein, *Classical Mechanics*, § 5.7; Ercan 2016, fig. 16 and eqs. (65)-(68): curtate, cusped
     or prolate as ``|omega_P - omega_0|`` is below, at or above ``omega_P``.
@@ -182,7 +182,8 @@ def cycloids(
     scene, tilt, spin, pushes, periods
         As in :func:`cycloids_data`.
     axes : sequence of k Axes, optional
-        Where to draw; by default on a new figure that pyplot does not know, one above the other.
+        Axes to draw on; by default those of a new figure, one above the other, which pyplot does
+        not manage.
 
     Returns
     -------
@@ -193,7 +194,7 @@ def cycloids(
     ValueError
         As in :func:`cycloids_data`, and if there are not k axes.
     ImportError
-        Without matplotlib.
+        If Matplotlib is not installed.
 
     Examples
     --------

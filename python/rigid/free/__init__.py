@@ -1,8 +1,12 @@
-"""Free rotation: Euler's equations, free tops, Poinsot's picture, and which rotations last.
+"""Free rotation: Euler's equations, free tops, Poinsot's construction, and stable rotations.
 
 Body axes are principal axes, ``omega`` is in the body (rad/s), attitudes are unit quaternions,
-scalar first, body to space. Arrays may have any leading axes. Motion itself is that of
-:func:`rigid.simulate` and :mod:`rigid.exact`; this is the textbook's view of it.
+scalar first, body to space. Arrays may have any leading axes. For the motion use
+:func:`rigid.simulate` or :mod:`rigid.exact`; this package has the quantities of textbooks.
+
+The package uses :mod:`rigid.exact`, :mod:`rigid.rotations` and runs; it imports neither maps nor
+the planner. :mod:`rigid.top`, :mod:`rigid.earth`, :mod:`rigid.animation` and :mod:`rigid.figures`
+use it.
 """
 
 from .equations import Invariants, PowerBalance, euler_rhs, invariants, power_balance

@@ -1,4 +1,4 @@
-"""Euler's equations, and what they keep."""
+"""Euler's equations and their constants of motion."""
 
 from __future__ import annotations
 
@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._check import one_of, sorted_times
-from .._given import BodyLike, attitudes, moments_of, to_body, to_space, vectors
-from ..columns import check_scene
-from ..scenes import HeavyTop, Scene, scene_from_dict
-from ..simulate import Run
+from .._checks.arguments import one_of, sorted_times
+from .._checks.arrays import attitudes, vectors
+from ..model.body_like import BodyLike, moments_of
+from ..model.scene import HeavyTop, Scene, check_scene, scene_from_dict
+from ..rotations.apply import to_body, to_space
+from ..solve.run import Run
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -48,12 +49,13 @@ def euler_rhs(
     attitude : array_like, shape (..., 4), or scipy Rotation, optional
         Attitude, needed for a torque in space.
     frame : {"body", "space"}
-        Whose components the torque has.
+        Frame of the components of the torque.
 
     Returns
     -------
     ndarray, shape (..., 3)
-        ``omega'`` in the body (rad/s²); of the vector, it is the same in both frames.
+        ``omega'`` in the body (rad/s²). The derivative of the vector omega is the same vector in
+        the body and in space.
 
     Raises
     ------
@@ -68,7 +70,7 @@ def euler_rhs(
     """
     moments, rates = moments_of(body), vectors("omega", omega)
     differences = moments[..., NEXT] - moments[..., AFTER]
-    # Equal moments give exactly zero, which I omega × omega as a product does not.
+    # Differences of equal moments are exactly zero; the product I omega × omega is not.
     moved = differences * rates[..., NEXT] * rates[..., AFTER]
     if torque is not None:
         moved = moved + _body_torque(torque, attitude, frame)
@@ -87,23 +89,24 @@ def _body_torque(torque: ArrayLike, attitude: ArrayLike | Rotation | None, frame
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Invariants:
-    """Energies and angular momenta of states; times are the last of the leading axes.
+    """Energies and angular momenta of states; the last of the leading axes counts times.
 
     Attributes
     ----------
     kinetic, potential, energy : ndarray, shape (...)
         ``½ omega·I omega``, ``mgl com·gamma`` and their sum (J).
     L : ndarray, shape (...)
-        Size of the angular momentum (kg m²/s); kept by a free body.
+        Size of the angular momentum (kg m²/s); constant for a free body.
     L_body : ndarray, shape (..., 3)
         Angular momentum in the body, ``I omega``.
     L_space : ndarray, shape (..., 3), or None
-        Angular momentum in space, if the attitude is known; kept by a free body.
+        Angular momentum in space, if the attitude is known; constant for a free body.
     p_phi : ndarray, shape (...), or None
-        Angular momentum about the vertical, if that is known; kept by every body here.
+        Angular momentum about the vertical, if the vertical is known; constant for free bodies and
+        heavy tops.
     p_psi : ndarray, shape (...), or None
-        Angular momentum about the direction to the centre of mass of a heavy top; kept by a
-        symmetric one only.
+        Angular momentum of a heavy top about the direction to the centre of mass; constant for a
+        symmetric top only.
     """
 
     kinetic: Floats
@@ -116,12 +119,12 @@ class Invariants:
     p_psi: Floats | None
 
     def drift(self, name: str) -> Floats:
-        """The largest difference of a quantity from its first value, over the last axis of times.
+        """The largest difference of a quantity from its first value, over the axis of times.
 
         Parameters
         ----------
         name : str
-            One of the attributes; of vectors, the length of the difference counts.
+            One of the attributes; for a vector, the length of the difference counts.
 
         Returns
         -------
@@ -152,18 +155,19 @@ def invariants(
 ) -> Invariants:
     """Energy and angular momentum of a run, or of given states.
 
-    A free body keeps its energy and its angular momentum in space, not its rates (Ercan 2016, § 2
-    says it keeps its rotation; erratum D-02). A heavy top keeps its energy and the momentum about
-    the vertical; a symmetric one also that about its axis (Landau and Lifshitz, § 35).
+    The energy and the angular momentum in space of a free body are constant, but the angular
+    velocity is not (Ercan 2016, § 2, calls the rotation constant; erratum D-02). For a heavy top
+    the energy and the angular momentum about the vertical are constant; for a symmetric top also
+    the angular momentum about the symmetry axis (Landau and Lifshitz, § 35).
 
     Parameters
     ----------
     motion : Run, FreeBody or HeavyTop
-        A run of :func:`rigid.simulate`; or the scene of the states that follow.
+        A run of :func:`rigid.simulate`, or the scene to which the states belong.
     omega : array_like, shape (..., 3)
         Angular velocity in the body (rad/s).
     attitude : array_like, shape (..., 4), or scipy Rotation, optional
-        Attitudes; a top needs them.
+        Attitudes; required for a top.
 
     Returns
     -------
@@ -174,7 +178,7 @@ def invariants(
     TypeError
         If ``motion`` is neither a run nor a scene.
     ValueError
-        If states are missing, superfluous or not finite.
+        If states are missing or not finite, or if you pass states together with a run.
 
     Examples
     --------
@@ -189,10 +193,11 @@ def invariants(
     momentum = np.array(scene.body.moments) * rates
     kinetic = 0.5 * (momentum * rates).sum(axis=-1)
     potential, p_psi = np.zeros_like(kinetic), None
-    if isinstance(scene, HeavyTop):
+    if "gamma" in scene.directions:
         if vertical is None:
             raise ValueError("attitude = None: the energy of a heavy top needs it")
         potential = vertical @ scene.weight
+    if isinstance(scene, HeavyTop):
         p_psi = momentum @ np.array(scene.com)
     return Invariants(
         kinetic=kinetic[()],
@@ -215,9 +220,9 @@ class PowerBalance:
     power : ndarray, shape (..., m)
         Power of the torque, ``torque·omega`` (W).
     rate : ndarray, shape (..., m)
-        Rate of change of the kinetic energy (W), by differences of second order in the times.
+        Rate of change of the kinetic energy (W), by differences of order 2.
     residual : ndarray, shape (..., m)
-        ``rate - power``: zero up to that order.
+        ``rate - power``: zero up to the error of the differences.
     """
 
     power: Floats
@@ -234,20 +239,20 @@ def power_balance(
     torque: ArrayLike | None = None,
     frame: str = "body",
 ) -> PowerBalance:
-    """Whether the kinetic energy changes by the power of the torque: ``dT/dt = torque·omega``.
+    """Rate of change of the kinetic energy and power of the torque: ``dT/dt = torque·omega``.
 
-    Ercan 2016, § 9.2. The weight of a heavy top counts of itself.
+    Ercan 2016, § 9.2. The torque of the weight of a heavy top is included.
 
     Parameters
     ----------
     motion, omega, attitude
         As in :func:`invariants`; the rates have shape (..., m, 3).
     t : array_like, shape (m,)
-        Times of the states (s), at least three; those of a run are known.
+        Times of the states (s), at least three. A run has its own times.
     torque : array_like, shape (..., m, 3), optional
-        Torque besides the weight (N m).
+        Additional torque (N m).
     frame : {"body", "space"}
-        Whose components the torque has.
+        Frame of the components of the torque.
 
     Returns
     -------
@@ -285,7 +290,7 @@ def power_balance(
             acting = acting + _body_torque(in_space, quaternions, "space")
     if scene.damping is not None:
         acting = acting - rates @ np.array(scene.damping)
-    if isinstance(scene, HeavyTop):
+    if "gamma" in scene.directions:
         if vertical is None:
             raise ValueError("attitude = None: the torque of the weight needs it")
         acting = np.cross(vertical, scene.weight)
@@ -299,7 +304,7 @@ def power_balance(
 def _states(
     motion: Run | Scene, omega: ArrayLike | None, attitude: ArrayLike | Rotation | None
 ) -> tuple[Scene, Floats, Floats | None, Floats | None]:
-    """Scene, rates, attitudes and upward verticals in the body, the latter where known."""
+    """Scene, rates, and, if known, attitudes and upward verticals in the body."""
     if isinstance(motion, Run):
         if omega is not None or attitude is not None:
             raise ValueError("omega, attitude: a run has its own states")

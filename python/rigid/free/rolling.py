@@ -1,4 +1,4 @@
-"""Free rotation as rolling: of Poinsot's ellipsoid on a plane, and of cones on each other."""
+"""Free rotation as rolling: cones on each other, and Poinsot's ellipsoid on a plane."""
 
 from __future__ import annotations
 
@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._check import positive_int
-from .._given import BodyLike, attitudes, moments_of, require, to_space, vectors
+from .._checks.arguments import positive_int
+from .._checks.arrays import attitudes, require, vectors
+from ..model.body_like import BodyLike, moments_of
+from ..rotations.apply import to_space
 from .tops import symmetric_free_top
 
 if TYPE_CHECKING:
@@ -31,12 +33,12 @@ class Cones:
         Half angles (rad) about the axis, fixed in the body, and about L, fixed in space.
     rolling : str, or ndarray of str of shape (...)
         ``"outside"``: the body cone of a prolate top rolls on the outside of the space cone;
-        ``"inside"``: that of an oblate top rolls with the space cone inside it; ``"none"`` if
-        omega, axis and L are one line, or omega is across the axis, or nothing distinguishes one.
+        ``"inside"``: the body cone of an oblate top rolls with the space cone inside; ``"none"`` if
+        omega, axis and L are parallel, omega is perpendicular to the axis, or the body is a sphere.
     body_curve : ndarray, shape (..., samples, 3)
-        Unit vectors along omega in the body, once around the axis from the given omega.
+        Unit vectors along omega in the body: one turn about the axis from the given omega.
     space_curve : ndarray, shape (..., samples, 3)
-        Unit vectors along omega in space, once around L from the given omega.
+        Unit vectors along omega in space: one turn about L from the given omega.
     """
 
     body_cone: Floats
@@ -55,9 +57,9 @@ def cones(
 ) -> Cones:
     """Body cone and space cone of a free symmetric top.
 
-    In space omega goes around L on the space cone; seen from the body it goes around the axis on
-    the body cone: Goldstein, *Classical Mechanics*, § 5.6; Ercan 2016, § 9.2, with the names of the
-    cones exchanged back (errata D-21, D-23).
+    In space omega moves around L on the space cone; in the body omega moves around the axis on the
+    body cone: Goldstein, *Classical Mechanics*, § 5.6; Ercan 2016, § 9.2, where the names of the
+    cones are exchanged (errata D-21, D-23).
 
     Parameters
     ----------
@@ -66,7 +68,7 @@ def cones(
     attitude : array_like, shape (..., 4), or scipy Rotation, optional
         Attitude; by default body and space axes coincide.
     samples : int
-        Points of a curve, the first and the last of which coincide; at least 2.
+        Number of points of each curve, at least 2; the first and the last point coincide.
 
     Returns
     -------
@@ -120,9 +122,9 @@ def _around(axis: Floats, vector: Floats, angle: Floats) -> Floats:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Poinsot:
-    """Poinsot's picture: the inertia ellipsoid rolls on a plane that is fixed in space.
+    """Poinsot's construction: the inertia ellipsoid rolls on a plane that is fixed in space.
 
-    What needs the attitude is None without it.
+    Attributes that need the attitude are None if you do not pass it.
 
     Attributes
     ----------
@@ -138,16 +140,16 @@ class Poinsot:
     contact : ndarray, shape (..., m, 3), or None
         The point of contact in space (rad/s).
     herpolhode : ndarray, shape (..., m, 2), or None
-        Its coordinates in the plane from the foot of the normal, along axes of which the first
-        leans towards the axis of space that is farthest from the normal (rad/s).
+        Coordinates of the contact in the plane, from the foot of the normal (rad/s). The first axis
+        is the projection of the axis of space that is farthest from the normal.
     radius : ndarray, shape (..., m), or None
-        Its distance from that foot (rad/s).
+        Distance of the contact from the foot of the normal (rad/s).
     residual : ndarray, shape (..., m), or None
-        How far the contact is off the plane, relative to the distance of the plane.
+        Distance of the contact from the plane, relative to the distance of the plane.
     slip : ndarray, shape (...), or None
-        Difference of the lengths rolled on the plane and on the ellipsoid, as polygons, relative to
-        the distance of the plane: rolling without slipping keeps it of second order in the times
-        between states.
+        Difference of the lengths of herpolhode and polhode, as polygons, relative to the distance
+        of the plane. Because the ellipsoid rolls without slipping, the difference is of order 2 in
+        the time between states.
     """
 
     semi_axes: Floats
@@ -166,13 +168,13 @@ def poinsot(
 ) -> Poinsot:
     """Inertia ellipsoid, invariable plane, polhode and herpolhode of a free motion.
 
-    Landau and Lifshitz, *Mechanics*, § 37; Goldstein, *Classical Mechanics*, § 5.6. Energy and
-    momentum are those of the first state.
+    Landau and Lifshitz, *Mechanics*, § 37; Goldstein, *Classical Mechanics*, § 5.6. The function
+    takes energy and angular momentum from the first state.
 
     Parameters
     ----------
     body : Body, FreeBody or array_like, shape (..., 3)
-        The body, or principal moments (kg m²), one of which may be zero here.
+        The body, or principal moments (kg m²); one moment may be zero.
     omega : array_like, shape (..., m, 3)
         Angular velocity in the body at successive times (rad/s).
     attitude : array_like, shape (..., m, 4), or scipy Rotation, optional
@@ -235,7 +237,7 @@ def poinsot(
 
 
 def _in_plane(normal: Floats) -> Floats:
-    """Two unit vectors across each normal, right-handed with it, shape (..., 2, 3)."""
+    """Two unit vectors that complete each normal to a right-handed triad, shape (..., 2, 3)."""
     far = np.eye(3)[np.abs(normal).argmin(axis=-1)]
     first = far - normal * (far * normal).sum(axis=-1, keepdims=True)
     first /= np.linalg.norm(first, axis=-1, keepdims=True)

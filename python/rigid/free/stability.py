@@ -1,4 +1,4 @@
-"""Which rotations of a free body last: permanent axes, the local indicator, the separatrix."""
+"""Stability of rotations of a free body: permanent axes, the local indicator, the separatrix."""
 
 from __future__ import annotations
 
@@ -8,11 +8,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import exact
-from .._check import positive_int
-from .._given import BodyLike, finite_array, moments_of, vectors
-from ..bodies import Body
-from ..scenes import FreeBody
-from ..starts import body_axis
+from .._checks.arguments import positive_int
+from .._checks.arrays import finite_array, vectors
+from ..model.body import Body
+from ..model.body_like import BodyLike, moments_of
+from ..model.scene import FreeBody
+from ..model.start import body_axis
+from ..solve.separatrix import circulation_terms
 from .tops import asymmetric_free_top
 
 __all__ = [
@@ -34,19 +36,20 @@ NEXT, AFTER = [1, 2, 0], [2, 0, 1]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PermanentRotation:
-    """A rotation about a principal axis, and what becomes of a small disturbance.
+    """A rotation about a principal axis, and the evolution of a small disturbance.
 
     Attributes
     ----------
     K : ndarray, shape (...)
-        ``(I1 - I2)(I1 - I3) omega² / (I2 I3)`` with I1 about the axis (1/s²).
+        ``(I1 - I2)(I1 - I3) omega² / (I2 I3)`` (1/s²), with I1 about the axis of rotation.
     squared : ndarray, shape (...)
-        ``lambda² = -K``, of the linear equations of the disturbance (1/s²).
+        ``lambda² = -K``, the squared eigenvalue of the linearised equations (1/s²).
     frequency, growth : ndarray, shape (...)
-        ``sqrt(K)`` where it is positive (rad/s), ``sqrt(-K)`` where it is negative (1/s), else 0.
+        ``sqrt(K)`` if K is positive (rad/s), and ``sqrt(-K)`` if K is negative (1/s); else 0.
     kind : str, or ndarray of str of shape (...)
-        ``"stable"``: the disturbance oscillates; ``"unstable"``: it grows exponentially;
-        ``"neutral"``: K = 0, it drifts away linearly, or stays if all moments are equal.
+        ``"stable"``: the disturbance oscillates; ``"unstable"``: the disturbance grows
+        exponentially; ``"neutral"``: K = 0, and the disturbance grows linearly, or is constant if
+        all moments are equal.
     """
 
     K: Floats
@@ -59,9 +62,9 @@ class PermanentRotation:
 def permanent_rotation(body: BodyLike, axis: int, rate: ArrayLike = 1.0) -> PermanentRotation:
     """Stability of the rotation about a principal axis.
 
-    Stable about the axes of the largest and the smallest moment, unstable about the middle one;
-    with two equal moments only the axis of the third is stable. Landau and Lifshitz, *Mechanics*,
-    § 37; Ercan 2016, § 11, whose K is ``-lambda²`` of the linearised equations.
+    The rotation is stable about the axes of the largest and of the smallest moment and unstable
+    about the axis of the middle moment. If two moments are equal, only the axis of the third is
+    stable. Landau and Lifshitz, *Mechanics*, § 37; Ercan 2016, § 11.
 
     Parameters
     ----------
@@ -70,7 +73,7 @@ def permanent_rotation(body: BodyLike, axis: int, rate: ArrayLike = 1.0) -> Perm
     axis : {1, 2, 3}
         The body axis of the rotation.
     rate : array_like, shape (...), optional
-        Rate about it (rad/s); 1 by default.
+        Rate about the axis (rad/s); 1 by default.
 
     Returns
     -------
@@ -105,9 +108,9 @@ def permanent_rotation(body: BodyLike, axis: int, rate: ArrayLike = 1.0) -> Perm
 def gammas(body: BodyLike) -> Floats:
     """Factors of Euler's equations: ``omega1' = gamma1 omega2 omega3`` and cyclic.
 
-    ``gamma1 = (I2 - I3) / I1`` and cyclic. Those of a body that can exist lie in [-1, 1] and keep
-    ``gamma1 + gamma2 + gamma3 + gamma1 gamma2 gamma3 = 0``, see :func:`gamma_residual`. Buller and
-    Wernstål 2011, § 3.2: of the box there ``gamma1 = 561/689``, not 0.81778 (erratum S-11).
+    ``gamma1 = (I2 - I3) / I1`` and cyclic. The factors of a possible body lie in [-1, 1], and
+    ``gamma1 + gamma2 + gamma3 + gamma1 gamma2 gamma3 = 0``, see :func:`gamma_residual`. For the box
+    of Buller and Wernstål 2011, § 3.2, ``gamma1 = 561/689``, not 0.81778 (erratum S-11).
 
     Parameters
     ----------
@@ -201,10 +204,11 @@ def jacobian(factors: ArrayLike, omega: ArrayLike) -> Floats:
 def local_stability(factors: ArrayLike, omega: ArrayLike) -> Floats:
     """The largest real part of the eigenvalues of :func:`jacobian`: a local indicator.
 
-    How fast a disturbance would grow if the rates stood still. It is never negative, because the
-    trace is zero, and positive nearly everywhere on stable periodic motions too: no label of
-    stability (Buller and Wernstål 2011, § 3.2, take values of 0 and below as stable; errata S-14,
-    S-15). :func:`permanent_rotation`, :func:`circulation` and maps tell that.
+    The indicator is the growth rate of a disturbance if the angular velocity were constant. It is
+    never negative, because the trace is zero, and it is positive nearly everywhere on stable
+    periodic motions. So do not read it as stability (Buller and Wernstål 2011, § 3.2, take values
+    of 0 and below as stable; errata S-14, S-15). For stability use :func:`permanent_rotation`,
+    :func:`circulation` or a map.
 
     Parameters
     ----------
@@ -229,27 +233,28 @@ def local_stability(factors: ArrayLike, omega: ArrayLike) -> Floats:
     array([0.      , 0.888353, 0.      ])
     """
     largest = np.linalg.eigvals(jacobian(factors, omega)).real.max(axis=-1)
-    # Eigenvalues whose sum is zero: what is below it is rounding.
+    # The sum of the eigenvalues is zero, so a negative maximum is rounding.
     return np.asarray(np.maximum(largest, 0.0))[()]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Circulation:
-    """Which axis the rates circulate about.
+    """The axis about which the angular velocity circulates.
 
     Attributes
     ----------
     axis : ndarray of int8, shape (...)
-        The encircled axis 1, 2 or 3, with the sign of the rate along it, which never changes; 0 at
-        rest, on the separatrix and for a sphere.
+        The encircled axis 1, 2 or 3, with the sign of the rate about this axis, which never
+        changes; 0 at rest, on the separatrix and for a sphere.
     margin : ndarray, shape (...)
-        ``2 E I2 - L²`` with I2 the middle moment: positive about the axis of the smallest moment,
-        negative about that of the largest, zero on the separatrix (kg² m⁴/s²). Formed from the
-        components: from energy and momentum it has no digits near the separatrix.
+        ``2 E I2 - L²`` with the middle moment I2 (kg² m⁴/s²): positive for circulation about the
+        axis of the smallest moment, negative about the axis of the largest, zero on the separatrix.
+        Computed from the components of omega, because the difference of energy and momentum loses
+        all digits near the separatrix.
     separatrix : ndarray, shape (...)
-        ``sqrt(I3 (I3 - I2) / (I1 (I2 - I1)))`` with ascending moments: the ratio of the rate about
-        the axis of the smallest moment to that about the axis of the largest at which
-        the one encircled changes. inf if the two smaller moments are equal.
+        ``sqrt(I3 (I3 - I2) / (I1 (I2 - I1)))`` with ascending moments: the ratio, on the
+        separatrix, of the rate about the axis of the smallest moment to the rate about the axis of
+        the largest. inf if the two smaller moments are equal.
     """
 
     axis: NDArray[np.int8]
@@ -258,11 +263,10 @@ class Circulation:
 
 
 def circulation(body: BodyLike, omega: ArrayLike) -> Circulation:
-    """The axis about which the rates of a free body circulate, without integration.
+    """The axis about which the angular velocity of a free body circulates, without integration.
 
-    Landau and Lifshitz, *Mechanics*, § 37. The rate about the middle axis has no say: Buller and
-    Wernstål 2011, § 3.2, ask for the larger of the two others and that they be large (erratum
-    S-12).
+    Landau and Lifshitz, *Mechanics*, § 37. The result does not depend on the rate about the middle
+    axis; the criterion of Buller and Wernstål 2011, § 3.2, is wrong (erratum S-12).
 
     Parameters
     ----------
@@ -290,23 +294,26 @@ def circulation(body: BodyLike, omega: ArrayLike) -> Circulation:
     """
     moments, rates = moments_of(body), vectors("omega", omega)
     order = np.argsort(moments, axis=-1, kind="stable")
-    i1, i2, i3 = np.moveaxis(np.take_along_axis(moments, order, axis=-1), -1, 0)
+    ascending = np.take_along_axis(moments, order, axis=-1)
+    i1, i2, i3 = np.moveaxis(ascending, -1, 0)
     shape = np.broadcast_shapes(order.shape, rates.shape)
     order, rates = np.broadcast_to(order, shape), np.broadcast_to(rates, shape)
-    w1, _, w3 = np.moveaxis(np.take_along_axis(rates, order, axis=-1), -1, 0)
+    about_first, about_third = circulation_terms(
+        ascending, np.take_along_axis(rates, order, axis=-1)
+    )
     with np.errstate(divide="ignore"):
         ratio = np.sqrt(i3 * (i3 - i2) / (i1 * np.where(i2 > i1, i2 - i1, 1.0)))
     return Circulation(
         axis=asymmetric_free_top(moments, rates).axis,
-        margin=i1 * (i2 - i1) * w1**2 - i3 * (i3 - i2) * w3**2,
+        margin=about_first - about_third,
         separatrix=np.where(i2 > i1, ratio, np.inf)[()],
     )
 
 
 def crossings(body: Body | FreeBody, omega: ArrayLike, *, count: int = 1) -> Floats:
-    """When each rate of a free body changes its sign, for the first ``count`` times.
+    """First ``count`` times at which each rate of a free body changes sign.
 
-    :func:`rigid.exact.flip_times` about all three axes.
+    The function calls :func:`rigid.exact.flip_times` for all three axes.
 
     Parameters
     ----------
@@ -315,19 +322,19 @@ def crossings(body: Body | FreeBody, omega: ArrayLike, *, count: int = 1) -> Flo
     omega : array_like, shape (..., 3)
         Angular velocity in the body at ``t = 0`` (rad/s).
     count : int
-        How many.
+        Number of times.
 
     Returns
     -------
     ndarray, shape (..., 3, count)
-        Times > 0 (s) for the axes 1, 2, 3, ascending; inf where there is no further change.
+        Times > 0 (s) for the axes 1, 2, 3, ascending; inf if the rate does not change sign again.
 
     Raises
     ------
     TypeError
-        If ``body`` is neither a body nor a free one.
+        If ``body`` is neither a :class:`rigid.Body` nor a :class:`rigid.FreeBody`.
     ValueError
-        If omega is not finite, or the count not positive.
+        If omega is not finite or the count is not positive.
 
     Examples
     --------

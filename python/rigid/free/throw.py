@@ -1,4 +1,4 @@
-"""A box thrown about each of its axes, cleanly and with noise."""
+"""A box thrown about each of its axes, with and without noise."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._check import finite_float, positive_int
-from .._given import finite_array
-from ..bodies import Body
-from ..scenes import FreeBody
-from ..simulate import simulate
+from .._checks.arguments import finite_float, positive_int
+from .._checks.arrays import finite_array
+from ..model.body import Body
+from ..model.scene import FreeBody
+from ..solve.simulate import simulate
 from .stability import gammas, local_stability
 
 __all__ = ["ThrowExperiment", "throw_experiment"]
@@ -19,12 +19,12 @@ __all__ = ["ThrowExperiment", "throw_experiment"]
 Floats = NDArray[np.float64]
 
 NOISE = 0.1
-"""Size of the report's noise (rad/s): uniform between zero and this, on every component."""
+"""Noise of the lab report (rad/s): uniform between zero and this value for every component."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ThrowExperiment:
-    """Six runs: cleanly about the axes 1, 2, 3, then with noise.
+    """Six runs: about the axes 1, 2, 3 without noise, then with noise.
 
     Attributes
     ----------
@@ -33,11 +33,11 @@ class ThrowExperiment:
     omega : ndarray, shape (6, m, 3)
         Angular velocity in the body (rad/s).
     dots_t : ndarray, shape (k,)
-        Whole seconds, at which the indicator is taken.
+        Times of the indicator: whole seconds (s).
     dots : ndarray, shape (6, k)
-        :func:`rigid.free.local_stability` there (1/s): a local number, no label of stability.
+        :func:`rigid.free.local_stability` at these times (1/s): a local indicator, not stability.
     noise : ndarray, shape (3, 3)
-        What was added to the starts of the last three runs (rad/s).
+        Angular velocities added to the starts of the last three runs (rad/s).
     """
 
     t: Floats
@@ -56,16 +56,16 @@ def throw_experiment(
 ) -> ThrowExperiment:
     """The experiment of a lab report: a body thrown at 1 rad/s about each axis, by closed form.
 
-    Buller and Wernstål 2011, appendix and Fig. 3. Their noise has no seed (S-18), so it is an
-    argument here.
+    Buller and Wernstål 2011, appendix and Fig. 3. The report does not give the seed of its noise
+    (S-18), so pass the noise as an argument.
 
     Parameters
     ----------
     body : Body
-        The body; that of the report is ``Body.box(0.01, 0.08, 0.25)``.
+        The body; the report uses ``Body.box(0.01, 0.08, 0.25)``.
     noise : array_like, shape (3,) or (3, 3), or numpy.random.Generator
-        Rates (rad/s) added to each start, or to those about the axes 1, 2, 3; from a generator,
-        nine numbers uniform between 0 and 0.1.
+        Angular velocity (rad/s) added to every start, or one for each of the axes 1, 2, 3. A
+        generator draws nine numbers uniform between 0 and 0.1.
     t_end : float
         Length of a run (s).
     samples : int

@@ -1,4 +1,4 @@
-"""The free top: symmetric, by angles and rates; asymmetric, by Jacobi's functions."""
+"""Free symmetric tops by angles and rates, free asymmetric tops by Jacobi's functions."""
 
 from __future__ import annotations
 
@@ -10,13 +10,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .._check import resolve_threads, sorted_times
-from .._given import BodyLike, attitudes, finite_array, moments_of, require, vectors
+from .._checks.arguments import resolve_threads, sorted_times
+from .._checks.arrays import attitudes, finite_array, require, vectors
 from ..exact import FreeMotion
-from ..methods import EXACT
-from ..scenes import FreeBody
-from ..starts import body_axis
-from ..stepping import Request
+from ..model.body_like import BodyLike, moments_of
+from ..model.scene import FreeBody
+from ..model.start import body_axis
+from ..solve.batch import Batch
+from ..solve.methods import EXACT
+from ..solve.request import Request
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -35,10 +37,10 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SymmetricTop:
-    """A free symmetric top: three rates that are not to be confused, and the angles that stay.
+    """Three different rates and the constant angles of a free symmetric top.
 
-    ``I3`` is the moment about the axis of symmetry, ``I`` that across it, ``omega3`` the rate about
-    the axis.
+    ``I3`` is the moment about the axis of symmetry, ``I`` the moment about a perpendicular axis,
+    ``omega3`` the rate about the axis of symmetry.
 
     Attributes
     ----------
@@ -47,28 +49,28 @@ class SymmetricTop:
     rate : ndarray, shape (...)
         ``|omega|``, constant (rad/s).
     k : ndarray, shape (...)
-        ``omega3 (I3 - I) / I``, at which omega turns about the axis as seen from the body (rad/s):
-        positive from the next axis to the one after it in cyclic order. Negative for a prolate top
-        with positive spin, zero for a sphere.
+        ``omega3 (I3 - I) / I``, the rate at which omega turns about the axis in the body (rad/s):
+        positive in the cyclic order of the axes. Negative for a prolate top with positive spin,
+        zero for a sphere.
     period, frequency : ndarray, shape (...)
         ``2 pi / |k|`` (s), inf for k = 0, and ``|k| / 2 pi`` (1/s).
     precession : ndarray, shape (...)
-        ``phi' = |L| / I``, at which the axis turns about L in space (rad/s).
+        ``phi' = |L| / I``, the rate at which the axis turns about L in space (rad/s).
     spin : ndarray, shape (...)
         ``psi' = -k``, the third Euler rate about L (rad/s).
     alpha, theta : ndarray, shape (...)
         Angles of omega and of L from the axis (rad), in [0, pi]; 0 at rest. An oblate top has
         ``theta < alpha`` for positive spin.
     body_cone, space_cone : ndarray, shape (...)
-        Half angles (rad) of the cones that omega describes about the axis and about L: alpha, or
-        ``pi - alpha`` for negative spin, and ``|alpha - theta|``.
+        Half angles (rad) of the cones of omega about the axis and about L: alpha, or ``pi - alpha``
+        for negative spin, and ``|alpha - theta|``.
     amplitude, phase : ndarray, shape (...)
-        Of the rates across the axis: ``A cos(k t + phase)`` and ``A sin(k t + phase)`` along the
-        next axis and the one after it (rad/s, rad).
+        Amplitude A and phase (rad/s, rad) of the rates about the other two axes in cyclic order,
+        ``A cos(k t + phase)`` and ``A sin(k t + phase)``.
     omega : ndarray, shape (..., m, 3), or None
-        Rates in the body at the wanted times (rad/s).
+        Angular velocities in the body at the times ``t`` (rad/s).
     attitude : ndarray, shape (..., m, 4), or None
-        Attitudes at the wanted times.
+        Attitudes at the times ``t``.
     """
 
     axis: NDArray[np.intp]
@@ -111,9 +113,9 @@ def symmetric_free_top(
     attitude : array_like, shape (..., 4), or scipy Rotation, optional
         Attitude at ``t = 0``; by default body and space axes coincide.
     t : array_like, shape (m,), optional
-        Times (s) at which the motion is wanted, by its closed form.
+        Times (s) at which to evaluate the closed form of the motion.
     axis : {1, 2, 3}, optional
-        The axis of symmetry; by default the one that the moments tell, the third of a sphere.
+        The axis of symmetry; by default the axis of the different moment, or axis 3 for a sphere.
 
     Returns
     -------
@@ -137,7 +139,7 @@ def symmetric_free_top(
         number = _symmetry_axes(moments)
     else:
         number = np.full(moments.shape[:-1], body_axis(axis))
-    # The next axis, the one after it, the axis itself.
+    # The other two axes in cyclic order, and the symmetry axis.
     order = (number[..., np.newaxis] + np.array([0, 1, 2], dtype=np.intp)) % 3
     across, other, along = np.moveaxis(np.take_along_axis(moments, order, axis=-1), -1, 0)
     require("moments", across, across == other, "the two across the axis of symmetry must be equal")
@@ -145,7 +147,7 @@ def symmetric_free_top(
     transverse = np.hypot(first, second)
     k = spin * (along - across) / across
     alpha = np.arctan2(transverse, spin)
-    # The angle of L and omega from their products: alpha - theta cancels, for the Earth all digits.
+    # The angle of L and omega from products: alpha - theta loses all digits for the Earth.
     momentum = np.hypot(across * transverse, along * spin)
     twice_energy = across * transverse**2 + along * spin**2
     states = None if t is None else _states(moments, rates, attitude, t)
@@ -173,7 +175,7 @@ def symmetric_free_top(
 
 
 def _symmetry_axes(moments: Floats) -> NDArray[np.intp]:
-    """The axis 1, 2 or 3 across which the moments are equal; the third one of a sphere."""
+    """The symmetry axis 1, 2 or 3 of each body; 3 for a sphere."""
     i1, i2, i3 = np.moveaxis(moments, -1, 0)
     pairs = np.stack([i1 == i2, i3 == i1, i2 == i3], axis=-1)
     symmetric = pairs.any(axis=-1)
@@ -186,19 +188,20 @@ def _symmetry_axes(moments: Floats) -> NDArray[np.intp]:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class AsymmetricTop(FreeMotion):
-    """A free body of any moments: what :class:`rigid.exact.FreeMotion` says of it, and its motion.
+    """The quantities of :class:`rigid.exact.FreeMotion` for any free body, and its motion.
 
-    About the encircled axis the rate is ``amplitude dn``, about the middle axis ``amplitude sn``,
-    about the third ``amplitude cn`` of ``frequency t + phase``; ``period = 4 K / frequency``.
+    With the argument ``frequency t + phase`` the rate about the encircled axis is ``amplitude dn``,
+    about the middle axis ``amplitude sn``, about the third axis ``amplitude cn``; ``period =
+    4 K / frequency``.
 
     Attributes
     ----------
     frequency : ndarray, shape (...)
         Rate of the argument of Jacobi's functions (rad/s); 0 for constant rates of a sphere.
     omega : ndarray, shape (..., m, 3), or None
-        Rates in the body at the wanted times (rad/s).
+        Rates in the body at the given times (rad/s).
     attitude : ndarray, shape (..., m, 4), or None
-        Attitudes at the wanted times.
+        Attitudes at the given times.
     """
 
     frequency: Floats
@@ -215,8 +218,9 @@ def asymmetric_free_top(
 ) -> AsymmetricTop:
     """Period, amplitudes and parameter of a free body, and its motion by closed form.
 
-    Landau and Lifshitz, *Mechanics*, § 37. The complementary parameter ``mc = 1 - m`` is formed
-    from the components of omega: from energy and momentum it has no digits near the separatrix.
+    Landau and Lifshitz, *Mechanics*, § 37. The function computes the complementary parameter
+    ``mc = 1 - m`` from the components of omega, because energy and momentum lose all its digits
+    near the separatrix.
 
     Parameters
     ----------
@@ -261,12 +265,12 @@ def asymmetric_free_top(
 
 
 def _frequency(moments: Floats, rates: Floats) -> Floats:
-    """Rate of the argument of Jacobi's functions; both classes of motion, as sums of squares."""
+    """Rate of the argument of Jacobi's functions, from sums of squares."""
     order = np.argsort(moments, axis=-1, kind="stable")
     i1, i2, i3 = np.moveaxis(np.take_along_axis(moments, order, axis=-1), -1, 0)
     w1, w2, w3 = np.moveaxis(np.take_along_axis(rates, order, axis=-1) ** 2, -1, 0)
     # The two products are (L² - 2 E I1)(I3 - I2) and (2 E I3 - L²)(I2 - I1), divided by the
-    # moments; the larger one belongs to the axis that is encircled.
+    # moments; the larger product belongs to the encircled axis.
     about_large = (i3 - i2) * ((i2 - i1) * w2 / i3 + (i3 - i1) * w3 / i2) / i1
     about_small = (i2 - i1) * ((i3 - i1) * w1 / i2 + (i3 - i2) * w2 / i1) / i3
     frequency: Floats = np.sqrt(np.maximum(about_large, about_small))
@@ -276,26 +280,25 @@ def _frequency(moments: Floats, rates: Floats) -> Floats:
 def _states(
     moments: Floats, rates: Floats, attitude: ArrayLike | Rotation | None, t: ArrayLike
 ) -> tuple[Floats, Floats]:
-    """Rates and attitudes at the times, by closed form, of bodies with moments of their own."""
+    """Angular velocities and attitudes at the times by closed form; each body has own moments."""
     start = np.array([1.0, 0.0, 0.0, 0.0]) if attitude is None else attitudes(attitude)
     shape = np.broadcast_shapes(rates.shape[:-1], start.shape[:-1])
     times = sorted_times("t", t)
     request = Request(
-        table={
-            "scene": FreeBody.kind,
-            "moments": _rows(moments, shape),
-            "weight": np.zeros((1, 3)),
-            "omega": _rows(rates, shape),
-            "attitude": _rows(start, shape),
-        },
+        batch=Batch(
+            kind=FreeBody.kind,
+            moments=_rows(moments, shape),
+            weight=np.zeros((1, 3)),
+            omega=_rows(rates, shape),
+            attitude=_rows(start, shape),
+        ),
         times=times,
         method=EXACT,
         record="attitude",
         max_steps=1,
         threads=resolve_threads(None),
-        tolerance=None,
     )
-    found = request.states(request.table, None)
+    found = request.states(None)
     leading = (*shape, len(times))
     return found["omega"].reshape(*leading, 3), found["attitude"].reshape(*leading, 4)
 
@@ -306,20 +309,21 @@ def _rows(array: Floats, shape: tuple[int, ...]) -> Floats:
 
 
 def steady_axis_frame(body: BodyLike, spin: ArrayLike, tilt: ArrayLike = 0.0) -> Floats:
-    """Rate of the frame of the axis in which a free symmetric top precesses steadily.
+    """Angular velocity of the frame in which a free symmetric top precesses steadily.
 
-    The frame turns with Omega, carries the axis as its third direction and does not spin: the body
-    turns by ``omega = Omega + nu e3``. Without torque ``I omega' + Omega × I omega = 0`` asks for
-    ``Omega3 = nu I3 / (I - I3)``, with any part across the axis: Buller and Wernstål 2011, eq. (2),
-    whose second line has I where I3 is meant (erratum S-03), so that
-    ``|Omega| = |Omega3| / cos(tilt)`` (S-04). Omega is then parallel to ``L = I Omega``.
+    The third direction of the frame is the axis of the top, and the frame turns with Omega. The
+    body spins in the frame: ``omega = Omega + nu e3``. Without torque
+    ``I omega' + Omega × I omega = 0``, thus ``Omega3 = nu I3 / (I - I3)``, and the component of
+    Omega perpendicular to the axis is arbitrary: Buller and Wernstål 2011, eq. (2), where the
+    second line has I instead of I3 (erratum S-03); ``|Omega| = |Omega3| / cos(tilt)`` (S-04). Omega
+    is then parallel to ``L = I Omega``.
 
     Parameters
     ----------
     body : Body, FreeBody or array_like, shape (..., 3)
-        A symmetric top, the third axis being that of symmetry.
+        A symmetric top with axis 3 as the symmetry axis.
     spin : array_like, shape (...)
-        ``nu``, the spin within that frame (rad/s).
+        ``nu``, the spin in the frame (rad/s).
     tilt : array_like, shape (...), optional
         Angle (rad) between the axis and the line of Omega, in [0, pi/2).
 
@@ -331,7 +335,7 @@ def steady_axis_frame(body: BodyLike, spin: ArrayLike, tilt: ArrayLike = 0.0) ->
     Raises
     ------
     ValueError
-        If the moments are all equal, for which no rate is finite, or the tilt is out of range.
+        If all moments are equal, because then no rate is finite, or the tilt is out of range.
 
     Examples
     --------
@@ -347,9 +351,9 @@ def steady_axis_frame(body: BodyLike, spin: ArrayLike, tilt: ArrayLike = 0.0) ->
 
 
 def steady_axis_spin(body: BodyLike, frame_rate: ArrayLike) -> Floats:
-    """The spin ``nu = Omega3 (I - I3) / I3`` that goes with a rate of the frame of the axis.
+    """The spin ``nu = Omega3 (I - I3) / I3`` from the angular velocity of the frame.
 
-    The inverse of :func:`steady_axis_frame`; it is ``-k`` of :func:`symmetric_free_top`.
+    The inverse of :func:`steady_axis_frame`; the spin is ``-k`` of :func:`symmetric_free_top`.
 
     Parameters
     ----------

@@ -2,11 +2,15 @@
 
 A symmetric top has two moments equal to the bit and its centre of mass exactly on the third axis,
 on either side of the fixed point. The tilt ``theta`` is the angle of the direction to the centre of
-mass from the upward vertical, ``phi`` the azimuth of the node line, ``psi`` the spin about that
-direction. Motion itself is that of :func:`rigid.simulate` and :mod:`rigid.exact`; this is the
-textbook's view of it.
+mass from the upward vertical, ``phi`` the azimuth of the node line, ``psi`` the angle of spin about
+the direction to the centre of mass. For the motion use :func:`rigid.simulate` or
+:mod:`rigid.exact`; this package has the quantities of textbooks.
+
+The package uses :mod:`rigid.exact`, :mod:`rigid.free` and runs; it imports neither maps nor the
+planner. :mod:`rigid.figures` uses it.
 """
 
+from ..exact import SteadyPrecession, steady_precession
 from .constants import HeavyConstants, gravity_torque, heavy_constants, precession_spin_rates
 from .cubic import Roots, f_roots, f_u, nutation_period, time_of, u_of
 from .loci import Advance, FastTop, Locus, advance, classify_locus, fast_top_approx, locus
@@ -14,10 +18,8 @@ from .potential import EffectivePotential, effective_minimum, effective_potentia
 from .steady import (
     SleepingTop,
     SpinDown,
-    SteadyPrecession,
     sleeping_top,
     spin_down,
-    steady_precession,
     upright_f,
 )
 

@@ -1,4 +1,4 @@
-"""The constants of a heavy top, the rates they give at a tilt, and the torque of the weight."""
+"""Constants of motion of a heavy top, Euler rates at a tilt, and the torque of the weight."""
 
 from __future__ import annotations
 
@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._check import one_of
-from .._given import attitudes, finite_array, require, to_body, to_space
+from .._checks.arguments import one_of
+from .._checks.arrays import attitudes, finite_array, require
 from ..free import invariants
-from ..plan import lagrange_axes
-from ..scenes import HeavyTop
+from ..model.scene import HeavyTop, check_heavy_top
+from ..rotations.apply import to_body, to_space
+from ..solve.closed_form import lagrange_axis_of
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -32,7 +33,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class Symmetry:
-    """The axis of symmetry of a top whose centre of mass lies on it, and the moments."""
+    """The symmetry axis, which contains the centre of mass, and the moments of a symmetric top."""
 
     axis: int  #: 1, 2 or 3
     side: float  #: 1 if the centre of mass is along the axis, -1 if it is against it
@@ -40,11 +41,10 @@ class Symmetry:
     across: float  #: I1 = I2
 
 
-def symmetry_of(scene: object) -> Symmetry | None:
+def symmetry_of(scene: HeavyTop) -> Symmetry | None:
     """The symmetry of a heavy top, with or without weight, or None."""
-    if not isinstance(scene, HeavyTop):
-        raise TypeError(f"scene = {scene!r}: must be a rigid.HeavyTop")
-    axis = int(lagrange_axes(np.array([scene.body.moments]), np.array([scene.com]))[0])
+    check_heavy_top(scene)
+    axis = lagrange_axis_of(scene.body.moments, scene.com)
     if axis == 0:
         return None
     moments = scene.body.moments
@@ -52,11 +52,10 @@ def symmetry_of(scene: object) -> Symmetry | None:
     return Symmetry(axis, side, moments[axis - 1], moments[axis - 2])
 
 
-def symmetric(scene: object) -> Symmetry:
-    """The symmetry of a heavy top that must have one."""
+def symmetric(scene: HeavyTop) -> Symmetry:
+    """The symmetry of a heavy top; ValueError if the top is not symmetric."""
     found = symmetry_of(scene)
     if found is None:
-        assert isinstance(scene, HeavyTop)
         raise ValueError(
             f"moments = {scene.body.moments}, com = {scene.com}: a symmetric top has two moments "
             "equal to the bit and its centre of mass exactly on the third axis"
@@ -73,12 +72,12 @@ def tilts(tilt: ArrayLike) -> Floats:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class HeavyConstants:
-    """Constants of the motion of a heavy top; those of a symmetric one are None for others.
+    """Constants of motion of a heavy top; constants of symmetric tops are None for other tops.
 
     Attributes
     ----------
     kinetic, potential : ndarray, shape (...)
-        Their values in the given state (J); they are not constant.
+        Kinetic and potential energy in the given state (J); they are not constant.
     energy : ndarray, shape (...)
         ``E = T + V`` (J).
     p_phi : ndarray, shape (...)
@@ -111,13 +110,14 @@ def heavy_constants(
     """Energy and angular momenta of a heavy top, and the constants a, b, alpha, beta.
 
     Goldstein, *Classical Mechanics*, § 5.7; Landau and Lifshitz, *Mechanics*, § 35. Ercan 2016,
-    eqs. (54)-(60), with the moment I1 in both terms of the energy (erratum D-32) and a, not b, on
-    the right side before eq. (57) (D-31).
+    eqs. (54)-(60), with the moment I1 in both terms of the energy (erratum D-32), and with a
+    instead of b on the right side before eq. (57) (D-31).
 
     Parameters
     ----------
     scene : HeavyTop
-        The top; without symmetry only its energy and the momentum about the vertical are constant.
+        The top. If the top is not symmetric, only the energy and the angular momentum about the
+        vertical are constant.
     omega : array_like, shape (..., 3)
         Angular velocity in the body (rad/s).
     attitude : array_like, shape (..., 4), or scipy Rotation
@@ -151,7 +151,7 @@ def heavy_constants(
         named = dict.fromkeys(("p_psi", "E_prime", "a", "b", "alpha", "beta"))
     else:
         i1 = symmetry.across
-        # The rates across the axis squared: from E - p_psi² / (2 I3) a fast top keeps no digit.
+        # From squares of the other two rates: E - p_psi² / (2 I3) loses all digits of fast tops.
         rates = np.delete(np.asarray(kept.L_body), symmetry.axis - 1, axis=-1) / i1
         e_prime = np.asarray(0.5 * i1 * (rates * rates).sum(axis=-1) + kept.potential)
         named = {
@@ -177,7 +177,7 @@ def precession_spin_rates(
     """Precession phi' and spin psi' of a symmetric top at a tilt.
 
     ``phi' = (a - b cos) / sin²`` and ``psi' = I1 b / I3 - phi' cos``: Goldstein, *Classical
-    Mechanics*, § 5.7; Ercan 2016, eqs. (57), (58), both right.
+    Mechanics*, § 5.7; Ercan 2016, eqs. (57), (58).
 
     Parameters
     ----------
@@ -191,14 +191,14 @@ def precession_spin_rates(
     Returns
     -------
     precession, spin : ndarray, shape (...)
-        In rad/s. At tilt 0, which only a top with ``a = b`` reaches, the limits as the tilt goes to
-        zero, ``phi' = b / 2``; at pi, with ``a = -b``, ``phi' = -b / 2``.
+        Rates (rad/s). At tilt 0, which only a top with ``a = b`` reaches, the limit
+        ``phi' = b / 2``; at tilt pi, which only a top with ``a = -b`` reaches, ``phi' = -b / 2``.
 
     Raises
     ------
     ValueError
-        If a top without these constants is asked for on the vertical, or an argument is not finite
-        or out of range.
+        If no top with these constants reaches the tilt 0 or pi, or an argument is not finite or out
+        of range.
 
     Examples
     --------
@@ -216,7 +216,7 @@ def precession_spin_rates(
     lack = np.where(upper, first - second, first + second)
     vertical = (angle == 0.0) | (angle == np.pi)
     require("tilt", angle, ~vertical | (lack == 0.0), "is reached only if a = b, and pi if a = -b")
-    # a - b cos = (a - b) + b (1 - cos) = (a + b) - b (1 + cos): of the two, what does not cancel.
+    # a - b cos = (a - b) + b (1 - cos) = (a + b) - b (1 + cos): use the form that does not cancel.
     sine = np.where(vertical, 1.0, np.sin(angle))
     half = np.where(upper, np.cos(0.5 * angle), np.sin(0.5 * angle))
     precession = lack / sine**2 + np.where(upper, 0.5, -0.5) * second / half**2
@@ -229,8 +229,8 @@ def gravity_torque(
 ) -> Floats:
     """Torque of the weight about the fixed point, ``-mgl com × gamma``.
 
-    Of size ``mgl sin(tilt)``, along the node line: nothing about the vertical nor about the
-    direction to the centre of mass (Ercan 2016, § 10).
+    The torque has the size ``mgl sin(tilt)`` and the direction of the node line, so it is
+    perpendicular to the vertical and to the direction to the centre of mass (Ercan 2016, § 10).
 
     Parameters
     ----------
@@ -239,19 +239,19 @@ def gravity_torque(
     attitude : array_like, shape (..., 4), or scipy Rotation
         Attitude.
     frame : {"body", "space"}
-        Whose components are wanted.
+        Frame of the components of the torque.
 
     Returns
     -------
     ndarray, shape (..., 3)
-        In N m.
+        Torque (N m).
 
     Raises
     ------
     TypeError
         If the scene is no heavy top.
     ValueError
-        If the attitude is not finite or zero, or the frame unknown.
+        If the attitude is not finite or is zero, or the frame is unknown.
 
     Examples
     --------
@@ -262,8 +262,7 @@ def gravity_torque(
     >>> bool(np.allclose(torque, [2.0, 0.0, 0.0]))
     True
     """
-    if not isinstance(scene, HeavyTop):
-        raise TypeError(f"scene = {scene!r}: must be a rigid.HeavyTop")
+    check_heavy_top(scene)
     one_of("frame", frame, ("body", "space"))
     quaternions = attitudes(attitude)
     up = np.array([0.0, 0.0, 1.0])

@@ -13,7 +13,7 @@ from math import pi
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._given import finite_array, require
+from .._checks.arrays import finite_array, require
 from ..exact import agm, carlson_rf, jacobi
 
 __all__ = ["Roots", "f_roots", "f_u", "nutation_period", "time_of", "u_of"]
@@ -21,19 +21,19 @@ __all__ = ["Roots", "f_roots", "f_u", "nutation_period", "time_of", "u_of"]
 Floats = NDArray[np.float64]
 
 SLACK = 1e-12
-"""How far roots may be off where they ought to be, by the rounding of the constants."""
+"""Error of roots that the rounding of the constants may cause."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Roots:
-    """The roots of f, between the first two of which the top nutates.
+    """The roots of f; the top nutates between the first two.
 
     Attributes
     ----------
     u1, u2, u3 : ndarray, shape (...)
-        ``-1 <= u1 <= u2 <= 1 <= u3``; u3 is inf without weight.
+        Roots, ``-1 <= u1 <= u2 <= 1 <= u3``; u3 is inf without weight.
     theta_upper, theta_lower : ndarray, shape (...)
-        Tilts of the upper circle, ``arccos u2``, and of the lower one, ``arccos u1`` (rad).
+        Tilts of the upper circle, ``arccos u2``, and of the lower circle, ``arccos u1`` (rad).
     """
 
     u1: Floats
@@ -58,7 +58,7 @@ def f_u(u: ArrayLike, *, a: ArrayLike, b: ArrayLike, alpha: ArrayLike, beta: Arr
     Returns
     -------
     ndarray, shape (...)
-        In 1/s².
+        Values of f (1/s²).
 
     Raises
     ------
@@ -78,10 +78,10 @@ def f_u(u: ArrayLike, *, a: ArrayLike, b: ArrayLike, alpha: ArrayLike, beta: Arr
 
 
 def f_roots(*, a: ArrayLike, b: ArrayLike, alpha: ArrayLike, beta: ArrayLike) -> Roots:
-    """The three roots of f, by Newton's method from above and a deflation that does not cancel.
+    """The three roots of f, by Newton's method from above and a deflation without cancellation.
 
-    A double root, of steady precession, is as exact as the constants define it: to the square root
-    of their rounding. :func:`rigid.exact.lagrange_top` takes a state instead and keeps all digits.
+    The constants determine a double root (steady precession) to the square root of their rounding
+    only. For all digits use :func:`rigid.exact.lagrange_top`, which takes a state.
 
     Parameters
     ----------
@@ -125,8 +125,8 @@ def nutation_period(*, a: ArrayLike, b: ArrayLike, alpha: ArrayLike, beta: Array
     Returns
     -------
     ndarray, shape (...)
-        Periods (s): of small oscillations at a double root; inf on the homoclinic orbit and for an
-        upright top at the bound of sleeping.
+        Periods (s); at a double root the period of small oscillations; inf on the homoclinic orbit
+        and for an upright top at the bound of sleeping.
 
     Raises
     ------
@@ -149,24 +149,24 @@ def time_of(
 ) -> Floats:
     """Time from the lower circle up to a height, the integral of ``du / sqrt(f)`` from u1 to u.
 
-    The quadrature of Landau and Lifshitz, § 35, on its rising branch; down again it takes as long.
+    The quadrature of Landau and Lifshitz, § 35, while the top rises. The time down is the same.
 
     Parameters
     ----------
     u : array_like, shape (...)
-        Heights ``cos(tilt)`` between u1 and u2, within 1e-12 of them.
+        Heights ``cos(tilt)`` between u1 and u2, or at most 1e-12 outside.
     a, b, alpha, beta
         As in :func:`f_roots`.
 
     Returns
     -------
     ndarray, shape (...)
-        Times (s) in [0, half the period]; inf for the top of the homoclinic orbit.
+        Times (s) in [0, half the period]; inf for the highest point of the homoclinic orbit.
 
     Raises
     ------
     ValueError
-        If a height is not reached, and as in :func:`f_roots`.
+        If the top does not reach a height, and as in :func:`f_roots`.
 
     Examples
     --------
@@ -229,7 +229,7 @@ def u_of(t: ArrayLike, *, a: ArrayLike, b: ArrayLike, alpha: ArrayLike, beta: Ar
 def _argument(
     b: ArrayLike, alpha: ArrayLike, beta: ArrayLike, low: Floats, middle: Floats, high: Floats
 ) -> tuple[Floats, Floats]:
-    """Rate of the argument of Jacobi's functions, and their complementary parameter."""
+    """Rate of the argument and complementary parameter of Jacobi's functions."""
     weightless = np.isneginf(low)
     span = high - np.where(weightless, 0.0, low)
     # Without weight u3 goes to infinity as (alpha + b²) / beta.
@@ -260,7 +260,7 @@ def _depths(
     unit = np.where(light, 1.0, beta)
     c2, c1, c0 = 2.0 - (eps + b * b) / unit, 2.0 * (eps - d * b) / unit, d * d / unit
     below = _largest_root(c2, c1, c0)
-    # Sum and product of the other two; the sum from where it does not cancel.
+    # Sum and product of the other two roots; the sum in the form that does not cancel.
     nearby = np.where(below > 0.0, below, 1.0)
     total = np.where(below > 1.0, (c0 / nearby + c1) / nearby, c2 + below)
     product = c0 / nearby
@@ -273,7 +273,7 @@ def _depths(
     least, highest = _pair(0.5 * c2, -c1)
     least, middle, highest = np.sort(np.stack([least, np.zeros(d.shape), highest]), axis=0)
     free = half * half - product
-    # A double root, of steady precession, may miss reality by the rounding of the constants.
+    # Rounding of the constants may make a double root (steady precession) complex.
     beyond = 0.25 * c2 * c2 + c1
     real = np.where(through, beyond >= -SLACK * c2 * c2, free >= -SLACK * np.abs(half))
     inside = np.where(through, middle, half) >= -SLACK
@@ -298,8 +298,8 @@ def _pair(half: Floats, product: Floats) -> tuple[Floats, Floats]:
 def _largest_root(c2: Floats, c1: Floats, c0: Floats) -> Floats:
     """The largest root of ``x³ + c2 x² - c1 x - c0``, which is not negative for ``c0 >= 0``.
 
-    From Fujiwara's bound Newton's method descends to it, and passes it by rounding only; that may
-    be all of a root near zero, so the last steps may go up again.
+    Newton's method descends from Fujiwara's bound to the root and passes the root by rounding only.
+    For a root near zero the rounding may be as large as the root, so the last steps may go up.
     """
     x: Floats = 2.0 * np.maximum(np.maximum(np.abs(c2), np.sqrt(np.abs(c1))), np.cbrt(c0))
     for _ in range(100):

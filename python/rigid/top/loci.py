@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import exact
-from .._given import attitudes, finite_array, require, to_space, vectors
-from ..scenes import HeavyTop
-from ..simulate import simulate
+from .._checks.arrays import attitudes, finite_array, require, vectors
+from ..model.scene import HeavyTop, check_heavy_top
+from ..rotations.apply import to_space
+from ..solve.simulate import simulate
 from .constants import symmetric, tilts
 
 if TYPE_CHECKING:
@@ -33,26 +34,26 @@ Floats = NDArray[np.float64]
 def classify_locus(
     scene: HeavyTop, omega: ArrayLike, attitude: ArrayLike | Rotation | None = None
 ) -> str | NDArray[np.str_]:
-    """The kind of path that the axis of a Lagrange top describes.
+    """The kind of path of the axis of a Lagrange top.
 
-    By the sign of ``phi'``, that of ``a/b - u`` for positive spin, between the roots u1 and u2 of
-    the cubic: Landau and Lifshitz, *Mechanics*, § 35; Ercan 2016, Fig. 16. The fourth kind,
-    ``a/b < u1``, is missing in the lecture (erratum G-18).
+    The kind follows from the sign of ``phi'`` between the roots u1 and u2 of the cubic, which is
+    the sign of ``a/b - u`` for positive spin: Landau and Lifshitz, *Mechanics*, § 35; Ercan 2016,
+    Fig. 16. The lecture notes lack the fourth kind, ``a/b < u1`` (erratum G-18).
 
     Parameters
     ----------
     scene : HeavyTop
         A Lagrange top with weight, as in :func:`rigid.exact.lagrange_top`.
     omega, attitude : array_like, shapes (..., 3) and (..., 4)
-        State at any time; by default body and space axes coincide.
+        State at any time of the motion; by default body and space axes coincide.
 
     Returns
     -------
     str, or ndarray of str of shape (...)
-        ``"curtate"``: ``phi'`` keeps the sign of the spin; ``"prolate"``: loops; ``"cusp"``: it
-        stands still on the upper circle; ``"retrograde"``: ``phi'`` is against the spin throughout;
-        ``"steady"``: on one circle. Without spin ``"spherical pendulum"``, or ``"planar"`` in one
-        plane; on the vertical ``"sleeping"``, ``"upright"`` (it would fall) or ``"hanging"``.
+        ``"curtate"``: ``phi'`` always has the sign of the spin; ``"prolate"``: loops; ``"cusp"``:
+        the axis stops on the upper circle; ``"retrograde"``: ``phi'`` is always opposite to the
+        spin; ``"steady"``: on one circle. Without spin ``"spherical pendulum"``, or ``"planar"`` in
+        one plane; on the vertical ``"sleeping"``, ``"upright"`` (unstable) or ``"hanging"``.
 
     Raises
     ------
@@ -82,15 +83,15 @@ def classify_locus(
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Advance:
-    """What a top has turned in a period of its nutation.
+    """Advance of the Euler angles in a period of the nutation.
 
     Attributes
     ----------
     period : ndarray, shape (...)
-        In s; inf on the homoclinic orbit and on the vertical.
+        Period of the nutation (s); inf on the homoclinic orbit and on the vertical.
     precession, spin : ndarray, shape (...)
-        Advance of phi and psi, about the upward vertical and about the direction to the centre of
-        mass (rad); NaN on the vertical, where they are not defined.
+        Advance (rad) of phi, about the upward vertical, and of psi, about the direction to the
+        centre of mass; NaN on the vertical, where the angles are not defined.
     mean_precession : ndarray, shape (...)
         Mean rate of precession (rad/s); NaN on the vertical.
     """
@@ -106,8 +107,8 @@ def advance(
 ) -> Advance:
     """Advance of precession and spin in a period of the nutation.
 
-    That of a looping top is never against its spin. :func:`rigid.exact.lagrange_top` for any
-    leading axes.
+    The mean precession of a top with loops never opposes the spin. The function applies
+    :func:`rigid.exact.lagrange_top` to arrays with any leading axes.
 
     Parameters
     ----------
@@ -142,15 +143,15 @@ def advance(
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Locus:
-    """The axis of a top at the wanted times.
+    """The axis of a top at given times.
 
     Attributes
     ----------
     theta : ndarray, shape (..., m)
         Tilt of the centre of mass from the upward vertical (rad).
     phi : ndarray, shape (..., m)
-        Azimuth of the node line (rad), continued from one time to the next by less than half a
-        turn; 0 on the vertical, where there is none.
+        Azimuth of the node line (rad), continuous: it changes by less than half a turn from one
+        time to the next; 0 on the vertical, where there is no node line.
     point : ndarray, shape (..., m, 3)
         Unit vector to the centre of mass in space,
         ``(sin(theta) sin(phi), -sin(theta) cos(phi), cos(theta))``.
@@ -168,7 +169,7 @@ def locus(
     *,
     t: ArrayLike,
 ) -> Locus:
-    """The path of the axis of a top, by closed form where there is one.
+    """The path of the axis of a top, by closed form if the top has one.
 
     Parameters
     ----------
@@ -199,11 +200,10 @@ def locus(
     >>> path.point[-1].round(9).tolist()
     [-0.869282411, 0.435218414, 0.234377947]
     """
-    if not isinstance(scene, HeavyTop):
-        raise TypeError(f"scene = {scene!r}: must be a rigid.HeavyTop")
+    check_heavy_top(scene)
     rates, start, shape = _flat(omega, attitude)
     run = simulate(scene, rates, start, t=t)
-    assert run.attitude is not None  # it is recorded unless asked otherwise
+    assert run.attitude is not None  # recorded by default
     point = to_space(attitudes(run.attitude), np.array(scene.com))
     x, y, z = np.moveaxis(point, -1, 0)
     across = np.hypot(x, y)
@@ -230,16 +230,16 @@ class FastTop:
         ``"curtate"``, ``"cusp"`` or ``"prolate"`` as ``|omega_P - precession| / |omega_P|`` is
         below, at or above 1; ``"steady"`` at 0.
     theta_start, theta_other : ndarray, shape (...)
-        The circles (rad): the tilt given, and
-        ``theta + 2 sin(theta) (omega_P - precession) / omega_l``; which is the upper one follows
-        from the sign.
+        Tilts of the two circles (rad): the given tilt, and
+        ``theta + 2 sin(theta) (omega_P - precession) / omega_l``; the sign decides which circle is
+        the upper one.
     phi_rate, phi, theta : ndarray, shape (..., m), or None
-        Precession (rad/s), azimuth from that at the start and tilt (rad) at the wanted times.
+        Rate of precession (rad/s), azimuth relative to the start, and tilt (rad) at the times.
     error : ndarray, shape (..., m), or None
         Estimate of the error of theta, relative to the width of the band between the circles:
-        ``|omega_P cos(theta)| t``, because the frequency is lower by ``2 omega_P cos(theta)``, and
-        besides ``(|omega_P - precession| + |omega_P|) / |omega_l|``. It falls as ``1 / omega3²``
-        for a given number of nutations.
+        ``|omega_P cos(theta)| t``, because the true frequency is lower by ``2 omega_P cos(theta)``,
+        plus ``(|omega_P - precession| + |omega_P|) / |omega_l|``. For a given number of nutations
+        the error falls as ``1 / omega3²``.
     """
 
     mean_precession: Floats
@@ -266,8 +266,8 @@ def fast_top_approx(
     ``phi' = omega_P - (omega_P - omega_0) cos(omega_l t)`` and
     ``theta = theta_0 + sin(theta_0) (omega_P - omega_0) (1 - cos(omega_l t)) / omega_l``, from
     ``I1 sin phi'' = I3 omega3 theta' - 2 I1 cos theta' phi'``: Goldstein, *Classical Mechanics*,
-    § 5.7; Ercan 2016, eqs. (65)-(68), with ``2 I1 cos`` for ``I sin 2 theta`` in the first of them
-    (erratum D-37). The amplitude must be small, not the tilt (D-38).
+    § 5.7; Ercan 2016, eqs. (65)-(68), with ``2 I1 cos`` for ``I sin 2 theta`` in eq. (65) (erratum
+    D-37). The amplitude must be small; the tilt need not be small (D-38).
 
     Parameters
     ----------
@@ -276,11 +276,11 @@ def fast_top_approx(
     tilt : array_like, shape (...)
         Tilt at ``t = 0`` (rad), in [0, pi], a turning point: ``theta' = 0``.
     spin : array_like, shape (...)
-        Rate about the body axis that the centre of mass lies on, not zero (rad/s).
+        Rate about the body axis through the centre of mass, not zero (rad/s).
     precession : array_like, shape (...), optional
-        ``omega_0``, the rate of precession at ``t = 0`` (rad/s); 0 for a top that is let go.
+        ``omega_0``, the rate of precession at ``t = 0`` (rad/s); 0 for a top released from rest.
     t : array_like, shape (m,), optional
-        Times (s) at which the motion is wanted.
+        Times (s) of the motion.
 
     Returns
     -------
@@ -343,7 +343,7 @@ def fast_top_approx(
 def _flat(
     omega: ArrayLike, attitude: ArrayLike | Rotation | None
 ) -> tuple[Floats, Floats, tuple[int, ...]]:
-    """Rates (n, 3), attitudes (n, 4), and the leading axes that they were given with."""
+    """Angular velocities (n, 3), attitudes (n, 4), and the leading axes of the arguments."""
     rates = vectors("omega", omega)
     start = np.array([1.0, 0.0, 0.0, 0.0]) if attitude is None else attitudes(attitude)
     shape = np.broadcast_shapes(rates.shape[:-1], start.shape[:-1])
@@ -357,6 +357,6 @@ def _flat(
 def _motion(
     scene: HeavyTop, omega: ArrayLike, attitude: ArrayLike | Rotation | None
 ) -> tuple[exact.TopMotion, tuple[int, ...]]:
-    """The motion of each top of a flat list, and the leading axes."""
+    """The motion of each top as a flat list, and the leading axes."""
     rates, start, shape = _flat(omega, attitude)
     return exact.lagrange_top(scene, rates, start), shape

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._given import finite_array
-from ..scenes import HeavyTop
+from .._checks.arrays import finite_array
+from ..model.scene import HeavyTop
 from .constants import symmetric, tilts
 from .cubic import f_roots
 
@@ -57,8 +57,9 @@ def effective_potential(
     Returns
     -------
     EffectivePotential
-        On the vertical inf, with a slope of -inf at 0 and inf at pi; but finite with slope 0 at 0
-        if ``a = b`` and at pi if ``a = -b`` (Ercan's range leaves that out, erratum D-40).
+        On the vertical the value is inf, with the slope -inf at 0 and inf at pi. If ``a = b``, the
+        value at 0 is finite with slope 0; if ``a = -b``, the value at pi (the range of Ercan
+        excludes both, erratum D-40).
 
     Raises
     ------
@@ -81,7 +82,7 @@ def effective_potential(
     sine, cosine = np.sin(angle), np.cos(angle)
     vertical = (angle == 0.0) | (angle == np.pi)
     sine = np.where(vertical, 0.0, sine)
-    # The rate phi' sin = (a - b cos) / sin, as the sum of its pole and the rest.
+    # The rate phi' sin = (a - b cos) / sin as the sum of its pole and a regular part.
     half = np.where(upper, 0.5 * angle, 0.5 * (np.pi - angle))
     sign = np.where(upper, 1.0, -1.0)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -99,9 +100,9 @@ def effective_potential(
 
 
 def effective_minimum(scene: HeavyTop, *, a: ArrayLike, b: ArrayLike) -> Floats:
-    """The tilt of the only minimum of the effective potential, that of steady precession.
+    """The tilt of the only minimum of the effective potential: the tilt of steady precession.
 
-    Needs SciPy.
+    The function needs SciPy.
 
     Parameters
     ----------
@@ -111,7 +112,7 @@ def effective_minimum(scene: HeavyTop, *, a: ArrayLike, b: ArrayLike) -> Floats:
     Returns
     -------
     ndarray, shape (...)
-        In rad: 0 for a top that sleeps (``a = b``, ``b² >= 4 mgl / I1``), pi for ``a = -b``.
+        Tilt (rad); 0 for a sleeping top (``a = b``, ``b² >= 4 mgl / I1``), pi for ``a = -b``.
 
     Raises
     ------
@@ -143,7 +144,7 @@ def effective_minimum(scene: HeavyTop, *, a: ArrayLike, b: ArrayLike) -> Floats:
 
     upright, hanging = first == second, first == -second
     ordinary = ~(upright | hanging)
-    # Where the potential has no wall at an end, its slope has no sign there: closed forms.
+    # If the potential is finite at an end, its slope is zero there: use the closed forms.
     with np.errstate(divide="ignore", invalid="ignore"):
         share = np.where(weight > 0.0, np.abs(second) / (2.0 * np.sqrt(weight)), np.inf)
     fallen = 2.0 * np.arccos(np.sqrt(np.minimum(np.where(np.isnan(share), 1.0, share), 1.0)))
@@ -157,7 +158,7 @@ def effective_minimum(scene: HeavyTop, *, a: ArrayLike, b: ArrayLike) -> Floats:
 def turning_angles(
     scene: HeavyTop, *, a: ArrayLike, b: ArrayLike, E_prime: ArrayLike
 ) -> tuple[Floats, Floats]:
-    """The tilts between which a top with the energy E' nutates, where ``V' = E'``.
+    """The tilts with ``V' = E'``, between which a top with the energy E' nutates.
 
     Parameters
     ----------
@@ -169,7 +170,7 @@ def turning_angles(
     Returns
     -------
     upper, lower : ndarray, shape (...)
-        In rad, of the upper circle and of the lower one.
+        Tilts (rad) of the upper circle and of the lower circle.
 
     Raises
     ------

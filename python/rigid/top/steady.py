@@ -1,4 +1,4 @@
-"""Steady precession, the sleeping top, and the spin that friction takes."""
+"""The sleeping top, and the decay of its spin by friction."""
 
 from __future__ import annotations
 
@@ -8,98 +8,20 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import exact
-from .._check import finite_float
-from .._given import finite_array
-from ..scenes import HeavyTop
+from .._checks.arguments import finite_float
+from .._checks.arrays import finite_array
+from ..model.scene import HeavyTop
 from .constants import symmetric
 
 __all__ = [
     "SleepingTop",
     "SpinDown",
-    "SteadyPrecession",
     "sleeping_top",
     "spin_down",
-    "steady_precession",
     "upright_f",
 ]
 
 Floats = NDArray[np.float64]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class SteadyPrecession:
-    """The steady precessions at a tilt.
-
-    Attributes
-    ----------
-    slow, fast : ndarray, shape (...)
-        Rates about the upward vertical (rad/s), the slow one of smaller size. NaN where the spin is
-        below ``spin_min``; only ``fast`` is NaN for a horizontal axis, which has one.
-    slow_approx, fast_approx : ndarray, shape (...)
-        What they tend to for fast spin, ``mgl / (I3 omega3)`` and ``I3 omega3 / (I1 cos)`` (rad/s);
-        inf without spin and for a horizontal axis.
-    spin_min : ndarray, shape (...)
-        The least spin, ``2 sqrt(mgl I1 cos) / I3`` (rad/s), at which there is one, the two being
-        equal; 0 for an axis that is horizontal or below, which needs none.
-    """
-
-    slow: Floats
-    fast: Floats
-    slow_approx: Floats
-    fast_approx: Floats
-    spin_min: Floats
-
-
-def steady_precession(scene: HeavyTop, tilt: ArrayLike, spin: ArrayLike) -> SteadyPrecession:
-    """Slow and fast steady precession of a symmetric top, and how fast it must spin.
-
-    ``I1 W² cos - I3 spin W + mgl = 0``, by :func:`rigid.exact.steady_precession`: Goldstein,
-    *Classical Mechanics*, § 5.7; Ercan 2016, eqs. (62)-(64), where the quadratic has the wrong sign
-    of its last term (erratum D-33) and the slow rate the wrong label (D-34), and where the bound
-    itself is left out (D-35).
-
-    Parameters
-    ----------
-    scene : HeavyTop
-        A Lagrange top with weight, as in :func:`rigid.exact.lagrange_top`.
-    tilt : array_like, shape (...)
-        Angle of the centre of mass from the upward vertical (rad), in [0, pi].
-    spin : array_like, shape (...)
-        Rate about the body axis that the centre of mass lies on, a component of omega (rad/s).
-
-    Returns
-    -------
-    SteadyPrecession
-
-    Raises
-    ------
-    ValueError
-        If the top is no Lagrange top, or an argument is not finite or out of range.
-
-    Examples
-    --------
-    >>> import numpy as np, rigid
-    >>> scene = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
-    >>> found = rigid.top.steady_precession(scene, np.pi / 3, 5.0)
-    >>> round(float(found.slow), 12), round(float(found.fast), 11), round(float(found.spin_min), 11)
-    (0.438447187191, 4.56155281281, 2.82842712475)
-    """
-    slow, fast = exact.steady_precession(scene, tilt, spin)
-    symmetry = symmetric(scene)
-    angles, spins = np.broadcast_arrays(finite_array("tilt", tilt), finite_array("spin", spin))
-    cosine = np.where(angles == 0.5 * np.pi, 0.0, np.cos(angles))
-    momentum = symmetry.side * symmetry.along * spins
-    with np.errstate(divide="ignore", invalid="ignore"):
-        slow_approx = scene.mgl / momentum
-        fast_approx = np.where(cosine == 0.0, np.inf, momentum / (symmetry.across * cosine))
-    bound = np.sqrt(scene.mgl * symmetry.across * np.maximum(cosine, 0.0))
-    return SteadyPrecession(
-        slow=slow,
-        fast=fast,
-        slow_approx=slow_approx[()],
-        fast_approx=fast_approx[()],
-        spin_min=(2.0 * bound / symmetry.along)[()],
-    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -109,7 +31,7 @@ class SleepingTop:
     Attributes
     ----------
     stable : ndarray of bool, shape (...)
-        Whether it stays upright; at the bound it does.
+        Whether the top stays upright; true at the bound.
     margin : ndarray, shape (...)
         ``|spin| / spin_min - 1``.
     spin_min : float
@@ -122,18 +44,18 @@ class SleepingTop:
 
 
 def sleeping_top(scene: HeavyTop, spin: ArrayLike) -> SleepingTop:
-    """Whether a top with its centre of mass straight above the fixed point stays there.
+    """Whether a top with its centre of mass vertically above the fixed point stays upright.
 
-    It does if ``(I3 omega3)² >= 4 I1 mgl``: Landau and Lifshitz, *Mechanics*, § 35. Equality
-    belongs to it, which Ercan 2016 leaves out (erratum D-35) and the approximation of
-    :func:`upright_f` cannot tell (G-19). A top that hangs is always stable.
+    The top stays upright if ``(I3 omega3)² >= 4 I1 mgl``: Landau and Lifshitz, *Mechanics*, § 35.
+    Ercan 2016 excludes equality (erratum D-35); the approximation of :func:`upright_f` does not
+    decide it (G-19). A hanging top is always stable.
 
     Parameters
     ----------
     scene : HeavyTop
         A Lagrange top with weight, as in :func:`rigid.exact.lagrange_top`.
     spin : array_like, shape (...)
-        Rate about the body axis that the centre of mass lies on (rad/s).
+        Rate about the body axis through the centre of mass (rad/s).
 
     Returns
     -------
@@ -159,9 +81,9 @@ def sleeping_top(scene: HeavyTop, spin: ArrayLike) -> SleepingTop:
 def upright_f(scene: HeavyTop, spin: ArrayLike, u: ArrayLike) -> tuple[Floats, Floats]:
     """The cubic f of an upright top, and its approximation near ``u = 1``.
 
-    ``f = (1 - u)² (alpha (1 + u) - a²)``, negative beside ``u = 1`` if the top sleeps; near it
-    ``(1 - u)² (2 alpha - a²)``, which vanishes at the bound, where f is ``-alpha (1 - u)³``
-    (erratum G-19).
+    ``f = (1 - u)² (alpha (1 + u) - a²)`` is negative near ``u = 1`` if the top sleeps. The
+    approximation ``(1 - u)² (2 alpha - a²)`` is zero at the bound of sleeping, where
+    ``f = -alpha (1 - u)³`` (erratum G-19).
 
     Parameters
     ----------
@@ -173,7 +95,7 @@ def upright_f(scene: HeavyTop, spin: ArrayLike, u: ArrayLike) -> tuple[Floats, F
     Returns
     -------
     exact, approximate : ndarray, shape (...)
-        In 1/s².
+        Values of the cubic and of its approximation (1/s²).
 
     Raises
     ------
@@ -187,7 +109,7 @@ def upright_f(scene: HeavyTop, spin: ArrayLike, u: ArrayLike) -> tuple[Floats, F
     >>> [float(value) for value in rigid.top.upright_f(scene, 4.0, 0.5)]
     [-0.25, 0.0]
     """
-    exact.sleeping_spin(scene)  # refuses what is no Lagrange top with weight
+    exact.sleeping_spin(scene)  # raises if the scene is no Lagrange top with weight
     symmetry = symmetric(scene)
     alpha = 2.0 * scene.mgl / symmetry.across
     square = (symmetry.along * finite_array("spin", spin) / symmetry.across) ** 2
@@ -198,17 +120,17 @@ def upright_f(scene: HeavyTop, spin: ArrayLike, u: ArrayLike) -> tuple[Floats, F
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SpinDown:
-    """An upright top whose spin a torque ``-c omega3`` about its axis takes.
+    """An upright top with the damping torque ``-c omega3`` about its axis.
 
     Attributes
     ----------
     onset : ndarray, shape (...)
-        When its spin has fallen to the bound of sleeping, ``(I3 omega3)² = 4 I1 mgl`` (s): 0 if it
-        is below at once, inf without damping.
+        Time (s) at which the spin falls to the bound of sleeping, ``(I3 omega3)² = 4 I1 mgl``: 0 if
+        the spin is below the bound from the start, inf without damping.
     spin_min : float
-        That bound (rad/s).
+        The bound of sleeping (rad/s).
     decay : float
-        ``c / I3``, at which the spin decays (1/s).
+        Decay rate of the spin, ``c / I3`` (1/s).
     """
 
     onset: Floats
@@ -217,18 +139,18 @@ class SpinDown:
 
 
 def spin_down(scene: HeavyTop, spin: ArrayLike, *, damping: float) -> SpinDown:
-    """When friction wakes a sleeping top.
+    """Time at which friction wakes a sleeping top.
 
-    While it is upright ``I3 omega3' = -c omega3``, ``omega3 = spin exp(-c t / I3)``; the power
-    ``-c omega3²`` is that of the torque. What follows the onset is no steady motion and is not
-    said here.
+    While the top is upright ``I3 omega3' = -c omega3``, thus ``omega3 = spin exp(-c t / I3)``; the
+    power of the torque is ``-c omega3²``. The motion after the onset is not steady; compute it by
+    :func:`rigid.simulate`.
 
     Parameters
     ----------
     scene : HeavyTop
         A Lagrange top with weight, as in :func:`rigid.exact.lagrange_top`.
     spin : array_like, shape (...)
-        Rate about the axis at ``t = 0`` (rad/s).
+        Spin about the axis at ``t = 0`` (rad/s).
     damping : float
         ``c`` (N m s), >= 0.
 
@@ -239,7 +161,7 @@ def spin_down(scene: HeavyTop, spin: ArrayLike, *, damping: float) -> SpinDown:
     Raises
     ------
     ValueError
-        If the top is no Lagrange top, the spin is not finite, or the damping negative.
+        If the top is no Lagrange top, the spin is not finite, or the damping is negative.
 
     Examples
     --------

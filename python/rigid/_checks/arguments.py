@@ -1,0 +1,217 @@
+"""Checks of arguments: every error message names the argument, its value and the rule."""
+
+from __future__ import annotations
+
+import difflib
+import math
+import os
+from collections.abc import Iterable
+from numbers import Real
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+__all__ = [
+    "finite_float",
+    "first_place",
+    "nearest",
+    "numbers",
+    "one_of",
+    "positive_int",
+    "resolve_threads",
+    "rows",
+    "shaped",
+    "sorted_times",
+    "together",
+    "unit_vector",
+    "vector",
+    "vectors",
+]
+
+
+MOST_THREADS = 1024
+
+
+def nearest(name: object, known: Iterable[str]) -> str:
+    """A hint such as ``"; did you mean 'spin'?"``, or nothing if no known name is close."""
+    if not isinstance(name, str):
+        return ""
+    spelt = {candidate.lower(): candidate for candidate in known}
+    close = difflib.get_close_matches(name.lower(), spelt, n=1)
+    return f"; did you mean {spelt[close[0]]!r}?" if close else ""
+
+
+def _brief(value: object) -> str:
+    """``value`` on one line of moderate length."""
+    text = " ".join(repr(value).split())
+    return text if len(text) <= 80 else f"{text[:77]}..."
+
+
+def one_of(argument: str, value: object, known: Iterable[str]) -> str:
+    """``value`` if it is one of the known names."""
+    names = list(known)
+    if isinstance(value, str) and value in names:
+        return value
+    known_names = ", ".join(map(repr, names))
+    raise ValueError(
+        f"{argument} = {_brief(value)}: must be one of {known_names}{nearest(value, names)}"
+    )
+
+
+def finite_float(
+    name: str, value: object, *, positive: bool = False, nonnegative: bool = False
+) -> float:
+    """``value`` as a finite float; positive or not negative if required."""
+    if isinstance(value, np.ndarray) and value.ndim == 0:
+        value = value[()]
+    if isinstance(value, bool) or not isinstance(value, Real):
+        raise TypeError(f"{name} = {_brief(value)}: must be a real number")
+    number = float(value)
+    if not np.isfinite(number):
+        raise ValueError(f"{name} = {number}: must be finite")
+    if positive and number <= 0.0:
+        raise ValueError(f"{name} = {number}: must be positive")
+    if nonnegative and number < 0.0:
+        raise ValueError(f"{name} = {number}: must not be negative")
+    return number
+
+
+def positive_int(name: str, value: object, *, minimum: int = 1) -> int:
+    """``value`` as a whole number of at least ``minimum``."""
+    if isinstance(value, bool) or not isinstance(value, (int, np.integer)):
+        raise TypeError(f"{name} = {value!r}: must be a whole number")
+    if value < minimum:
+        raise ValueError(f"{name} = {value}: must be at least {minimum}")
+    if value >= 2**63:
+        raise ValueError(f"{name} = {value}: must be below 2**63")
+    return int(value)
+
+
+def numbers(name: str, value: ArrayLike) -> NDArray[np.float64]:
+    try:
+        array = np.asarray(value)
+    except ValueError:
+        raise ValueError(f"{name} = {_brief(value)}: must be an array of real numbers") from None
+    if array.dtype.kind not in "iuf":
+        raise TypeError(f"{name} = {_brief(value)}: must be real numbers, got {array.dtype}")
+    return np.ascontiguousarray(array, dtype=np.float64).reshape(array.shape)
+
+
+def _finite(name: str, array: NDArray[np.float64]) -> None:
+    finite = np.isfinite(array)
+    if not finite.all():
+        index = tuple(int(i) for i in np.argwhere(~finite)[0])
+        place = list(index) if index else ""
+        raise ValueError(f"{name}{place} = {array[index]}: must be finite")
+
+
+def vector(name: str, value: ArrayLike, length: int) -> NDArray[np.float64]:
+    """``value`` as a finite array of shape ``(length,)``."""
+    array = numbers(name, value)
+    if array.shape != (length,):
+        raise ValueError(f"{name}: expected shape ({length},), got {array.shape}")
+    _finite(name, array)
+    return array
+
+
+def first_place(bad: NDArray[np.bool_]) -> tuple[tuple[int, ...], str]:
+    """The index of the first that is bad, and as a message writes it: nothing for a single one."""
+    index = tuple(int(i) for i in np.argwhere(bad)[0])
+    return index, str(list(index)) if index else ""
+
+
+def shaped(
+    name: str,
+    value: ArrayLike,
+    *shape: int | None,
+    positive: bool = False,
+    nonnegative: bool = False,
+) -> NDArray[np.float64]:
+    """``value`` as a finite array whose last axes have that shape; the leading ones are free.
+
+    None means any length.
+    """
+    array = numbers(name, value)
+    last = array.shape[max(array.ndim - len(shape), 0) :]
+    if len(last) < len(shape) or any(
+        want not in (None, got) for want, got in zip(shape, last, strict=True)
+    ):
+        wanted = ", ".join("N" if want is None else str(want) for want in shape)
+        raise ValueError(f"{name}: expected shape (..., {wanted}), got {array.shape}")
+    _finite(name, array)
+    bad = array <= 0.0 if positive else array < 0.0
+    if (positive or nonnegative) and np.any(bad):
+        index, place = first_place(bad)
+        rule = "must be positive" if positive else "must not be negative"
+        raise ValueError(f"{name}{place} = {array[index]}: {rule}")
+    return array
+
+
+def rows(name: str, value: ArrayLike, width: int) -> tuple[NDArray[np.float64], bool]:
+    """``value`` as a finite contiguous array ``(n, width)``, and whether it was a single row."""
+    array = numbers(name, value)
+    if array.ndim not in (1, 2) or array.shape[-1] != width:
+        if array.size == 0 and array.ndim < 2:
+            return np.empty((0, width)), False
+        raise ValueError(f"{name}: expected shape ({width},) or (n, {width}), got {array.shape}")
+    _finite(name, array)
+    return np.ascontiguousarray(np.atleast_2d(array)), array.ndim == 1
+
+
+def together(**arrays: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
+    """The arrays, broadcast against each other."""
+    try:
+        return np.broadcast_arrays(*arrays.values())
+    except ValueError:
+        shapes = ", ".join(f"{name} {array.shape}" for name, array in arrays.items())
+        raise ValueError(f"{shapes}: the shapes do not broadcast") from None
+
+
+def vectors(**arguments: ArrayLike) -> tuple[NDArray[np.float64], ...]:
+    """The arguments as finite arrays of shape ``(..., 3)``, broadcast against each other."""
+    return together(**{name: shaped(name, value, 3) for name, value in arguments.items()})
+
+
+def unit_vector(name: str, value: ArrayLike, length: int) -> NDArray[np.float64]:
+    """``value`` as a vector of length one, which it must be to 1e-9; normalised to rounding."""
+    array = vector(name, value, length)
+    norm = math.hypot(*array.tolist())
+    if abs(norm - 1.0) > 1e-9:
+        raise ValueError(f"{name} = {array.tolist()}: must be a unit vector, its length is {norm}")
+    return array / norm
+
+
+def sorted_times(name: str, value: ArrayLike) -> NDArray[np.float64]:
+    """``value`` as finite ascending times, shape ``(m,)``; a single time becomes one of one."""
+    array = np.atleast_1d(numbers(name, value))
+    if array.ndim != 1:
+        raise ValueError(f"{name}: expected shape (m,), got {array.shape}")
+    _finite(name, array)
+    late = np.flatnonzero(np.diff(array) < 0.0)
+    if len(late):
+        k = int(late[0])
+        raise ValueError(
+            f"{name}[{k}] = {array[k]} > {name}[{k + 1}] = {array[k + 1]}: times must be ascending"
+        )
+    return array
+
+
+def resolve_threads(threads: int | None) -> int:
+    """Number of threads: the argument, else ``RIGID_NUM_THREADS``, else the cores we may use."""
+    if threads is not None:
+        threads = positive_int("threads", threads)
+        if threads > MOST_THREADS:
+            raise ValueError(f"threads = {threads}: must be at most {MOST_THREADS}")
+        return threads
+    variable = os.environ.get("RIGID_NUM_THREADS", "")
+    if variable:
+        if not variable.isdecimal() or int(variable) < 1:
+            raise ValueError(
+                f"RIGID_NUM_THREADS = {variable!r}: must be a whole number of at least 1"
+            )
+        if int(variable) > MOST_THREADS:
+            raise ValueError(f"RIGID_NUM_THREADS = {variable!r}: must be at most {MOST_THREADS}")
+        return int(variable)
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1

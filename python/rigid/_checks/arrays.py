@@ -1,0 +1,64 @@
+"""Arrays with any leading axes, checked."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .. import _core
+from .arguments import first_place, numbers, shaped
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
+
+__all__ = ["attitudes", "finite_array", "require", "unit_quaternions", "vectors"]
+
+Floats = NDArray[np.float64]
+
+
+def finite_array(name: str, value: ArrayLike) -> Floats:
+    """``value`` as finite floats of any shape."""
+    return shaped(name, value)
+
+
+def require(name: str, array: NDArray[Any], good: NDArray[np.bool_], rule: str) -> None:
+    """Raise for the first element that breaks the rule."""
+    if not good.all():
+        index, place = first_place(~good)
+        raise ValueError(f"{name}{place} = {array[index]}: {rule}")
+
+
+def vectors(name: str, value: ArrayLike, width: int = 3) -> Floats:
+    """``value`` as finite floats of shape (..., width)."""
+    array = numbers(name, value)
+    return np.empty((0, width)) if array.shape == (0,) else shaped(name, array, width)
+
+
+def attitudes(attitude: ArrayLike | Rotation, name: str = "attitude") -> Floats:
+    """Quaternions or a SciPy ``Rotation`` as unit quaternions, scalar first, shape (..., 4)."""
+    if hasattr(attitude, "as_quat"):
+        attitude = attitude.as_quat(scalar_first=True)
+    return unit_quaternions(name, vectors(name, attitude, 4))
+
+
+def unit_quaternions(
+    name: str, quaternions: Floats, rule: str = "a zero quaternion is no attitude"
+) -> Floats:
+    """Finite quaternions of shape (..., 4) divided by their lengths; the sign is kept.
+
+    The core divides, for the whole package: all functions start from the same bits.
+
+    Raises
+    ------
+    ValueError
+        If a quaternion is zero.
+    """
+    rows = np.ascontiguousarray(quaternions).reshape(-1, 4)
+    zero: NDArray[np.bool_] = (rows == 0.0).all(axis=1)
+    if zero.any():
+        _, place = first_place(np.reshape(zero, quaternions.shape[:-1]))
+        raise ValueError(f"{name}{place} = {[0.0] * 4}: {rule}")
+    unit: Floats = _core.unit_quaternions(rows).reshape(quaternions.shape)
+    return unit

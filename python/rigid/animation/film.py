@@ -1,0 +1,331 @@
+"""Films: the parts of an animated scene, and the attitudes that move the parts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import free
+from .._checks.arguments import finite_float, one_of
+from .._checks.arrays import attitudes
+from ..drawing import colours
+from ..drawing.shapes import STEM, box_faces, cone_faces, ellipsoid_faces, plane_face, top_faces
+from ..model.scene import FreeBody, HeavyTop, Scene, check_heavy_top, scene_from_dict
+from ..rotations.apply import to_space
+from .states import require_unforced, states_of
+
+if TYPE_CHECKING:
+    from ..solve.run import Run
+
+__all__ = ["VIEWS", "Film", "Part", "film_of"]
+
+Floats = NDArray[np.float64]
+
+VIEWS = {FreeBody.kind: ("box", "cones", "poinsot"), HeavyTop.kind: ("top",)}
+"""Views of each kind of scene."""
+
+UP = np.array([0.0, 0.0, 1.0])
+
+AXES = tuple(ink.colour for ink in colours.AXES)
+BODY, SPACE = colours.BODY.colour, colours.SPACE.colour
+TRAIL = "#444444"
+PALE, DARK = "#a5d5f2", "#0b5a86"
+"""Darker colour of the body, for stripes and curves on the body."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Part:
+    """A part of the drawing.
+
+    Attributes
+    ----------
+    kind : {"faces", "line", "trail", "arrow", "dot"}
+        Polygons; a curve; a curve up to the point of the frame; an arrow from the origin; a point.
+    points : ndarray
+        Shape (faces, corners, 3) of polygons, (points, 3) of a curve, and (frames, 3) of a trail,
+        an arrow or a dot, or (1, 3) if it is the same in all frames.
+    colours : tuple of str
+        Colours of the polygons, repeated in this order.
+    opacity : float
+        1 is opaque.
+    carried : bool
+        Whether the points are fixed in the body instead of in space.
+    label : str
+        Text at the tip of an arrow.
+    """
+
+    kind: str
+    points: Floats
+    colours: tuple[str, ...]
+    opacity: float = 1.0
+    carried: bool = False
+    label: str = ""
+
+    def placed(self, attitude: Floats, frame: int) -> Floats:
+        """The points in space in a frame, from the attitude in this frame."""
+        points = self.points
+        if self.kind == "trail":
+            points = points[: frame + 1]
+        elif self.kind in ("arrow", "dot"):
+            points = points[frame : frame + 1] if len(points) > 1 else points
+        return to_space(attitude, points) if self.carried else points
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Film:
+    """The frames of an animation: one for each time of a run.
+
+    Attributes
+    ----------
+    view : str
+        One of :data:`VIEWS`.
+    title : str
+        The scene in words.
+    t : ndarray, shape (frames,)
+        Times of the run (s).
+    shown : ndarray, shape (frames,)
+        Duration of each frame (s); the last two durations are equal.
+    attitude : ndarray, shape (frames, 4)
+        Attitudes of the run.
+    parts : tuple of Part
+        Parts of the drawing, in units of a length that depends on the view.
+    up : ndarray, shape (3,)
+        Unit vector in space that points upward in the picture.
+    centre : ndarray, shape (3,)
+        The centre of the picture, on the line through the origin along ``up``.
+    reach : float
+        Largest distance of a point of any frame from the centre.
+    """
+
+    view: str
+    title: str
+    t: Floats
+    shown: Floats
+    attitude: Floats
+    parts: tuple[Part, ...]
+    up: Floats
+    centre: Floats
+    reach: float
+
+    @property
+    def digits(self) -> int:
+        """Number of decimals at which the times of neighbouring frames differ."""
+        steps = np.diff(self.t)
+        shortest = steps[steps > 0.0].min(initial=1.0)
+        return int(np.ceil(-np.log10(shortest) - 1e-9))
+
+
+def film_of(
+    run: Run, *, view: str | None = None, speed: float = 1.0, body: int | None = None
+) -> Film:
+    """The frames of an animation of a run; the arguments are those of :meth:`rigid.Run.animate`.
+
+    Examples
+    --------
+    >>> import numpy as np, rigid
+    >>> from rigid.animation.film import film_of
+    >>> book = rigid.FreeBody(rigid.Body.box(0.01, 0.08, 0.25, mass=0.3))
+    >>> run = rigid.simulate(book, [0.01, 1.0, 0.01], t=np.linspace(0.0, 10.0, 101))
+    >>> film = film_of(run, speed=2.0)
+    >>> film.view, len(film.t), float(film.shown.sum().round(9))
+    ('box', 101, 5.05)
+    """
+    omega, attitude = states_of(run, body)
+    speed = finite_float("speed", speed, positive=True)
+    if len(run.t) < 2:
+        raise ValueError(f"t of shape {run.t.shape}: an animation needs two times or more")
+    scene = scene_from_dict(run.spec["scene"])
+    view = _chosen(scene, view)
+    momentum = to_space(attitude, np.array(scene.body.moments) * omega)
+    size = float(np.linalg.norm(momentum[0]))
+    if view == "top":
+        parts, up = _top(check_heavy_top(scene), attitude), UP
+    elif scene.is_driven:
+        parts, up = _box(scene, omega, attitude, momentum), UP
+    else:
+        if size == 0.0:
+            raise ValueError("omega = [0, 0, 0]: a free body at rest does not move")
+        up = momentum[0] / size
+        show = {"box": _box, "cones": _cones, "poinsot": _poinsot}[view]
+        parts = show(scene, omega, attitude, momentum[:1])
+    steps = np.diff(run.t)
+    centre, reach = _room(parts, attitude, up)
+    return Film(
+        view=view,
+        title=scene.words(),
+        t=run.t,
+        shown=np.append(steps, steps[-1]) / speed,
+        attitude=attitude,
+        parts=parts,
+        up=up,
+        centre=centre,
+        reach=reach,
+    )
+
+
+def _room(parts: tuple[Part, ...], attitude: Floats, up: Floats) -> tuple[Floats, float]:
+    """Centre and radius of a sphere around all parts, from at most 64 frames."""
+    frames = np.unique(np.linspace(0, len(attitude) - 1, 64).astype(int))
+    cloud = np.concatenate(
+        [part.placed(attitude[k], k).reshape(-1, 3) for k in frames for part in parts]
+    )
+    heights = cloud @ up
+    centre = 0.5 * (heights.min() + heights.max()) * up
+    return centre, float(np.linalg.norm(cloud - centre, axis=1).max())
+
+
+def _chosen(scene: Scene, view: str | None) -> str:
+    """The requested view, or the default view of the scene."""
+    if view is not None:
+        one_of("view", view, VIEWS[scene.kind])
+        if view in ("cones", "poinsot"):
+            require_unforced(scene, f"view = {view!r}")
+        return view
+    if len(VIEWS[scene.kind]) == 1:
+        return VIEWS[scene.kind][0]
+    if scene.body.sides is not None or scene.is_driven:
+        return "box"
+    return "cones" if len(set(scene.body.moments)) == 2 else "poinsot"
+
+
+def _box(scene: Scene, omega: Floats, attitude: Floats, momentum: Floats) -> tuple[Part, ...]:
+    """A thrown box with its axes, omega and L, relative to the centre of mass."""
+    sides = scene.body.sides
+    if sides is None:
+        # The homogeneous box with these moments: squared sides are proportional to second moments.
+        sides = tuple(np.sqrt(np.maximum(_spread(scene.body.moments), 0.0)))
+    half = np.maximum(np.array(sides) / max(sides), 0.02)
+    return (
+        Part(
+            kind="faces",
+            points=box_faces(half),
+            colours=tuple(colour for colour in AXES for _ in range(2)),
+            carried=True,
+        ),
+        *(
+            Part(
+                kind="arrow",
+                points=(half[axis] + 0.35) * np.eye(3)[axis : axis + 1],
+                colours=(AXES[axis],),
+                carried=True,
+                label=str(axis + 1),
+            )
+            for axis in range(3)
+        ),
+        *_vectors(omega, attitude, momentum, length=1.5),
+    )
+
+
+def _cones(scene: Scene, omega: Floats, attitude: Floats, momentum: Floats) -> tuple[Part, ...]:
+    """Body cone and space cone, which touch along omega."""
+    rolled = free.cones(scene.body, omega[0], attitude[0])
+    top = free.symmetric_free_top(scene.body, omega[0])
+    axis = np.eye(3)[int(top.axis) - 1] * (1.0 if top.alpha <= 0.5 * np.pi else -1.0)
+    parts = [
+        Part(
+            kind="faces",
+            points=cone_faces(axis, float(rolled.body_cone)),
+            colours=(BODY, PALE),
+            opacity=0.55,
+            carried=True,
+        ),
+        Part(
+            kind="faces",
+            points=cone_faces(momentum[0], float(rolled.space_cone)),
+            colours=("#888888", colours.FAINT),
+            opacity=0.75,
+        ),
+        Part(
+            kind="arrow",
+            points=1.15 * axis[np.newaxis],
+            colours=(DARK,),
+            carried=True,
+            label="axis",
+        ),
+    ]
+    return (*parts, *_vectors(omega, attitude, momentum, length=1.3))
+
+
+def _poinsot(scene: Scene, omega: Floats, attitude: Floats, momentum: Floats) -> tuple[Part, ...]:
+    """The inertia ellipsoid, which rolls on the invariable plane: polhode and herpolhode."""
+    rolled = free.poinsot(scene.body, omega, attitude)
+    assert rolled.normal is not None
+    assert rolled.contact is not None
+    unit = float(rolled.semi_axes.max())
+    contact = rolled.contact / unit
+    foot = rolled.normal * (float(rolled.distance) / unit)
+    width = 1.25 * max(float(np.linalg.norm(contact - foot, axis=-1).max()), 0.4)
+    return (
+        Part(
+            kind="faces",
+            points=ellipsoid_faces(rolled.semi_axes / unit),
+            colours=(BODY,) * 7 + (PALE,) * 7,
+            opacity=0.7,
+            carried=True,
+        ),
+        Part(
+            kind="faces",
+            points=plane_face(foot, rolled.normal, width),
+            colours=(SPACE,),
+            opacity=0.25,
+        ),
+        Part(kind="line", points=rolled.polhode / unit, colours=(DARK,), carried=True),
+        Part(kind="trail", points=contact, colours=(TRAIL,)),
+        Part(kind="dot", points=contact, colours=(colours.OMEGA.colour,)),
+        Part(kind="arrow", points=contact, colours=(colours.OMEGA.colour,), label="ω"),
+        Part(kind="arrow", points=1.35 * foot[np.newaxis], colours=(colours.L.colour,), label="L"),
+    )
+
+
+def _top(scene: HeavyTop, attitude: Floats) -> tuple[Part, ...]:
+    """A top on its fixed point, and the path of the tip of its stem on a sphere."""
+    direction = np.array(scene.com)
+    return (
+        Part(
+            kind="faces",
+            points=top_faces(direction, _spread(scene.body.moments)),
+            colours=(BODY,) * 4 + (AXES[0],) * 4,
+            carried=True,
+        ),
+        Part(
+            kind="trail",
+            points=STEM * to_space(attitudes(attitude), direction),
+            colours=(AXES[2],),
+        ),
+        Part(
+            kind="arrow",
+            points=1.6 * UP[np.newaxis],
+            colours=(colours.VERTICAL.colour,),
+            label="vertical",
+        ),
+        Part(
+            kind="faces",
+            points=plane_face(np.zeros(3), UP, 0.8),
+            colours=(SPACE,),
+            opacity=0.12,
+        ),
+    )
+
+
+def _vectors(
+    omega: Floats, attitude: Floats, momentum: Floats, *, length: float
+) -> tuple[Part, ...]:
+    """Omega and its path, and L, in space; L is at most ``length`` long, omega 0.8 ``length``."""
+    rates = to_space(attitudes(attitude), omega)
+    rates = 0.8 * length / np.linalg.norm(rates, axis=-1).max() * rates
+    arrow = length / np.linalg.norm(momentum, axis=-1).max() * momentum
+    return (
+        Part(kind="trail", points=rates, colours=(TRAIL,)),
+        Part(kind="arrow", points=rates, colours=(colours.OMEGA.colour,), label="ω"),
+        Part(kind="arrow", points=arrow, colours=(colours.L.colour,), label="L"),
+    )
+
+
+def _spread(moments: tuple[float, float, float]) -> Floats:
+    """``∫ x_i² dm`` along each principal axis."""
+    array = np.array(moments)
+    spread: Floats = 0.5 * array.sum() - array
+    return spread

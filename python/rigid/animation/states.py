@@ -1,0 +1,47 @@
+"""States of a run that a picture can show."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..model.scene import Scene
+
+if TYPE_CHECKING:
+    from ..solve.run import Run
+
+__all__ = ["require_unforced", "states_of"]
+
+Floats = NDArray[np.float64]
+
+
+def states_of(run: Run, body: int | None = None) -> tuple[Floats, Floats]:
+    """Angular velocities (m, 3) and attitudes (m, 4) of one body of a run."""
+    if run.attitude is None:
+        raise ValueError(
+            f"record = {run.spec['record']!r}: record = 'attitude' is needed to show the motion"
+        )
+    omega, attitude = run.omega, run.attitude
+    if omega.ndim == 3:
+        bodies = len(omega)
+        if body is None and bodies != 1:
+            raise ValueError(f"body = None: the run has {bodies} bodies, choose one by its index")
+        index = 0 if body is None else body
+        if isinstance(index, bool) or not isinstance(index, (int, np.integer)):
+            raise TypeError(f"body = {body!r}: must be a whole number")
+        if not -bodies <= index < bodies:
+            raise ValueError(f"body = {body}: the run has {bodies} bodies")
+        omega, attitude = omega[index], attitude[index]
+    elif body is not None:
+        raise ValueError(f"body = {body}: the run has a single body")
+    if not (np.isfinite(omega).all() and np.isfinite(attitude).all()):
+        raise ValueError("status: states that are not finite cannot be shown")
+    return omega, attitude
+
+
+def require_unforced(scene: Scene, what: str) -> None:
+    """Raise ValueError under torque or damping, because the picture shows constants of motion."""
+    if scene.is_driven:
+        raise ValueError(f"{what}: needs a scene without torque and damping")

@@ -1,0 +1,237 @@
+"""The command line ``rigid``: compute maps and reports, list those built in, describe the build.
+
+``toml_table`` reports mistakes in a file with their location, ``toml_scene`` reads scene, start and
+criterion, ``toml_map`` and ``toml_report`` the two kinds of files. Uses ``maps`` and ``reports``;
+nothing uses it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import NoReturn
+
+from .._checks.arguments import resolve_threads
+from .._checks.progress import heeding_interrupts
+from ..drawing.figure import new_figure
+from ..info import build_info
+from ..maps.compute import run_map
+from ..maps.plan import map_plan
+from ..maps.result import StabilityMap
+from ..maps.spec import MapSpec
+from ..model.seed import seed_from
+from ..reports.compute import run_report
+from ..reports.result import Report
+from ..reports.stress import extremes
+from .toml_map import builtin_names, read_spec
+from .toml_report import read_report, report_names
+
+__all__ = ["main"]
+
+USAGE_ERROR = 2
+INTERRUPTED = 130
+SILENT_ERROR = 1
+
+SECONDS, LONG_SECONDS = 30.0, 120.0
+"""Time limits (s) of ``rigid report`` and ``rigid report --long``."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line; returns the exit code.
+
+    Parameters
+    ----------
+    arguments : sequence of str, optional
+        By default those of the process.
+    """
+    with heeding_interrupts():
+        try:
+            options = _parser().parse_args(arguments)
+            command = {
+                "map": _map,
+                "maps": _maps,
+                "report": _report,
+                "reports": _reports,
+                "extremes": _extremes,
+                "info": _info,
+            }[options.command]
+            return command(options)
+        except (OSError, RuntimeError, ValueError) as error:
+            print(f"rigid: {error}", file=sys.stderr)
+            return USAGE_ERROR
+        except KeyboardInterrupt:
+            print("rigid: interrupted", file=sys.stderr)
+            return INTERRUPTED
+
+
+def _map(options: argparse.Namespace) -> int:
+    named = read_spec(options.map)
+    spec = named.spec
+    if options.samples is not None:
+        spec = dataclasses.replace(spec, samples=options.samples)
+    if options.seed is not None:
+        spec = dataclasses.replace(spec, seed=seed_from(options.seed))
+    stem = _stem(options.out, named.name, (".npz", ".png"))
+    threads = resolve_threads(options.threads)
+    print(f"{'plan':<12}{_plan(spec)}", flush=True)
+    result = run_map(spec, threads=threads, progress=None if options.progress else False)
+    print(result.summary())
+    print(f"{'speed':<12}{_speed(result)}")
+    return _written(result, stem, ".npz", "map")
+
+
+def _plan(spec: MapSpec) -> str:
+    made = map_plan(spec)
+    return "; ".join([made.method_words(), *made.why])
+
+
+def _maps(options: argparse.Namespace) -> int:
+    specs = {name: read_spec(name).spec for name in builtin_names()}
+    axes = {name: " x ".join(axis.name for axis in spec.axes) for name, spec in specs.items()}
+    return _list({name: f"{spec.title} ({axes[name]})" for name, spec in specs.items()})
+
+
+def _report(options: argparse.Namespace) -> int:
+    named = read_report(options.report, methods=options.method)
+    spec = named.spec
+    if options.long:
+        spec = dataclasses.replace(spec, t_end=named.t_end_long)
+    seconds = options.seconds
+    if seconds is None:
+        seconds = LONG_SECONDS if options.long else SECONDS
+    stem = _stem(options.out, f"report-{named.name}", (".json", ".png"))
+    result = run_report(spec, seconds=seconds, progress=None if options.progress else False)
+    print(result)
+    print()
+    return _written(result, stem, ".json", "report")
+
+
+def _reports(options: argparse.Namespace) -> int:
+    specs = {name: read_report(name).spec for name in report_names()}
+    return _list(
+        {name: f"{spec.title} (t = {spec.t_end:g} {spec.unit})" for name, spec in specs.items()}
+    )
+
+
+def _extremes(options: argparse.Namespace) -> int:
+    found = extremes(
+        options.family, method=options.method, progress=None if options.progress else False
+    )
+    print(found)
+    for cell in found.wrong:
+        print(
+            f"rigid: {cell.case.family}, {cell.case.name}, {cell.method}: {cell.error:.1e}, not "
+            f"within {cell.bound:.1e}",
+            file=sys.stderr,
+        )
+    return SILENT_ERROR if found.wrong else 0
+
+
+def _info(options: argparse.Namespace) -> int:
+    return _list({name: _words(value) for name, value in build_info().items()})
+
+
+def _words(value: object) -> str:
+    if isinstance(value, (list, tuple)):
+        return ", ".join(map(str, value))
+    return "unknown" if value is None else str(value)
+
+
+def _stem(out: str | None, name: str, suffixes: tuple[str, ...]) -> Path:
+    """The output path without suffix, checked before the computation starts."""
+    stem = Path(out or name)
+    if stem.suffix in suffixes:
+        stem = stem.with_suffix("")
+    if not stem.name:
+        raise ValueError(f"--out: {str(stem)!r} names a directory, not a file")
+    for suffix in suffixes:
+        if stem.with_name(stem.name + suffix).is_dir():
+            raise ValueError(f"--out: {str(stem) + suffix!r} is a directory")
+    if not stem.parent.is_dir():
+        raise ValueError(f"--out: there is no directory {str(stem.parent)!r}")
+    return stem
+
+
+def _speed(result: StabilityMap) -> str:
+    done = int(result.samples.sum())
+    rate = done / result.elapsed if result.elapsed > 0.0 else 0.0
+    threads = f"{result.threads} thread{'s' if result.threads > 1 else ''}"
+    return f"{rate:,.0f} bodies per second, {result.elapsed:.2f} s on {threads}"
+
+
+def _written(result: StabilityMap | Report, stem: Path, suffix: str, what: str) -> int:
+    """Write data and picture, print their paths, and return the exit code."""
+    print(f"{'data':<12}{result.save(stem.with_name(stem.name + suffix))}")
+    picture = stem.with_name(f"{stem.name}.png")
+    try:
+        figure = new_figure()
+        result.plot(figure.add_subplot())
+        figure.savefig(picture)
+    except ImportError as error:
+        print(f"{'picture':<12}none: {error}")
+    else:
+        print(f"{'picture':<12}{picture}")
+    if not result.complete:
+        print(f"rigid: interrupted; the {what} written is partial", file=sys.stderr)
+        return INTERRUPTED
+    return 0
+
+
+def _list(lines: Mapping[str, str]) -> int:
+    """Print a description for each name."""
+    width = max(map(len, lines)) + 2
+    for name, text in lines.items():
+        print(f"{name:<{width}}{text}")
+    return 0
+
+
+class _Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> NoReturn:
+        self.exit(USAGE_ERROR, f"{self.prog}: {message}\n")
+
+
+def _parser() -> _Parser:
+    parser = _Parser(prog="rigid", description="Stability of rotating rigid bodies.")
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    map_ = commands.add_parser("map", help="compute a stability map, write a picture and the data")
+    map_.add_argument("map", metavar="NAME|FILE.toml", help="a built-in map or a specification")
+    map_.add_argument("--samples", type=int, metavar="N", help="bodies per pixel")
+    map_.add_argument("--threads", type=int, metavar="N", help="default: all this process may use")
+    map_.add_argument(
+        "--out", metavar="PATH", help="writes PATH.png and PATH.npz (default: ./NAME)"
+    )
+    map_.add_argument("--seed", type=int, metavar="N", help="key of the random numbers")
+    map_.add_argument(
+        "--no-progress", dest="progress", action="store_false", help="no progress bar"
+    )
+    commands.add_parser("maps", help="list the built-in maps")
+    report = commands.add_parser("report", help="error against run time of all methods")
+    report.add_argument("report", metavar="NAME|FILE.toml", help="a built-in scene or your own")
+    report.add_argument("--long", action="store_true", help="the longer horizon, and more time")
+    report.add_argument(
+        "--seconds",
+        type=float,
+        metavar="S",
+        help=f"about how long to measure (default: {SECONDS:g}, with --long {LONG_SECONDS:g})",
+    )
+    report.add_argument(
+        "--method", action="append", metavar="NAME", help="only this one; may be repeated"
+    )
+    report.add_argument(
+        "--out", metavar="PATH", help="writes PATH.png and PATH.json (default: ./report-NAME)"
+    )
+    report.add_argument(
+        "--no-progress", dest="progress", action="store_false", help="no progress bar"
+    )
+    commands.add_parser("reports", help="list the built-in reports")
+    worst = commands.add_parser("extremes", help="extreme and stiff bodies by every method")
+    worst.add_argument("family", nargs="?", metavar="FAMILY", help="only these, such as needle")
+    worst.add_argument("--method", metavar="NAME", help="only this one")
+    worst.add_argument(
+        "--no-progress", dest="progress", action="store_false", help="no progress bar"
+    )
+    commands.add_parser("info", help="describe this build")
+    return parser

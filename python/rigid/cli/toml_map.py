@@ -1,0 +1,126 @@
+"""Specifications of maps in TOML, the built-in ones and the user's own."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from decimal import Decimal, localcontext
+
+from .._checks.arguments import finite_float, positive_int
+from ..maps.parameters import PARAMETERS, Axis, check_applicable, make_axes
+from ..maps.spec import MapSpec
+from ..model.seed import checked_seed, seed_from
+from ..solve.methods import map_methods
+from .toml_scene import read_criterion, read_scene, read_start
+from .toml_table import BUILTIN, Table, as_is, names_in, parsed, read_source, text
+
+__all__ = ["NamedSpec", "builtin_names", "parse_spec", "read_spec"]
+
+
+@dataclass(frozen=True, slots=True)
+class NamedSpec:
+    """A specification with its name: that of the built-in map, or the stem of the file."""
+
+    name: str
+    spec: MapSpec
+
+
+def builtin_names() -> list[str]:
+    """Names of the built-in maps, sorted."""
+    return names_in(BUILTIN)
+
+
+def read_spec(source: str) -> NamedSpec:
+    """Read a built-in map by its name, or a file by its path.
+
+    Parameters
+    ----------
+    source : str
+        A path if it ends in ``.toml`` or holds a directory separator, else a name.
+
+    Returns
+    -------
+    NamedSpec
+
+    Raises
+    ------
+    SpecError
+        If there is no such map or file, or something in it is wrong.
+
+    Examples
+    --------
+    >>> from rigid.cli.toml_map import read_spec
+    >>> read_spec("thrown-box").spec.samples
+    64
+    """
+    name, content, file = read_source(source, "map", BUILTIN)
+    return NamedSpec(name, parse_spec(content, file))
+
+
+def parse_spec(content: str, file: str) -> MapSpec:
+    """The specification that a TOML text describes; ``file`` names it in messages.
+
+    Raises
+    ------
+    SpecError
+        See :func:`read_spec`.
+    """
+    document = parsed(content, file)
+    document.only("title", "scene", "x", "y", "start", "stable", "run")
+    scene = read_scene(document.table("scene"))
+    axes = _axes([document.table(letter) for letter in "xy" if letter == "x" or "y" in document])
+    start = read_start(document.table("start"), [axis.name for axis in axes])
+    document.build(lambda: check_applicable(scene, start, axes))
+    stable = read_criterion(document.table("stable"), scene, start)
+    run = document.table("run")
+    run.only("t_end", "samples", "method", "step", "check", "max_steps", "seed")
+    return run.build(
+        lambda: MapSpec(
+            scene=scene,
+            start=start,
+            axes=axes,
+            stable=stable,
+            t_end=run.take("t_end", finite_float),
+            samples=run.take("samples", positive_int),
+            method=run.choice("method", map_methods(), default=MapSpec.method),
+            step=run.take("step", finite_float, default=MapSpec.step),
+            check=run.take("check", finite_float, default=MapSpec.check),
+            max_steps=run.take("max_steps", positive_int, default=MapSpec.max_steps),
+            seed=seed_from(run.take("seed", checked_seed, default=None)),
+            title=document.take("title", text, default=None),
+        )
+    )
+
+
+def _axes(tables: list[Table]) -> tuple[Axis, ...]:
+    axes = tuple(_axis(table) for table in tables)
+    if len({axis.name for axis in axes}) < len(axes):
+        raise tables[-1].error(f"name = {axes[-1].name!r}: is already that of [x]")
+    return axes
+
+
+def _axis(table: Table) -> Axis:
+    table.only("name", "values", "from", "to", "count", "scale")
+    name = table.choice("name", PARAMETERS)
+    if "values" in table:
+        table.only("name", "values")
+        values = table.take("values", as_is)
+    else:
+        first, last = table.take("from", finite_float), table.take("to", finite_float)
+        count = table.take("count", lambda key, value: positive_int(key, value, minimum=2))
+        logarithmic = table.choice("scale", ("linear", "log"), default="linear") == "log"
+        if logarithmic and not (first > 0.0 and last > 0.0):
+            raise table.error(f"scale = 'log': the ends must be positive, got {first} and {last}")
+        values = _spaced(first, last, count, logarithmic)
+    return table.build(lambda: make_axes({name: values}))[0]
+
+
+def _spaced(first: float, last: float, count: int, logarithmic: bool) -> list[float]:
+    """Evenly spaced values, correctly rounded so that they are the same on every machine."""
+    with localcontext() as context:
+        context.prec = 40
+        begin, end = Decimal(first), Decimal(last)
+        if logarithmic:
+            begin, end = begin.ln(), end.ln()
+        exact = [begin + (end - begin) * i / (count - 1) for i in range(1, count - 1)]
+        inner = [float(value.exp() if logarithmic else value) for value in exact]
+    return [first, *inner, last]

@@ -1,0 +1,75 @@
+"""Specifications of reports in TOML, the built-in ones and the user's own."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from .._checks.arguments import finite_float, positive_int
+from ..maps.grid import nominal_starts
+from ..model.seed import checked_seed
+from ..reports.spec import ReportSpec, make_spec
+from .toml_scene import read_scene, read_start
+from .toml_table import BUILTIN, as_is, names_in, parsed, positive, read_source, text
+
+__all__ = ["NamedReport", "parse_report", "read_report", "report_names"]
+
+_REPORTS = BUILTIN / "reports"
+
+
+@dataclass(frozen=True, slots=True)
+class NamedReport:
+    """The specification of a report with its name and the horizon of its long version."""
+
+    name: str
+    spec: ReportSpec
+    t_end_long: float
+
+
+def report_names() -> list[str]:
+    """Names of the built-in reports, sorted."""
+    return names_in(_REPORTS)
+
+
+def read_report(source: str, *, methods: Sequence[str] | None = None) -> NamedReport:
+    """Read a built-in report by its name, or a file by its path; see ``read_spec`` of a map.
+
+    Examples
+    --------
+    >>> from rigid.cli.toml_report import read_report
+    >>> read_report("lagrange-top").spec.scene.mgl
+    1.0
+    """
+    name, content, file = read_source(source, "report", _REPORTS)
+    return parse_report(name, content, file, methods)
+
+
+def parse_report(
+    name: str, content: str, file: str, methods: Sequence[str] | None = None
+) -> NamedReport:
+    """The report that a TOML text describes; ``methods`` replaces those of the text."""
+    document = parsed(content, file)
+    document.only("title", "scene", "start", "run")
+    scene = read_scene(document.table("scene"))
+    nominal = document.table("start")
+    nominal.only("omega", "spin", "axis", "tilt")
+    start = read_start(nominal, [])
+    run = document.table("run")
+    run.only("t_end", "t_end_long", "unit", "bodies", "errors", "seed", "methods")
+    grid = document.build(lambda: nominal_starts(scene, start))
+    t_end = run.take("t_end", finite_float)
+    spec = run.build(
+        lambda: make_spec(
+            scene,
+            grid.omega[0],
+            grid.attitude[0],
+            t_end=t_end,
+            methods=run.take("methods", as_is, default=None) if methods is None else methods,
+            bodies=run.take("bodies", positive_int, default=ReportSpec.bodies),
+            errors=run.take("errors", as_is, default=ReportSpec.errors),
+            seed=run.take("seed", checked_seed, default=ReportSpec.seed),
+            unit=run.take("unit", text, default=ReportSpec.unit),
+            title=document.take("title", text, default=None),
+        )
+    )
+    return NamedReport(name, spec, run.take("t_end_long", positive, default=t_end))

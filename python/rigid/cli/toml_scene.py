@@ -1,0 +1,107 @@
+"""Scene, start and criterion from the tables of a TOML file."""
+
+from __future__ import annotations
+
+from inspect import Parameter, signature
+from typing import Any
+
+from .._checks.arguments import finite_float
+from ..model.body import Body
+from ..model.criteria import CRITERIA, Criterion
+from ..model.scene import SCENES, Scene
+from ..model.start import NOISE_KINDS, Noise, Start
+from ..model.torque import Torque
+from .toml_table import Table, as_is, three
+
+__all__ = ["read_criterion", "read_scene", "read_start"]
+
+_KINDS = {scene.title.replace(" ", "-"): scene for scene in SCENES.values()}
+
+
+def read_scene(table: Table) -> Scene:
+    """The scene of a table ``[scene]``."""
+    scene = _KINDS[table.choice("kind", _KINDS)]
+    table.only(
+        *("kind", "moments", "box", "mass"),
+        *scene.fields,
+        *("torque", "torque_in_space", "damping"),
+    )
+    body = _body(table)
+    own: dict[str, Any] = {}
+    for name, field in scene.fields.items():
+        convert = finite_float if field.width == 1 else three
+        if name in table or field.default is None:
+            own[name] = table.take(name, convert)
+    return table.build(lambda: scene(body, **own, **_forcing(table)))  # type: ignore[call-arg]
+
+
+def _forcing(table: Table) -> dict[str, Any]:
+    """Constant torques in the body and in space, and damping, as far as they are given."""
+    torque: Torque | None = None
+    for key, make in (("torque", Torque.body), ("torque_in_space", Torque.space)):
+        if key in table:
+            part = make(table.take(key, as_is))
+            torque = part if torque is None else torque + part
+    return {"torque": torque, "damping": table.take("damping", as_is, default=None)}
+
+
+def _body(table: Table) -> Body:
+    if ("moments" in table) == ("box" in table):
+        raise table.error("needs either 'moments' or 'box' (with 'mass')")
+    if "moments" in table:
+        if "mass" in table:
+            raise table.error("mass belongs to a box; the moments need none")
+        moments = table.take("moments", three)
+        return table.build(lambda: Body(moments))
+    a, b, c = table.take("box", three)
+    mass = table.take("mass", finite_float, default=1.0)
+    return table.build(lambda: Body.box(a, b, c, mass=mass))
+
+
+def read_start(table: Table, axes: list[str]) -> Start:
+    """The start of a table ``[start]``; fields that an axis of the map sets may be omitted."""
+    table.only("omega", "spin", "axis", "tilt", "noise", "attitude_noise")
+    omega = table.take("omega", three, default=None)
+    spin = table.take("spin", finite_float, default=0.0 if "spin" in axes else None)
+    axis = table.take("axis", as_is, default=3)
+    tilt = table.take("tilt", finite_float, default=0.0)
+    noise, attitude_noise = (
+        _noise(table.table(name), name in axes) if name in table else None
+        for name in ("noise", "attitude_noise")
+    )
+    return table.build(
+        lambda: Start(
+            omega=omega,
+            spin=spin,
+            axis=axis,
+            tilt=tilt,
+            noise=noise,
+            attitude_noise=attitude_noise,
+        )
+    )
+
+
+def _noise(table: Table, on_axis: bool) -> Noise:
+    kind = table.choice("kind", NOISE_KINDS)
+    if kind == "uniform_attitude":
+        table.only("kind")
+        return Noise(kind)
+    table.only("kind", "size")
+    if on_axis:
+        if "size" in table:
+            raise table.error("size is that of the axis; leave it out here")
+        return Noise(kind, 0.0)
+    return table.build(lambda: Noise(kind, table.take("size", as_is)))
+
+
+def read_criterion(table: Table, scene: Scene, start: Start) -> Criterion:
+    """The criterion of a table ``[stable]``, with its defaults resolved."""
+    criterion = CRITERIA[table.choice("criterion", CRITERIA)]
+    parameters = signature(criterion).parameters
+    table.only("criterion", *parameters)
+    values = {
+        name: table.take(name, as_is)
+        for name, parameter in parameters.items()
+        if name in table or parameter.default is Parameter.empty
+    }
+    return table.build(lambda: criterion(**values).resolved(scene, start))

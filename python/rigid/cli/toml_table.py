@@ -1,0 +1,155 @@
+"""Tables of TOML files whose mistakes are reported with their location.
+
+Every mistake is one line that names the file, the table and key, and the nearest valid name.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Callable, Iterable, Mapping
+from importlib import resources
+from importlib.resources.abc import Traversable
+from pathlib import Path
+from typing import Any, TypeVar
+
+from numpy.typing import ArrayLike
+
+from .._checks.arguments import finite_float, nearest, one_of, vector
+
+__all__ = [
+    "BUILTIN",
+    "SpecError",
+    "Table",
+    "as_is",
+    "names_in",
+    "parsed",
+    "positive",
+    "read_source",
+    "text",
+    "three",
+]
+
+_T = TypeVar("_T")
+
+BUILTIN = resources.files("rigid") / "builtin"
+"""The folder of the specifications that come with the package."""
+
+_REQUIRED: Any = object()
+
+
+class SpecError(ValueError):
+    """A specification cannot be used; the message is one line that names the table and key."""
+
+
+def names_in(folder: Traversable) -> list[str]:
+    """Names of the specifications in a folder, sorted."""
+    names = (entry.name for entry in folder.iterdir())
+    return sorted(name.removesuffix(".toml") for name in names if name.endswith(".toml"))
+
+
+def read_source(source: str, what: str, folder: Traversable) -> tuple[str, str, str]:
+    """Name, text and file name of a specification: a built-in one by its name, else a path."""
+    path = Path(source)
+    if path.suffix != ".toml" and path.name == source:
+        names = names_in(folder)
+        if source not in names:
+            raise SpecError(
+                f"no built-in {what} is called {source!r}{nearest(source, names)} "
+                f"(known: {', '.join(names)}; a file ends in .toml)"
+            )
+        return source, (folder / f"{source}.toml").read_text(encoding="utf-8"), f"{source}.toml"
+    try:
+        return path.stem, path.read_text(encoding="utf-8"), path.name
+    except OSError as error:
+        raise SpecError(f"{source}: cannot be read: {error.strerror}") from None
+    except UnicodeDecodeError:
+        raise SpecError(f"{source}: is not UTF-8 text") from None
+
+
+def parsed(content: str, file: str) -> Table:
+    """The outermost table of a TOML text; ``file`` names it in messages."""
+    try:
+        return Table(file, "", tomllib.loads(content))
+    except tomllib.TOMLDecodeError as error:
+        raise SpecError(f"{file}: is not valid TOML: {error}") from None
+
+
+class Table:
+    """A table of a file; errors name the file, the table and the key."""
+
+    __slots__ = ("_file", "_name", "_values")
+
+    def __init__(self, file: str, name: str, values: Mapping[str, Any]) -> None:
+        self._file, self._name, self._values = file, name, values
+
+    def __contains__(self, key: str) -> bool:
+        return key in self._values
+
+    def error(self, message: str) -> SpecError:
+        """The error with the location of the table before its message."""
+        place = f"{self._file}: [{self._name}]" if self._name else f"{self._file}:"
+        return SpecError(f"{place} {message}")
+
+    def only(self, *known: str) -> None:
+        """Raise for a key that is not known."""
+        for key in self._values:
+            if key not in known:
+                raise self.error(
+                    f"unknown key {key!r}{nearest(key, known)} (known: {', '.join(known)})"
+                )
+
+    def take(self, key: str, convert: Callable[[str, Any], _T], *, default: Any = _REQUIRED) -> Any:
+        """The value of a key as ``convert(key, value)``."""
+        if key not in self._values:
+            if default is _REQUIRED:
+                raise self.error(f"needs the key {key!r}")
+            return default
+        return self.build(lambda: convert(key, self._values[key]))
+
+    def choice(self, key: str, known: Iterable[str], *, default: Any = _REQUIRED) -> str:
+        """One of the known words."""
+        word: str = self.take(key, lambda name, value: one_of(name, value, known), default=default)
+        return word
+
+    def table(self, key: str) -> Table:
+        """The table under a key."""
+        values: Mapping[str, Any] = self.take(key, _mapping)
+        return Table(self._file, f"{self._name}.{key}" if self._name else key, values)
+
+    def build(self, make: Callable[[], _T]) -> _T:
+        """``make()``; an error that it raises gets the location of the table."""
+        try:
+            return make()
+        except SpecError:
+            raise
+        except (OverflowError, TypeError, ValueError) as error:
+            raise self.error(str(error)) from None
+
+
+def as_is(_key: str, value: object) -> Any:
+    """A value that is passed on unchanged, because the constructor that receives it checks it."""
+    return value
+
+
+def text(key: str, value: object) -> str:
+    """A string."""
+    if not isinstance(value, str):
+        raise TypeError(f"{key} = {value!r}: must be a string")
+    return value
+
+
+def _mapping(key: str, value: object) -> Mapping[str, Any]:
+    if not isinstance(value, dict):
+        raise TypeError(f"{key} = {value!r}: must be a table")
+    return value
+
+
+def positive(key: str, value: object) -> float:
+    """A positive number."""
+    return finite_float(key, value, positive=True)
+
+
+def three(key: str, value: ArrayLike) -> tuple[float, float, float]:
+    """Three numbers."""
+    first, second, third = vector(key, value, 3).tolist()
+    return first, second, third

@@ -1,0 +1,244 @@
+"""Helpers of all figures: axes with equal scales, arrows, arcs and labels."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import ceil, pi, radians
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..rotations.euler import rotation_y, rotation_z
+from ..rotations.so3 import rotate
+from . import colours
+from .figure import new_figure
+
+if TYPE_CHECKING:
+    from .arrows import PlaneArrow, SpaceArrow
+
+__all__ = [
+    "arc",
+    "arc_between",
+    "arrow",
+    "arrow_in_plane",
+    "circle",
+    "curve",
+    "fit",
+    "in_plane",
+    "in_space",
+    "label",
+    "panels",
+    "triad",
+]
+
+Floats = NDArray[np.float64]
+Kind = Literal["space", "plane"]
+
+_PROJECTION: dict[Kind, str | None] = {"space": "3d", "plane": None}
+
+FILLED = 0.88
+"""Fraction of the axes that the drawing fills; labels need the rest."""
+
+
+def in_space(ax: Any | None) -> Any:
+    """Three-dimensional axes, ``ax`` or new ones, without frame and in orthographic projection."""
+    return panels(None if ax is None else [ax], ["space"])[0]
+
+
+def in_plane(ax: Any | None) -> Any:
+    """Two-dimensional axes, ``ax`` or new ones."""
+    return panels(None if ax is None else [ax], ["plane"])[0]
+
+
+def panels(
+    axes: Sequence[Any] | None, kinds: Sequence[Kind], *, columns: int | None = None
+) -> list[Any]:
+    """One axes for each kind: the given axes, or those of a new figure not managed by pyplot."""
+    if axes is None:
+        across = len(kinds) if columns is None else columns
+        down = ceil(len(kinds) / across)
+        figure = new_figure()
+        if len(kinds) > 1:
+            figure.set_size_inches(4.2 * across, 4.0 * down)
+        axes = [
+            figure.add_subplot(down, across, place, projection=_PROJECTION[kind])
+            for place, kind in enumerate(kinds, start=1)
+        ]
+    found = list(np.ravel(np.asarray(axes, dtype=object)))
+    if len(found) != len(kinds):
+        raise ValueError(f"axes: this figure has {len(kinds)} panels, got {len(found)} axes")
+    for ax, kind in zip(found, kinds, strict=True):
+        if (ax.name == "3d") is not (kind == "space"):
+            wanted = "3-D axes (projection='3d')" if kind == "space" else "2-D axes"
+            raise ValueError(f"ax: this figure needs {wanted}, got projection {ax.name!r}")
+        if kind == "space":
+            ax.set_axis_off()
+            ax.set_proj_type("ortho")
+            # Draw surfaces, lines, arrows and text in this order, whatever their depth.
+            ax.computed_zorder = False
+    return found
+
+
+def fit(
+    ax: Any,
+    *points: Floats,
+    elev: float = 22.0,
+    azim: float = -60.0,
+    filled: float = FILLED,
+) -> None:
+    """Set view and limits so that the points (..., 3) fill the axes, with equal scales."""
+    from mpl_toolkits.mplot3d.proj3d import proj_transform
+
+    cloud = np.concatenate([np.reshape(some, (-1, 3)) for some in points])
+    # Rows: to the right on the page, upwards, and towards the viewer.
+    page = (rotation_z(radians(azim)) @ rotation_y(-radians(elev))).T[[1, 2, 0]]
+    seen = cloud @ page.T
+    middle = 0.5 * (seen.min(axis=0) + seen.max(axis=0)) @ page
+    side = max(float(np.ptp(cloud, axis=0).max()), 1e-300)
+    ax.set(
+        **{
+            f"{name}lim": (c - 0.5 * side, c + 0.5 * side)
+            for name, c in zip("xyz", middle, strict=True)
+        }
+    )
+    ax.view_init(elev=elev, azim=azim)
+    ax.set_box_aspect((1.0, 1.0, 1.0))
+    x, y, _ = proj_transform(*cloud.T, ax.get_proj())
+    zoom = (
+        0.5 * filled * min(ax.viewLim.width / np.abs(x).max(), ax.viewLim.height / np.abs(y).max())
+    )
+    ax.set_box_aspect((1.0, 1.0, 1.0), zoom=zoom)
+
+
+def arrow(
+    ax: Any,
+    vector: Floats,
+    colour: str,
+    text: str = "",
+    *,
+    start: Floats | None = None,
+    **style: Any,
+) -> SpaceArrow:
+    """An arrow in space with its name beyond the tip; invisible if the vector is zero."""
+    from .arrows import SpaceArrow
+
+    one = SpaceArrow(np.zeros(3) if start is None else start, vector, **_arrow(colour, style))
+    one.set_in_layout(False)
+    ax.add_artist(one)
+    _finish(one, ax, text, colour)
+    return one
+
+
+def arrow_in_plane(
+    ax: Any,
+    vector: Floats,
+    colour: str,
+    text: str = "",
+    *,
+    start: Floats | None = None,
+    **style: Any,
+) -> PlaneArrow:
+    """An arrow in the plane with its name beyond the tip; invisible if the vector is zero."""
+    from .arrows import PlaneArrow
+
+    one = PlaneArrow(np.zeros(2) if start is None else start, vector, **_arrow(colour, style))
+    ax.add_patch(one)
+    _finish(one, ax, text, colour)
+    return one
+
+
+def _arrow(colour: str, style: dict[str, Any]) -> dict[str, Any]:
+    return {"color": colour, "linewidth": 2.0, "zorder": 5} | style
+
+
+def _finish(one: PlaneArrow, ax: Any, text: str, colour: str) -> None:
+    """Show and name an arrow, unless its vector is zero and has no direction."""
+    one.set_visible(bool(one.vector.any()))
+    if text and one.vector.any():
+        one.write(ax, text, **_text(colour))
+
+
+def triad(
+    ax: Any, axes: Floats, origin: Floats, names: Sequence[str], **style: Any
+) -> tuple[Any, ...]:
+    """Three axes with their names, from an origin, in the colours of x, y, z."""
+    return tuple(
+        arrow(ax, along, ink.colour, name, start=origin, **style)
+        for along, ink, name in zip(axes, colours.AXES, names, strict=True)
+    )
+
+
+def label(ax: Any, place: Floats, text: str, colour: str = "black", **style: Any) -> Any:
+    """Text centred at a point in space or in the plane, legible over lines."""
+    return ax.text(*place, text, **(_text(colour) | style))
+
+
+def curve(ax: Any, points: Floats, colour: str, **style: Any) -> Any:
+    """A line through points (m, 3) or (m, 2)."""
+    (line,) = ax.plot(*points.T, **({"color": colour, "linewidth": 1.3} | style))
+    return line
+
+
+def circle(
+    centre: Floats, normal: Floats, radius: float, start: Floats | None = None, *, samples: int = 97
+) -> Floats:
+    """Points (samples, 3) of a circle in space, closed."""
+    unit = normal / np.linalg.norm(normal)
+    if start is None:
+        start = np.cross(unit, np.eye(3)[np.argmin(np.abs(unit))])
+    start = start / np.linalg.norm(start)
+    angles = np.linspace(0.0, 2.0 * pi, samples)
+    return np.asarray(centre + radius * rotate(start, unit, angles))
+
+
+def arc(
+    ax: Any,
+    axis: Floats,
+    start: Floats,
+    angle: float,
+    colour: str,
+    text: str = "",
+    *,
+    centre: Floats | None = None,
+    beyond: float = 1.22,
+    **style: Any,
+) -> Any:
+    """The arc of ``start``, a vector from the centre, turning about ``axis``, with an arrow tip.
+
+    The name is written at half the angle and at ``beyond`` times the radius.
+    """
+    middle = np.zeros(3) if centre is None else centre
+    points = middle + rotate(start, axis, np.linspace(0.0, angle, 49))
+    line = curve(ax, points, colour, **style)
+    if abs(angle) * np.linalg.norm(start) > 1e-9:
+        tip = points[-1] - points[-5]
+        arrow(ax, tip, colour, start=points[-5], linewidth=0.0, mutation_scale=9.0)
+    if text:
+        label(ax, middle + beyond * (points[24] - middle), text, colour)
+    return line
+
+
+def arc_between(
+    ax: Any, first: Floats, second: Floats, radius: float, colour: str, text: str = "", **style: Any
+) -> Any:
+    """The shorter arc from one direction to another."""
+    a, b = first / np.linalg.norm(first), second / np.linalg.norm(second)
+    normal = np.cross(a, b)
+    sine = np.linalg.norm(normal)
+    angle = float(np.arctan2(sine, a @ b))
+    axis = normal / sine if sine > 0.0 else np.cross(a, np.eye(3)[np.argmin(np.abs(a))])
+    return arc(ax, axis, radius * a, angle, colour, text, **style)
+
+
+def _text(colour: str) -> dict[str, Any]:
+    from matplotlib.patheffects import Normal, Stroke
+
+    return {
+        "color": colour,
+        "ha": "center",
+        "va": "center",
+        "fontsize": "large",
+        "zorder": 10,
+        "path_effects": [Stroke(linewidth=2.5, foreground="white"), Normal()],
+    }

@@ -1,0 +1,160 @@
+"""Elliptic integrals and functions of which the closed forms are made.
+
+Carlson's symmetric integrals by his duplication algorithms (B. C. Carlson, *Numerical Algorithms*
+10 (1995) 13), Jacobi's functions from the complementary parameter.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .. import _core
+from .._checks.arrays import finite_array, require
+
+__all__ = ["agm", "carlson_rc", "carlson_rd", "carlson_rf", "carlson_rj", "jacobi"]
+
+Floats = NDArray[np.float64]
+
+
+def carlson_rf(x: ArrayLike, y: ArrayLike, z: ArrayLike) -> Floats:
+    """Carlson's integral of the first kind: half that of ``1 / sqrt((t+x)(t+y)(t+z))`` over t > 0.
+
+    DLMF 19.16.1. The arguments broadcast; they are not negative, and at most one is zero.
+
+    Raises
+    ------
+    ValueError
+        Naming the argument, its value and the rule.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> round(float(rigid.exact.carlson_rf(1.0, 2.0, 0.0)), 12)
+    1.311028777146
+    """
+    return _carlson("rf", {"x": x, "y": y, "z": z}, positive=())
+
+
+def carlson_rc(x: ArrayLike, y: ArrayLike) -> Floats:
+    """Carlson's degenerate integral, ``R_F(x, y, y)``; for ``y < 0`` Cauchy's principal value.
+
+    DLMF 19.16.17, 19.2.20. ``x`` is not negative, ``y`` not zero, and ``x`` is positive where ``y``
+    is negative; the arguments broadcast.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> round(float(rigid.exact.carlson_rc(0.0, 0.25)), 12)
+    3.14159265359
+    """
+    first, second = np.broadcast_arrays(finite_array("x", x), finite_array("y", y))
+    require("x", first, first >= 0.0, "must not be negative")
+    require("y", second, second != 0.0, "must not be zero")
+    require("x", first, (first > 0.0) | (second > 0.0), "must be positive where y is negative")
+    return _called("rc", first, second)[0]
+
+
+def carlson_rd(x: ArrayLike, y: ArrayLike, z: ArrayLike) -> Floats:
+    """Carlson's integral of the second kind, ``R_J(x, y, z, z)``, for ``z > 0``.
+
+    DLMF 19.16.5. Arguments and errors are those of :func:`carlson_rf`.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> round(float(rigid.exact.carlson_rd(0.0, 2.0, 1.0)), 12)
+    1.797210352103
+    """
+    return _carlson("rd", {"x": x, "y": y, "z": z}, positive=("z",))
+
+
+def carlson_rj(x: ArrayLike, y: ArrayLike, z: ArrayLike, p: ArrayLike) -> Floats:
+    """Carlson's integral of the third kind, for ``p > 0``.
+
+    DLMF 19.16.2. Arguments and errors are those of :func:`carlson_rf`.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> round(float(rigid.exact.carlson_rj(0.0, 1.0, 2.0, 3.0)), 12)
+    0.776886237786
+    """
+    return _carlson("rj", {"x": x, "y": y, "z": z, "p": p}, positive=("p",))
+
+
+def agm(a: ArrayLike, b: ArrayLike) -> Floats:
+    """Arithmetic-geometric mean of numbers that are not negative; the arguments broadcast.
+
+    DLMF 19.8. ``K = pi / (2 agm(1, sqrt(1 - m)))``.
+
+    Raises
+    ------
+    ValueError
+        Naming the argument, its value and the rule.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> round(float(rigid.exact.agm(1.0, 2.0**0.5)), 12)
+    1.198140234736
+    """
+    first, second = np.broadcast_arrays(finite_array("a", a), finite_array("b", b))
+    require("a", first, first >= 0.0, "must not be negative")
+    require("b", second, second >= 0.0, "must not be negative")
+    return _called("agm", first, second)[0]
+
+
+def jacobi(u: ArrayLike, mc: ArrayLike) -> tuple[Floats, Floats, Floats]:
+    """Jacobi's elliptic functions sn, cn, dn from the complementary parameter ``mc = 1 - m``.
+
+    ``mc`` keeps the digits that ``m`` loses near 1: with ``mc = 0`` they are tanh, sech and sech.
+    DLMF 22.2.
+
+    Parameters
+    ----------
+    u : array_like
+        Argument; its size must be below 2**50, since the phase of larger arguments has no digits.
+    mc : array_like
+        Complementary parameter in [0, 1]; broadcasts with ``u``.
+
+    Returns
+    -------
+    sn, cn, dn : ndarray
+
+    Raises
+    ------
+    ValueError
+        Naming the argument, its value and the rule.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> [round(float(value), 12) for value in rigid.exact.jacobi(0.5, mc=0.3)]
+    [0.467292005359, 0.884103037959, 0.920405740535]
+    """
+    arguments, parameters = np.broadcast_arrays(finite_array("u", u), finite_array("mc", mc))
+    require("u", arguments, np.abs(arguments) < 2.0**50, "must lie below 2**50 in size")
+    require("mc", parameters, (parameters >= 0.0) & (parameters <= 1.0), "must lie in [0, 1]")
+    sn, cn, dn = _called("jacobi", arguments, parameters)
+    return sn, cn, dn
+
+
+def _carlson(name: str, arguments: dict[str, ArrayLike], *, positive: tuple[str, ...]) -> Floats:
+    arrays = np.broadcast_arrays(*(finite_array(key, value) for key, value in arguments.items()))
+    for key, array in zip(arguments, arrays, strict=True):
+        if key in positive:
+            require(key, array, array > 0.0, "must be positive")
+        else:
+            require(key, array, array >= 0.0, "must not be negative")
+    zeros = sum((array == 0.0).astype(np.int64) for array in arrays)
+    names = ", ".join(arguments)
+    require(f"number of zeros among {names}", zeros, zeros <= 1, "must be at most 1")
+    return _called(name, *arrays)[0]
+
+
+def _called(name: str, *arrays: Floats) -> tuple[Floats, ...]:
+    """Evaluate a function of the core at each element of arrays of equal shape."""
+    flat = [np.ascontiguousarray(array).ravel() for array in arrays]
+    values = _core.elliptic(name, flat)
+    return tuple(value.reshape(arrays[0].shape)[()] for value in values)

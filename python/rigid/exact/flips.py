@@ -1,0 +1,94 @@
+"""Times at which the rate about a body axis changes sign."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .. import _core
+from .._checks.arguments import positive_int
+from ..model.criteria import NoFlip
+from ..model.scene import Scene, check_scene
+from ..model.start import body_axis
+from ..solve.batch import Batch
+from ..solve.closed_form import closed_forms
+from .common import require_unforced
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
+
+__all__ = ["flip_times"]
+
+Floats = NDArray[np.float64]
+
+
+def flip_times(
+    scene: Scene,
+    omega: ArrayLike,
+    attitude: ArrayLike | Rotation | None = None,
+    *,
+    axis: int | None = None,
+    count: int = 1,
+) -> Floats:
+    """First ``count`` times at which the rate about a body axis changes sign.
+
+    Parameters
+    ----------
+    scene : FreeBody or HeavyTop
+        A free body, or a top that :func:`lagrange_top` accepts. For a top ``axis`` must be the
+        symmetry axis; the rate about this axis is constant.
+    omega, attitude : array_like
+        Initial states of the bodies, as in :func:`rigid.simulate`.
+    axis : {1, 2, 3}, optional
+        The body axis; by default the axis with the largest rate of each body.
+    count : int
+        Number of times.
+
+    Returns
+    -------
+    ndarray, shape (count,) or (n, count)
+        Times > 0 (s), ascending; inf if the rate does not change sign again.
+
+    Raises
+    ------
+    ValueError
+        If there is no closed form, or if ``axis`` is not given and two rates are the largest.
+
+    Examples
+    --------
+    >>> import numpy as np, rigid
+    >>> scene = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
+    >>> times = rigid.exact.flip_times(scene, [1e-3, 1.0, 0.0], count=3)
+    >>> np.round(np.diff(times), 6)
+    array([28.731424, 28.731424])
+    """
+    require_unforced(check_scene(scene))
+    number = positive_int("count", count)
+    batch, single = Batch.from_input(scene, omega, attitude)
+    axes = _largest(batch.omega) if axis is None else body_axis(axis)
+    times = np.empty((len(batch), number))
+    for chosen in np.unique(axes).tolist():
+        if "" in closed_forms(NoFlip(chosen), batch.moments, batch.weight):
+            raise ValueError(
+                f"axis = {chosen}: no closed form for the {scene.words()}; there is one for a "
+                "free body, and for the symmetry axis of a Lagrange top"
+            )
+        mine = np.flatnonzero(np.broadcast_to(axes == chosen, len(times)))
+        some = batch.select(mine).full_columns()
+        times[mine] = _core.flip_times(**some, axis=int(chosen), count=number)
+    return times[0] if single else times
+
+
+def _largest(omega: Floats) -> NDArray[np.intp]:
+    """The body axis with the largest rate, for each body."""
+    size = np.abs(omega)
+    several = np.count_nonzero(size == size.max(axis=1, keepdims=True), axis=1) > 1
+    if several.any():
+        body = int(np.flatnonzero(several)[0])
+        raise ValueError(
+            f"omega[{body}] = {omega[body].tolist()}: has no single largest component; say axis=..."
+        )
+    axes: NDArray[np.intp] = size.argmax(axis=1) + 1
+    return axes

@@ -1,0 +1,91 @@
+"""Closed forms of the free body."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .. import _core
+from .._checks.arguments import rows
+from ..model.body import Body
+from ..model.body_like import body_of
+from ..model.scene import FreeBody
+from .common import first_rows, require_unforced
+
+__all__ = ["FreeMotion", "free_body"]
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FreeMotion:
+    """The motion of free bodies. Arrays of a single body lack the leading axis ``n``.
+
+    Attributes
+    ----------
+    axis : ndarray of int8, shape (n,)
+        The body axis 1, 2 or 3 that the polhode encircles, with the sign of the rate about this
+        axis; 0 if the polhode encircles no axis: at rest, on the separatrix, or for a sphere.
+    m, mc : ndarray, shape (n,)
+        Parameter of the elliptic functions, and ``1 - m`` computed without cancellation near the
+        separatrix.
+    period : ndarray, shape (n,)
+        Period of the rates in the body (s); inf on the separatrix and for constant rates.
+    flip_time : ndarray, shape (n,)
+        Time between sign changes of a rate (s), half the period; inf if no rate changes sign.
+    amplitude : ndarray, shape (n, 3)
+        Largest ``|omega_k|`` (rad/s).
+    precession : ndarray, shape (n,)
+        Mean rate of precession about the angular momentum (rad/s).
+    turn : ndarray, shape (n,)
+        Angle of precession in a period (rad); inf without a period.
+    """
+
+    axis: NDArray[np.int8]
+    m: Floats
+    mc: Floats
+    period: Floats
+    flip_time: Floats
+    amplitude: Floats
+    precession: Floats
+    turn: Floats
+
+
+def free_body(body: Body | FreeBody, omega: ArrayLike) -> FreeMotion:
+    """Period, flip time, amplitudes and precession of a free body.
+
+    Landau and Lifshitz, *Mechanics*, § 37.
+
+    Parameters
+    ----------
+    body : Body or FreeBody
+        The body.
+    omega : array_like, shape (3,) or (n, 3)
+        Angular velocity in the body at any time of the motion (rad/s).
+
+    Returns
+    -------
+    FreeMotion
+
+    Raises
+    ------
+    TypeError
+        If ``body`` is neither a :class:`rigid.Body` nor a :class:`rigid.FreeBody`.
+    ValueError
+        If ``omega`` is not finite or has the wrong shape, or torque or damping acts on the body.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> motion = rigid.exact.free_body(rigid.Body((1.0, 2.0, 3.0)), [1e-6, 1.0, 0.0])
+    >>> int(motion.axis), round(float(motion.flip_time), 6)
+    (1, 52.660597)
+    """
+    if isinstance(body, FreeBody):
+        require_unforced(body)
+    rates, single = rows("omega", omega, 3)
+    moments = np.ascontiguousarray(np.broadcast_to(np.array(body_of(body).moments), rates.shape))
+    values = _core.free_quantities(moments=moments, omega=rates)
+    return FreeMotion(**first_rows(values) if single else values)

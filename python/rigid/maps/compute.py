@@ -1,0 +1,199 @@
+"""Monte Carlo stability maps: the request and the chunk loop."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .. import _core
+from .._checks.arguments import positive_int, resolve_threads
+from .._checks.progress import Pace, Progress, ProgressOption, interruptible, reporting
+from ..model.criteria import Criterion
+from ..model.scene import Scene, check_scene
+from ..model.seed import seed_from
+from ..model.start import Start
+from .data import CLASSES
+from .job import Work, to_core
+from .parameters import make_axes
+from .result import StabilityMap
+from .spec import MapSpec
+
+__all__ = ["run_map", "stability_map"]
+
+
+def stability_map(
+    scene: Scene | type[Scene],
+    *,
+    axes: Mapping[str, ArrayLike],
+    samples: int,
+    t_end: float,
+    stable: Criterion,
+    start: Start | None = None,
+    method: str | None = None,
+    step: float | None = MapSpec.step,
+    check: float = MapSpec.check,
+    rng: int | np.random.Generator | np.random.SeedSequence | None = None,
+    threads: int | None = None,
+    progress: ProgressOption = None,
+    chunk: int | None = None,
+    max_steps: int = MapSpec.max_steps,
+    title: str | None = MapSpec.title,
+) -> StabilityMap:
+    """Monte Carlo stability map: an ensemble of perturbed bodies in every pixel of a grid.
+
+    Nothing is kept per body: memory grows with the pixels, not with the samples or the horizon. The
+    same request gives the same bits for any number of threads and any chunking. Ctrl-C ends the run
+    within a fraction of a second and returns the partial map of the chunks done.
+
+    Parameters
+    ----------
+    scene : FreeBody, HeavyTop, or one of these classes
+        A class means its example: ``FreeBody(Body((1.0, 1.5, 2.0)))`` or
+        ``HeavyTop(Body((1.0, 1.0, 0.5)), mgl=1.0)``.
+    axes : dict of str to array_like, shape (n,)
+        One or two parameters and their values, increasing or decreasing; x first, then y. The
+        values replace those of the scene and the start. Names: ``I1``, ``I2``, ``I3``; ratios such
+        as ``I2/I1`` (which sets ``I2``); sides ``a``, ``b``, ``c`` and ``mass`` of a box; ``mgl``
+        of a top; ``spin``, ``tilt``, ``omega1``, ``omega2``, ``omega3``; ``noise``,
+        ``attitude_noise``: the size of the perturbation that the start names; ``damping1``,
+        ``damping2``, ``damping3`` (N m s): damping of the rates about the axes.
+    samples : int
+        Bodies per pixel.
+    t_end : float
+        Horizon in s: *stable* means stable until then.
+    stable : NoFlip or TiltBelow
+        The criterion, :func:`no_flip` or :func:`tilt_below`.
+    start : Start, optional
+        By default a free body spins at 1 rad/s about the axis of its middle moment with
+        ``noise=normal(1e-3)``, and a top at 5 rad/s about axis 3 with
+        ``attitude_noise=normal(1e-3)``.
+    method : str, optional
+        ``"auto"``, the default: each body by closed form where it has one for this criterion, else
+        ``"rk4"``. ``"exact"``: closed forms only. Or one of :func:`rigid.methods`.
+    step : float, optional
+        Time step of the bodies that are integrated, s; by default chosen for each body from a bound
+        of its rates.
+    check : float
+        Share of the bodies of a pixel to classify a second time as a cross-check, in [0, 1].
+        ``taylor16`` does it in steps of its own, at most half of ``step``; with
+        ``method="taylor16"`` the steps are halved. If the two classifications differ, the body is
+        undecided. Bodies with a closed form are not cross-checked.
+    rng : int, numpy.random.Generator or SeedSequence, optional
+        The seed, or a source of its 128 bits; by default fresh entropy. ``result.spec.seed``
+        stores the seed.
+    threads : int, optional
+        By default ``RIGID_NUM_THREADS``, else the processors this process may use.
+    progress : None, bool or callable
+        ``None``: a tqdm bar if tqdm is installed and stderr is a terminal; ``False``: silence; a
+        callable gets a :class:`Progress` after each chunk.
+    chunk : int, optional
+        Bodies per chunk; by default adapted to about 0.3 s.
+    max_steps : int
+        A body that needs more steps counts as failed.
+    title : str, optional
+        For plots and files.
+
+    Returns
+    -------
+    StabilityMap
+
+    Raises
+    ------
+    ValueError
+        For an unknown name (the nearest is suggested), a name without meaning for this scene and
+        start, a value out of range, or ``"exact"`` where a body has no closed form. Impossible
+        bodies inside the grid are no error: they get a ``status``.
+
+    Examples
+    --------
+    >>> import numpy as np, rigid
+    >>> result = rigid.stability_map(
+    ...     rigid.FreeBody,
+    ...     axes={"I2/I1": np.linspace(1.1, 1.9, 5), "noise": np.geomspace(1e-3, 0.1, 3)},
+    ...     samples=64, t_end=100.0, stable=rigid.no_flip(), rng=2026,
+    ... )
+    >>> result.share.shape, result.complete
+    ((3, 5), True)
+    >>> result.replay(pixel=(2, 3), sample=0).outcome
+    'unstable'
+    >>> result.plot().get_ylabel()
+    'perturbation of the rates (rad/s)'
+    """
+    scene = _scene(scene)
+    spec = MapSpec(
+        scene=scene,
+        start=scene.default_start() if start is None else start,
+        axes=make_axes(axes),
+        stable=stable,
+        t_end=t_end,
+        samples=samples,
+        method=MapSpec.method if method is None else method,
+        step=step,
+        check=check,
+        max_steps=max_steps,
+        seed=seed_from(rng),
+        title=title,
+    )
+    return run_map(spec, threads=threads, progress=progress, chunk=chunk)
+
+
+def run_map(
+    spec: MapSpec,
+    *,
+    threads: int | None = None,
+    progress: ProgressOption = None,
+    chunk: int | None = None,
+) -> StabilityMap:
+    """Compute the map of a specification; the options are those of :func:`stability_map`."""
+    workers = resolve_threads(threads)
+    size = None if chunk is None else positive_int("chunk", chunk)
+    job = to_core(spec)
+    status = job.status
+    statistics = _core.MapStatistics(len(status))
+    work = Work(status == 0, spec.samples)
+    pace = Pace(workers)
+    done = failures = 0
+    begun = time.perf_counter()
+    with reporting(progress, work.total) as report, interruptible() as stop:
+        try:
+            while done < work.total and not stop.is_set():
+                until = min(done + (size or pace.size), work.total)
+                before = time.perf_counter()
+                part = job.run(work.flat(done), work.flat(until), workers, stop.is_set)
+                if part is None:
+                    break
+                seconds = time.perf_counter() - before
+                statistics.merge(part)
+                pace.note(until - done, seconds, _costliest(part))
+                done = until
+                failures += int(part["failed"].sum())
+                report(
+                    Progress(
+                        done=done,
+                        total=work.total,
+                        elapsed=time.perf_counter() - begun,
+                        failures=failures,
+                    )
+                )
+        except KeyboardInterrupt:
+            pass
+    elapsed = time.perf_counter() - begun
+    arrays = {**statistics.arrays(), "status": status}
+    return StabilityMap.from_arrays(spec, arrays, elapsed=elapsed, threads=workers)
+
+
+def _scene(scene: Scene | type[Scene]) -> Scene:
+    if isinstance(scene, type) and issubclass(scene, Scene):
+        return scene.example()
+    return check_scene(scene)
+
+
+def _costliest(part: Mapping[str, Any]) -> float:
+    """Largest mean processor time of a body over the pixels of a chunk, s."""
+    bodies = sum(part[name] for name in CLASSES)
+    seconds = 1e-9 * part["nanoseconds"][bodies > 0] / bodies[bodies > 0]
+    return float(seconds.max(initial=0.0))

@@ -1,0 +1,173 @@
+"""The arrays of a stability map: what is counted in each pixel, and the shares with intervals.
+
+The columns are those of the core: a new output of a map is one row there, and appears here, in
+saved files and in datasets with its name, type, unit and meaning.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import _core
+from .spec import MapSpec
+
+__all__ = ["CLASSES", "COLUMNS", "FAILURES", "STATUS", "STORED", "Column", "MapData", "wilson"]
+
+STATUS = tuple(_core.moment_status_names())
+"""The meaning of each ``status``."""
+
+CLASSES = ("stable", "unstable", "undecided", "failed")
+"""The columns that count the bodies of each class; their sum is all bodies done."""
+
+FAILURES = ("step_limit", "not_finite", "drifted")
+"""The columns that count why bodies have failed; their sum is the failed."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Column:
+    """An output of a map: one number for each pixel.
+
+    Attributes
+    ----------
+    name : str
+        Name of the column, an attribute of :class:`MapData`.
+    dtype : str
+        ``"int64"`` or ``"float64"``.
+    reduction : {"sum", "max", "min"}
+        Operation that merges the values of two parts of the samples.
+    unit : str
+        Unit of the column, ``"1"`` if it has none.
+    words : str
+        Meaning of the column in a few words.
+    reproducible : bool
+        False for a measurement of the machine, which is not saved.
+    """
+
+    name: str
+    dtype: str
+    reduction: str
+    unit: str
+    words: str
+    reproducible: bool
+
+
+COLUMNS: tuple[Column, ...] = tuple(Column(**row) for row in _core.map_columns())
+"""All columns, in the order of saved files."""
+
+STORED: Mapping[str, np.dtype[Any]] = {
+    **{column.name: np.dtype(column.dtype) for column in COLUMNS if column.reproducible},
+    "status": np.dtype(np.uint8),
+}
+"""The arrays of a saved map that all others follow from, with their types."""
+
+_Z95 = 1.959963984540054
+
+
+def wilson(
+    successes: NDArray[np.int64], trials: NDArray[np.int64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """95 % Wilson interval of a share; NaN without trials.
+
+    E. B. Wilson, *J. Am. Stat. Assoc.* 22 (1927) 209.
+    """
+    n = np.where(trials > 0, trials, np.nan)
+    share = successes / n
+    square = _Z95 * _Z95
+    centre = share + square / (2.0 * n)
+    half = _Z95 * np.sqrt(share * (1.0 - share) / n + square / (4.0 * n * n))
+    scale = 1.0 + square / n
+    # Exactly 0 and 1 at the ends: rounding would exclude a predicted share of exactly 0 or 1.
+    lower = np.where(successes == 0, 0.0 * n, (centre - half) / scale)
+    upper = np.where(successes == trials, 1.0 + 0.0 * n, (centre + half) / scale)
+    return lower, upper
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class MapData:
+    """The numbers of a stability map; :class:`rigid.StabilityMap` describes each.
+
+    All arrays have grid shape. Each of :data:`COLUMNS` is an attribute by its name.
+
+    Attributes
+    ----------
+    spec : MapSpec
+        Everything the numbers depend on.
+    columns : dict of str to ndarray
+        The arrays of :data:`COLUMNS` by name.
+    status : ndarray of uint8
+        Index in :data:`STATUS`; 0 for a possible body.
+    samples : ndarray of int64
+        Bodies done, the sum of the four classes.
+    share, lower, upper : ndarray
+        Share of stable bodies with its 95 % interval.
+    elapsed : float
+        Wall time in s; NaN in a loaded map.
+    threads : int
+        Threads used; 0 in a loaded map.
+    """
+
+    spec: MapSpec
+    columns: Mapping[str, NDArray[Any]]
+    status: NDArray[np.uint8]
+    samples: NDArray[np.int64]
+    share: NDArray[np.float64]
+    lower: NDArray[np.float64]
+    upper: NDArray[np.float64]
+    elapsed: float
+    threads: int
+
+    def __getattr__(self, name: str) -> NDArray[Any]:
+        if name != "columns" and name in self.columns:
+            return self.columns[name]
+        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+
+    def __dir__(self) -> list[str]:
+        return [*object.__dir__(self), *self.columns]
+
+    @classmethod
+    def from_arrays(
+        cls,
+        spec: MapSpec,
+        arrays: Mapping[str, NDArray[Any]],
+        *,
+        elapsed: float = math.nan,
+        threads: int = 0,
+    ) -> Self:
+        """The result that follows from the counted arrays, those named in :data:`STORED`.
+
+        Columns that are not given, as those that are not saved, are NaN.
+        """
+        unknown = np.full(spec.shape, np.nan)
+        columns = {
+            column.name: arrays[column.name].reshape(spec.shape)
+            if column.reproducible or column.name in arrays
+            else unknown
+            for column in COLUMNS
+        }
+        stable, unstable, undecided, failed = (columns[name] for name in CLASSES)
+        decided = stable + unstable
+        share = np.full(spec.shape, np.nan)
+        np.divide(stable, decided, out=share, where=decided > 0)
+        classified = decided + undecided
+        return cls(
+            spec=spec,
+            columns=columns,
+            status=arrays["status"].reshape(spec.shape),
+            samples=classified + failed,
+            share=share,
+            lower=wilson(stable, classified)[0],
+            upper=wilson(stable + undecided, classified)[1],
+            elapsed=elapsed,
+            threads=threads,
+        )
+
+    @property
+    def complete(self) -> bool:
+        """Whether every possible body was computed."""
+        return bool((self.samples[self.status == 0] == self.spec.samples).all())

@@ -1,0 +1,57 @@
+"""A stability map as an xarray Dataset."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from .data import COLUMNS, STATUS, MapData
+from .spec import MapSpec
+
+if TYPE_CHECKING:
+    import xarray
+
+__all__ = ["map_dataset"]
+
+
+def map_dataset(data: MapData) -> xarray.Dataset:
+    """The map as an xarray Dataset; see :meth:`rigid.StabilityMap.to_xarray`."""
+    try:
+        import xarray
+    except ImportError:
+        raise ImportError("to_xarray() needs xarray: pip install 'rigid[maps]'") from None
+    spec = data.spec
+    axes = [(axis.name.replace("/", "_over_"), axis) for axis in spec.axes]
+    dimensions = [name for name, _ in reversed(axes)]
+    arrays = {
+        name: (dimensions, getattr(data, name), attributes)
+        for name, attributes in _array_attributes(spec).items()
+    }
+    coordinates = {
+        name: (name, list(axis.values), {"long_name": axis.name, "units": axis.unit})
+        for name, axis in axes
+    }
+    attributes = {
+        "title": spec.title or "",
+        "criterion": spec.criterion,
+        "complete": int(data.complete),
+        "rigid_version": spec.version,
+        "spec": spec.to_json(),
+    }
+    return xarray.Dataset(arrays, coordinates, attributes)
+
+
+def _array_attributes(spec: MapSpec) -> dict[str, dict[str, Any]]:
+    share = f"share {spec.criterion}"
+    return {
+        "share": {"long_name": share, "units": "1"},
+        "lower": {"long_name": f"lower end of the 95 % interval of the {share}", "units": "1"},
+        "upper": {"long_name": f"upper end of the 95 % interval of the {share}", "units": "1"},
+        "samples": {"long_name": "bodies done", "units": "1"},
+        **{column.name: {"long_name": column.words, "units": column.unit} for column in COLUMNS},
+        "status": {
+            "long_name": "status of the body",
+            "units": "1",
+            "flag_values": list(range(len(STATUS))),
+            "flag_meanings": " ".join(text.replace(" ", "_") for text in STATUS),
+        },
+    }

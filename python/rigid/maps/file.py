@@ -1,0 +1,104 @@
+"""A stability map as one data-only file.
+
+The file is an ``.npz`` archive of arrays with the specification as JSON inside. Nothing is pickled,
+nothing is compressed, and dates are fixed: equal maps are equal bytes.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .data import STORED, MapData
+from .spec import MapSpec
+
+if TYPE_CHECKING:
+    import zipfile
+    from pathlib import Path
+
+__all__ = ["read_map", "write_map"]
+
+FORMAT = "rigid stability map"
+FORMAT_VERSION = 3
+_EPOCH = (1980, 1, 1, 0, 0, 0)
+_SPEC = "spec.json"
+
+
+def write_map(data: MapData, path: str | os.PathLike[str]) -> Path:
+    """Write a map; see :meth:`rigid.StabilityMap.save`."""
+    import zipfile  # here and below: takes longer to import than all of rigid
+    from pathlib import Path
+
+    target = Path(path)
+    header = {"format": FORMAT, "format_version": FORMAT_VERSION, "spec": data.spec.to_dict()}
+    text = json.dumps(header, indent=1, allow_nan=False)
+    arrays: dict[str, NDArray[Any]] = {_SPEC: np.frombuffer(text.encode(), dtype=np.uint8)}
+    for name, axis in zip(("x", "y"), data.spec.axes, strict=False):
+        arrays[name] = np.array(axis.values)
+    for name in (*STORED, "share", "lower", "upper"):
+        arrays[name] = getattr(data, name)
+    # Write to a second file and rename it, so that an incomplete file never has the name.
+    scratch = target.with_name(f"{target.name}.part")
+    try:
+        with zipfile.ZipFile(scratch, "w", zipfile.ZIP_STORED) as archive:
+            for name, array in arrays.items():
+                entry = zipfile.ZipInfo(f"{name}.npy", _EPOCH)
+                entry.create_system = 3  # Unix on all systems, so that the bytes are equal
+                with archive.open(entry, "w", force_zip64=True) as file:
+                    little = np.ascontiguousarray(array, dtype=array.dtype.newbyteorder("<"))
+                    np.lib.format.write_array(file, little, version=(1, 0), allow_pickle=False)
+        os.replace(scratch, target)
+    finally:
+        scratch.unlink(missing_ok=True)
+    return target
+
+
+def read_map(path: str | os.PathLike[str]) -> tuple[MapSpec, dict[str, NDArray[Any]]]:
+    """Specification and :data:`STORED` arrays of a saved map; see :func:`rigid.load_map`."""
+    import zipfile
+    from io import BytesIO
+    from pathlib import Path
+
+    source = Path(path)
+    content = BytesIO(source.read_bytes())
+    try:
+        with zipfile.ZipFile(content) as archive:
+            header = json.loads(_read_array(archive, _SPEC).tobytes().decode())
+            ours = isinstance(header, dict) and header.get("format_version") == FORMAT_VERSION
+            arrays = {name: _read_array(archive, name) for name in STORED if ours}
+    except Exception as error:  # a damaged archive may raise any exception
+        raise ValueError(f"{source} is not a stability map: {_one_line(error)}") from None
+    if not isinstance(header, dict) or header.get("format") != FORMAT:
+        raise ValueError(f"{source} is not a stability map: its header is not that of one")
+    if header.get("format_version") != FORMAT_VERSION:
+        raise ValueError(
+            f"{source} has format version {header.get('format_version')}, "
+            f"this version of rigid reads {FORMAT_VERSION}"
+        )
+    try:
+        spec = MapSpec.from_dict(header["spec"])
+    except (AttributeError, KeyError, TypeError, ValueError) as error:
+        raise ValueError(f"{source} holds a broken specification: {_one_line(error)}") from None
+    for name, array in arrays.items():
+        if array.shape != spec.shape:
+            raise ValueError(
+                f"{source} is damaged: {name} has shape {array.shape}, expected {spec.shape}"
+            )
+        try:
+            arrays[name] = array.astype(STORED[name], casting="same_kind")
+        except TypeError:
+            raise ValueError(f"{source} is damaged: {name} has type {array.dtype}") from None
+    return spec, arrays
+
+
+def _read_array(archive: zipfile.ZipFile, name: str) -> NDArray[Any]:
+    with archive.open(f"{name}.npy") as file:
+        return np.lib.format.read_array(file, allow_pickle=False)
+
+
+def _one_line(error: Exception) -> str:
+    return " ".join(str(error).split()) or type(error).__name__

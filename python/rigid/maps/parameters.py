@@ -1,0 +1,452 @@
+"""The parameters that an axis of a map may vary: unit, range, and what each sets in a pixel.
+
+A new parameter is one row of :data:`PARAMETERS`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from math import pi
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._checks.arguments import nearest, numbers
+from .._moments import box_moments
+from ..model.scene import Scene
+from ..model.start import Start
+
+__all__ = ["PARAMETERS", "Axis", "Parameter", "PixelValues", "check_applicable", "make_axes"]
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(slots=True, eq=False)
+class PixelValues:
+    """Values that the axes of a map may set, with one row for each pixel.
+
+    Attributes
+    ----------
+    moments : ndarray, shape (P, 3)
+        Principal moments, kg m².
+    sides, mass : ndarray, shapes (P, 3), (P,)
+        Sides (m) and mass (kg) of a box; NaN for a body that is no box.
+    own : dict of str to ndarray, shape (P,)
+        The numbers of the scene's own that may vary, such as ``mgl`` (J) of a heavy top.
+    damping : ndarray, shape (P, 3, 3)
+        Damping in the principal axes, N m s.
+    spin, tilt : ndarray, shape (P,)
+        Rate about the axis of the start (rad/s) and angle to it (rad).
+    omega : ndarray, shape (P, 3)
+        Rates of a start that is given by its rates (rad/s).
+    omega_size, attitude_size : ndarray, shapes (P, 3), (P,)
+        Sizes of the noise, rad/s and rad.
+    """
+
+    moments: Floats
+    sides: Floats
+    mass: Floats
+    own: dict[str, Floats]
+    damping: Floats
+    spin: Floats
+    tilt: Floats
+    omega: Floats
+    omega_size: Floats
+    attitude_size: Floats
+
+
+Apply: TypeAlias = Callable[[PixelValues, Floats], None]
+"""Write one value for each pixel into the values of all pixels."""
+
+WhyNot: TypeAlias = Callable[[Scene, Start], str]
+"""The reason why a parameter has no meaning for a scene and start; empty if it has one."""
+
+
+def _anywhere(_scene: Scene, _start: Start) -> str:
+    return ""
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """A parameter that an axis of a map can set.
+
+    Attributes
+    ----------
+    symbol, unit, meaning : str
+        For plots and messages; the unit is ``"1"`` for a ratio.
+    apply : callable
+        ``apply(pixels, values)`` writes the values of the axis into :class:`PixelValues`.
+    why_not : callable
+        ``why_not(scene, start)`` is the reason why the parameter does not apply, or empty.
+    sets, reads : str or None
+        The moment that the parameter sets, and the one that it needs: it is applied after the
+        parameter that sets what it reads.
+    describes : str or None
+        ``"moments"``, ``"box"`` or ``"damping"`` for a parameter of these; moments and box exclude
+        each other.
+    lowest, highest : float
+        Range of the values.
+    open_end : bool
+        Whether the bound ``lowest`` is excluded.
+    """
+
+    symbol: str
+    unit: str
+    meaning: str
+    apply: Apply
+    why_not: WhyNot = _anywhere
+    sets: str | None = None
+    reads: str | None = None
+    describes: str | None = None
+    lowest: float = -np.inf
+    highest: float = np.inf
+    open_end: bool = False
+
+    @property
+    def rule(self) -> str:
+        """The rule for the values."""
+        if self.highest < np.inf:
+            return f"must lie in [{self.lowest:.6g}, {self.highest:.6g}]"
+        return "must be positive" if self.open_end else "must not be negative"
+
+    def rejects(self, values: Floats) -> NDArray[np.bool_]:
+        """Which values are out of range."""
+        low = values <= self.lowest if self.open_end else values < self.lowest
+        rejected: NDArray[np.bool_] = low | (values > self.highest)
+        return rejected
+
+
+# What each parameter sets
+
+
+def _whole(name: str) -> Apply:
+    """Replace a whole array."""
+
+    def apply(pixels: PixelValues, values: Floats) -> None:
+        setattr(pixels, name, values)
+
+    return apply
+
+
+def _component(name: str, *index: int) -> Apply:
+    """Replace one component of an array."""
+
+    def apply(pixels: PixelValues, values: Floats) -> None:
+        getattr(pixels, name)[:, *index] = values
+
+    return apply
+
+
+def _own(name: str) -> Apply:
+    """Replace a number of the scene's own."""
+
+    def apply(pixels: PixelValues, values: Floats) -> None:
+        pixels.own[name] = values
+
+    return apply
+
+
+def _box(apply_to_box: Apply) -> Apply:
+    """Replace a side or the mass of a box, and let the moments follow."""
+
+    def apply(pixels: PixelValues, values: Floats) -> None:
+        apply_to_box(pixels, values)
+        a, b, c = pixels.sides.T
+        pixels.moments = box_moments(a, b, c, pixels.mass)
+
+    return apply
+
+
+def _ratio(i: int, j: int) -> Apply:
+    """Set moment ``i`` to a multiple of moment ``j``."""
+
+    def apply(pixels: PixelValues, values: Floats) -> None:
+        with np.errstate(over="ignore"):  # a moment that overflows makes an impossible body
+            pixels.moments[:, i] = values * pixels.moments[:, j]
+
+    return apply
+
+
+def _noise(pixels: PixelValues, values: Floats) -> None:
+    pixels.omega_size[:] = values[:, np.newaxis]
+
+
+# Where each parameter applies
+
+
+def _needs_box(scene: Scene, _start: Start) -> str:
+    if scene.body.sides is None:
+        return "the sides of the body are not known; make it with Body.box(a, b, c)"
+    return ""
+
+
+def _needs_weight(scene: Scene, _start: Start) -> str:
+    if "mgl" not in scene.fields:
+        return "a free body feels no weight; use a HeavyTop"
+    return ""
+
+
+def _needs_diagonal_damping(scene: Scene, _start: Start) -> str:
+    matrix = np.zeros((3, 3)) if scene.damping is None else np.array(scene.damping)
+    if np.any(matrix - np.diag(np.diag(matrix))):
+        return "the damping of the scene is not along the body axes"
+    return ""
+
+
+def _needs_spin(_scene: Scene, start: Start) -> str:
+    if start.spin is None:
+        return "the start is given by omega; use omega1, omega2, omega3 or Start(spin=...)"
+    return ""
+
+
+def _needs_spin_or_attitude(scene: Scene, start: Start) -> str:
+    if start.spin is None and not scene.directions:
+        return "the start is given by omega; use Start(spin=...)"
+    return ""
+
+
+def _needs_omega(_scene: Scene, start: Start) -> str:
+    return "the start is given by spin; use Start(omega=...)" if start.omega is None else ""
+
+
+def _needs_noise(_scene: Scene, start: Start) -> str:
+    if start.noise is None:
+        return "the start has no noise; say its kind, as in Start(noise=rigid.normal(0))"
+    if isinstance(start.noise.size, tuple):
+        return "the noise of the start has a size for each component; give it a single one"
+    return ""
+
+
+def _needs_attitude_noise(scene: Scene, start: Start) -> str:
+    if not scene.directions:
+        return "the attitude of a free body has no effect; use noise"
+    if start.attitude_noise is None:
+        return (
+            "the start has no attitude noise; say its kind, "
+            "as in Start(attitude_noise=rigid.normal(0))"
+        )
+    if start.attitude_noise.kind == "uniform_attitude":
+        return "uniform_attitude() has no size"
+    return ""
+
+
+PARAMETERS: Mapping[str, Parameter] = {
+    **{
+        f"I{i}": Parameter(
+            f"$I_{i}$",
+            "kg m²",
+            "principal moment",
+            _component("moments", i - 1),
+            sets=f"I{i}",
+            describes="moments",
+        )
+        for i in (1, 2, 3)
+    },
+    **{
+        f"I{i}/I{j}": Parameter(
+            f"$I_{i}/I_{j}$",
+            "1",
+            "ratio of principal moments",
+            _ratio(i - 1, j - 1),
+            sets=f"I{i}",
+            reads=f"I{j}",
+            describes="moments",
+        )
+        for i in (1, 2, 3)
+        for j in (1, 2, 3)
+        if i != j
+    },
+    **{
+        name: Parameter(
+            f"side ${name}$",
+            "m",
+            "side of the box",
+            _box(_component("sides", k)),
+            _needs_box,
+            describes="box",
+            lowest=0.0,
+            open_end=True,
+        )
+        for k, name in enumerate("abc")
+    },
+    "mass": Parameter(
+        "mass",
+        "kg",
+        "mass of the box",
+        _box(_whole("mass")),
+        _needs_box,
+        describes="box",
+        lowest=0.0,
+        open_end=True,
+    ),
+    "mgl": Parameter(
+        "$mgl$",
+        "J",
+        "weight times distance of the centre of mass",
+        _own("mgl"),
+        _needs_weight,
+        lowest=0.0,
+    ),
+    **{
+        f"damping{k}": Parameter(
+            f"$c_{k}$",
+            "N m s",
+            f"damping about body axis {k}",
+            _component("damping", k - 1, k - 1),
+            _needs_diagonal_damping,
+            describes="damping",
+            lowest=0.0,
+        )
+        for k in (1, 2, 3)
+    },
+    "spin": Parameter(
+        "spin", "rad/s", "rate about the axis of the start", _whole("spin"), _needs_spin
+    ),
+    "tilt": Parameter(
+        "tilt",
+        "rad",
+        "angle to the axis of the start",
+        _whole("tilt"),
+        _needs_spin_or_attitude,
+        lowest=-pi,
+        highest=pi,
+    ),
+    **{
+        f"omega{k}": Parameter(
+            rf"$\omega_{k}$",
+            "rad/s",
+            "rate in body components",
+            _component("omega", k - 1),
+            _needs_omega,
+        )
+        for k in (1, 2, 3)
+    },
+    "noise": Parameter(
+        "perturbation of the rates",
+        "rad/s",
+        "size of the rate noise",
+        _noise,
+        _needs_noise,
+        lowest=0.0,
+    ),
+    "attitude_noise": Parameter(
+        "perturbation of the attitude",
+        "rad",
+        "size of the attitude noise",
+        _whole("attitude_size"),
+        _needs_attitude_noise,
+        lowest=0.0,
+    ),
+}
+"""The parameters by name, in the order of messages and of the documentation."""
+
+
+@dataclass(frozen=True, slots=True)
+class Axis:
+    """One axis of a map: a parameter name and its values, increasing or decreasing."""
+
+    name: str
+    values: tuple[float, ...]
+
+    @property
+    def parameter(self) -> Parameter:
+        """The row of :data:`PARAMETERS` that the axis varies."""
+        return PARAMETERS[self.name]
+
+    @property
+    def unit(self) -> str:
+        """Unit of the values (SI, or any consistent set)."""
+        return self.parameter.unit
+
+    @property
+    def label(self) -> str:
+        """Symbol and unit for a plot."""
+        symbol = self.parameter.symbol
+        return symbol if self.unit == "1" else f"{symbol} ({self.unit})"
+
+    @property
+    def geometric(self) -> bool:
+        """Whether the values form a geometric progression, to be drawn on a logarithmic axis."""
+        values = np.array(self.values)
+        if values.size < 3 or values.min() <= 0.0:
+            return False
+        steps = np.diff(np.log(values))
+        return bool(np.ptp(steps) <= 1e-6 * abs(steps[0]))
+
+    def __str__(self) -> str:
+        unit = "" if self.unit == "1" else f" {self.unit}"
+        count = f"{len(self.values)} values{', geometric' if self.geometric else ''}"
+        return f"{self.name} from {self.values[0]:g} to {self.values[-1]:g}{unit} ({count})"
+
+
+def make_axes(axes: Mapping[str, ArrayLike]) -> tuple[Axis, ...]:
+    """The axes of a map from names and values; x first, then y.
+
+    Raises
+    ------
+    ValueError
+        For an unknown name, more than two axes, or values that are not finite, not one-dimensional,
+        not strictly increasing or decreasing, or out of the range of the parameter.
+    """
+    if not isinstance(axes, Mapping):
+        raise TypeError(f"axes = {axes!r}: must be a dict of names and values")
+    if len(axes) not in (1, 2):
+        raise ValueError(f"axes: expected 1 or 2 parameters (x, then y), got {len(axes)}")
+    return tuple(_axis(name, values) for name, values in axes.items())
+
+
+def _axis(name: str, values: ArrayLike) -> Axis:
+    if name not in PARAMETERS:
+        raise ValueError(
+            f"axes: unknown parameter {name!r}{nearest(name, PARAMETERS)}"
+            f" (known: {', '.join(PARAMETERS)})"
+        )
+    array = numbers(f"axes[{name!r}]", values)
+    if array.ndim != 1 or array.size == 0:
+        raise ValueError(f"axes[{name!r}]: expected shape (n,) with n >= 1, got {array.shape}")
+    if not np.isfinite(array).all():
+        bad = int(np.flatnonzero(~np.isfinite(array))[0])
+        raise ValueError(f"axes[{name!r}][{bad}] = {array[bad]}: must be finite")
+    steps = np.diff(array)
+    if not ((steps > 0).all() or (steps < 0).all()):
+        raise ValueError(f"axes[{name!r}]: must increase or decrease strictly")
+    rejected = np.flatnonzero(PARAMETERS[name].rejects(array))
+    if rejected.size:
+        bad = int(rejected[0])
+        raise ValueError(f"axes[{name!r}][{bad}] = {array[bad]:g}: {PARAMETERS[name].rule}")
+    return Axis(name, tuple(array.tolist()))
+
+
+def check_applicable(scene: Scene, start: Start, axes: Iterable[Axis]) -> None:
+    """Raise ValueError, saying why, if an axis or a part of the start has no meaning here."""
+    if not scene.directions and start.attitude_noise is not None:
+        raise ValueError("attitude_noise has no effect on a free body: only its rates matter")
+    if not scene.directions and start.omega is not None and start.tilt != 0.0:
+        raise ValueError("tilt has no effect on a free body started by omega; use Start(spin=...)")
+    moments, boxes = [], []
+    for axis in axes:
+        reason = axis.parameter.why_not(scene, start)
+        if reason:
+            raise ValueError(f"axes: {axis.name!r} does not apply: {reason}")
+        if axis.parameter.describes == "moments":
+            moments.append(axis)
+        elif axis.parameter.describes == "box":
+            boxes.append(axis)
+    if boxes and moments:
+        raise ValueError(
+            f"axes: {moments[0].name!r} and {boxes[0].name!r} exclude each other: "
+            "the moments of a box follow from its sides"
+        )
+    if len(moments) == 2:
+        _check_two_moments(*moments)
+
+
+def _check_two_moments(one: Axis, other: Axis) -> None:
+    """Raise ValueError if two axes set one moment, or the same ratio of moments."""
+    first, second = one.parameter, other.parameter
+    if first.sets == second.sets:
+        raise ValueError(f"axes: {one.name!r} and {other.name!r} both set {first.sets}")
+    if first.reads == second.sets and second.reads == first.sets:
+        raise ValueError(f"axes: {one.name!r} and {other.name!r} set the same ratio")

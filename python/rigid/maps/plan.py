@@ -1,0 +1,77 @@
+"""The plan of a map."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._moments import possible
+from ..solve.closed_form import closed_forms, listed, why_not
+from ..solve.cost_model import calibration_class_of_any, closed_form_estimate, steps_estimate
+from ..solve.methods import AUTO, EXACT, FALLBACK
+from ..solve.plan import Plan, carried, left_out
+from .spec import MapSpec
+
+__all__ = ["map_plan"]
+
+Floats = NDArray[np.float64]
+
+
+def map_plan(spec: MapSpec) -> Plan:
+    """The plan of a map; its numbers are those of the costliest nominal start, run once."""
+    real = possible(spec.grid.moments)
+    moments, weight = spec.grid.moments[real], spec.grid.weight[real]
+    forms = closed_forms(spec.stable, moments, weight)
+    if spec.is_driven:
+        forms = np.full_like(forms, "")
+    method, why = _choice(spec, moments, weight, forms)
+    scheme = FALLBACK if spec.method in (AUTO, EXACT) else spec.method
+    rates = _rates(spec, np.flatnonzero(real), scheme)
+    if method == AUTO:
+        rates = rates[forms == ""]
+    if method == EXACT:
+        estimate = closed_form_estimate(spec.stable, forms, 0, rates, spec.t_end)
+    else:
+        kind = "driven" if spec.is_driven else calibration_class_of_any(spec.scene)
+        estimate = steps_estimate(spec.stable, scheme, kind, rates, spec.t_end, spec.step)
+    return Plan(
+        scene=spec.scene.words(spec.varied),
+        question=spec.criterion,
+        closed_form=listed(forms) if method in (AUTO, EXACT) else None,
+        method=method,
+        carried=carried(spec.scene, spec.stable, method),
+        why=(why,),
+        left_out=left_out(spec.scene, spec.stable, method, spec.step, forms),
+        step=estimate.step,
+        steps=estimate.steps,
+        cost=estimate.cost,
+        error=estimate.error,
+    )
+
+
+def _choice(
+    spec: MapSpec, moments: Floats, weight: Floats, forms: NDArray[np.str_]
+) -> tuple[str, str]:
+    """The method of the possible pixels and the reason; ``"auto"`` where two are needed."""
+    if spec.method not in (AUTO, EXACT):
+        return spec.method, f"method = {spec.method!r} was asked for"
+    closed = forms != ""
+    if not closed.size:
+        return EXACT, "no pixel has a possible body: nothing is done"
+    if closed.all():
+        return EXACT, "every body has a closed form"
+    if closed.any():
+        return AUTO, f"{closed.sum():,} of {closed.size:,} pixels have a closed form"
+    if spec.is_driven:
+        return FALLBACK, "no closed form under torque and damping"
+    return FALLBACK, why_not(spec.stable, moments[0], weight[0])
+
+
+def _rates(spec: MapSpec, pixels: NDArray[np.intp], scheme: str) -> Floats:
+    """The rates that the steps of these pixels follow."""
+    grid = spec.grid
+    rates = np.empty(len(pixels))
+    starts = grid.omega[pixels], grid.attitude[pixels]
+    for mine, batch in grid.batches_by_forcing(pixels, *starts):
+        rates[mine] = batch.fastest_rates((0.0, spec.t_end), scheme)
+    return rates

@@ -1,0 +1,128 @@
+"""One body of a map, computed again with its trajectory."""
+
+from __future__ import annotations
+
+import math
+import operator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..solve.methods import EXACT
+from ..solve.run import Run
+from ..solve.simulate import replay_steps, simulate
+from .data import STATUS, MapData
+from .job import to_core
+
+__all__ = ["Replay", "replay"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Replay:
+    """One body of a map, computed again: bit for bit the motion that the map classified.
+
+    Attributes
+    ----------
+    pixel : tuple of int
+        Index in the arrays of the map, ``[y, x]`` or ``[x]``.
+    sample : int
+        Number of the body in its pixel, from 0.
+    parameters : dict
+        Values of the axes at this pixel.
+    omega, attitude : ndarray, shapes (3,), (4,)
+        Start of the body: rad/s in the body; quaternion (w, x, y, z).
+    method : str
+        ``"exact"`` if it was classified in closed form, else the scheme.
+    outcome : str
+        ``"stable"``, ``"unstable"``, ``"undecided"`` or ``"failed"``.
+    status : str
+        Status at the end of the integration.
+    flips : int
+        Sign changes seen until it ended.
+    left : float
+        Time at which it left stability, s; NaN if it did not.
+    tilt : float
+        Largest observed tilt (rad), NaN if the criterion is not a tilt limit.
+    energy_drift, momentum_drift : float
+        NaN by closed form, which conserves both.
+    step : float
+        Time step in s; NaN by closed form.
+    steps : int
+        Time steps taken.
+    run : Run
+        The trajectory until the horizon, with the same method and step.
+    """
+
+    pixel: tuple[int, ...]
+    sample: int
+    parameters: dict[str, float]
+    omega: NDArray[np.float64]
+    attitude: NDArray[np.float64]
+    method: str
+    outcome: str
+    status: str
+    flips: int
+    left: float
+    tilt: float
+    energy_drift: float
+    momentum_drift: float
+    step: float
+    steps: int
+    run: Run
+
+
+def replay(
+    data: MapData, pixel: int | tuple[int, ...], sample: int, t: ArrayLike | None = None
+) -> Replay:
+    """One body of a map again; see :meth:`rigid.StabilityMap.replay`."""
+    spec = data.spec
+    index = _pixel_index(pixel, spec.shape)
+    number = operator.index(sample)
+    if not 0 <= number < spec.samples:
+        raise IndexError(f"sample = {sample}: must lie in 0 .. {spec.samples - 1}")
+    if data.status[index]:
+        raise ValueError(f"pixel = {index}: no such body is possible: {STATUS[data.status[index]]}")
+    flat = int(np.ravel_multi_index(index, spec.shape))
+    record = to_core(spec).sample(flat, number)
+    scene = spec.grid.scene_of(flat)
+    start, step = (record["omega"], record["attitude"]), float(record["step"])
+    method = record["method"]
+    if method == EXACT:
+        times = np.linspace(0.0, spec.t_end, 501) if t is None else t
+        run = simulate(scene, *start, t=times, method=method)
+    elif not math.isfinite(step):  # it was not run: only its start is known
+        run = simulate(scene, *start, t=[0.0], method=method)
+    elif t is None:
+        total = round(min(spec.t_end / step, spec.max_steps))
+        ends = np.linspace(0, total, min(total, 500) + 1).astype(np.int64)
+        strides = np.diff(ends, prepend=0).tolist()
+        run = replay_steps(scene, *start, method=method, step=step, strides=strides)
+    else:
+        run = simulate(scene, *start, t=t, method=method, step=step)
+    values = dict(record)
+    values["outcome"] = values.pop("class")
+    return Replay(
+        pixel=index,
+        sample=number,
+        parameters={
+            axis.name: axis.values[position]
+            for axis, position in zip(spec.axes, reversed(index), strict=True)
+        },
+        run=run,
+        **values,
+    )
+
+
+def _pixel_index(pixel: int | tuple[int, ...], shape: tuple[int, ...]) -> tuple[int, ...]:
+    if isinstance(pixel, tuple):
+        index = tuple(operator.index(part) for part in pixel)
+        inside = len(index) == len(shape) and all(
+            0 <= part < length for part, length in zip(index, shape, strict=True)
+        )
+    else:
+        inside = 0 <= operator.index(pixel) < math.prod(shape)
+        index = tuple(int(part) for part in np.unravel_index(pixel, shape)) if inside else ()
+    if not inside:
+        raise IndexError(f"pixel = {pixel}: lies outside the map of shape {shape}")
+    return index

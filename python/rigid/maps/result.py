@@ -1,0 +1,280 @@
+"""The result of a stability map: named arrays, and what can be done with them.
+
+This module combines the data of a map with its pictures, files, theory and replays.
+"""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._checks.arguments import positive_int, resolve_threads
+from ..solve.plan import Plan
+from .data import MapData
+from .dataset import map_dataset
+from .file import read_map, write_map
+from .plan import map_plan
+from .plot import plot_map
+from .replay import Replay, replay
+from .sensitivity import map_condition
+from .summary import summary
+from .theory import Theory, disagreement, predict
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    import xarray
+    from matplotlib.axes import Axes
+
+__all__ = ["StabilityMap", "load_map"]
+
+
+class StabilityMap(MapData):
+    """Result of :func:`stability_map`: named arrays of grid shape, indexed ``[y, x]`` or ``[x]``.
+
+    Every column of the core is an attribute; :data:`rigid.maps.data.COLUMNS` has their types, units
+    and meanings.
+
+    Attributes
+    ----------
+    spec : MapSpec
+        Everything the numbers depend on.
+    status : ndarray of uint8
+        0 possible body; 1 a moment is not finite; 2 not positive; 3 triangle inequality broken.
+    stable, unstable, undecided, failed : ndarray of int64
+        Bodies of each class. Undecided: the second method disagrees; in closed form, the body
+        leaves stability within rounding of the horizon.
+    step_limit, not_finite, drifted : ndarray of int64
+        Why bodies have failed: more than ``max_steps`` steps were needed; overflow; energy,
+        momentum or unit lengths off by more than 0.1.
+    checked : ndarray of int64
+        Bodies that the second method, ``taylor16``, has classified again.
+    samples : ndarray of int64
+        Bodies done, the sum of the four classes.
+    share : ndarray
+        ``stable / (stable + unstable)``, NaN if there are none.
+    lower, upper : ndarray
+        95 % Wilson interval of the share, widened by the undecided: they count as unstable for
+        ``lower`` and as stable for ``upper``.
+    energy_drift, momentum_drift : ndarray
+        Worst relative drift of the conserved quantities in each pixel, failed bodies included; NaN
+        where nothing was integrated, because closed forms do not drift.
+    earliest : ndarray
+        First time at which a body left stability, s; inf if none did.
+    steps : ndarray of int64
+        Time steps taken.
+    exact : ndarray of int64
+        Bodies classified in closed form; they take no steps and are not repeated.
+    nanoseconds : ndarray
+        Processor time spent. A measurement of this machine: not saved, NaN in a loaded map.
+    elapsed : float
+        Wall time in s; NaN in a loaded map.
+    threads : int
+        Threads used; 0 in a loaded map.
+    """
+
+    __slots__ = ()
+
+    @property
+    def plan(self) -> Plan:
+        """The plan of this map: methods, omissions and reasons."""
+        return map_plan(self.spec)
+
+    def theory(self) -> Theory | None:
+        """The prediction for this map, or None where no theory is known."""
+        return predict(self.spec)
+
+    def disagreement(self, theory: Theory | None = None) -> NDArray[np.bool_]:
+        """Pixels whose predicted share lies outside [lower, upper].
+
+        A 95 % interval misses a true prediction in up to one pixel of twenty by chance.
+
+        Parameters
+        ----------
+        theory : Theory, optional
+            By default that of :meth:`theory`; without one no pixel disagrees.
+
+        Returns
+        -------
+        ndarray of bool, grid shape
+        """
+        return disagreement(self, theory or self.theory())
+
+    def replay(
+        self, pixel: int | tuple[int, ...], sample: int, t: ArrayLike | None = None
+    ) -> Replay:
+        """Compute one body of the map again, with its trajectory.
+
+        Parameters
+        ----------
+        pixel : int or tuple of int
+            Index in the arrays, ``[y, x]`` or ``[x]``; one integer counts in C order.
+        sample : int
+            Number of the body in its pixel, from 0.
+        t : array_like, optional
+            Times of the trajectory in s, reached by steps no longer than those of the map. By
+            default about 500 ends of the very steps that were taken, until ``t_end``, or 501 times
+            by closed form. A body that was not run, for example because of ``max_steps``, has its
+            start only.
+
+        Returns
+        -------
+        Replay
+
+        Raises
+        ------
+        IndexError
+            If there is no such pixel or sample.
+        ValueError
+            If the body of this pixel is impossible.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> result = rigid.stability_map(
+        ...     rigid.FreeBody, axes={"spin": [1.0, 2.0]}, samples=10, t_end=50.0,
+        ...     stable=rigid.no_flip(), rng=2026,
+        ... )
+        >>> body = result.replay(pixel=1, sample=3)
+        >>> body.parameters, body.outcome, 0.0 < body.left < 50.0
+        ({'spin': 2.0}, 'unstable', True)
+        >>> body.run.omega.shape
+        (501, 3)
+        """
+        return replay(self, pixel, sample, t)
+
+    def condition(self, samples: int = 1, *, threads: int | None = None) -> NDArray[np.float64]:
+        """Factor by which the motions of each pixel magnify a small change of their start.
+
+        Use the factor to distinguish sensitive motions from errors of the solver; see
+        :func:`rigid.condition`.
+
+        Parameters
+        ----------
+        samples : int
+            Number of bodies of each pixel that are followed to ``t_end``, beginning with the first.
+        threads : int, optional
+            Default: ``RIGID_NUM_THREADS``, else the cores that this process may use.
+
+        Returns
+        -------
+        ndarray
+            Median of the factors at ``t_end``, grid shape; NaN where no body is possible.
+
+        Raises
+        ------
+        ValueError
+            If ``samples`` is not between 1 and the number of samples of the map.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> result = rigid.stability_map(
+        ...     rigid.FreeBody, axes={"I2/I1": [1.2, 1.8]}, samples=4, t_end=50.0,
+        ...     stable=rigid.no_flip(), rng=2026,
+        ... )
+        >>> result.condition().shape
+        (2,)
+        """
+        count = positive_int("samples", samples)
+        if count > self.spec.samples:
+            raise ValueError(f"samples = {count}: the map has {self.spec.samples} in a pixel")
+        return map_condition(self.spec, count, resolve_threads(threads))
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draw the map; see :func:`rigid.maps.plot.plot_map`.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            Axes to draw on; by default those of a new figure that needs no display.
+
+        Returns
+        -------
+        matplotlib Axes
+            ``plot().figure.savefig("map.png")`` writes a picture.
+
+        Raises
+        ------
+        ImportError
+            Without matplotlib.
+        """
+        return plot_map(self, ax=ax)
+
+    def to_xarray(self) -> xarray.Dataset:
+        """The map as an xarray Dataset.
+
+        Dimensions have the names of the axes with ``_over_`` for ``/``, because netCDF allows no
+        slash; coordinates have units; the attributes hold the specification as JSON.
+
+        Returns
+        -------
+        xarray.Dataset
+
+        Raises
+        ------
+        ImportError
+            Without xarray.
+        """
+        return map_dataset(self)
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write the map to one data-only ``.npz`` file; :func:`load_map` reads it.
+
+        The file holds the arrays, and the specification as JSON under the name ``spec.json``. It
+        holds no measured times, so equal seeds give equal bytes on every machine.
+
+        Parameters
+        ----------
+        path : path-like
+            The file; no suffix is added.
+
+        Returns
+        -------
+        Path
+            The file.
+        """
+        return write_map(self, path)
+
+    def summary(self) -> str:
+        """Summary of computation, largest drift, undecided samples and comparison with theory."""
+        return summary(self)
+
+
+def load_map(path: str | os.PathLike[str]) -> StabilityMap:
+    """Read a map that :meth:`StabilityMap.save` wrote.
+
+    Parameters
+    ----------
+    path : path-like
+        The file.
+
+    Returns
+    -------
+    StabilityMap
+        Equal to the saved one, except for what was measured on the machine: ``nanoseconds`` and
+        ``elapsed`` are NaN, ``threads`` is 0.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    ValueError
+        If the file is not a stability map, or one of a newer format.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile, rigid
+    >>> result = rigid.stability_map(
+    ...     rigid.FreeBody, axes={"spin": [1.0, 2.0]}, samples=10, t_end=50.0,
+    ...     stable=rigid.no_flip(), rng=2026,
+    ... )
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = result.save(pathlib.Path(folder, "map.npz"))
+    ...     rigid.load_map(path).spec == result.spec
+    True
+    """
+    return StabilityMap.from_arrays(*read_map(path))

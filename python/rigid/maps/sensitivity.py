@@ -1,0 +1,30 @@
+"""Sensitivity of the bodies of a map to where they start."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..solve.sensitivity import amplification
+from .job import to_core
+from .spec import MapSpec
+
+__all__ = ["map_condition"]
+
+Floats = NDArray[np.float64]
+
+
+def map_condition(spec: MapSpec, samples: int, threads: int) -> Floats:
+    """The median condition of the first samples of each pixel at the horizon of a map."""
+    job = to_core(spec)
+    possible = np.flatnonzero(job.status == 0)
+    drawn = [job.sample(int(pixel), sample) for pixel in possible for sample in range(samples)]
+    of_pixel = np.repeat(possible, samples)
+    omega = np.array([body["omega"] for body in drawn]).reshape(-1, 3)
+    attitude = np.array([body["attitude"] for body in drawn]).reshape(-1, 4)
+    factors = np.empty(len(drawn))
+    for mine, batch in spec.grid.batches_by_forcing(of_pixel, omega, attitude):
+        factors[mine] = amplification(batch, np.array([spec.t_end]), threads)[:, 0]
+    layer = np.full(spec.shape, np.nan)
+    layer.flat[possible] = np.median(factors.reshape(-1, samples), axis=1)
+    return layer

@@ -1,0 +1,97 @@
+"""The summary of a stability map in words."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..solve.methods import AUTO, EXACT, FALLBACK, SECOND
+from .data import CLASSES, FAILURES, MapData
+from .theory import Theory, disagreement, predict
+
+__all__ = ["summary"]
+
+
+def summary(data: MapData) -> str:
+    """Summary of computation, largest drift, undecided samples and comparison with theory."""
+    spec = data.spec
+    lines = [
+        ("scene", spec.scene.words(spec.varied)),
+        ("start", spec.start.describe([axis.name for axis in spec.axes])),
+        *((letter, str(axis)) for letter, axis in zip("xy", spec.axes, strict=False)),
+        ("stable", spec.criterion),
+        ("method", _method(data)),
+        ("samples", _samples(data)),
+        ("bodies", _bodies(data)),
+        ("classes", _classes(data)),
+        ("worst drift", _drift(data)),
+        ("theory", _theory(data, predict(spec))),
+    ]
+    if spec.title:
+        lines.insert(0, ("map", spec.title))
+    return "\n".join(f"{name:<12}{text}" for name, text in lines)
+
+
+def _method(data: MapData) -> str:
+    spec, done, exact = data.spec, int(data.samples.sum()), int(data.exact.sum())
+    step = "step chosen for each body" if spec.step is None else f"step {spec.step:g} s"
+    if spec.method not in (AUTO, EXACT):
+        return f"{spec.method}, {step}"
+    if exact == done:
+        return f"{spec.method}: closed form"
+    share = f"closed form for {exact:,} bodies, else " if exact else ""
+    return f"{spec.method}: {share}{FALLBACK}, {step}"
+
+
+def _samples(data: MapData) -> str:
+    text = f"{data.spec.samples} per pixel"
+    done = int(data.samples.sum())
+    integrated, repeated = done - int(data.exact.sum()), int(data.checked.sum())
+    if integrated:
+        checked = {0: "none", integrated: "all"}.get(repeated, f"{repeated:,}")
+        which = "" if integrated == done else " of those integrated"
+        text += f", {checked}{which} cross-checked by {SECOND}"
+    return f"{text}; seed {data.spec.seed}"
+
+
+def _bodies(data: MapData) -> str:
+    done, possible = int(data.samples.sum()), int((data.status == 0).sum())
+    text = f"{done:,}"
+    if not data.complete:
+        text += f" of {possible * data.spec.samples:,} (stopped early)"
+    impossible = data.status.size - possible
+    return f"{text}; {impossible:,} impossible pixels" if impossible else text
+
+
+def _classes(data: MapData) -> str:
+    done = int(data.samples.sum())
+    counts = {name: int(data.columns[name].sum()) for name in (*CLASSES, *FAILURES)}
+    text = ", ".join(
+        f"{counts[name]:,} {name}" + (f" ({counts[name] / done:.2%})" if done else "")
+        for name in CLASSES
+    )
+    why = ", ".join(
+        f"{counts[name]:,} {name.replace('_', ' ')}" for name in FAILURES if counts[name]
+    )
+    return f"{text}: {why}" if why else text
+
+
+def _drift(data: MapData) -> str:
+    if 0 < int(data.samples.sum()) == data.exact.sum():
+        return "none: closed form"
+    worst = f"energy {_worst(data.energy_drift)}, momentum {_worst(data.momentum_drift)}"
+    return f"{worst} (relative)"
+
+
+def _worst(drifts: NDArray[np.float64]) -> str:
+    known = drifts[~np.isnan(drifts)]
+    return f"{known.max():.1e}" if known.size else "unknown"
+
+
+def _theory(data: MapData, theory: Theory | None) -> str:
+    if theory is None:
+        return "none is known for this map"
+    compared = int((~np.isnan(theory.share) & ~np.isnan(data.lower)).sum())
+    disagree = int(disagreement(data, theory).sum())
+    text = f"{theory.label}: {disagree:,} of {compared:,} pixels outside their 95 % interval"
+    return text + (f" ({disagree / compared:.1%}; up to 5 % by chance)" if compared else "")

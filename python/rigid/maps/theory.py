@@ -1,0 +1,360 @@
+"""Prediction of a map by theory, for the cases with a known theory.
+
+Free body, criterion *no flip about axis j*
+    With moments sorted ``I1 <= I2 <= I3``, the sign of
+    ``2 E I2 - L² = I1 (I2 - I1) w1² - I3 (I3 - I2) w3²`` determines which axis the rates circulate
+    about: the smallest (positive) or the largest (negative). About that axis there is never a flip;
+    every other rate changes its sign at least once in half a period. Formed from components,
+    because the difference of the invariants loses all its digits near the separatrix.
+
+    A spin ``W`` about the middle axis leaves along the heteroclinic orbit
+    ``w = (A1 sech, W tanh, A3 sech)(lam (t - t_flip))`` with
+    ``lam = W sqrt((I3 - I2)(I2 - I1) / (I1 I3))``,
+    ``A1 = W sqrt(I2 (I3 - I2) / (I1 (I3 - I1)))``, ``A3 = W sqrt(I2 (I2 - I1) / (I3 (I3 - I1)))``.
+    Matched to the unstable amplitude ``u = (w1 -+ w3 A1/A3) / 2`` of the linear stage, it flips at
+    ``t_flip = ln(2 A1 / |u|) / lam``. With normal noise, P(no flip until t) is the normal
+    probability of ``|u| < 2 A1 exp(-lam t)``.
+
+Symmetric heavy top spinning about its own axis, criterion *tilt from the vertical below an angle*
+    Released with spin ``w`` and tilt ``th``, its axis at rest, the top nutates between ``th`` and
+    the other root ``x`` of ``sin² x = a (cos th - cos x)``, ``a = (I3 w)² / (2 I1 mgl)``. It passes
+    a limit ``x`` if ``cos th < cos x + sin² x / a``: for vanishing tilt if ``a < 1 + cos x``, which
+    for a vanishing limit is the bound of the sleeping top, ``w = 2 sqrt(mgl I1) / I3``. Below that
+    bound the tilt ``x`` grows along the homoclinic orbit
+    ``1 - cos x = (2 I1 g² / mgl) sech²(g (t - t0))``, ``g = sqrt(4 mgl I1 - (I3 w)²) / (2 I1)``,
+    and a top released so near the vertical that it does not reach the limit within the horizon
+    counts as stable. With normal noise of the attitude the tilt at release has a Rayleigh
+    distribution.
+
+Symmetric heavy top, damped only about its symmetry axis
+    The spin decays as ``w exp(-c t / I3)``, and the weight has no moment about the axis. As long as
+    ``I3 w > 2 sqrt(mgl I1)`` the top sleeps; it reaches the bound at
+    ``t_b = (I3 / c) ln(I3 w / (2 sqrt(mgl I1)))``. From there on a tilt grows at the rate
+    ``g = sqrt(4 mgl I1 - (I3 w)²) / (2 I1)``, which increases as the root of the time:
+    ``ln(limit / tilt) = (2/3) sqrt(2 c mgl / (I1 I3)) (t - t_b)^(3/2)``. The lag is to the time of
+    the spin-down as ``c^(2/3)``: the bound is exact in the limit of slow damping. The prediction is
+    1 before ``t_b`` and 0 after twice the lag of the smallest tilts; between them it is not made.
+
+Landau and Lifshitz, *Mechanics*, §§ 35, 37; Goldstein, *Classical Mechanics*, §§ 5.6, 5.7.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import _core
+from .._moments import possible
+from ..model.criteria import NoFlip, TiltBelow
+from ..model.scene import FreeBody, HeavyTop
+from .data import MapData
+from .spec import MapSpec
+
+__all__ = ["Curve", "Theory", "disagreement", "predict"]
+
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+SMALL = 0.05
+"""Largest perturbation for the law of the middle axis, as a share of the separatrix."""
+
+NORMAL_REACH = 4.0
+"""Largest deviation of normal noise that is considered, in standard deviations (all but 6e-5)."""
+
+# Medians, in standard deviations: of |N(0, 1)|, and of the length of two such components.
+_NORMAL_HALF = 0.6744897501960817
+_RAYLEIGH_HALF = math.sqrt(2.0 * math.log(2.0))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Curve:
+    """A line to draw on a map: where ``field`` (of grid shape, NaN where unknown) is zero."""
+
+    label: str
+    field: Floats
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Theory:
+    """A prediction for a map.
+
+    Attributes
+    ----------
+    label : str
+        The basis of the prediction, in one line.
+    share : ndarray
+        Predicted share of stable bodies in each pixel, NaN where there is no prediction.
+    curves : tuple of Curve
+        Lines to draw; those that do not cross the grid are left out.
+    """
+
+    label: str
+    share: Floats
+    curves: tuple[Curve, ...]
+
+
+def predict(spec: MapSpec) -> Theory | None:
+    """The prediction for a map, or None where none is known.
+
+    Parameters
+    ----------
+    spec : MapSpec
+        The specification; its seed has no effect.
+
+    Returns
+    -------
+    Theory or None
+    """
+    with np.errstate(all="ignore"):  # impossible and degenerate pixels end as NaN
+        known = (predictor(spec) for predictor in (_free_no_flip, _symmetric_top, _falling_top))
+        theory = next((theory for theory in known if theory is not None), None)
+    return None if theory is None or np.isnan(theory.share).all() else theory
+
+
+def disagreement(data: MapData, theory: Theory | None) -> Flags:
+    """Pixels whose predicted share lies outside [lower, upper]; none without a theory."""
+    if theory is None:
+        return np.zeros(data.spec.shape, dtype=np.bool_)
+    disagrees: Flags = (theory.share < data.lower) | (theory.share > data.upper)
+    return disagrees
+
+
+def _theory(spec: MapSpec, label: str, share: Floats, curves: dict[str, Floats]) -> Theory:
+    shaped = {name: field.reshape(spec.shape) for name, field in curves.items()}
+    crossing = tuple(
+        Curve(name, field)
+        for name, field in shaped.items()
+        if (field > 0.0).any() and (field < 0.0).any()
+    )
+    return Theory(label, share.reshape(spec.shape), crossing)
+
+
+# Free body
+
+
+def _free_no_flip(spec: MapSpec) -> Theory | None:
+    stable, grid = spec.stable, spec.grid
+    if spec.is_driven or not isinstance(spec.scene, FreeBody) or not isinstance(stable, NoFlip):
+        return None
+    noise = spec.start.noise
+    tested = stable.core()[1] - 1
+    order = np.argsort(grid.moments, axis=1, kind="stable")
+    moments, omega, size = (
+        np.take_along_axis(array, order, axis=1)
+        for array in (grid.moments, grid.omega, grid.omega_size)
+    )
+    moments[~possible(grid.moments)] = np.nan
+    place = np.argmax(order == tested, axis=1)  # 0, 1, 2: smallest, middle, largest
+    normal = noise is not None and noise.kind == "normal"
+    reach = NORMAL_REACH * size if normal else size
+    nearest = np.maximum(np.abs(omega) - reach, 0.0)
+    farthest = np.abs(omega) + reach
+    towards_small = _circulation(moments, nearest[:, 0], farthest[:, 2])
+    towards_large = -_circulation(moments, farthest[:, 0], nearest[:, 2])
+    keeps = ((place == 0) & (towards_small > 0.0)) | ((place == 2) & (towards_large > 0.0))
+    margin = np.maximum(np.maximum(towards_small, towards_large), 0.0)
+    flips = ~keeps & (_half_period(moments, omega, margin) <= spec.t_end)
+    keeps &= np.take_along_axis(nearest, place[:, np.newaxis], axis=1)[:, 0] > 0.0
+    share = np.select([keeps, flips], [1.0, 0.0], np.nan)
+    curves = {"separatrix": _separatrix(moments, omega, place)}
+    label = "separatrix 2 E I2 = L²"
+
+    if noise is None or normal:
+        parity = _parity(order)
+        law, excess = _middle_axis_law(moments, omega, size, parity, spec.t_end)
+        law = np.where(place == 1, law, np.nan)
+        if not np.isnan(law).all():
+            share = np.where(np.isnan(law), share, law)
+            label += "; heteroclinic flip time about the middle axis"
+            name = "half have flipped by" if normal else "first flip at"
+            curves[f"{name} t = {spec.t_end:g} s"] = np.where(np.isnan(law), np.nan, excess)
+    return _theory(spec, label, share, curves)
+
+
+def _circulation(moments: Floats, w1: Floats, w3: Floats) -> Floats:
+    """``2 E I2 - L²`` from components; positive: circulates about the smallest axis."""
+    i1, i2, i3 = moments.T
+    result: Floats = i1 * (i2 - i1) * w1 * w1 - i3 * (i3 - i2) * w3 * w3
+    return result
+
+
+def _half_period(moments: Floats, omega: Floats, margin: Floats) -> Floats:
+    """Longest time between sign changes of a rate, for a distance ``margin`` from the separatrix.
+
+    The rates are Jacobi functions with argument ``p t``; half a period is ``2 K / p`` and the
+    complementary parameter ``1 - m`` is formed from components.
+    """
+    i1, i2, i3 = moments.T
+    w1, w2, w3 = np.abs(omega).T
+    above_small = i2 * (i2 - i1) * w2 * w2 + i3 * (i3 - i1) * w3 * w3  # L² - 2 E I1
+    below_large = i1 * (i3 - i1) * w1 * w1 + i2 * (i3 - i2) * w2 * w2  # 2 E I3 - L²
+    # Both orders of the two products are squares of p; the larger one belongs to the region.
+    square = np.maximum((i3 - i2) * above_small, (i2 - i1) * below_large)
+    complement = np.clip((i3 - i1) * margin / square, 0.0, 1.0)
+    means = _core.elliptic("agm", [np.ones_like(complement), np.sqrt(complement)])[0]
+    quarter = 0.5 * np.pi / means
+    return np.where(margin > 0.0, 2.0 * quarter * np.sqrt(i1 * i2 * i3 / square), np.inf)
+
+
+def _separatrix(moments: Floats, omega: Floats, place: NDArray[np.intp]) -> Floats:
+    """Positive where the nominal start circulates about the tested axis, zero on the separatrix.
+
+    In units of a moment and continued linearly into the region where the tested axis is the middle
+    one, so that the zero is interpolated well between pixels.
+    """
+    i1, i2, i3 = moments.T
+    w1, _, w3 = omega.T
+    about_small = (i2 - i1) - i3 * (i3 - i2) * w3 * w3 / (i1 * w1 * w1)
+    about_large = (i3 - i2) - i1 * (i2 - i1) * w1 * w1 / (i3 * w3 * w3)
+    middle = -np.minimum(i2 - i1, i3 - i2)
+    return np.choose(place, [about_small, middle, about_large])
+
+
+def _parity(order: NDArray[np.intp]) -> Floats:
+    """+1 where sorting the axes keeps the frame right-handed, -1 where it mirrors it."""
+    return np.where((order[:, 1] - order[:, 0]) % 3 == 1, 1.0, -1.0)
+
+
+def _middle_axis_law(
+    moments: Floats, omega: Floats, size: Floats, parity: Floats, t_end: float
+) -> tuple[Floats, Floats]:
+    """P(no flip until t_end) near the middle axis, and the logarithmic distance from 1/2."""
+    i1, i2, i3 = moments.T
+    spin = np.abs(omega[:, 1])
+    rate = spin * np.sqrt((i3 - i2) * (i2 - i1) / (i1 * i3))
+    a1 = spin * np.sqrt(i2 * (i3 - i2) / (i1 * (i3 - i1)))
+    a3 = spin * np.sqrt(i2 * (i2 - i1) / (i3 * (i3 - i1)))
+    ratio = a1 / a3
+    # w1' ~ (I2 - I3) w2 w3: the growing direction has w1 and w3 of opposite sign for positive spin.
+    unstable = 0.5 * (omega[:, 0] - parity * np.sign(omega[:, 1]) * ratio * omega[:, 2])
+    spread = 0.5 * np.hypot(size[:, 0], ratio * size[:, 2])
+    bound = 2.0 * a1 * np.exp(-rate * t_end)
+    root = math.sqrt(2.0) * spread
+    chance = 0.5 * (_erf((bound - unstable) / root) + _erf((bound + unstable) / root))
+    share = np.where(spread > 0.0, chance, np.where(np.abs(unstable) < bound, 1.0, 0.0))
+    perturbation = np.maximum(np.abs(omega), size)
+    small = np.maximum(perturbation[:, 0], perturbation[:, 2]) <= SMALL * np.minimum(a1, a3)
+    small &= spin > 0.0
+    # Noise of the spin changes the growth rate; the effect on the exponent must be small.
+    small &= size[:, 1] * rate * t_end <= 0.25 * spin
+    share[~small] = np.nan
+    return share, np.log(bound / np.hypot(_NORMAL_HALF * spread, unstable))
+
+
+_erf = np.vectorize(math.erf, otypes=[np.float64])
+
+
+# Heavy symmetric top
+
+
+def _symmetric_top(spec: MapSpec) -> Theory | None:
+    scene, stable, start, grid = spec.scene, spec.stable, spec.start, spec.grid
+    if spec.is_driven or not isinstance(scene, HeavyTop) or not isinstance(stable, TiltBelow):
+        return None
+    mgl, axis = grid.own["mgl"], start.axis
+    along = np.zeros(3)
+    along[axis - 1] = 1.0
+    noise = start.attitude_noise
+    if (
+        stable.reference != "vertical"
+        or stable.axis != axis
+        or tuple(along) != tuple(scene.com)
+        or start.noise is not None
+        or (noise is not None and noise.kind != "normal")
+    ):
+        return None
+    cross = grid.moments[:, axis - 2]
+    axial = grid.moments[:, axis - 1]
+    spin = grid.omega[:, axis - 1]
+    about_axis = np.abs(grid.omega).sum(axis=1) == np.abs(spin)
+    known = possible(grid.moments) & about_axis & (cross == grid.moments[:, axis - 3])
+    known &= (grid.tilt == 0.0) | (grid.attitude_size == 0.0)
+    known &= (grid.tilt != 0.0) | (grid.attitude_size > 0.0)
+
+    momentum = (axial * spin) ** 2
+    bound = 4.0 * mgl * cross
+    critical = np.maximum(
+        _nutation_bound(momentum, mgl * cross, stable.angle),
+        _horizon_bound(momentum, mgl, cross, stable.angle, spec.t_end),
+    )
+    chance = -np.expm1(-0.5 * (critical / grid.attitude_size) ** 2)
+    share = np.where(grid.attitude_size > 0.0, chance, np.abs(grid.tilt) < critical)
+    share = np.where(known, share, np.nan)
+    sleeping = np.abs(axial * spin) / np.sqrt(bound) - 1.0
+    curves = {"sleeping-top bound $\\omega_3 = 2\\sqrt{mgl\\,I_1}/I_3$": sleeping}
+    released = np.where(
+        grid.attitude_size > 0.0, _RAYLEIGH_HALF * grid.attitude_size, np.abs(grid.tilt)
+    )
+    verb = "passes" if noise is None else "half pass"
+    name = f"{verb} {stable.angle:g} rad by t = {spec.t_end:g} s"
+    curves[name] = np.where(known, critical - released, np.nan)
+    label = f"nutation of a symmetric top released at rest, until t = {spec.t_end:g} s"
+    return _theory(spec, label, share, curves)
+
+
+def _falling_top(spec: MapSpec) -> Theory | None:
+    scene, stable, start, grid = spec.scene, spec.stable, spec.start, spec.grid
+    noise = start.attitude_noise
+    if (
+        not isinstance(scene, HeavyTop)
+        or not isinstance(stable, TiltBelow)
+        or scene.torque is not None
+        or grid.damping is None
+        or stable.reference != "vertical"
+        or stable.axis != start.axis
+        or tuple(scene.com) != tuple(np.eye(3)[start.axis - 1])
+        or start.noise is not None
+        or noise is None
+        or noise.kind != "normal"
+    ):
+        return None
+    mgl, k = grid.own["mgl"], start.axis - 1
+    cross, axial = grid.moments[:, k - 1], grid.moments[:, k]
+    c = grid.damping[:, k, k]
+    others = grid.damping.copy()
+    others[:, k, k] = 0.0
+    spin = grid.omega[:, k]
+    known = possible(grid.moments) & (cross == grid.moments[:, k - 2]) & (grid.tilt == 0.0)
+    known &= ~others.any(axis=(1, 2)) & (np.abs(grid.omega).sum(axis=1) == np.abs(spin))
+    bound = np.log(np.abs(axial * spin) / (2.0 * np.sqrt(mgl * cross))) * axial / c
+    lag = falling_lag(mgl, cross, axial, c, stable.angle / (1e-3 * grid.attitude_size))
+    # A tilt of a thousandth of the noise or less is drawn once in two million samples.
+    share = np.where(spec.t_end < bound, 1.0, np.nan)
+    share = np.where(spec.t_end > np.maximum(bound, 0.0) + 2.0 * lag, 0.0, share)
+    # Nutation before the bound: the noise must be far below the limit.
+    share = np.where(known & (6.0 * grid.attitude_size < stable.angle), share, np.nan)
+    curves = {
+        "quasi-static bound $\\omega_3(t) = 2\\sqrt{mgl\\,I_1}/I_3$": bound / spec.t_end - 1.0
+    }
+    label = f"quasi-static spin-down of a sleeping top, until t = {spec.t_end:g} s"
+    return _theory(spec, label, share, curves)
+
+
+def falling_lag(mgl: Floats, cross: Floats, axial: Floats, c: Floats, growth: Floats) -> Floats:
+    """Time after the bound in which a tilt grows by a factor ``growth``; see the module text."""
+    rate = np.sqrt(2.0 * c * mgl / (cross * axial))
+    lag: Floats = (1.5 * np.log(growth) / rate) ** (2.0 / 3.0)
+    return lag
+
+
+def _nutation_bound(momentum: Floats, weight: Floats, limit: float) -> Floats:
+    """Largest tilt at release whose nutation stays below the limit; ``weight`` is ``mgl I1``."""
+    cosine = math.cos(limit) + math.sin(limit) ** 2 * 2.0 * weight / momentum
+    return np.where(cosine < 1.0, np.arccos(np.clip(cosine, -1.0, 1.0)), 0.0)
+
+
+def _horizon_bound(
+    momentum: Floats, mgl: Floats, cross: Floats, limit: float, t_end: float
+) -> Floats:
+    """Largest tilt at release that has not grown to the limit by ``t_end``; 0 without growth."""
+    growing = momentum < 4.0 * mgl * cross
+    growth = np.sqrt(4.0 * mgl * cross - momentum) / (2.0 * cross)
+    crest, edge = 2.0 * cross * growth**2 / mgl, 1.0 - math.cos(limit)
+    lead = np.arccosh(np.sqrt(crest / edge))
+    tilt = 8.0 * cross * growth**2 / mgl * np.exp(-growth * t_end - lead)
+    bound = np.where(growing & (crest > edge), np.minimum(tilt, limit), 0.0)
+    # The match to the linear stage needs a few times of growth.
+    return np.where(growing & (growth * t_end < 3.0), np.nan, bound)

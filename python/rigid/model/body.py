@@ -1,0 +1,378 @@
+"""Bodies: principal moments of inertia, however they are known."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .. import _core
+from .._checks.arguments import finite_float, numbers, vector
+from .._moments import box_moments
+
+if TYPE_CHECKING:
+    from ..inertia.mass_properties import MassProperties
+
+__all__ = [
+    "Body",
+]
+
+
+@dataclass(frozen=True, slots=True, init=False)
+class Body:
+    """A rigid body, known by its principal moments of inertia.
+
+    Body axes are the principal axes, through the fixed point if there is one, else through the
+    centre of mass. The moments keep your order; nothing is sorted.
+
+    Parameters
+    ----------
+    moments : array_like, shape (3,)
+        Principal moments of inertia (kg m², or any consistent unit) about body axes 1, 2, 3.
+    mass : float, optional
+        Mass (kg). Only remembered; the rotation does not need it.
+    sides : array_like, shape (3,), optional
+        Sides (m) of a homogeneous box with this mass and these moments; :meth:`box` sets them.
+
+    Attributes
+    ----------
+    moments : tuple of float
+        Principal moments.
+    mass : float or None
+        Mass.
+    sides : tuple of float or None
+        Sides along the axes 1, 2, 3 of a homogeneous box.
+
+    Raises
+    ------
+    ValueError
+        If no body has these moments: each must be finite and positive (a rod has no equation of
+        motion about its own axis), none above the sum of the other two (a flat body has equality).
+
+    Examples
+    --------
+    >>> import rigid
+    >>> rigid.Body((1.0, 2.0, 2.5)).symmetry_axis is None
+    True
+    >>> rigid.Body((1.0, 1.0, 2.5))
+    Traceback (most recent call last):
+        ...
+    ValueError: moments = (1, 1, 2.5): no moment may exceed the sum of the other two \
+(triangle inequality; equality is a flat body)
+    """
+
+    moments: tuple[float, float, float]
+    mass: float | None
+    sides: tuple[float, float, float] | None
+
+    def __init__(
+        self,
+        moments: ArrayLike,
+        *,
+        mass: float | None = None,
+        sides: ArrayLike | None = None,
+    ) -> None:
+        checked = _three("moments", moments)
+        _core.check_moments(checked)
+        set_field = object.__setattr__  # the dataclass is frozen
+        set_field(self, "moments", checked)
+        set_field(self, "mass", None if mass is None else finite_float("mass", mass, positive=True))
+        if sides is not None:
+            a, b, c = vector("sides", sides, 3).tolist()
+            sides = (a, b, c)
+            if min(sides) <= 0.0:
+                raise ValueError(f"sides = {sides}: every side must be positive")
+            if mass is None or not np.allclose(box_moments(a, b, c, mass), checked, rtol=1e-12):
+                raise ValueError(
+                    f"sides = {sides}: no box of this mass has the moments {checked}; use Body.box"
+                )
+        set_field(self, "sides", sides)
+
+    @classmethod
+    def box(cls, a: float, b: float, c: float, *, mass: float = 1.0) -> Body:
+        """A homogeneous box with sides ``a``, ``b``, ``c`` (m) along the body axes 1, 2, 3.
+
+        ``I = mass/12 (b² + c², a² + c², a² + b²)``.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> book = rigid.Body.box(0.25, 0.08, 0.01, mass=0.3)
+        >>> [round(moment * 12e4 / 0.3) for moment in book.moments]
+        [65, 626, 689]
+        """
+        a = finite_float("a", a, positive=True)
+        b = finite_float("b", b, positive=True)
+        c = finite_float("c", c, positive=True)
+        mass = finite_float("mass", mass, positive=True)
+        return cls(box_moments(a, b, c, mass), mass=mass, sides=(a, b, c))
+
+    @classmethod
+    def from_tensor(cls, tensor: ArrayLike) -> tuple[Body, NDArray[np.float64]]:
+        """The body of a tensor of inertia, and its principal axes.
+
+        Parameters
+        ----------
+        tensor : array_like, shape (3, 3)
+            Symmetric tensor of inertia (kg m²), products with their minus signs.
+
+        Returns
+        -------
+        body : Body
+            Moments ascending.
+        axes : ndarray, shape (3, 3)
+            Column k is body axis k + 1 in the frame of the tensor; right-handed.
+
+        Raises
+        ------
+        ValueError
+            If the tensor is not finite and symmetric, or no body has its moments.
+
+        Examples
+        --------
+        >>> import numpy as np, rigid
+        >>> body, axes = rigid.Body.from_tensor([[2.0, 1.0, 0.0], [1.0, 2.0, 0.0], [0.0, 0.0, 2.5]])
+        >>> np.allclose(body.moments, (1.0, 2.5, 3.0))
+        True
+        >>> np.allclose(axes @ np.diag(body.moments) @ axes.T, [[2, 1, 0], [1, 2, 0], [0, 0, 2.5]])
+        True
+        """
+        array = numbers("tensor", tensor)
+        if array.shape != (3, 3):
+            raise ValueError(f"tensor: expected shape (3, 3), got {array.shape}")
+        moments, axes = _core.principal_axes(array.tolist())
+        return cls(moments), np.array(axes)
+
+    @classmethod
+    def ellipsoid(cls, a: float, b: float, c: float, *, mass: float = 1.0) -> Body:
+        """A homogeneous ellipsoid with semi-axes ``a``, ``b``, ``c`` (m) along the body axes.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> rigid.Body.ellipsoid(3.0, 2.0, 1.0, mass=5.0).moments
+        (5.0, 10.0, 13.0)
+        """
+        from .. import solids
+
+        a = finite_float("a", a, positive=True)
+        b = finite_float("b", b, positive=True)
+        c = finite_float("c", c, positive=True)
+        return cls._upright(solids.ellipsoid(a, b, c, mass=_mass(mass)))
+
+    @classmethod
+    def sphere(cls, radius: float, *, inner: float = 0.0, mass: float = 1.0) -> Body:
+        """A homogeneous ball, hollow up to the radius ``inner`` (m): :func:`rigid.solids.sphere`.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> rigid.Body.sphere(1.0, mass=5.0).moments
+        (2.0, 2.0, 2.0)
+        """
+        from .. import solids
+
+        radius = finite_float("radius", radius, positive=True)
+        inner = finite_float("inner", inner, nonnegative=True)
+        return cls._upright(solids.sphere(radius, inner=inner, mass=_mass(mass)))
+
+    @classmethod
+    def cylinder(
+        cls, radius: float, height: float, *, inner: float = 0.0, mass: float = 1.0
+    ) -> Body:
+        """A homogeneous cylinder (m) about body axis 3: :func:`rigid.solids.cylinder`.
+
+        Without height it is a disk, and with ``inner = radius`` a ring or a pipe.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> rigid.Body.cylinder(1.0, 3.0, mass=2.0).moments
+        (2.0, 2.0, 1.0)
+        """
+        from .. import solids
+
+        radius = finite_float("radius", radius, positive=True)
+        height = finite_float("height", height, nonnegative=True)
+        inner = finite_float("inner", inner, nonnegative=True)
+        return cls._upright(solids.cylinder(radius, height, inner=inner, mass=_mass(mass)))
+
+    @classmethod
+    def cone(cls, radius: float, height: float, *, mass: float = 1.0) -> Body:
+        """A homogeneous cone (m) about body axis 3, moments about its centre of mass.
+
+        Those of a top standing on its tip are ``Body.from_properties(solids.cone(...), about=[0, 0,
+        0])``.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> rigid.Body.cone(1.0, 4.0, mass=20.0).moments
+        (15.0, 15.0, 6.0)
+        """
+        from .. import solids
+
+        radius = finite_float("radius", radius, positive=True)
+        height = finite_float("height", height, positive=True)
+        return cls._upright(solids.cone(radius, height, mass=_mass(mass)))
+
+    @classmethod
+    def from_properties(
+        cls, properties: MassProperties, *, about: ArrayLike | None = None
+    ) -> tuple[Body, NDArray[np.float64]]:
+        """The body with these mass properties, and its principal axes.
+
+        Parameters
+        ----------
+        properties : MassProperties
+            Mass properties of one body.
+        about : array_like, shape (3,), optional
+            The fixed point (m), in the coordinates of the centre of mass; without one, the moments
+            are those about the centre of mass.
+
+        Returns
+        -------
+        body : Body
+            Moments ascending.
+        axes : ndarray, shape (3, 3)
+            As :meth:`from_tensor` gives them.
+
+        Raises
+        ------
+        ValueError
+            If there are several bodies, or for the reasons of :meth:`from_tensor` (a rod).
+
+        Examples
+        --------
+        >>> import rigid
+        >>> from rigid import solids
+        >>> top, axes = rigid.Body.from_properties(
+        ...     solids.cone(1.0, 2.0, mass=20.0), about=[0.0, 0.0, 0.0]
+        ... )
+        >>> top.moments, axes[:, 0]
+        ((6.0, 51.0, 51.0), array([0., 0., 1.]))
+        """
+        from ..inertia.mass_properties import MassProperties
+
+        if not isinstance(properties, MassProperties):
+            raise TypeError(f"properties = {properties!r}: must be a rigid.inertia.MassProperties")
+        if properties.mass.ndim:
+            raise ValueError(
+                f"properties: expected those of one body, got shape {properties.mass.shape}"
+            )
+        tensor = properties.tensor if about is None else properties.about(vector("about", about, 3))
+        body, axes = cls.from_tensor(tensor)
+        return cls(body.moments, mass=float(properties.mass)), axes
+
+    @classmethod
+    def from_points(
+        cls, masses: ArrayLike, points: ArrayLike, *, about: ArrayLike | None = None
+    ) -> tuple[Body, NDArray[np.float64]]:
+        """The body of mass points, and its principal axes.
+
+        Parameters
+        ----------
+        masses : array_like, shape (n,)
+            Masses (kg), none negative.
+        points : array_like, shape (n, 3)
+            Positions of the masses (m), not all on one line.
+        about
+            As for :meth:`from_properties`, whose results these are.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> square = [[1, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0]]
+        >>> rigid.Body.from_points([1.0] * 4, square)[0].moments
+        (2.0, 2.0, 4.0)
+        """
+        from ..inertia.mass_properties import point_masses
+
+        return cls.from_properties(point_masses(masses, points), about=about)
+
+    @classmethod
+    def from_mesh(
+        cls,
+        vertices: ArrayLike,
+        faces: ArrayLike,
+        *,
+        density: float | None = None,
+        mass: float | None = None,
+        about: ArrayLike | None = None,
+    ) -> tuple[Body, NDArray[np.float64]]:
+        """The homogeneous body inside a closed triangle mesh, and its principal axes.
+
+        Parameters
+        ----------
+        vertices, faces, density, mass
+            As for :func:`rigid.meshes.mesh_properties`.
+        about
+            As for :meth:`from_properties`, whose results these are.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+        >>> faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
+        >>> body, axes = rigid.Body.from_mesh(corners, faces, mass=80.0)
+        >>> [round(moment, 12) for moment in body.moments]
+        [5.0, 5.0, 8.0]
+        """
+        from ..meshes import mesh_properties
+
+        return cls.from_properties(
+            mesh_properties(vertices, faces, density=density, mass=mass), about=about
+        )
+
+    @classmethod
+    def _upright(cls, properties: MassProperties) -> Body:
+        """A body whose axes are principal axes."""
+        return cls(np.diagonal(properties.tensor), mass=float(properties.mass))
+
+    @property
+    def gammas(self) -> tuple[float, float, float]:
+        """Factors of Euler's equations: ``((I2-I3)/I1, (I3-I1)/I2, (I1-I2)/I3)``.
+
+        Their sum and their product cancel (both terms of ``g1 + g2 + g3 + g1 g2 g3 = 0``).
+        """
+        i1, i2, i3 = self.moments
+        return (i2 - i3) / i1, (i3 - i1) / i2, (i1 - i2) / i3
+
+    @property
+    def symmetry_axis(self) -> int | None:
+        """The axis 1, 2 or 3 about which two moments are equal to the bit, or None."""
+        i1, i2, i3 = self.moments
+        if i1 == i2:
+            return 3
+        if i3 == i1:
+            return 2
+        return 1 if i2 == i3 else None
+
+    def to_dict(self) -> dict[str, Any]:
+        """The body as a dict of numbers."""
+        return {
+            "moments": list(self.moments),
+            "mass": self.mass,
+            "sides": None if self.sides is None else list(self.sides),
+        }
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> Body:
+        """The body of :meth:`to_dict`."""
+        return cls(data["moments"], mass=data.get("mass"), sides=data.get("sides"))
+
+
+def _mass(value: object) -> float:
+    return finite_float("mass", value, positive=True)
+
+
+def _three(name: str, value: ArrayLike) -> tuple[float, float, float]:
+    """Three numbers; the core checks that they are finite and names the broken rule."""
+    array = numbers(name, value)
+    if array.shape != (3,):
+        raise ValueError(f"{name}: expected shape (3,), got {array.shape}")
+    first, second, third = array.tolist()
+    return first, second, third

@@ -1,0 +1,361 @@
+"""Scenes: a body with its weight, applied torque and damping.
+
+A new scene is one more class in this file: its facts, its numbers as :class:`Field`, its weight,
+and its entry in :data:`SCENES`. The packages above use this interface and name no class.
+The core integrates the scene under the same ``kind``.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Container, Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, ClassVar, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .. import _core
+from .._checks.arguments import finite_float, one_of, unit_vector
+from .body import Body
+from .start import Start, normal
+from .torque import Damping, Torque, checked_damping, checked_torque, damping_words, forcing_of
+
+__all__ = [
+    "SCENES",
+    "Field",
+    "FreeBody",
+    "HeavyTop",
+    "Scene",
+    "check_heavy_top",
+    "check_scene",
+    "scene_from_dict",
+]
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Field:
+    """A number, or a vector of three, that a scene has in addition to body, torque and damping.
+
+    Attributes
+    ----------
+    width : {1, 3}
+        Number of components of the field.
+    default : tuple of float or None
+        Default value of the field; None if the field is required.
+    varies : bool
+        Whether an axis of a map may set it.
+    """
+
+    width: int = 1
+    default: tuple[float, ...] | None = None
+    varies: bool = False
+
+
+class Scene(ABC):
+    """A body with its weight, applied torque and damping: the interface of all scenes.
+
+    Attributes
+    ----------
+    kind : str
+        Name of the scene in the core, in :data:`SCENES` and in saved files.
+    title : str
+        The scene in two words; with a hyphen it is the ``kind`` of a map file.
+    fields : mapping of str to Field
+        The scene's own numbers: attributes and keyword arguments of the class.
+    directions : tuple of str
+        Directions fixed in space that the equations of motion contain, by their name in
+        :attr:`rigid.Plan.carried`: ``"gamma"`` is the upward vertical. Without directions, the
+        rates do not depend on the attitude.
+    body : Body
+    torque : Torque or None
+    damping : 3 tuples of 3 floats, or None
+    """
+
+    __slots__ = ()
+
+    kind: ClassVar[str]
+    title: ClassVar[str]
+    fields: ClassVar[Mapping[str, Field]] = {}
+    directions: ClassVar[tuple[str, ...]] = ()
+
+    body: Body
+    torque: Torque | None
+    damping: Damping | None
+
+    @classmethod
+    @abstractmethod
+    def example(cls) -> Self:
+        """The scene that :func:`rigid.stability_map` uses if it is given the class."""
+
+    @abstractmethod
+    def default_start(self) -> Start:
+        """The start of a map without a given start."""
+
+    @abstractmethod
+    def weights(self, columns: Mapping[str, Floats], count: int) -> Floats:
+        """``mgl com`` (J) of the bodies of a map whose axes set these fields; shape (count, 3)."""
+
+    @property
+    def weight(self) -> Floats:
+        """``mgl com`` (J), zero without weight; shape (3,)."""
+        weight: Floats = self.weights({}, 1)[0]
+        return weight
+
+    @property
+    def is_driven(self) -> bool:
+        """Whether a torque, or damping that is not zero, was given."""
+        return self.torque is not None or self.damping is not None
+
+    @property
+    def forcing(self) -> _core.Forcing | None:
+        """Torque and damping as the core reads them, None if nothing acts."""
+        return forcing_of(self.torque, self.damping)
+
+    @property
+    def outside(self) -> _core.Forcing | None:
+        """Former name of :attr:`forcing`."""
+        return self.forcing
+
+    def replaced(self, body: Body, damping: ArrayLike | None, **own: float) -> Self:
+        """The scene with another body, damping and other numbers of its own."""
+        kept = {name: getattr(self, name) for name in self.fields}
+        return type(self)(body, **{**kept, **own}, torque=self.torque, damping=damping)  # type: ignore[call-arg]
+
+    def to_dict(self) -> dict[str, Any]:
+        """The scene as a dict of numbers."""
+        data: dict[str, Any] = {"kind": self.kind, "body": self.body.to_dict()}
+        for name, known in self.fields.items():
+            value = getattr(self, name)
+            data[name] = value if known.width == 1 else list(value)
+        if self.torque is not None:
+            data["torque"] = self.torque.to_dict()
+        if self.damping is not None:
+            data["damping"] = [list(row) for row in self.damping]
+        return data
+
+    def __repr__(self) -> str:
+        names = ["body", *self.fields]
+        names += [name for name in ("torque", "damping") if getattr(self, name) is not None]
+        values = ", ".join(f"{name}={getattr(self, name)!r}" for name in names)
+        return f"{type(self).__name__}({values})"
+
+    def words(self, varied: Container[str] = ()) -> str:
+        """The scene in words; ``varied`` names the numbers that the axes of a map set."""
+        parts = [self.title, _body_words(self.body, varied)]
+        for name, known in self.fields.items():
+            value = getattr(self, name)
+            if known.width == 1:
+                parts.append(f"{name} {_numbers([(name, value)], varied)}")
+            else:
+                parts.append(f"{name} ({', '.join(f'{part:g}' for part in value)})")
+        if self.torque is not None:
+            parts.append(self.torque.words())
+        if self.damping is not None:
+            parts.append(damping_words(self.damping))
+        return ", ".join(parts)
+
+
+def _body_words(body: Body, varied: Container[str]) -> str:
+    moments = list(zip(("I1", "I2", "I3"), body.moments, strict=True))
+    if body.sides is None or any(name in varied for name, _ in moments):
+        return f"moments ({_numbers(moments, varied)})"
+    sides = _numbers(zip("abc", body.sides, strict=True), varied)
+    return (
+        f"box with sides ({sides}) m and mass {_numbers([('mass', body.mass or 0.0)], varied)} kg"
+    )
+
+
+def _numbers(values: Iterable[tuple[str, float]], varied: Container[str]) -> str:
+    """Numbers in words; those that differ do not look equal."""
+    pairs = list(values)
+    short = len({f"{value:g}" for _, value in pairs}) == len({value for _, value in pairs})
+    return ", ".join(
+        "varied" if name in varied else f"{value:g}" if short else repr(value)
+        for name, value in pairs
+    )
+
+
+def _check_body(body: object) -> None:
+    if not isinstance(body, Body):
+        raise TypeError(f"body = {body!r}: must be a rigid.Body")
+
+
+@dataclass(frozen=True, slots=True, init=False, repr=False)
+class FreeBody(Scene):
+    """A body without weight, turning about its centre of mass.
+
+    Euler's equations ``I omega' = (I omega) × omega + torque - D omega`` in the principal axes of
+    the body.
+
+    Parameters
+    ----------
+    body : Body
+        The body.
+    torque : Torque, optional
+        Applied torque: :meth:`Torque.body`, :meth:`Torque.space`, or a sum of them.
+    damping : float or array_like, shape (3,) or (3, 3), optional
+        Linear damping ``D`` (N m s): one coefficient, one for each body axis, or a symmetric
+        positive semi-definite matrix in body axes. Use ``(0, 0, c)`` to damp only the spin.
+
+    Attributes
+    ----------
+    damping : 3 tuples of 3 floats, or None
+        The matrix.
+
+    Raises
+    ------
+    ValueError
+        If the damping is not symmetric, not finite, or would add energy.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0))).body.moments
+    (1.0, 2.0, 3.0)
+    >>> wheel = rigid.Body((1.0, 1.0, 1.8))
+    >>> driven = rigid.FreeBody(wheel, torque=rigid.Torque.body((0, 0, 0.3)), damping=(0, 0, 0.1))
+    >>> run = rigid.simulate(driven, [0.0, 0.0, 0.0], t=[200.0])  # N / c, to e^(-11)
+    >>> round(float(run.omega[-1, 2]), 3)
+    3.0
+    """
+
+    kind: ClassVar[str] = "free"
+    title: ClassVar[str] = "free body"
+
+    body: Body
+    torque: Torque | None = field(default=None, kw_only=True)
+    damping: Damping | None = field(default=None, kw_only=True)
+
+    def __init__(
+        self, body: Body, *, torque: Torque | None = None, damping: ArrayLike | None = None
+    ) -> None:
+        _check_body(body)
+        set_field = object.__setattr__  # the dataclass is frozen
+        set_field(self, "body", body)
+        set_field(self, "torque", checked_torque(torque))
+        set_field(self, "damping", checked_damping(damping))
+
+    @classmethod
+    def example(cls) -> Self:
+        """Moments (1, 1.5, 2): a body with three different moments."""
+        return cls(Body((1.0, 1.5, 2.0)))
+
+    def default_start(self) -> Start:
+        """Rotation about the middle axis at 1 rad/s, with normal noise of 1e-3 rad/s."""
+        middle = int(np.argsort(self.body.moments, kind="stable")[1]) + 1
+        return Start(spin=1.0, axis=middle, noise=normal(1e-3))
+
+    def weights(self, columns: Mapping[str, Floats], count: int) -> Floats:
+        """Zero; shape (count, 3)."""
+        return np.zeros((count, 3))
+
+
+@dataclass(frozen=True, slots=True, init=False, repr=False)
+class HeavyTop(Scene):
+    """A body turning about a fixed point under its weight.
+
+    ``I omega' = (I omega) × omega - mgl com × gamma + torque - D omega`` and
+    ``gamma' = gamma × omega`` in the principal axes at the fixed point; ``gamma`` is the upward
+    vertical in body components.
+
+    Parameters
+    ----------
+    body : Body
+        Moments about the fixed point (not the centre of mass).
+    mgl : float
+        Mass times gravity times the distance from the fixed point to the centre of mass (J), >= 0.
+    com : array_like, shape (3,), optional
+        Unit vector from the fixed point to the centre of mass in the body. Default ``(0, 0, 1)``.
+    torque, damping : optional
+        As in :class:`FreeBody`.
+
+    Raises
+    ------
+    ValueError
+        If ``mgl`` is negative or not finite, ``com`` is not a unit vector, or the damping is not
+        symmetric, not finite, or would add energy.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> top = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
+    >>> top.com
+    (0.0, 0.0, 1.0)
+    """
+
+    kind: ClassVar[str] = "top"
+    title: ClassVar[str] = "heavy top"
+    fields: ClassVar[Mapping[str, Field]] = {
+        "mgl": Field(varies=True),
+        "com": Field(width=3, default=(0.0, 0.0, 1.0)),
+    }
+    directions: ClassVar[tuple[str, ...]] = ("gamma",)
+
+    body: Body
+    mgl: float
+    com: tuple[float, float, float]
+    torque: Torque | None
+    damping: Damping | None
+
+    def __init__(
+        self,
+        body: Body,
+        *,
+        mgl: float,
+        com: ArrayLike = (0.0, 0.0, 1.0),
+        torque: Torque | None = None,
+        damping: ArrayLike | None = None,
+    ) -> None:
+        _check_body(body)
+        set_field = object.__setattr__  # the dataclass is frozen
+        set_field(self, "body", body)
+        set_field(self, "mgl", finite_float("mgl", mgl, nonnegative=True))
+        set_field(self, "com", tuple(unit_vector("com", com, 3).tolist()))
+        set_field(self, "torque", checked_torque(torque))
+        set_field(self, "damping", checked_damping(damping))
+
+    @classmethod
+    def example(cls) -> Self:
+        """Moments (1, 1, 0.5) and mgl = 1: a symmetric top."""
+        return cls(Body((1.0, 1.0, 0.5)), mgl=1.0)
+
+    def default_start(self) -> Start:
+        """Upright with a spin of 5 rad/s, with normal noise of the attitude of 1e-3 rad."""
+        return Start(spin=5.0, attitude_noise=normal(1e-3))
+
+    def weights(self, columns: Mapping[str, Floats], count: int) -> Floats:
+        """``mgl com`` (J); shape (count, 3)."""
+        mgl = columns.get("mgl", np.full(count, self.mgl))
+        weights: Floats = mgl[:, np.newaxis] * np.array(self.com)
+        return weights
+
+
+SCENES: Mapping[str, type[Scene]] = {scene.kind: scene for scene in (FreeBody, HeavyTop)}
+"""All scenes by their kind."""
+
+
+def check_scene(scene: object) -> Scene:
+    """``scene`` if it is one."""
+    if isinstance(scene, Scene):
+        return scene
+    known = " or ".join(f"rigid.{known.__name__}" for known in SCENES.values())
+    raise TypeError(f"scene = {scene!r}: must be a {known}")
+
+
+def check_heavy_top(scene: object) -> HeavyTop:
+    """``scene`` if it is a heavy top."""
+    if isinstance(scene, HeavyTop):
+        return scene
+    raise TypeError(f"scene = {scene!r}: must be a rigid.HeavyTop")
+
+
+def scene_from_dict(data: Mapping[str, Any]) -> Scene:
+    """The scene of :meth:`Scene.to_dict`."""
+    scene = SCENES[one_of("kind", data.get("kind"), SCENES)]
+    body = Body.from_dict(data["body"])
+    torque = None if data.get("torque") is None else Torque.from_dict(data["torque"])
+    own = {name: data[name] for name in scene.fields}
+    return scene(body, **own, torque=torque, damping=data.get("damping"))  # type: ignore[call-arg]

@@ -1,0 +1,365 @@
+"""Displacements and velocities of a rigid system of points: Chasles, the screw, angular velocity.
+
+All vectors and rotations have components along axes of space. Import the names of this module from
+:mod:`rigid.particles`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._checks.arguments import shaped, together, vectors
+
+__all__ = [
+    "Displacement",
+    "OmegaFit",
+    "Screw",
+    "fit_omega",
+    "rigid_motion",
+    "screw",
+    "velocity_field",
+]
+
+Floats = NDArray[np.float64]
+
+SMALL = 1e-9
+"""Relative size that counts as zero: extent of the points, misfit, orthogonality error."""
+
+NARROW = 1e-6
+"""Least width of a system of points, relative to its length, that determines a turn about it."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Displacement:
+    """A turn and a shift, ``b = rotation a + translation``.
+
+    Attributes
+    ----------
+    rotation : ndarray, shape (..., 3, 3)
+        Proper rotation, active.
+    translation : ndarray, shape (..., 3)
+        Shift (m) of the point of the body that was at the origin.
+    residual : ndarray, shape (...)
+        Weighted root mean square of ``|b - rotation a - translation|`` (m).
+    determined : ndarray of bool, shape (...)
+        Whether the points determine the rotation. False if the points lie within a millionth of
+        their length from a line: the turn about this line is then arbitrary, and ``rotation`` is
+        one of many that fit.
+    """
+
+    rotation: Floats
+    translation: Floats
+    residual: Floats
+    determined: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Screw:
+    """A displacement as a turn about an axis and a shift along it.
+
+    Attributes
+    ----------
+    axis : ndarray, shape (..., 3)
+        Unit vector of the axis, right-handed for the angle; the direction of the shift if the angle
+        is zero; zero if angle and shift are zero.
+    point : ndarray, shape (..., 3)
+        The point of the axis that is nearest to the origin (m); the origin if the angle is zero,
+        because then any line along ``axis`` is an axis.
+    angle : ndarray, shape (...)
+        Angle (rad) in [0, pi]. At pi the sign of the axis is arbitrary.
+    advance : ndarray, shape (...)
+        Shift along the axis (m).
+    """
+
+    axis: Floats
+    point: Floats
+    angle: Floats
+    advance: Floats
+
+    @property
+    def pitch(self) -> Floats:
+        """Shift along the axis per angle (m/rad); inf without a turn, 0 without turn and shift."""
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            pitch: Floats = np.where(self.advance == 0.0, 0.0, self.advance / self.angle)[()]
+        return pitch
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class OmegaFit:
+    """The rigid motion that fits the velocities of points best.
+
+    Attributes
+    ----------
+    omega : ndarray, shape (..., 3)
+        Angular velocity (rad/s); it does not depend on the base. Components that the points do not
+        determine are zero.
+    velocity : ndarray, shape (..., 3)
+        Velocity (m/s) of the point of the body at ``base``.
+    base : ndarray, shape (..., 3)
+        The base point (m).
+    residual : ndarray, shape (...)
+        Root mean square of the residual velocities (m/s).
+    rank : ndarray of int, shape (...)
+        Number of components of ``omega`` that the points determine: 3; 2 if the points lie on a
+        line, because a rotation about this line does not move them; 0 if the points coincide.
+    """
+
+    omega: Floats
+    velocity: Floats
+    base: Floats
+    residual: Floats
+    rank: NDArray[np.intp]
+
+
+def rigid_motion(
+    before: ArrayLike, after: ArrayLike, weights: ArrayLike | None = None
+) -> Displacement:
+    """The rotation and the translation that take one set of points to another.
+
+    Every displacement of a rigid body is a rotation and a translation (Euler, Chasles; Goldstein,
+    *Classical Mechanics*, § 4.6; Ercan 2016, § 1). If the points are not exactly rigid, the result
+    is the weighted least-squares fit (Kabsch, *Acta Cryst.* A32 (1976) 922).
+
+    Parameters
+    ----------
+    before, after : array_like, shape (..., N, 3)
+        Positions (m) of the points before and after the displacement, in the same order.
+    weights : array_like, shape (..., N), optional
+        Weights, >= 0, for instance masses. Default: equal.
+
+    Returns
+    -------
+    Displacement
+
+    Raises
+    ------
+    ValueError
+        If the numbers of points differ, a weight is negative, all weights are zero, or ``after`` is
+        a mirror image of ``before``: a reflection fits at least twice as well as any rotation.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from rigid import particles
+    >>> corner = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    >>> turned = particles.rigid_motion(corner, corner[:, [2, 0, 1]] + [5, 0, 0])
+    >>> np.allclose(turned.rotation, [[0, 0, 1], [1, 0, 0], [0, 1, 0]])
+    True
+    >>> np.allclose(turned.translation, [5, 0, 0])
+    True
+    """
+    a = shaped("before", before, None, 3)
+    b = shaped("after", after, None, 3)
+    w = np.ones(a.shape[-2]) if weights is None else shaped("weights", weights, None)
+    if not a.shape[-2] == b.shape[-2] == w.shape[-1] > 0:
+        raise ValueError(
+            f"before {a.shape}, after {b.shape}, weights {w.shape}: must have as many points each"
+        )
+    if (w < 0.0).any() or (w.sum(axis=-1) <= 0.0).any():
+        raise ValueError("weights: must not be negative, and not all be zero")
+    a, b, w = together(before=a, after=b, weights=w[..., np.newaxis])
+    w = w / w.sum(axis=-2, keepdims=True)
+    mean_a, mean_b = (w * a).sum(axis=-2), (w * b).sum(axis=-2)
+    own_a, own_b = a - mean_a[..., np.newaxis, :], b - mean_b[..., np.newaxis, :]
+
+    left, extent, right = np.linalg.svd(np.swapaxes(w * own_b, -1, -2) @ own_a)
+    handed = np.where(np.linalg.det(left) * np.linalg.det(right) < 0.0, -1.0, 1.0)
+    mirror = np.ones_like(extent)
+    mirror[..., 2] = handed
+    rotation = (left * mirror[..., np.newaxis, :]) @ right
+
+    def residual(matrix: Floats) -> Floats:
+        left_over = own_b - own_a @ np.swapaxes(matrix, -1, -2)
+        return np.asarray(np.sqrt((w * left_over * left_over).sum(axis=(-2, -1))))
+
+    proper, best = residual(rotation), residual(left @ right)
+    size = np.sqrt((w * own_b * own_b).sum(axis=(-2, -1)))
+    mirrored = proper > 2.0 * best + SMALL * size
+    if mirrored.any():
+        index = tuple(int(i) for i in np.argwhere(mirrored)[0])
+        raise ValueError(
+            f"after: a mirror image of before; no rotation comes nearer than {proper[index]:g}, a "
+            f"reflection than {best[index]:g}"
+        )
+    return Displacement(
+        rotation=rotation,
+        translation=mean_b - (rotation @ mean_a[..., np.newaxis])[..., 0],
+        residual=proper[()],
+        # A turn about the longest direction moves points along the other two; extents are squares.
+        determined=extent[..., 1] + handed * extent[..., 2] > NARROW**2 * extent[..., 0],
+    )
+
+
+def screw(rotation: ArrayLike, translation: ArrayLike) -> Screw:
+    """The screw axis of a displacement, the angle about this axis and the shift along this axis.
+
+    Chasles' (Mozzi's) theorem: with ``t`` the translation perpendicular to the axis ``n``, the axis
+    passes through ``(t + cot(angle / 2) n × t) / 2`` (Goldstein, *Classical Mechanics*, § 4.6;
+    Ercan 2016, § 1). The function needs SciPy.
+
+    Parameters
+    ----------
+    rotation : array_like, shape (..., 3, 3)
+        Rotation, active.
+    translation : array_like, shape (..., 3)
+        Shift (m) of the point of the body that was at the origin.
+
+    Returns
+    -------
+    Screw
+
+    Raises
+    ------
+    ValueError
+        If a matrix is not orthogonal to 1e-9, or is a reflection.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from rigid import particles
+    >>> quarter = [[0, -1, 0], [1, 0, 0], [0, 0, 1]]
+    >>> turn = particles.screw(quarter, [1, 1, 3])
+    >>> np.allclose(turn.axis, [0, 0, 1]), np.allclose(turn.point, [0, 1, 0]), float(turn.advance)
+    (True, True, 3.0)
+    """
+    from scipy.spatial.transform import Rotation
+
+    matrix = shaped("rotation", rotation, 3, 3)
+    shift = shaped("translation", translation, 3)
+    _refuse_improper(matrix)
+    vector = Rotation.from_matrix(matrix.reshape(-1, 3, 3)).as_rotvec().reshape(matrix.shape[:-1])
+    vector, shift = together(rotation=vector, translation=shift)
+    angle, distance = (np.linalg.norm(of, axis=-1)[..., np.newaxis] for of in (vector, shift))
+    axis = np.divide(shift, distance, out=np.zeros(shift.shape), where=distance > 0.0)
+    np.divide(vector, angle, out=axis, where=angle > 0.0)
+    advance = (axis * shift).sum(axis=-1, keepdims=True)
+    across = shift - advance * axis
+    with np.errstate(divide="ignore", invalid="ignore"):
+        point = 0.5 * (across + np.cross(axis, across) / np.tan(0.5 * angle))
+    return Screw(
+        axis=axis,
+        point=np.where(angle > 0.0, point, 0.0),
+        angle=angle[..., 0],
+        advance=advance[..., 0],
+    )
+
+
+def velocity_field(
+    omega: ArrayLike,
+    points: ArrayLike,
+    *,
+    velocity: ArrayLike = (0.0, 0.0, 0.0),
+    base: ArrayLike = (0.0, 0.0, 0.0),
+) -> Floats:
+    """Velocities of the points of a rigid body: ``v = V + omega × (r - base)``.
+
+    Landau and Lifshitz, *Mechanics*, § 31; Ercan 2016, eq. (21), where the arm must begin at the
+    base (erratum D-11). Another base point with its own velocity gives the same velocity field.
+
+    Parameters
+    ----------
+    omega : array_like, shape (..., 3)
+        Angular velocity (rad/s), along the same axes as the other vectors.
+    points : array_like, shape (..., 3)
+        Positions (m); broadcast with the other arguments.
+    velocity : array_like, shape (..., 3)
+        Velocity (m/s) of the base. Default: zero, the body turns about the base.
+    base : array_like, shape (..., 3)
+        The base point (m). Default: the origin.
+
+    Returns
+    -------
+    ndarray, shape (..., 3)
+        Velocities (m/s).
+
+    Raises
+    ------
+    ValueError
+        If an argument is not finite or has the wrong shape.
+
+    Examples
+    --------
+    >>> from rigid import particles
+    >>> particles.velocity_field([0, 0, 2], [[1, 0, 0], [0, 3, 0]], velocity=[0, 0, 1]).tolist()
+    [[0.0, 2.0, 1.0], [-6.0, 0.0, 1.0]]
+    """
+    w, r, v, r0 = vectors(omega=omega, points=points, velocity=velocity, base=base)
+    return np.asarray(v + np.cross(w, r - r0))
+
+
+def fit_omega(
+    points: ArrayLike, velocities: ArrayLike, *, base: ArrayLike | None = None
+) -> OmegaFit:
+    """The angular velocity of a rigid body from the velocities of its points.
+
+    Least-squares solution of ``v = V + omega × (r - base)``. The angular velocity of a rigid body
+    is the same for every base (Ercan 2016, theorem 1, eq. (21)); it is unique if two arms are not
+    parallel (erratum D-11).
+
+    Parameters
+    ----------
+    points, velocities : array_like, shape (..., N, 3)
+        Positions (m) and velocities (m/s) of the points.
+    base : array_like, shape (..., 3), optional
+        The point (m) whose velocity is returned. Default: the mean of the points.
+
+    Returns
+    -------
+    OmegaFit
+
+    Raises
+    ------
+    ValueError
+        If there are no points, the shapes do not match, or an argument is not finite.
+
+    Examples
+    --------
+    >>> from rigid import particles
+    >>> rim, speeds = [[1, 0, 0], [0, 1, 0], [-1, 0, 0]], [[5, 2, 0], [3, 0, 0], [5, -2, 0]]
+    >>> wheel = particles.fit_omega(rim, speeds)
+    >>> wheel.omega.round(9).tolist(), int(wheel.rank)
+    ([0.0, 0.0, 2.0], 3)
+    """
+    r = shaped("points", points, None, 3)
+    v = shaped("velocities", velocities, None, 3)
+    if r.shape[-2] != v.shape[-2] or r.shape[-2] == 0:
+        raise ValueError(f"points {r.shape}, velocities {v.shape}: must have as many points each")
+    r, v = together(points=r, velocities=v)
+    count = r.shape[-2]
+    centre, drift = r.mean(axis=-2), v.mean(axis=-2)
+    arms, own = r - centre[..., np.newaxis, :], v - drift[..., np.newaxis, :]
+    # omega × r = -hat(r) omega, one 3×3 block a point.
+    blocks = np.swapaxes(np.cross(np.eye(3), arms[..., np.newaxis, :]), -1, -2)
+    left, extent, right = np.linalg.svd(
+        blocks.reshape(*r.shape[:-2], 3 * count, 3), full_matrices=False
+    )
+    seen = extent > SMALL * extent[..., :1]
+    inverse = np.divide(1.0, extent, out=np.zeros_like(extent), where=seen)
+    flat = own.reshape(*r.shape[:-2], 3 * count, 1)
+    modes = inverse[..., np.newaxis] * (np.swapaxes(left, -1, -2) @ flat)
+    omega = (np.swapaxes(right, -1, -2) @ modes)[..., 0]
+    left_over = own - np.cross(omega[..., np.newaxis, :], arms)
+    at = centre if base is None else shaped("base", base, 3)
+    at, centre, drift, turning = together(base=at, points=centre, velocities=drift, omega=omega)
+    return OmegaFit(
+        omega=omega,
+        velocity=drift + np.cross(turning, at - centre),
+        base=np.array(at),
+        residual=np.sqrt((left_over * left_over).sum(axis=(-2, -1)) / count)[()],
+        rank=seen.sum(axis=-1),
+    )
+
+
+def _refuse_improper(matrix: Floats) -> None:
+    """Raise ValueError for a matrix that is no proper rotation."""
+    product = np.swapaxes(matrix, -1, -2) @ matrix
+    error = np.abs(product - np.eye(3)).max(axis=(-2, -1), initial=0.0)
+    if (error > SMALL).any():
+        raise ValueError(
+            f"rotation: must be orthogonal to {SMALL:g}, |R.T R - 1| = {error.max():g}"
+        )
+    if (np.linalg.det(matrix) < 0.0).any():
+        raise ValueError("rotation: a reflection (its determinant is -1) is no motion of a body")

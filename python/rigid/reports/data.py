@@ -1,0 +1,164 @@
+"""The numbers of a report: rows, Pareto fronts, costs, and their JSON text."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any, Self
+
+from ..solve.methods import EXACT
+from .reference import Reference
+from .row import Row
+from .spec import ReportSpec
+
+__all__ = ["ReportData"]
+
+FORMAT = "rigid report"
+FORMAT_VERSION = 1
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReportData:
+    """The numbers of a report; :class:`rigid.Report` describes the attributes."""
+
+    spec: ReportSpec
+    rows: tuple[Row, ...]
+    reference: Reference
+    refused: Mapping[str, str]
+    ended: Mapping[str, str]
+    machine: Mapping[str, str]
+    complete: bool
+    rounds: int
+    elapsed: float
+
+    @property
+    def methods(self) -> tuple[str, ...]:
+        """The methods that were measured."""
+        return tuple(dict.fromkeys(row.method for row in self.rows))
+
+    def of(self, method: str) -> tuple[Row, ...]:
+        """The rows of a method, from long steps to short ones."""
+        return tuple(row for row in self.rows if row.method == method)
+
+    @property
+    def front(self) -> tuple[Row, ...]:
+        """The Pareto front, from fast to exact: no other row is both faster and better.
+
+        Rows with an error of 1 or more do not compete.
+        """
+        return _front(self.rows)
+
+    @property
+    def scheme_front(self) -> tuple[Row, ...]:
+        """The Pareto front of the schemes without the closed form, which is often the fastest."""
+        return _front(row for row in self.rows if row.method != EXACT)
+
+    def cost(self, method: str, error: float) -> float | None:
+        """Processor time per body and unit of time (ns) for a given error, None if not reached.
+
+        Interpolated between the steps of the sweep, linearly in the logarithms.
+        """
+        before = None
+        for row in self.of(method):
+            if row.error <= error:
+                if before is None or not math.isfinite(before.error):
+                    return row.nanoseconds
+                share = math.log(before.error / error) / math.log(before.error / row.error)
+                logs = math.log(before.nanoseconds), math.log(row.nanoseconds)
+                return math.exp(logs[0] + share * (logs[1] - logs[0]))
+            before = row
+        return None
+
+    def cheapest(self, error: float, *, schemes: bool = False) -> str | None:
+        """The method that reaches a given error in the shortest time, None if none does.
+
+        With ``schemes`` the closed form does not compete.
+        """
+        costs = {method: self.cost(method, error) for method in self.methods}
+        reached = {
+            method: cost
+            for method, cost in costs.items()
+            if cost is not None and not (schemes and method == EXACT)
+        }
+        return min(reached, key=lambda method: reached[method]) if reached else None
+
+    def order(self, method: str) -> float | None:
+        """The measured order: that of the shortest steps well above rounding."""
+        orders = [row.order for row in self.of(method) if row.order is not None]
+        return orders[-1] if orders else None
+
+    def to_dict(self) -> dict[str, Any]:
+        """The report as a JSON-able dictionary; what is infinite or unknown is None."""
+        return {
+            "format": FORMAT,
+            "format_version": FORMAT_VERSION,
+            "spec": self.spec.to_dict(),
+            "machine": dict(self.machine),
+            "reference": dataclasses.asdict(self.reference),
+            "rows": [_finite(dataclasses.asdict(row)) for row in self.rows],
+            "refused": dict(self.refused),
+            "ended": dict(self.ended),
+            "complete": self.complete,
+            "rounds": self.rounds,
+            "elapsed": self.elapsed,
+        }
+
+    def to_json(self) -> str:
+        """The report as JSON text; floats keep all their digits."""
+        return json.dumps(self.to_dict(), allow_nan=False, indent=1, ensure_ascii=False)
+
+    @classmethod
+    def from_json(cls, text: str) -> Self:
+        """The report that :meth:`to_json` wrote.
+
+        Raises
+        ------
+        ValueError
+            If the text is no report, or one of another format.
+        """
+        try:
+            data = json.loads(text)
+            if data["format"] != FORMAT or data["format_version"] != FORMAT_VERSION:
+                raise ValueError(f"format is not {FORMAT!r}, version {FORMAT_VERSION}")
+            values = {field.name: data[field.name] for field in dataclasses.fields(cls)}
+            values["spec"] = ReportSpec.from_dict(values["spec"])
+            values["reference"] = Reference(**values["reference"])
+            values["rows"] = tuple(_row(row) for row in values["rows"])
+            return cls(**values)
+        except (AttributeError, KeyError, TypeError, ValueError) as error:
+            raise ValueError(f"text: is not a report: {type(error).__name__}: {error}") from None
+
+
+def _front(rows: Iterable[Row]) -> tuple[Row, ...]:
+    best, front = 1.0, []
+    for row in sorted(rows, key=lambda row: (row.nanoseconds, row.error)):
+        if row.error < best:
+            best = row.error
+            front.append(row)
+    return tuple(front)
+
+
+_UNBOUNDED = (
+    "error",
+    "worst",
+    "rates_error",
+    "attitude_error",
+    "energy_drift",
+    "momentum_drift",
+)
+
+
+def _finite(row: dict[str, Any]) -> dict[str, Any]:
+    lost = {name: None for name in _UNBOUNDED if not math.isfinite(row[name])}
+    return row | lost
+
+
+def _row(data: Mapping[str, Any]) -> Row:
+    values = dict(data)
+    for name in _UNBOUNDED:
+        if values[name] is None:
+            values[name] = math.inf
+    return Row(**values)

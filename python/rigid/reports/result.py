@@ -1,0 +1,73 @@
+"""The result of a report: its numbers, its picture, its file and its text."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING
+
+from .data import ReportData
+from .plot import plot_report
+from .table import report_text
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from matplotlib.axes import Axes
+
+__all__ = ["Report"]
+
+
+class Report(ReportData):
+    """Error against run time of all methods for one scene; made by :func:`rigid.report`.
+
+    Attributes
+    ----------
+    spec : ReportSpec
+        The request.
+    rows : tuple of Row
+        Method by method, from long steps to short ones.
+    reference : Reference
+        The solution that errors are measured against, and its uncertainty.
+    refused : dict of str to str
+        Methods that are not applicable, and why.
+    ended : dict of str to str
+        Reason why a method was not run with shorter steps: its error reached the smallest
+        requested error, the rounding error or the uncertainty of the reference, or the time limit
+        was reached.
+    machine : dict of str to str
+        Processor, instruction set, versions.
+    complete : bool
+        Whether the run came to its end; Ctrl-C leaves a partial report.
+    rounds : int
+        Timings of each row.
+    elapsed : float
+        Seconds that the report took.
+    """
+
+    __slots__ = ()
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draw error against time, a line for each method, and the Pareto front.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            Axes to draw on; by default those of a new figure that pyplot does not manage.
+
+        Raises
+        ------
+        ImportError
+            Without matplotlib.
+        """
+        return plot_report(self, ax=ax)
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write the JSON text to a file and return its path."""
+        from pathlib import Path
+
+        target = Path(path)
+        target.write_text(self.to_json() + "\n", encoding="utf-8")
+        return target
+
+    def __str__(self) -> str:
+        return report_text(self)

@@ -1,0 +1,166 @@
+"""The request of a report as one frozen, JSON-able record."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from numpy.typing import ArrayLike
+
+from .. import _core
+from .._checks.arguments import finite_float, numbers, one_of, positive_int, vector
+from ..model.scene import Scene, check_scene, scene_from_dict
+from ..model.seed import checked_seed
+from ..solve.batch import Batch
+from ..solve.methods import run_methods
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
+
+__all__ = ["ReportSpec", "make_spec"]
+
+MOST_BODIES = 4096
+"""More would measure the memory and not the method."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReportSpec:
+    """Everything that the errors of a report depend on; made by :func:`rigid.report`.
+
+    Attributes
+    ----------
+    scene : FreeBody or HeavyTop
+        The body with its weight, applied torque and damping.
+    omega, attitude : tuple of float
+        Nominal start of the ensemble: rates in the body (rad/s), unit quaternion (w, x, y, z).
+    t_end : float
+        Horizon, in units of time of the scene.
+    methods : tuple of str
+        The compared methods.
+    bodies : int
+        Bodies in the ensemble.
+    errors : tuple of float
+        Errors for each of which the cheapest method is determined, the largest first.
+    seed : int
+        Key of the random perturbations of the ensemble.
+    unit : str
+        Name of the unit of time.
+    title : str or None
+        For tables and plots.
+    version : str
+        The version of rigid that made it.
+    """
+
+    scene: Scene
+    omega: tuple[float, float, float]
+    attitude: tuple[float, float, float, float]
+    t_end: float
+    methods: tuple[str, ...]
+    bodies: int = 64
+    errors: tuple[float, ...] = (1e-3, 1e-6, 1e-9, 1e-12)
+    seed: int = 0
+    unit: str = "s"
+    title: str | None = None
+    version: str = _core.__version__
+
+    def to_dict(self) -> dict[str, Any]:
+        """The specification as a JSON-able dictionary; :meth:`from_dict` is its inverse."""
+        return {
+            "scene": self.scene.to_dict(),
+            "omega": list(self.omega),
+            "attitude": list(self.attitude),
+            "t_end": self.t_end,
+            "methods": list(self.methods),
+            "bodies": self.bodies,
+            "errors": list(self.errors),
+            "seed": self.seed,
+            "unit": self.unit,
+            "title": self.title,
+            "version": self.version,
+        }
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> ReportSpec:
+        """The specification that :meth:`to_dict` described; its methods need not exist here."""
+        values = dict(data)
+        values["scene"] = scene_from_dict(values["scene"])
+        for name in ("omega", "attitude", "methods", "errors"):
+            values[name] = tuple(values[name])
+        return cls(**values)
+
+    def to_json(self) -> str:
+        """The specification as JSON text; floats keep all their digits."""
+        return json.dumps(self.to_dict(), allow_nan=False)
+
+
+def make_spec(
+    scene: Scene,
+    omega: ArrayLike,
+    attitude: ArrayLike | Rotation | None = None,
+    *,
+    t_end: float,
+    methods: Iterable[str] | None = None,
+    bodies: int = ReportSpec.bodies,
+    errors: ArrayLike = ReportSpec.errors,
+    seed: int = ReportSpec.seed,
+    unit: str = ReportSpec.unit,
+    title: str | None = None,
+) -> ReportSpec:
+    """The checked specification of a report; the arguments are those of :func:`rigid.report`."""
+    check_scene(scene)
+    w1, w2, w3 = vector("omega", omega, 3).tolist()
+    batch, single = Batch.from_input(scene, [w1, w2, w3], attitude)
+    if not single:
+        raise ValueError(
+            f"attitude: expected shape (4,), got {len(batch.attitude)} attitudes; "
+            "a report starts from one body"
+        )
+    a, b, c, d = batch.attitude[0].tolist()
+    if positive_int("bodies", bodies) > MOST_BODIES:
+        raise ValueError(f"bodies = {bodies}: must be at most {MOST_BODIES}")
+    if not isinstance(unit, str) or not unit:
+        raise TypeError(f"unit = {unit!r}: must be the name of a unit of time")
+    return ReportSpec(
+        scene=scene,
+        omega=(w1, w2, w3),
+        attitude=(a, b, c, d),
+        t_end=finite_float("t_end", t_end, positive=True),
+        methods=_methods(methods),
+        bodies=int(bodies),
+        errors=_errors(errors),
+        seed=checked_seed("seed", seed),
+        unit=unit,
+        title=title,
+    )
+
+
+def _methods(methods: Iterable[str] | None) -> tuple[str, ...]:
+    known = run_methods()
+    if methods is None:
+        return tuple(known)
+    if isinstance(methods, str):
+        raise TypeError(f"methods = {methods!r}: must be a list of names, such as [{methods!r}]")
+    asked = list(methods)
+    if not asked:
+        raise ValueError("methods = []: must name at least one method")
+    for k, name in enumerate(asked):
+        one_of(f"methods[{k}]", name, known)
+        if name in asked[:k]:
+            raise ValueError(f"methods[{k}] = {name!r}: is there already")
+    return tuple(asked)
+
+
+def _errors(errors: ArrayLike) -> tuple[float, ...]:
+    array = numbers("errors", errors)
+    if array.ndim != 1 or not array.size:
+        raise ValueError(f"errors: expected shape (m,) with at least one error, got {array.shape}")
+    values: Sequence[float] = array.tolist()
+    for k, error in enumerate(values):
+        if not 1e-15 <= error < 1.0:
+            raise ValueError(
+                f"errors[{k}] = {error}: must lie in [1e-15, 1), "
+                "below which float64 cannot go and above which nothing is known"
+            )
+    return tuple(sorted(set(values), reverse=True))

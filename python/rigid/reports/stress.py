@@ -1,0 +1,257 @@
+"""The stress suite: every method on extreme and stiff bodies, each result checked."""
+
+from __future__ import annotations
+
+import json
+import math
+import time
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._checks.progress import Progress, ProgressOption, reporting
+from ..solve.error_estimate import distances
+from ..solve.methods import EXACT, run_methods
+from ..solve.run import Run, Status
+from ..solve.simulate import simulate
+from .stress_cases import Case, cases
+
+__all__ = ["Cell", "Extremes", "extremes"]
+
+Floats = NDArray[np.float64]
+
+ACCURACY = 1e-8
+"""The accuracy requested of each run, and the largest error of a right result."""
+
+MAX_STEPS = 50_000
+"""Largest number of steps of a run, so that the suite ends within a minute."""
+
+SILENT_ERROR = "silent error"
+"""The class of a result with too large an error and without a flag."""
+
+UNIT_ROUNDOFF = 2.0**-53
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cell:
+    """The result of a method for a case.
+
+    Attributes
+    ----------
+    case : Case
+    method : str
+    error : float
+        Distance from the truth: of the rates relative to the fastest, of the attitude in rad. NaN
+        if there is no state or no reference.
+    bound : float
+        Largest error of a right result: 1e-8, or the change caused by rounding of the start; with a
+        given step, the estimated error of the run.
+    verdict : str
+        ``"right"``; ``"flagged"``; ``"step limit"``, ``"not finite"``, ``"drifted"``: the status;
+        ``"refused"``; ``"unknown"``: there is no reference; ``"silent error"``: the error is too
+        large and the result is not flagged.
+    reason : str
+        The status or the message of the error.
+    seconds : float
+        Wall time of the run and of its check.
+    """
+
+    case: Case
+    method: str
+    error: float
+    bound: float
+    verdict: str
+    reason: str
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class Extremes:
+    """The result of :func:`extremes`: a cell for each case and method that applies to its scene."""
+
+    cells: tuple[Cell, ...]
+
+    @property
+    def wrong(self) -> tuple[Cell, ...]:
+        """Results with too large an error and without a flag."""
+        return tuple(cell for cell in self.cells if cell.verdict == SILENT_ERROR)
+
+    def counts(self) -> dict[str, int]:
+        """Number of cells in each class."""
+        verdicts = [cell.verdict for cell in self.cells]
+        return {verdict: verdicts.count(verdict) for verdict in dict.fromkeys(verdicts)}
+
+    def __str__(self) -> str:
+        """A table: a row for each case with the classes of its results, and the counts below."""
+        rows: list[tuple[str, ...]] = [
+            ("case", "right", "worst error", "flagged", "refused or status", SILENT_ERROR, "s")
+        ]
+        family = ""
+        for case in dict.fromkeys(id(cell.case) for cell in self.cells):
+            mine = [cell for cell in self.cells if id(cell.case) == case]
+            if mine[0].case.family != family:
+                family = mine[0].case.family
+                rows.append((family, *[""] * 6))
+            rows.append(_row(mine))
+        widths = [max(len(row[k]) for row in rows) for k in range(7)]
+        lines = [
+            "  ".join(
+                part.ljust(width) if k == 0 else part.rjust(width)
+                for k, (part, width) in enumerate(zip(row, widths, strict=True))
+            ).rstrip()
+            for row in rows
+        ]
+        counts = ", ".join(f"{count} {verdict}" for verdict, count in self.counts().items())
+        return "\n".join([*lines, "", f"{len(self.cells)} cells: {counts}"])
+
+
+def _row(cells: list[Cell]) -> tuple[str, ...]:
+    verdicts = [cell.verdict for cell in cells]
+    right = [cell.error for cell in cells if cell.verdict == "right"]
+    others = [v for v in verdicts if v not in ("right", "flagged", SILENT_ERROR)]
+    return (
+        f"  {cells[0].case.name}",
+        str(len(right)),
+        f"{max(right):.0e}" if right else "",
+        str(verdicts.count("flagged") or ""),
+        ", ".join(f"{others.count(v)} {v}" for v in dict.fromkeys(others)),
+        str(verdicts.count(SILENT_ERROR) or ""),
+        f"{sum(cell.seconds for cell in cells):.1f}",
+    )
+
+
+def extremes(
+    family: str | None = None, *, method: str | None = None, progress: ProgressOption = None
+) -> Extremes:
+    """Run every extreme case by every method that integrates its scene.
+
+    The requested accuracy of each run is 1e-8. The reference of bodies with a closed form was
+    computed with 1000 bits; the reference of damped cubes is a formula, and all other references
+    are runs by ``taylor26`` converged to 1e-9.
+
+    Parameters
+    ----------
+    family : str, optional
+        Only the cases of this family; see :func:`cases`.
+    method : str, optional
+        Only this method.
+    progress : bool or callable, optional
+        As of :func:`stability_map`.
+
+    Returns
+    -------
+    Extremes
+
+    Raises
+    ------
+    ValueError
+        If there is no such family or method.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> found = rigid.extremes("near spherical", method="exact", progress=False)
+    >>> len(found.wrong)
+    0
+    """
+    wanted = [case for case in cases() if family in (None, case.family)]
+    if not wanted:
+        known = ", ".join(dict.fromkeys(repr(case.family) for case in cases()))
+        raise ValueError(f"family = {family!r}: must be one of {known}")
+    names = run_methods()
+    if method is not None and method not in names:
+        raise ValueError(f"method = {method!r}: must be one of {', '.join(map(repr, names))}")
+    cells: list[Cell] = []
+    begun = time.perf_counter()
+    with reporting(progress, len(wanted)) as report:
+        for done, case in enumerate(wanted, start=1):
+            cells += _cells_of(case, [method] if method else list(names))
+            elapsed = time.perf_counter() - begun
+            report(Progress(done=done, total=len(wanted), elapsed=elapsed, failures=0))
+    return Extremes(tuple(cells))
+
+
+def _cells_of(case: Case, methods: list[str]) -> list[Cell]:
+    truth = _truth(case)
+    cells = []
+    for name in methods:
+        run, reason, seconds = _run(case, name)
+        verdict = _verdict(case, run, truth)
+        cells.append(Cell(case=case, method=name, reason=reason, seconds=seconds, **verdict))
+    return cells
+
+
+def _run(case: Case, method: str) -> tuple[Run | None, str, float]:
+    begin = time.perf_counter()
+    how: dict[str, Any] = {} if method == EXACT else {"accuracy": ACCURACY}
+    if case.step is not None and method != EXACT:
+        how = {"step": case.step}
+    try:
+        run = _simulated(case, method=method, max_steps=MAX_STEPS, **how)
+    except ValueError as error:
+        return None, str(error), time.perf_counter() - begin
+    return run, run.reasons()[0], time.perf_counter() - begin
+
+
+def _simulated(case: Case, **how: Any) -> Run:
+    return simulate(case.scene, case.omega, case.attitude, t=[case.t], threads=1, **how)
+
+
+@dataclass(frozen=True, slots=True)
+class _Truth:
+    """A state, and how much the motion magnifies relative changes of its start."""
+
+    omega: Floats
+    attitude: Floats
+    condition: float
+
+
+@cache
+def _exact_states() -> dict[str, dict[str, dict[str, Any]]]:
+    """The reference states that ``tests/golden/make_extremes.py`` computed with 1000 bits."""
+    text = resources.files("rigid").joinpath("builtin/extremes.json").read_text(encoding="utf-8")
+    found: dict[str, dict[str, dict[str, Any]]] = json.loads(text)
+    return found
+
+
+def _truth(case: Case) -> _Truth | None:
+    """The state at the end, if it is known."""
+    if case.truth is not None:
+        return _Truth(*case.truth, condition=0.0)
+    known = _exact_states().get(case.family, {}).get(case.name)
+    if known is not None:
+        return _Truth(np.array(known["omega"]), np.array(known["attitude"]), known["condition"])
+    try:
+        run = _simulated(case, method="taylor26", accuracy=1e-9, max_steps=20 * MAX_STEPS)
+    except ValueError:
+        return None
+    if run.attitude is None or run.status != Status.OK:
+        return None
+    return _Truth(run.omega[-1], run.attitude[-1], condition=0.0)
+
+
+def _verdict(case: Case, run: Run | None, truth: _Truth | None) -> dict[str, Any]:
+    bound = ACCURACY if truth is None else max(ACCURACY, 4.0 * UNIT_ROUNDOFF * truth.condition)
+    if run is None:
+        return {"error": math.nan, "bound": bound, "verdict": "refused"}
+    if case.step is not None and run.error < 1.0:
+        # No accuracy was requested: the error must not exceed the estimate of the run.
+        bound = max(bound, float(run.error))
+    status = Status(int(run.status))
+    error = math.nan
+    if truth is not None and run.attitude is not None:
+        states = {"omega": run.omega[None], "attitude": run.attitude[None], "vertical": None}
+        exact = {"omega": truth.omega[None, None], "attitude": truth.attitude[None, None]}
+        with np.errstate(invalid="ignore"):
+            error = float(distances(states, exact)[0, -1])
+    if status != Status.OK:
+        verdict = status.name.lower().replace("_", " ")
+    elif truth is None:
+        verdict = "unknown"
+    else:
+        verdict = "right" if error <= bound else SILENT_ERROR
+    return {"error": error, "bound": bound, "verdict": verdict}

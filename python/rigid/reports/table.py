@@ -1,0 +1,107 @@
+"""The tables of a report as text."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ..solve.methods import EXACT
+from .data import ReportData
+
+__all__ = ["report_text"]
+
+
+def report_text(report: ReportData) -> str:
+    """Lines on the measurement, the time of each method for each error, and the Pareto front."""
+    return "\n".join([*_head(report), "", *_costs(report), "", *_front(report)])
+
+
+def _head(report: ReportData) -> list[str]:
+    spec, reference = report.spec, report.reference
+    how = "closed form" if reference.method == EXACT else f"{reference.steps:,} steps"
+    unit, attitude = spec.unit, f"({_listed(spec.attitude)})"
+    lines = [
+        ("report", spec.title or "error against run time"),
+        ("scene", spec.scene.words()),
+        ("start", f"omega ({_listed(spec.omega)}) rad/{unit}, attitude {attitude}"),
+        ("bodies", f"{spec.bodies} close to it, seed {spec.seed}; t = {spec.t_end:g} {unit}"),
+        (
+            "reference",
+            f"{reference.method}, {how}; may be off by {reference.uncertainty:.1e}, "
+            f"worst {reference.worst:.1e}",
+        ),
+        ("error", "median of the bodies: of the rates, relative, or of the attitude, rad"),
+        ("time", f"processor time, ns per body and {unit} of motion; median of {report.rounds}"),
+        ("machine", ", ".join(report.machine[name] for name in ("cpu", "isa") if report.machine)),
+    ]
+    if not report.complete:
+        lines.append(("stopped", "before its end: the report is partial"))
+    lines += [("not for", f"{name}: {_brief(name, why)}") for name, why in report.refused.items()]
+    return [f"{name:<12}{text}" for name, text in lines]
+
+
+def _costs(report: ReportData) -> list[str]:
+    """Per method the time for each error; the cheapest method and scheme have stars."""
+    wanted = report.spec.errors
+    table = [["* cheapest", "order", *(f"{error:.0e} " for error in wanted)]]
+    winners = [{report.cheapest(error), report.cheapest(error, schemes=True)} for error in wanted]
+    for method in report.methods:
+        order = report.order(method)
+        cells = [method, "-" if order is None else f"{order:.1f}"]
+        for error, best in zip(wanted, winners, strict=True):
+            cost = report.cost(method, error)
+            star = "*" if method in best else " "
+            cells.append("- " if cost is None else f"{_time(cost)}{star}")
+        table.append(cells)
+    return _aligned(table)
+
+
+def _front(report: ReportData) -> list[str]:
+    head = ["front", "steps", "rad/step", "time", "±", "total", "error", "worst", "energy"]
+    table = [[*head, "momentum", ""]]
+    closed = [row for row in report.front if row.method == EXACT]
+    for row in [*closed, *report.scheme_front]:
+        table.append(
+            [
+                row.method,
+                f"{row.steps:,}",
+                "-" if row.angle is None else f"{row.angle:.2g}",
+                _time(row.nanoseconds),
+                "-" if row.spread is None else _time(row.spread, 1),
+                _time(row.total),
+                f"{row.error:.1e}",
+                f"{row.worst:.1e}",
+                f"{row.energy_drift:.0e}",
+                f"{row.momentum_drift:.0e}",
+                row.mark,
+            ]
+        )
+    return _aligned(table)
+
+
+def _listed(values: Sequence[float]) -> str:
+    return ", ".join(f"{value:g}" for value in values)
+
+
+def _time(nanoseconds: float, digits: int = 3) -> str:
+    """Three digits, or all before the point."""
+    small = nanoseconds < 10.0**digits - 0.5
+    return f"{nanoseconds:.{digits}g}" if small else f"{nanoseconds:,.0f}"
+
+
+def _brief(method: str, why: str) -> str:
+    """The beginning of the reason of a refused method, without the name of the method."""
+    text = why.removeprefix(f"method = {method!r}: ").partition(";")[0]
+    return text if len(text) <= 100 else f"{text[:97]}..."
+
+
+def _aligned(table: Sequence[Sequence[str]]) -> list[str]:
+    """Columns side by side: the first to the left, numbers to the right, the marks as they come."""
+    widths = [max(map(len, column)) for column in zip(*table, strict=True)]
+    lines = []
+    for cells in table:
+        first = f"{cells[0]:<{max(widths[0], 10)}}"
+        rest = [f"{cell:>{width}}" for cell, width in zip(cells[1:], widths[1:], strict=True)]
+        if not table[0][-1]:
+            rest[-1] = cells[-1]
+        lines.append("  ".join([first, *rest]).rstrip())
+    return lines

@@ -1,0 +1,23 @@
+"""Components of vectors in space from components in the body, and back, by unit quaternions."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["to_body", "to_space"]
+
+Floats = NDArray[np.float64]
+
+
+def to_space(attitude: Floats, vector: Floats) -> Floats:
+    """``R v`` of unit quaternions ``(w, u)``: ``v + 2 w u × v + 2 u × (u × v)``."""
+    scalar, axis = attitude[..., :1], attitude[..., 1:]
+    across = 2.0 * np.cross(axis, vector)
+    turned: Floats = vector + scalar * across + np.cross(axis, across)
+    return turned
+
+
+def to_body(attitude: Floats, vector: Floats) -> Floats:
+    """``R.T v``."""
+    return to_space(attitude * np.array([1.0, -1.0, -1.0, -1.0]), vector)

@@ -1,0 +1,353 @@
+"""Choose the method for a question about a scene: closed form or scheme, and its steps."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._checks.arguments import finite_float, one_of
+from ..model.criteria import Criterion, known_criteria
+from ..model.scene import Scene, check_scene
+from ..model.start import Start
+from .batch import Batch
+from .closed_form import (
+    FORCED_RULE,
+    RECORDS,
+    Question,
+    closed_forms,
+    is_slowed_evenly,
+    listed,
+    question_words,
+    rule,
+    why_not,
+)
+from .cost_model import (
+    calibration_class,
+    cheapest,
+    check_attainable,
+    closed_form_estimate,
+    schemes,
+    steps_estimate,
+    steps_for,
+)
+from .methods import (
+    EXACT,
+    FALLBACK,
+    STIFF,
+    check_method,
+    driven_methods,
+    plain_methods,
+    run_methods,
+)
+from .plan import Plan, carried, left_out
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
+
+__all__ = ["Problem", "choose_method", "plan"]
+
+Floats = NDArray[np.float64]
+
+STIFFNESS = 10.0
+"""Damping is strong if it slows a body this many times faster than the body turns."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Problem:
+    """A question about a scene: the known data of its bodies, and the requested result.
+
+    Attributes
+    ----------
+    scene : Scene
+    question : str or Criterion
+        With all defaults filled in.
+    batch : Batch or None
+        The bodies with their starts, None if the starts are not known.
+    begin : float
+        First time of the run (s), not positive.
+    span : float or None
+        Time that the run covers (s), None if it is not known.
+    accuracy, step : float or None
+        Largest error at the end; longest step (s). Only one of the two can be given.
+    method : str or None
+        The requested method.
+    states : int
+        Number of requested states of a body.
+
+    Raises
+    ------
+    ValueError
+        If the method is unknown or does not move the scene, if accuracy or step are not positive,
+        or if both are given.
+    """
+
+    scene: Scene
+    question: Question
+    batch: Batch | None = None
+    begin: float = 0.0
+    span: float | None = None
+    accuracy: float | None = None
+    method: str | None = None
+    step: float | None = None
+    states: int = 1
+
+    def __post_init__(self) -> None:
+        if self.method is not None:
+            one_of("method", self.method, run_methods())
+            watched = not isinstance(self.question, str)
+            driven = self.scene.is_driven
+            check_method(self.method, self.scene.kind, watched=watched, driven=driven)
+        for name in ("step", "accuracy"):
+            if getattr(self, name) is not None:
+                value = finite_float(name, getattr(self, name), positive=True)
+                object.__setattr__(self, name, value)
+        if self.accuracy is not None and self.step is not None:
+            raise ValueError(
+                f"accuracy = {self.accuracy:g}, step = {self.step:g}: exclude each other, "
+                "because the step follows from the accuracy"
+            )
+
+    @property
+    def times(self) -> tuple[float, float]:
+        """First and last time of the run (s)."""
+        return self.begin, self.begin + (self.span or 0.0)
+
+    def rates(self, method: str | None = None) -> Floats | None:
+        """Bounds of the rates, or the rates that the steps of a method follow, if known."""
+        if self.batch is None or (self.span is None and self.scene.is_driven):
+            return None
+        return self.batch.fastest_rates(self.times, method)
+
+
+def plan(
+    scene: Scene,
+    question: Question,
+    *,
+    omega: ArrayLike | None = None,
+    attitude: ArrayLike | Rotation | None = None,
+    t_end: float | None = None,
+    accuracy: float | None = None,
+    method: str | None = None,
+    step: float | None = None,
+) -> Plan:
+    """Plan the computation of :func:`simulate` or a map for a question about a scene.
+
+    Parameters
+    ----------
+    scene : FreeBody or HeavyTop
+        The body with its weight, applied torque and damping.
+    question : {"rates", "axis", "attitude"}, NoFlip or TiltBelow
+        States at given times, or a criterion: :func:`no_flip`, :func:`tilt_below`.
+    omega, attitude : array_like, optional
+        Initial rates and attitudes, as in :func:`simulate`. The step, the number of steps and the
+        error follow from the rates; the attitude shows whether a top swings as a pendulum.
+    t_end : float, optional
+        Horizon (s).
+    accuracy : float, optional
+        Largest error of the last state relative to its size. A closed form reaches it; otherwise
+        the accuracy, the rates and the horizon determine the cheapest scheme and its step.
+    method : str, optional
+        ``"exact"`` or one of :func:`rigid.methods`; by default the closed form if all bodies have
+        one and no step is given, else ``"rk4"``, or ``"etd4"`` under strong damping.
+    step : float, optional
+        Longest step (s).
+
+    Returns
+    -------
+    Plan
+
+    Raises
+    ------
+    ValueError
+        If ``"exact"`` is requested and a body has no closed form, if the accuracy is beyond
+        float64, or if the rates or the horizon are missing from which the step follows.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> scene = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
+    >>> print(rigid.plan(scene, "rates", omega=[0.1, 1.0, 0.2], t_end=100.0))
+    scene       free body, moments (1, 2, 3)
+    question    rates at wanted times
+    method      exact, closed form: free asymmetric
+    carried     omega
+    why         every body has a closed form
+    left out    no torque: no steps; rates only: no attitude; no weight: no vertical
+    cost        about 240 ns a body
+    error       about 1.6e-13 rad
+    >>> rigid.plan(scene, rigid.tilt_below(0.5)).method
+    'rk4'
+    """
+    check_scene(scene)
+    if omega is None and attitude is not None:
+        raise ValueError("attitude: says nothing without omega; give both")
+    batch = None if omega is None else Batch.from_input(scene, omega, attitude)[0]
+    span = None if t_end is None else finite_float("t_end", t_end, positive=True)
+    problem = Problem(
+        scene=scene,
+        question=_resolved(scene, question, batch),
+        batch=batch,
+        span=span,
+        accuracy=accuracy,
+        method=method,
+        step=step,
+        states=1 if isinstance(question, str) else 0,
+    )
+    return choose_method(problem)[0]
+
+
+def choose_method(problem: Problem) -> tuple[Plan, Floats | None]:
+    """The plan for the bodies of a problem, and the longest step of each (s).
+
+    The steps are None if there are none or if they are left to the core.
+    """
+    scene, question, span = problem.scene, problem.question, problem.span
+    forms = _known_closed_forms(problem)
+    if scene.torque is not None and span is not None:
+        scene.torque.at(problem.times)  # ValueError outside the times of its table
+    method, why = _preferred(problem, forms)
+    steps = None
+    if problem.accuracy is not None:
+        method, steps = _accurate(problem, method, why)
+    elif problem.step is not None and method != EXACT and problem.batch is not None:
+        steps = np.full(len(problem.batch), problem.step)
+    if method == EXACT:
+        estimate = closed_form_estimate(question, forms, problem.states, problem.rates(), span)
+    else:
+        estimate = steps_estimate(
+            _stepped_question(problem, method),
+            method,
+            calibration_class(scene),
+            problem.rates(method),
+            span,
+            steps if problem.step is None else problem.step,
+        )
+    chosen = Plan(
+        scene=scene.words(),
+        question=question_words(question),
+        closed_form=listed(forms) if method == EXACT else None,
+        method=method,
+        carried=carried(scene, question, method),
+        why=tuple(why),
+        left_out=left_out(scene, question, method, problem.step, forms),
+        step=estimate.step,
+        steps=estimate.steps,
+        cost=estimate.cost,
+        error=estimate.error,
+    )
+    return chosen, steps
+
+
+def _known_closed_forms(problem: Problem) -> NDArray[np.str_]:
+    """The closed form that applies to the question for each body, or "" if there is none.
+
+    Raises
+    ------
+    ValueError
+        If closed forms were requested and a body has none.
+    """
+    scene, question, method = problem.scene, problem.question, problem.method
+    forms = closed_forms(question, np.array([scene.body.moments]), scene.weight[np.newaxis])
+    if scene.is_driven:
+        if not (isinstance(question, str) and is_slowed_evenly(scene)):
+            forms = np.full_like(forms, "")
+    elif problem.batch is not None and isinstance(question, str) and "" in forms:
+        wanted = method == EXACT or (method is None and problem.step is None)
+        # Whether a top swings as a pendulum depends on the start.
+        forms = problem.batch.closed_forms() if wanted else forms
+    if method == EXACT and "" in forms:
+        body = int(np.flatnonzero(forms == "")[0])
+        which = f"body {body} of the" if forms.size > 1 else "the"
+        raise ValueError(
+            f"method = {EXACT!r}: no closed form of {question_words(question)} for {which} "
+            f"{scene.words()}; {FORCED_RULE if scene.is_driven else rule(question)}"
+        )
+    return forms
+
+
+def _preferred(problem: Problem, forms: NDArray[np.str_]) -> tuple[str, list[str]]:
+    """The method unless an accuracy needs another scheme, and the reasons for it."""
+    scene, question = problem.scene, problem.question
+    if problem.method is not None:
+        return problem.method, [f"method = {problem.method!r} was asked for"]
+    if "" not in forms:
+        if problem.step is not None:
+            return _scheme(problem, ["a step was asked for"])
+        if not forms.size:
+            return EXACT, ["there are no bodies: nothing is done"]
+        return EXACT, ["every body has a closed form"]
+    if scene.is_driven:
+        return _scheme(problem, ["no closed form under torque and damping"])
+    return _scheme(problem, [why_not(question, np.array(scene.body.moments), scene.weight)])
+
+
+def _scheme(problem: Problem, why: list[str]) -> tuple[str, list[str]]:
+    """The scheme of bodies without a closed form: the one for strong damping where it is needed."""
+    forcing = problem.scene.forcing
+    if forcing is None:
+        return FALLBACK, why
+    slowing = float(forcing.damping_rates(problem.scene.body.moments)[-1])  # 1/s
+    turning = problem.rates()
+    if problem.step is not None:
+        # An explicit scheme would have the error of the damping, not of the motion.
+        is_stiff = problem.step * slowing > 1.0
+    elif turning is None:
+        is_stiff = False
+    else:
+        is_stiff = slowing > STIFFNESS * float(turning.max(initial=0.0)) > 0.0
+    if not is_stiff:
+        return FALLBACK, why
+    return STIFF, [*why, f"strong damping, at a rate of {slowing:.3g} 1/s: {STIFF}"]
+
+
+def _accurate(problem: Problem, method: str, why: list[str]) -> tuple[str, Floats | None]:
+    """The requested scheme or the cheapest one for the accuracy, and its steps; adds to why."""
+    accuracy, span, turning = problem.accuracy, problem.span, problem.rates()
+    assert accuracy is not None
+    if turning is not None and span is not None:
+        check_attainable(accuracy, turning * span)
+    if method == EXACT:
+        return method, None
+    if turning is None or span is None:
+        raise ValueError(
+            f"accuracy = {accuracy:g}: the step follows from the rates and the horizon; "
+            f"{'omega' if turning is None else 't_end'} is missing"
+        )
+    assert problem.batch is not None  # the rates are known
+    kind = calibration_class(problem.scene)
+    if problem.method is None:
+        angles = {
+            name: float(problem.batch.fastest_rates(problem.times, name).max(initial=0.0) * span)
+            for name in (driven_methods() if problem.scene.is_driven else plain_methods())
+        }
+        method = cheapest(accuracy, kind, _stepped_question(problem, method), angles)
+        why.append(f"{method} is the cheapest scheme for it")
+    why.append(f"the step follows from the accuracy, {accuracy:g} at the end")
+    rates = problem.batch.fastest_rates(problem.times, method)
+    return method, steps_for(accuracy, schemes()[method, kind], rates, span)
+
+
+def _stepped_question(problem: Problem, method: str) -> Question:
+    """A question whose steps have the same cost: forced rates may need a larger state."""
+    scene, question = problem.scene, problem.question
+    if not scene.is_driven or not isinstance(question, str):
+        return question
+    return "attitude" if "gamma" in carried(scene, question, method) else "rates"
+
+
+def _resolved(scene: Scene, question: object, batch: Batch | None) -> Question:
+    """The question with its defaults filled in."""
+    if isinstance(question, str):
+        return one_of("question", question, RECORDS)
+    if isinstance(question, Criterion):
+        start = None
+        if batch is not None and len(batch) == 1:
+            start = Start(omega=batch.omega[0])
+        return question.resolved(scene, start)
+    raise TypeError(
+        f"question = {question!r}: must be one of {', '.join(map(repr, RECORDS))}, "
+        f"{known_criteria()}"
+    )

@@ -1,0 +1,119 @@
+"""Which bodies have a closed form."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .. import _core
+from ..model.criteria import Criterion
+from ..model.scene import Scene
+
+__all__ = [
+    "FORCED_RULE",
+    "RECORDS",
+    "Question",
+    "closed_forms",
+    "is_slowed_evenly",
+    "lagrange_axis_of",
+    "listed",
+    "question_words",
+    "rule",
+    "why_not",
+]
+
+Floats = NDArray[np.float64]
+
+Question: TypeAlias = str | Criterion
+
+RECORDS: Mapping[str, str] = {
+    "rates": "rates at wanted times",
+    "axis": "rates and vertical at wanted times",
+    "attitude": "rates and attitude at wanted times",
+}
+"""The questions that are answered by states, in words."""
+
+_STATES_RULE = (
+    "closed forms are known of a free body, of a top with two moments equal to the bit and its "
+    "centre of mass on the third axis, and of a top that swings about a principal axis"
+)
+
+FORCED_RULE = (
+    "under torque and damping there is none, but of a free body whose damping is a multiple of its "
+    "inertia"
+)
+
+_CLASS_RULE = (
+    "closed forms are known of no_flip of a free body, and of tilt_below(axis=±k, "
+    "reference='vertical') and no_flip(k) of a top with two moments equal to the bit and its "
+    "centre of mass on the third axis k"
+)
+
+
+def closed_forms(question: Question, moments: Floats, weight: Floats) -> NDArray[np.str_]:
+    """The closed form that applies to the question for each body from any start, or ""; shape (n,).
+
+    Parameters
+    ----------
+    question : str or Criterion
+    moments, weight : ndarray, shape (n, 3)
+    """
+    asked = ("states", None) if isinstance(question, str) else question.closed_form_question()
+    if asked is None:
+        return np.full(len(moments), "")
+    name, axis = asked
+    first, second = (np.ascontiguousarray(rows) for rows in np.broadcast_arrays(moments, weight))
+    forms = _core.closed_forms_for(name, moments=first, weight=second, axis=axis)
+    return np.array(forms, dtype=np.str_)
+
+
+def lagrange_axis_of(moments: ArrayLike, weight: ArrayLike) -> int:
+    """The symmetry axis 1, 2 or 3 of a Lagrange top, 0 for any other body.
+
+    The moments about the other two axes are equal to the bit, the weight lies exactly on the axis.
+    """
+    rows = (np.array([values], dtype=np.float64) for values in (moments, weight))
+    return int(_core.lagrange_axes(*rows)[0])
+
+
+def question_words(question: Question) -> str:
+    """The question in words."""
+    return RECORDS[question] if isinstance(question, str) else str(question)
+
+
+def rule(question: Question) -> str:
+    """Describe which bodies have a closed form that applies to the question."""
+    return _STATES_RULE if isinstance(question, str) else _CLASS_RULE
+
+
+def listed(forms: NDArray[np.str_]) -> str | None:
+    """The closed forms that occur."""
+    return ", ".join(sorted(set(forms.tolist()) - {""})) or None
+
+
+def why_not(question: Question, moments: Floats, weight: Floats) -> str:
+    """Why this body has no closed form."""
+    axis = lagrange_axis_of(moments, weight)
+    if axis or not weight.any():
+        symmetry = f": the symmetry axis is {axis}" if axis else ""
+        return f"no closed form of {question_words(question)}{symmetry}"
+    reasons = {
+        1: "the centre of mass is on no principal axis",
+        2: "the centre of mass is not on the symmetry axis",
+        3: "no two moments of the top are equal to the bit",
+    }
+    return f"no closed form: {reasons[len(set(moments.tolist()))]}"
+
+
+def is_slowed_evenly(scene: Scene) -> bool:
+    """Whether nothing acts but damping that is a multiple of the inertia.
+
+    The motion is then that of the free body, slowed.
+    """
+    forcing = scene.forcing
+    if forcing is None or scene.directions or scene.weight.any():
+        return False
+    return forcing.slows_evenly(scene.body.moments) is not None

@@ -1,0 +1,165 @@
+"""The methods, their names, and the properties of the schemes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+
+from .. import _core
+
+__all__ = [
+    "AUTO",
+    "EXACT",
+    "FALLBACK",
+    "SECOND",
+    "STIFF",
+    "Method",
+    "check_method",
+    "driven_methods",
+    "map_methods",
+    "methods",
+    "order_of",
+    "plain_methods",
+    "rotations",
+    "run_methods",
+    "series_methods",
+    "stiff_methods",
+]
+
+EXACT = "exact"
+"""The closed form of the motion, where there is one."""
+
+AUTO = "auto"
+"""In a map: the closed form for each body that has one, else the fallback."""
+
+_CHOSEN = _core.chosen_methods()
+
+STIFF = _CHOSEN["stiff"]
+"""The scheme for strong damping; without damping it is the fallback."""
+
+FALLBACK = _CHOSEN["default"]
+"""The default scheme of bodies without a closed form."""
+
+SECOND = _CHOSEN["second"]
+"""The scheme that classifies the samples of a map again."""
+
+
+@dataclass(frozen=True, slots=True)
+class Method:
+    """Properties of a scheme, and its source.
+
+    Attributes
+    ----------
+    name : str
+        The name that functions accept as ``method``.
+    title : str
+        One line.
+    order : int
+        The error of a run falls as ``step**order``.
+    stages : int
+        Evaluations of the equations of motion, exact partial flows, orders of a series, or Newton's
+        steps, a step.
+    symplectic, reversible, group_preserving : bool
+        Preserves the Poisson structure; a step forward and one back is the identity; ``|L|`` of the
+        free body, ``|gamma|`` and ``|q|`` stay as they are, up to rounding.
+    driven, stiff : bool
+        Integrates bodies under torque and damping; is stable for damping of any strength.
+    tops, maps : bool
+        Integrates bodies with weight, not only free ones; has a state after every step, which a
+        map needs, not only at given times.
+    series : bool
+        Is a Taylor series, which may choose its steps by a tolerance.
+    damping_limit : float or None
+        The largest product of step and damping rate with which it is stable, infinite if it is
+        stiff; None if it is not driven.
+    angle_per_step : float
+        Largest angle (rad) by which a body turns in a default step.
+    citation, doi : str
+        Publication of the scheme.
+    """
+
+    name: str
+    title: str
+    order: int
+    stages: int
+    symplectic: bool
+    reversible: bool
+    group_preserving: bool
+    driven: bool
+    stiff: bool
+    tops: bool
+    maps: bool
+    series: bool
+    damping_limit: float | None
+    angle_per_step: float
+    citation: str
+    doi: str
+
+
+def methods() -> tuple[Method, ...]:
+    """All schemes; ``"exact"``, which takes no steps, is not among them.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> [(method.name, method.order) for method in rigid.methods() if not method.symplectic][:3]
+    [('rk4', 4), ('dop853', 8), ('taylor8', 8)]
+    """
+    return tuple(Method(**facts) for facts in _core.methods())
+
+
+def order_of(name: str) -> int:
+    """The order of a scheme."""
+    return _named(name).order
+
+
+def rotations(name: str) -> int:
+    """Number of exact flows in a step of a splitting; 0 for other schemes."""
+    method = _named(name)
+    return method.stages if method.symplectic else 0
+
+
+@cache
+def _named(name: str) -> Method:
+    return next(method for method in methods() if method.name == name)
+
+
+def run_methods() -> list[str]:
+    """The names that :func:`rigid.simulate` accepts."""
+    return [EXACT, *(method.name for method in methods())]
+
+
+def series_methods() -> list[str]:
+    """The names of the Taylor methods, which may choose their steps by a tolerance."""
+    return [method.name for method in methods() if method.series]
+
+
+def driven_methods() -> list[str]:
+    """The names of the schemes that move bodies under torque and damping."""
+    return [method.name for method in methods() if method.driven]
+
+
+def plain_methods() -> list[str]:
+    """The names of the schemes that differ from others without damping too."""
+    return [method.name for method in methods() if method.name != STIFF]
+
+
+def map_methods() -> list[str]:
+    """The names that a map accepts for some scene; :func:`check_method` rejects others."""
+    return [AUTO, *run_methods()]
+
+
+def check_method(name: str, kind: str, *, watched: bool, driven: bool = False) -> None:
+    """Raise ValueError if a scheme does not integrate the kind of scene, or cannot be observed."""
+    if name not in (AUTO, EXACT):
+        _core.check_method(name, kind, watched)
+        if driven and not _named(name).driven:
+            raise ValueError(
+                f"method = {name!r}: moves bodies without torque and damping only; under them "
+                f"move {', '.join(map(repr, driven_methods()))}"
+            )
+
+
+def stiff_methods() -> list[str]:
+    """The schemes that strong damping does not force to short steps."""
+    return [method.name for method in methods() if method.stiff]

@@ -1,0 +1,185 @@
+"""The plan of a question: the method, the integrated variables, the omissions, and reasons.
+
+A plan omits what a scene does not need: no attitude for rates, no steps for a closed form, no
+trajectory for a classification. Symmetry counts only if two moments are equal to the bit: a
+relative difference of 1e-16 changes a sleeping top by 1e-4, so nothing is symmetrised.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..model.scene import Scene
+from .closed_form import Question
+from .methods import EXACT
+
+__all__ = ["Plan", "carried", "left_out"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Plan:
+    """The computation for a question about a scene, made by :func:`rigid.plan`.
+
+    Attributes
+    ----------
+    scene, question : str
+        Description of the question.
+    closed_form : str or None
+        The closed form: ``"free asymmetric"``, ``"free symmetric"``, ``"axis spin"``,
+        ``"lagrange"`` or ``"pendulum"``; several are joined by commas.
+    method : str
+        ``"exact"``, the name of a scheme, or ``"auto"`` for a map where only some bodies have a
+        closed form.
+    carried : tuple of str
+        Variables computed: ``"omega"``, ``"gamma"`` (the vertical in the body), ``"attitude"``;
+        under torque and damping their ``"work"``.
+    step : float or None
+        Longest step (s), the shortest of many bodies; None for a closed form and where the rates
+        are not known.
+    steps : int or None
+        About how many steps the body takes, the most of many bodies; 0 for a closed form.
+    why, left_out : tuple of str
+        The reasons, and the parts that the scene or the question does not need.
+    cost : float or None
+        Estimate of the processor time of a body, ns; of the costliest of many.
+    error : float or None
+        Estimate of the error of the attitude at the end, rad: ``1e-15`` per radian turned, and for
+        a scheme the phase error of its order. Saddles and chaos multiply it.
+    """
+
+    scene: str
+    question: str
+    closed_form: str | None
+    method: str
+    carried: tuple[str, ...]
+    step: float | None
+    steps: int | None
+    why: tuple[str, ...]
+    left_out: tuple[str, ...]
+    cost: float | None
+    error: float | None
+
+    def to_dict(self) -> dict[str, Any]:
+        """The plan as a JSON-able dictionary; :meth:`from_dict` is its inverse."""
+        values = dataclasses.asdict(self)
+        return {name: list(v) if isinstance(v, tuple) else v for name, v in values.items()}
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> Plan:
+        """The plan that :meth:`to_dict` described."""
+        values = dict(data)
+        for name in ("carried", "why", "left_out"):
+            values[name] = tuple(values[name])
+        return cls(**values)
+
+    def to_json(self) -> str:
+        """The plan as JSON text; floats keep all their digits."""
+        return json.dumps(self.to_dict(), allow_nan=False)
+
+    @classmethod
+    def from_json(cls, text: str) -> Plan:
+        """The plan that :meth:`to_json` wrote."""
+        return cls.from_dict(json.loads(text))
+
+    def __str__(self) -> str:
+        lines = [
+            ("scene", self.scene),
+            ("question", self.question),
+            ("method", self.method_words()),
+            ("carried", ", ".join(self.carried) or "nothing"),
+            ("why", "; ".join(self.why)),
+            ("left out", "; ".join(self.left_out) or "nothing"),
+            ("cost", "unknown" if self.cost is None else f"about {_time_words(self.cost)} a body"),
+            ("error", "unknown" if self.error is None else f"about {self.error:.1e} rad"),
+        ]
+        return "\n".join(f"{name:<12}{text}" for name, text in lines)
+
+    def method_words(self) -> str:
+        """Method, closed form and steps in a few words."""
+        if self.method == EXACT:
+            return f"{EXACT}, closed form: {self.closed_form}" if self.closed_form else EXACT
+        parts = [self.method]
+        if self.closed_form:
+            parts.append(f"closed form where there is one: {self.closed_form}")
+        parts.append("step chosen for each body" if self.step is None else f"step {self.step:g} s")
+        if self.steps is not None:
+            parts.append(f"about {self.steps:,} steps")
+        return ", ".join(parts)
+
+
+def left_out(
+    scene: Scene,
+    question: Question,
+    method: str,
+    step: float | None,
+    forms: NDArray[np.str_],
+) -> tuple[str, ...]:
+    """The omitted parts of the computation, with reasons."""
+    left = []
+    if method == EXACT:
+        reasons = {
+            "free symmetric": "symmetric: no elliptic functions",
+            "lagrange": "symmetric: closed form, no steps",
+            "pendulum": "plane swing: closed form, no steps",
+        }
+        if scene.is_driven:
+            left.append("damping a multiple of the inertia: the free motion, slowed; no steps")
+        elif not scene.directions:
+            left.append("no torque: no steps")
+        left.extend(reasons[form] for form in sorted(set(forms.tolist())) if form in reasons)
+        if step is not None:
+            left.append(f"closed form: step = {step:g} is not needed")
+    if not isinstance(question, str):
+        left.append(
+            "class only: no trajectory, no attitude"
+            if method == EXACT
+            else "class only: no attitude, no trajectory kept"
+        )
+    elif question != "attitude" and "attitude" not in carried(scene, question, method):
+        left.append(f"{'rates' if question == 'rates' else 'vertical'} only: no attitude")
+    if "gamma" not in carried(scene, question, method) and (
+        not scene.directions and question in ("rates", "attitude")
+    ):
+        left.append("no weight: no vertical")
+    return tuple(left)
+
+
+def carried(scene: Scene, question: Question, method: str) -> tuple[str, ...]:
+    """The variables that are computed."""
+    exact = method == EXACT
+    watched = not isinstance(question, str)
+    record = question if isinstance(question, str) else question.record
+    if scene.is_driven and (watched or not exact):
+        in_space = scene.torque is not None and scene.torque.acts_in_space
+        bare = record == "rates" and not scene.directions and not in_space
+        variables = ("omega",) if bare else ("omega", "gamma", "attitude")
+        return variables if watched else (*variables, "work")
+    if watched and exact:
+        return ()
+    turns = bool(scene.directions)
+    if exact:
+        # The rates of a top and every vertical come from the attitude.
+        return {
+            "rates": ("omega", "attitude") if turns else ("omega",),
+            "axis": ("omega", "gamma", "attitude"),
+            "attitude": ("omega", "attitude"),
+        }[record]
+    return {
+        "rates": ("omega", "gamma") if turns else ("omega",),
+        "axis": ("omega", "gamma"),
+        "attitude": ("omega", "gamma", "attitude") if turns else ("omega", "attitude"),
+    }[record]
+
+
+def _time_words(nanoseconds: float) -> str:
+    for limit, unit, size in ((1e3, "ns", 1.0), (1e6, "µs", 1e3), (1e9, "ms", 1e6)):
+        if nanoseconds < limit:
+            return f"{nanoseconds / size:.3g} {unit}"
+    return f"{nanoseconds / 1e9:.3g} s"

@@ -1,0 +1,67 @@
+"""A request to the core: bodies, times, method, record and limits."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import _core
+from .batch import Batch
+
+__all__ = ["Request", "select_states"]
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Request:
+    """States of a batch of bodies at given times.
+
+    Attributes
+    ----------
+    batch : Batch
+    times : ndarray, shape (m,)
+        Times of the states (s), ascending.
+    method : str
+        ``"exact"`` or the name of a scheme.
+    record : {"rates", "axis", "attitude"}
+    max_steps : int
+        A body that needs more is not run to its end.
+    threads : int
+    tolerance : float or None
+        Tolerance of adaptive steps, for a Taylor method.
+    """
+
+    batch: Batch
+    times: Floats
+    method: str
+    record: str
+    max_steps: int
+    threads: int
+    tolerance: float | None = None
+
+    def states(self, steps: Floats | None) -> dict[str, Any]:
+        """The states, each body with its longest step (s); None leaves the steps to the core."""
+        return _core.simulate(
+            **self.batch.columns(),
+            method=self.method,
+            record=self.record,
+            step=steps,
+            max_steps=self.max_steps,
+            threads=self.threads,
+            times=self.times.tolist(),
+            tolerance=self.tolerance,
+        )
+
+    def select(self, bodies: NDArray[np.intp]) -> Self:
+        """The request for some of the bodies."""
+        return replace(self, batch=self.batch.select(bodies))
+
+
+def select_states(states: dict[str, Any], bodies: NDArray[np.intp]) -> dict[str, Any]:
+    """The states of some bodies, as :meth:`Request.states` gives them."""
+    columns = ((name, values) for name, values in states.items() if name != "nanoseconds")
+    return {name: None if values is None else values[bodies] for name, values in columns}

@@ -1,0 +1,234 @@
+"""States of bodies at given times."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import _core
+from ..model.scene import scene_from_dict
+from .plan import Plan
+
+if TYPE_CHECKING:
+    from os import PathLike
+    from pathlib import Path
+
+    from scipy.spatial.transform import Rotation
+
+__all__ = ["Run", "Status", "error_limit", "plug_in_animator"]
+
+
+class Status(IntEnum):
+    """How a body ended."""
+
+    OK = 0  #: at the last requested time
+    FINISHED = 0  #: another name of OK
+    STOPPED = 1  #: when a map had classified the body
+    STEP_LIMIT = 2  #: it would have needed more than ``max_steps``: not run, or stopped there
+    NOT_FINITE = 3  #: overflow or NaN: too long a step, or a phase beyond 2**50 turns
+    DRIFTED = 4  #: energy, momentum or unit lengths off by more than 0.1: the step is too long
+    FLAGGED = 5  #: error above the requested accuracy, or 1 or more: see ``lost_from``
+
+
+_STATUS_WORDS: Mapping[Status, str] = {
+    Status.OK: "ok",
+    Status.STOPPED: "stopped when the question was answered",
+    Status.STEP_LIMIT: (
+        "step limit: it needs more than max_steps steps; raise max_steps, take longer steps or a "
+        "method of higher order"
+    ),
+    Status.NOT_FINITE: "not finite: a number overflowed; take shorter steps or other units",
+    Status.DRIFTED: (
+        f"drifted: energy, momentum or a length is off by more than {_core.DRIFT_LIMIT:g}; take "
+        "shorter steps or a method of higher order"
+    ),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """The result of :func:`simulate`. With a single body the leading axis ``n`` is absent.
+
+    Attributes
+    ----------
+    t : ndarray, shape (m,)
+        Times (s).
+    omega : ndarray, shape (n, m, 3)
+        Angular velocity in the body (rad/s).
+    gamma : ndarray, shape (n, m, 3), or None
+        Upward vertical in body components, if it was recorded.
+    attitude : ndarray, shape (n, m, 4), or None
+        Quaternion, scalar first, body to space, if it was recorded. Not renormalised.
+    work : ndarray, shape (n, m), or None
+        Work done on the body by torque and damping since ``t = 0`` (J), integrated with the motion;
+        None for a scene without them.
+    energy_drift : ndarray, shape (n,)
+        Largest error of the energy at a requested time, relative to the kinetic energy at the start
+        (plus ``mgl`` for a top). Under torque and damping it is the residual of the power balance
+        ``dE/dt = torque·omega - omega·D omega``: the error of the energy minus the ``work``,
+        relative to the energy that the body can reach. ``"etd4"`` and ``"splitting"`` compute the
+        work from the change of kinetic energy, so for a body without weight this residual is zero
+        by construction and is no measure of the error.
+    momentum_drift : ndarray, shape (n,)
+        Largest error of the conserved angular momentum at a requested time. For a free body it is
+        the error of ``|L|`` relative to ``|L|``; for a top, the error of ``L·gamma`` relative to
+        ``|L| + sqrt(mgl I_max)`` at the start. Under torque and damping it is the residual of the
+        balance of ``L·gamma``, or of ``L·L`` if only rates are integrated. ``"etd4"``
+        and ``"splitting"`` keep the balance of momentum by construction, ``"midpoint"`` keeps the
+        balances of momentum and energy.
+    unit_drift : ndarray, shape (n,)
+        Largest deviation of ``|gamma|`` and ``|q|`` from one; 0 if neither is integrated.
+    status : ndarray of uint8, shape (n,)
+        A :class:`Status` for each body. ``FLAGGED`` follows from ``error``, which in a large call
+        may be that of a sample; the other statuses are the body's own.
+    steps : ndarray of uint64, shape (n,)
+        Steps taken; 0 by closed form.
+    error : ndarray, shape (n,)
+        Estimated error: of the rates relative to the fastest, of the vertical and the attitude in
+        rad, the largest at up to 16 of the times, the last time among them. For steps it is three
+        times the difference from a second run with shorter steps. In a call with more than 32
+        bodies and no ``accuracy``, a sample of 32 bodies is run again and the other bodies are
+        given the largest error of the sample. For a closed form it is ``1e-15`` per radian turned.
+        NaN for a body that was not run.
+    lost_from : ndarray, shape (n,)
+        Time from which on, away from 0, the error is 1 or more: do not use the states from there
+        on. Negative if that is backward in time; infinite if there is none; NaN for a body that was
+        not run or overflowed.
+    nanoseconds : int
+        Processor time of the states, of all threads together; not that of the second run.
+    spec : dict
+        Scene, method, step, accuracy, tolerance and record, as a dict.
+    plan : Plan
+        The method, the omissions and the reasons.
+    """
+
+    t: NDArray[np.float64]
+    omega: NDArray[np.float64]
+    gamma: NDArray[np.float64] | None
+    attitude: NDArray[np.float64] | None
+    work: NDArray[np.float64] | None
+    energy_drift: NDArray[np.float64]
+    momentum_drift: NDArray[np.float64]
+    unit_drift: NDArray[np.float64]
+    status: NDArray[np.uint8]
+    steps: NDArray[np.uint64]
+    error: NDArray[np.float64]
+    lost_from: NDArray[np.float64]
+    nanoseconds: int
+    spec: dict[str, Any]
+    plan: Plan
+
+    _animator: ClassVar[Callable[..., Path]]
+
+    @property
+    def flagged(self) -> NDArray[np.bool_]:
+        """Whether the error is above the requested accuracy, or 1 or more without an accuracy."""
+        flagged: NDArray[np.bool_] = np.asarray(self.error) >= self._limit
+        return flagged
+
+    @property
+    def _limit(self) -> float:
+        return error_limit(self.spec)
+
+    def reasons(self) -> tuple[str, ...]:
+        """How each body ended, and what to do if it did not end well, in a sentence each.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> box = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
+        >>> run = rigid.simulate(
+        ...     box, [[1.0, 0.0, 0.1], [1e-12, 1.0, 1e-12]], t=[100.0], method="rk4"
+        ... )
+        >>> for words in run.reasons():
+        ...     print(words)
+        ok
+        flagged: the estimated error is 1 or more from t = 50.8 on; end the run earlier or ask for \
+an accuracy
+        """
+        statuses, errors, lost = (
+            np.atleast_1d(values) for values in (self.status, self.error, self.lost_from)
+        )
+        return tuple(
+            self._flagged_words(float(error), float(since))
+            if status == Status.FLAGGED
+            else _STATUS_WORDS[Status(status)]
+            for status, error, since in zip(statuses, errors, lost, strict=True)
+        )
+
+    def _flagged_words(self, error: float, since: float) -> str:
+        """Why a body is flagged, and what to do."""
+        accuracy = self.spec["accuracy"]
+        if np.isfinite(since):
+            cure = "end the run earlier"
+            cure += " or ask for an accuracy" if accuracy is None else ": shorter steps do not help"
+            return f"flagged: the estimated error is 1 or more from t = {since:.4g} on; {cure}"
+        return (
+            f"flagged: the estimated error is {error:.1e}, above the {self._limit:g} asked for; "
+            "end the run earlier or ask for a larger error"
+        )
+
+    def energy(self) -> NDArray[np.float64]:
+        """Kinetic and potential energy ``omega·I omega / 2 + mgl com·gamma`` (J), shape (n, m).
+
+        Under torque and damping it changes by the :attr:`work`.
+
+        Raises
+        ------
+        ValueError
+            If a top's vertical was not recorded.
+
+        Examples
+        --------
+        >>> import numpy as np, rigid
+        >>> wheel = rigid.FreeBody(rigid.Body((1.0, 1.0, 1.8)), damping=0.2)
+        >>> run = rigid.simulate(wheel, [0.0, 0.3, 2.0], t=[0.0, 5.0])
+        >>> bool(np.isclose(np.diff(run.energy())[0], run.work[-1]))
+        True
+        """
+        scene = scene_from_dict(self.spec["scene"])
+        energy: NDArray[np.float64] = 0.5 * (self.omega**2 @ np.array(scene.body.moments))
+        if not scene.weight.any():
+            return energy
+        if self.gamma is None:
+            raise ValueError("record = 'rates': the potential energy of a top needs its vertical")
+        return energy + self.gamma @ scene.weight
+
+    def rotation(self) -> Rotation:
+        """The attitudes as a SciPy ``Rotation`` of shape ``(n, m)`` (active, body to space).
+
+        Raises
+        ------
+        ValueError
+            If the attitude was not recorded.
+        """
+        if self.attitude is None:
+            raise ValueError(
+                "record = 'attitude' was not asked for: there is no attitude to return"
+            )
+        from scipy.spatial.transform import Rotation
+
+        return Rotation.from_quat(self.attitude, scalar_first=True)
+
+    def animate(self, path: str | PathLike[str], **options: Any) -> Path:
+        """Write the motion to a page or a picture that moves: :func:`rigid.animation.animate`."""
+        return self._animator(self, path, **options)
+
+
+def plug_in_animator(animator: Callable[..., Path]) -> None:
+    """Let :meth:`Run.animate` call ``animator(run, path, **options)``.
+
+    Animations use modules of the textbook, which import this module. So this module cannot
+    import them; the top package registers the function.
+    """
+    Run._animator = staticmethod(animator)
+
+
+def error_limit(spec: dict[str, Any]) -> float:
+    """The error from which on a body is flagged."""
+    return 1.0 if spec["accuracy"] is None else float(spec["accuracy"])

@@ -1,0 +1,104 @@
+"""The phase error that the drift of a run causes in a free body next to its separatrix."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import _core
+from .batch import Batch
+
+__all__ = ["circulation_terms", "separatrix_error"]
+
+Floats = NDArray[np.float64]
+
+NEAR = 1e-3
+"""A distance from the separatrix below this share of the largest on its side is near."""
+
+NEARLY_FREE = 1e-8
+"""A body is treated as free if weight and work are below this share of its kinetic energy."""
+
+
+def circulation_terms(moments: Floats, omega: Floats) -> tuple[Floats, Floats]:
+    """The terms of ``2 T I2 - L²`` from the rates about axes 1 and 3; axes in ascending moments.
+
+    The first minus the second term is ``2 T I2 - L²``. The difference of energy and momentum would
+    lose all digits near the separatrix.
+    """
+    i1, i2, i3 = np.moveaxis(moments, -1, 0)
+    return i1 * (i2 - i1) * omega[..., 0] ** 2, i3 * (i3 - i2) * omega[..., 2] ** 2
+
+
+@np.errstate(all="ignore")
+def separatrix_error(
+    batch: Batch, states: Mapping[str, Any], reached: tuple[float, float]
+) -> tuple[Floats, Floats]:
+    """Phase error (rad) that drift causes near the separatrix, and the time it may be lost from.
+
+    ``2 T I2 - L²``, moments ascending, is negative on the polhodes about axis 3 and positive on
+    those about axis 1 (Landau & Lifshitz, *Mechanics*, § 37). The time that a body stays at the
+    saddle goes with the logarithm of this distance: a drift of the states that changes the distance
+    by a share delays each flip by about that share of the time in which the body turns over. Where
+    the drift reaches the whole distance, the side is lost; this shows once the body has passed the
+    saddle, that is from its first flip on.
+
+    Parameters
+    ----------
+    batch : Batch
+    states : mapping
+        States of the bodies at the requested times.
+    reached : tuple of float
+        First and last time of the run (s).
+
+    Returns
+    -------
+    delay : ndarray, shape (n,)
+        Phase error (rad); 0 away from the separatrix.
+    lost_from : ndarray, shape (n,)
+        Time (s) from which on the phase is unknown; infinite if never.
+    """
+    count = len(batch)
+    delay, never = np.zeros(count), np.full(count, np.inf)
+    if not count:
+        return delay, never
+    moments = np.broadcast_to(batch.moments, (count, 3))
+    order = np.argsort(moments[0], kind="stable")
+    if len(np.unique(moments[0])) < 3 or not np.all(moments == moments[0]):
+        return delay, never
+    momentum2 = np.sum((moments * batch.omega) ** 2, axis=1)
+    kinetic = np.sum(moments * batch.omega**2, axis=1)
+    acts = np.linalg.norm(batch.weight, axis=1)
+    if states["work"] is not None:
+        acts = acts + np.abs(states["work"]).max(axis=1, initial=0.0)
+
+    ascending = moments[0, order]
+    about_first, about_third = circulation_terms(ascending, batch.omega[:, order])
+    distance = np.abs(about_first - about_third)
+    # On either side it is largest for the rotation about the axis there.
+    i1, i2, i3 = ascending
+    largest = momentum2 * np.where(about_first > about_third, (i2 - i1) / i1, (i3 - i2) / i3)
+    near = np.flatnonzero(
+        (distance < NEAR * largest) & (momentum2 > 0.0) & (acts < NEARLY_FREE * kinetic)
+    )
+    if not len(near):
+        return delay, never
+    later_first, later_third = circulation_terms(ascending, states["omega"][near][..., order])
+    moved = (later_first - later_third) - (about_first - about_third)[near, None]
+    share = np.abs(moved).max(axis=1, initial=0.0) / distance[near]
+    free = Batch(
+        kind="free",
+        moments=np.ascontiguousarray(moments[near]),
+        weight=np.zeros((1, 3)),
+        omega=np.ascontiguousarray(batch.omega[near]),
+        attitude=np.array([[1.0, 0.0, 0.0, 0.0]]),
+    )
+    first = _core.flip_times(**free.columns(), axis=int(order[1]) + 1, count=1)[:, 0]
+    # Backward in time a body passes the saddle about as late.
+    passed = np.where(first <= reached[1], first, np.where(first <= -reached[0], -first, np.inf))
+    flips = np.isfinite(passed)
+    delay[near] = np.where(flips, np.minimum(share, 1.0), 0.0)
+    never[near] = np.where(flips & (share >= 1.0), passed, np.inf)
+    return delay, never

@@ -1,0 +1,264 @@
+"""States of one body or many at given times."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .. import _core
+from .._checks.arguments import finite_float, one_of, positive_int, resolve_threads, sorted_times
+from ..model.scene import Scene, check_scene
+from .arrays import time_range, time_span
+from .batch import Batch
+from .choose_method import Problem, choose_method
+from .closed_form import RECORDS
+from .error_estimate import ErrorEstimate, closed_form_error, unknown_error
+from .integrate import integrate
+from .methods import EXACT, series_methods
+from .plan import Plan
+from .request import Request
+from .run import Run, Status, error_limit
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
+
+__all__ = [
+    "simulate",
+]
+
+
+def simulate(
+    scene: Scene,
+    omega: ArrayLike,
+    attitude: ArrayLike | Rotation | None = None,
+    *,
+    t: ArrayLike,
+    method: str | None = None,
+    step: float | None = None,
+    accuracy: float | None = None,
+    tolerance: float | None = None,
+    record: str = "attitude",
+    check: bool = True,
+    max_steps: int = 10**9,
+    threads: int | None = None,
+) -> Run:
+    """States of one body or many at the given times, by closed form if there is one.
+
+    A free body has a closed form, and so has a top with two equal moments and its centre of mass on
+    the third axis: the closed form is evaluated at each given time and takes no steps. All other
+    bodies are integrated, unless all tops of the call swing as pendulums about a principal axis.
+    Bodies under torque or damping are integrated too. With a given method the result of a body has
+    the same bits in any batch, on any processor and for any number of threads.
+
+    Parameters
+    ----------
+    scene : FreeBody or HeavyTop
+        The body with its weight, applied torque and damping.
+    omega : array_like, shape (3,) or (n, 3)
+        Angular velocity at ``t = 0`` in the body (rad/s).
+    attitude : array_like, shape (4,) or (n, 4), or scipy Rotation, optional
+        Attitude at ``t = 0``: quaternion, scalar first, body to space; normalised here. Default:
+        body and space axes coincide.
+    t : array_like, shape (m,)
+        Times of the states (s), ascending; negative times are reached backward from 0.
+    method : str, optional
+        ``"exact"``, the closed form, or one of :func:`rigid.methods`. Default: ``"exact"`` where
+        all bodies have a closed form and no step is given, else ``"rk4"``; under damping ten times
+        as fast as the turning, ``"etd4"``. Steps are equal between given times and end exactly at
+        these times and at the knots of a torque's table.
+    step : float, optional
+        Largest step (s). Default: each body turns by at most the ``angle_per_step`` of the method a
+        step, from a bound of its rates.
+    accuracy : float, optional
+        Largest error of the last state, relative to its size (see :attr:`Run.error`), instead of a
+        step. Method and step follow from a calibrated model of the error. Each body is then
+        integrated again with shorter steps, repeatedly, until its estimated error is below. A body
+        whose error stays above, because of chaos or rounding, is :attr:`Run.flagged`.
+    tolerance : float, optional
+        For a Taylor method, instead of a step: each body takes steps of its own, as long as the
+        last terms of its series stay below this share of the largest rate and of a unit vector.
+        Given times between two steps need no extra step.
+    record : {"attitude", "axis", "rates"}
+        Recorded states: rates and attitude; rates and the vertical in body components; or rates
+        only. A smaller record is faster and changes no bit of the rates.
+    check : bool
+        Whether the error is estimated by a second run with shorter steps. Without the second run
+        the error is NaN. An ``accuracy`` always takes it.
+    max_steps : int
+        A body that would need more has the status ``STEP_LIMIT``: it is not run, or it is stopped
+        there if there is a tolerance.
+    threads : int, optional
+        Default: ``RIGID_NUM_THREADS``, else the cores that this process may use.
+
+    Returns
+    -------
+    Run
+        Named arrays; see :class:`Run`.
+
+    Raises
+    ------
+    ValueError
+        Naming the argument, its value and the rule: not finite, wrong shape, zero quaternion,
+        unsorted times, unknown method or record, step, accuracy or tolerance not positive, a
+        tolerance for a method that is no Taylor method, ``"exact"`` for a body without a closed
+        form. Under torque and damping: a method that cannot integrate them, a step with which an
+        explicit method is unstable, a time that the table of the torque does not reach.
+
+    Examples
+    --------
+    >>> import numpy as np, rigid
+    >>> book = rigid.FreeBody(rigid.Body.box(0.01, 0.08, 0.25, mass=0.3))
+    >>> run = rigid.simulate(book, [1e-10, 1.0, 1e-10], t=[0.0, 26.634])
+    >>> run.plan.method, int(run.steps)
+    ('exact', 0)
+    >>> bool(abs(run.omega[-1, 1]) < 1e-3)  # it has left the middle axis by then
+    True
+    """
+    check_scene(scene)
+    one_of("record", record, RECORDS)
+    batch, single = Batch.from_input(scene, omega, attitude)
+    times = sorted_times("t", t)
+    if tolerance is not None:
+        tolerance = _checked_tolerance(tolerance, method, step, accuracy)
+    problem = Problem(
+        scene=scene,
+        question=record,
+        batch=batch,
+        begin=time_range(times)[0],
+        span=time_span(times),
+        accuracy=accuracy,
+        method=method,
+        step=step,
+        states=len(times),
+    )
+    plan, steps = choose_method(problem)
+    if tolerance is not None:
+        own = f"each body takes its own steps, last terms below {tolerance:g}"
+        plan = replace(plan, why=(*plan.why, own), step=None, steps=None, cost=None, error=None)
+    request = Request(
+        batch=batch,
+        times=times,
+        method=plan.method,
+        record=record,
+        max_steps=positive_int("max_steps", max_steps),
+        threads=resolve_threads(threads),
+        tolerance=tolerance,
+    )
+    if plan.method == EXACT:
+        states, estimate = request.states(None), closed_form_error(batch, times)
+    else:
+        states, estimate = integrate(request, steps, accuracy, check=check)
+    if states["work"] is not None:
+        states["work"] = np.ldexp(states["work"], batch.scale_exponent)
+    spec = {
+        "scene": scene.to_dict(),
+        "method": plan.method,
+        "step": None if plan.method == EXACT else step,
+        "accuracy": accuracy,
+        "tolerance": tolerance,
+        "record": record,
+    }
+    return _to_run(states, times, estimate, spec, plan, single=single)
+
+
+def replay_steps(
+    scene: Scene,
+    omega: NDArray[np.float64],
+    attitude: NDArray[np.float64],
+    *,
+    method: str,
+    step: float,
+    strides: Sequence[int],
+) -> Run:
+    """A body of a map again: its states after these numbers of steps of exactly ``step``."""
+    batch = Batch.of_scene(scene, omega.reshape(1, 3), attitude.reshape(1, 4), 1)
+    times = np.cumsum(strides) * step
+    problem = Problem(
+        scene=scene,
+        question="attitude",
+        batch=batch,
+        span=time_span(times),
+        method=method,
+        step=step,
+    )
+    plan, steps = choose_method(problem)
+    states = _core.simulate(
+        **batch.columns(),
+        method=method,
+        record="attitude",
+        step=steps,
+        max_steps=2**63,
+        threads=1,
+        strides=list(strides),
+    )
+    spec = {
+        "scene": scene.to_dict(),
+        "method": method,
+        "step": step,
+        "accuracy": None,
+        "tolerance": None,
+        "record": "attitude",
+    }
+    # The map that this body comes from has its own check of the error.
+    return _to_run(states, times, unknown_error(1), spec, plan, single=True)
+
+
+def _checked_tolerance(
+    tolerance: float, method: str | None, step: float | None, accuracy: float | None
+) -> float:
+    """The tolerance, if it is one and if the method chooses its steps by it."""
+    tolerance = finite_float("tolerance", tolerance, positive=True)
+    if tolerance >= 1.0:
+        raise ValueError(f"tolerance = {tolerance:g}: must be below one")
+    for name, value in (("step", step), ("accuracy", accuracy)):
+        if value is not None:
+            raise ValueError(
+                f"tolerance = {tolerance:g}, {name} = {value:g}: exclude each other, "
+                "because the steps follow from the tolerance"
+            )
+    if method not in series_methods():
+        raise ValueError(
+            f"tolerance = {tolerance:g}, method = {method!r}: only "
+            f"{', '.join(map(repr, series_methods()))} choose their steps by a tolerance"
+        )
+    return tolerance
+
+
+def _to_run(
+    states: dict[str, Any],
+    times: NDArray[np.float64],
+    estimate: ErrorEstimate,
+    spec: dict[str, Any],
+    plan: Plan,
+    *,
+    single: bool,
+) -> Run:
+    def of_body(values: Any) -> Any:
+        return values[0] if single and values is not None else values
+
+    unknown = np.isin(states["status"], (Status.STEP_LIMIT, Status.NOT_FINITE))
+    error = np.where(unknown, np.nan, estimate.error)
+    lost_from = np.where(unknown, np.nan, estimate.lost_from)
+    flagged = (states["status"] == Status.OK) & (error >= error_limit(spec))
+    states["status"] = np.where(flagged, np.uint8(Status.FLAGGED), states["status"])
+    return Run(
+        t=times,
+        omega=of_body(states["omega"]),
+        gamma=of_body(states["vertical"]),
+        attitude=of_body(states["attitude"]),
+        work=of_body(states["work"]),
+        energy_drift=of_body(states["energy_drift"]),
+        momentum_drift=of_body(states["momentum_drift"]),
+        unit_drift=of_body(states["unit_drift"]),
+        status=of_body(states["status"]),
+        steps=of_body(states["steps"]),
+        error=of_body(error),
+        lost_from=of_body(lost_from),
+        nanoseconds=states["nanoseconds"],
+        spec=spec,
+        plan=plan,
+    )

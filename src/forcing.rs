@@ -1,0 +1,359 @@
+//! `Forcing`: applied torque over time, and linear damping.
+
+use crate::error::Error;
+use crate::real::Real;
+use crate::special::exp;
+
+/// Applied torque and damping of one body on an interval of time in which the torque is linear.
+#[derive(Clone, Copy)]
+pub struct ForcingInterval<R> {
+    /// Torque in the body at the begin of the interval, and its rate of change.
+    pub body: [[R; 3]; 2],
+    /// Torque in space at the begin of the interval, and its rate of change.
+    pub space: [[R; 3]; 2],
+    /// Damping: the torque is minus this matrix times the rates; its entries 11, 22, 33, 23, 31, 12.
+    pub damping: [R; 6],
+    /// Damping rates of the body without torque: eigenvalues of `I^(-1/2) D I^(-1/2)`.
+    pub rates: [R; 3],
+    /// Eigenvectors of the damping rates, as columns.
+    pub modes: [[R; 3]; 3],
+}
+
+impl<R: Real> ForcingInterval<R> {
+    /// No forcing.
+    #[inline(always)]
+    pub fn none() -> Self {
+        let zero = R::splat(0.0);
+        ForcingInterval {
+            body: [[zero; 3]; 2],
+            space: [[zero; 3]; 2],
+            damping: [zero; 6],
+            rates: [zero; 3],
+            modes: [[zero; 3]; 3],
+        }
+    }
+}
+
+/// An applied torque, piecewise linear in time, and linear damping.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Forcing {
+    /// Times of the values, ascending; two equal times are a jump. Empty for a constant torque.
+    times: Vec<f64>,
+    /// Torque in the body, and in space, at each time; one pair for a constant torque; none without forcing.
+    values: Vec<[[f64; 3]; 2]>,
+    /// Entries 11, 22, 33, 23, 31, 12 of the damping matrix `D`: the damping torque is `-D omega`.
+    damping: [f64; 6],
+}
+
+impl Forcing {
+    /// No applied torque and no damping.
+    pub const NONE: &'static Forcing = &Forcing { times: Vec::new(), values: Vec::new(), damping: [0.0; 6] };
+
+    /// A torque given in the body and in space at some times (none: constant), and damping.
+    ///
+    /// # Errors
+    /// Naming the argument: numbers that are not finite, times that descend or that are not as many as the values,
+    /// damping that would add energy.
+    pub fn new(
+        times: &[f64],
+        body: &[[f64; 3]],
+        space: &[[f64; 3]],
+        damping: [f64; 6],
+    ) -> Result<Forcing, Error> {
+        let refuse = |argument, value: String, rule| Err(Error::Value { argument, value, rule });
+        let wanted = times.len().max(1);
+        for values in [body, space] {
+            if values.len() != wanted {
+                let (expected, got) = (format!("({wanted}, 3)"), format!("({}, 3)", values.len()));
+                return Err(Error::Shape { argument: "torque", expected, got });
+            }
+            if let Some(&bad) = values.iter().flatten().find(|x| !x.is_finite()) {
+                return refuse("torque", bad.to_string(), "must be finite");
+            }
+        }
+        if let Some(&bad) = times.iter().find(|x| !x.is_finite()) {
+            return refuse("torque times", bad.to_string(), "must be finite");
+        }
+        if let Some(pair) = times.windows(2).find(|pair| pair[1] < pair[0]) {
+            return refuse("torque times", format!("{pair:?}"), "must be ascending");
+        }
+        if let Some(three) = times.windows(3).find(|three| three[0] == three[2]) {
+            return refuse("torque times", format!("{three:?}"), "at most two values may share a time");
+        }
+        if times.len() == 1 {
+            return refuse("torque times", times[0].to_string(), "a table has at least two times");
+        }
+        if !damping.iter().all(|x| x.is_finite()) {
+            return refuse("damping", format!("{damping:?}"), "must be finite");
+        }
+        let values = body.iter().zip(space).map(|(&body, &space)| [body, space]).collect();
+        let made = Forcing { times: times.to_vec(), values, damping };
+        let [least, .., largest] = made.damping_rates([1.0; 3]);
+        // Eigenvalues are found to a few roundings of the largest.
+        if least < -8.0 * f64::EPSILON * largest.abs().max(least.abs()) {
+            let rule = "must be positive semi-definite, so that damping cannot add energy";
+            let [d11, d22, d33, d23, d31, d12] = damping;
+            let matrix = [[d11, d12, d31], [d12, d22, d23], [d31, d23, d33]];
+            return refuse("damping", format!("{matrix:?}"), rule);
+        }
+        Ok(made)
+    }
+
+    /// Whether there is no forcing.
+    pub fn is_none(&self) -> bool {
+        self.values.is_empty()
+    }
+
+    /// Whether a torque in space acts at any time: the rates then depend on the attitude.
+    pub fn acts_in_space(&self) -> bool {
+        self.values.iter().any(|[_, space]| space.iter().any(|&x| x != 0.0))
+    }
+
+    /// The times between which the torque is linear in time.
+    pub fn knots(&self) -> &[f64] {
+        &self.times
+    }
+
+    /// Raises an error for a time outside the table of the torque, where the torque is unknown.
+    pub fn check_reaches(&self, time: f64) -> Result<(), Error> {
+        match (self.times.first(), self.times.last()) {
+            (Some(&first), Some(&last)) if !(first <= time && time <= last) => Err(Error::Value {
+                argument: "t",
+                value: time.to_string(),
+                rule: "the table of the torque does not reach this time",
+            }),
+            _ => Ok(()),
+        }
+    }
+
+    /// The forcing of a body with these moments from a time to the next knot, forward or backward.
+    pub fn interval(&self, time: f64, backward: bool, moments: [f64; 3]) -> ForcingInterval<f64> {
+        let [[body, body_slope], [space, space_slope]] = self.torques(time, backward);
+        let (rates, modes) = self.damping_modes(moments);
+        ForcingInterval {
+            body: [body, body_slope],
+            space: [space, space_slope],
+            damping: self.damping,
+            rates,
+            modes,
+        }
+    }
+
+    /// The torques in the body and in space at a time, each with its rate of change.
+    fn torques(&self, time: f64, backward: bool) -> [[[f64; 3]; 2]; 2] {
+        let [mut value, mut slope] = [self.values[0], [[0.0; 3]; 2]];
+        if self.times.len() > 1 {
+            let piece = self.piece(time, backward);
+            let (begin, end) = (self.times[piece], self.times[piece + 1]);
+            for f in 0..2 {
+                for k in 0..3 {
+                    let (from, to) = (self.values[piece][f][k], self.values[piece + 1][f][k]);
+                    slope[f][k] = if end > begin { (to - from) / (end - begin) } else { 0.0 };
+                    value[f][k] = from + slope[f][k] * (time - begin);
+                }
+            }
+        }
+        [[value[0], slope[0]], [value[1], slope[1]]]
+    }
+
+    /// The interval of the table that a motion enters at a time.
+    fn piece(&self, time: f64, backward: bool) -> usize {
+        let after = if backward {
+            self.times.partition_point(|&knot| knot < time)
+        } else {
+            self.times.partition_point(|&knot| knot <= time)
+        };
+        after.clamp(1, self.times.len() - 1) - 1
+    }
+
+    /// The next knot after a time, forward or backward.
+    pub fn next_knot(&self, time: f64, backward: bool) -> Option<f64> {
+        if backward {
+            self.times[..self.times.partition_point(|&knot| knot < time)].last().copied()
+        } else {
+            self.times.get(self.times.partition_point(|&knot| knot <= time)).copied()
+        }
+    }
+
+    /// Damping rates of a body with these moments without torque, ascending: the eigenvalues of
+    /// `I^(-1/2) D I^(-1/2)`.
+    pub fn damping_rates(&self, moments: [f64; 3]) -> [f64; 3] {
+        let mut rates = self.damping_modes(moments).0;
+        rates.sort_by(f64::total_cmp);
+        rates
+    }
+
+    /// The eigenvalues of `I^(-1/2) D I^(-1/2)`, and its eigenvectors as columns.
+    pub fn damping_modes(&self, moments: [f64; 3]) -> ([f64; 3], [[f64; 3]; 3]) {
+        let [d11, d22, d33, d23, d31, d12] = self.damping;
+        let mut scaled = [[d11, d12, d31], [d12, d22, d23], [d31, d23, d33]];
+        for i in 0..3 {
+            for k in 0..3 {
+                // The root of a square would round.
+                scaled[i][k] /= if i == k { moments[i] } else { moments[i].sqrt() * moments[k].sqrt() };
+            }
+        }
+        eigen(scaled)
+    }
+
+    /// A bound of the integral of `|I^(-1/2) torque|` between two times, which bounds the gain of the root of twice the
+    /// energy. The size of a linear function is convex, so the sum of trapezoids is a bound.
+    fn gain(&self, moments: [f64; 3], from: f64, to: f64) -> f64 {
+        if self.times.is_empty() {
+            return size(moments, self.values[0]) * (to - from).abs();
+        }
+        let at = |time: f64, backward: bool| {
+            let [body, space] = self.torques(time, backward);
+            size(moments, [body[0], space[0]])
+        };
+        let inner = self.times.iter().copied().filter(|&knot| from < knot && knot < to);
+        let mut stops: Vec<f64> = std::iter::once(from).chain(inner).collect();
+        stops.push(to);
+        stops.windows(2).map(|w| 0.5 * (at(w[0], false) + at(w[1], true)) * (w[1] - w[0])).sum()
+    }
+
+    /// The rate k, if the forcing is a damping `D = k I` without torque, equal to within the rounding of the products.
+    ///
+    /// All components of the momentum then decay as `exp(-k t)`, and the motion is a free motion in a transformed time.
+    pub fn slows_evenly(&self, moments: [f64; 3]) -> Option<f64> {
+        let [d11, d22, d33, ..] = self.damping;
+        let still = self.values.iter().flatten().flatten().all(|&x| x == 0.0);
+        let diagonal = self.damping[3..].iter().all(|&x| x == 0.0);
+        let own = [d11, d22, d33];
+        let fits = |&k: &f64| (0..3).all(|i| k * moments[i] == own[i]);
+        (0..3).map(|i| own[i] / moments[i]).find(fits).filter(|_| still && diagonal)
+    }
+
+    /// The largest `|I^(-1/2) torque|`, at any time.
+    fn strength(&self, moments: [f64; 3]) -> f64 {
+        self.values.iter().map(|&value| size(moments, value)).fold(0.0, f64::max)
+    }
+
+    /// A bound of |omega| between two times around 0, from the power balance. Twice the kinetic energy at the start,
+    /// the weight `mgl`, and the energy that the body can gain by falling.
+    ///
+    /// With `u = |I^(1/2) omega|`, `u' <= |I^(-1/2) torque| - d u`, and `|omega| <= u / sqrt(I_min)`; `d` is the least
+    /// damping rate. Backward in time damping adds energy at the largest rate.
+    pub fn fastest_rate(
+        &self,
+        moments: [f64; 3],
+        [twice_kinetic, mgl, fall]: [f64; 3],
+        [first, last]: [f64; 2],
+    ) -> f64 {
+        let least = moments.iter().fold(f64::INFINITY, |a, &b| a.min(b));
+        let [d, .., fastest] = self.damping_rates(moments);
+        let (start, reach) = (twice_kinetic.sqrt(), (twice_kinetic + 2.0 * fall).sqrt());
+        let mut forward = reach + self.gain(moments, 0.0, last.max(0.0));
+        let mut swing = (mgl / least).sqrt();
+        if d > 0.0 {
+            forward = forward.min(start + (mgl / least.sqrt() + self.strength(moments)) / d);
+            swing = swing.min(mgl / (least * d));
+        }
+        let back = first.min(0.0);
+        let mut u = forward;
+        if back < 0.0 {
+            u = u.max((reach + self.gain(moments, back, 0.0)) * exp(-fastest.max(0.0) * back));
+        }
+        (u / least.sqrt()).max(swing)
+    }
+}
+
+/// A bound of `|I^(-1/2) torque|` for the sum of a torque in the body and a torque in space.
+fn size(moments: [f64; 3], [body, space]: [[f64; 3]; 2]) -> f64 {
+    let least = moments.iter().fold(f64::INFINITY, |a, &b| a.min(b));
+    let own: f64 = (0..3).map(|k| body[k] * body[k] / moments[k]).sum();
+    let turned: f64 = space.iter().map(|x| x * x).sum::<f64>() / least;
+    own.sqrt() + turned.sqrt()
+}
+
+/// Eigenvalues and eigenvectors (columns) of a symmetric matrix, by plane rotations (Jacobi 1846). Only arithmetic
+/// and roots are used, so that the bits are equal on all machines.
+fn eigen(mut a: [[f64; 3]; 3]) -> ([f64; 3], [[f64; 3]; 3]) {
+    let mut vectors = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    // Convergence is quadratic: the off-diagonal part of any matrix is gone after five or six sweeps.
+    for _ in 0..12 {
+        for (p, q) in [(0, 1), (0, 2), (1, 2)] {
+            if a[p][q] == 0.0 {
+                continue;
+            }
+            let tau = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
+            // The smaller root of t^2 + 2 tau t = 1; it is zero if the square of tau overflows.
+            let t = tau.signum() / (tau.abs() + (1.0 + tau * tau).sqrt());
+            let cos = 1.0 / (1.0 + t * t).sqrt();
+            let sin = t * cos;
+            let (app, aqq, apq) = (a[p][p], a[q][q], a[p][q]);
+            let r = 3 - p - q;
+            let (apr, aqr) = (a[p][r], a[q][r]);
+            a[p][p] = app - t * apq;
+            a[q][q] = aqq + t * apq;
+            (a[p][q], a[q][p]) = (0.0, 0.0);
+            a[p][r] = cos * apr - sin * aqr;
+            a[q][r] = sin * apr + cos * aqr;
+            (a[r][p], a[r][q]) = (a[p][r], a[q][r]);
+            for row in &mut vectors {
+                let (vp, vq) = (row[p], row[q]);
+                row[p] = cos * vp - sin * vq;
+                row[q] = sin * vp + cos * vq;
+            }
+        }
+    }
+    ([a[0][0], a[1][1], a[2][2]], vectors)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn damping(entries: [f64; 6]) -> Result<Forcing, Error> {
+        Forcing::new(&[], &[[0.0; 3]], &[[0.0; 3]], entries)
+    }
+
+    #[test]
+    fn the_absence_of_forcing_is_a_value() {
+        assert!(Forcing::NONE.is_none() && !Forcing::NONE.acts_in_space());
+        assert!(!damping([0.0; 6]).unwrap().is_none());
+        assert_eq!(Forcing::NONE.next_knot(0.0, false), None);
+        assert!(Forcing::NONE.check_reaches(1e300).is_ok());
+    }
+
+    #[test]
+    fn a_torque_is_linear_between_its_knots_and_jumps_at_equal_times() {
+        let torque = [[1.0, 0.0, 0.0], [3.0, 0.0, 0.0], [7.0, 0.0, 0.0], [7.0, 0.0, 0.0]];
+        let forcing = Forcing::new(&[0.0, 2.0, 2.0, 4.0], &torque, &[[0.0; 3]; 4], [0.0; 6]).unwrap();
+        let at = |time, backward| forcing.interval(time, backward, [1.0; 3]).body.map(|x| x[0]);
+        assert_eq!(at(0.0, false), [1.0, 1.0]);
+        assert_eq!(at(1.0, false), [2.0, 1.0]);
+        assert_eq!(at(2.0, false), [7.0, 0.0]);
+        assert_eq!(at(2.0, true), [3.0, 1.0]);
+        assert_eq!(forcing.next_knot(0.0, false), Some(2.0));
+        assert_eq!(forcing.next_knot(4.0, true), Some(2.0));
+    }
+
+    #[test]
+    fn damping_that_adds_energy_is_refused() {
+        assert!(damping([1.0, 1.0, 1.0, 0.0, 0.0, 1.0]).is_ok());
+        // The product of the off-diagonal entries exceeds that of the diagonal ones by a few roundings only.
+        assert!(damping([1.0, 1.0, 1.0, 0.0, 0.0, 1.0 + f64::EPSILON]).is_ok());
+        assert!(damping([1.0, 1.0, 1.0, 0.0, 0.0, 1.0 + 1e-14]).is_err());
+        assert!(damping([-1e-300, 0.0, 0.0, 0.0, 0.0, 0.0]).is_err());
+    }
+
+    #[test]
+    fn modes_of_damping_are_eigenvectors() {
+        let entries = [2.0, 3.0, 5.0, 0.4, -0.3, 0.7];
+        let moments = [1.0, 2.0, 4.0];
+        let (rates, modes) = damping(entries).unwrap().damping_modes(moments);
+        let [d11, d22, d33, d23, d31, d12] = entries;
+        let matrix = [[d11, d12, d31], [d12, d22, d23], [d31, d23, d33]];
+        for k in 0..3 {
+            for i in 0..3 {
+                let row: f64 =
+                    (0..3).map(|j| matrix[i][j] / f64::sqrt(moments[i] * moments[j]) * modes[j][k]).sum();
+                assert!((row - rates[k] * modes[i][k]).abs() < 1e-14, "mode {k}, row {i}");
+            }
+        }
+        let even = damping([2.0, 4.0, 8.0, 0.0, 0.0, 0.0]).unwrap();
+        assert_eq!(even.slows_evenly(moments), Some(2.0));
+        assert_eq!(even.slows_evenly([1.0, 2.0, 3.0]), None);
+    }
+}

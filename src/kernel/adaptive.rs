@@ -1,0 +1,169 @@
+//! Adaptive steps of a group: the length of each step from the series of the body, and states inside the step.
+
+use super::group::{Group, MAX_STATE};
+use crate::real::{Pack, Real};
+use crate::scene::{Layout, Model, Parameters};
+use crate::scheme::{Coefficients, MAX_ORDER, Stepper, two_sum};
+use crate::simd::{LANES, Row};
+use crate::special::{exp, ln};
+
+/// Time and last polynomial of each body of a group.
+#[derive(Clone)]
+pub struct AdaptiveSteps {
+    /// Coefficients of the last step, in powers of the time since its begin over `unit`.
+    pub powers: Vec<[Row; MAX_STATE]>,
+    /// See `powers`.
+    pub unit: Row,
+    /// Begin of the last step, and its rounding error.
+    pub begin: [Row; 2],
+    /// End of the last step.
+    pub now: [Row; 2],
+    /// Time at which the lane needs attention; infinite for inactive lanes.
+    pub next: Row,
+    /// The next knot of the forcing: no step goes beyond it.
+    pub end: Row,
+    /// 1 forward, -1 backward.
+    pub direction: Row,
+    /// One over the scale of the rates.
+    pub inverse_rate: Row,
+    /// Size of the last terms of a step.
+    pub tolerance: f64,
+}
+
+impl AdaptiveSteps {
+    /// Inactive lanes.
+    pub fn waiting(tolerance: f64) -> AdaptiveSteps {
+        let nothing = Row([0.0; LANES]);
+        AdaptiveSteps {
+            powers: vec![[nothing; MAX_STATE]; MAX_ORDER + 1],
+            unit: nothing,
+            begin: [nothing; 2],
+            now: [nothing; 2],
+            next: Row([f64::INFINITY; LANES]),
+            end: Row([f64::INFINITY; LANES]),
+            direction: Row([1.0; LANES]),
+            inverse_rate: nothing,
+            tolerance,
+        }
+    }
+}
+
+/// Advances every lane by adaptive steps until one lane needs attention; returns the number of steps, at most `most`.
+/// A lane whose state is not a number needs attention too: its time is then NaN.
+#[inline(always)]
+pub fn adaptive_block<P: Pack, const PACKS: usize, M, L, S, const D: usize>(
+    g: &mut Group,
+    l: &mut AdaptiveSteps,
+    bodies: &[(Parameters<P>, S); PACKS],
+    most: usize,
+) -> usize
+where
+    M: Model<P>,
+    L: Layout,
+    S: Stepper<P, M, L, D>,
+{
+    for done in 1..=most {
+        let mut look = false;
+        for b in 0..PACKS {
+            let at = b * P::LANES;
+            let unit = P::load(&g.step.0[at..]);
+            let (mut y, mut compensation) = ([unit; D], [unit; D]);
+            for d in 0..D {
+                y[d] = P::load(&g.state[d].0[at..]);
+                compensation[d] = P::load(&g.compensation[d].0[at..]);
+            }
+            let mut c = Coefficients::new();
+            bodies[b].1.expand(unit, &y, &mut c);
+            let order = c.highest();
+            let inverse_rate = P::load(&l.inverse_rate.0[at..]);
+            let mut bound = step_bound::<P, L, D>(&c, order, inverse_rate, P::splat(l.tolerance));
+            if L::BALANCE {
+                let now = P::load(&l.now[0].0[at..]) + P::load(&l.now[1].0[at..]);
+                // The result is the second argument if one is NaN.
+                bound = ((P::load(&l.end.0[at..]) - now) / unit).min(bound);
+            }
+            let mut rise = *c.order(order);
+            for k in (1..order).rev() {
+                for d in 0..D {
+                    rise[d] = rise[d].fma(bound, c.order(k)[d]);
+                }
+            }
+            let mut health = P::splat(0.0);
+            for d in 0..D {
+                (y[d], compensation[d]) = two_sum(y[d], rise[d].fma(bound, compensation[d]));
+                health = y[d].fma(P::splat(0.0), health);
+                y[d].store(&mut g.state[d].0[at..]);
+                compensation[d].store(&mut g.compensation[d].0[at..]);
+            }
+            for k in 0..=order {
+                for d in 0..D {
+                    c.order(k)[d].store(&mut l.powers[k][d].0[at..]);
+                }
+            }
+            let step = unit.fma(bound, health);
+            unit.store(&mut l.unit.0[at..]);
+            step.store(&mut g.step.0[at..]);
+
+            let begin = [P::load(&l.now[0].0[at..]), P::load(&l.now[1].0[at..])];
+            let (time, lost) = two_sum(begin[0], step + begin[1]);
+            begin[0].store(&mut l.begin[0].0[at..]);
+            begin[1].store(&mut l.begin[1].0[at..]);
+            time.store(&mut l.now[0].0[at..]);
+            lost.store(&mut l.now[1].0[at..]);
+            let ahead = (P::load(&l.next.0[at..]) - time) * P::load(&l.direction.0[at..]);
+            let (zero, one) = (P::splat(0.0), P::splat(1.0));
+            // Not ahead, or NaN.
+            look |= P::any(zero.lt(P::select(zero.lt(ahead), zero, one)));
+        }
+        if look {
+            return done;
+        }
+    }
+    most
+}
+
+/// Length of the step in units: up to it the last two terms of the series are below the tolerance, with the
+/// margin of Jorba & Zou 2005, eq. (3-8) (doi 10.1080/10586458.2005.10128904).
+#[inline(always)]
+fn step_bound<R: Real, L: Layout, const D: usize>(
+    c: &Coefficients<R, D>,
+    order: usize,
+    inverse_rate: R,
+    tolerance: R,
+) -> R {
+    let last = log_margin::<R, L, D>(c.order(order), inverse_rate, tolerance) * R::splat(1.0 / order as f64);
+    let before = log_margin::<R, L, D>(c.order(order - 1), inverse_rate, tolerance)
+        * R::splat(1.0 / (order - 1) as f64);
+    // The factor between two steps is at most 2^30, because a body at rest has no time scale.
+    let growth = R::splat(30.0 * std::f64::consts::LN_2);
+    let margin = R::splat(0.7 / (order - 1) as f64);
+    exp((last.min(before) - margin).min(growth).max(-growth))
+}
+
+/// ln of the tolerance over the largest number of a term. The balance follows from the motion and is ignored.
+#[inline(always)]
+fn log_margin<R: Real, L: Layout, const D: usize>(term: &[R; D], inverse_rate: R, tolerance: R) -> R {
+    let mut largest = R::splat(f64::MIN_POSITIVE);
+    for d in 0..L::BALANCE_AT {
+        let size = if d < 3 { term[d].abs() * inverse_rate } else { term[d].abs() };
+        largest = largest.max(size);
+    }
+    ln(tolerance) - ln(largest)
+}
+
+/// The state of a lane inside its last step, `units` after the begin of the step.
+#[inline(always)]
+pub fn dense_output<const D: usize>(
+    l: &AdaptiveSteps,
+    order: usize,
+    lane: usize,
+    units: f64,
+) -> [f64; MAX_STATE] {
+    let mut y = [0.0; MAX_STATE];
+    for k in (0..=order).rev() {
+        for d in 0..D {
+            y[d] = y[d].fma(units, l.powers[k][d].0[lane]);
+        }
+    }
+    y
+}

@@ -1,0 +1,85 @@
+//! A kernel with the code of an instruction set.
+
+use super::Kernel;
+use super::adaptive::AdaptiveSteps;
+use super::group::{ForcingRows, Group, MAX_STATE};
+use super::registry::{Code, code};
+use crate::scene::Parameters;
+use crate::simd::Isa;
+
+/// A kernel compiled for an instruction set that this CPU has.
+#[derive(Clone, Copy)]
+pub struct Compiled {
+    code: &'static Code,
+    kernel: Kernel,
+}
+
+impl Compiled {
+    /// The kernel for that instruction set; panics if the CPU lacks it, if the step does not move the system, or if the observable does not fit it.
+    pub fn new(kernel: Kernel, isa: Isa) -> Compiled {
+        assert!(isa.is_available(), "{} is not available on this CPU", isa.name());
+        let Kernel { system, step, observed } = kernel;
+        assert!(system.can_observe(observed), "{observed:?} cannot be observed on {system:?}");
+        assert!(system.is_moved_by(step), "{step:?} does not move {system:?}");
+        let code = code(system, step.engine, isa).expect("asked the line before");
+        Compiled { code, kernel }
+    }
+
+    /// System, step and observable of the kernel.
+    pub fn kernel(self) -> Kernel {
+        self.kernel
+    }
+
+    /// Advances every lane of the group; only forced systems use the forcing.
+    pub fn advance(self, group: &mut Group, forcing: &ForcingRows, steps: usize) {
+        // Safety: `new` has seen the features that the entry point needs.
+        unsafe { (self.code.advance)(group, forcing, steps, self.kernel.observed, self.kernel.step.numbers) }
+    }
+
+    /// Whether the steps are made in other variables than the state.
+    pub fn is_processed(self) -> bool {
+        self.kernel.step.is_processed()
+    }
+
+    /// Transforms every lane with a step to the variables of its steps, before the first of a run of equal steps.
+    pub fn enter(self, group: &mut Group) {
+        self.process(group, false);
+    }
+
+    /// Transforms every lane with a step back, after the last of a run of equal steps.
+    pub fn leave(self, group: &mut Group) {
+        self.process(group, true);
+    }
+
+    fn process(self, group: &mut Group, leaving: bool) {
+        let process = self.code.process.expect("only some steps are processed");
+        // Safety: as above.
+        unsafe { process(group, leaving, self.kernel.step.numbers) }
+    }
+
+    /// Advances every lane by adaptive steps, at most `most`, until one needs attention; only for Taylor series.
+    pub fn advance_adaptive(
+        self,
+        group: &mut Group,
+        forcing: &ForcingRows,
+        lanes: &mut AdaptiveSteps,
+        most: usize,
+    ) -> usize {
+        let adaptive = self.code.adaptive.expect("only series choose their steps");
+        // Safety: as above.
+        unsafe { adaptive(group, forcing, lanes, most, self.kernel.step.numbers) }
+    }
+
+    /// The state of a lane inside its last step, at a time after the begin of the step in units of the lane.
+    pub fn dense_output(self, lanes: &AdaptiveSteps, lane: usize, units: f64) -> [f64; MAX_STATE] {
+        let dense = self.code.dense.expect("only series are known inside a step");
+        // Safety: as above.
+        unsafe { dense(lanes, lane, units, self.kernel.step.numbers) }
+    }
+
+    /// Energy and conserved momentum of one body.
+    pub fn invariants(self, p: &Parameters<f64>, y: &[f64; MAX_STATE]) -> [f64; 2] {
+        // Safety: as above.
+        unsafe { (self.code.invariants)(p, y) }
+    }
+}

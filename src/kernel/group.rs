@@ -1,0 +1,175 @@
+//! Bodies side by side: one row of numbers for each variable, one lane for each body.
+
+use crate::forcing::ForcingInterval;
+use crate::observe::{MAX_ROWS, Rows, WAITING};
+use crate::real::Pack;
+use crate::simd::{LANES, Row};
+use std::sync::OnceLock;
+
+/// Longest state: rates, three directions, and the balance of work, impulse and time.
+pub const MAX_STATE: usize = 15;
+
+/// The invariants at the start and the largest deviation from them seen at the ends of blocks of steps.
+#[derive(Clone, Copy)]
+pub struct DriftRows {
+    /// Value at the start.
+    pub start: Row,
+    /// One over the scale that the deviation is measured in.
+    pub inverse_scale: Row,
+    /// Largest deviation.
+    pub worst: Row,
+}
+
+/// The bodies that are integrated together, with their states and invariants.
+#[derive(Clone)]
+pub struct Group {
+    /// Rates or momenta, directions, quaternion.
+    pub state: [Row; MAX_STATE],
+    /// Rounding error of the state, for schemes with compensation.
+    pub compensation: [Row; MAX_STATE],
+    /// Principal moments.
+    pub moments: [Row; 3],
+    /// `mgl com`.
+    pub weight: [Row; 3],
+    /// Time step; 0 for an inactive lane.
+    pub step: Row,
+    /// Steps made.
+    pub count: Row,
+    /// The rows of the observable of the kernel.
+    pub observed: [Row; MAX_ROWS],
+    /// Energy.
+    pub energy: DriftRows,
+    /// `L.L` of a free body, `L.gamma` of a top.
+    pub momentum: DriftRows,
+    /// Largest deviation of the length of a direction from one.
+    pub unit: Row,
+}
+
+/// The forcing of the bodies of a group on an interval: the numbers of `ForcingInterval`, in its order.
+#[derive(Clone)]
+pub struct ForcingRows {
+    /// Torque in the body, and its rate of change.
+    pub body: [[Row; 3]; 2],
+    /// Torque in space, and its rate of change.
+    pub space: [[Row; 3]; 2],
+    /// Damping.
+    pub damping: [Row; 6],
+    /// Damping rates.
+    pub rates: [Row; 3],
+    /// Modes of the damping.
+    pub modes: [[Row; 3]; 3],
+}
+
+impl ForcingRows {
+    /// No forcing.
+    pub const NONE: ForcingRows = ForcingRows {
+        body: [[Row::ZERO; 3]; 2],
+        space: [[Row::ZERO; 3]; 2],
+        damping: [Row::ZERO; 6],
+        rates: [Row::ZERO; 3],
+        modes: [[Row::ZERO; 3]; 3],
+    };
+
+    /// Sets the forcing of the body in a lane.
+    pub fn set(&mut self, lane: usize, interval: &ForcingInterval<f64>) {
+        for i in 0..2 {
+            for k in 0..3 {
+                self.body[i][k].0[lane] = interval.body[i][k];
+                self.space[i][k].0[lane] = interval.space[i][k];
+            }
+        }
+        for k in 0..6 {
+            self.damping[k].0[lane] = interval.damping[k];
+        }
+        for k in 0..3 {
+            self.rates[k].0[lane] = interval.rates[k];
+            for m in 0..3 {
+                self.modes[k][m].0[lane] = interval.modes[k][m];
+            }
+        }
+    }
+
+    /// The lanes of a pack.
+    #[inline(always)]
+    pub fn load<P: Pack>(&self, at: usize) -> ForcingInterval<P> {
+        let mut interval = ForcingInterval::none();
+        for i in 0..2 {
+            for k in 0..3 {
+                interval.body[i][k] = P::load(&self.body[i][k].0[at..]);
+                interval.space[i][k] = P::load(&self.space[i][k].0[at..]);
+            }
+        }
+        for k in 0..6 {
+            interval.damping[k] = P::load(&self.damping[k].0[at..]);
+        }
+        for k in 0..3 {
+            interval.rates[k] = P::load(&self.rates[k].0[at..]);
+            for m in 0..3 {
+                interval.modes[k][m] = P::load(&self.modes[k][m].0[at..]);
+            }
+        }
+        interval
+    }
+}
+
+impl Group {
+    /// Inactive lanes.
+    pub fn waiting() -> Group {
+        static WAITING: OnceLock<Group> = OnceLock::new();
+        WAITING.get_or_init(Group::all_waiting).clone()
+    }
+
+    fn all_waiting() -> Group {
+        let drift = DriftRows { start: Row::ZERO, inverse_scale: Row::ZERO, worst: Row::ZERO };
+        let mut group = Group {
+            state: [Row::ZERO; MAX_STATE],
+            compensation: [Row::ZERO; MAX_STATE],
+            moments: [Row([1.0; LANES]); 3],
+            weight: [Row::ZERO; 3],
+            step: Row::ZERO,
+            count: Row::ZERO,
+            observed: [Row::ZERO; MAX_ROWS],
+            energy: drift,
+            momentum: drift,
+            unit: Row::ZERO,
+        };
+        for lane in 0..LANES {
+            group.wait(lane);
+        }
+        group
+    }
+
+    /// The numbers of the observable of a lane.
+    pub fn observed_in(&self, lane: usize) -> Rows<f64> {
+        self.observed.each_ref().map(|row| row.0[lane])
+    }
+
+    /// Sets the numbers of the observable of a lane.
+    pub(super) fn set_observed(&mut self, lane: usize, rows: &Rows<f64>) {
+        for (row, number) in self.observed.iter_mut().zip(rows) {
+            row.0[lane] = *number;
+        }
+    }
+
+    /// Makes a lane inactive: a unit sphere at rest that is not observed, and a step of 0.
+    pub fn wait(&mut self, lane: usize) {
+        for row in self.state.iter_mut().chain(&mut self.compensation) {
+            row.0[lane] = 0.0;
+        }
+        for direction in [3, 6] {
+            self.state[direction].0[lane] = 1.0;
+        }
+        for k in 0..3 {
+            self.moments[k].0[lane] = 1.0;
+            self.weight[k].0[lane] = 0.0;
+        }
+        self.step.0[lane] = 0.0;
+        self.set_observed(lane, &WAITING);
+        self.unit.0[lane] = 0.0;
+        for drift in [&mut self.energy, &mut self.momentum] {
+            drift.start.0[lane] = 0.0;
+            drift.inverse_scale.0[lane] = 0.0;
+            drift.worst.0[lane] = 0.0;
+        }
+    }
+}

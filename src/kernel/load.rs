@@ -1,0 +1,385 @@
+//! A body's way into a lane of a group and back.
+
+use super::group::{Group, MAX_STATE};
+use super::{Compiled, System};
+use crate::body::Inertia;
+use crate::forcing::{Forcing, ForcingInterval};
+use crate::kinematics::{cross, dot, quaternion_product, seen_from_body};
+use crate::observe;
+use crate::scene::{Parameters, Scene};
+use crate::scheme::{Scheme, Step, Variables};
+use crate::simd::Row;
+use crate::special::sincos;
+use crate::start::{Body, VERTICAL};
+use std::sync::OnceLock;
+
+impl Body {
+    /// The rate that the steps of a scheme follow: how fast the body turns, and, if it is explicit, how fast damping
+    /// slows it.
+    pub fn step_rate(&self, scheme: &Scheme, forcing: &Forcing, span: [f64; 2]) -> f64 {
+        let turning = self.fastest_rate(forcing, span);
+        if forcing.is_none() || scheme.is_stiff() {
+            return turning;
+        }
+        let [.., slowing] = forcing.damping_rates(self.moments);
+        (turning * turning + slowing * slowing).sqrt()
+    }
+}
+
+/// How a kernel integrates a body: the step, and the cyclic permutation of the body axes that the step wants.
+///
+/// A cyclic permutation is exact. Kernel axis i is body axis (i + shift) mod 3.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct KernelAssignment {
+    /// Which step moves it.
+    pub step: Step,
+    /// The permutation.
+    shift: usize,
+    /// For a reduced top: the moment about the symmetry axis.
+    spin_moment: Option<f64>,
+}
+
+impl KernelAssignment {
+    /// The assignment of a body, in its own frame.
+    ///
+    /// The rotor wants the symmetry axis third; the planar rotations want the smallest moment first: in the
+    /// middle of the sequence it costs a factor of four to eight in the error. Steps along the equations of motion take
+    /// the axes of the user.
+    pub fn of(scheme: &Scheme, body: &Body, scene: &Scene) -> KernelAssignment {
+        let (step, shift) = match Inertia::new(body.moments).ok().and_then(Inertia::symmetry_axis) {
+            Some(axis) => (scheme.symmetric, (axis + 1) % 3),
+            None => (scheme.any, body.smallest_moment()),
+        };
+        let step = if scene.has_weight { step } else { step.torque_free() };
+        let shift = if step.engine.variables() == Variables::Rates { 0 } else { shift };
+        KernelAssignment { step, shift, spin_moment: None }
+    }
+
+    /// The assignment of a forced body: in the axes of the user. Panics if the scheme does not
+    /// move forced bodies.
+    pub fn of_forced(scheme: &Scheme, _body: &Body) -> KernelAssignment {
+        let forced = scheme.forced.expect("checked where the request came in");
+        KernelAssignment { step: forced.step, shift: 0, spin_moment: None }
+    }
+
+    /// The assignment of a body whose path alone is wanted: a Lagrange top leaves its spin out, if the scheme can.
+    pub fn of_path(scheme: &Scheme, body: &Body, scene: &Scene) -> KernelAssignment {
+        let assignment = KernelAssignment::of(scheme, body, scene);
+        let can = scene.has_weight && scheme.reduced && System::ReducedTopAxis.is_moved_by(assignment.step);
+        match body.lagrange_axis().filter(|_| can && body.weight != [0.0; 3]) {
+            Some(axis) => KernelAssignment {
+                shift: (axis + 1) % 3,
+                spin_moment: Some(body.moments[axis]),
+                ..assignment
+            },
+            None => assignment,
+        }
+    }
+
+    /// Whether the body is integrated as a reduced top: its spin is left out.
+    pub fn is_reduced(self) -> bool {
+        self.spin_moment.is_some()
+    }
+
+    /// Moments and rates in the variables of the kernel.
+    fn moments_and_rates(self, body: &Body) -> ([f64; 3], [f64; 3]) {
+        let (moments, omega) = (self.to_kernel_axes(body.moments), self.to_kernel_axes(body.omega));
+        match self.spin_moment {
+            Some(moment) => ([moments[0]; 3], [omega[0], omega[1], omega[2] * (moment / moments[0])]),
+            None => (moments, omega),
+        }
+    }
+
+    #[inline(always)]
+    fn to_kernel_axes(self, [a, b, c]: [f64; 3]) -> [f64; 3] {
+        match self.shift {
+            0 => [a, b, c],
+            1 => [b, c, a],
+            _ => [c, a, b],
+        }
+    }
+
+    #[inline(always)]
+    fn to_body_axes(self, [a, b, c]: [f64; 3]) -> [f64; 3] {
+        match self.shift {
+            0 => [a, b, c],
+            1 => [c, a, b],
+            _ => [b, c, a],
+        }
+    }
+}
+
+/// A state read back from a lane, in the user's axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct State {
+    /// Rates in the body.
+    pub omega: [f64; 3],
+    /// The first direction carried, if there is one.
+    pub direction: Option<[f64; 3]>,
+    /// Attitude, if it is carried.
+    pub attitude: Option<[f64; 4]>,
+    /// Whether the attitude could as well have the other sign: it was made from rows of its matrix.
+    pub sign_is_free: bool,
+    /// Energy and conserved momentum, with the arithmetic of the kernel.
+    pub invariants: [f64; 2],
+    /// Energy and conserved momentum of a top with the vertical that its attitude says, where the state has both: they
+    /// may differ.
+    pub invariants_of_attitude: Option<[f64; 2]>,
+    /// Work and scales of a forced body.
+    pub balance: Option<Balance>,
+}
+
+/// What the forcing has done.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Balance {
+    /// Work of torque and damping since the start.
+    pub work: f64,
+    /// What the energy and the conserved momentum have grown to: added to their scales.
+    pub scales: [f64; 2],
+}
+
+/// The state of a body in the variables of a kernel.
+fn kernel_state(
+    system: System,
+    assignment: KernelAssignment,
+    body: &Body,
+    observed_axis: [f64; 3],
+) -> [f64; MAX_STATE] {
+    let mut y = [0.0; MAX_STATE];
+    let (moments, omega) = assignment.moments_and_rates(body);
+    for k in 0..3 {
+        y[k] = match assignment.step.engine.variables() {
+            Variables::Rates => omega[k],
+            Variables::Momenta => moments[k] * omega[k],
+        };
+    }
+    let seen = |axis: [f64; 3]| assignment.to_kernel_axes(seen_from_body(&body.attitude, &axis));
+    let is_observed = observed_axis != [0.0; 3];
+    for v in 0..system.vectors() {
+        let direction = match v {
+            0 if is_observed && !system.scene().has_weight => observed_axis,
+            0 => assignment.to_kernel_axes(body.vertical()),
+            1 if is_observed && !system.is_forced() => observed_axis,
+            1 => seen([1.0, 0.0, 0.0]),
+            _ => seen([0.0, 1.0, 0.0]),
+        };
+        y[3 + 3 * v..6 + 3 * v].copy_from_slice(&direction);
+    }
+    if let Some(at) = system.quaternion_at() {
+        let [w, x, y1, z] = body.attitude;
+        y[at] = w;
+        y[at + 1..at + 4].copy_from_slice(&assignment.to_kernel_axes([x, y1, z]));
+    }
+    y
+}
+
+/// A body at the door of a lane.
+pub struct Entry<'a> {
+    /// The body.
+    pub body: &'a Body,
+    /// The forcing from the start on, and a bound of |omega| under it; `None` without forcing.
+    pub forcing: Option<(&'a ForcingInterval<f64>, f64)>,
+    /// The observed body axis: 1, 2, 3 or -1, -2, -3; 0 for none. The direction that a free body carries is where this
+    /// axis starts, or the vertical.
+    pub axis: i32,
+    /// The largest angle that the observed axis may tilt.
+    pub limit: f64,
+    /// Time step.
+    pub step: f64,
+}
+
+impl<'a> Entry<'a> {
+    /// A body that is not observed, with a bound of |omega| if forcing is applied.
+    pub fn unobserved(body: &'a Body, forced_rate: Option<f64>, step: f64) -> Self {
+        static NO_FORCING: OnceLock<ForcingInterval<f64>> = OnceLock::new();
+        let forcing = forced_rate.map(|rate| (NO_FORCING.get_or_init(ForcingInterval::none), rate));
+        Entry { body, forcing, axis: 0, limit: f64::INFINITY, step }
+    }
+}
+
+/// Puts a body into a lane, ready for its first step.
+pub fn load(group: &mut Group, lane: usize, compiled: Compiled, assignment: KernelAssignment, entry: &Entry) {
+    let &Entry { body, forcing, axis, limit, step } = entry;
+    let kernel = compiled.kernel();
+    let mut unit = [0.0; 3];
+    if axis != 0 {
+        unit[axis.unsigned_abs() as usize - 1] = f64::from(axis.signum());
+    }
+    let unit = assignment.to_kernel_axes(unit);
+    let y = kernel_state(kernel.system, assignment, body, unit);
+    let parameters = Parameters {
+        moments: assignment.moments_and_rates(body).0,
+        weight: assignment.to_kernel_axes(body.weight),
+        step,
+    };
+    for d in 0..kernel.system.len() {
+        group.state[d].0[lane] = y[d];
+        group.compensation[d].0[lane] = 0.0;
+    }
+    for k in 0..3 {
+        group.moments[k].0[lane] = parameters.moments[k];
+        group.weight[k].0[lane] = parameters.weight[k];
+    }
+    group.step.0[lane] = step;
+    group.count.0[lane] = 0.0;
+
+    let [energy, momentum] = compiled.invariants(&parameters, &y);
+    let moves = body.omega.iter().chain(&body.weight).any(|&x| x != 0.0);
+    let [energy_scale, momentum_scale] = (kernel.system.scene().invariant_scales)(body);
+    for (rows, start, scale) in
+        [(&mut group.energy, energy, energy_scale), (&mut group.momentum, momentum, momentum_scale)]
+    {
+        rows.start.0[lane] = start;
+        // Of a body that cannot move nothing can drift; a scale that underflowed leaves the drift a NaN.
+        rows.inverse_scale.0[lane] = if moves { 1.0 / scale } else { 0.0 };
+        rows.worst.0[lane] = 0.0;
+    }
+
+    if let Some((_, rate)) = forcing {
+        widen_scales(group, lane, kernel.system, body, rate);
+    }
+    group.unit.0[lane] = 0.0;
+    let at = kernel.system.observed_at();
+    let direction = [y[at], y[at + 1], y[at + 2]];
+    let start = observe::Start { body, forcing, axis, unit, direction, limit };
+    group.set_observed(lane, &kernel.observed.start(&start));
+}
+
+/// Sets the time of a forced body, in which its torque is given, to zero.
+pub fn start_clock(group: &mut Group, system: System, lane: usize) {
+    let time = system.len() - 1;
+    group.state[time].0[lane] = 0.0;
+    group.compensation[time].0[lane] = 0.0;
+}
+
+/// Adds the largest energy and momentum that forcing can supply to the scales of the drifts; `rate` bounds |omega|.
+fn widen_scales(group: &mut Group, lane: usize, system: System, body: &Body, rate: f64) {
+    let least = body.moments.iter().fold(f64::INFINITY, |a, &b| a.min(b));
+    let momentum = body.moments.iter().fold(0.0_f64, |a, &b| a.max(b)) * rate;
+    let momentum = system.scene().conserved.scale(momentum);
+    for (rows, gain) in [(&mut group.energy, 0.5 * least * rate * rate), (&mut group.momentum, momentum)] {
+        let inverse = rows.inverse_scale.0[lane];
+        let scale = if inverse > 0.0 && inverse.is_finite() { 1.0 / inverse } else { 0.0 };
+        rows.inverse_scale.0[lane] = if scale + gain > 0.0 { 1.0 / (scale + gain) } else { 0.0 };
+    }
+}
+
+/// Reads a lane back, `time` after its start.
+pub fn unload(
+    group: &Group,
+    lane: usize,
+    compiled: Compiled,
+    assignment: KernelAssignment,
+    time: f64,
+) -> State {
+    let mut y = [0.0; MAX_STATE];
+    for d in 0..compiled.kernel().system.len() {
+        y[d] = group.state[d].0[lane];
+    }
+    read(group, lane, compiled, assignment, y, time)
+}
+
+/// Reads `y`, a state of the body in that lane `time` after its start.
+pub fn read(
+    group: &Group,
+    lane: usize,
+    compiled: Compiled,
+    assignment: KernelAssignment,
+    mut y: [f64; MAX_STATE],
+    time: f64,
+) -> State {
+    let kernel = compiled.kernel();
+    let at = |rows: &[Row; 3]| [rows[0].0[lane], rows[1].0[lane], rows[2].0[lane]];
+    let moments = at(&group.moments);
+    let parameters = Parameters { moments, weight: at(&group.weight), step: 0.0 };
+    let invariants = compiled.invariants(&parameters, &y);
+    let quaternion = kernel.system.quaternion_at();
+    let in_rows = kernel.system.has_rows();
+    let row = |y: &[f64; MAX_STATE], at: usize| [y[at], y[at + 1], y[at + 2]];
+    // Of a quaternion the axes of space are renamed with those of the body.
+    let carried = match quaternion {
+        Some(at) => Some(([y[at], y[at + 1], y[at + 2], y[at + 3]], assignment.to_kernel_axes(VERTICAL))),
+        None => in_rows.then(|| (attitude_of_rows(&row(&y, 6), &row(&y, 3)), VERTICAL)),
+    };
+    let invariants_of_attitude = carried.filter(|_| kernel.system.scene().has_weight).map(|(q, vertical)| {
+        let length = q.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let mut of_attitude = y;
+        of_attitude[3..6].copy_from_slice(&seen_from_body(&q.map(|x| x / length), &vertical));
+        compiled.invariants(&parameters, &of_attitude)
+    });
+    if assignment.step.engine.variables() == Variables::Momenta {
+        for k in 0..3 {
+            y[k] /= moments[k];
+        }
+    }
+    if let Some(moment) = assignment.spin_moment {
+        add_spin(&mut y, quaternion, moments[0] / moment, time);
+    }
+    let omega = [y[0], y[1], y[2]];
+    let balance = kernel.system.is_forced().then(|| {
+        let work = y[kernel.system.len() - 3];
+        let momentum = [0, 1, 2].map(|k| moments[k] * omega[k]);
+        let momentum2 = dot(&momentum, &momentum);
+        let scale = if in_rows { momentum2.sqrt() } else { 2.0 * momentum2 };
+        Balance { work, scales: [0.5 * dot(&momentum, &omega) + work.abs(), scale] }
+    });
+    State {
+        omega: assignment.to_body_axes([y[0], y[1], y[2]]),
+        direction: (kernel.system.vectors() > 0).then(|| assignment.to_body_axes([y[3], y[4], y[5]])),
+        attitude: match quaternion {
+            Some(at) => {
+                let [x, y1, z] = assignment.to_body_axes(row(&y, at + 1));
+                Some([y[at], x, y1, z])
+            }
+            None => in_rows.then(|| {
+                attitude_of_rows(&assignment.to_body_axes(row(&y, 6)), &assignment.to_body_axes(row(&y, 3)))
+            }),
+        },
+        sign_is_free: in_rows,
+        invariants,
+        invariants_of_attitude,
+        balance,
+    }
+}
+
+/// The quaternion of the rotation matrix whose first and third row these are, up to its sign (Shepperd 1978: the
+/// largest component comes from a square root, the others from differences over it).
+fn attitude_of_rows(first: &[f64; 3], third: &[f64; 3]) -> [f64; 4] {
+    let second = cross(third, first);
+    let [r0, r1, r2] = [first, &second, third];
+    let squares = [
+        1.0 + r0[0] + r1[1] + r2[2],
+        1.0 + r0[0] - r1[1] - r2[2],
+        1.0 - r0[0] + r1[1] - r2[2],
+        1.0 - r0[0] - r1[1] + r2[2],
+    ];
+    let [wx, wy, wz] = [r2[1] - r1[2], r0[2] - r2[0], r1[0] - r0[1]];
+    let [yz, zx, xy] = [r2[1] + r1[2], r0[2] + r2[0], r1[0] + r0[1]];
+    let largest = (1..4).fold(0, |best, k| if squares[k] > squares[best] { k } else { best });
+    let q = match largest {
+        0 => [squares[0], wx, wy, wz],
+        1 => [wx, squares[1], xy, zx],
+        2 => [wy, xy, squares[2], yz],
+        _ => [wz, zx, yz, squares[3]],
+    };
+    let scale = 0.5 / squares[largest].sqrt();
+    q.map(|x| x * scale)
+}
+
+/// From the frame of a reduced top into the body: `ratio` is I1 / I3.
+fn add_spin(y: &mut [f64; MAX_STATE], quaternion: Option<usize>, ratio: f64, time: f64) {
+    // (1/I3 - 1/I1) L3, with L3 = I1 y3.
+    let angle = (ratio - 1.0) * y[2] * time;
+    let (s, c) = sincos(angle);
+    for at in [0, 3, 6].into_iter().filter(|&at| quaternion != Some(at)) {
+        let (a, b) = (y[at], y[at + 1]);
+        y[at] = c * a + s * b;
+        y[at + 1] = c * b - s * a;
+    }
+    y[2] *= ratio;
+    if let Some(at) = quaternion {
+        let (s, c) = sincos(0.5 * angle);
+        let q = [y[at], y[at + 1], y[at + 2], y[at + 3]];
+        y[at..at + 4].copy_from_slice(&quaternion_product(&q, &[c, 0.0, 0.0, s]));
+    }
+}

@@ -1,0 +1,420 @@
+//! Which kernels there are: systems and engines, and the code of each pair that can be asked for.
+
+use super::adaptive::{AdaptiveSteps, adaptive_block, dense_output};
+use super::group::{ForcingRows, Group, MAX_STATE};
+use super::step::{invariants, prepared, process, step_block};
+use crate::observe::Observed;
+use crate::real::Pack;
+use crate::scene::{
+    Attitude, Axis, AxisAttitude, FREE, ForcedFrame, ForcedRates, Free, Layout, Model, Parameters, Rates,
+    ReducedTop, Scene, TOP, Top, TwoAxes,
+};
+use crate::scheme::{
+    AffineSplitting, ComposedPlanar, Dop853Tableau, Engine, Exponential, ImplicitMidpoint, KickMoserVeselov,
+    KickRotor, Numbers, Planar, Rk4Tableau, RungeKutta, Splitting, Step, Stepper, Taylor,
+};
+#[cfg(target_arch = "x86_64")]
+use crate::simd::{Arr, V4, V8};
+use crate::simd::{Isa, LANES};
+
+/// A kernel: system, step and observable.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Kernel {
+    /// What moves.
+    pub system: System,
+    /// How.
+    pub step: Step,
+    /// What is observed.
+    pub observed: Observed,
+}
+
+/// Advances all lanes of a group by some steps.
+type Advance = unsafe fn(&mut Group, &ForcingRows, usize, Observed, &'static Numbers);
+/// Takes all lanes of a group into the variables of their steps, or back.
+type Process = unsafe fn(&mut Group, bool, &'static Numbers);
+/// Energy and conserved momentum of one body, with the arithmetic of the kernel.
+type Invariants = unsafe fn(&Parameters<f64>, &[f64; MAX_STATE]) -> [f64; 2];
+/// Advances all lanes by steps of their own; see `adaptive_block`.
+type Adaptive = unsafe fn(&mut Group, &ForcingRows, &mut AdaptiveSteps, usize, &'static Numbers) -> usize;
+/// A state of one lane inside its last step; see `dense_output`.
+type Dense = unsafe fn(&AdaptiveSteps, usize, f64, &'static Numbers) -> [f64; MAX_STATE];
+
+/// The code of a kernel for an instruction set. Code that cannot be asked for is not made.
+pub(super) struct Code {
+    pub(super) advance: Advance,
+    pub(super) process: Option<Process>,
+    pub(super) invariants: Invariants,
+    pub(super) adaptive: Option<Adaptive>,
+    pub(super) dense: Option<Dense>,
+}
+
+/// The code of a kernel for each instruction set.
+struct Codes {
+    #[cfg(target_arch = "x86_64")]
+    avx512: Option<Code>,
+    #[cfg(target_arch = "x86_64")]
+    avx2: Option<Code>,
+    scalar: Option<Code>,
+}
+
+/// The functions of a kernel for an instruction set. `S` steps the packs, `T` a body alone.
+macro_rules! entry_points {
+    ($($isa:ident [$($feature:tt)*];)*) => {$(
+        #[allow(clippy::extra_unused_type_parameters)] // A kernel is its types.
+        mod $isa {
+            use super::*;
+
+            $($feature)*
+            fn advance<P, S, M, L, const D: usize, const PACKS: usize>(
+                g: &mut Group,
+                forcing: &ForcingRows,
+                steps: usize,
+                observed: Observed,
+                numbers: &'static Numbers,
+            ) where
+                P: Pack,
+                S: Stepper<P, M, L, D>,
+                M: Model<P>,
+                L: Layout,
+            {
+                step_block::<P, PACKS, M, L, S, D>(g, forcing, steps, observed, numbers)
+            }
+
+            $($feature)*
+            fn processed<P, S, M, L, const D: usize, const PACKS: usize>(
+                g: &mut Group,
+                leaving: bool,
+                numbers: &'static Numbers,
+            ) where
+                P: Pack,
+                S: Stepper<P, M, L, D>,
+                M: Model<P>,
+                L: Layout,
+            {
+                process::<P, PACKS, M, L, S, D>(g, leaving, numbers)
+            }
+
+            $($feature)*
+            fn adaptive<P, M, L, const D: usize, const PACKS: usize>(
+                g: &mut Group,
+                forcing: &ForcingRows,
+                l: &mut AdaptiveSteps,
+                most: usize,
+                numbers: &'static Numbers,
+            ) -> usize
+            where
+                P: Pack,
+                M: Model<P>,
+                L: Layout,
+            {
+                // Sums of adaptive steps are always compensated, so one engine serves both.
+                let bodies = prepared::<P, PACKS, M, L, Taylor<true, P, M>, D>(g, forcing, numbers);
+                adaptive_block::<P, PACKS, M, L, Taylor<true, P, M>, D>(g, l, &bodies, most)
+            }
+
+            $($feature)*
+            fn dense<const D: usize>(
+                l: &AdaptiveSteps,
+                lane: usize,
+                units: f64,
+                numbers: &'static Numbers,
+            ) -> [f64; MAX_STATE] {
+                dense_output::<D>(l, numbers.order, lane, units)
+            }
+
+            $($feature)*
+            fn invariants_of<T, N, L, const D: usize>(
+                p: &Parameters<f64>,
+                y: &[f64; MAX_STATE],
+            ) -> [f64; 2]
+            where
+                T: Stepper<f64, N, L, D>,
+                N: Model<f64>,
+                L: Layout,
+            {
+                let mut state = [0.0; D];
+                for d in 0..D {
+                    state[d] = y[d];
+                }
+                invariants::<f64, N, L, T, D>(p, &state)
+            }
+
+            pub(super) const fn code<P, S, M, T, N, L, const D: usize, const PACKS: usize>() -> Option<Code>
+            where
+                P: Pack,
+                S: Stepper<P, M, L, D>,
+                M: Model<P>,
+                T: Stepper<f64, N, L, D>,
+                N: Model<f64>,
+                L: Layout,
+            {
+                if !S::MOVES {
+                    return None;
+                }
+                Some(Code {
+                    advance: advance::<P, S, M, L, D, PACKS>,
+                    process: if S::PROCESSED { Some(processed::<P, S, M, L, D, PACKS>) } else { None },
+                    invariants: invariants_of::<T, N, L, D>,
+                    adaptive: if S::IS_SERIES { Some(adaptive::<P, M, L, D, PACKS>) } else { None },
+                    dense: if S::IS_SERIES { Some(dense::<D>) } else { None },
+                })
+            }
+        }
+    )*};
+}
+#[cfg(target_arch = "x86_64")]
+entry_points! {
+    avx512 [#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,avx2,fma")]];
+    avx2 [#[target_feature(enable = "avx2,fma")]];
+}
+entry_points! {
+    scalar [];
+}
+
+/// The kernels: each engine with each system that it moves. `R` and `M` stand for the pack and the model in it; the
+/// packs are those that the engine runs best with: a long chain of rotations wants two packs in flight inside the step,
+/// the others leave it to the interleaving of packs (benches/README.md). Of the systems that carry what is wanted the
+/// first is taken, so a system that carries less stands before one that carries more.
+macro_rules! kernels {
+    (systems { $($system:ident: $scene:ident, $model:ident, $layout:ident;)* } engines $engines:tt) => {
+        /// Which model moves and what is carried beside the rates.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[allow(missing_docs)] // The names are those of `scene`.
+        pub enum System {
+            $($system,)*
+        }
+
+        impl System {
+            const ALL: &[System] = &[$(System::$system,)*];
+
+            /// The scene whose bodies it moves; those of the special cases of this scene are moved too.
+            pub const fn scene(self) -> &'static Scene {
+                match self {
+                    $(System::$system => &$scene,)*
+                }
+            }
+
+            /// What the model and the layout say of it.
+            const fn traits(self) -> Traits {
+                match self {
+                    $(System::$system => Traits::of::<$model<f64>, $layout>(),)*
+                }
+            }
+
+            /// Whether that can be observed on it.
+            pub const fn can_observe(self, observed: Observed) -> bool {
+                match self {
+                    $(System::$system => observed.fits::<$model<f64>, $layout, { <$layout as Layout>::LEN }>(),)*
+                }
+            }
+        }
+
+        /// A model has weight where its scene has.
+        const _: () = {
+            $(assert!($scene.has_weight == <$model<f64> as Model<f64>>::HEAVY);)*
+        };
+
+        fn codes(system: System, engine: Engine) -> &'static Codes {
+            match system {
+                $(System::$system => kernels!(@codes engine, $model, $layout, $engines),)*
+            }
+        }
+    };
+    (@codes $which:ident, $model:ident, $layout:ident,
+        { $($engine:ident: $stepper:ty, $avx512:ty, $avx2:ty;)* }) => {
+        match $which {
+            $(Engine::$engine => const {
+                type R = f64;
+                type M = $model<R>;
+                type Alone = $stepper;
+                type AloneModel = M;
+                const D: usize = <$layout as Layout>::LEN;
+                &Codes {
+                    #[cfg(target_arch = "x86_64")]
+                    avx512: {
+                        type R = $avx512;
+                        type M = $model<R>;
+                        avx512::code::<R, $stepper, M, Alone, AloneModel, $layout, D, { LANES / R::LANES }>()
+                    },
+                    #[cfg(target_arch = "x86_64")]
+                    avx2: {
+                        type R = $avx2;
+                        type M = $model<R>;
+                        avx2::code::<R, $stepper, M, Alone, AloneModel, $layout, D, { LANES / R::LANES }>()
+                    },
+                    scalar: scalar::code::<R, Alone, M, Alone, M, $layout, D, { LANES / R::LANES }>(),
+                }
+            },)*
+        }
+    };
+}
+kernels! {
+    systems {
+        FreeRates: FREE, Free, Rates;
+        FreeAxis: FREE, Free, Axis;
+        FreeAttitude: FREE, Free, Attitude;
+        TopAxis: TOP, Top, Axis;
+        TopAttitude: TOP, Top, AxisAttitude;
+        TopTwoAxes: TOP, Top, TwoAxes;
+        ReducedTopAxis: TOP, ReducedTop, Axis;
+        ReducedTopAttitude: TOP, ReducedTop, AxisAttitude;
+        ReducedTopTwoAxes: TOP, ReducedTop, TwoAxes;
+        ForcedRates: FREE, Free, ForcedRates;
+        ForcedFrame: TOP, Top, ForcedFrame;
+    }
+    engines {
+        Rk4: RungeKutta<Rk4Tableau, R, M>, V8, V4;
+        Dop853: RungeKutta<Dop853Tableau, R, M>, V8, V4;
+        Taylor: Taylor<false, R, M>, V8, V4;
+        CompensatedTaylor: Taylor<true, R, M>, V8, V4;
+        Planar: Splitting<Planar, R>, Arr<V8, 2>, Arr<V4, 2>;
+        ComposedPlanar: Splitting<ComposedPlanar, R>, Arr<V8, 2>, Arr<V4, 2>;
+        KickRotor: Splitting<KickRotor, R>, V8, V4;
+        KickMoserVeselov: Splitting<KickMoserVeselov, R>, Arr<V8, 2>, Arr<V4, 2>;
+        Affine: AffineSplitting<R>, V8, V4;
+        Exponential: Exponential<R, M>, V8, V4;
+        Midpoint: ImplicitMidpoint<R>, V8, V4;
+    }
+}
+
+/// The code of a system and an engine for an instruction set; `None` if the engine does not move the system.
+pub(super) fn code(system: System, engine: Engine, isa: Isa) -> Option<&'static Code> {
+    let codes = codes(system, engine);
+    match isa {
+        #[cfg(target_arch = "x86_64")]
+        Isa::Avx512 => codes.avx512.as_ref(),
+        #[cfg(target_arch = "x86_64")]
+        Isa::Avx2 => codes.avx2.as_ref(),
+        _ => codes.scalar.as_ref(),
+    }
+}
+
+/// What a system must carry beside the rates.
+#[derive(Clone, Copy, Debug)]
+pub struct Needs {
+    /// Work, impulse and time: torque or damping is applied.
+    pub is_forced: bool,
+    /// Whether the spin is left out.
+    pub is_reduced: bool,
+    /// The least number of directions.
+    pub directions: usize,
+    /// Whether the attitude is carried, as a quaternion or as rows of its matrix.
+    pub attitude: bool,
+}
+
+/// What a model and a layout say of their system.
+struct Traits {
+    len: usize,
+    vectors: usize,
+    quaternion_at: Option<usize>,
+    is_reduced: bool,
+    is_forced: bool,
+    observed_at: usize,
+}
+
+impl Traits {
+    const fn of<M: Model<f64>, L: Layout>() -> Traits {
+        Traits {
+            len: L::LEN,
+            vectors: L::VECTORS,
+            quaternion_at: if L::QUATERNION { Some(L::QUATERNION_AT) } else { None },
+            is_reduced: M::REDUCED,
+            is_forced: L::BALANCE,
+            observed_at: 3 + 3 * L::OBSERVED,
+        }
+    }
+}
+
+impl System {
+    /// The first system of a scene, or of that which it is a special case of, that carries what is needed and is moved
+    /// by that step. Panics if there is none; schemes are checked where a request comes in.
+    pub fn carrying(scene: &Scene, step: Step, needs: Needs) -> System {
+        let carries = |system: System| {
+            let traits = system.traits();
+            system.scene() == scene
+                && traits.is_forced == needs.is_forced
+                && traits.is_reduced == needs.is_reduced
+                && traits.vectors >= needs.directions
+                && (!needs.attitude || traits.quaternion_at.is_some() || system.has_rows())
+                && system.is_moved_by(step)
+        };
+        match (System::ALL.iter().copied().find(|&system| carries(system)), scene.special_case_of) {
+            (Some(system), _) => system,
+            (None, Some(general)) => System::carrying(general, step, needs),
+            (None, None) => panic!("{step:?} moves no system with {needs:?}"),
+        }
+    }
+
+    /// Numbers in the state.
+    #[allow(clippy::len_without_is_empty)] // No state is empty.
+    pub fn len(self) -> usize {
+        self.traits().len
+    }
+
+    /// Whether it is forced; work, impulse and time are then the last numbers of the state.
+    pub fn is_forced(self) -> bool {
+        self.traits().is_forced
+    }
+
+    /// Directions in the state.
+    pub(super) fn vectors(self) -> usize {
+        self.traits().vectors
+    }
+
+    /// Whether the attitude is carried as rows of its matrix: the third, which is the vertical, then the first.
+    pub fn has_rows(self) -> bool {
+        self.vectors() > 1
+    }
+
+    /// Where the direction begins from which a tilt is measured, if one is carried.
+    pub(super) fn observed_at(self) -> usize {
+        self.traits().observed_at
+    }
+
+    /// Where the quaternion begins, if one is carried.
+    pub fn quaternion_at(self) -> Option<usize> {
+        self.traits().quaternion_at
+    }
+
+    /// Whether that step moves it. A system without weight is moved by what is left of a step there.
+    pub fn is_moved_by(self, step: Step) -> bool {
+        let Some(code) = code(self, step.engine, Isa::Scalar) else { return false };
+        let suits = if self.scene().has_weight { step.moves_weight() } else { step == step.torque_free() };
+        suits && (code.process.is_some() || !step.is_processed())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scheme;
+
+    #[test]
+    fn a_system_carries_what_is_needed_and_no_more() {
+        use System::*;
+        let needs =
+            |directions, attitude| Needs { is_forced: false, is_reduced: false, directions, attitude };
+        let reduced = |needs| Needs { is_reduced: true, ..needs };
+        let forced = |needs| Needs { is_forced: true, ..needs };
+        // A step of a series does not move a top with a quaternion.
+        let (rotations, series) = (scheme::SPLITTING4.any, scheme::TAYLOR8.any);
+        for (scene, step, needs, system) in [
+            (&FREE, series, needs(0, false), FreeRates),
+            (&FREE, series, needs(1, false), FreeAxis),
+            (&FREE, series, needs(0, true), FreeAttitude),
+            (&TOP, series, needs(0, false), TopAxis),
+            (&TOP, series, needs(1, false), TopAxis),
+            (&TOP, series, needs(2, false), TopTwoAxes),
+            (&TOP, series, needs(0, true), TopTwoAxes),
+            (&TOP, rotations, needs(0, true), TopAttitude),
+            (&TOP, series, reduced(needs(0, false)), ReducedTopAxis),
+            (&TOP, series, reduced(needs(0, true)), ReducedTopTwoAxes),
+            (&FREE, series, forced(needs(0, false)), ForcedRates),
+            (&FREE, series, forced(needs(1, false)), ForcedFrame),
+            (&FREE, series, forced(needs(0, true)), ForcedFrame),
+            (&TOP, series, forced(needs(0, false)), ForcedFrame),
+        ] {
+            assert_eq!(System::carrying(scene, step, needs), system, "{} {needs:?}", scene.kind);
+        }
+    }
+}

@@ -1,0 +1,179 @@
+//! Blocks of steps of a group.
+//!
+//! A block advances all bodies of a `Group` by some steps; the code that fills and empties lanes around it is ordinary
+//! scalar code. No lane depends on another.
+
+use super::group::{DriftRows, ForcingRows, Group};
+use crate::forcing::ForcingInterval;
+use crate::kinematics::{direction, dot};
+use crate::observe::{Observed, Segment};
+use crate::real::{Pack, Real};
+use crate::scene::{Layout, Model, Parameters};
+use crate::scheme::{Coefficients, Numbers, Stepper};
+use crate::simd::{LANES, Row};
+
+#[inline(always)]
+fn load3<P: Pack>(rows: &[Row; 3], at: usize) -> [P; 3] {
+    [P::load(&rows[0].0[at..]), P::load(&rows[1].0[at..]), P::load(&rows[2].0[at..])]
+}
+
+/// Deviation of an invariant at the end of a block. A NaN remains, because `max` returns its second argument then.
+#[inline(always)]
+fn update_drift<P: Pack>(rows: &mut DriftRows, at: usize, now: P) {
+    let off = (now - P::load(&rows.start.0[at..])).abs() * P::load(&rows.inverse_scale.0[at..]);
+    P::load(&rows.worst.0[at..]).max(off).store(&mut rows.worst.0[at..]);
+}
+
+/// The constants of the body and of its step in the pack that begins at a lane.
+#[inline(always)]
+fn prepared_pack<P: Pack, M: Model<P>, L: Layout, S: Stepper<P, M, L, D>, const D: usize>(
+    g: &Group,
+    forcing: &ForcingRows,
+    at: usize,
+    numbers: &'static Numbers,
+) -> (Parameters<P>, S) {
+    let p = Parameters {
+        moments: load3::<P>(&g.moments, at),
+        weight: load3::<P>(&g.weight, at),
+        step: P::load(&g.step.0[at..]),
+    };
+    let interval = if L::BALANCE { forcing.load(at) } else { ForcingInterval::none() };
+    (p, S::new(&p, &interval, numbers))
+}
+
+/// The constants of the bodies and of their steps, pack by pack.
+#[inline(always)]
+pub(super) fn prepared<P, const PACKS: usize, M, L, S, const D: usize>(
+    g: &Group,
+    forcing: &ForcingRows,
+    numbers: &'static Numbers,
+) -> [(Parameters<P>, S); PACKS]
+where
+    P: Pack,
+    M: Model<P>,
+    L: Layout,
+    S: Stepper<P, M, L, D>,
+{
+    const { assert!(D == L::LEN && PACKS * P::LANES == LANES) };
+    let mut bodies = [prepared_pack::<P, M, L, S, D>(g, forcing, 0, numbers); PACKS];
+    for b in 1..PACKS {
+        bodies[b] = prepared_pack::<P, M, L, S, D>(g, forcing, b * P::LANES, numbers);
+    }
+    bodies
+}
+
+/// Advances all lanes by `steps`, the packs side by side, and compares the invariants at the end.
+#[inline(always)]
+pub(super) fn step_block<P, const PACKS: usize, M, L, S, const D: usize>(
+    g: &mut Group,
+    forcing: &ForcingRows,
+    steps: usize,
+    observed: Observed,
+    numbers: &'static Numbers,
+) where
+    P: Pack,
+    M: Model<P>,
+    L: Layout,
+    S: Stepper<P, M, L, D>,
+{
+    let bodies = prepared::<P, PACKS, M, L, S, D>(g, forcing, numbers);
+    for i in 0..steps {
+        for b in 0..PACKS {
+            let at = b * P::LANES;
+            let mut y = [P::splat(0.0); D];
+            for d in 0..D {
+                y[d] = P::load(&g.state[d].0[at..]);
+            }
+            let before = y;
+            let (p, stepper) = &bodies[b];
+            let mut compensation = y;
+            let mut dense = Coefficients::new();
+            if S::COMPENSATED {
+                for d in 0..D {
+                    compensation[d] = P::load(&g.compensation[d].0[at..]);
+                }
+            }
+            stepper.step(p, &mut y, &mut compensation, &mut dense);
+            if S::COMPENSATED {
+                for d in 0..D {
+                    compensation[d].store(&mut g.compensation[d].0[at..]);
+                }
+            }
+            for d in 0..D {
+                y[d].store(&mut g.state[d].0[at..]);
+            }
+            if observed != Observed::Nothing {
+                let begin = (P::load(&g.count.0[at..]) + P::splat(i as f64)) * p.step;
+                let segment = Segment { begin, before: &before, after: &y, dense: &dense };
+                observed.after_step::<P, M, L, S, D>(stepper, p, &mut g.observed, at, &segment);
+            }
+        }
+    }
+    for b in 0..PACKS {
+        let at = b * P::LANES;
+        let mut y = [P::splat(0.0); D];
+        for d in 0..D {
+            y[d] = P::load(&g.state[d].0[at..]);
+        }
+        let (p, stepper) = &bodies[b];
+        if observed != Observed::Nothing {
+            observed.after_block::<P, M, L, S, D>(stepper, p, &mut g.observed, at, &y);
+        }
+        let [energy, momentum] = invariants::<P, M, L, S, D>(p, &y);
+        update_drift(&mut g.energy, at, energy);
+        update_drift(&mut g.momentum, at, momentum);
+        for v in 0..L::VECTORS {
+            let n = direction(&y, v);
+            // |n| - 1, to first order.
+            let off = (dot(&n, &n) - P::splat(1.0)).abs() * P::splat(0.5);
+            P::load(&g.unit.0[at..]).max(off).store(&mut g.unit.0[at..]);
+        }
+        (P::load(&g.count.0[at..]) + P::splat(steps as f64)).store(&mut g.count.0[at..]);
+    }
+}
+
+/// Transforms the lanes with a step to the variables of their steps, or back; the others keep every bit.
+#[inline(always)]
+pub(super) fn process<P, const PACKS: usize, M, L, S, const D: usize>(
+    g: &mut Group,
+    leaving: bool,
+    numbers: &'static Numbers,
+) where
+    P: Pack,
+    M: Model<P>,
+    L: Layout,
+    S: Stepper<P, M, L, D>,
+{
+    for b in 0..PACKS {
+        let at = b * P::LANES;
+        let p = Parameters {
+            moments: load3::<P>(&g.moments, at),
+            weight: load3(&g.weight, at),
+            step: P::load(&g.step.0[at..]),
+        };
+        let mut y = [P::splat(0.0); D];
+        for d in 0..D {
+            y[d] = P::load(&g.state[d].0[at..]);
+        }
+        let before = y;
+        S::new(&p, &ForcingInterval::none(), numbers).process(&p, &mut y, leaving);
+        let steps = P::splat(0.0).lt(p.step.abs());
+        for d in 0..D {
+            P::select(steps, y[d], before[d]).store(&mut g.state[d].0[at..]);
+        }
+    }
+}
+
+/// Energy and conserved momentum of a state; of a forced body less the work and the impulse of the forcing.
+#[inline(always)]
+pub(super) fn invariants<R: Real, M: Model<R>, L: Layout, S: Stepper<R, M, L, D>, const D: usize>(
+    p: &Parameters<R>,
+    y: &[R; D],
+) -> [R; 2] {
+    let (mut potential, mut conserved) = (M::potential(p, y), M::conserved(&S::momentum(p, y), y));
+    if L::BALANCE {
+        potential = potential - y[L::BALANCE_AT];
+        conserved = conserved - y[L::IMPULSE_AT];
+    }
+    [S::kinetic(p, y) + potential, conserved]
+}

@@ -1,0 +1,115 @@
+//! Vectors, directions in body components, and quaternions.
+
+use crate::real::Real;
+use crate::special::rodrigues;
+
+/// a x b.
+#[inline(always)]
+pub fn cross<R: Real>(a: &[R; 3], b: &[R; 3]) -> [R; 3] {
+    [a[1].fms(b[2], a[2] * b[1]), a[2].fms(b[0], a[0] * b[2]), a[0].fms(b[1], a[1] * b[0])]
+}
+
+/// a . b.
+#[inline(always)]
+pub fn dot<R: Real>(a: &[R; 3], b: &[R; 3]) -> R {
+    a[0].fma(b[0], a[1].fma(b[1], a[2] * b[2]))
+}
+
+/// The direction `v` (0, 1, …) of a state.
+#[inline(always)]
+pub fn direction<R: Real, const D: usize>(y: &[R; D], v: usize) -> [R; 3] {
+    [y[3 + 3 * v], y[4 + 3 * v], y[5 + 3 * v]]
+}
+
+/// Rate of change of a space-fixed direction in body components: n' = n x omega.
+#[inline(always)]
+pub fn direction_rate<R: Real>(n: &[R; 3], omega: &[R; 3]) -> [R; 3] {
+    cross(n, omega)
+}
+
+/// Rate of change of the attitude: q' = q (0, omega) / 2.
+#[inline(always)]
+pub fn attitude_rate<R: Real>(q: &[R; 4], omega: &[R; 3]) -> [R; 4] {
+    let half = R::splat(0.5);
+    let [v1, v2, v3] = [omega[0] * half, omega[1] * half, omega[2] * half];
+    let [q0, q1, q2, q3] = *q;
+    [
+        -(q3.fma(v3, q2.fma(v2, q1 * v1))),
+        q3.fnma(v2, q2.fma(v3, q0 * v1)),
+        q1.fnma(v3, q3.fma(v1, q0 * v2)),
+        q2.fnma(v1, q1.fma(v2, q0 * v3)),
+    ]
+}
+
+/// `sum` and `n x omega`, from the rates across axis 3.
+#[inline(always)]
+pub fn add_turn_across<R: Real>(n: &[R; 3], [w1, w2]: [R; 2], sum: &mut [R; 3]) {
+    let [n1, n2, n3] = *n;
+    *sum = [n3.fnma(w2, sum[0]), n3.fma(w1, sum[1]), n2.fnma(w1, n1.fma(w2, sum[2]))];
+}
+
+/// `sum` and `n x omega`, from the rate about axis 3.
+#[inline(always)]
+pub fn add_turn_along<R: Real>(n: &[R; 3], w3: R, sum: &mut [R; 3]) {
+    let [n1, n2, _] = *n;
+    (sum[0], sum[1]) = (n2.fma(w3, sum[0]), n1.fnma(w3, sum[1]));
+}
+
+/// `sum` and `q (0, omega)`, from the rates across axis 3.
+#[inline(always)]
+pub fn add_roll_across<R: Real>(q: &[R; 4], [w1, w2]: [R; 2], sum: &mut [R; 4]) {
+    let [q0, q1, q2, q3] = *q;
+    *sum = [
+        q2.fnma(w2, q1.fnma(w1, sum[0])),
+        q3.fnma(w2, q0.fma(w1, sum[1])),
+        q3.fma(w1, q0.fma(w2, sum[2])),
+        q2.fnma(w1, q1.fma(w2, sum[3])),
+    ];
+}
+
+/// `sum` and `q (0, omega)`, from the rate about axis 3.
+#[inline(always)]
+pub fn add_roll_along<R: Real>(q: &[R; 4], w3: R, sum: &mut [R; 4]) {
+    let [q0, q1, q2, q3] = *q;
+    *sum = [q3.fnma(w3, sum[0]), q2.fma(w3, sum[1]), q1.fnma(w3, sum[2]), q0.fma(w3, sum[3])];
+}
+
+/// Hamilton product of two quaternions, scalar first.
+#[inline(always)]
+pub fn quaternion_product<R: Real>(a: &[R; 4], b: &[R; 4]) -> [R; 4] {
+    [
+        a[3].fnma(b[3], a[2].fnma(b[2], a[0].fms(b[0], a[1] * b[1]))),
+        a[3].fnma(b[2], a[2].fma(b[3], a[0].fma(b[1], a[1] * b[0]))),
+        a[1].fnma(b[3], a[3].fma(b[1], a[0].fma(b[2], a[2] * b[0]))),
+        a[2].fnma(b[1], a[1].fma(b[2], a[0].fma(b[3], a[3] * b[0]))),
+    ]
+}
+
+/// `R.T e` for the attitude `q` (of any length): the body components of the space direction `e`.
+#[inline(always)]
+pub fn seen_from_body<R: Real>(q: &[R; 4], e: &[R; 3]) -> [R; 3] {
+    let u = [q[1], q[2], q[3]];
+    let t = cross(e, &u);
+    let t = [t[0] + t[0], t[1] + t[1], t[2] + t[2]];
+    let s = cross(&t, &u);
+    [0, 1, 2].map(|i| q[0].fma(t[i], e[i] + s[i]))
+}
+
+/// exp of a rotation vector, as a unit quaternion.
+#[inline(always)]
+pub fn rotation_by<R: Real>(v: &[R; 3]) -> [R; 4] {
+    let quarter = dot(v, v) * R::splat(0.25);
+    let (a, b) = rodrigues(quarter);
+    let s = a * R::splat(0.5);
+    [quarter.fnma(b, R::splat(1.0)), s * v[0], s * v[1], s * v[2]]
+}
+
+/// Writes a part of a state, from the component `at` on. `copy_from_slice` is a call wherever the compiler does not
+/// happen to inline it.
+#[inline(always)]
+#[allow(clippy::manual_memcpy)]
+pub fn put<R: Copy, const D: usize, const N: usize>(y: &mut [R; D], at: usize, part: [R; N]) {
+    for i in 0..N {
+        y[at + i] = part[i];
+    }
+}

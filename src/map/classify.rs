@@ -1,0 +1,166 @@
+//! Classification in closed form: when a sample leaves stability, without its trajectory.
+
+use super::{Class, Criterion, Map, Outcome};
+use crate::exact::{CanonicalForm, ClosedForm, Evaluator, EvaluatorKind, ExitRows, StartRows};
+use crate::simd::Isa;
+use crate::simd::{LANES, Row};
+use crate::start::Body;
+use crate::status::Status;
+
+/// A sample is undecided if its exit time and the horizon differ by less than this share of their sum: fifty times
+/// the rounding of a phase.
+const DOUBT: f64 = 1e-14;
+
+/// Parameters of the exit time of a sample, which is evaluated in closed form.
+#[derive(Clone, Copy)]
+struct ExitQuery {
+    form: CanonicalForm,
+    /// Observed component, in the variables of the closed form.
+    axis: usize,
+    /// 1 - cos of the limit, measured to the centre of mass, and the direction in which the limit is crossed.
+    limit: f64,
+    direction: f64,
+    /// The exit time, if it is known without the motion: at once, or never.
+    known: Option<f64>,
+}
+
+impl ExitQuery {
+    /// The exit query of a map for a body, if the exit time has a closed form.
+    #[inline(always)]
+    fn of(map: &Map, body: &Body) -> Option<ExitQuery> {
+        let form = CanonicalForm::of(body)?;
+        let watched = map.axis.unsigned_abs() as usize - 1;
+        let axis = form.axis(watched);
+        // The plan of a map depends on the moments and the weight only, so it cannot treat a top at rest separately.
+        let symmetric =
+            body.is_symmetric_about(watched) && (body.weight == [0.0; 3] || body.is_weighed_along(watched));
+        let query = ExitQuery { form, axis, limit: 0.0, direction: 1.0, known: None };
+        match (map.criterion, form.closed_form) {
+            (Criterion::NoFlip, ClosedForm::PermanentRotation) if !map.scene.has_weight || symmetric => {
+                Some(ExitQuery { known: Some(f64::INFINITY), ..query })
+            }
+            (Criterion::NoFlip, ClosedForm::Symmetric | ClosedForm::Asymmetric) => Some(query),
+            (Criterion::NoFlip, ClosedForm::Lagrange) if axis == 2 => {
+                Some(ExitQuery { known: Some(f64::INFINITY), ..query })
+            }
+            (Criterion::TiltFromVertical(angle), ClosedForm::Lagrange | ClosedForm::PermanentRotation)
+                if map.scene.has_weight && symmetric =>
+            {
+                let half = crate::special::sincos(0.5 * angle);
+                let along = (map.axis > 0) == (body.weight[watched] > 0.0);
+                let part = if along { half.0 } else { half.1 };
+                let (limit, direction) = (2.0 * part * part, if along { 1.0 } else { -1.0 });
+                let known = (form.closed_form == ClosedForm::PermanentRotation).then(|| {
+                    let now = body.depth(watched);
+                    if direction * (now - limit) > 0.0 { 0.0 } else { f64::INFINITY }
+                });
+                Some(ExitQuery { limit, direction, known, ..query })
+            }
+            _ => None,
+        }
+    }
+}
+
+/// Whether the body is classified in closed form.
+pub(super) fn answers(map: &Map, body: &Body) -> bool {
+    ExitQuery::of(map, body).is_some()
+}
+
+/// Samples of one closed form, collected for a full register.
+struct Waiting {
+    evaluator: Evaluator,
+    starts: StartRows,
+    exits: ExitRows,
+    indices: [usize; LANES],
+    filled: usize,
+}
+
+/// Classifies samples in closed form, a full register at a time.
+pub(super) struct ClosedFormClassifier<'a> {
+    map: &'a Map,
+    isa: Isa,
+    waiting: [Option<Box<Waiting>>; 3],
+}
+
+impl<'a> ClosedFormClassifier<'a> {
+    pub(super) fn new(map: &'a Map, isa: Isa) -> Self {
+        ClosedFormClassifier { map, isa, waiting: [None, None, None] }
+    }
+
+    /// Adds the sample if its exit time has a closed form; writes the outcomes of a full register.
+    #[inline(always)]
+    pub(super) fn take(&mut self, index: usize, body: &Body, outcomes: &mut [Option<Outcome>]) -> bool {
+        let Some(query) = ExitQuery::of(self.map, body) else { return false };
+        if let Some(left) = query.known {
+            outcomes[index] = Some(outcome(self.map, left));
+            return true;
+        }
+        let kind = query.form.kind();
+        let isa = self.isa;
+        let waiting = self.waiting[kind as usize].get_or_insert_with(|| {
+            let nothing = Row([0.0; LANES]);
+            Box::new(Waiting {
+                evaluator: Evaluator::new(kind, isa),
+                starts: StartRows::filled(&query.form.to_canonical(body)),
+                exits: ExitRows { axis: nothing, limit: nothing, direction: nothing },
+                indices: [0; LANES],
+                filled: 0,
+            })
+        });
+        let lane = waiting.filled;
+        match kind {
+            EvaluatorKind::Free => waiting.starts.set(lane, body),
+            _ => waiting.starts.set(lane, &query.form.to_canonical(body)),
+        }
+        waiting.exits.axis.0[lane] = query.axis as f64;
+        waiting.exits.limit.0[lane] = query.limit;
+        waiting.exits.direction.0[lane] = query.direction;
+        waiting.indices[lane] = index;
+        waiting.filled += 1;
+        if waiting.filled == LANES {
+            classify(self.map, waiting, outcomes);
+        }
+        true
+    }
+
+    /// Classifies the remaining samples.
+    pub(super) fn finish(mut self, outcomes: &mut [Option<Outcome>]) {
+        for waiting in self.waiting.iter_mut().flatten() {
+            classify(self.map, waiting, outcomes);
+        }
+    }
+}
+
+fn classify(map: &Map, waiting: &mut Waiting, outcomes: &mut [Option<Outcome>]) {
+    let mut times = Row([0.0; LANES]);
+    waiting.evaluator.exits(&waiting.starts, &waiting.exits, &mut times);
+    for (lane, &index) in waiting.indices[..waiting.filled].iter().enumerate() {
+        outcomes[index] = Some(outcome(map, times.0[lane]));
+    }
+    waiting.filled = 0;
+}
+
+fn outcome(map: &Map, left: f64) -> Outcome {
+    let doubtful = left.is_finite() && (left - map.t_end).abs() <= DOUBT * (left + map.t_end);
+    let (class, status) = if left.is_nan() {
+        (Class::Failed, Status::NotFinite)
+    } else if doubtful {
+        (Class::Undecided, Status::Finished)
+    } else if left < map.t_end {
+        (Class::Unstable, Status::Stopped)
+    } else {
+        (Class::Stable, Status::Finished)
+    };
+    Outcome {
+        class,
+        status,
+        flips: u64::from(map.criterion == Criterion::NoFlip && left <= map.t_end),
+        left: if left <= map.t_end { left } else { f64::INFINITY },
+        tilt: f64::NAN,
+        energy_drift: f64::NAN,
+        momentum_drift: f64::NAN,
+        step: f64::NAN,
+        steps: 0,
+        exact: true,
+    }
+}

@@ -1,0 +1,135 @@
+//! The starts of samples, drawn side by side: each a pure function of seed, pixel and sample.
+
+use super::{Map, Pixel};
+use crate::real::Pack;
+use crate::sample::{self, Law};
+use crate::simd::Isa;
+use crate::simd::{LANES, Row};
+#[cfg(target_arch = "x86_64")]
+use crate::simd::{V4, V8};
+use crate::start::Body;
+use std::ops::Range;
+
+const NOTHING: Row = Row([0.0; LANES]);
+
+/// The uniforms of each lane, the nominal starts and the sizes of the perturbations.
+struct Draws {
+    uniforms: [Row; 4],
+    sizes: [Row; 4],
+    /// Rates or an attitude: first the nominal, then the perturbed ones.
+    start: [Row; 4],
+}
+
+impl Draws {
+    fn set_uniforms(&mut self, lane: usize, u: [f64; 4]) {
+        for k in 0..4 {
+            self.uniforms[k].0[lane] = u[k];
+        }
+    }
+}
+
+#[inline(always)]
+fn vectors<P: Pack>(law: Law, draws: &mut Draws) {
+    for at in (0..LANES).step_by(P::LANES) {
+        let v = sample::vector(law, load::<P>(&draws.uniforms, at));
+        let (sizes, start) = (load::<P>(&draws.sizes, at), load::<P>(&draws.start, at));
+        for k in 0..3 {
+            sizes[k].fma(v[k], start[k]).store(&mut draws.start[k].0[at..]);
+        }
+    }
+}
+
+#[inline(always)]
+fn attitudes<P: Pack>(law: Law, draws: &mut Draws) {
+    for at in (0..LANES).step_by(P::LANES) {
+        let size = P::load(&draws.sizes[0].0[at..]);
+        let q = sample::attitude(law, size, load(&draws.start, at), load::<P>(&draws.uniforms, at));
+        for k in 0..4 {
+            q[k].store(&mut draws.start[k].0[at..]);
+        }
+    }
+}
+
+#[inline(always)]
+fn load<P: Pack>(rows: &[Row; 4], at: usize) -> [P; 4] {
+    let mut out = [P::splat(0.0); 4];
+    for k in 0..4 {
+        out[k] = P::load(&rows[k].0[at..]);
+    }
+    out
+}
+
+/// Compiles a function of rows for each instruction set.
+macro_rules! compiled {
+    ($name:ident, $generic:ident) => {
+        fn $name(isa: Isa, law: Law, draws: &mut Draws) {
+            #[cfg(target_arch = "x86_64")]
+            #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,avx2,fma")]
+            fn avx512(law: Law, draws: &mut Draws) {
+                $generic::<V8>(law, draws)
+            }
+            #[cfg(target_arch = "x86_64")]
+            #[target_feature(enable = "avx2,fma")]
+            fn avx2(law: Law, draws: &mut Draws) {
+                $generic::<V4>(law, draws)
+            }
+            assert!(isa.is_available());
+            match isa {
+                // Safety: the line before checks the feature.
+                #[cfg(target_arch = "x86_64")]
+                Isa::Avx512 => unsafe { avx512(law, draws) },
+                // Safety: as above.
+                #[cfg(target_arch = "x86_64")]
+                Isa::Avx2 => unsafe { avx2(law, draws) },
+                _ => $generic::<f64>(law, draws),
+            }
+        }
+    };
+}
+compiled!(vectors_of, vectors);
+compiled!(attitudes_of, attitudes);
+
+impl Map {
+    /// The starts of a range of samples in pixel-major order; the nominal ones where the pixel has no body.
+    pub fn draw(&self, isa: Isa, range: Range<u64>) -> Vec<Body> {
+        let places: Vec<(u64, u64)> = self.pixels_and_samples(range).collect();
+        let pixel = |place: &(u64, u64)| &self.pixels[place.0 as usize];
+        let mut bodies: Vec<Body> = places.iter().map(|place| pixel(place).body).collect();
+        let mut draws = Draws { uniforms: [NOTHING; 4], sizes: [NOTHING; 4], start: [NOTHING; 4] };
+        for (bodies, places) in bodies.chunks_mut(LANES).zip(places.chunks(LANES)) {
+            if self.omega_law != Law::None {
+                for (lane, place) in places.iter().enumerate() {
+                    let Pixel { body, omega_size, .. } = pixel(place);
+                    draws.set_uniforms(lane, sample::uniforms(self.key, 0, place.1, place.0));
+                    for k in 0..3 {
+                        draws.sizes[k].0[lane] = omega_size[k];
+                        draws.start[k].0[lane] = body.omega[k];
+                    }
+                }
+                vectors_of(isa, self.omega_law, &mut draws);
+                for (lane, (body, place)) in bodies.iter_mut().zip(places).enumerate() {
+                    if pixel(place).possible {
+                        body.omega = [0, 1, 2].map(|k| draws.start[k].0[lane]);
+                    }
+                }
+            }
+            if self.attitude_law != Law::None {
+                for (lane, place) in places.iter().enumerate() {
+                    let Pixel { body, attitude_size, .. } = pixel(place);
+                    draws.set_uniforms(lane, sample::uniforms(self.key, 1, place.1, place.0));
+                    draws.sizes[0].0[lane] = *attitude_size;
+                    for k in 0..4 {
+                        draws.start[k].0[lane] = body.attitude[k];
+                    }
+                }
+                attitudes_of(isa, self.attitude_law, &mut draws);
+                for (lane, (body, place)) in bodies.iter_mut().zip(places).enumerate() {
+                    if pixel(place).possible {
+                        body.attitude = [0, 1, 2, 3].map(|k| draws.start[k].0[lane]);
+                    }
+                }
+            }
+        }
+        bodies
+    }
+}

@@ -1,0 +1,248 @@
+//! The Monte Carlo map: blocks of samples are drawn, classified and counted.
+
+mod classify;
+mod draw;
+mod integrate;
+mod request;
+mod statistics;
+
+pub use request::{Criterion, Map, MethodChoice, Pixel};
+pub use statistics::{Class, Column, Field, Outcome, Statistics};
+
+use crate::forcing::Forcing;
+use crate::kernel::{Kernel, KernelAssignment, Needs, System};
+use crate::observe::Observed;
+use crate::parallel::{over_blocks, thread_nanoseconds};
+use crate::scheme::{Scheme, Step};
+use crate::simd::Isa;
+use crate::solver::default_step;
+use crate::start::Body;
+use classify::ClosedFormClassifier;
+use integrate::Task;
+use statistics::Sample;
+use std::ops::Range;
+use std::sync::atomic::AtomicBool;
+
+/// A sample takes whole blocks of this many steps and may stop after each. What is observed at the ends of blocks then
+/// depends on the sample alone, whoever shares its group.
+pub const STEP_BLOCK: u64 = 16;
+
+/// Cost of a classification in closed form in units of RK4 steps, to share the processor time of a block.
+const EXACT_AS_STEPS: u64 = 20;
+
+/// Samples of a block: a millisecond of work or more.
+const BLOCK: u64 = 1024;
+
+impl Map {
+    /// Samples of the whole map.
+    pub fn len(&self) -> u64 {
+        self.pixels.len() as u64 * self.samples
+    }
+
+    /// Whether there is nothing to do.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Pixel and sample of a range in pixel-major order. Counted, not divided: a division costs as much as a draw.
+    fn pixels_and_samples(&self, range: Range<u64>) -> impl Iterator<Item = (u64, u64)> {
+        let (mut pixel, mut sample) = (range.start / self.samples, range.start % self.samples);
+        let samples = self.samples;
+        range.map(move |_| {
+            let this = (pixel, sample);
+            sample += 1;
+            if sample == samples {
+                (pixel, sample) = (pixel + 1, 0);
+            }
+            this
+        })
+    }
+
+    /// How a run of a sample is assigned to a kernel.
+    fn assignment(&self, body: &Body, cross_check: bool) -> KernelAssignment {
+        let scheme = self.scheme(cross_check);
+        if self.is_forced() {
+            KernelAssignment::of_forced(scheme, body)
+        } else {
+            KernelAssignment::of(scheme, body, self.scene)
+        }
+    }
+
+    /// The kernel of the samples with that step: its system carries what the criterion watches and no more.
+    fn kernel(&self, step: Step) -> Kernel {
+        let (directions, observed) = match self.criterion {
+            Criterion::NoFlip => (0, Observed::Flips),
+            Criterion::TiltFromVertical(_) => (1, Observed::Tilt),
+            // Where there is weight, the first direction is the vertical.
+            Criterion::TiltFromStart(_) => (1 + usize::from(self.scene.has_weight), Observed::Tilt),
+        };
+        let in_space = self.forcing.iter().any(Forcing::acts_in_space);
+        let needs = Needs {
+            is_forced: self.is_forced(),
+            is_reduced: false,
+            directions: if in_space { 3 } else { directions },
+            attitude: false,
+        };
+        Kernel { system: System::carrying(self.scene, step, needs), step, observed }
+    }
+
+    /// The scheme of a run of a sample.
+    fn scheme(&self, cross_check: bool) -> &'static Scheme {
+        let scheme = self.method.scheme();
+        if cross_check { scheme.second(self.is_forced()) } else { scheme }
+    }
+
+    /// Number of steps of a run of a sample: whole blocks, no step longer than the map allows; above `max_steps` if the
+    /// rates need that many. A cross-check takes the steps of its scheme, and half the step that was asked for or that
+    /// the first run takes with the same scheme.
+    fn steps_of(&self, body: &Body, forcing: &Forcing, cross_check: bool) -> u64 {
+        let scheme = self.scheme(cross_check);
+        let own = default_step(scheme, body.step_rate(scheme, forcing, [0.0, self.t_end]));
+        let largest = match self.step {
+            Some(step) if cross_check => own.min(0.5 * step),
+            Some(step) => step,
+            None if cross_check && scheme == self.method.scheme() => 0.5 * own,
+            None => own,
+        };
+        let blocks = (self.t_end / largest / STEP_BLOCK as f64).ceil().max(1.0);
+        // A NaN or an absurd number becomes one that no limit allows.
+        if blocks < 1e18 { blocks as u64 * STEP_BLOCK } else { u64::MAX }
+    }
+
+    /// The classification from both runs of a sample. A cross-check that would take too many steps has no effect.
+    fn classification(first: &Outcome, second: Option<&Outcome>) -> Class {
+        match second.filter(|second| second.was_run()) {
+            Some(second) if first.class != Class::Failed && second.class != first.class => Class::Undecided,
+            _ => first.class,
+        }
+    }
+
+    /// Statistics of the samples `start .. stop` in pixel-major order, for the pixels that they touch; `None` if
+    /// interrupted.
+    pub fn run(
+        &self,
+        start: u64,
+        stop: u64,
+        threads: usize,
+        isa: Isa,
+        interrupt: &AtomicBool,
+    ) -> Option<(u64, Vec<Statistics>)> {
+        let first = start / self.samples;
+        let last = stop.div_ceil(self.samples);
+        let mut all = vec![Statistics::NONE; (last - first) as usize];
+        let block = BLOCK.min((stop - start).div_ceil(threads as u64)).max(1);
+        let blocks = (stop - start).div_ceil(block) as usize;
+        let parts = over_blocks(blocks, threads, interrupt, |b| {
+            let begin = start + b as u64 * block;
+            self.block(begin, stop.min(begin + block), isa, interrupt)
+        });
+        for part in parts {
+            for (pixel, statistics) in part?? {
+                all[(pixel - first) as usize].merge(&statistics);
+            }
+        }
+        Some((first, all))
+    }
+
+    /// The statistics of one block, by pixel; `None` if interrupted.
+    fn block(
+        &self,
+        start: u64,
+        stop: u64,
+        isa: Isa,
+        interrupt: &AtomicBool,
+    ) -> Option<Vec<(u64, Statistics)>> {
+        let begin = thread_nanoseconds();
+        let bodies = self.draw(isa, start..stop);
+        let mut outcomes: [Vec<Option<Outcome>>; 2] = [vec![None; bodies.len()], Vec::new()];
+        let mut classifier = ClosedFormClassifier::new(self, isa);
+        let mut tasks: Vec<(Step, Vec<Task>)> = Vec::new();
+        for (index, (pixel, sample)) in self.pixels_and_samples(start..stop).enumerate() {
+            if self.pixels[pixel as usize].possible {
+                if !self.is_forced()
+                    && self.method.exact()
+                    && classifier.take(index, &bodies[index], &mut outcomes[0])
+                {
+                    continue;
+                }
+                for cross_check in
+                    [false, true].into_iter().filter(|cross_check| !cross_check || sample < self.checked)
+                {
+                    let step = self.assignment(&bodies[index], cross_check).step;
+                    let task = Task { index, cross_check };
+                    match tasks.iter_mut().find(|tasks| tasks.0 == step) {
+                        Some((_, tasks)) => tasks.push(task),
+                        None => tasks.push((step, vec![task])),
+                    }
+                }
+            }
+        }
+        classifier.finish(&mut outcomes[0]);
+        if tasks.iter().flat_map(|(_, tasks)| tasks).any(|task| task.cross_check) {
+            outcomes[1] = vec![None; bodies.len()];
+        }
+        for (step, tasks) in &tasks {
+            let kernel = self.kernel(*step);
+            self.integrate_batch((&bodies, start), tasks, kernel, isa, interrupt, |task, outcome| {
+                outcomes[usize::from(task.cross_check)][task.index] = Some(outcome);
+            })?;
+        }
+
+        let mut pixels: Vec<(u64, Statistics)> = Vec::new();
+        for (index, (pixel, _)) in self.pixels_and_samples(start..stop).enumerate() {
+            if pixels.last().is_none_or(|&(last, _)| last != pixel) {
+                pixels.push((pixel, Statistics::NONE));
+            }
+            let statistics = &mut pixels.last_mut().expect("pushed above").1;
+            if let Some(first) = &outcomes[0][index] {
+                let second = outcomes[1].get(index).and_then(Option::as_ref);
+                statistics.add(&Sample { class: Map::classification(first, second), first, second });
+            }
+        }
+        let elapsed = (thread_nanoseconds() - begin) as f64;
+        // A closed form costs about what some tens of steps do.
+        let work = |s: &Statistics| (s.steps + EXACT_AS_STEPS * s.exact) as f64;
+        let total: f64 = pixels.iter().map(|(_, s)| work(s)).sum();
+        for (_, statistics) in &mut pixels {
+            statistics.nanoseconds = elapsed * work(statistics) / total.max(1.0);
+        }
+        Some(pixels)
+    }
+
+    /// One sample alone: its start, its classification and the outcome of its first run, with the bits of the map.
+    /// `None` if interrupted.
+    pub fn sample(
+        &self,
+        pixel: u64,
+        sample: u64,
+        isa: Isa,
+        interrupt: &AtomicBool,
+    ) -> Option<(Body, Class, Outcome)> {
+        let flat = pixel * self.samples + sample;
+        let body = self.draw(isa, flat..flat + 1)[0];
+        if !self.pixels[pixel as usize].possible {
+            return Some((body, Class::Failed, Outcome::refused()));
+        }
+        if !self.is_forced() && self.method.exact() {
+            let mut outcome = [None];
+            let mut classifier = ClosedFormClassifier::new(self, isa);
+            classifier.take(0, &body, &mut outcome);
+            classifier.finish(&mut outcome);
+            if let [Some(outcome)] = outcome {
+                return Some((body, outcome.class, outcome));
+            }
+        }
+        let mut outcomes = [None, None];
+        for cross_check in
+            [false, true].into_iter().filter(|cross_check| !cross_check || sample < self.checked)
+        {
+            let kernel = self.kernel(self.assignment(&body, cross_check).step);
+            let task = Task { index: 0, cross_check };
+            self.integrate_batch((&[body], flat), &[task], kernel, isa, interrupt, |_, outcome| {
+                outcomes[usize::from(cross_check)] = Some(outcome);
+            })?;
+        }
+        let first = outcomes[0].expect("every task is finished");
+        Some((body, Map::classification(&first, outcomes[1].as_ref()), first))
+    }
+}

@@ -1,0 +1,250 @@
+//! What is asked of a map: the pixels and their samples, the criterion and the method.
+
+use crate::error::Error;
+use crate::exact::Question;
+use crate::forcing::Forcing;
+use crate::sample::Law;
+use crate::scene::Scene;
+use crate::scheme::{self, Scheme};
+use crate::solver::Solver;
+use crate::start::Body;
+
+/// When a sample counts as stable.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Criterion {
+    /// The component of the rates along the watched axis never changes sign.
+    NoFlip,
+    /// The watched axis stays within this angle of where it started.
+    TiltFromStart(f64),
+    /// The watched axis stays within this angle of the vertical.
+    TiltFromVertical(f64),
+}
+
+impl Criterion {
+    /// The largest angle that the observed axis may tilt; infinite if its tilt is not asked for.
+    pub(super) fn limit(self) -> f64 {
+        match self {
+            Criterion::NoFlip => f64::INFINITY,
+            Criterion::TiltFromStart(angle) | Criterion::TiltFromVertical(angle) => angle,
+        }
+    }
+
+    /// The criterion of that name, with its limit (rad).
+    pub fn parse(name: &str, limit: f64) -> Result<Criterion, Error> {
+        match name {
+            "no_flip" => Ok(Criterion::NoFlip),
+            "tilt_from_start" => Ok(Criterion::TiltFromStart(limit)),
+            "tilt_from_vertical" => Ok(Criterion::TiltFromVertical(limit)),
+            _ => {
+                let known = "no_flip, tilt_from_start, tilt_from_vertical".into();
+                Err(Error::Unknown { argument: "criterion", value: name.into(), known })
+            }
+        }
+    }
+}
+
+/// The nominal body of a pixel and the size of the perturbations of its samples.
+#[derive(Clone, Copy, Debug)]
+pub struct Pixel {
+    /// Body and nominal start.
+    pub body: Body,
+    /// Size of the perturbation of each rate.
+    pub omega_size: [f64; 3],
+    /// Size of the perturbation of the attitude (rad).
+    pub attitude_size: f64,
+    /// Whether such a body exists.
+    pub possible: bool,
+}
+
+/// How the samples of a map are classified.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MethodChoice {
+    /// In closed form where there is one, else by the default scheme.
+    Auto,
+    /// By this solver; with the closed forms, a sample without one is refused.
+    Only(Solver),
+}
+
+impl MethodChoice {
+    /// The name that leaves the choice to each sample.
+    pub const AUTO: &str = "auto";
+
+    /// The choice of that name.
+    pub fn parse(name: &str) -> Result<MethodChoice, Error> {
+        if name == MethodChoice::AUTO {
+            Ok(MethodChoice::Auto)
+        } else {
+            Solver::parse(name).map(MethodChoice::Only)
+        }
+    }
+
+    /// Whether closed forms are used.
+    pub(super) fn exact(self) -> bool {
+        matches!(self, MethodChoice::Auto | MethodChoice::Only(Solver::Exact))
+    }
+
+    /// The scheme of the samples that have no closed form.
+    pub fn scheme(self) -> &'static Scheme {
+        match self {
+            MethodChoice::Only(Solver::Steps(scheme)) => scheme,
+            _ => scheme::DEFAULT,
+        }
+    }
+}
+
+/// Everything that the statistics of a map depend on.
+#[derive(Clone, Debug)]
+pub struct Map {
+    /// What moves the bodies.
+    pub scene: &'static Scene,
+    /// The forcing of each pixel; empty if there is none.
+    pub forcing: Vec<Forcing>,
+    /// How the samples are classified.
+    pub method: MethodChoice,
+    /// The pixels.
+    pub pixels: Vec<Pixel>,
+    /// Law of the perturbation of the rates.
+    pub omega_law: Law,
+    /// Law of the perturbation of the attitude.
+    pub attitude_law: Law,
+    /// When a sample is stable.
+    pub criterion: Criterion,
+    /// The watched body axis: 1, 2, 3 or -1, -2, -3.
+    pub axis: i32,
+    /// Horizon.
+    pub t_end: f64,
+    /// Largest step; `None` leaves it to the bound of each sample's rates.
+    pub step: Option<f64>,
+    /// Most steps that a sample may take.
+    pub max_steps: u64,
+    /// Samples of each pixel.
+    pub samples: u64,
+    /// How many of them, the first, are classified again by the second method.
+    pub checked: u64,
+    /// Key of the random numbers.
+    pub key: [u64; 2],
+}
+
+impl Map {
+    /// The map, if it can be computed.
+    ///
+    /// # Errors
+    /// Naming the argument.
+    pub fn checked(self) -> Result<Map, Error> {
+        let refuse = |argument, value: String, rule| Err(Error::Value { argument, value, rule });
+        if !(1..=3).contains(&self.axis.unsigned_abs()) {
+            return refuse("axis", self.axis.to_string(), "must be 1, 2, 3 or -1, -2, -3");
+        }
+        if self.samples == 0 {
+            return refuse("samples", self.samples.to_string(), "must be at least 1");
+        }
+        if !(self.t_end.is_finite() && self.t_end > 0.0) {
+            return refuse("t_end", self.t_end.to_string(), "must be positive and finite");
+        }
+        let is_exact = self.method == MethodChoice::Only(Solver::Exact);
+        if !is_exact {
+            self.method.scheme().check(self.scene, true)?;
+        }
+        if self.is_forced() {
+            self.check_forced()?;
+        }
+        match self.first_without_closed_form().filter(|_| is_exact) {
+            Some(pixel) => Err(Error::NoClosedClassification { pixel, rule: Question::RULE_OF_CLASSES }),
+            None => Ok(self),
+        }
+    }
+
+    /// The first pixel with a possible body that is not classified in closed form.
+    fn first_without_closed_form(&self) -> Option<usize> {
+        self.pixels.iter().position(|pixel| pixel.possible && !super::classify::answers(self, &pixel.body))
+    }
+
+    /// Whether torque or damping is applied.
+    pub(super) fn is_forced(&self) -> bool {
+        !self.forcing.is_empty()
+    }
+
+    /// The forcing of a pixel.
+    pub(super) fn forcing_of(&self, pixel: u64) -> &Forcing {
+        self.forcing.get(pixel as usize).unwrap_or(Forcing::NONE)
+    }
+
+    /// Refuses a forcing that the criterion or the method cannot handle.
+    fn check_forced(&self) -> Result<(), Error> {
+        let scheme = self.method.scheme();
+        let name = scheme.facts.name;
+        let refuse = |argument, value, rule| Err(Error::Value { argument, value, rule });
+        if self.method == MethodChoice::Only(Solver::Exact) {
+            let rule = "no classification in closed form is known under torque and damping";
+            return refuse("method", format!("'{}'", Solver::EXACT), rule);
+        }
+        let Some(limit) = scheme.damping_limit() else {
+            return refuse("method", format!("'{name}'"), "moves bodies without torque and damping only");
+        };
+        if let Criterion::TiltFromStart(_) = self.criterion {
+            let rule = "under torque and damping only the tilt from the vertical is watched";
+            return refuse("reference", "'start'".to_string(), rule);
+        }
+        if self.forcing.iter().any(|forcing| !forcing.knots().is_empty()) {
+            return refuse("torque", "a table".to_string(), "must be constant in a map");
+        }
+        if let Some(step) = self.step {
+            for (pixel, forcing) in self.pixels.iter().zip(&self.forcing).filter(|(pixel, _)| pixel.possible)
+            {
+                let [.., rate] = forcing.damping_rates(pixel.body.moments);
+                if step * rate > limit {
+                    return Err(Error::Unstable { step, rate, name, longest: limit / rate });
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::FREE;
+
+    fn map() -> Map {
+        Map {
+            scene: &FREE,
+            forcing: Vec::new(),
+            method: MethodChoice::Auto,
+            pixels: Vec::new(),
+            omega_law: Law::None,
+            attitude_law: Law::None,
+            criterion: Criterion::NoFlip,
+            axis: 2,
+            t_end: 1.0,
+            step: None,
+            max_steps: 100,
+            samples: 1,
+            checked: 0,
+            key: [0; 2],
+        }
+    }
+
+    #[test]
+    fn a_map_that_cannot_be_computed_is_refused() {
+        assert!(map().checked().is_ok());
+        let refused = [
+            (Map { axis: 0, ..map() }, "axis = 0"),
+            (Map { samples: 0, ..map() }, "samples = 0"),
+            (Map { t_end: f64::NAN, ..map() }, "t_end = NaN"),
+            (Map { t_end: -1.0, ..map() }, "t_end = -1"),
+        ];
+        for (map, words) in refused {
+            let message = map.checked().unwrap_err().to_string();
+            assert!(message.starts_with(words), "{message}");
+        }
+    }
+
+    #[test]
+    fn criteria_and_methods_have_names() {
+        assert_eq!(Criterion::parse("tilt_from_start", 0.5), Ok(Criterion::TiltFromStart(0.5)));
+        assert!(Criterion::parse("flip", 0.5).is_err());
+        assert_eq!(MethodChoice::parse("auto"), Ok(MethodChoice::Auto));
+        assert_eq!(MethodChoice::parse("exact"), Ok(MethodChoice::Only(Solver::Exact)));
+    }
+}

@@ -1,0 +1,70 @@
+//! The polynomial of a step, and where it vanishes.
+
+use crate::real::Real;
+use crate::scheme::Coefficients;
+
+/// Three neighbouring numbers of a state from the `first` on, a fraction of the step after its begin, and their slopes.
+#[inline(always)]
+pub(super) fn interpolate<R: Real, const D: usize>(
+    dense: &Coefficients<R, D>,
+    first: usize,
+    fraction: R,
+) -> ([R; 3], [R; 3]) {
+    let order = dense.highest();
+    let top = dense.order(order);
+    let mut value = [top[first], top[first + 1], top[first + 2]];
+    let mut slope = [R::splat(0.0); 3];
+    for k in (0..order).rev() {
+        for i in 0..3 {
+            slope[i] = slope[i].fma(fraction, value[i]);
+            value[i] = value[i].fma(fraction, dense.order(k)[first + i]);
+        }
+    }
+    (value, slope)
+}
+
+/// A Newton step for a zero in [0, 1].
+#[inline(always)]
+pub(super) fn newton<R: Real>(fraction: R, value: R, slope: R) -> R {
+    // A slope of zero gives a NaN or infinity; min and max then return their second argument.
+    (fraction - value / slope).max(R::splat(0.0)).min(R::splat(1.0))
+}
+
+/// Zero in [0, 1] of the cubic with these values and slopes at both ends, where the values have opposite signs: regula
+/// falsi for a start, then Newton steps kept inside.
+#[inline(always)]
+pub(super) fn hermite_root<R: Real>(begin: R, begin_rate: R, end: R, end_rate: R) -> R {
+    let rise = end - begin;
+    let c2 = (rise * R::splat(3.0) - begin_rate) - (begin_rate + end_rate);
+    let c3 = (begin_rate + end_rate) - (rise + rise);
+    let mut s = begin / (begin - end);
+    for _ in 0..4 {
+        let value = c3.fma(s, c2).fma(s, begin_rate).fma(s, begin);
+        let slope = (c3 * R::splat(3.0)).fma(s, c2 + c2).fma(s, begin_rate);
+        s = newton(s, value, slope);
+    }
+    s
+}
+
+/// Fraction of a step at which the component along an axis of three numbers, from the `first` on, has an extremum. The
+/// slopes at both ends have opposite signs.
+#[inline(always)]
+pub(super) fn turning_point<R: Real, const D: usize>(
+    dense: &Coefficients<R, D>,
+    first: usize,
+    axis: &[R; 3],
+    [begin_slope, end_slope]: [R; 2],
+) -> R {
+    let mut fraction = begin_slope / (begin_slope - end_slope);
+    for _ in 0..5 {
+        let (mut slope, mut bend) = (R::splat(0.0), R::splat(0.0));
+        for k in (1..=dense.highest()).rev() {
+            bend = bend.fma(fraction, slope);
+            let row = dense.order(k);
+            let along = super::along(axis, &[row[first], row[first + 1], row[first + 2]]);
+            slope = slope.fma(fraction, along * R::splat(k as f64));
+        }
+        fraction = newton(fraction, slope, bend);
+    }
+    fraction
+}

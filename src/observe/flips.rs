@@ -1,0 +1,128 @@
+//! Sign changes of a component of the rates.
+
+use super::dense::{hermite_root, interpolate, newton, turning_point};
+use super::{EXIT_TIME, Follow, Observable, Rows, Segment, Start, along, first_time, three};
+use crate::forcing::{Forcing, ForcingInterval};
+use crate::real::Real;
+use crate::scene::{Layout, Model, Parameters};
+use crate::scheme::Stepper;
+use crate::start::rates_soon;
+
+/// Sign changes of one component of the rates, located inside the step.
+pub struct Flips;
+
+impl Flips {
+    /// +1 or -1: the sign of the component after the last step.
+    pub const SIGN: usize = 1;
+    /// Sign changes.
+    pub const COUNT: usize = 2;
+    /// The observed body axis: a unit vector along a principal axis, either way.
+    pub const AXIS: usize = 3;
+
+    /// In a long step a component may pass zero and come back: towards zero at the begin, away from it at the end, and
+    /// beyond it between.
+    #[inline(always)]
+    fn twice_in_a_step<R: Real, M: Model<R>, L: Layout, S: Stepper<R, M, L, D>, const D: usize>(
+        stepper: &S,
+        p: &Parameters<R>,
+        rows: &mut Rows<R>,
+        segment: &Segment<R, D>,
+    ) {
+        let &Segment { begin: time, before, after, dense } = segment;
+        let axis = three(rows, Flips::AXIS);
+        let sign = rows[Flips::SIGN];
+        let zero = R::splat(0.0);
+        let first = dense.order(1);
+        let begin_slope = along(&axis, &[first[0], first[1], first[2]]) * sign;
+        let end_slope = along(&axis, &stepper.velocity(p, after)) * p.step * sign;
+        let dips = R::select(zero.lt(end_slope), begin_slope, zero).lt(zero);
+        if R::any(dips) {
+            let turn = turning_point(dense, 0, &axis, [begin_slope, end_slope]);
+            let (omega, _) = interpolate(dense, 0, turn);
+            let begin = along(&axis, &[before[0], before[1], before[2]]) * sign;
+            let deepest = along(&axis, &omega) * sign;
+            // Not of a step that ends on the other side: that is one flip, and `sign` is the new one by now.
+            let twice = R::select(zero.lt(begin), R::select(dips, deepest, zero), zero).lt(zero);
+            if R::any(twice) {
+                let mut fraction = turn * (begin / (begin - deepest));
+                for _ in 0..6 {
+                    let (omega, rate) = interpolate(dense, 0, fraction);
+                    let (value, slope) = (along(&axis, &omega), along(&axis, &rate));
+                    // The first of the two lies before the turn.
+                    fraction = newton(fraction, value, slope).min(turn);
+                }
+                let at = p.step.fma(fraction, time);
+                rows[EXIT_TIME] = R::select(twice, first_time(rows[EXIT_TIME], at), rows[EXIT_TIME]);
+                rows[Flips::COUNT] = rows[Flips::COUNT] + R::select(twice, R::splat(2.0), zero);
+            }
+        }
+    }
+}
+
+impl Observable for Flips {
+    const ROWS: usize = 6;
+    const CHANGING: usize = 3;
+
+    /// The sign of the component at the start; for a component that is zero, the sign just after the start.
+    fn start(start: &Start) -> Rows<f64> {
+        let mut rows = super::WAITING;
+        let k = start.axis.unsigned_abs() as usize - 1;
+        let value = match (start.body.omega[k], start.forcing) {
+            (0.0, Some((interval, rate))) => rates_soon(start.body, interval, rate)[k],
+            (0.0, None) => {
+                let rate = start.body.fastest_rate(Forcing::NONE, [0.0; 2]);
+                rates_soon(start.body, &ForcingInterval::none(), rate)[k]
+            }
+            (omega, _) => omega,
+        };
+        rows[Flips::SIGN] = f64::from(start.axis.signum()) * if value < 0.0 { -1.0 } else { 1.0 };
+        rows[Flips::AXIS..Flips::AXIS + 3].copy_from_slice(&start.unit);
+        rows
+    }
+
+    /// The number of sign changes.
+    fn outcome(rows: &Rows<f64>) -> f64 {
+        rows[Flips::COUNT]
+    }
+}
+
+impl<R: Real, M: Model<R>, L: Layout, const D: usize> Follow<R, M, L, D> for Flips {
+    /// True if the rates are those of the body and the layout contains only variables that the rates need.
+    const FITS: bool = !M::REDUCED && !L::QUATERNION && (L::BALANCE || L::VECTORS == M::HEAVY as usize);
+
+    #[inline(always)]
+    fn after_step<S: Stepper<R, M, L, D>>(
+        stepper: &S,
+        p: &Parameters<R>,
+        rows: &mut Rows<R>,
+        segment: &Segment<R, D>,
+    ) {
+        let &Segment { begin: time, before, after, dense } = segment;
+        let axis = three(rows, Flips::AXIS);
+        let sign = rows[Flips::SIGN];
+        let zero = R::splat(0.0);
+        let end = along(&axis, &[after[0], after[1], after[2]]);
+        // An exact zero keeps the sign of the component before it.
+        let flipped = (end * sign).lt(zero);
+        if R::any(flipped) {
+            let begin = along(&axis, &[before[0], before[1], before[2]]);
+            let begin_rate = along(&axis, &stepper.velocity(p, before)) * p.step;
+            let end_rate = along(&axis, &stepper.velocity(p, after)) * p.step;
+            let mut fraction = hermite_root(begin, begin_rate, end, end_rate);
+            if const { S::IS_SERIES } {
+                // The cubic is off by a hundredth at most; Newton squares that.
+                for _ in 0..3 {
+                    let (omega, rate) = interpolate(dense, 0, fraction);
+                    fraction = newton(fraction, along(&axis, &omega), along(&axis, &rate));
+                }
+            }
+            let at = p.step.fma(fraction, time);
+            rows[EXIT_TIME] = R::select(flipped, first_time(rows[EXIT_TIME], at), rows[EXIT_TIME]);
+            rows[Flips::COUNT] = rows[Flips::COUNT] + R::select(flipped, R::splat(1.0), zero);
+            rows[Flips::SIGN] = R::select(flipped, -sign, sign);
+        }
+        if const { S::IS_SERIES } {
+            Self::twice_in_a_step(stepper, p, rows, segment);
+        }
+    }
+}

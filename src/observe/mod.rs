@@ -1,0 +1,208 @@
+//! Observables: a few numbers of a motion that are updated during the integration. Nothing is stored per step.
+//!
+//! An observable is one type, listed in `observables!`. It keeps a few rows of numbers of each body, which it changes after
+//! each step and after each block of steps. Code is made for the systems that it fits.
+
+mod dense;
+mod flips;
+mod tilt;
+
+pub use flips::Flips;
+pub use tilt::{Tilt, largest_tilt};
+
+use crate::forcing::ForcingInterval;
+use crate::real::{Pack, Real};
+use crate::scene::{Layout, Model, Parameters};
+use crate::scheme::{Coefficients, Stepper};
+use crate::simd::Row;
+use crate::start::Body;
+
+/// The row of the time at which stability was lost, of every observable; infinite before.
+pub const EXIT_TIME: usize = 0;
+
+/// The rows of one body.
+pub type Rows<R> = [R; MAX_ROWS];
+
+/// The numbers of an observable for one body.
+pub trait Observable {
+    /// Number of rows for each body, `EXIT_TIME` among them.
+    const ROWS: usize;
+    /// Number of leading rows that change after the start.
+    const CHANGING: usize;
+    /// The numbers at the start.
+    fn start(start: &Start) -> Rows<f64>;
+    /// The observed value at the end.
+    fn outcome(rows: &Rows<f64>) -> f64;
+}
+
+/// Updates of an observable by the steps of a model in a layout.
+pub trait Follow<R: Real, M: Model<R>, L: Layout, const D: usize>: Observable {
+    /// Whether the observable fits the model and the layout. Code is made only if it does.
+    const FITS: bool;
+    /// Updates the rows after a step.
+    fn after_step<S: Stepper<R, M, L, D>>(
+        stepper: &S,
+        p: &Parameters<R>,
+        rows: &mut Rows<R>,
+        segment: &Segment<R, D>,
+    );
+    /// Updates the rows at the end of a block of steps.
+    #[inline(always)]
+    fn after_block<S: Stepper<R, M, L, D>>(
+        _stepper: &S,
+        _p: &Parameters<R>,
+        _rows: &mut Rows<R>,
+        _y: &[R; D],
+    ) {
+    }
+}
+
+/// Data of a body at its start for an observable.
+pub struct Start<'a> {
+    /// The body.
+    pub body: &'a Body,
+    /// Forcing of the body from the start on, and a bound of its |omega|; `None` without forcing.
+    pub forcing: Option<(&'a ForcingInterval<f64>, f64)>,
+    /// The observed body axis: 1, 2, 3 or -1, -2, -3; 0 for none.
+    pub axis: i32,
+    /// The observed body axis as a unit vector, in the axes of the kernel.
+    pub unit: [f64; 3],
+    /// The direction in space that is integrated for the observable, in body components along the axes of the kernel.
+    pub direction: [f64; 3],
+    /// The largest allowed angle.
+    pub limit: f64,
+}
+
+/// A step that was made.
+pub struct Segment<'a, R, const D: usize> {
+    /// Time at the begin of the step.
+    pub begin: R,
+    /// The state before the step.
+    pub before: &'a [R; D],
+    /// The state after the step.
+    pub after: &'a [R; D],
+    /// The coefficients of the motion in between, in powers of the fraction of the step, if a series made it.
+    pub dense: &'a Coefficients<R, D>,
+}
+
+/// The list of all observables.
+macro_rules! observables {
+    ($($name:ident)*) => {
+        /// The observable of a kernel.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[allow(missing_docs)] // The names are those of the types.
+        pub enum Observed {
+            Nothing,
+            $($name,)*
+        }
+
+        /// Most rows of any observable.
+        pub const MAX_ROWS: usize = {
+            let mut most = 1;
+            $(most = if $name::ROWS > most { $name::ROWS } else { most };)*
+            most
+        };
+
+        impl Observed {
+            /// Whether it can be observed on a model in a layout.
+            pub const fn fits<M: Model<f64>, L: Layout, const D: usize>(self) -> bool {
+                match self {
+                    Observed::Nothing => true,
+                    $(Observed::$name => <$name as Follow<f64, M, L, D>>::FITS,)*
+                }
+            }
+
+            /// The numbers at the start.
+            pub fn start(self, start: &Start) -> Rows<f64> {
+                match self {
+                    Observed::Nothing => WAITING,
+                    $(Observed::$name => $name::start(start),)*
+                }
+            }
+
+            /// The observed value at the end; NaN if nothing was observed.
+            pub fn outcome(self, rows: &Rows<f64>) -> f64 {
+                match self {
+                    Observed::Nothing => f64::NAN,
+                    $(Observed::$name => $name::outcome(rows),)*
+                }
+            }
+
+            /// Updates the rows after a step of the pack that begins at a lane.
+            #[inline(always)]
+            pub fn after_step<P: Pack, M: Model<P>, L: Layout, S: Stepper<P, M, L, D>, const D: usize>(
+                self,
+                stepper: &S,
+                p: &Parameters<P>,
+                rows: &mut [Row; MAX_ROWS],
+                at: usize,
+                segment: &Segment<P, D>,
+            ) {
+                $(if const { <$name as Follow<P, M, L, D>>::FITS } && self == Observed::$name {
+                    let mut kept = load::<P, $name>(rows, at);
+                    <$name as Follow<P, M, L, D>>::after_step(stepper, p, &mut kept, segment);
+                    store::<P, $name>(rows, at, &kept);
+                })*
+            }
+
+            /// Updates the rows at the end of a block of steps of the pack that begins at a lane.
+            #[inline(always)]
+            pub fn after_block<P: Pack, M: Model<P>, L: Layout, S: Stepper<P, M, L, D>, const D: usize>(
+                self,
+                stepper: &S,
+                p: &Parameters<P>,
+                rows: &mut [Row; MAX_ROWS],
+                at: usize,
+                y: &[P; D],
+            ) {
+                $(if const { <$name as Follow<P, M, L, D>>::FITS } && self == Observed::$name {
+                    let mut kept = load::<P, $name>(rows, at);
+                    <$name as Follow<P, M, L, D>>::after_block(stepper, p, &mut kept, y);
+                    store::<P, $name>(rows, at, &kept);
+                })*
+            }
+        }
+    };
+}
+observables! { Flips Tilt }
+
+/// The rows of a body that is not observed.
+pub const WAITING: Rows<f64> = {
+    let mut rows = [0.0; MAX_ROWS];
+    rows[EXIT_TIME] = f64::INFINITY;
+    rows
+};
+
+#[inline(always)]
+fn load<P: Pack, O: Observable>(rows: &[Row; MAX_ROWS], at: usize) -> Rows<P> {
+    let mut kept = [P::splat(0.0); MAX_ROWS];
+    for r in 0..O::ROWS {
+        kept[r] = P::load(&rows[r].0[at..]);
+    }
+    kept
+}
+
+#[inline(always)]
+fn store<P: Pack, O: Observable>(rows: &mut [Row; MAX_ROWS], at: usize, kept: &Rows<P>) {
+    for r in 0..O::CHANGING {
+        kept[r].store(&mut rows[r].0[at..]);
+    }
+}
+
+/// Three neighbouring rows.
+#[inline(always)]
+fn three<R: Real>(rows: &Rows<R>, first: usize) -> [R; 3] {
+    [rows[first], rows[first + 1], rows[first + 2]]
+}
+
+/// The component along an axis, a unit vector of the frame, so that the sum is exact.
+#[inline(always)]
+fn along<R: Real>(axis: &[R; 3], v: &[R; 3]) -> R {
+    axis[0].fma(v[0], axis[1].fma(v[1], axis[2] * v[2]))
+}
+
+/// `at`, unless stability was lost before.
+#[inline(always)]
+fn first_time<R: Real>(exit_time: R, at: R) -> R {
+    R::select(exit_time.lt(R::splat(f64::INFINITY)), exit_time, at)
+}

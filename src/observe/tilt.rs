@@ -1,0 +1,165 @@
+//! The tilt of a body axis.
+
+use super::dense::{interpolate, turning_point};
+use super::{EXIT_TIME, Follow, Observable, Rows, Segment, Start, along, three};
+use crate::kinematics::{cross, direction, direction_rate, dot};
+use crate::real::Real;
+use crate::scene::{Layout, Model, Parameters};
+use crate::scheme::{Coefficients, Stepper};
+use crate::special::{atan2, sincos};
+
+/// Largest angle between a body axis and a space-fixed direction (the last one of the layout; the vertical of a frame).
+pub struct Tilt;
+
+impl Tilt {
+    /// Smallest cosine of the tilt.
+    pub const COSINE: usize = 1;
+    /// Largest squared sine of the tilt.
+    pub const SINE2: usize = 2;
+    /// The observed body axis: a unit vector along a principal axis, either way.
+    pub const AXIS: usize = 3;
+    /// The limit of the tilt, as a cosine and a squared sine: a tilt with a smaller cosine or a larger squared sine is
+    /// beyond it. Below 60 degrees the squared sine is compared, which is accurate for small angles, above it the
+    /// cosine, which determines the quadrant; the cosine 1/2 separates the two cases.
+    pub const LIMIT: usize = 6;
+
+    /// The limit at an angle; nothing is beyond an infinite one.
+    fn limit(angle: f64) -> [f64; 2] {
+        if angle == f64::INFINITY {
+            return [f64::NEG_INFINITY, f64::INFINITY];
+        }
+        let (sin, cos) = sincos(angle);
+        if cos > 0.5 { [0.5, sin * sin] } else { [cos, f64::INFINITY] }
+    }
+}
+
+impl Observable for Tilt {
+    const ROWS: usize = 8;
+    const CHANGING: usize = 3;
+
+    fn start(start: &Start) -> Rows<f64> {
+        let mut rows = super::WAITING;
+        let [cosine, sine2] = tilt(&start.unit, &start.direction);
+        let limit = Tilt::limit(start.limit);
+        if cosine < limit[0] || sine2 > limit[1] {
+            rows[EXIT_TIME] = 0.0;
+        }
+        (rows[Tilt::COSINE], rows[Tilt::SINE2]) = (cosine, sine2);
+        rows[Tilt::AXIS..Tilt::AXIS + 3].copy_from_slice(&start.unit);
+        rows[Tilt::LIMIT..Tilt::LIMIT + 2].copy_from_slice(&limit);
+        rows
+    }
+
+    /// The largest tilt.
+    fn outcome(rows: &Rows<f64>) -> f64 {
+        largest_tilt(rows[Tilt::COSINE], rows[Tilt::SINE2])
+    }
+}
+
+impl<R: Real, M: Model<R>, L: Layout, const D: usize> Follow<R, M, L, D> for Tilt {
+    /// True if the layout contains a direction in body components.
+    const FITS: bool = !M::REDUCED && !L::QUATERNION && L::VECTORS > 0;
+
+    /// Steps of a Taylor series are long, so the largest tilt inside the step and the time at which the limit is
+    /// reached are computed from the coefficients of the series.
+    #[inline(always)]
+    fn after_step<S: Stepper<R, M, L, D>>(
+        _stepper: &S,
+        p: &Parameters<R>,
+        rows: &mut Rows<R>,
+        segment: &Segment<R, D>,
+    ) {
+        let &Segment { begin: time, before, after, dense } = segment;
+        let axis = three(rows, Tilt::AXIS);
+        let limit = [rows[Tilt::LIMIT], rows[Tilt::LIMIT + 1]];
+        let (zero, one) = (R::splat(0.0), R::splat(1.0));
+        let at_end = direction(after, L::OBSERVED);
+        let [mut cosine, mut sine2] = tilt(&axis, &at_end);
+        let mut fraction = one;
+        if const { S::IS_SERIES } {
+            let first_rate = dense.order(1);
+            let begin_slope = along(&axis, &direction(first_rate, L::OBSERVED));
+            let omega = [after[0], after[1], after[2]];
+            let end_slope = along(&axis, &direction_rate(&at_end, &omega)) * p.step;
+            // The cosine falls, then rises.
+            let turns = R::select(zero.lt(end_slope), begin_slope, zero).lt(zero);
+            if R::any(turns) {
+                let first = 3 + 3 * L::OBSERVED;
+                let turn = turning_point(dense, first, &axis, [begin_slope, end_slope]);
+                let (n, _) = interpolate(dense, 3 + 3 * L::OBSERVED, turn);
+                let [cosine_there, sine2_there] = tilt(&axis, &n);
+                fraction = R::select(turns, turn, fraction);
+                cosine = R::select(turns, cosine_there, cosine);
+                sine2 = R::select(turns, sine2_there, sine2);
+            }
+        }
+        rows[Tilt::COSINE] = rows[Tilt::COSINE].min(cosine);
+        rows[Tilt::SINE2] = rows[Tilt::SINE2].max(sine2);
+        let end = margin(&limit, [cosine, sine2]);
+        let lost = R::select(rows[EXIT_TIME].lt(R::splat(f64::INFINITY)), zero, end).lt(zero);
+        if R::any(lost) {
+            let begin = tilt(&axis, &direction(before, L::OBSERVED));
+            // At once if the limit was exceeded before.
+            let begin = margin(&limit, begin).max(zero);
+            let fraction = if const { S::IS_SERIES } {
+                crossing::<R, L, D>(dense, &axis, &limit, [begin, end], fraction)
+            } else {
+                // To first order.
+                begin / (begin - end)
+            };
+            let at = p.step.fma(fraction, time);
+            rows[EXIT_TIME] = R::select(lost, at, rows[EXIT_TIME]);
+        }
+    }
+}
+
+/// Fraction of a step at which the limit is reached, between margins that are not negative and negative: regula falsi
+/// with half the margin of an end that stays again (the Illinois rule; Dowell & Jarratt 1971, doi 10.1007/BF01934364).
+#[inline(always)]
+fn crossing<R: Real, L: Layout, const D: usize>(
+    dense: &Coefficients<R, D>,
+    axis: &[R; 3],
+    limit: &[R; 2],
+    [mut inner, mut outer]: [R; 2],
+    last: R,
+) -> R {
+    let (zero, half, one) = (R::splat(0.0), R::splat(0.5), R::splat(1.0));
+    let (mut low, mut high) = (zero, last);
+    let mut moved = zero;
+    for _ in 0..16 {
+        let fraction = (high - low).fma(inner / (inner - outer), low);
+        let (n, _) = interpolate(dense, 3 + 3 * L::OBSERVED, fraction);
+        let margin = margin(limit, tilt(axis, &n));
+        let gone = margin.lt(zero);
+        let moves = R::select(gone, one, -one);
+        let stays = R::select(zero.lt(moves * moved), half, one);
+        moved = moves;
+        (low, high) = (R::select(gone, low, fraction), R::select(gone, fraction, high));
+        (inner, outer) = (R::select(gone, inner * stays, margin), R::select(gone, margin, outer * stays));
+    }
+    (high - low).fma(inner / (inner - outer), low)
+}
+
+/// Cosine and squared sine of the angle between a body axis and a direction in body components.
+#[inline(always)]
+fn tilt<R: Real>(axis: &[R; 3], n: &[R; 3]) -> [R; 2] {
+    let sine = cross(axis, n);
+    [along(axis, n), dot(&sine, &sine)]
+}
+
+/// Distance of a tilt from its limit; negative beyond the limit.
+#[inline(always)]
+fn margin<R: Real>(limit: &[R; 2], [cosine, sine2]: [R; 2]) -> R {
+    (cosine - limit[0]).min(limit[1] - sine2)
+}
+
+/// The largest tilt, from the smallest cosine and the largest squared sine: the sine is accurate for small
+/// angles, the cosine determines the quadrant.
+pub fn largest_tilt(cosine: f64, sine2: f64) -> f64 {
+    if cosine > 0.5 {
+        atan2(sine2.sqrt(), (1.0 - sine2).max(0.0).sqrt())
+    } else {
+        let cosine = cosine.clamp(-1.0, 1.0);
+        atan2(((1.0 - cosine) * (1.0 + cosine)).sqrt(), cosine)
+    }
+}

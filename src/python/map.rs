@@ -1,0 +1,302 @@
+//! Stability maps.
+
+use super::convert::{bodies, interruptible, rows, same_length, stopped};
+use super::forcing::PyForcing;
+use crate::body::MomentStatus;
+use crate::error::Error;
+use crate::forcing::Forcing;
+use crate::map::{Column, Criterion, Field, Map, MethodChoice, Outcome, Pixel, Statistics};
+use crate::sample::Law;
+use crate::scene::Scene;
+use crate::simd::Isa;
+use crate::solver::Solver;
+use crate::status::Status;
+use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::sync::Mutex;
+
+/// A checked request for a map; its samples are run in ranges and one by one.
+#[pyclass(frozen, module = "rigid._core")]
+pub struct MapJob {
+    map: Map,
+    status: Vec<u8>,
+    isa: Isa,
+}
+
+/// The outputs of a map, one number for each pixel: `name`; `dtype`; `reduction` (`sum`, `max` or `min`), by which two
+/// parts are merged; `unit`; `words`; and `reproducible`, false for a measurement of the machine.
+#[pyfunction]
+pub fn map_columns(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
+    let describe = |column: &Column| {
+        let entry = PyDict::new(py);
+        entry.set_item("name", column.name)?;
+        let dtype = match column.field {
+            Field::Count(_) => "int64",
+            Field::Number(_) => "float64",
+        };
+        entry.set_item("dtype", dtype)?;
+        entry.set_item("reduction", column.reduction)?;
+        entry.set_item("unit", column.unit)?;
+        entry.set_item("words", column.words)?;
+        entry.set_item("reproducible", column.reproducible)?;
+        Ok(entry)
+    };
+    Statistics::COLUMNS.iter().map(describe).collect()
+}
+
+/// Writes the statistics of pixels as one array a column.
+fn write_columns(py: Python<'_>, dict: &Bound<'_, PyDict>, pixels: &[Statistics]) -> PyResult<()> {
+    for column in Statistics::COLUMNS {
+        match column.field {
+            Field::Count(of) => {
+                let values: Vec<i64> = pixels.iter().map(|&(mut pixel)| *of(&mut pixel) as i64).collect();
+                dict.set_item(column.name, values.into_pyarray(py))?;
+            }
+            Field::Number(of) => {
+                let values: Vec<f64> = pixels.iter().map(|&(mut pixel)| *of(&mut pixel)).collect();
+                dict.set_item(column.name, values.into_pyarray(py))?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Reads the statistics that `write_columns` wrote.
+fn read_columns(dict: &Bound<'_, PyDict>) -> PyResult<Vec<Statistics>> {
+    let mut pixels: Vec<Statistics> = Vec::new();
+    for column in Statistics::COLUMNS {
+        let values = dict.as_any().get_item(column.name)?;
+        let mut fit = |length: usize| {
+            if pixels.is_empty() {
+                pixels = vec![Statistics::NONE; length];
+            }
+            same_length(column.name, pixels.len(), length)
+        };
+        match column.field {
+            Field::Count(of) => {
+                let values = values.extract::<PyReadonlyArray1<'_, i64>>()?;
+                fit(values.as_array().len())?;
+                pixels
+                    .iter_mut()
+                    .zip(values.as_array())
+                    .for_each(|(pixel, &value)| *of(pixel) = value as u64);
+            }
+            Field::Number(of) => {
+                let values = values.extract::<PyReadonlyArray1<'_, f64>>()?;
+                fit(values.as_array().len())?;
+                pixels.iter_mut().zip(values.as_array()).for_each(|(pixel, &value)| *of(pixel) = value);
+            }
+        }
+    }
+    Ok(pixels)
+}
+
+/// The statistics of all pixels of a map, merged from the parts that `MapJob.run` returns.
+#[pyclass(frozen, module = "rigid._core")]
+pub struct MapStatistics(Mutex<Vec<Statistics>>);
+
+#[pymethods]
+impl MapStatistics {
+    /// The statistics of no samples.
+    #[new]
+    fn new(pixels: usize) -> Self {
+        MapStatistics(Mutex::new(vec![Statistics::NONE; pixels]))
+    }
+
+    /// Merges a part in, by the reduction of each column. The order of the parts has no effect.
+    fn merge(&self, part: &Bound<'_, PyDict>) -> PyResult<()> {
+        let first: usize = part.as_any().get_item("first")?.extract()?;
+        let part = read_columns(part)?;
+        let mut pixels = self.0.lock().expect("no thread panics while it holds the statistics");
+        let window = pixels.get_mut(first..first.saturating_add(part.len())).ok_or_else(|| {
+            let value = format!("{first} to {}", first.saturating_add(part.len()));
+            Error::Value { argument: "part", value, rule: "must be pixels of the map" }
+        })?;
+        window.iter_mut().zip(&part).for_each(|(pixel, other)| pixel.merge(other));
+        Ok(())
+    }
+
+    /// One array of a number a pixel for each of `map_columns()`, flat.
+    fn arrays<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let dict = PyDict::new(py);
+        let pixels = self.0.lock().expect("no thread panics while it holds the statistics");
+        write_columns(py, &dict, &pixels)?;
+        Ok(dict)
+    }
+}
+
+/// Writes the keyword arguments of a map as a type.
+macro_rules! keywords {
+    ($(#[$doc:meta])* struct $name:ident { $($(#[$option:meta])* $field:ident: $type:ty,)* }) => {
+        $(#[$doc])*
+        #[derive(FromPyObject)]
+        #[pyo3(from_item_all)]
+        struct $name<'py> {
+            $($(#[$option])* $field: $type,)*
+        }
+
+        impl $name<'_> {
+            const KEYWORDS: &'static [&'static str] = &[$(stringify!($field)),*];
+        }
+    };
+}
+
+keywords! {
+    /// The keyword arguments of `MapJob`: those of `Map`, column by column.
+    struct MapRequest {
+        scene: String,
+        method: String,
+        moments: PyReadonlyArray2<'py, f64>,
+        weight: PyReadonlyArray2<'py, f64>,
+        omega: PyReadonlyArray2<'py, f64>,
+        omega_noise: String,
+        omega_size: PyReadonlyArray2<'py, f64>,
+        attitude: PyReadonlyArray2<'py, f64>,
+        attitude_noise: String,
+        attitude_size: PyReadonlyArray1<'py, f64>,
+        criterion: String,
+        axis: i32,
+        limit: f64,
+        t_end: f64,
+        step: Option<f64>,
+        max_steps: u64,
+        samples: u64,
+        checked: u64,
+        seed: u128,
+        #[pyo3(default)]
+        forcing: Option<Vec<PyRef<'py, PyForcing>>>,
+    }
+}
+
+impl MapRequest<'_> {
+    /// The map, and the status of the moments of each pixel.
+    fn map(self) -> PyResult<(Map, Vec<u8>)> {
+        let moments = rows::<3>("moments", &self.moments)?;
+        let pixels = moments.len();
+        let status: Vec<u8> = moments.iter().map(|&m| MomentStatus::of(m) as u8).collect();
+        let omega_size = rows::<3>("omega_size", &self.omega_size)?;
+        same_length("omega_size", pixels, omega_size.len())?;
+        let attitude_size = self.attitude_size.as_array();
+        same_length("attitude_size", pixels, attitude_size.len())?;
+        let omega = rows::<3>("omega", &self.omega)?;
+        same_length("omega", pixels, omega.len())?;
+        let (weight, attitude) = (rows::<3>("weight", &self.weight)?, rows::<4>("attitude", &self.attitude)?);
+        let bodies = bodies(moments, weight, omega, attitude)?;
+        let forcing: Vec<Forcing> = match self.forcing {
+            Some(all) => {
+                same_length("forcing", pixels, all.len())?;
+                all.iter().map(|one| one.0.clone()).collect()
+            }
+            None => Vec::new(),
+        };
+        let pixel = |i: usize| Pixel {
+            body: bodies[i],
+            omega_size: omega_size[i],
+            attitude_size: attitude_size[i],
+            possible: status[i] == MomentStatus::Possible as u8,
+        };
+        let map = Map {
+            scene: Scene::parse(&self.scene)?,
+            forcing,
+            method: MethodChoice::parse(&self.method)?,
+            pixels: (0..pixels).map(pixel).collect(),
+            omega_law: Law::parse("omega_noise", &self.omega_noise)?,
+            attitude_law: Law::parse("attitude_noise", &self.attitude_noise)?,
+            criterion: Criterion::parse(&self.criterion, self.limit)?,
+            axis: self.axis,
+            t_end: self.t_end,
+            step: self.step,
+            max_steps: self.max_steps,
+            samples: self.samples,
+            checked: self.checked,
+            key: [self.seed as u64, (self.seed >> 64) as u64],
+        };
+        Ok((map.checked()?, status))
+    }
+}
+
+#[pymethods]
+impl MapJob {
+    #[new]
+    #[pyo3(signature = (**request))]
+    fn new(request: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        let given = |name: &str| request.is_some_and(|request| request.contains(name).unwrap_or(false));
+        let missing = |name: &&&str| **name != "forcing" && !given(name);
+        if let Some(name) = MapRequest::KEYWORDS.iter().find(missing) {
+            return Err(PyTypeError::new_err(format!("MapJob() misses the keyword argument '{name}'")));
+        }
+        let request = request.expect("no keyword is missing");
+        for name in request.keys() {
+            if !MapRequest::KEYWORDS.contains(&name.extract::<&str>()?) {
+                return Err(PyTypeError::new_err(format!("MapJob() has no keyword argument '{name}'")));
+            }
+        }
+        let (map, status) = request.extract::<MapRequest<'_>>()?.map()?;
+        Ok(MapJob { map, status, isa: Isa::current()? })
+    }
+
+    /// Status of the moments of each pixel: 0 possible, 1 not finite, 2 not positive, 3 triangle inequality.
+    #[getter]
+    fn status<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u8>> {
+        self.status.clone().into_pyarray(py)
+    }
+
+    /// Statistics of the samples start .. stop (pixel-major) for the pixels that they touch; None if
+    /// `interrupted()`, called twenty times a second, returned true.
+    #[pyo3(signature = (start, stop, threads, interrupted=None))]
+    fn run<'py>(
+        &self,
+        py: Python<'py>,
+        start: u64,
+        stop: u64,
+        threads: usize,
+        interrupted: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Option<Bound<'py, PyDict>>> {
+        if start > stop || stop > self.map.len() {
+            let value = format!("({start}, {stop})");
+            let rule = "must be a range of the samples of the map";
+            return Err(Error::Value { argument: "start, stop", value, rule }.into());
+        }
+        let result = interruptible(py, interrupted, |interrupt| {
+            self.map.run(start, stop, threads.max(1), self.isa, interrupt)
+        })?;
+        let Some((first, statistics)) = result else { return Ok(None) };
+        let dict = PyDict::new(py);
+        dict.set_item("first", first)?;
+        write_columns(py, &dict, &statistics)?;
+        Ok(Some(dict))
+    }
+
+    /// One sample, with the bits that it has in the map.
+    fn sample<'py>(&self, py: Python<'py>, pixel: u64, sample: u64) -> PyResult<Bound<'py, PyDict>> {
+        for (argument, value, length) in
+            [("pixel", pixel, self.map.pixels.len() as u64), ("sample", sample, self.map.samples)]
+        {
+            if value >= length {
+                let value = format!("{value} of {length}");
+                return Err(Error::Value { argument, value, rule: "must be an index" }.into());
+            }
+        }
+        let (body, class, outcome) =
+            interruptible(py, None, |interrupt| self.map.sample(pixel, sample, self.isa, interrupt))?
+                .ok_or_else(stopped)?;
+        let Outcome { status, flips, left, tilt, energy_drift, momentum_drift, step, steps, exact, .. } =
+            outcome;
+        let dict = PyDict::new(py);
+        dict.set_item("omega", body.omega.to_vec().into_pyarray(py))?;
+        dict.set_item("attitude", body.attitude.to_vec().into_pyarray(py))?;
+        dict.set_item("class", class.name())?;
+        dict.set_item("status", Status::name(status))?;
+        dict.set_item("flips", flips)?;
+        dict.set_item("left", if left < f64::INFINITY { left } else { f64::NAN })?;
+        dict.set_item("tilt", tilt)?;
+        dict.set_item("energy_drift", energy_drift)?;
+        dict.set_item("momentum_drift", momentum_drift)?;
+        dict.set_item("step", step)?;
+        dict.set_item("steps", steps)?;
+        dict.set_item("method", if exact { Solver::EXACT } else { self.map.method.scheme().facts.name })?;
+        Ok(dict)
+    }
+}

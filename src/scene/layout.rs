@@ -1,0 +1,56 @@
+//! The variables that are integrated.
+//!
+//! A state is a flat array `[R; D]`: three rates (or momenta, as the method likes), then `VECTORS` directions
+//! that are fixed in space, in body components, then a quaternion if the attitude is requested, then the balance of
+//! a forced body: work, impulse and time.
+
+/// The variables that are integrated with the rates.
+pub trait Layout: Copy {
+    /// Number of space-fixed directions, in body components.
+    const VECTORS: usize;
+    /// Whether the attitude is integrated.
+    const QUATERNION: bool;
+    /// Whether work, impulse and time are integrated.
+    const BALANCE: bool = false;
+    /// The direction from which a tilt is measured: the last one, or the vertical of a frame.
+    const OBSERVED: usize = if Self::BALANCE { 0 } else { Self::VECTORS.saturating_sub(1) };
+    /// Length of the state.
+    const LEN: usize = Self::BALANCE_AT + 3 * Self::BALANCE as usize;
+    /// Index of the first component of the quaternion.
+    const QUATERNION_AT: usize = 3 + 3 * Self::VECTORS;
+    /// Index of the balance, which begins with the work.
+    const BALANCE_AT: usize = Self::QUATERNION_AT + 4 * Self::QUATERNION as usize;
+    /// Index of the impulse of a forced body.
+    const IMPULSE_AT: usize = Self::BALANCE_AT + 1;
+    /// Index of the time of a forced body.
+    const TIME_AT: usize = Self::BALANCE_AT + 2;
+}
+
+macro_rules! layouts {
+    ($($(#[$doc:meta])* $name:ident: $vectors:literal, $quaternion:literal, $balance:literal;)*) => {$(
+        $(#[$doc])*
+        #[derive(Clone, Copy)]
+        pub struct $name;
+        impl Layout for $name {
+            const VECTORS: usize = $vectors;
+            const QUATERNION: bool = $quaternion;
+            const BALANCE: bool = $balance;
+        }
+    )*};
+}
+layouts! {
+    /// Rates only.
+    Rates: 0, false, false;
+    /// Rates and one direction: the vertical of a top, or the initial direction of the observed axis of a free body.
+    Axis: 1, false, false;
+    /// Rates, the vertical, and the initial direction of the observed axis.
+    TwoAxes: 2, false, false;
+    /// Rates and attitude.
+    Attitude: 0, true, false;
+    /// Rates, vertical and attitude: the rates are those of `Axis` to the bit.
+    AxisAttitude: 1, true, false;
+    /// Rates and balance.
+    ForcedRates: 0, false, true;
+    /// Rates, the vertical, the first and the second direction of space, and the balance.
+    ForcedFrame: 3, false, true;
+}

@@ -1,0 +1,119 @@
+//! What moves: the scenes, and the layouts of their states.
+
+mod forced;
+mod free;
+mod layout;
+mod reduced_top;
+mod top;
+
+pub use forced::Applied;
+pub use free::{FREE, Free};
+pub use layout::{Attitude, Axis, AxisAttitude, ForcedFrame, ForcedRates, Layout, Rates, TwoAxes};
+pub use reduced_top::ReducedTop;
+pub use top::{TOP, Top};
+
+use crate::error::Error;
+use crate::real::Real;
+use crate::start::Body;
+
+/// All scenes, in the order in which they are listed to users.
+pub const ALL: &[&Scene] = &[&FREE, &TOP];
+
+/// What tells one scene from another outside the kernels. The systems of a scene are its rows in `kernels!`.
+#[derive(Debug)]
+pub struct Scene {
+    /// The name, as in Python.
+    pub kind: &'static str,
+    /// Whether there may be weight; the vertical is then carried with the rates.
+    pub has_weight: bool,
+    /// The conserved momentum.
+    pub conserved: ConservedMomentum,
+    /// Scales of the energy and of the conserved momentum of a body: what a drift is relative to.
+    pub invariant_scales: fn(&Body) -> [f64; 2],
+    /// The scene whose systems move these bodies too, where this scene has no system that carries what is wanted.
+    pub special_case_of: Option<&'static Scene>,
+}
+
+/// Scenes are the same if their kinds are.
+impl PartialEq for Scene {
+    fn eq(&self, other: &Scene) -> bool {
+        self.kind == other.kind
+    }
+}
+
+impl Scene {
+    /// The scene of that kind.
+    ///
+    /// # Errors
+    /// If there is none.
+    pub fn parse(kind: &str) -> Result<&'static Scene, Error> {
+        ALL.iter().copied().find(|scene| scene.kind == kind).ok_or_else(|| Error::Unknown {
+            argument: "scene",
+            value: kind.to_string(),
+            known: ALL.iter().map(|scene| scene.kind).collect::<Vec<_>>().join(", "),
+        })
+    }
+}
+
+/// The conserved momentum of a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ConservedMomentum {
+    /// `L.L`: there is no torque.
+    Square,
+    /// `L.gamma`: there is no torque about the vertical.
+    Vertical,
+}
+
+impl ConservedMomentum {
+    /// The vector whose product with the angular momentum is conserved.
+    #[inline(always)]
+    pub fn factor(self, momentum: [f64; 3], vertical: [f64; 3]) -> [f64; 3] {
+        match self {
+            ConservedMomentum::Square => momentum,
+            ConservedMomentum::Vertical => vertical,
+        }
+    }
+
+    /// The scale that belongs to an angular momentum of this length. A drift of `L.L` relative to `2 L.L` is that of
+    /// |L|.
+    pub fn scale(self, length: f64) -> f64 {
+        match self {
+            ConservedMomentum::Square => 2.0 * length * length,
+            ConservedMomentum::Vertical => length,
+        }
+    }
+}
+
+/// The constants of one body.
+#[derive(Clone, Copy)]
+pub struct Parameters<R> {
+    /// Principal moments of inertia.
+    pub moments: [R; 3],
+    /// `mgl com`: weight times the vector from the fixed point to the centre of mass, in the body.
+    pub weight: [R; 3],
+    /// Time step.
+    pub step: R,
+}
+
+/// The equations of a scene: the torque and the conserved quantities. `y[3..6]` is the vertical wherever there is weight.
+pub trait Model<R: Real>: Copy {
+    /// Whether all moments are the same, and no torque acts along axis 3.
+    const REDUCED: bool = false;
+    /// Whether there may be weight.
+    const HEAVY: bool = true;
+    /// Constants of the equations of motion from those of the body.
+    fn new(p: &Parameters<R>) -> Self;
+    /// Euler's equations from the products `w2 w3`, `w3 w1`, `w1 w2`. They are linear in these and in the vertical,
+    /// so the Cauchy products of two series and the vertical of one order give the rate of change of that order.
+    fn euler<const D: usize>(&self, products: &[R; 3], y: &[R; D]) -> [R; 3];
+    /// Exact flow of the potential alone over the time `h`.
+    fn kick<const D: usize>(p: &Parameters<R>, h: R, momentum: &mut [R; 3], y: &[R; D]);
+    /// Exact flow over `h` of the potential `V - (weight / h) torque.torque / I`: with the gradient of the force.
+    fn gradient_kick<const D: usize>(p: &Parameters<R>, h: R, weight: R, momentum: &mut [R; 3], y: &[R; D]);
+    /// Torque of the potential in the body.
+    fn torque<const D: usize>(p: &Parameters<R>, y: &[R; D]) -> [R; 3];
+    /// Potential energy.
+    fn potential<const D: usize>(p: &Parameters<R>, y: &[R; D]) -> R;
+    /// The conserved component of the angular momentum: `L.L` of a free body, `L.gamma` of a top.
+    fn conserved<const D: usize>(momentum: &[R; 3], y: &[R; D]) -> R;
+}

@@ -1,0 +1,93 @@
+//! The heavy top: I omega' = (I omega) x omega + gamma x (mgl com), gamma' = gamma x omega.
+
+use super::{ConservedMomentum, Model, Parameters, Scene};
+use crate::kinematics::{cross, direction, dot};
+use crate::real::Real;
+use crate::start::Body;
+
+/// The scene of a heavy top.
+pub const TOP: Scene = Scene {
+    kind: "top",
+    has_weight: true,
+    conserved: ConservedMomentum::Vertical,
+    invariant_scales,
+    special_case_of: None,
+};
+
+/// Kinetic energy plus `mgl`, and |L| plus `sqrt(mgl I_max)`: the invariants themselves may vanish.
+fn invariant_scales(body: &Body) -> [f64; 2] {
+    let mgl = body.weight.iter().map(|c| c * c).sum::<f64>().sqrt();
+    let largest = body.moments.iter().fold(0.0_f64, |a, &b| a.max(b));
+    [body.kinetic_energy() + mgl, body.squared_momentum().sqrt() + (mgl * largest).sqrt()]
+}
+
+/// A body turning about a fixed point under its weight.
+#[derive(Clone, Copy)]
+pub struct Top<R> {
+    /// (I2 - I3) / I1 and its cyclic neighbours.
+    ratios: [R; 3],
+    /// Component i of the torque is `plus[i] gamma[i+1] - minus[i] gamma[i+2]`, over its moment.
+    plus: [R; 3],
+    minus: [R; 3],
+}
+
+impl<R: Real> Model<R> for Top<R> {
+    #[inline(always)]
+    fn new(p: &Parameters<R>) -> Self {
+        let [i1, i2, i3] = p.moments;
+        let [c1, c2, c3] = p.weight;
+        Top {
+            ratios: [(i2 - i3) / i1, (i3 - i1) / i2, (i1 - i2) / i3],
+            plus: [c3 / i1, c1 / i2, c2 / i3],
+            minus: [c2 / i1, c3 / i2, c1 / i3],
+        }
+    }
+    #[inline(always)]
+    fn euler<const D: usize>(&self, products: &[R; 3], y: &[R; D]) -> [R; 3] {
+        let [g1, g2, g3] = direction(y, 0);
+        let Top { ratios: a, plus: p, minus: m } = self;
+        [
+            g3.fnma(m[0], g2.fma(p[0], a[0] * products[0])),
+            g1.fnma(m[1], g3.fma(p[1], a[1] * products[1])),
+            g2.fnma(m[2], g1.fma(p[2], a[2] * products[2])),
+        ]
+    }
+    #[inline(always)]
+    fn kick<const D: usize>(p: &Parameters<R>, h: R, momentum: &mut [R; 3], y: &[R; D]) {
+        let torque = Self::torque(p, y);
+        for i in 0..3 {
+            momentum[i] = h.fma(torque[i], momentum[i]);
+        }
+    }
+    #[inline(always)]
+    fn gradient_kick<const D: usize>(p: &Parameters<R>, h: R, weight: R, momentum: &mut [R; 3], y: &[R; D]) {
+        // A kick by the weight h c - 2 w c x (torque / I).
+        let torque = Self::torque(p, y);
+        let mut turned = torque;
+        for i in 0..3 {
+            turned[i] = torque[i] / p.moments[i];
+        }
+        let lever = cross(&p.weight, &turned);
+        let twice = weight + weight;
+        let mut impulse = p.weight;
+        for i in 0..3 {
+            impulse[i] = twice.fnma(lever[i], h * p.weight[i]);
+        }
+        let kick = cross(&direction(y, 0), &impulse);
+        for i in 0..3 {
+            momentum[i] = momentum[i] + kick[i];
+        }
+    }
+    #[inline(always)]
+    fn torque<const D: usize>(p: &Parameters<R>, y: &[R; D]) -> [R; 3] {
+        cross(&direction(y, 0), &p.weight)
+    }
+    #[inline(always)]
+    fn potential<const D: usize>(p: &Parameters<R>, y: &[R; D]) -> R {
+        dot(&p.weight, &direction(y, 0))
+    }
+    #[inline(always)]
+    fn conserved<const D: usize>(momentum: &[R; 3], y: &[R; D]) -> R {
+        dot(momentum, &direction(y, 0))
+    }
+}

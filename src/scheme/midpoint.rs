@@ -1,0 +1,451 @@
+//! The implicit midpoint rule: every quadratic invariant, at any step.
+//!
+//! Momenta and directions obey `m' = m x omega + torque`, `n' = n x omega`, and energy, `m.m` or `m.n` and `n.n` are
+//! quadratic in them: the rule keeps all of them as they are, however long the step is. With the rate in the middle,
+//! `omega = I^(-1) (m0 + m1) / 2`, directions turn by the Cayley transform of `h omega`, so that only
+//! `u = h omega / 2` has to be found, by Newton's steps.
+
+use super::{Coefficients, Engine, Facts, Numbers, Scheme, Step, Stepper, Variables};
+use crate::forcing::ForcingInterval;
+use crate::kinematics::{cross, direction, dot, put, quaternion_product};
+use crate::real::Real;
+use crate::scene::{Applied, Layout, Model, Parameters};
+
+/// The implicit midpoint rule. It is kept in the frame of the body, as it was published.
+pub const MIDPOINT: Scheme = Scheme::direct(
+    Facts {
+        name: "midpoint",
+        title: "implicit midpoint rule: energy and momentum stay as they are whatever the step",
+        order: 2,
+        stages: 4,
+        symplectic: false,
+        reversible: true,
+        group_preserving: true,
+        angle_per_step: 1.0 / 16.0,
+        citation: "J. C. Simo, K. K. Wong, Unconditionally stable algorithms for rigid body dynamics that exactly \
+                   preserve energy and momentum, Int. J. Numer. Meth. Eng. 31 (1991) 19-52; attitude by the Cayley \
+                   transform: M. A. Austin, P. S. Krishnaprasad, L.-S. Wang, Almost Poisson integration of rigid \
+                   body systems, J. Comput. Phys. 107 (1993) 105-117; quadratic invariants: G. J. Cooper, Stability \
+                   of Runge-Kutta methods for trajectory problems, IMA J. Numer. Anal. 7 (1987) 1-13",
+        doi: "10.1002/nme.1620310103",
+    },
+    Step::plain(Engine::Midpoint),
+    false,
+    f64::INFINITY,
+);
+
+/// Newton's steps: 3 or 4 in steps up to a radian, 5 up to two; beyond, up to this many are tried.
+const NEWTON_STEPS: usize = 8;
+/// A correction of u after which Newton's iteration ends: the remaining error is about its square.
+const SMALL_CORRECTION: f64 = 1e-9;
+/// A last correction from which on the solution is rejected.
+const LARGEST_CORRECTION: f64 = 1e-6;
+/// Numbers of equal substeps of a step whose equation is not solved, which begins at some three radians.
+const PARTS: [usize; 3] = [4, 16, 64];
+
+/// The rule.
+#[derive(Clone, Copy)]
+pub struct ImplicitMidpoint<R> {
+    applied: Applied<R>,
+    interval: ForcingInterval<R>,
+    /// Moments over the first, and their inverses.
+    ratios: [R; 3],
+    inverse_ratios: [R; 3],
+    /// One over the first moment.
+    inverse: R,
+    whole: Share<R>,
+}
+
+/// Constants of the step. In units of the first moment, so that nothing in the equation has a dimension.
+#[derive(Clone, Copy)]
+struct Share<R> {
+    step: R,
+    half: R,
+    /// Half the step squared, over the first moment: of a torque.
+    lift: R,
+    /// The weight times that, and times half the step.
+    lever: [R; 3],
+    kick: [R; 3],
+    /// The damping times half the step over the first moment.
+    damping: [R; 6],
+}
+
+/// The equation of the turn of a step: the terms that do not depend on the turn.
+#[derive(Clone, Copy)]
+struct Equation<R> {
+    /// The constant term.
+    start: [R; 3],
+    /// The torque in space, in body components at the begin.
+    space: [R; 3],
+    /// The vertical at the begin.
+    gamma: [R; 3],
+    damping: [[R; 3]; 3],
+}
+
+/// A symmetric matrix, from its entries 11, 22, 33, 23, 31, 12.
+#[inline(always)]
+fn matrix<R: Real>(d: &[R; 6]) -> [[R; 3]; 3] {
+    [[d[0], d[5], d[4]], [d[5], d[1], d[3]], [d[4], d[3], d[2]]]
+}
+
+/// The turn of a step.
+#[derive(Clone, Copy)]
+struct Turn<R> {
+    u: [R; 3],
+    /// `1 / (1 + u.u)`.
+    inverse: R,
+}
+
+impl<R: Real> Turn<R> {
+    #[inline(always)]
+    fn of(u: &[R; 3]) -> Self {
+        let one = R::splat(1.0);
+        Turn { u: *u, inverse: one / u[0].fma(u[0], u[1].fma(u[1], u[2].fma(u[2], one))) }
+    }
+    /// Change of a direction from `n` at the begin to the middle; the change to the end is twice as large.
+    #[inline(always)]
+    fn gain(&self, n: &[R; 3]) -> [R; 3] {
+        let once = cross(n, &self.u);
+        let twice = cross(&once, &self.u);
+        let mut all = once;
+        for i in 0..3 {
+            all[i] = self.inverse * (once[i] + twice[i]);
+        }
+        all
+    }
+    /// The direction in the middle: the mean of those at both ends.
+    #[inline(always)]
+    fn middle(&self, n: &[R; 3]) -> [R; 3] {
+        let gain = self.gain(n);
+        [n[0] + gain[0], n[1] + gain[1], n[2] + gain[2]]
+    }
+    /// The direction at the end.
+    #[inline(always)]
+    fn end(&self, n: &[R; 3]) -> [R; 3] {
+        let (gain, two) = (self.gain(n), R::splat(2.0));
+        [two.fma(gain[0], n[0]), two.fma(gain[1], n[1]), two.fma(gain[2], n[2])]
+    }
+}
+
+/// The columns `k x e_i`.
+#[inline(always)]
+fn columns<R: Real>(k: &[R; 3]) -> [[R; 3]; 3] {
+    let zero = R::splat(0.0);
+    [[zero, k[2], -k[1]], [-k[2], zero, k[0]], [k[1], -k[0], zero]]
+}
+
+impl<R: Real> ImplicitMidpoint<R> {
+    #[inline(always)]
+    fn of(p: &Parameters<R>, interval: &ForcingInterval<R>) -> Self {
+        let one = R::splat(1.0);
+        let [i1, i2, i3] = p.moments;
+        let inverse = one / i1;
+        let (ratios, inverse_ratios) = ([one, i2 / i1, i3 / i1], [one, i1 / i2, i1 / i3]);
+        let whole = Self::share(p, interval, inverse, one);
+        ImplicitMidpoint {
+            applied: Applied::new(p, interval),
+            interval: *interval,
+            ratios,
+            inverse_ratios,
+            inverse,
+            whole,
+        }
+    }
+
+    /// The constants of a part of a step.
+    #[inline(always)]
+    fn share(p: &Parameters<R>, interval: &ForcingInterval<R>, inverse: R, part: R) -> Share<R> {
+        let step = p.step * part;
+        let half = step * R::splat(0.5);
+        let (mut lever, mut kick, mut damping) = (p.weight, p.weight, interval.damping);
+        for i in 0..3 {
+            lever[i] = (p.weight[i] * inverse) * (half * half);
+            kick[i] = p.weight[i] * half;
+        }
+        for i in 0..6 {
+            damping[i] = (interval.damping[i] * inverse) * half;
+        }
+        Share { step, half, lift: inverse * (half * half), lever, kick, damping }
+    }
+
+    /// The state after a step, and the last correction of its turn.
+    #[inline(always)]
+    fn moved<M: Model<R>, L: Layout, const D: usize>(
+        &self,
+        p: &Parameters<R>,
+        share: &Share<R>,
+        y: &[R; D],
+    ) -> ([R; D], R) {
+        let (equation, guess) = self.equation::<M, L, D>(share, y);
+        let (u, correction) = self.solution::<M, L>(share, &equation, guess);
+        (self.state_after::<M, L, D>(p, share, y, &u, &equation.gamma), correction)
+    }
+
+    /// The equation of the turn of a step, and a first guess of its solution.
+    #[inline(always)]
+    fn equation<M: Model<R>, L: Layout, const D: usize>(
+        &self,
+        share: &Share<R>,
+        y: &[R; D],
+    ) -> (Equation<R>, [R; 3]) {
+        let half = share.half;
+        let zeros = [R::splat(0.0); 3];
+        let momentum = [y[0], y[1], y[2]];
+        // The constant term, and the torque in space in body components at the begin.
+        let (mut start, mut torque, mut space) = (momentum, zeros, zeros);
+        for i in 0..3 {
+            start[i] = (momentum[i] * self.inverse) * half;
+        }
+        let mut u = start;
+        for i in 0..3 {
+            u[i] = start[i] * self.inverse_ratios[i];
+        }
+        if L::BALANCE {
+            let middle = y[D - 1] + half;
+            for i in 0..3 {
+                torque[i] = middle.fma(self.interval.body[1][i], self.interval.body[0][i]);
+                start[i] = share.lift.fma(torque[i], start[i]);
+            }
+            if L::VECTORS > 2 {
+                for (row, axis) in [(0, 2), (1, 0), (2, 1)] {
+                    let n = direction(y, row);
+                    let part =
+                        middle.fma(self.interval.space[1][axis], self.interval.space[0][axis]) * share.lift;
+                    for i in 0..3 {
+                        space[i] = part.fma(n[i], space[i]);
+                    }
+                }
+            }
+        }
+        let gamma = if const { M::HEAVY && L::VECTORS > 0 } { direction(y, 0) } else { zeros };
+        (Equation { start, space, gamma, damping: matrix(&share.damping) }, u)
+    }
+
+    /// The residual of an equation at `u`, and the columns of its derivative.
+    #[inline(always)]
+    fn residual<M: Model<R>, L: Layout>(
+        &self,
+        share: &Share<R>,
+        equation: &Equation<R>,
+        u: &[R; 3],
+    ) -> ([R; 3], [[R; 3]; 3]) {
+        let j = &self.ratios;
+        let Equation { start, space, gamma, damping } = equation;
+        let turn = Turn::of(u);
+        let held = [j[0] * u[0], j[1] * u[1], j[2] * u[2]];
+        let bent = cross(u, &held);
+        let mut miss = held;
+        for i in 0..3 {
+            miss[i] = (held[i] - start[i]) + bent[i];
+        }
+        // The columns of the derivative; `e x held` is minus `held x e`.
+        let (mut a, of_held, of_u) = (columns(u), columns(&held), columns(u));
+        for k in 0..3 {
+            for i in 0..3 {
+                a[k][i] = j[k].fms(of_u[k][i], of_held[k][i]);
+            }
+            a[k][k] = a[k][k] + j[k];
+        }
+        if L::BALANCE {
+            for k in 0..3 {
+                for i in 0..3 {
+                    miss[i] = damping[k][i].fma(u[k], miss[i]);
+                    a[k][i] = a[k][i] + damping[k][i];
+                }
+            }
+        }
+        if const { M::HEAVY && L::VECTORS > 0 } {
+            let middle = turn.middle(gamma);
+            let pull = cross(&middle, &share.lever);
+            for i in 0..3 {
+                miss[i] = miss[i] - pull[i];
+            }
+            // The direction in the middle changes by that of `middle x e` in the middle.
+            let of_middle = columns(&middle);
+            for k in 0..3 {
+                let bent = cross(&turn.middle(&of_middle[k]), &share.lever);
+                for i in 0..3 {
+                    a[k][i] = a[k][i] - bent[i];
+                }
+            }
+            if L::BALANCE {
+                let middle = turn.middle(space);
+                let of_middle = columns(&middle);
+                for k in 0..3 {
+                    miss[k] = miss[k] - middle[k];
+                    let bent = turn.middle(&of_middle[k]);
+                    for i in 0..3 {
+                        a[k][i] = a[k][i] - bent[i];
+                    }
+                }
+            }
+        }
+        (miss, a)
+    }
+
+    /// The solution of an equation by Newton's steps, and its last correction.
+    #[inline(always)]
+    fn solution<M: Model<R>, L: Layout>(
+        &self,
+        share: &Share<R>,
+        equation: &Equation<R>,
+        mut u: [R; 3],
+    ) -> ([R; 3], R) {
+        let one = R::splat(1.0);
+        let mut correction = one;
+        let small = R::splat(SMALL_CORRECTION);
+        for _ in 0..NEWTON_STEPS {
+            let (miss, a) = self.residual::<M, L>(share, equation, &u);
+            // Cramer's rule: the rows of the inverse are cross products of columns.
+            let rows = [cross(&a[1], &a[2]), cross(&a[2], &a[0]), cross(&a[0], &a[1])];
+            let inverse = one / dot(&a[0], &rows[0]);
+            // A lane that has converged or failed keeps every bit.
+            let open = small.lt(correction);
+            let mut sum = R::splat(0.0);
+            for i in 0..3 {
+                let by = inverse * dot(&rows[i], &miss);
+                u[i] = R::select(open, u[i] - by, u[i]);
+                sum = sum + by.abs();
+            }
+            correction = R::select(open, sum, correction);
+            if !R::any(small.lt(correction)) {
+                break;
+            }
+        }
+        (u, correction)
+    }
+
+    /// The state after a step that turns the body by `u`.
+    #[inline(always)]
+    fn state_after<M: Model<R>, L: Layout, const D: usize>(
+        &self,
+        p: &Parameters<R>,
+        share: &Share<R>,
+        y: &[R; D],
+        u: &[R; 3],
+        gamma: &[R; 3],
+    ) -> [R; D] {
+        let (one, two, half) = (R::splat(1.0), R::splat(2.0), share.half);
+        let heavy = const { M::HEAVY && L::VECTORS > 0 };
+        let momentum = [y[0], y[1], y[2]];
+        let turn = Turn::of(u);
+        let mut z = *y;
+        let mut middle = *y;
+        for v in 0..L::VECTORS {
+            let n = direction(y, v);
+            put(&mut z, 3 + 3 * v, turn.end(&n));
+            if L::BALANCE {
+                put(&mut middle, 3 + 3 * v, turn.middle(&n));
+            }
+        }
+        if L::QUATERNION {
+            let at = L::QUATERNION_AT;
+            let q = [y[at], y[at + 1], y[at + 2], y[at + 3]];
+            let w = turn.inverse.sqrt();
+            let by = [w, w * u[0], w * u[1], w * u[2]];
+            put(&mut z, at, quaternion_product(&q, &by));
+        }
+        if L::BALANCE {
+            // The momentum in the middle is the mean: under strong damping torques are far larger than what they leave.
+            let moves = R::splat(0.0).lt(half.abs());
+            let inverse_half = one / half;
+            for i in 0..3 {
+                let rate = R::select(moves, inverse_half * u[i], momentum[i] / p.moments[i]);
+                middle[i] = rate;
+                z[i] = R::select(moves, two.fms(p.moments[i] * rate, momentum[i]), momentum[i]);
+            }
+            middle[D - 1] = y[D - 1] + half;
+            let torque = self.applied.torque::<L, D>(&middle);
+            let [power, impulse] = self.applied.balance::<L, D>(&torque, &middle);
+            z[D - 3] = share.step.fma(power, y[D - 3]);
+            z[D - 2] = share.step.fma(impulse, y[D - 2]);
+            z[D - 1] = y[D - 1] + share.step;
+        } else {
+            // Turned, so that its length is kept even of a turn that is not yet exact; half of the kick on either side.
+            let mut kick = [R::splat(0.0); 3];
+            if heavy {
+                kick = cross(&turn.middle(gamma), &share.kick);
+            }
+            let mut before = momentum;
+            if heavy {
+                for i in 0..3 {
+                    before[i] = momentum[i] + kick[i];
+                }
+            }
+            let after = turn.end(&before);
+            for i in 0..3 {
+                z[i] = if heavy { after[i] + kick[i] } else { after[i] };
+            }
+        }
+        z
+    }
+}
+
+impl<R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, L, D> for ImplicitMidpoint<R> {
+    const VARIABLES: Variables = Variables::Momenta;
+    const MOVES: bool = !M::REDUCED && !(M::HEAVY && L::QUATERNION);
+
+    #[inline(always)]
+    fn new(p: &Parameters<R>, interval: &ForcingInterval<R>, _numbers: &'static Numbers) -> Self {
+        Self::of(p, interval)
+    }
+
+    #[inline(always)]
+    fn step(
+        &self,
+        p: &Parameters<R>,
+        y: &mut [R; D],
+        _compensation: &mut [R; D],
+        _dense: &mut Coefficients<R, D>,
+    ) {
+        let (zero, one, half) = (R::splat(0.0), R::splat(1.0), R::splat(0.5));
+        let largest = R::splat(LARGEST_CORRECTION);
+        let (mut next, correction) = self.moved::<M, L, D>(p, &self.whole, y);
+        // 1 where the step is complete; a NaN is not tried again.
+        let mut done = R::select(correction.lt(largest), one, zero);
+        let none = (y[0] * zero + y[1] * zero) + y[2] * zero;
+        done = R::select(none.abs().lt(half), done, one);
+        if R::any(done.lt(half)) {
+            for parts in PARTS {
+                let part = Self::share(p, &self.interval, self.inverse, R::splat(1.0 / parts as f64));
+                let mut z = *y;
+                let mut all = one;
+                for _ in 0..parts {
+                    let (after, correction) = self.moved::<M, L, D>(p, &part, &z);
+                    z = after;
+                    all = R::select(correction.lt(largest), all, zero);
+                }
+                let open = done.lt(half);
+                for d in 0..D {
+                    next[d] = R::select(open, z[d], next[d]);
+                }
+                done = R::select(open, all, done);
+                if !R::any(done.lt(half)) {
+                    break;
+                }
+            }
+            // A rejected solution becomes NaN.
+            let lost = done.lt(half);
+            for d in 0..D {
+                next[d] = R::select(lost, R::splat(f64::NAN), next[d]);
+            }
+        }
+        *y = next;
+    }
+
+    #[inline(always)]
+    fn velocity(&self, p: &Parameters<R>, y: &[R; D]) -> [R; 3] {
+        let mut rates = *y;
+        for i in 0..3 {
+            rates[i] = y[i] / p.moments[i];
+        }
+        let gyroscopic = cross(&[y[0], y[1], y[2]], &[rates[0], rates[1], rates[2]]);
+        let weight = M::torque(p, y);
+        let applied = if L::BALANCE { self.applied.torque::<L, D>(&rates) } else { [R::splat(0.0); 3] };
+        let mut sum = gyroscopic;
+        for i in 0..3 {
+            sum[i] = (gyroscopic[i] + weight[i]) + applied[i];
+        }
+        sum
+    }
+}

@@ -1,0 +1,410 @@
+//! Explicit Runge-Kutta methods: one engine, any tableau.
+
+use super::acceleration;
+use super::{Coefficients, Engine, Facts, Numbers, Scheme, Step, Stepper, Variables};
+use crate::forcing::ForcingInterval;
+use crate::kinematics;
+use crate::real::Real;
+use crate::scene::{Applied, Layout, Model, Parameters};
+use std::marker::PhantomData;
+
+/// The table of an explicit Runge-Kutta method, `k_i = f(y + h sum_j a_ij k_j)`,
+/// `y + (h / divisor) sum_i weights_i k_i`.
+pub trait Tableau: Copy {
+    /// Order of the method.
+    const ORDER: usize;
+    /// Whether it integrates reduced tops, and the attitude of tops as rows of its matrix only.
+    const REDUCES: bool;
+    /// Rows 1, 2, … of the matrix a; row i has i entries.
+    const A: &'static [&'static [f64]];
+    /// Weights over the common divisor: whole numbers where they can be.
+    const WEIGHTS: &'static [f64];
+    /// Their common divisor.
+    const DIVISOR: f64;
+    /// Number of stages.
+    const STAGES: usize = Self::WEIGHTS.len();
+}
+
+/// Classical Runge-Kutta of order 4. It is kept in the frame of the body, as it was published.
+pub const RK4: Scheme = Scheme::direct(
+    Facts {
+        name: "rk4",
+        title: "classical Runge-Kutta",
+        order: 4,
+        stages: 4,
+        symplectic: false,
+        reversible: false,
+        group_preserving: false,
+        angle_per_step: 1.0 / 16.0,
+        citation: "W. Kutta, Beitrag zur näherungsweisen Integration totaler Differentialgleichungen, \
+                   Z. Math. Phys. 46 (1901) 435-453",
+        doi: "",
+    },
+    Step::plain(Engine::Rk4),
+    false,
+    2.78,
+);
+
+/// Dormand-Prince of order 8.
+pub const DOP853: Scheme = Scheme::direct(
+    Facts {
+        name: "dop853",
+        title: "Dormand-Prince of order 8 with 12 stages",
+        order: 8,
+        stages: 12,
+        symplectic: false,
+        reversible: false,
+        group_preserving: false,
+        angle_per_step: 0.1,
+        citation: "E. Hairer, S. P. Nørsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed., \
+                   Springer (1993), section II.5; P. J. Prince, J. R. Dormand, High order embedded Runge-Kutta \
+                   formulae, J. Comput. Appl. Math. 7 (1981) 67-75",
+        doi: "10.1007/978-3-540-78862-1",
+    },
+    Step::plain(Engine::Dop853),
+    true,
+    6.39,
+);
+
+/// The tableau of [`RK4`].
+#[derive(Clone, Copy)]
+pub struct Rk4Tableau;
+
+/// The tableau of [`DOP853`].
+#[derive(Clone, Copy)]
+pub struct Dop853Tableau;
+
+impl Tableau for Rk4Tableau {
+    const ORDER: usize = 4;
+    const REDUCES: bool = false;
+    const A: &'static [&'static [f64]] = &[&[0.5], &[0.0, 0.5], &[0.0, 0.0, 1.0]];
+    const WEIGHTS: &'static [f64] = &[1.0, 2.0, 2.0, 1.0];
+    const DIVISOR: f64 = 6.0;
+}
+
+impl Tableau for Dop853Tableau {
+    const ORDER: usize = 8;
+    const REDUCES: bool = true;
+    const A: &'static [&'static [f64]] = &[
+        &[0.05260015195876773],
+        &[0.0197250569845379, 0.0591751709536137],
+        &[0.02958758547680685, 0.0, 0.08876275643042054],
+        &[0.2413651341592667, 0.0, -0.8845494793282861, 0.924834003261792],
+        &[0.037037037037037035, 0.0, 0.0, 0.17082860872947386, 0.12546768756682242],
+        &[0.037109375, 0.0, 0.0, 0.17025221101954405, 0.06021653898045596, -0.017578125],
+        &[
+            0.03709200011850479,
+            0.0,
+            0.0,
+            0.17038392571223998,
+            0.10726203044637328,
+            -0.015319437748624402,
+            0.008273789163814023,
+        ],
+        &[
+            0.6241109587160757,
+            0.0,
+            0.0,
+            -3.3608926294469414,
+            -0.868219346841726,
+            27.59209969944671,
+            20.154067550477894,
+            -43.48988418106996,
+        ],
+        &[
+            0.47766253643826434,
+            0.0,
+            0.0,
+            -2.4881146199716677,
+            -0.590290826836843,
+            21.230051448181193,
+            15.279233632882423,
+            -33.28821096898486,
+            -0.020331201708508627,
+        ],
+        &[
+            -0.9371424300859873,
+            0.0,
+            0.0,
+            5.186372428844064,
+            1.0914373489967295,
+            -8.149787010746927,
+            -18.52006565999696,
+            22.739487099350505,
+            2.4936055526796523,
+            -3.0467644718982196,
+        ],
+        &[
+            2.273310147516538,
+            0.0,
+            0.0,
+            -10.53449546673725,
+            -2.0008720582248625,
+            -17.9589318631188,
+            27.94888452941996,
+            -2.8589982771350235,
+            -8.87285693353063,
+            12.360567175794303,
+            0.6433927460157636,
+        ],
+    ];
+    const WEIGHTS: &'static [f64] = &[
+        0.054293734116568765,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        4.450312892752409,
+        1.8915178993145003,
+        -5.801203960010585,
+        0.3111643669578199,
+        -0.1521609496625161,
+        0.20136540080403034,
+        0.04471061572777259,
+    ];
+    const DIVISOR: f64 = 1.0;
+}
+
+/// Quadrature conditions of the stated order; all order conditions up to 4 (Hairer, Nørsett, Wanner, Solving ODEs I, table II.2.1).
+const fn check<T: Tableau>(facts: Facts) {
+    let s = T::STAGES;
+    assert!(T::A.len() + 1 == s && facts.stages == s && facts.order as usize == T::ORDER && s <= MAX_STAGES);
+    let (mut powers, mut size) = ([0.0; MAX_STAGES], 0.0);
+    // Sums of b, b c, b c^2, b a c, b c^3, b c a c, b a c^2, b a a c.
+    let mut sums = [0.0; 8];
+    let mut c = [0.0; MAX_STAGES];
+    let mut ac = [0.0; MAX_STAGES];
+    let mut ac2 = [0.0; MAX_STAGES];
+    let mut aac = [0.0; MAX_STAGES];
+    let mut i = 0;
+    while i < s {
+        let mut j = 0;
+        while j < i {
+            let a = T::A[i - 1][j];
+            c[i] += a;
+            ac[i] += a * c[j];
+            ac2[i] += a * c[j] * c[j];
+            aac[i] += a * ac[j];
+            j += 1;
+        }
+        let b = T::WEIGHTS[i] / T::DIVISOR;
+        size += if b < 0.0 { -b } else { b };
+        let mut power = b;
+        let mut k = 0;
+        while k < MAX_STAGES {
+            powers[k] += power;
+            power *= c[i];
+            k += 1;
+        }
+        let terms = [1.0, c[i], c[i] * c[i], ac[i], c[i] * c[i] * c[i], c[i] * ac[i], ac2[i], aac[i]];
+        let mut k = 0;
+        while k < 8 {
+            sums[k] += b * terms[k];
+            k += 1;
+        }
+        i += 1;
+    }
+    // Two roundings of each term and sum, and one of each coefficient.
+    let allowed = 4.0 * f64::EPSILON * size;
+    let wanted = [1.0, 1.0 / 2.0, 1.0 / 3.0, 1.0 / 6.0, 1.0 / 4.0, 1.0 / 8.0, 1.0 / 12.0, 1.0 / 24.0];
+    let conditions = [0, 1, 2, 4, 8][if T::ORDER < 4 { T::ORDER } else { 4 }];
+    let mut k = 0;
+    while k < conditions {
+        let miss = sums[k] - wanted[k];
+        assert!(miss < allowed && -miss < allowed);
+        k += 1;
+    }
+    let mut k = 0;
+    while k < T::ORDER {
+        let miss = powers[k] - 1.0 / (k as f64 + 1.0);
+        assert!(miss < allowed && -miss < allowed);
+        k += 1;
+    }
+}
+const _: () = check::<Rk4Tableau>(RK4.facts);
+const _: () = check::<Dop853Tableau>(DOP853.facts);
+
+/// The engine.
+#[derive(Clone, Copy)]
+pub struct RungeKutta<T, R, M> {
+    model: M,
+    applied: Applied<R>,
+    /// The step times the coefficient of each stage that has only one.
+    single: [R; MAX_STAGES],
+    /// The step over the divisor of the weights.
+    weight_unit: R,
+    tableau: PhantomData<T>,
+}
+
+/// Most stages of any table here.
+const MAX_STAGES: usize = 12;
+
+/// a_ij of the table, 0 outside its triangle.
+#[inline(always)]
+const fn coefficient<T: Tableau>(i: usize, j: usize) -> f64 {
+    if i < T::STAGES && j < i { T::A[i - 1][j] } else { 0.0 }
+}
+
+/// Weight of a stage, 0 outside the table.
+#[inline(always)]
+const fn weight<T: Tableau>(i: usize) -> f64 {
+    if i < T::STAGES { T::WEIGHTS[i] } else { 0.0 }
+}
+
+/// Index of the only coefficient of a row; `None` if there are several.
+#[inline(always)]
+const fn only<T: Tableau>(i: usize) -> Option<usize> {
+    let (mut found, mut j) = (None, 0);
+    while j < i {
+        if coefficient::<T>(i, j) != 0.0 {
+            if found.is_some() {
+                return None;
+            }
+            found = Some(j);
+        }
+        j += 1;
+    }
+    found
+}
+
+/// Writes a statement once for each stage before the last.
+macro_rules! for_stages {
+    ($j:ident => $body:block) => {
+        for_stages!(@each $j $body 0 1 2 3 4 5 6 7 8 9 10);
+    };
+    (@each $j:ident $body:block $($number:literal)*) => {$({
+        const $j: usize = $number;
+        $body
+    })*};
+}
+
+/// y + h sum_j a_ij k_j.
+#[inline(always)]
+fn stage_state<T: Tableau, const I: usize, R: Real, const D: usize>(
+    (single, step): (R, R),
+    y: &[R; D],
+    k: &[[R; D]; MAX_STAGES],
+) -> [R; D] {
+    let mut at = *y;
+    if let Some(j) = const { only::<T>(I) } {
+        for d in 0..D {
+            at[d] = single.fma(k[j][d], y[d]);
+        }
+        return at;
+    }
+    let first = R::splat(const { coefficient::<T>(I, 0) });
+    for d in 0..D {
+        at[d] = first * k[0][d];
+    }
+    for_stages!(J => {
+        if const { J != 0 && coefficient::<T>(I, J) != 0.0 } {
+            let a = R::splat(const { coefficient::<T>(I, J) });
+            for d in 0..D {
+                at[d] = a.fma(k[J][d], at[d]);
+            }
+        }
+    });
+    for d in 0..D {
+        at[d] = step.fma(at[d], y[d]);
+    }
+    at
+}
+
+/// sum += weight_i k; the first stage begins the sum.
+#[inline(always)]
+fn add_weighted<T: Tableau, const I: usize, R: Real, const D: usize>(sum: &mut [R; D], k: &[R; D]) {
+    for d in 0..D {
+        sum[d] = match (I, const { weight::<T>(I) }) {
+            (0, 1.0) => k[d],
+            (0, weight) => k[d] * R::splat(weight),
+            (_, 0.0) => sum[d],
+            (_, 1.0) => sum[d] + k[d],
+            // Two additions for one fused product: the same bits, and adders are idle here.
+            (_, 2.0) => sum[d] + (k[d] + k[d]),
+            (_, weight) => R::splat(weight).fma(k[d], sum[d]),
+        };
+    }
+}
+
+/// The equations of motion of the whole state.
+#[inline(always)]
+fn rate<R: Real, M: Model<R>, L: Layout, const D: usize>(
+    model: &M,
+    applied: &Applied<R>,
+    y: &[R; D],
+) -> [R; D] {
+    let omega = [y[0], y[1], y[2]];
+    let mut dy = *y;
+    kinematics::put(&mut dy, 0, acceleration::<R, M, L, D>(model, applied, y));
+    for v in 0..L::VECTORS {
+        let at = 3 + 3 * v;
+        kinematics::put(&mut dy, at, kinematics::direction_rate(&kinematics::direction(y, v), &omega));
+    }
+    if L::QUATERNION {
+        let at = L::QUATERNION_AT;
+        let q = [y[at], y[at + 1], y[at + 2], y[at + 3]];
+        kinematics::put(&mut dy, at, kinematics::attitude_rate(&q, &omega));
+    }
+    if L::BALANCE {
+        let at = L::BALANCE_AT;
+        let torque = applied.torque::<L, D>(y);
+        kinematics::put(&mut dy, at, applied.balance::<L, D>(&torque, y));
+        dy[at + 2] = R::splat(1.0);
+    }
+    dy
+}
+
+impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, L, D>
+    for RungeKutta<T, R, M>
+{
+    const VARIABLES: Variables = Variables::Rates;
+    const MOVES: bool = if T::REDUCES { !(M::HEAVY && L::QUATERNION) } else { !M::REDUCED };
+
+    #[inline(always)]
+    fn new(p: &Parameters<R>, forcing: &ForcingInterval<R>, _numbers: &'static Numbers) -> Self {
+        let mut single = [p.step; MAX_STAGES];
+        for i in 1..T::STAGES {
+            if let Some(j) = only::<T>(i) {
+                single[i] = p.step * R::splat(coefficient::<T>(i, j));
+            }
+        }
+        let weight_unit = p.step / R::splat(T::DIVISOR);
+        let (model, applied) = (M::new(p), Applied::new(p, forcing));
+        RungeKutta { model, applied, single, weight_unit, tableau: PhantomData }
+    }
+
+    #[inline(always)]
+    fn step(
+        &self,
+        p: &Parameters<R>,
+        y: &mut [R; D],
+        _compensation: &mut [R; D],
+        _dense: &mut Coefficients<R, D>,
+    ) {
+        let mut k = [*y; MAX_STAGES];
+        let mut sum = *y;
+        // Written out, so that each number of the table is a literal and its zeros and ones cost nothing.
+        macro_rules! stages {
+            ($($i:literal)*) => {$(
+                if const { $i < T::STAGES } {
+                    let at = if const { $i == 0 } {
+                        *y
+                    } else {
+                        stage_state::<T, $i, R, D>((self.single[$i], p.step), y, &k)
+                    };
+                    k[$i] = rate::<R, M, L, D>(&self.model, &self.applied, &at);
+                    add_weighted::<T, $i, R, D>(&mut sum, &k[$i]);
+                }
+            )*};
+        }
+        stages!(0 1 2 3 4 5 6 7 8 9 10 11);
+        for d in 0..D {
+            y[d] = self.weight_unit.fma(sum[d], y[d]);
+        }
+    }
+
+    #[inline(always)]
+    fn velocity(&self, _p: &Parameters<R>, y: &[R; D]) -> [R; 3] {
+        acceleration::<R, M, L, D>(&self.model, &self.applied, y)
+    }
+}

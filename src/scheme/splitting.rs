@@ -1,0 +1,300 @@
+//! Splittings into exact partial flows: one engine, any composition.
+//!
+//! The flow of `L_k^2 / 2 I_k` is a rotation about body axis k; the flow of the potential is a kick of the
+//! momentum; between kicks the body drifts freely. Each keeps the Poisson structure, so their composition does.
+
+use super::{Coefficients, Numbers, Stepper, Variables};
+use crate::forcing::ForcingInterval;
+use crate::kinematics;
+use crate::real::Real;
+use crate::scene::{Layout, Model, Parameters};
+use crate::special::{rodrigues, sincos};
+
+/// An exactly solvable part of the motion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Flow {
+    /// Rotation about a principal axis (0, 1, 2).
+    Turn(usize),
+    /// Free motion.
+    Drift,
+    /// The potential, perhaps with its force gradient.
+    Kick,
+}
+
+/// Free motion over fractions of a step, as exact as a table needs it.
+pub trait Drift<R: Real>: Copy {
+    /// Prepares the constants of the step.
+    fn new(p: &Parameters<R>, numbers: &Numbers) -> Self;
+    /// Moves the state over a fraction of the step.
+    fn flow<M: Model<R>, L: Layout, const D: usize>(&self, fraction: R, y: &mut [R; D]);
+}
+
+/// A round of flows, which a step repeats with its numbers.
+pub trait Round: Copy {
+    /// The flow of `Flow::Drift`.
+    type Drift<R: Real>: Drift<R>;
+    /// The flows of a round, in order.
+    const FLOWS: &'static [Flow];
+    /// The numbers that the code is specialised for, if it is: a single round is then faster by a tenth.
+    const SPECIALISED: Option<&'static Numbers> = None;
+    /// Whether it integrates reduced tops.
+    const REDUCES: bool = false;
+    /// Whether its steps may be processed.
+    const PROCESSED: bool = false;
+}
+
+/// The kick inside the first two rotations has the smallest error of the orders tried on three bodies.
+const PLANAR: &[Flow] = &[Flow::Turn(0), Flow::Turn(1), Flow::Kick, Flow::Turn(2), Flow::Kick, Flow::Turn(1)];
+const KICK_DRIFT: &[Flow] = &[Flow::Kick, Flow::Drift];
+
+/// Planar rotations about the principal axes, and kicks, of order 2.
+#[derive(Clone, Copy)]
+pub struct Planar;
+impl Round for Planar {
+    type Drift<R: Real> = ExactRotor<R>;
+    const FLOWS: &'static [Flow] = PLANAR;
+    const SPECIALISED: Option<&'static Numbers> = Some(super::SPLITTING.any.numbers);
+}
+
+/// Planar rotations about the principal axes, and kicks.
+#[derive(Clone, Copy)]
+pub struct ComposedPlanar;
+impl Round for ComposedPlanar {
+    type Drift<R: Real> = ExactRotor<R>;
+    const FLOWS: &'static [Flow] = PLANAR;
+}
+
+/// The exact rotor of a body that is symmetric about its axis 3, and kicks.
+#[derive(Clone, Copy)]
+pub struct KickRotor;
+impl Round for KickRotor {
+    type Drift<R: Real> = ExactRotor<R>;
+    const FLOWS: &'static [Flow] = KICK_DRIFT;
+    const REDUCES: bool = true;
+    const PROCESSED: bool = true;
+}
+
+/// Discrete Moser-Veselov drifts of any body, and kicks.
+#[derive(Clone, Copy)]
+pub struct KickMoserVeselov;
+impl Round for KickMoserVeselov {
+    type Drift<R: Real> = super::MoserVeselov<R>;
+    const FLOWS: &'static [Flow] = KICK_DRIFT;
+    const PROCESSED: bool = true;
+}
+
+/// A change of variables in rounds of a kick and a drift. A kernel of low order between it and its inverse is a
+/// method of higher order (Butcher 1969; Blanes, Casas, Ros 1999).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Processor {
+    /// Before the first step.
+    pub enter: Way,
+    /// After the last: the same flows backwards.
+    pub leave: Way,
+}
+
+/// One way through a processor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Way {
+    /// Fractions of the step, kick and drift in turn.
+    pub fractions: &'static [f64],
+    /// One for each kick, as in `Numbers`.
+    pub gradients: &'static [f64],
+}
+
+/// The engine.
+#[derive(Clone, Copy)]
+pub struct Splitting<C: Round, R: Real> {
+    /// Step over moment.
+    turn: [R; 3],
+    drift: C::Drift<R>,
+    numbers: &'static Numbers,
+}
+
+/// `v` in the components of a body that turned about `axis` by the angle with this sine and cosine.
+#[inline(always)]
+fn turn_vector<R: Real>(v: &mut [R], axis: usize, (sin, cos): (R, R)) {
+    let (j, k) = ((axis + 1) % 3, (axis + 2) % 3);
+    let (a, b) = (v[j], v[k]);
+    v[j] = cos.fma(a, sin * b);
+    v[k] = cos.fms(b, sin * a);
+}
+
+/// The body turns about a principal axis by `angle`.
+#[inline(always)]
+pub(super) fn turn<R: Real, L: Layout, const D: usize>(y: &mut [R; D], axis: usize, angle: R) {
+    let rotation = sincos(angle);
+    turn_vector(&mut y[..3], axis, rotation);
+    for v in 0..L::VECTORS {
+        let at = 3 + 3 * v;
+        turn_vector(&mut y[at..at + 3], axis, rotation);
+    }
+    if L::QUATERNION {
+        let (s, c) = sincos(angle * R::splat(0.5));
+        let at = L::QUATERNION_AT;
+        let q = [y[at], y[at + 1], y[at + 2], y[at + 3]];
+        let (i, j, k) = (axis + 1, (axis + 1) % 3 + 1, (axis + 2) % 3 + 1);
+        y[at] = c.fms(q[0], s * q[i]);
+        y[at + i] = c.fma(q[i], s * q[0]);
+        y[at + j] = c.fma(q[j], s * q[k]);
+        y[at + k] = c.fms(q[k], s * q[j]);
+    }
+}
+
+/// The free motion of a body symmetric about axis 3, exact for any step.
+#[derive(Clone, Copy)]
+pub struct ExactRotor<R> {
+    h_over_i1: R,
+    /// Step times (1/I3 - 1/I1): the spin of the rotor relative to its turning as a whole.
+    spin: R,
+}
+
+impl<R: Real> Drift<R> for ExactRotor<R> {
+    #[inline(always)]
+    fn new(p: &Parameters<R>, _numbers: &Numbers) -> Self {
+        let [i1, _, i3] = p.moments;
+        let one = R::splat(1.0);
+        ExactRotor { h_over_i1: p.step / i1, spin: p.step * (one / i3 - one / i1) }
+    }
+
+    /// The body turns about L by |L| h / I1, then the body spins about its axis 3 by (1/I3 - 1/I1) L3 h; L itself
+    /// is fixed in space. A sphere does not spin.
+    #[inline(always)]
+    fn flow<M: Model<R>, L: Layout, const D: usize>(&self, fraction: R, y: &mut [R; D]) {
+        let h_over_i1 = fraction * self.h_over_i1;
+        let w = [h_over_i1 * y[0], h_over_i1 * y[1], h_over_i1 * y[2]];
+        let z = kinematics::dot(&w, &w);
+        if L::VECTORS > 0 {
+            let (a, b) = rodrigues(z);
+            for v in 0..L::VECTORS {
+                let n = kinematics::direction(y, v);
+                let p = kinematics::cross(&n, &w);
+                let r = kinematics::cross(&p, &w);
+                for i in 0..3 {
+                    y[3 + 3 * v + i] = b.fma(r[i], a.fma(p[i], n[i]));
+                }
+            }
+        }
+        if L::QUATERNION {
+            let at = L::QUATERNION_AT;
+            let q = [y[at], y[at + 1], y[at + 2], y[at + 3]];
+            kinematics::put(y, at, kinematics::quaternion_product(&q, &kinematics::rotation_by(&w)));
+        }
+        if !M::REDUCED {
+            let angle = (fraction * self.spin) * y[2];
+            turn::<R, L, D>(y, 2, angle);
+        }
+    }
+}
+
+/// The flow with index `i` of a round: an axis, or one of these.
+const fn place<C: Round>(i: usize) -> usize {
+    if i < C::FLOWS.len() { slot(C::FLOWS[i]) } else { NONE }
+}
+pub(super) const fn slot(flow: Flow) -> usize {
+    match flow {
+        Flow::Turn(axis) => axis,
+        Flow::Drift => DRIFT,
+        Flow::Kick => KICK,
+    }
+}
+pub(super) const DRIFT: usize = 3;
+pub(super) const KICK: usize = 4;
+const NONE: usize = 5;
+
+/// The flow of the potential over a fraction of the step.
+#[inline(always)]
+fn kick<R: Real, M: Model<R>, const D: usize>(
+    p: &Parameters<R>,
+    y: &mut [R; D],
+    fraction: f64,
+    gradient: f64,
+) {
+    let mut momentum = [y[0], y[1], y[2]];
+    let h = R::splat(fraction) * p.step;
+    if gradient == 0.0 {
+        M::kick(p, h, &mut momentum, y);
+    } else {
+        let cubed = (p.step * p.step) * p.step;
+        M::gradient_kick(p, h, R::splat(gradient) * cubed, &mut momentum, y);
+    }
+    kinematics::put(y, 0, momentum);
+}
+
+impl<C: Round, R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, L, D> for Splitting<C, R> {
+    const VARIABLES: Variables = Variables::Momenta;
+    // Layouts with two directions have no processor, because the directions are observed.
+    const MOVES: bool = !L::BALANCE && (!M::REDUCED || (C::REDUCES && L::VECTORS < 2));
+    const PROCESSED: bool = C::PROCESSED && M::HEAVY && L::VECTORS < 2;
+
+    #[inline(always)]
+    fn new(p: &Parameters<R>, _forcing: &ForcingInterval<R>, numbers: &'static Numbers) -> Self {
+        let [i1, i2, i3] = p.moments;
+        Splitting { turn: [p.step / i1, p.step / i2, p.step / i3], drift: C::Drift::new(p, numbers), numbers }
+    }
+
+    #[inline(always)]
+    fn step(
+        &self,
+        p: &Parameters<R>,
+        y: &mut [R; D],
+        _compensation: &mut [R; D],
+        _dense: &mut Coefficients<R, D>,
+    ) {
+        let width = const {
+            assert!(C::FLOWS.len() <= 6);
+            C::FLOWS.len()
+        };
+        let own = match const { C::SPECIALISED } {
+            Some(own) => own,
+            None => self.numbers,
+        };
+        let Numbers { fractions, gradients, .. } = own;
+        // Written out within a round only: a table of many rounds is no longer in code than one.
+        macro_rules! flows {
+            ($round:expr; $($i:literal)*) => {$(
+                if const { place::<C>($i) != NONE } {
+                    let fraction = fractions[$round * width + $i];
+                    if const { place::<C>($i) < DRIFT } {
+                        let axis = const { place::<C>($i) % DRIFT };
+                        let angle = (R::splat(fraction) * self.turn[axis]) * y[axis];
+                        turn::<R, L, D>(y, axis, angle);
+                    } else if const { place::<C>($i) == DRIFT } {
+                        self.drift.flow::<M, L, D>(R::splat(fraction), y);
+                    } else {
+                        let gradient = if gradients.is_empty() { 0.0 } else { gradients[$round] };
+                        kick::<R, M, D>(p, y, fraction, gradient);
+                    }
+                }
+            )*};
+        }
+        let rounds = fractions.len() / width;
+        for round in 0..rounds {
+            flows!(round; 0 1 2 3 4 5);
+        }
+        // A palindrome closes with the flow that it opens with.
+        if fractions.len() > rounds * width {
+            flows!(rounds; 0);
+        }
+    }
+
+    #[inline(always)]
+    fn process(&self, p: &Parameters<R>, y: &mut [R; D], leaving: bool) {
+        if let Some(Processor { enter, leave }) = self.numbers.processor {
+            let way = if leaving { leave } else { enter };
+            for round in 0..way.gradients.len() {
+                kick::<R, M, D>(p, y, way.fractions[2 * round], way.gradients[round]);
+                self.drift.flow::<M, L, D>(R::splat(way.fractions[2 * round + 1]), y);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn velocity(&self, p: &Parameters<R>, y: &[R; D]) -> [R; 3] {
+        // L' = L x omega + torque.
+        let omega = [y[0] / p.moments[0], y[1] / p.moments[1], y[2] / p.moments[2]];
+        let gyroscopic = kinematics::cross(&[y[0], y[1], y[2]], &omega);
+        let torque = M::torque(p, y);
+        [gyroscopic[0] + torque[0], gyroscopic[1] + torque[1], gyroscopic[2] + torque[2]]
+    }
+}

@@ -1,0 +1,343 @@
+//! Taylor series in time: one engine, any order.
+//!
+//! The equations of motion are quadratic, so each order follows from the Cauchy products of the lower ones
+//! (Jorba & Zou 2005, §2). Coefficients are those of powers of t / step: their sum is the state after a step.
+
+use super::acceleration;
+use super::{Engine, Facts, MAX_ORDER, Numbers, Scheme, Step, Stepper, Variables};
+use crate::forcing::ForcingInterval;
+use crate::kinematics::{add_roll_across, add_roll_along, add_turn_across, add_turn_along, direction};
+use crate::real::Real;
+use crate::scene::{Applied, Layout, Model, Parameters};
+use std::mem::MaybeUninit;
+
+/// The order from which on the rounding error of the state is compensated. Compensation costs 4 % of a step of order
+/// 16, and 13 % of a step of order 8, whose steps are seldom short enough for rounding to matter.
+const COMPENSATED_FROM: usize = 16;
+
+/// A series of an even order, with the largest angle of a step and the damping limit.
+macro_rules! series {
+    ($order:literal, $angle:expr, $damping_limit:literal) => {
+        Scheme::direct(
+            Facts {
+                name: concat!("taylor", $order),
+                title: concat!("Taylor series of order ", $order),
+                order: $order,
+                stages: $order,
+                symplectic: false,
+                reversible: false,
+                group_preserving: false,
+                angle_per_step: $angle,
+                citation: "A. Jorba, M. Zou, A software package for the numerical integration of ODEs by means of \
+                           high-order Taylor methods, Exp. Math. 14 (2005) 99-117; F. Biscani, D. Izzo, \
+                           Revisiting high-order Taylor methods for astrodynamics and celestial mechanics, \
+                           Mon. Not. R. Astron. Soc. 504 (2021) 2614-2628, doi 10.1093/mnras/stab1032",
+                doi: "10.1080/10586458.2005.10128904",
+            },
+            Step {
+                engine: if $order < COMPENSATED_FROM { Engine::Taylor } else { Engine::CompensatedTaylor },
+                numbers: &Numbers { order: $order, ..Numbers::NONE },
+            },
+            true,
+            $damping_limit,
+        )
+    };
+}
+
+// Angles a step at which the attitudes of 600 random bodies and tops were off by 4e-14 rad a radian turned at worst.
+/// Taylor series of order 8.
+pub const TAYLOR8: Scheme = series!(8, 1.0 / 8.0, 2.15);
+/// Taylor series of order 12.
+pub const TAYLOR12: Scheme = series!(12, 2.0 / 5.0, 2.91);
+/// Taylor series of order 16.
+pub const TAYLOR16: Scheme = series!(16, 3.0 / 4.0, 3.66);
+/// Taylor series of order 20.
+pub const TAYLOR20: Scheme = series!(20, 9.0 / 10.0, 4.41);
+/// Taylor series of order 26.
+pub const TAYLOR26: Scheme = series!(26, 9.0 / 8.0, 5.53);
+
+/// 1 / k.
+const INVERSE: [f64; MAX_ORDER + 1] = {
+    let mut inverse = [0.0; MAX_ORDER + 1];
+    let mut k = 1;
+    while k <= MAX_ORDER {
+        inverse[k] = 1.0 / k as f64;
+        k += 1;
+    }
+    inverse
+};
+
+/// Coefficients of a state, lowest order first, in memory that nobody has to clear.
+pub struct Coefficients<R, const D: usize> {
+    rows: [MaybeUninit<[R; D]>; MAX_ORDER + 1],
+    known: usize,
+}
+
+impl<R: Real, const D: usize> Coefficients<R, D> {
+    /// No coefficients yet.
+    #[inline(always)]
+    #[allow(clippy::new_without_default)] // A default would be taken for zero.
+    pub fn new() -> Self {
+        Coefficients { rows: [const { MaybeUninit::uninit() }; MAX_ORDER + 1], known: 0 }
+    }
+
+    #[inline(always)]
+    fn push(&mut self, row: [R; D]) {
+        self.rows[self.known].write(row);
+        self.known += 1;
+    }
+
+    /// The highest order known.
+    #[inline(always)]
+    pub fn highest(&self) -> usize {
+        self.known - 1
+    }
+
+    /// The coefficients of one order.
+    #[inline(always)]
+    pub fn order(&self, k: usize) -> &[R; D] {
+        assert!(k < self.known);
+        // Safety: `push` has written all rows below `known`.
+        unsafe { self.rows[k].assume_init_ref() }
+    }
+}
+
+/// Cauchy products of one order: of the rates with each other, with the directions and with the quaternion.
+#[derive(Clone, Copy)]
+struct Products<R> {
+    rates: [R; 3],
+    directions: [[R; 3]; 3],
+    quaternion: [R; 4],
+}
+
+impl<R: Real> Products<R> {
+    #[inline(always)]
+    fn none() -> Self {
+        let zero = R::splat(0.0);
+        Products { rates: [zero; 3], directions: [[zero; 3]; 3], quaternion: [zero; 4] }
+    }
+
+    /// Adds the products of the rates of one order with everything of another.
+    #[inline(always)]
+    fn add<M: Model<R>, L: Layout, const D: usize>(&mut self, a: &[R; D], b: &[R; D]) {
+        let [w1, w2, w3] = [a[0], a[1], a[2]];
+        if !M::REDUCED {
+            self.rates[0] = w2.fma(b[2], self.rates[0]);
+            self.rates[1] = w3.fma(b[0], self.rates[1]);
+            self.rates[2] = w1.fma(b[1], self.rates[2]);
+            self.add_spin::<L, D>(w3, b);
+        }
+        for v in 0..L::VECTORS {
+            add_turn_across(&direction(b, v), [w1, w2], &mut self.directions[v]);
+        }
+        if L::QUATERNION {
+            add_roll_across(&quaternion::<R, L, D>(b), [w1, w2], &mut self.quaternion);
+        }
+    }
+
+    /// The products with the rate about axis 3. In a reduced top this rate is constant: its series has one
+    /// term, and no sum over orders is needed.
+    #[inline(always)]
+    fn add_spin<L: Layout, const D: usize>(&mut self, w3: R, b: &[R; D]) {
+        for v in 0..L::VECTORS {
+            add_turn_along(&direction(b, v), w3, &mut self.directions[v]);
+        }
+        if L::QUATERNION {
+            add_roll_along(&quaternion::<R, L, D>(b), w3, &mut self.quaternion);
+        }
+    }
+}
+
+#[inline(always)]
+fn quaternion<R: Real, L: Layout, const D: usize>(y: &[R; D]) -> [R; 4] {
+    let at = L::QUATERNION_AT;
+    [y[at], y[at + 1], y[at + 2], y[at + 3]]
+}
+
+/// The engine.
+#[derive(Clone, Copy)]
+pub struct Taylor<const COMPENSATED: bool, R, M> {
+    model: M,
+    applied: Applied<R>,
+    step: R,
+    order: usize,
+}
+
+impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
+    /// All coefficients of the motion that starts at `y`. Two orders are summed side by side: what is loaded serves
+    /// both, and the newest rows come last, so that their sums may still be under way.
+    #[inline(always)]
+    fn coefficients<L: Layout, const D: usize>(&self, unit: R, y: &[R; D], c: &mut Coefficients<R, D>) {
+        c.known = 0;
+        c.push(*y);
+        let spin = y[2];
+        let mut torques = Torques::new();
+        for half in 0..self.order / 2 {
+            let k = 2 * half;
+            let (mut sums, mut after) = (Products::none(), Products::none());
+            for j in 1..k {
+                sums.add::<M, L, D>(c.order(j), c.order(k - j));
+                after.add::<M, L, D>(c.order(j + 1), c.order(k - j));
+            }
+            if k > 0 {
+                sums.add::<M, L, D>(c.order(0), c.order(k));
+                after.add::<M, L, D>(c.order(1), c.order(k));
+            }
+            sums.add::<M, L, D>(c.order(k), c.order(0));
+            let mut next = self.next::<L, D>(unit, sums, spin, c.order(k), k);
+            if L::BALANCE {
+                self.add_applied::<L, D>(unit, &mut torques, c, &mut next, k);
+            }
+            c.push(next);
+            after.add::<M, L, D>(c.order(0), c.order(k + 1));
+            after.add::<M, L, D>(c.order(k + 1), c.order(0));
+            let mut next = self.next::<L, D>(unit, after, spin, c.order(k + 1), k + 1);
+            if L::BALANCE {
+                self.add_applied::<L, D>(unit, &mut torques, c, &mut next, k + 1);
+            }
+            c.push(next);
+        }
+    }
+
+    /// The coefficients of order k + 1 from the products and the coefficients of order k.
+    #[inline(always)]
+    fn next<L: Layout, const D: usize>(
+        &self,
+        unit: R,
+        mut sums: Products<R>,
+        spin: R,
+        of_k: &[R; D],
+        k: usize,
+    ) -> [R; D] {
+        let factor = unit * R::splat(INVERSE[k + 1]);
+        let acceleration = self.model.euler(&sums.rates, of_k);
+        if M::REDUCED {
+            sums.add_spin::<L, D>(spin, of_k);
+        }
+        let mut next = *of_k;
+        for i in 0..3 {
+            next[i] = factor * acceleration[i];
+            for v in 0..L::VECTORS {
+                next[3 + 3 * v + i] = factor * sums.directions[v][i];
+            }
+        }
+        if L::QUATERNION {
+            let half = factor * R::splat(0.5);
+            for i in 0..4 {
+                next[L::QUATERNION_AT + i] = half * sums.quaternion[i];
+            }
+        }
+        next
+    }
+
+    /// The part of the applied torque in the coefficients of order k + 1, and the balance: the coefficient of the torque
+    /// of order k is linear in the states of orders k and k - 1, and the power is one more Cauchy product.
+    #[inline(always)]
+    fn add_applied<L: Layout, const D: usize>(
+        &self,
+        unit: R,
+        torques: &mut Torques<R>,
+        c: &Coefficients<R, D>,
+        next: &mut [R; D],
+        k: usize,
+    ) {
+        let factor = unit * R::splat(INVERSE[k + 1]);
+        let newest = if k == 0 {
+            self.applied.torque::<L, D>(c.order(0))
+        } else {
+            let mut before = *c.order(k - 1);
+            for d in 3..L::BALANCE_AT {
+                before[d] = before[d] * unit;
+            }
+            self.applied.torque_of_order::<L, D>(c.order(0), c.order(k), &before)
+        };
+        torques.rows[k].write(newest);
+        let change = self.applied.over_moments(&newest);
+        for i in 0..3 {
+            next[i] = factor.fma(change[i], next[i]);
+        }
+        let mut balance = [R::splat(0.0); 2];
+        for j in 0..=k {
+            // Safety: rows up to this order are written, one a call.
+            let torque = unsafe { torques.rows[j].assume_init_ref() };
+            let [power, impulse] = self.applied.balance::<L, D>(torque, c.order(k - j));
+            balance = [balance[0] + power, balance[1] + impulse];
+        }
+        next[L::BALANCE_AT] = factor * balance[0];
+        next[L::BALANCE_AT + 1] = factor * balance[1];
+        next[L::BALANCE_AT + 2] = if k == 0 { unit } else { R::splat(0.0) };
+    }
+}
+
+/// Coefficients of the applied torque, in memory that nobody has to clear.
+struct Torques<R> {
+    rows: [MaybeUninit<[R; 3]>; MAX_ORDER + 1],
+}
+
+impl<R: Real> Torques<R> {
+    #[inline(always)]
+    fn new() -> Self {
+        Torques { rows: [const { MaybeUninit::uninit() }; MAX_ORDER + 1] }
+    }
+}
+
+/// `a + b` and its rounding error (Knuth, TAOCP 2, §4.2.2).
+#[inline(always)]
+pub fn two_sum<R: Real>(a: R, b: R) -> (R, R) {
+    let sum = a + b;
+    let of_b = sum - a;
+    (sum, (a - (sum - of_b)) + (b - of_b))
+}
+
+impl<const COMPENSATED: bool, R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, L, D>
+    for Taylor<COMPENSATED, R, M>
+{
+    const VARIABLES: Variables = Variables::Rates;
+    // The attitude of a top is carried as rows of its matrix: the vertical, which the torque needs anyway, and another
+    // direction cost less than the vertical and a quaternion.
+    const MOVES: bool = !(M::HEAVY && L::QUATERNION);
+    const COMPENSATED: bool = COMPENSATED;
+    const IS_SERIES: bool = true;
+
+    #[inline(always)]
+    fn new(p: &Parameters<R>, forcing: &ForcingInterval<R>, numbers: &'static Numbers) -> Self {
+        // The bound lets the compiler see that no row lies outside the table.
+        let (model, applied) = (M::new(p), Applied::new(p, forcing));
+        Taylor { model, applied, step: p.step, order: numbers.order.min(MAX_ORDER) }
+    }
+
+    #[inline(always)]
+    fn step(
+        &self,
+        _p: &Parameters<R>,
+        y: &mut [R; D],
+        compensation: &mut [R; D],
+        c: &mut Coefficients<R, D>,
+    ) {
+        self.coefficients::<L, D>(self.step, y, c);
+        // Small terms first; the state, the largest, last.
+        let mut rise = *c.order(self.order);
+        for k in (1..self.order).rev() {
+            for d in 0..D {
+                rise[d] = rise[d] + c.order(k)[d];
+            }
+        }
+        for d in 0..D {
+            if COMPENSATED {
+                (y[d], compensation[d]) = two_sum(y[d], rise[d] + compensation[d]);
+            } else {
+                y[d] = y[d] + rise[d];
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn expand(&self, unit: R, y: &[R; D], c: &mut Coefficients<R, D>) {
+        self.coefficients::<L, D>(unit, y, c);
+    }
+
+    #[inline(always)]
+    fn velocity(&self, _p: &Parameters<R>, y: &[R; D]) -> [R; 3] {
+        acceleration::<R, M, L, D>(&self.model, &self.applied, y)
+    }
+}

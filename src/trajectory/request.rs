@@ -1,0 +1,81 @@
+//! The request of a trajectory: bodies, record and times.
+
+use crate::forcing::Forcing;
+use crate::scene::Scene;
+use crate::solver::Solver;
+use crate::start::Body;
+
+/// The variables that are integrated and recorded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Record {
+    /// Rates (for a top also the vertical).
+    Rates,
+    /// Rates and the vertical in body components.
+    Axis,
+    /// Rates and attitude.
+    Attitude,
+}
+
+/// The times of the requested states.
+pub enum Schedule<'a> {
+    /// At these times, ascending; the start is at time 0.
+    Times(&'a [f64]),
+    /// After these numbers of further steps of exactly the body's own step, the first perhaps 0.
+    Strides(&'a [u64]),
+}
+
+impl Schedule<'_> {
+    /// Number of states.
+    pub fn len(&self) -> usize {
+        match self {
+            Schedule::Times(times) => times.len(),
+            Schedule::Strides(strides) => strides.len(),
+        }
+    }
+
+    /// Whether no state is requested.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+/// The request.
+pub struct Request<'a> {
+    /// The bodies with their starts.
+    pub bodies: &'a [Body],
+    /// What moves them.
+    pub scene: &'static Scene,
+    /// Applied torque and damping.
+    pub forcing: &'a Forcing,
+    /// The solver of the bodies.
+    pub solver: Solver,
+    /// The recorded variables.
+    pub record: Record,
+    /// The times of the states.
+    pub schedule: Schedule<'a>,
+    /// Largest step of each body; with a tolerance its first.
+    pub steps: &'a [f64],
+    /// Tolerance of adaptive steps of a Taylor series: the largest last terms of a step, relative to the state.
+    pub tolerance: Option<f64>,
+    /// Largest number of steps of a body.
+    pub max_steps: u64,
+}
+
+/// The time range of a motion that starts at 0: the first and the last of ascending times and 0.
+pub fn time_range(times: &[f64]) -> [f64; 2] {
+    let end = |time: Option<&f64>| time.copied().unwrap_or(0.0);
+    [end(times.first()).min(0.0), end(times.last()).max(0.0)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_time_range_includes_the_start() {
+        assert_eq!(time_range(&[]), [0.0, 0.0]);
+        assert_eq!(time_range(&[1.0, 2.0]), [0.0, 2.0]);
+        assert_eq!(time_range(&[-2.0, -1.0]), [-2.0, 0.0]);
+        assert_eq!(time_range(&[-1.0, 3.0]), [-1.0, 3.0]);
+    }
+}

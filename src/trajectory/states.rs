@@ -1,0 +1,295 @@
+//! The states that a request returns, and the errors of their invariants.
+
+use super::request::{Record, Request};
+use crate::kernel::State;
+use crate::parallel::thread_nanoseconds;
+use crate::status::{DRIFT_LIMIT, Status};
+
+/// A column with rows of each wanted time, which may not be recorded.
+pub trait Series {
+    /// The column that `values` returns, if it is recorded.
+    fn new(recorded: bool, values: impl FnOnce() -> Vec<f64>) -> Self;
+    /// The values, if they are recorded.
+    fn values(&mut self) -> Option<&mut Vec<f64>>;
+}
+
+impl Series for Vec<f64> {
+    fn new(_: bool, values: impl FnOnce() -> Vec<f64>) -> Self {
+        values()
+    }
+    fn values(&mut self) -> Option<&mut Vec<f64>> {
+        Some(self)
+    }
+}
+
+impl Series for Option<Vec<f64>> {
+    fn new(recorded: bool, values: impl FnOnce() -> Vec<f64>) -> Self {
+        recorded.then(values)
+    }
+    fn values(&mut self) -> Option<&mut Vec<f64>> {
+        self.as_mut()
+    }
+}
+
+/// The values of a column.
+pub enum Column {
+    /// Numbers of each wanted time of each body, this many in a row; `None` if they are not recorded.
+    Series(usize, Option<Vec<f64>>),
+    /// A number of each body.
+    Numbers(Vec<f64>),
+    /// A whole number of each body.
+    Counts(Vec<u64>),
+    /// A status of each body.
+    Statuses(Vec<Status>),
+}
+
+impl From<Vec<f64>> for Column {
+    fn from(values: Vec<f64>) -> Column {
+        Column::Numbers(values)
+    }
+}
+
+impl From<Vec<u64>> for Column {
+    fn from(values: Vec<u64>) -> Column {
+        Column::Counts(values)
+    }
+}
+
+impl From<Vec<Status>> for Column {
+    fn from(values: Vec<Status>) -> Column {
+        Column::Statuses(values)
+    }
+}
+
+/// Writes `States` and all that follows from its columns: `times` have a name, a type, the numbers in a row and whether
+/// a request records them; `bodies` have a name, a type and the value of a body that was not moved.
+macro_rules! states {
+    (
+        times { $($(#[$time_doc:meta])* $time:ident: $series:ty, $width:literal, |$request:pat_param| $recorded:expr;)* }
+        bodies { $($(#[$body_doc:meta])* $body:ident: $type:ty, $unknown:expr;)* }
+    ) => {
+        /// States and the errors of their invariants, body first.
+        pub struct States {
+            $($(#[$time_doc])* pub $time: $series,)*
+            $($(#[$body_doc])* pub $body: Vec<$type>,)*
+            /// Processor time of all threads, ns.
+            pub nanoseconds: u64,
+            /// Steps of all active lanes, waiting ones included; of bodies that choose their steps.
+            pub lane_steps: u64,
+        }
+
+        impl States {
+            /// No bodies yet, with room for those of the request.
+            pub(super) fn with_capacity(request: &Request) -> States {
+                let (n, times) = (request.bodies.len(), request.schedule.len());
+                States {
+                    $($time: {
+                        let $request = request;
+                        Series::new($recorded, || Vec::with_capacity($width * n * times))
+                    },)*
+                    $($body: Vec::with_capacity(n),)*
+                    nanoseconds: 0,
+                    lane_steps: 0,
+                }
+            }
+
+            /// `n` bodies that have not moved.
+            pub(super) fn unknown(request: &Request, n: usize) -> States {
+                let times = request.schedule.len();
+                States {
+                    $($time: {
+                        let $request = request;
+                        Series::new($recorded, || vec![f64::NAN; $width * n * times])
+                    },)*
+                    $($body: vec![$unknown; n],)*
+                    nanoseconds: 0,
+                    lane_steps: 0,
+                }
+            }
+
+            /// Appends the bodies of `other`.
+            pub(super) fn append(&mut self, mut other: States) {
+                $(if let (Some(here), Some(there)) = (self.$time.values(), other.$time.values()) {
+                    here.append(there);
+                })*
+                $(self.$body.append(&mut other.$body);)*
+                self.nanoseconds += other.nanoseconds;
+                self.lane_steps += other.lane_steps;
+            }
+
+            /// Changes each recorded number of state number `at` of all.
+            fn change_each(&mut self, at: usize, mut change: impl FnMut(&mut f64)) {
+                $(if let Some(values) = self.$time.values() {
+                    values[$width * at..][..$width].iter_mut().for_each(&mut change);
+                })*
+            }
+
+            /// The columns by their names.
+            pub fn into_columns(mut self) -> Vec<(&'static str, Column)> {
+                vec![
+                    $((stringify!($time), Column::Series($width, self.$time.values().map(std::mem::take))),)*
+                    $((stringify!($body), self.$body.into()),)*
+                ]
+            }
+        }
+    };
+}
+
+states! {
+    times {
+        /// Rates, (n, times, 3).
+        omega: Vec<f64>, 3, |_| true;
+        /// The vertical seen from the body, (n, times, 3), if recorded.
+        vertical: Option<Vec<f64>>, 3, |request| match request.record {
+            Record::Rates => false,
+            Record::Axis => true,
+            Record::Attitude => request.scene.has_weight,
+        };
+        /// Attitude, (n, times, 4), if recorded.
+        attitude: Option<Vec<f64>>, 4, |request| request.record == Record::Attitude;
+        /// Work of torque and damping since the start, (n, times), of forced bodies.
+        work: Option<Vec<f64>>, 1, |request| !request.forcing.is_none();
+    }
+    bodies {
+        /// Largest energy error at a wanted time, relative. For a forced body: the error of the energy less the work,
+        /// relative to the energy at the start plus the energy at that time.
+        energy_drift: f64, f64::NAN;
+        /// Largest error of the conserved momentum at a wanted time, relative.
+        momentum_drift: f64, f64::NAN;
+        /// Largest deviation of |gamma| and |q| from one.
+        unit_drift: f64, f64::NAN;
+        /// How each body ended.
+        status: Status, Status::Finished;
+        /// Steps that each body took.
+        steps: u64, 0;
+    }
+}
+
+impl States {
+    /// The states that `work` returns, with the processor time that it took.
+    pub(super) fn timed(work: impl FnOnce() -> Option<States>) -> Option<States> {
+        let begin = thread_nanoseconds();
+        let mut states = work()?;
+        states.nanoseconds = thread_nanoseconds() - begin;
+        Some(states)
+    }
+
+    /// Writes the state of a body, number `at` of all, and updates its drifts, given start and inverse scale of energy
+    /// and conserved momentum. A sign that is not known is that nearer to the last attitude.
+    pub(super) fn record(
+        &mut self,
+        body: usize,
+        at: usize,
+        mut now: State,
+        (invariants, last): ([[f64; 2]; 2], &mut [f64; 4]),
+    ) {
+        self.omega[3 * at..][..3].copy_from_slice(&now.omega);
+        let mut units = 0.0_f64;
+        if let Some(direction) = &now.direction {
+            units = worse(units, (norm(direction) - 1.0).abs());
+            if let Some(vertical) = &mut self.vertical {
+                vertical[3 * at..][..3].copy_from_slice(direction);
+            }
+        }
+        let sign_is_free = now.sign_is_free;
+        if let (Some(now), Some(attitude)) = (&mut now.attitude, &mut self.attitude) {
+            if sign_is_free && (0..4).map(|k| now[k] * last[k]).sum::<f64>() < 0.0 {
+                *now = now.map(|x| -x);
+            }
+            *last = *now;
+            units = worse(units, (norm(now) - 1.0).abs());
+            attitude[4 * at..][..4].copy_from_slice(now);
+        }
+        if let (Some(balance), Some(work)) = (&now.balance, &mut self.work) {
+            work[at] = balance.work;
+        }
+        let scales = now.balance.map(|balance| balance.scales);
+        for now in [Some(now.invariants), now.invariants_of_attitude].into_iter().flatten() {
+            let [energy, momentum] = [0, 1].map(|i| {
+                let off = (now[i] - invariants[i][0]).abs();
+                match scales {
+                    // Of a body at rest that nothing has moved yet both are zero.
+                    Some(scales) if off == 0.0 && scales[i].is_finite() => 0.0,
+                    Some(scales) => off / (scales[i] + inverse_or_zero(invariants[i][1])),
+                    None => off * invariants[i][1],
+                }
+            });
+            self.energy_drift[body] = worse(self.energy_drift[body], energy);
+            self.momentum_drift[body] = worse(self.momentum_drift[body], momentum);
+        }
+        self.unit_drift[body] = worse(self.unit_drift[body], units);
+        let finite = now.omega.iter().chain(&now.invariants).all(|x| x.is_finite()) && units.is_finite();
+        if !finite {
+            self.status[body] = Status::NotFinite;
+            // The sign of a NaN is that of the instruction that made it.
+            let one_nan = |x: &mut f64| *x = if x.is_nan() { f64::NAN } else { *x };
+            self.change_each(at, one_nan);
+            for drift in [&mut self.energy_drift, &mut self.momentum_drift, &mut self.unit_drift] {
+                one_nan(&mut drift[body]);
+            }
+        } else if self.status[body] == Status::Finished {
+            let drifts = [self.energy_drift[body], self.momentum_drift[body], self.unit_drift[body]];
+            // A NaN is not below the limit.
+            if !drifts.iter().all(|&drift| drift <= DRIFT_LIMIT) {
+                self.status[body] = Status::Drifted;
+            }
+        }
+    }
+}
+
+/// The scale that this is the inverse of; zero if there is none.
+fn inverse_or_zero(inverse: f64) -> f64 {
+    if inverse > 0.0 && inverse.is_finite() { 1.0 / inverse } else { 0.0 }
+}
+
+/// The larger of two errors; a NaN is worse than any number.
+pub(super) fn worse(old: f64, new: f64) -> f64 {
+    if new <= old || old.is_nan() { old } else { new }
+}
+
+pub(super) fn norm<const N: usize>(v: &[f64; N]) -> f64 {
+    v.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::forcing::Forcing;
+    use crate::scene::{FREE, TOP};
+    use crate::solver::Solver;
+    use crate::trajectory::Schedule;
+
+    #[test]
+    fn what_is_recorded_follows_from_the_request() {
+        let request = |scene, record| Request {
+            bodies: &[],
+            scene,
+            forcing: Forcing::NONE,
+            solver: Solver::Exact,
+            record,
+            schedule: Schedule::Times(&[0.0, 1.0]),
+            steps: &[],
+            tolerance: None,
+            max_steps: 1,
+        };
+        for (scene, record, vertical, attitude) in [
+            (&FREE, Record::Rates, false, false),
+            (&TOP, Record::Axis, true, false),
+            (&FREE, Record::Attitude, false, true),
+            (&TOP, Record::Attitude, true, true),
+        ] {
+            let mut all = States::with_capacity(&request(scene, record));
+            all.append(States::unknown(&request(scene, record), 3));
+            assert_eq!((all.vertical.is_some(), all.attitude.is_some()), (vertical, attitude));
+            assert!(all.work.is_none());
+            assert_eq!((all.omega.len(), all.energy_drift.len(), all.status.len()), (18, 3, 3));
+        }
+    }
+
+    #[test]
+    fn a_nan_is_worse_than_any_error() {
+        assert_eq!(worse(1.0, 2.0), 2.0);
+        assert_eq!(worse(2.0, 1.0), 2.0);
+        assert!(worse(f64::NAN, 1.0).is_nan() && worse(1.0, f64::NAN).is_nan());
+    }
+}

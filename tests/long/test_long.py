@@ -1,0 +1,36 @@
+"""What takes minutes or needs a quiet machine: ``pytest -n 0 -s tests/long``.
+
+One file, so that the tests run one after the other, also with several workers.
+"""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from interrupts import LONG, seconds_until_interrupted, sigint
+from processes import environment, python_command
+
+SCRIPTS = (
+    "any_scene",
+    "closed_forms_against_rk4",
+    "error_estimates",
+    "principal_axes",
+    "result_hashes",
+)
+
+
+@pytest.mark.parametrize("name", SCRIPTS)
+def test_script_finds_nothing_wrong(name: str) -> None:
+    script = Path(__file__).with_name(f"{name}.py")
+    done = subprocess.run(python_command(str(script)), env=environment(), check=False)
+    assert done.returncode == 0
+
+
+@pytest.mark.parametrize("size", LONG)
+def test_ctrl_c_returns_within_two_seconds(size: str) -> None:
+    with sigint(signal.default_int_handler):
+        assert seconds_until_interrupted(size) < 2.0

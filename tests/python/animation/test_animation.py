@@ -1,0 +1,333 @@
+"""Animations show the states of a run and nothing else."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image, ImageSequence
+
+import rigid
+from processes import PATIENCE, python_process
+from rigid import top
+from rigid.animation.film import Film, Part, film_of
+from rigid.drawing.shapes import STEM
+
+BOX = rigid.FreeBody(rigid.Body.box(0.25, 0.08, 0.04, mass=0.3))
+OBLATE = rigid.FreeBody(rigid.Body((1.0, 1.0, 1.6)))
+PROLATE = rigid.FreeBody(rigid.Body((1.0, 1.0, 0.55)))
+ASYMMETRIC = rigid.FreeBody(rigid.Body((1.0, 2.0, 2.5)))
+TOP = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
+TILTED = [np.cos(np.pi / 6), np.sin(np.pi / 6), 0.0, 0.0]
+T = np.linspace(0.0, 2.0, 21)
+
+
+def run_of(scene: Any, omega: Any = (0.9, 0.1, 1.3), attitude: Any = None, **given: Any) -> Any:
+    return rigid.simulate(scene, omega, attitude, **({"t": T} | given))
+
+
+def data_in(page: str) -> dict[str, Any]:
+    found = re.search(r'<script type="application/json" id="film">(.*?)</script>', page)
+    assert found
+    data: dict[str, Any] = json.loads(found[1])
+    return data
+
+
+def part(film: Film, kind: str, *, label: str = "", carried: bool = False, which: int = 0) -> Part:
+    return [
+        one for one in film.parts if (one.kind, one.label, one.carried) == (kind, label, carried)
+    ][which]
+
+
+# The page
+
+
+@pytest.mark.parametrize(
+    ("scene", "view"),
+    [(BOX, "box"), (OBLATE, "cones"), (ASYMMETRIC, "poinsot"), (TOP, "top"), (BOX, "poinsot")],
+)
+def test_a_page_holds_the_states_of_the_run_to_the_bit(
+    scene: Any, view: str, tmp_path: Path
+) -> None:
+    run = run_of(scene)
+    path = run.animate(tmp_path / "motion.html", view=view, speed=2.0)
+    assert path == tmp_path / "motion.html"
+    data = data_in(path.read_text(encoding="utf-8"))
+    np.testing.assert_array_equal(data["attitude"], run.attitude)
+    np.testing.assert_array_equal(data["t"], run.t)
+    np.testing.assert_allclose(data["shown"], 0.05, rtol=1e-12)
+    assert data["view"] == view
+    film = film_of(run, view=view)
+    assert [one["kind"] for one in data["parts"]] == [one.kind for one in film.parts]
+    for drawn, meant in zip(data["parts"], film.parts, strict=True):
+        np.testing.assert_allclose(drawn["points"], meant.points, atol=5.1e-6)
+
+
+def test_a_page_needs_nothing_from_elsewhere(tmp_path: Path) -> None:
+    page = run_of(TOP).animate(tmp_path / "top.html").read_text(encoding="utf-8")
+    assert page.startswith("<!doctype html>")
+    for word in ("http", "src=", "href", "url(", "@import", "import(", "fetch", "{{"):
+        assert word not in page, word
+    assert page.count("</script>") == 2
+
+
+def test_a_page_is_written_without_matplotlib(tmp_path: Path) -> None:
+    code = (
+        "import sys; sys.modules['matplotlib'] = sys.modules['matplotlib.figure'] = None\n"
+        "import rigid\n"
+        "run = rigid.simulate(rigid.FreeBody(rigid.Body((1, 2, 2.5))), [1, 2, 3], t=[0, 1])\n"
+        f"run.animate({str(tmp_path / 'x.html')!r})\n"
+        "try:\n"
+        f"    run.animate({str(tmp_path / 'x.gif')!r})\n"
+        "except ImportError as error:\n"
+        "    print(error)\n"
+    )
+    said = python_process(code).stdout.strip()
+    assert said == "plotting needs matplotlib: pip install 'rigid[maps]'"
+
+
+PLAYER = """
+const fs = require("fs"), page = fs.readFileSync(process.argv[1], "utf8");
+const json = page.match(/id="film">(.*?)<\\/script>/s)[1];
+const code = page.match(/<script>(.*?)<\\/script>/s)[1];
+let corners = [], drawn = [], queue = [];
+const pen = new Proxy({}, {get: (_, name) => (...values) => {
+  if (name === "beginPath") corners = [];
+  if (name === "moveTo" || name === "lineTo") corners.push(values);
+  if (name === "fill") drawn.push(corners);
+}, set: () => true});
+const elements = {};
+globalThis.document = {getElementById: id => elements[id] ??= {
+  textContent: id === "film" ? json : "", clientWidth: 400, clientHeight: 400, value: 1,
+  getContext: () => pen, addEventListener() {}}};
+globalThis.window = {devicePixelRatio: 1};
+globalThis.requestAnimationFrame = next => queue.push(next);
+const found = new Function(code + "; return {turned, placed, film};")();
+for (const now of [0, 1050]) { drawn = []; queue.pop()(now); }
+const body = found.film.parts.find(part => part.carried && part.kind === "faces");
+console.log(JSON.stringify({
+  clock: elements.clock.textContent, frame: elements.slider.value, polygons: drawn.length,
+  outside: drawn.flat().filter(([x, y]) => x < 0 || x > 400 || y < 0 || y > 400).length,
+  placed: found.placed(body, 7)}));
+"""
+
+
+@pytest.mark.skipif(shutil.which("node") is None, reason="a browser's engine is needed")
+def test_the_player_shows_the_frame_that_is_due_turned_as_the_body_is(tmp_path: Path) -> None:
+    run = run_of(BOX)
+    page = run.animate(tmp_path / "box.html")
+    done = subprocess.run(
+        ["node", "-e", PLAYER, str(page)],
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=PATIENCE,
+    )
+    seen = json.loads(done.stdout)
+    assert (seen["clock"], seen["frame"]) == ("t = 1.0 s", 10)  # 1.05 s have passed
+    assert seen["polygons"] >= 6
+    assert seen["outside"] == 0
+    film = film_of(run)
+    meant = film.parts[0].placed(film.attitude[7], 7)
+    np.testing.assert_allclose(seen["placed"], meant, atol=2e-5)
+
+
+# The picture
+
+
+def test_a_gif_has_the_frames_and_the_durations_of_the_run(tmp_path: Path) -> None:
+    t = np.array([0.0, 0.5, 0.625, 0.75, 1.75])
+    path = run_of(BOX, t=t).animate(tmp_path / "box.gif", speed=2.5)
+    with Image.open(path) as image:
+        assert image.format == "GIF"
+        assert image.size == (480, 480)
+        assert image.info["loop"] == 0
+        shown = [frame.info["duration"] for frame in ImageSequence.Iterator(image)]
+    assert shown == [200, 50, 50, 400, 400]
+
+
+def test_rounding_of_durations_does_not_add_up(tmp_path: Path) -> None:
+    # 0.025 s, which a GIF cannot say, are 0.02 s and 0.03 s in turn.
+    path = run_of(PROLATE, t=np.arange(9) * 0.025).animate(tmp_path / "cones.gif")
+    with Image.open(path) as image:
+        shown = [frame.info["duration"] for frame in ImageSequence.Iterator(image)]
+    assert set(shown) == {20, 30}
+    assert sum(shown) == 220  # 0.225 s to the even hundredth
+
+
+def test_the_frames_of_a_gif_show_the_motion(tmp_path: Path) -> None:
+    # A body at a fixed rate about L returns after a turn: the first and the last frame agree but
+    # for the clock, and those between do not.
+    turn = 2.0 * np.pi
+    path = run_of(BOX, (0.0, 0.0, 1.0), t=np.linspace(0.0, turn, 5)).animate(tmp_path / "box.gif")
+    frames = []
+    with Image.open(path) as image:
+        for k in range(5):
+            image.seek(k)
+            frames.append(np.asarray(image.convert("RGB"), dtype=int)[30:440])
+    assert np.abs(frames[4] - frames[0]).max() < 60  # another palette, no other place
+    assert (np.abs(frames[1] - frames[0]).max(axis=-1) > 100).mean() > 0.02
+    assert (frames[0] < 250).any(axis=-1).mean() > 0.05
+
+
+# What is shown
+
+
+def test_the_ellipsoid_touches_the_plane_in_omega_and_does_not_slip() -> None:
+    run = run_of(ASYMMETRIC, t=np.linspace(0.0, 8.0, 801))
+    film = film_of(run, view="poinsot")
+    contact = part(film, "dot").points
+    ellipsoid, plane = part(film, "faces", carried=True), part(film, "faces")
+    # Moments from the picture alone: the semi axes are as 1 / sqrt(I).
+    semi = np.abs(ellipsoid.points).max(axis=(0, 1))
+    np.testing.assert_allclose(semi * np.sqrt(ASYMMETRIC.body.moments), 1.0, rtol=1e-12)
+    heights = plane.points @ film.up
+    np.testing.assert_allclose(heights, heights[0, 0], rtol=1e-13)
+    np.testing.assert_allclose(contact @ film.up, heights[0, 0], rtol=1e-12)
+    turned = run.rotation()
+    own = turned.inv().apply(contact)
+    np.testing.assert_allclose(((own / semi) ** 2).sum(axis=1), 1.0, rtol=1e-12)
+    np.testing.assert_allclose(own, part(film, "line", carried=True).points, atol=1e-13)
+    # The particle in contact is at rest: omega × contact = 0, because both are along omega.
+    space = turned.apply(run.omega)
+    np.testing.assert_allclose(np.cross(space, contact), 0.0, atol=1e-13)
+    np.testing.assert_array_equal(part(film, "trail").points, contact)
+
+
+@pytest.mark.parametrize("scene", [OBLATE, PROLATE])
+@pytest.mark.parametrize("omega", [(0.9, 0.0, 1.3), (0.5, 0.2, -1.3)])
+def test_cones_touch_along_omega(scene: Any, omega: Any) -> None:
+    film = film_of(run_of(scene, omega))
+    assert film.view == "cones"
+    rates, body = part(film, "arrow", label="ω").points, part(film, "faces", carried=True)
+    space = part(film, "faces")
+    axis = part(film, "arrow", label="axis", carried=True)
+    for k in range(len(T)):
+        unit = rates[k] / np.linalg.norm(rates[k])
+        for one, along in (
+            (space.points, film.up),
+            (body.placed(film.attitude[k], k), axis.placed(film.attitude[k], k)[0]),
+        ):
+            along = along / np.linalg.norm(along)
+            rim = one.reshape(-1, 3)
+            rim = rim[np.linalg.norm(rim, axis=1) > 0.99]
+            np.testing.assert_allclose(rim @ along, unit @ along, atol=1e-9)
+
+
+def test_the_stem_of_a_top_draws_its_locus() -> None:
+    run = run_of(TOP, (0.0, 0.0, 5.0), TILTED, t=np.linspace(0.0, 10.0, 101))
+    film = film_of(run)
+    assert film.view == "top"
+    path = top.locus(TOP, [0.0, 0.0, 5.0], TILTED, t=run.t)
+    np.testing.assert_allclose(part(film, "trail").points, STEM * path.point, atol=1e-12)
+    body = part(film, "faces", carried=True)
+    tips = body.placed(film.attitude[50], 50)[-1, -2:]
+    np.testing.assert_allclose(tips, STEM * path.point[[50, 50]], atol=1e-12)
+    np.testing.assert_array_equal(film.up, [0.0, 0.0, 1.0])
+    assert len(part(film, "trail").placed(film.attitude[50], 50)) == 51
+
+
+def test_a_flat_top_looks_flat_across_the_axis_of_the_larger_moment() -> None:
+    # ∫ x1² dm = 0.5, ∫ x2² dm = 0.02: the extents are as their roots.
+    scene = rigid.HeavyTop(rigid.Body((0.62, 1.1, 0.52)), mgl=1.0)
+    corners = part(film_of(run_of(scene)), "faces", carried=True).points.reshape(-1, 3)
+    width = np.abs(corners).max(axis=0)
+    assert width[1] / width[0] == pytest.approx(0.2, rel=1e-9)
+
+
+def test_boxes_have_the_sides_of_the_body_or_those_of_its_moments() -> None:
+    named = part(film_of(run_of(BOX)), "faces", carried=True).points
+    np.testing.assert_allclose(np.abs(named).max(axis=(0, 1)) * 0.25, [0.25, 0.08, 0.04])
+    nameless = rigid.FreeBody(rigid.Body(BOX.body.moments))
+    made = part(film_of(run_of(nameless), view="box"), "faces", carried=True).points
+    np.testing.assert_allclose(made, named, rtol=1e-12)
+
+
+@pytest.mark.parametrize("scene", [BOX, OBLATE, PROLATE, ASYMMETRIC, TOP])
+def test_nothing_leaves_the_picture(scene: Any) -> None:
+    film = film_of(run_of(scene, t=np.linspace(0.0, 30.0, 301)))
+    for k in range(0, 301, 7):
+        for one in film.parts:
+            far = np.linalg.norm(one.placed(film.attitude[k], k) - film.centre, axis=-1)
+            assert far.max() < 1.05 * film.reach
+
+
+def test_under_a_torque_the_angular_momentum_moves_along() -> None:
+    driven = rigid.FreeBody(OBLATE.body, torque=rigid.Torque.space((0.0, 0.3, 0.0)), damping=0.05)
+    run = run_of(driven, (0.0, 0.0, 0.0), method="dop853", step=0.01)
+    film = film_of(run)
+    assert film.view == "box"
+    np.testing.assert_array_equal(film.up, [0.0, 0.0, 1.0])
+    arrow = part(film, "arrow", label="L").points
+    assert arrow.shape == (len(T), 3)
+    momentum = run.rotation().apply(np.array(OBLATE.body.moments) * run.omega)
+    longest = np.linalg.norm(momentum, axis=1).max()
+    np.testing.assert_allclose(arrow / np.linalg.norm(arrow, axis=1).max(), momentum / longest)
+    for view in ("cones", "poinsot"):
+        with pytest.raises(ValueError, match=f"view = '{view}': needs a scene without torque"):
+            film_of(run, view=view)
+
+
+def test_one_body_of_many() -> None:
+    many = run_of(BOX, [[1.0, 0.1, 0.2], [0.1, 1.0, 0.2]])
+    np.testing.assert_array_equal(film_of(many, body=1).attitude, many.attitude[1])
+    np.testing.assert_array_equal(film_of(many, body=-1).attitude, many.attitude[1])
+    one = run_of(BOX, [[1.0, 0.1, 0.2]])
+    np.testing.assert_array_equal(film_of(one).attitude, one.attitude[0])
+
+
+# Refusals
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"path": "x.mp4"}, r"path = 'x.mp4': must end in .html or .gif"),
+        ({"view": "top"}, r"view = 'top': must be one of 'box', 'cones', 'poinsot'"),
+        ({"view": "Poinsot"}, r"did you mean 'poinsot'"),
+        ({"speed": 0.0}, r"speed = 0.0: must be positive"),
+        ({"speed": np.nan}, r"speed = nan: must be finite"),
+        ({"body": 0}, r"body = 0: the run has a single body"),
+        ({"view": "cones"}, r"moments"),
+        ({"path": "x.gif", "speed": 10.0}, r"frame 0 of a GIF would be shown for 0.01 s: must be"),
+        ({"path": "x.gif", "speed": 1e-4}, r"frame 0 of a GIF would be shown for 1000 s: must be"),
+    ],
+)
+def test_what_cannot_be_shown_is_refused(given: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        run_of(ASYMMETRIC).animate(**({"path": "x.html"} | given))
+
+
+@pytest.mark.parametrize(
+    ("run", "message"),
+    [
+        (
+            {"scene": ASYMMETRIC, "record": "rates"},
+            r"record = 'rates': record = 'attitude' is needed",
+        ),
+        ({"scene": ASYMMETRIC, "t": [1.0]}, r"t of shape \(1,\): an animation needs two times"),
+        ({"scene": ASYMMETRIC, "omega": [0, 0, 0]}, r"omega = \[0, 0, 0\]: a free body at rest"),
+        ({"scene": TOP, "omega": [[1, 0, 0], [1, 2, 3]]}, r"body = None: the run has 2 bodies"),
+        (
+            {"scene": TOP, "method": "rk4", "step": 1e-9, "max_steps": 5},
+            r"states that are not finite",
+        ),
+    ],
+)
+def test_runs_that_cannot_be_shown_are_refused(run: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        run_of(**run).animate("x.html")
+
+
+def test_an_index_is_a_whole_number_of_a_body_there_is() -> None:
+    run = run_of(TOP, [[1, 0, 0], [1, 2, 3]])
+    with pytest.raises(ValueError, match="body = 2: the run has 2 bodies"):
+        run.animate("x.html", body=2)
+    with pytest.raises(TypeError, match=r"body = 0\.5: must be a whole number"):
+        run.animate("x.html", body=0.5)

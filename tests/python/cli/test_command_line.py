@@ -1,0 +1,334 @@
+"""The command ``rigid``: maps written, facts printed, mistakes told in one line."""
+
+from __future__ import annotations
+
+import subprocess
+from importlib import metadata
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import rigid
+from processes import python_process, run_python
+from rigid.cli import main
+from small_maps import assert_same_map
+
+SPEC = """
+title = "A small map"
+[scene]
+kind = "free-body"
+moments = [1.0, 1.5, 2.0]
+[x]
+name = "I1"
+values = [0.4, 0.9, 1.1, 1.3]
+[y]
+name = "noise"
+from = 1e-3
+to = 0.1
+count = 3
+scale = "log"
+[start]
+spin = 1.0
+axis = 2
+noise = { kind = "normal" }
+[stable]
+criterion = "no_flip"
+[run]
+t_end = 20.0
+samples = 10
+seed = 5
+"""
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A directory with the specification above, where the command is run."""
+    (tmp_path / "small.toml").write_text(SPEC)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def made(folder: Path) -> set[str]:
+    """The files that were written."""
+    return {path.name for path in folder.iterdir()} - {"small.toml"}
+
+
+def fails(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> str:
+    """The one line on stderr of a command that is refused with exit code 2."""
+    try:
+        code: object = main(arguments)
+    except SystemExit as stop:
+        code = stop.code
+    output, errors = capsys.readouterr()
+    assert code == 2
+    assert output == ""
+    assert errors.endswith("\n")
+    assert errors.count("\n") == 1, errors
+    assert errors.startswith("rigid")
+    return str(errors[:-1])
+
+
+def test_the_entry_point_is_the_command() -> None:
+    (entry,) = metadata.entry_points(group="console_scripts", name="rigid")
+    assert entry.load() is main
+
+
+def test_a_map_writes_picture_and_data_and_prints_what_was_computed(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["map", "small.toml"]) == 0
+    assert made(folder) == {"small.npz", "small.png"}
+    assert (folder / "small.png").read_bytes().startswith(b"\x89PNG\r\n")
+    output, errors = capsys.readouterr()
+    assert errors == ""
+    facts = dict(line.split(maxsplit=1) for line in output.splitlines() if " " in line)
+    assert facts["map"] == "A small map"
+    assert facts["scene"] == "free body, moments (varied, 1.5, 2)"
+    assert facts["start"] == "spin 1 rad/s about axis 2, rates + normal(varied)"
+    assert facts["x"] == "I1 from 0.4 to 1.3 kg m² (4 values)"
+    assert facts["y"] == "noise from 0.001 to 0.1 rad/s (3 values, geometric)"
+    assert facts["stable"] == "no flip about axis 2 until t = 20 s"
+    assert facts["plan"] == "exact, closed form: free asymmetric; every body has a closed form"
+    assert facts["method"] == "auto: closed form"
+    assert facts["samples"] == "10 per pixel; seed 5"
+    assert facts["bodies"] == "90; 3 impossible pixels"
+    result = rigid.load_map("small.npz")
+    for name in ("stable", "unstable", "undecided", "failed"):
+        count = int(getattr(result, name).sum())
+        assert f"{count} {name} ({count / 90:.2%})" in facts["classes"]
+    assert facts["worst"] == "drift none: closed form"
+    theory = result.theory()
+    assert theory is not None
+    compared = int((~np.isnan(theory.share) & ~np.isnan(result.share)).sum())
+    assert compared >= 5
+    assert f": {result.disagreement().sum()} of {compared} pixels" in facts["theory"]
+    assert "bodies per second" in facts["speed"]
+    assert " s on " in facts["speed"]
+    assert facts["data"] == "small.npz"
+    assert facts["picture"] == "small.png"
+
+
+def test_a_scheme_is_told_with_its_steps_and_drifts(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "steps.toml").write_text(SPEC.replace("samples", 'method = "rk4"\nsamples'))
+    assert main(["map", "steps.toml"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    facts = dict(line.split(maxsplit=1) for line in lines if " " in line)
+    assert facts["plan"].startswith("rk4, step ")
+    assert facts["plan"].endswith(" steps; method = 'rk4' was asked for")
+    assert facts["method"] == "rk4, step chosen for each body"
+    assert facts["samples"] == "10 per pixel, all cross-checked by taylor16; seed 5"
+    result = rigid.load_map("steps.npz")
+    assert f"energy {np.nanmax(result.energy_drift):.1e}" in facts["worst"]
+    assert f"momentum {np.nanmax(result.momentum_drift):.1e}" in facts["worst"]
+
+
+def test_the_map_is_that_of_python(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["map", "small.toml", "--threads", "1", "--no-progress"]) == 0
+    assert "on 1 thread\n" in capsys.readouterr().out
+    result = rigid.stability_map(
+        rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0))),
+        axes={"I1": [0.4, 0.9, 1.1, 1.3], "noise": [1e-3, 1e-2, 0.1]},
+        start=rigid.Start(spin=1.0, axis=2, noise=rigid.normal(0.0)),
+        stable=rigid.no_flip(),
+        samples=10,
+        t_end=20.0,
+        rng=5,
+        title="A small map",
+        progress=False,
+    )
+    loaded = rigid.load_map("small.npz")
+    assert loaded.spec == result.spec
+    assert_same_map(loaded, result)
+
+
+def test_options_replace_what_the_file_says(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "there").mkdir()
+    arguments = ["--samples", "3", "--threads", "2", "--seed", str(2**100), "--out", "there/b"]
+    assert main(["map", "small.toml", *arguments]) == 0
+    assert made(folder) == {"there"}
+    assert {path.name for path in (folder / "there").iterdir()} == {"b.npz", "b.png"}
+    result = rigid.load_map("there/b.npz")
+    assert result.spec.samples == 3
+    assert result.spec.seed == 2**100
+    assert "on 2 threads" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("out", "stem"), [("b.png", "b"), ("b.npz", "b"), ("v1.2", "v1.2"), ("b.toml", "b.toml")]
+)
+def test_the_suffix_of_the_output_is_ours(out: str, stem: str, folder: Path) -> None:
+    assert main(["map", "small.toml", "--samples", "1", "--out", out]) == 0
+    assert made(folder) == {f"{stem}.npz", f"{stem}.png"}
+
+
+def test_built_in_maps_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["maps"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split()[0] for line in lines] == [
+        "falling-top",
+        "inertia-triangle",
+        "sleeping-top",
+        "thrown-box",
+    ]
+    assert lines[3].endswith("A thrown box, spinning about its middle axis (b x noise)")
+
+
+def test_info_describes_the_build(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["info"]) == 0
+    facts = dict(line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines())
+    info = rigid.build_info()
+    assert set(facts) == set(info)
+    assert facts["version"] == rigid.__version__
+    assert facts["isa"] == info["isa"]
+    assert facts["isa_available"] == ", ".join(info["isa_available"])
+    assert facts["threads"] == str(info["threads"])
+
+
+def test_help_is_on_stdout(capsys: pytest.CaptureFixture[str]) -> None:
+    for arguments in (["--help"], ["map", "--help"]):
+        with pytest.raises(SystemExit) as stop:
+            main(arguments)
+        assert stop.value.code == 0
+        assert "usage: rigid" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "parts"),
+    [
+        ([], ["the following arguments are required: COMMAND"]),
+        (["mapp"], ["COMMAND", "'mapp'", "'map', 'maps', 'report', 'reports', 'extremes', 'info'"]),
+        (["map"], ["rigid map: the following arguments are required: NAME|FILE.toml"]),
+        (["map", "small.toml", "--sampels", "3"], ["--sampels"]),
+        (["map", "small.toml", "--samples", "0"], ["samples = 0: must be at least 1"]),
+        (["map", "small.toml", "--samples", "-4"], ["samples = -4: must be at least 1"]),
+        (["map", "small.toml", "--samples", "1.5"], ["--samples", "invalid int value: '1.5'"]),
+        (
+            ["map", "small.toml", "--samples", "9" * 19],
+            ["samples = 9999999999999999999: must be below 2**63"],
+        ),
+        (["map", "small.toml", "--threads", "0"], ["threads = 0: must be at least 1"]),
+        (["map", "small.toml", "--threads", "two"], ["--threads", "invalid int value: 'two'"]),
+        (["map", "small.toml", "--seed", "-1"], ["-1: must lie in 0 .. 2**128 - 1"]),
+        (["map", "small.toml", "--seed", str(2**128)], [f"{2**128}: must lie in 0 .. 2**128 - 1"]),
+        (["map", "small.toml", "--seed", "x"], ["--seed", "invalid int value: 'x'"]),
+        (["map", "small.toml", "--out", "no/where/b"], ["--out: there is no directory 'no/where'"]),
+        (["map", "small.toml", "--out", "."], ["--out", "'.'"]),
+        (["map", "small.toml", "--out", "/"], ["--out", "'/'"]),
+        (["map", "thrown-bix"], ["'thrown-bix'", "did you mean 'thrown-box'?"]),
+        (
+            ["map", "nonsense"],
+            ["'nonsense'", "falling-top, inertia-triangle, sleeping-top, thrown-box"],
+        ),
+        (["map", "smal.toml"], ["smal.toml: cannot be read: No such file or directory"]),
+        (["map", "./here"], ["./here: cannot be read: No such file or directory"]),
+        (["map", "."], [".: cannot be read: Is a directory"]),
+    ],
+)
+def test_mistakes_are_one_line_before_any_work(
+    arguments: list[str], parts: list[str], folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    message = fails(arguments, capsys)
+    for part in parts:
+        assert part in message
+    assert made(folder) == set()
+
+
+@pytest.mark.parametrize(
+    ("line", "instead", "parts"),
+    [
+        ("spin = 1.0", "spinn = 1.0", ["[start] unknown key 'spinn'; did you mean 'spin'?"]),
+        ("spin = 1.0", 'spin = "fast"', ["[start] spin = 'fast': must be a"]),
+        ("t_end = 20.0", "t_end = -1.0", ["[run] t_end = -1.0: must be positive"]),
+        ("[start]", "[start", ["is not valid TOML", "line"]),
+        ('name = "noise"', 'name = "nose"', ["[y] name = 'nose'", "did you mean 'noise'?"]),
+    ],
+)
+def test_mistakes_in_a_file_tell_the_place(
+    line: str, instead: str, parts: list[str], folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert line in SPEC
+    (folder / "small.toml").write_text(SPEC.replace(line, instead, 1))
+    message = fails(["map", "small.toml"], capsys)
+    for part in ["small.toml: ", *parts]:
+        assert part in message
+    assert made(folder) == set()
+
+
+def test_a_file_that_is_no_text_is_refused(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "small.toml").write_bytes(b"\xff\xfe\x00")
+    assert "small.toml: is not UTF-8 text" in fails(["map", "small.toml"], capsys)
+
+
+def test_an_output_that_cannot_be_written_is_one_line(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "b.npz").mkdir()
+    assert main(["map", "small.toml", "--samples", "1", "--out", "b"]) == 2
+    errors = capsys.readouterr().err
+    assert errors.count("\n") == 1
+    assert "b.npz" in errors
+
+
+def test_a_wrong_variable_is_one_line(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("RIGID_NUM_THREADS", "many")
+    expected = "RIGID_NUM_THREADS = 'many': must be a whole number of at least 1"
+    assert expected in fails(["map", "small.toml"], capsys)
+    assert expected in fails(["info"], capsys)
+
+
+def test_threads_come_from_the_variable(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("RIGID_NUM_THREADS", "3")
+    assert main(["map", "small.toml"]) == 0
+    assert "on 3 threads" in capsys.readouterr().out
+    assert main(["map", "small.toml", "--threads", "1"]) == 0
+    assert "on 1 thread\n" in capsys.readouterr().out
+
+
+def command(*arguments: str, code: str = "", **variables: str) -> subprocess.CompletedProcess[str]:
+    """The command in a process of its own."""
+    start = code + "import sys; from rigid.cli import main; sys.exit(main())"
+    return python_process(start, *arguments, check=False, **variables)
+
+
+def test_an_instruction_set_that_is_not_there_is_one_line() -> None:
+    done = command("info", RIGID_ISA="sse9")
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert done.stderr.startswith("rigid: RIGID_ISA = 'sse9' is not available here; available: ")
+    assert done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize("option", [[], ["--no-progress"]])
+def test_nothing_but_the_facts_is_printed_into_pipes(option: list[str]) -> None:
+    done = command("map", "small.toml", *option)
+    assert done.returncode == 0
+    assert done.stderr == ""
+    assert done.stdout.startswith("plan ")
+
+
+def test_without_matplotlib_the_data_is_written_and_the_rest_told(folder: Path) -> None:
+    done = command(
+        "map",
+        "small.toml",
+        code="import sys; sys.modules['matplotlib'] = sys.modules['matplotlib.figure'] = None\n",
+    )
+    assert done.returncode == 0, done.stderr
+    assert "none: plotting needs matplotlib: pip install 'rigid[maps]'" in done.stdout
+    assert made(folder) == {"small.npz"}
+
+
+def test_the_module_is_the_command_too(folder: Path) -> None:
+    done = run_python("-m", "rigid.cli", "map", "nothing", check=False)
+    assert done.returncode == 2
+    assert done.stderr.startswith("rigid: no built-in map is called 'nothing'")

@@ -1,0 +1,384 @@
+"""Specifications in TOML: what they mean, and one line with the place for every mistake."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rigid
+from rigid.cli.toml_map import builtin_names, parse_spec, read_spec
+from rigid.cli.toml_table import SpecError
+from rigid.drawing.figure import new_figure
+from rigid.maps.compute import run_map
+
+BOX = """
+title = "A box"
+[scene]
+kind = "free-body"
+box = [0.25, 0.08, 0.01]
+mass = 0.3
+[x]
+name = "b"
+from = 0.012
+to = 0.248
+count = 4
+[y]
+name = "noise"
+from = 1e-4
+to = 1.0
+count = 5
+scale = "log"
+[start]
+spin = 10.0
+axis = 2
+noise = { kind = "normal" }
+[stable]
+criterion = "no_flip"
+axis = 2
+[run]
+t_end = 1.0
+samples = 64
+seed = 2026
+"""
+
+TOP = """
+[scene]
+kind = "heavy-top"
+moments = [1, 1.1, 0.5]
+mgl = 2
+com = [0.6, 0.0, 0.8]
+[x]
+name = "tilt"
+values = [0.3, 0.2, 0.1]
+[start]
+omega = [0.1, 0.2, 5]
+noise = { kind = "uniform", size = [0.1, 0.2, 0.3] }
+attitude_noise = { kind = "uniform_attitude" }
+[stable]
+criterion = "tilt_below"
+angle = 0.5
+axis = -3
+reference = "start"
+[run]
+t_end = 40
+samples = 10
+method = "splitting"
+step = 0.01
+check = 0.25
+max_steps = 5000
+"""
+
+
+def test_a_specification_of_a_box_means_what_it_says() -> None:
+    spec = parse_spec(BOX, "box.toml")
+    assert spec == rigid.MapSpec(
+        scene=rigid.FreeBody(rigid.Body.box(0.25, 0.08, 0.01, mass=0.3)),
+        start=rigid.Start(spin=10.0, axis=2, noise=rigid.normal(0.0)),
+        axes=spec.axes,
+        stable=rigid.no_flip(2),
+        t_end=1.0,
+        samples=64,
+        seed=2026,
+        title="A box",
+    )
+    assert [axis.name for axis in spec.axes] == ["b", "noise"]
+    assert spec.shape == (5, 4)
+    assert (spec.method, spec.step, spec.check) == ("auto", None, 1.0)
+
+
+def test_a_specification_of_a_top_means_what_it_says() -> None:
+    spec = parse_spec(TOP, "top.toml")
+    assert spec.scene == rigid.HeavyTop(rigid.Body((1.0, 1.1, 0.5)), mgl=2.0, com=(0.6, 0.0, 0.8))
+    assert spec.start == rigid.Start(
+        omega=(0.1, 0.2, 5.0),
+        noise=rigid.uniform([0.1, 0.2, 0.3]),
+        attitude_noise=rigid.uniform_attitude(),
+    )
+    assert spec.axes[0].values == (0.3, 0.2, 0.1)
+    assert spec.stable == rigid.tilt_below(0.5, axis=-3, reference="start")
+    assert (spec.t_end, spec.samples, spec.method, spec.step) == (40.0, 10, "splitting", 0.01)
+    assert (spec.check, spec.max_steps, spec.title) == (0.25, 5000, None)
+    assert spec.seed != parse_spec(TOP, "top.toml").seed  # fresh entropy, kept
+
+
+def test_what_a_specification_may_leave_out() -> None:
+    text = TOP.replace("com = [0.6, 0.0, 0.8]\n", "").replace("axis = -3\n", "")
+    text = text.replace('reference = "start"\n', "")
+    spec = parse_spec(text, "top.toml")
+    assert isinstance(spec.scene, rigid.HeavyTop)
+    assert spec.scene.com == (0.0, 0.0, 1.0)
+    assert spec.stable == rigid.tilt_below(0.5, axis=3, reference="vertical")
+    spec = parse_spec(BOX.replace("mass = 0.3\n", "").replace("axis = 2\n[run]", "[run]"), "b.toml")
+    assert spec.scene.body.mass == 1.0
+    assert spec.stable == rigid.no_flip(2)
+
+
+def test_a_spin_on_an_axis_need_not_be_said_again() -> None:
+    text = BOX.replace('name = "b"', 'name = "spin"').replace("spin = 10.0\n", "")
+    assert parse_spec(text, "box.toml").start.spin == 0.0
+
+
+def test_evenly_spaced_values_are_correctly_rounded() -> None:
+    # So that they are the same on every machine; NumPy's are good to a few ulp.
+    spec = parse_spec(BOX.replace("count = 4", "count = 160"), "box.toml")
+    linear, logarithmic = (np.array(axis.values) for axis in spec.axes)
+    np.testing.assert_allclose(linear, np.linspace(0.012, 0.248, 160), rtol=1e-15)
+    np.testing.assert_allclose(logarithmic, np.geomspace(1e-4, 1.0, 5), rtol=1e-15)
+    assert logarithmic.tolist() == [1e-4, 1e-3, 1e-2, 1e-1, 1.0]
+    assert (linear[0], linear[-1]) == (0.012, 0.248)
+    assert spec.axes[1].geometric
+    assert not spec.axes[0].geometric
+
+
+def test_large_seeds_can_be_said() -> None:
+    text = BOX.replace("seed = 2026", f"seed = {2**128 - 1}")
+    assert parse_spec(text, "box.toml").seed == 2**128 - 1
+
+
+def test_files_are_named_after_themselves(tmp_path: Path) -> None:
+    path = tmp_path / "my.box.toml"
+    path.write_text(BOX, encoding="utf-8")
+    named = read_spec(str(path))
+    assert named.name == "my.box"
+    assert named.spec == parse_spec(BOX, "any")
+
+
+def complaint(text: str, file: str = "box.toml") -> str:
+    """What is wrong with a text, in one line that begins with the file."""
+    with pytest.raises(SpecError) as caught:
+        parse_spec(text, file)
+    message = str(caught.value)
+    assert message.startswith(f"{file}: ")
+    assert "\n" not in message
+    return message[len(file) + 2 :]
+
+
+@pytest.mark.parametrize(
+    ("line", "instead", "message"),
+    [
+        # the text
+        ("[run]", "[run", "is not valid TOML: "),
+        ("t_end = 1.0", "t_end = 1.0\nt_end = 2.0", "is not valid TOML: "),
+        # unknown and missing names
+        ("[start]", "[strat]", "unknown key 'strat'; did you mean 'start'? (known: title, scene,"),
+        ("title =", "titel =", "unknown key 'titel'; did you mean 'title'?"),
+        ("kind = \"free", "kid = \"free", "[scene] needs the key 'kind'"),
+        ("spin =", "spinn =", "[start] unknown key 'spinn'; did you mean 'spin'? (known: omega,"),
+        ("seed =", "sed =", "[run] unknown key 'sed'; did you mean 'seed'?"),
+        ("mass =", "mas =", "[scene] unknown key 'mas'; did you mean 'mass'?"),
+        ("mass = 0.3", "mass = 0.3\nmgl = 1.0", "[scene] unknown key 'mgl'"),
+        ("scale =", "scala =", "[y] unknown key 'scala'; did you mean 'scale'?"),
+        ("axis = 2\n[run]", "axes = 2\n[run]", "[stable] unknown key 'axes'; did you mean 'axis'?"),
+        ("{ kind = \"normal\" }", "{ kin = \"normal\" }", "[start.noise] needs the key 'kind'"),
+        (
+            "{ kind = \"normal\" }",
+            "{ kind = \"normal\", siez = 1.0 }",
+            "[start.noise] unknown key 'siez'; did you mean 'size'?",
+        ),
+        ("t_end = 1.0", "", "[run] needs the key 't_end'"),
+        ("samples = 64", "", "[run] needs the key 'samples'"),
+        ("to = 0.248", "", "[x] needs the key 'to'"),
+        ("name = \"b\"", "", "[x] needs the key 'name'"),
+        ("criterion = \"no_flip\"", "", "[stable] needs the key 'criterion'"),
+        # unknown words
+        ('"free-body"', '"freebody"', "[scene] kind = 'freebody': must be one of 'free-body', "
+         "'heavy-top'; did you mean 'free-body'?"),
+        ('"no_flip"', '"noflip"', "[stable] criterion = 'noflip': must be one of"),
+        ('name = "noise"', 'name = "niose"', "[y] name = 'niose': must be one of"),
+        ('kind = "normal"', 'kind = "norml"', "[start.noise] kind = 'norml': must be one of"),
+        ('"log"', '"lgo"', "[y] scale = 'lgo': must be one of 'linear', 'log'; did you mean 'log'"),
+        ("samples = 64", 'samples = 64\nmethod = "rk5"', "[run] method = 'rk5': must be one of"),
+        # wrong types
+        ('"A box"', "3", "title = 3: must be a string"),
+        ("[start]\n", "[start]\ntilt = [1.0]\n", "[start] tilt = [1.0]: must be a"),
+        ("spin = 10.0", 'spin = "10"', "[start] spin = '10': must be a"),
+        ("spin = 10.0", "spin = true", "[start] spin = True: must be a"),
+        ("spin = 10.0", "spin = 2026-01-01", "[start] spin = datetime.date(2026, 1, 1): must be a"),
+        ("axis = 2\nnoise", "axis = 2.0\nnoise", "[start] axis = 2.0: must be a whole number"),
+        ("seed = 2026", "seed = 2.5", "[run] seed = 2.5: must be a whole number"),
+        ("samples = 64", "samples = 64.0", "[run] samples = 64.0: must be a whole number"),
+        ("count = 4", "count = 4.0", "[x] count = 4.0: must be a whole number"),
+        ("box = [0.25, 0.08, 0.01]", "box = 3", "[scene] box: expected shape (3,), got ()"),
+        ("box = [0.25, 0.08, 0.01]", 'box = ["a", "b", "c"]', "[scene] box"),
+        ("noise = { kind = \"normal\" }", "noise = 3", "[start] noise = 3: must be a table"),
+        # impossible values
+        ("box = [0.25, 0.08, 0.01]", "box = [0.25, -0.08, 0.01]", "[scene] b = -0.08: must be pos"),
+        ("mass = 0.3", "mass = 0.0", "[scene] mass = 0.0: must be positive"),
+        ("t_end = 1.0", "t_end = -1.0", "[run] t_end = -1.0: must be positive"),
+        ("t_end = 1.0", "t_end = inf", "[run] t_end = inf: must be finite"),
+        ("samples = 64", "samples = 0", "[run] samples = 0: must be at least 1"),
+        ("samples = 64", "samples = 64\nstep = 0.0", "[run] step = 0.0: must be positive"),
+        ("samples = 64", "samples = 64\ncheck = 2.0", "[run] check = 2.0: must lie in [0, 1]"),
+        ("samples = 64", "samples = 64\nmax_steps = 0", "[run] max_steps = 0: must be at least 1"),
+        ("seed = 2026", "seed = -3", "[run] seed = -3: must"),
+        ("seed = 2026", f"seed = {2**128}", f"= {2**128}: must lie in 0 .. 2**128 - 1"),
+        ("count = 4", "count = 1", "[x] count = 1: must be at least 2"),
+        ("from = 0.012", "from = 0.248", "[x] axes['b']: must increase or decrease strictly"),
+        ("from = 0.012", "from = -1.0", "[x] axes['b'][0] = -1: must be positive"),
+        ("from = 0.012", "from = inf", "[x] from = inf: must be finite"),
+        ("from = 1e-4", "from = 0.0", "[y] scale = 'log': the ends must be positive, got 0.0"),
+        ("axis = 2\nnoise", "axis = 5\nnoise", "[start] axis = 5: must be one of 1, 2, 3"),
+        ("axis = 2\n[run]", "axis = 0\n[run]", "[stable] axis = 0: must be one of 1, 2, 3"),
+        ("spin = 10.0", "spin = 10.0\ntilt = 4.0", "[start] tilt = 4.0: must lie in [-pi, pi]"),
+        # what does not go together
+        ("box = [0.25, 0.08, 0.01]", "", "[scene] needs either 'moments' or 'box' (with 'mass')"),
+        (
+            "mass = 0.3",
+            "moments = [1.0, 1.0, 1.0]",
+            "[scene] needs either 'moments' or 'box' (with 'mass')",
+        ),
+        (
+            "box = [0.25, 0.08, 0.01]",
+            "moments = [1.0, 1.0, 1.0]",
+            "[scene] mass belongs to a box; the moments need none",
+        ),
+        (
+            "box = [0.25, 0.08, 0.01]\nmass = 0.3",
+            "moments = [1.0, 1.0, 3.0]",
+            "[scene] moments = (1, 1, 3): no moment may exceed the sum of the other two",
+        ),
+        ('name = "noise"', 'name = "b"', "[y] name = 'b': is already that of [x]"),
+        ('name = "b"', 'name = "mgl"', "axes: 'mgl' does not apply: a free body feels no weight"),
+        ("count = 4", "count = 4\nvalues = [1.0]", "[x] unknown key 'from'"),
+        (
+            '{ kind = "normal" }',
+            '{ kind = "normal", size = 3.0 }',
+            "[start.noise] size is that of the axis; leave it out here",
+        ),
+        ("spin = 10.0", "", "[start] a start needs either omega or spin, and not both"),
+        (
+            "spin = 10.0",
+            "spin = 10.0\nomega = [1.0, 2.0, 3.0]",
+            "[start] a start needs either omega or spin, and not both",
+        ),
+        (
+            'noise = { kind = "normal" }',
+            'noise = { kind = "uniform_attitude" }',
+            "[start] noise = uniform_attitude(): rates have no attitude; use attitude_noise",
+        ),
+        (
+            'criterion = "no_flip"\naxis = 2',
+            'criterion = "tilt_below"\nangle = 0.5\nreference = "vertical"',
+            "[stable] reference = 'vertical': a free body knows no vertical",
+        ),
+        (
+            'criterion = "no_flip"\naxis = 2',
+            'criterion = "tilt_below"\nangle = 4.0',
+            "[stable] angle = 4.0: must lie in (0, pi] (rad)",
+        ),
+    ],
+)  # fmt: skip
+def test_mistakes(line: str, instead: str, message: str) -> None:
+    assert line in BOX
+    assert message in complaint(BOX.replace(line, instead, 1))
+
+
+@pytest.mark.parametrize(
+    ("line", "instead", "message"),
+    [
+        ("mgl = 2", "", "[scene] needs the key 'mgl'"),
+        ("mgl = 2", "mgl = -2", "[scene] mgl = -2.0: must not be negative"),
+        ("com = [0.6, 0.0, 0.8]", "com = [1, 1, 1]", "[scene] com = [1.0, 1.0, 1.0]: must be a"),
+        ("values = [0.3, 0.2, 0.1]", "values = 3", "[x] axes['tilt']: expected shape (n,)"),
+        ("values = [0.3, 0.2, 0.1]", 'values = ["a"]', "[x] axes['tilt'] = ['a']: must be"),
+        ("values = [0.3, 0.2, 0.1]", "values = [[1], [2, 3]]", "[x] axes['tilt'] = [[1], [2, 3]]"),
+        ("values = [0.3, 0.2, 0.1]", "values = [0.1, nan]", "[x] axes['tilt'][1] = nan: must be"),
+        ("size = [0.1, 0.2, 0.3]", "size = [0.1, 0.2]", "[start.noise] size: expected shape (3,)"),
+        ("size = [0.1, 0.2, 0.3]", "size = -1.0", "[start.noise] size = -1.0: must not be"),
+        (
+            ', size = [0.1, 0.2, 0.3] }',
+            " }",
+            "[start.noise] needs the key 'size'",
+        ),
+        (
+            '{ kind = "uniform_attitude" }',
+            '{ kind = "uniform_attitude", size = 1.0 }',
+            "[start.attitude_noise] unknown key 'size'",
+        ),
+        ("omega = [0.1, 0.2, 5]", "omega = [0.1, 0.2]", "[start] omega: expected shape (3,)"),
+        ("angle = 0.5", "", "[stable] needs the key 'angle'"),
+        (
+            'reference = "start"',
+            'reference = "strat"',
+            "[stable] reference = 'strat': must be one of 'start', 'vertical'",
+        ),
+    ],
+)  # fmt: skip
+def test_mistakes_about_tops(line: str, instead: str, message: str) -> None:
+    assert line in TOP
+    parse_spec(TOP, "top.toml")
+    assert message in complaint(TOP.replace(line, instead, 1), "top.toml")
+
+
+def test_tables_that_are_missing_or_no_tables() -> None:
+    tables = BOX.split("\n[")
+    for name in ("scene", "x", "start", "stable", "run"):
+        rest = [table for table in tables if not table.startswith(f"{name}]")]
+        assert len(rest) == len(tables) - 1
+        assert complaint("\n[".join(rest)) == f"needs the key {name!r}"
+    lines = [table for table in tables if not table.startswith("x]")]
+    assert complaint("x = 3\n" + "\n[".join(lines)) == "x = 3: must be a table"
+    lines = [table for table in tables if not table.startswith("y]")]
+    assert parse_spec("\n[".join(lines).replace('"normal"', '"normal", size = 0.1'), "").shape == (
+        4,
+    )
+
+
+# The built-in maps
+
+
+@pytest.fixture(scope="module", params=["inertia-triangle", "sleeping-top", "thrown-box"])
+def built_in(request: pytest.FixtureRequest) -> tuple[str, rigid.StabilityMap]:
+    """A built-in map with two bodies a pixel."""
+    spec = dataclasses.replace(read_spec(request.param).spec, samples=2)
+    return request.param, run_map(spec, progress=False)
+
+
+def test_there_are_three_built_in_maps() -> None:
+    assert builtin_names() == ["falling-top", "inertia-triangle", "sleeping-top", "thrown-box"]
+
+
+def test_built_in_maps_run_and_nothing_fails(built_in: tuple[str, rigid.StabilityMap]) -> None:
+    name, result = built_in
+    assert result.complete
+    assert result.failed.sum() == 0
+    assert result.undecided.sum() == 0
+    # Every body of these maps has a closed form: no step, no repetition, no drift.
+    assert result.plan.method == "exact"
+    assert result.exact.sum() == result.samples.sum()
+    assert result.steps.sum() == result.checked.sum() == 0
+    assert np.isnan(result.energy_drift).all()
+    assert np.isnan(result.momentum_drift).all()
+    assert result.stable.sum() > 0.1 * result.samples.sum()
+    assert result.unstable.sum() > 0.1 * result.samples.sum()
+    assert result.spec.title
+    assert result.spec.seed == 2026
+    theory = result.theory()
+    assert theory is not None
+    compared = ~np.isnan(theory.share) & ~np.isnan(result.share)
+    assert result.disagreement().sum() <= 0.05 * compared.sum()
+    assert compared.sum() > 0.4 * (result.status == 0).sum()
+    assert (result.status != 0).any() == (name == "inertia-triangle")
+    assert theory.curves
+
+
+def test_built_in_maps_have_the_promised_size() -> None:
+    spec = read_spec("thrown-box").spec
+    assert math.prod(spec.shape) * spec.samples >= 10**6
+    box: Any = spec.scene.body
+    assert box.sides == (0.25, 0.08, 0.01)
+
+
+def test_built_in_maps_can_be_drawn(
+    built_in: tuple[str, rigid.StabilityMap], tmp_path: Path
+) -> None:
+    _, result = built_in
+    figure = new_figure()
+    result.plot(figure.add_subplot())
+    figure.savefig(tmp_path / "map.png")
+    assert (tmp_path / "map.png").stat().st_size > 20_000

@@ -1,0 +1,286 @@
+"""Whatever valid scene and start: no exception, and finite numbers if the status says so.
+
+And whatever is not valid: an error that names the argument.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import strategies as st
+
+import rigid
+from physics import METHODS, Floats, angular_momentum, energy, present
+from rigid.model.scene import Scene
+
+#: The same cases in every run; nothing is written to disk. ``tests/long/any_scene.py`` takes more.
+STEADY = settings(
+    max_examples=int(os.environ.get("RIGID_EXAMPLES", "100")),
+    deadline=None,
+    derandomize=True,
+    database=None,
+    phases=(Phase.generate, Phase.shrink),
+    suppress_health_check=(HealthCheck.too_slow,),  # the machine may be slow
+)
+
+
+def decades(low: float, high: float) -> st.SearchStrategy[float]:
+    return st.floats(low, high).map(lambda exponent: 10.0**exponent)
+
+
+@st.composite
+def bodies(draw: st.DrawFn) -> rigid.Body:
+    """Moments from masses along the axes, as any body has them: ratios up to twelve decades."""
+    scale = draw(decades(-20, 20))
+    masses = [draw(decades(-12, 0)) for _ in range(3)]
+    if draw(st.booleans()):
+        masses[draw(st.integers(0, 2))] = 0.0  # flat
+    if draw(st.booleans()):
+        masses[0] = masses[1]  # symmetric
+    if masses.count(0.0) == 2:
+        masses[2] = masses[1] = 1.0
+    a, b, c = (scale * mass for mass in masses)
+    return rigid.Body((b + c, a + c, a + b))
+
+
+def directions() -> st.SearchStrategy[Floats]:
+    vectors = st.lists(st.floats(-1, 1), min_size=3, max_size=3).map(np.array)
+    return vectors.filter(lambda v: np.linalg.norm(v) > 1e-3).map(lambda v: v / np.linalg.norm(v))
+
+
+@st.composite
+def scenes(draw: st.DrawFn) -> Scene:
+    body = draw(bodies())
+    if draw(st.booleans()):
+        return rigid.FreeBody(body)
+    mgl = draw(st.just(0.0) | decades(-20, 20))
+    return rigid.HeavyTop(body, mgl=mgl, com=draw(directions()))
+
+
+def quaternions() -> st.SearchStrategy[list[float]]:
+    components = st.lists(st.floats(-1, 1), min_size=4, max_size=4)
+    return components.filter(lambda q: sum(abs(x) for x in q) > 1e-3)
+
+
+def rates() -> st.SearchStrategy[list[float]]:
+    component = st.just(0.0) | st.tuples(st.sampled_from([-1.0, 1.0]), decades(-12, 6)).map(np.prod)
+    return st.lists(component.map(float), min_size=3, max_size=3)
+
+
+def check(run: rigid.Run) -> None:
+    values = [run.omega, run.energy_drift, run.momentum_drift, run.unit_drift]
+    values += [array for array in (run.gamma, run.attitude) if array is not None]
+    drift = max(run.energy_drift, run.momentum_drift, run.unit_drift)
+    if run.status in (rigid.Status.OK, rigid.Status.FLAGGED, rigid.Status.DRIFTED):
+        assert all(np.all(np.isfinite(array)) for array in values)
+        assert (run.status == rigid.Status.DRIFTED) == (drift > 0.1)
+    elif run.status == rigid.Status.STEP_LIMIT:
+        assert all(np.all(np.isnan(array)) for array in values)
+    else:
+        assert run.status == rigid.Status.NOT_FINITE
+        assert not all(np.all(np.isfinite(array)) for array in values)
+
+
+@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
+@STEADY
+@given(
+    scene=scenes(),
+    omega=rates(),
+    attitude=quaternions(),
+    t=st.lists(st.floats(-100, 100), max_size=5).map(sorted),
+    step=st.none() | decades(-3, 3),
+    record=st.sampled_from(["rates", "axis", "attitude"]),
+)
+def test_nothing_raises_and_the_status_is_true(method: rigid.Method, **options: Any) -> None:
+    scene, omega, attitude = (options.pop(key) for key in ("scene", "omega", "attitude"))
+    run = rigid.simulate(scene, omega, attitude, method=method.name, max_steps=20_000, **options)
+    check(run)
+    assert run.omega.shape == (len(options["t"]), 3)
+
+
+@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
+@STEADY
+@given(scene=scenes(), omega=rates(), attitude=quaternions())
+def test_the_default_step_is_short_enough(
+    method: rigid.Method, scene: Scene, omega: list[float], attitude: list[float]
+) -> None:
+    """A thousand default steps, of 1/16 rad at most, keep the invariants to parts in a thousand.
+
+    The time is that of the fastest possible turn, by the energy: omega_k^2 < 2 (T + 2 mgl) / I_k.
+    """
+    mgl = scene.mgl if isinstance(scene, rigid.HeavyTop) else 0.0
+    moments = np.array(scene.body.moments)
+    fastest = np.sqrt(2.0 * (energy(scene, omega) + 2.0 * mgl) * (1.0 / moments).sum())
+    t = 1000.0 / 16.0 / fastest if fastest > 0.0 else 1.0
+    run = rigid.simulate(scene, omega, attitude, t=t, method=method.name)
+    # Next to a separatrix rounding decides where the body is; its invariants are kept all the same.
+    assert run.status in (rigid.Status.OK, rigid.Status.FLAGGED)
+    assert run.steps <= 1100
+    assert run.energy_drift < 5e-3
+    assert run.momentum_drift < 5e-3
+    assert run.unit_drift < 1e-3
+
+
+@STEADY
+@given(scene=scenes(), omega=rates(), attitude=quaternions(), step=decades(-3, 3))
+def test_splitting_keeps_lengths_whatever_the_step(
+    scene: Scene, omega: list[float], attitude: list[float], step: float
+) -> None:
+    """A hundred steps of any length: rotations, each to a few roundoffs."""
+    run = rigid.simulate(scene, omega, attitude, t=100 * step, step=step, method="splitting")
+    if run.status in (rigid.Status.STEP_LIMIT, rigid.Status.NOT_FINITE):
+        return
+    assert run.unit_drift < 1e-12
+    assert np.linalg.norm(present(run.attitude)) == pytest.approx(1.0, abs=1e-12)
+    if isinstance(scene, rigid.FreeBody):
+        start = np.linalg.norm(angular_momentum(scene, omega))
+        end = np.linalg.norm(angular_momentum(scene, run.omega[0]))
+        assert end == pytest.approx(start, rel=1e-12)
+
+
+# --- Torque and damping ---------------------------------------------------------------------------
+
+
+@st.composite
+def driven_scenes(draw: st.DrawFn) -> Scene:
+    """Torques and damping over twelve decades beside the moments, singular matrices among them."""
+    scene = draw(scenes())
+    size = max(scene.body.moments)
+    axes = np.array([draw(directions()) for _ in range(3)])
+    strengths = np.array([draw(st.just(0.0) | decades(-6, 6)) for _ in range(3)])
+    damping = draw(
+        st.just(0.0)
+        | decades(-6, 6).map(lambda c: c * size)
+        | st.just(strengths * size)
+        | st.just((axes.T * strengths * size) @ axes)
+    )
+    torque = None
+    if draw(st.booleans()):
+        make = draw(st.sampled_from([rigid.Torque.body, rigid.Torque.space]))
+        value = draw(directions()) * draw(decades(-6, 6)) * size
+        if draw(st.booleans()):
+            torque = make(
+                [value, 0.5 * value, -value], times=[-200.0, draw(st.floats(-9, 9)), 200.0]
+            )
+        else:
+            torque = make(value)
+    damping = 0.5 * (damping + np.transpose(damping))
+    if isinstance(scene, rigid.HeavyTop):
+        return rigid.HeavyTop(
+            scene.body, mgl=scene.mgl, com=scene.com, torque=torque, damping=damping
+        )
+    return rigid.FreeBody(scene.body, torque=torque, damping=damping)
+
+
+DRIVERS = [m.name for m in METHODS if m.name in ("rk4", "dop853", "taylor12", "taylor16")]
+DRIVERS += ["splitting", "etd4", "midpoint"]
+
+
+@pytest.mark.parametrize("method", DRIVERS)
+@STEADY
+@given(
+    scene=driven_scenes(),
+    omega=rates(),
+    attitude=quaternions(),
+    t=st.lists(st.floats(-10, 100), max_size=4).map(sorted),
+    step=st.none() | decades(-3, 3),
+)
+def test_under_torque_and_damping_the_status_is_true(
+    method: str, scene: Scene, omega: list[float], attitude: list[float], **options: Any
+) -> None:
+    try:
+        run = rigid.simulate(
+            scene, omega, attitude, method=method, max_steps=20_000, check=False, **options
+        )
+    except ValueError as error:
+        # An explicit method beyond its limit of stability.
+        if not re.match(r"step = .*unstable under damping", str(error)):
+            raise
+        return
+    states = [run.omega, run.attitude]
+    if run.status in (rigid.Status.OK, rigid.Status.FLAGGED):
+        assert all(np.all(np.isfinite(present(array))) for array in states)
+    else:
+        assert run.status in (
+            rigid.Status.STEP_LIMIT,
+            rigid.Status.NOT_FINITE,
+            rigid.Status.DRIFTED,
+        )
+
+
+# --- What is not valid ----------------------------------------------------------------------------
+
+NOT_NUMBERS = st.sampled_from([float("nan"), float("inf"), -float("inf")])
+
+
+@st.composite
+def mistakes(draw: st.DrawFn) -> tuple[str, Callable[[], object]]:
+    """The argument that is wrong, and a call with everything else right."""
+    body, omega, attitude = draw(bodies()), draw(rates()), draw(quaternions())
+    place = draw(st.integers(0, 2))
+    bad = draw(NOT_NUMBERS)
+
+    def spoilt(values: Any, value: float) -> list[float]:
+        return [value if k == place else float(x) for k, x in enumerate(values)]
+
+    def call(**changes: Any) -> Callable[[], object]:
+        given: dict[str, Any] = {
+            "omega": omega,
+            "attitude": attitude,
+            "t": [0.0, 1.0],
+            "max_steps": 1000,
+        } | changes
+        scene = rigid.FreeBody(body)
+        return lambda: rigid.simulate(scene, **given)
+
+    negative = -draw(decades(-12, 12))
+    sides = sorted(body.moments)
+    too_long = [sides[0], sides[1], (sides[0] + sides[1]) * (1.0 + draw(decades(-9, 6)))]
+    size = draw(st.sampled_from([1, 2, 5, 6, 7]))
+    return draw(
+        st.sampled_from(
+            [
+                ("moments", lambda: rigid.Body(spoilt(body.moments, bad))),
+                ("moments", lambda: rigid.Body(spoilt(body.moments, negative))),
+                ("moments", lambda: rigid.Body(too_long)),
+                ("mgl", lambda: rigid.HeavyTop(body, mgl=negative)),
+                ("mgl", lambda: rigid.HeavyTop(body, mgl=bad)),
+                ("com", lambda: rigid.HeavyTop(body, mgl=1.0, com=spoilt((0, 0, 1), 2.0))),
+                ("damping", lambda: rigid.FreeBody(body, damping=negative)),
+                ("damping", lambda: rigid.FreeBody(body, damping=spoilt((0, 0, 0), bad))),
+                ("torque", lambda: rigid.Torque.body(spoilt((0, 0, 0), bad))),
+                ("omega", call(omega=spoilt(omega, bad))),
+                ("omega", call(omega=[1.0] * size)),
+                ("attitude", call(attitude=[*spoilt(attitude[:3], bad), 1.0])),
+                ("attitude", call(attitude=[0.0] * 4)),
+                ("attitude", call(attitude=[1.0] * size)),
+                ("t", call(t=spoilt((0.0, 1.0, 2.0), bad))),
+                ("t", call(t=[2.0, 1.0])),
+                ("step", call(step=negative, method="rk4")),
+                ("step", call(step=0.0, method="rk4")),
+                ("accuracy", call(accuracy=negative)),
+                ("tolerance", call(tolerance=1.0 - negative, method="taylor16")),
+                ("method", call(method="rk" + "4" * (2 + place))),
+                ("record", call(record="attitudes")),
+                ("max_steps", call(max_steps=-place)),
+                ("threads", call(threads=-place)),
+            ]
+        )
+    )
+
+
+@settings(STEADY, max_examples=10 * STEADY.max_examples)
+@given(mistake=mistakes())
+def test_a_mistake_is_refused_by_its_name(mistake: tuple[str, Callable[[], object]]) -> None:
+    argument, call = mistake
+    with pytest.raises((ValueError, TypeError)) as refusal:
+        call()
+    assert argument in str(refusal.value)
+    # The value and the rule: more than a name.
+    assert len(str(refusal.value)) > len(argument) + 10

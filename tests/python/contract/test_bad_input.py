@@ -1,0 +1,339 @@
+"""Every refusal names the argument, its value and the rule; right values are taken in any dress."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rigid
+from physics import LISTED, METHODS
+from rigid.model.scene import scene_from_dict
+
+NAN, INF = float("nan"), float("inf")
+BODY = rigid.Body((1.0, 1.5, 2.0))
+FREE = rigid.FreeBody(BODY)
+TOP = rigid.HeavyTop(BODY, mgl=3.0, com=(0.6, 0.0, 0.8))
+RATES = [0.3, 1.0, 0.2]
+
+
+def moments(*values: Any) -> Callable[[], Any]:
+    return lambda: rigid.Body(values)
+
+
+def tensor(values: Any) -> Callable[[], Any]:
+    return lambda: rigid.Body.from_tensor(values)
+
+
+def body(**options: Any) -> Callable[[], Any]:
+    return lambda: rigid.Body((1.0, 1.0, 1.0), **options)
+
+
+def box(*sides: Any, **options: Any) -> Callable[[], Any]:
+    return lambda: rigid.Body.box(*sides, **options)
+
+
+def top(body: Any = BODY, **options: Any) -> Callable[[], Any]:
+    return lambda: rigid.HeavyTop(body, **{"mgl": 1.0, **options})
+
+
+def run(*start: Any, scene: Any = FREE, **options: Any) -> Callable[[], Any]:
+    start = start or (RATES,)
+    return lambda: rigid.simulate(scene, *start, **{"t": [0.0, 1.0], **options})
+
+
+POSITIVE = "every moment of inertia must be positive (a rod, with one moment zero, "
+TRIANGLE = "no moment may exceed the sum of the other two (triangle inequality; "
+UNSYMMETRIC = "a tensor of inertia must be finite and symmetric"
+
+REFUSED: list[tuple[Callable[[], Any], type[Exception], list[str]]] = [
+    # Bodies.
+    (moments(NAN, 1, 1), ValueError, ["moments = (NaN, 1, 1): ", "must be finite"]),
+    (moments(1, INF, 1), ValueError, ["moments = (1, inf, 1): ", "must be finite"]),
+    (moments(1, -2, 1), ValueError, ["moments = (1, -2, 1): ", POSITIVE]),
+    (moments(1, 1, 0), ValueError, ["moments = (1, 1, 0): ", POSITIVE]),
+    (moments(1, 1, 2.5), ValueError, ["moments = (1, 1, 2.5): ", TRIANGLE]),
+    (moments(5, 1, 2), ValueError, ["moments = (5, 1, 2): ", TRIANGLE]),
+    (moments(1, 4, 2), ValueError, ["moments = (1, 4, 2): ", TRIANGLE]),
+    (moments(1, 2), ValueError, ["moments: expected shape (3,), got (2,)"]),
+    (lambda: rigid.Body(np.eye(3)), ValueError, ["moments: expected shape (3,), got (3, 3)"]),
+    (lambda: rigid.Body("abc"), TypeError, ["moments = 'abc': must be real numbers"]),
+    (lambda: rigid.Body([1j, 1, 1]), TypeError, ["moments = [1j, 1, 1]: must be real numbers"]),
+    (moments(1, [2], 3), ValueError, ["moments = (1, [2], 3): ", "must be"]),
+    (body(mass=0.0), ValueError, ["mass = 0.0: must be positive"]),
+    (body(mass=NAN), ValueError, ["mass = nan: must be finite"]),
+    (body(mass="heavy"), TypeError, ["mass = 'heavy': must be a real number"]),
+    (body(mass=True), TypeError, ["mass = True: must be a real number"]),
+    (body(sides=(1, 2)), ValueError, ["sides: expected shape (3,), got (2,)"]),
+    (body(sides=(1, NAN, 2)), ValueError, ["sides[1] = nan: must be finite"]),
+    (body(sides=(1, -1, 2)), ValueError, ["sides", "-1", "must be positive"]),
+    (box(0.1, -0.2, 0.3), ValueError, ["b = -0.2: must be positive"]),
+    (box(0.1, 0.2, INF), ValueError, ["c = inf: must be finite"]),
+    (box("wide", 0.2, 0.3), TypeError, ["a = 'wide': must be a real number"]),
+    (box(np.array([0.1, 0.2]), 0.2, 0.3), TypeError, ["a = ", "must be a real number"]),
+    (box(0.1, 0.2, 0.3, mass=-1), ValueError, ["mass = -1.0: must be positive"]),
+    (tensor([[1, 2], [2, 1]]), ValueError, ["tensor: expected shape (3, 3), got (2, 2)"]),
+    (
+        tensor(np.diag([1.0, NAN, 1.0])),
+        ValueError,
+        ["tensor: ", UNSYMMETRIC, "entry (1, 1) is NaN"],
+    ),
+    (
+        tensor([[2, 1, 0], [0, 2, 0], [0, 0, 2]]),
+        ValueError,
+        ["tensor: ", UNSYMMETRIC, "(0, 1) is 1", " 0"],
+    ),
+    (tensor(np.diag([1.0, 1.0, 5.0])), ValueError, ["moments = (1, 1, 5): ", TRIANGLE]),
+    (tensor("abc"), TypeError, ["tensor = 'abc': must be real numbers"]),
+    (tensor([[1, 2], [3]]), ValueError, ["tensor = [[1, 2], [3]]: must be"]),
+    (tensor(1j * np.eye(3)), TypeError, ["tensor = ", "must be real numbers"]),
+    # Scenes.
+    (lambda: rigid.FreeBody((1, 2, 3)), TypeError, ["body = (1, 2, 3): must be a rigid.Body"]),  # type: ignore[arg-type]
+    (top((1, 2, 3)), TypeError, ["body = (1, 2, 3): must be a rigid.Body"]),
+    (top(mgl=-1.0), ValueError, ["mgl = -1.0: must not be negative"]),
+    (top(mgl=INF), ValueError, ["mgl = inf: must be finite"]),
+    (top(mgl=None), TypeError, ["mgl = None: must be a real number"]),
+    (top(mgl=np.complex64(1)), TypeError, ["mgl = ", "must be a real number"]),
+    (top(mgl=np.True_), TypeError, ["mgl = ", "must be a real number"]),
+    (
+        top(com=(0, 0, 2)),
+        ValueError,
+        ["com = [0.0, 0.0, 2.0]: must be a unit vector, its length is 2.0"],
+    ),
+    (
+        top(com=(0, 0, 0)),
+        ValueError,
+        ["com = [0.0, 0.0, 0.0]: must be a unit vector, its length is 0.0"],
+    ),
+    (
+        top(com=(0, 0, 1 + 1e-6)),
+        ValueError,
+        ["com = ", "must be a unit vector, its length is 1.000001"],
+    ),
+    (top(com=(0, NAN, 1)), ValueError, ["com[1] = nan: must be finite"]),
+    (top(com=(0, 1)), ValueError, ["com: expected shape (3,), got (2,)"]),
+    (top(com=(1e300, 0, 0)), ValueError, ["com = [1e+300, 0.0, 0.0]: must be a unit vector"]),
+    (
+        lambda: scene_from_dict({"kind": "tops", "body": BODY.to_dict()}),
+        ValueError,
+        ["kind = 'tops': must be one of 'free', 'top'; did you mean 'top'?"],
+    ),
+    (
+        lambda: scene_from_dict({"body": BODY.to_dict()}),
+        ValueError,
+        ["kind = None: must be one of "],
+    ),
+    # Scene and rates of a run.
+    (run(scene=BODY), TypeError, ["scene = Body(", "must be a rigid.FreeBody or rigid.HeavyTop"]),
+    (run([1, NAN, 3]), ValueError, ["omega[1] = nan: must be finite"]),
+    (run([RATES, [1, 2, INF]]), ValueError, ["omega[1, 2] = inf: must be finite"]),
+    (run([1, 2]), ValueError, ["omega: expected shape (3,) or (n, 3), got (2,)"]),
+    (run(np.ones((2, 4))), ValueError, ["omega: expected shape (3,) or (n, 3), got (2, 4)"]),
+    (run(np.ones((2, 2, 3))), ValueError, ["omega: expected shape (3,) or (n, 3), got (2, 2, 3)"]),
+    (run(5.0), ValueError, ["omega: expected shape (3,) or (n, 3), got ()"]),
+    (run(np.ones((0, 5))), ValueError, ["omega: expected shape (3,) or (n, 3), got (0, 5)"]),
+    (
+        run([[1, 2, 3], [1, 2]]),
+        ValueError,
+        ["omega = [[1, 2, 3], [1, 2]]: must be an array of real numbers"],
+    ),
+    (run("fast"), TypeError, ["omega = 'fast': must be real numbers, got <U4"]),
+    (
+        run([True, False, True]),
+        TypeError,
+        ["omega = [True, False, True]: must be real numbers, got bool"],
+    ),
+    (run([1j, 0, 0]), TypeError, ["omega = [1j, 0, 0]: must be real numbers, got complex128"]),
+    (run(None), TypeError, ["omega = None: must be real numbers, got object"]),
+    # Attitude.
+    (run(RATES, [0, 0, 0, 0]), ValueError, ["attitude", "[0.0, 0.0, 0.0, 0.0]: a zero quaternion"]),
+    (
+        run(RATES, [[1, 0, 0, 0], [0, 0, 0, 0]]),
+        ValueError,
+        ["attitude[1] = [0.0, 0.0, 0.0, 0.0]: a zero "],
+    ),
+    (run(RATES, [1, 0, NAN, 0]), ValueError, ["attitude[2] = nan: must be finite"]),
+    (run(RATES, [1, 0, 0]), ValueError, ["attitude: expected shape (4,) or (n, 4), got (3,)"]),
+    (
+        run(np.ones((3, 3)), np.ones((2, 4))),
+        ValueError,
+        ["attitude: expected shape (3, 4) to go with omega (3, 3), got (2, 4)"],
+    ),
+    (
+        run(np.ones((1, 3)), np.ones((2, 4))),
+        ValueError,
+        ["attitude: expected shape (1, 4) to go with omega (1, 3), got (2, 4)"],
+    ),
+    # Times.
+    (run(t=[0.0, 2.0, 1.0]), ValueError, ["t[1] = 2.0 > t[2] = 1.0: times must be ascending"]),
+    (run(t=[0.0, NAN]), ValueError, ["t[1] = nan: must be finite"]),
+    (run(t=INF), ValueError, ["t[0] = inf: must be finite"]),
+    (run(t=np.ones((2, 2))), ValueError, ["t: expected shape (m,), got (2, 2)"]),
+    (run(t="now"), TypeError, ["t = 'now': must be real numbers, got <U3"]),
+    # Names.
+    (
+        run(method="rk5"),
+        ValueError,
+        [f"method = 'rk5': must be one of {LISTED}; did you mean 'rk4'?"],
+    ),
+    (run(method="spliting"), ValueError, ["method = 'spliting': ", "did you mean 'splitting'?"]),
+    (run(method=4), ValueError, [f"method = 4: must be one of {LISTED}"]),
+    (
+        run(record="atitude"),
+        ValueError,
+        ["record = 'atitude': must be one of 'rates', 'axis', 'attitude'; did you mean 'att"],
+    ),
+    (run(record=None), ValueError, ["record = None: must be one of 'rates', 'axis', 'attitude'"]),
+    # Numbers.
+    (run(step=0.0), ValueError, ["step = 0.0: must be positive"]),
+    (run(step=-0.1), ValueError, ["step = -0.1: must be positive"]),
+    (run(step=NAN), ValueError, ["step = nan: must be finite"]),
+    (run(step=INF), ValueError, ["step = inf: must be finite"]),
+    (run(step="short"), TypeError, ["step = 'short': must be a real number"]),
+    (run(step=True), TypeError, ["step = True: must be a real number"]),
+    (run(step=np.array([0.1, 0.2])), TypeError, ["step = ", "must be a real number"]),
+    (run(max_steps=0), ValueError, ["max_steps = 0: must be at least 1"]),
+    (run(max_steps=1e3), TypeError, ["max_steps = 1000.0: must be a whole number"]),
+    (run(max_steps=True), TypeError, ["max_steps = True: must be a whole number"]),
+    (run(threads=0), ValueError, ["threads = 0: must be at least 1"]),
+    (run(threads=1.5), TypeError, ["threads = 1.5: must be a whole number"]),
+]
+
+
+@pytest.mark.parametrize(
+    ("call", "error", "parts"), REFUSED, ids=[f"{k}: {row[2][0]}" for k, row in enumerate(REFUSED)]
+)
+def test_refused(call: Callable[[], Any], error: type[Exception], parts: list[str]) -> None:
+    with pytest.raises(error) as caught:
+        call()
+    message = str(caught.value)
+    assert type(caught.value) is error
+    assert "\n" not in message
+    assert re.search(".*".join(map(re.escape, parts)), message), message
+
+
+@pytest.mark.parametrize("value", ["0", "-1", "many", "1.5"])
+def test_refused_number_of_threads_of_the_environment(
+    value: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("RIGID_NUM_THREADS", value)
+    with pytest.raises(ValueError) as caught:
+        run()()
+    assert (
+        str(caught.value) == f"RIGID_NUM_THREADS = '{value}': must be a whole number of at least 1"
+    )
+    assert run(threads=1)().status == rigid.Status.FINISHED
+
+
+@pytest.mark.parametrize("name", ["max_steps", "threads"])
+@pytest.mark.parametrize("value", [2**63, 2**64, 10**30])
+def test_whole_numbers_beyond_a_machine_word_are_refused(name: str, value: int) -> None:
+    with pytest.raises(ValueError, match=rf"^{name} = {value}: must be below 2\*\*63$"):
+        run(**{name: value})()
+
+
+def test_boxes_too_small_or_large_for_float64_are_impossible_bodies() -> None:
+    for size in (1e-200, 1e200):
+        with pytest.raises(ValueError, match=r"^moments = .*: every moment of inertia must be"):
+            rigid.Body.box(size, size, size)
+
+
+# --- accepted -------------------------------------------------------------------------------------
+
+
+def test_flat_bodies_are_bodies() -> None:
+    for moments in [
+        (1, 1, 2),
+        (3, 1, 2),
+        (1.0, 3.0, 2.0),
+        (0.1, 0.7, 0.8),
+        (0.1, 0.2, 0.3),
+        (0.3, 0.1, 0.2),
+    ]:
+        assert rigid.Body(moments).moments == moments
+        run(scene=rigid.FreeBody(rigid.Body(moments)))()
+    with pytest.raises(ValueError, match="triangle"):
+        rigid.Body((1.0, 1.0, 2.0 + 1e-14))
+
+
+def test_moments_of_any_size_are_moments() -> None:
+    for size in (5e-324, 1e-300, 1e300, 1.7e308):
+        assert rigid.Body((size, size, size)).moments == (size, size, size)
+
+
+@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
+def test_arrays_in_any_dress_are_the_same_arrays(method: rigid.Method) -> None:
+    def bits(omega: Any, attitude: Any = None) -> bytes:
+        t = [0.5, 1.0]
+        return rigid.simulate(TOP, omega, attitude, t=t, method=method.name).omega.tobytes()
+
+    rng = np.random.default_rng(8)
+    omega = rng.integers(-9, 9, (6, 3)).astype(np.float64)
+    attitude = rng.standard_normal((6, 4))
+    expected = bits(omega, attitude)
+
+    wide = np.zeros((12, 6))
+    wide[::2, ::2] = omega
+    frozen = omega.copy()
+    frozen.setflags(write=False)
+    swapped = omega.astype(omega.dtype.newbyteorder())
+    dressed: list[Any] = [
+        omega.tolist(),
+        [tuple(row) for row in omega],
+        list(omega),
+        omega.astype(int),
+        omega.astype(np.int8),
+        omega.astype(np.float32),
+        omega.astype(np.float16),
+        omega.astype(np.longdouble),
+        np.asfortranarray(omega),
+        wide[::2, ::2],
+        omega[::-1][::-1],
+        frozen,
+        swapped,
+        np.ma.masked_array(omega),
+    ]
+    for value in dressed:
+        assert bits(value, attitude) == expected
+    for other in (attitude.tolist(), np.asfortranarray(attitude), attitude[::-1][::-1]):
+        assert bits(omega, other) == expected
+    attitude.setflags(write=False)
+    assert bits(frozen, attitude) == expected
+
+
+def test_what_goes_in_is_not_changed() -> None:
+    omega, attitude, t = np.ones((2, 3)), np.full((2, 4), 3.0), np.array([0.0, 1.0])
+    result = rigid.simulate(FREE, omega, attitude, t=t)
+    assert np.array_equal(omega, np.ones((2, 3)))
+    assert np.array_equal(attitude, np.full((2, 4), 3.0))
+    assert np.array_equal(t, [0.0, 1.0])
+    # And what comes out is not what went in.
+    result.omega[:] = 0.0
+    assert np.array_equal(omega, np.ones((2, 3)))
+
+
+def test_scalars_in_any_dress() -> None:
+    plain = run(step=0.5, max_steps=100)()
+    for step in (np.float64(0.5), np.float32(0.5), np.array(0.5)):
+        assert run(step=step)().omega.tobytes() == plain.omega.tobytes()
+    assert run(step=1)().steps == 1
+    assert run(max_steps=np.int64(100), step=0.5)().omega.tobytes() == plain.omega.tobytes()
+    assert rigid.HeavyTop(BODY, mgl=1).mgl == 1.0
+    assert rigid.Body(np.array([1, 2, 3])).moments == (1.0, 2.0, 3.0)
+
+
+def test_com_of_almost_unit_length_is_normalised() -> None:
+    top = rigid.HeavyTop(BODY, mgl=1.0, com=(0.6 + 1e-12, 0.0, 0.8))
+    assert np.linalg.norm(top.com) == pytest.approx(1.0, abs=2.0**-52)
+
+
+def test_scenes_and_bodies_are_values() -> None:
+    for scene in (FREE, TOP, rigid.FreeBody(rigid.Body.box(1, 2, 3, mass=4))):
+        assert scene_from_dict(scene.to_dict()) == scene
+        assert hash(scene_from_dict(scene.to_dict())) == hash(scene)
+        with pytest.raises(AttributeError):
+            scene.body = BODY  # type: ignore[misc]
+    assert rigid.Body((1, 2, 3)) != rigid.Body((2, 1, 3))

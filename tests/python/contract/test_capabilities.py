@@ -1,0 +1,199 @@
+"""The tables of capabilities and of errata name what is there: public names, and tests."""
+
+from __future__ import annotations
+
+import ast
+import re
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+import rigid
+
+ROOT = Path(__file__).parents[3]
+TESTS = ROOT / "tests" / "python"
+PAGE = ROOT / "docs" / "capabilities.md"
+
+Row = tuple[str, list[str], list[str]]
+
+SUBJECTS = (
+    "sums over particles",
+    "König's theorem",
+    "degrees of freedom",
+    "rigidity residual",
+    "displacement and screw",
+    "velocity field",
+    "angular velocity from velocities",
+    "translation and rotation together",
+    "equilibrium",
+    "wrench and equilibrant",
+    "springs between particles",
+    "rigid limit of stiff springs",
+    "elementary rotations",
+    "Euler angles",
+    "axis and angle",
+    "exponential and logarithm",
+    "Euler rates",
+    "attitude kinematics",
+    "nearest rotation",
+    "translating frame",
+    "rotating frame",
+    "fictitious forces",
+    "inertia of point masses",
+    "solids and meshes",
+    "bodies of given density",
+    "composite bodies",
+    "parallel-axis theorem",
+    "rotated tensor",
+    "principal axes",
+    "classes of bodies",
+    "symmetries",
+    "kinetic energy",
+    "angular momentum",
+    "bearings",
+    "analogy of translation and rotation",
+    "Euler's equations",
+    "invariants",
+    "free symmetric top",
+    "free asymmetric top",
+    "body cone and space cone",
+    "free precession of the Earth",
+    "steady precession without torque",
+    "Poinsot's construction",
+    "permanent rotation",
+    "factors of Euler's equations",
+    "linearised Euler's equations",
+    "circulation and reversals",
+    "throw experiment",
+    "constants of the heavy top",
+    "effective potential",
+    "precession and spin at a tilt",
+    "steady precession",
+    "sleeping top",
+    "cubic of the height",
+    "nutation",
+    "kinds of loci",
+    "locus of the axis",
+    "fast top",
+    "torque of gravity",
+    "spin-down",
+    "explicit integration",
+    "geometric integration",
+    "heavy tops of any shape",
+    "batches",
+    "arrays",
+    "only what is asked for",
+    "stability maps",
+    "error against run time",
+    "extreme bodies",
+    "figures and animations",
+)
+
+FIGURES = (
+    "frames of a rigid body",
+    "Euler's three rotations",
+    "active and passive rotation",
+    "change of a unit vector",
+    "velocities of a rotating body",
+    "angular velocity of a free top",
+    "coplanar vectors",
+    "rolling cones",
+    "node frame",
+    "heavy top",
+    "effective potential",
+    "loci",
+    "Poinsot's ellipsoid",
+    "cubic of the height",
+    "cubic near upright",
+    "box",
+    "throws",
+    "polhodes",
+    "stability map",
+    "error against run time",
+    "drift of invariants",
+    "springs",
+    "bearing torque",
+)
+
+
+def row(line: str) -> Row:
+    """The subject of a row, its public names, and the last column in backticks."""
+    subject, _, names, tests = (cell.strip() for cell in line.strip("| \n").split(" | "))
+    return subject, re.findall(r"`([^`]+)`", names), re.findall(r"`([^`]+)`", tests)
+
+
+LINES = PAGE.read_text(encoding="utf-8").splitlines()
+ROWS = [row(line) for line in LINES if re.match(r"\| (?!subject \||figure \|)\w", line)]
+
+
+def functions(file: str) -> set[str]:
+    (path,) = TESTS.rglob(file)
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    return {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
+
+
+def resolve(name: str) -> object:
+    """What a user gets who writes this after ``import rigid``; of modules only public names."""
+    found: object = rigid
+    for part in name.split(".")[1:]:
+        if isinstance(found, ModuleType):
+            assert part in found.__all__, name
+        found = getattr(found, part)
+    return found
+
+
+def test_every_capability_and_every_figure_has_one_row() -> None:
+    assert [subject for subject, _, _ in ROWS] == [*SUBJECTS, *FIGURES]
+    assert len(set(SUBJECTS)) == len(SUBJECTS)
+    assert len(set(FIGURES)) == len(FIGURES)
+
+
+@pytest.mark.parametrize(("subject", "names", "tests"), ROWS, ids=[row[0] for row in ROWS])
+def test_names_resolve_and_tests_exist(subject: str, names: list[str], tests: list[str]) -> None:
+    assert names
+    assert len(set(names)) == len(names)
+    for name in names:
+        assert name.startswith("rigid.")
+        assert not re.search(r"\b_", name), name
+        assert resolve(name) is not None
+    proofs, file = 0, ""
+    for test in tests:
+        if test.startswith("test_") and test.endswith(".py"):
+            file = test
+        elif "/" in test:
+            assert (ROOT / test).is_file(), test
+        else:
+            assert test.partition("[")[0] in functions(file), f"{file}::{test}"
+            proofs += 1
+    assert proofs > 0
+
+
+def test_every_public_module_has_its_page() -> None:
+    modules = {name for name in rigid.__all__ if isinstance(getattr(rigid, name), ModuleType)}
+    assert {page.stem for page in (ROOT / "docs" / "api").glob("*.rst")} == {"rigid"} | modules
+    listed = re.findall(r"^api/(\w+)$", (ROOT / "docs/reference.md").read_text("utf-8"), re.M)
+    assert sorted(listed) == sorted({"rigid"} | modules)
+
+
+# Errata: docstrings and tests cite them by number
+
+ERRATA = re.findall(
+    r"^\| ([DGS]-\d\d) \| .* \| ([PNMXW]) \| .* \| `(\w+\.py)::(\w+)` \|$",
+    (ROOT / "docs" / "errata.md").read_text(encoding="utf-8"),
+    re.MULTILINE,
+)
+
+
+def test_every_erratum_that_is_cited_has_its_line_and_its_test() -> None:
+    lines = [number for number, *_ in ERRATA]
+    assert lines == sorted(set(lines))
+    places = [*(ROOT / "python").rglob("*.py"), *TESTS.rglob("*.py")]
+    cited = {
+        number
+        for place in places
+        for number in re.findall(r"\b[DGS]-\d\d\b", place.read_text(encoding="utf-8"))
+    }
+    assert cited == set(lines)
+    for number, _, file, test in ERRATA:
+        assert test in functions(file), number

@@ -1,0 +1,236 @@
+"""The numbers under the figures of free motions and of drift, and that the figures show them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import rigid
+from figure_cases import (
+    ASYMMETRIC,
+    BODY,
+    DAMPED,
+    TILTED,
+    TOP,
+    data_of,
+    joined,
+    omega_of,
+    poinsot_run,
+    texts,
+)
+from rigid import exact, figures, free
+from rigid.drawing import colours
+
+Floats = NDArray[np.float64]
+
+
+# Poinsot
+
+
+@pytest.mark.parametrize("frame", [0, 333, -1])
+def test_the_ellipsoid_touches_the_plane_in_the_contact(frame: int) -> None:
+    run = poinsot_run()
+    data = figures.poinsot_data(run, frame=frame)
+    assert data.t == run.t[frame]
+    assert data.contact[2] == pytest.approx(data.distance, rel=1e-14)
+    np.testing.assert_allclose(data.herpolhode[:, 2], data.distance, rtol=1e-13)
+    # The highest point of the ellipsoid is in the plane and is the contact: it is tangent there.
+    reach = data.semi_axes * data.axes[:, 2]
+    assert np.linalg.norm(reach) == pytest.approx(data.distance, rel=1e-13)
+    highest = (data.semi_axes * reach / np.linalg.norm(reach)) @ data.axes
+    np.testing.assert_allclose(highest, data.contact, atol=1e-13)
+    np.testing.assert_allclose(data.axes @ data.axes.T, np.eye(3), atol=1e-14)
+    assert np.linalg.det(data.axes) == pytest.approx(1.0)
+    # The polhode lies on the inertia ellipsoid and on that of L².
+    own = data.polhode @ data.axes.T
+    moments = np.array([1.0, 2.0, 3.0])
+    np.testing.assert_allclose(own, run.omega, atol=1e-13)
+    np.testing.assert_allclose(((own / data.semi_axes) ** 2).sum(axis=1), 1.0, rtol=1e-13)
+    square = ((moments * own) ** 2).sum(axis=1)
+    np.testing.assert_allclose(square, square[0], rtol=1e-13)
+    np.testing.assert_allclose(data.polhode[frame], data.contact, atol=1e-15)
+    np.testing.assert_allclose(data.herpolhode[frame], data.contact, atol=1e-15)
+
+
+def test_the_contact_is_at_rest_and_rolls() -> None:
+    # The particle in contact, followed over a short time, does not move to first order.
+    run = rigid.simulate(BODY, [1.1, 0.3, 0.4], t=np.array([0.0, 1e-4, 2e-4]), method="exact")
+    start, middle, end = (figures.poinsot_data(run, frame=k) for k in range(3))
+    particle = middle.contact @ middle.axes.T
+    speed = (particle @ end.axes - particle @ start.axes) / 2e-4
+    assert np.linalg.norm(speed) < 1e-7  # of second order in the step; omega² is 1.5
+    # Rolling: the contact moves as fast on the ellipsoid as in the plane.
+    on_plane = np.linalg.norm(np.diff(start.herpolhode, axis=0), axis=1)
+    on_body = np.linalg.norm(np.diff(start.polhode, axis=0), axis=1)
+    np.testing.assert_allclose(on_plane, on_body, rtol=1e-6)
+
+
+def test_radii_of_the_herpolhode() -> None:
+    # rho² = omega² - distance². With E and L given, omega² is linear in the square of the rate
+    # about the middle axis, so its extremes are where that is zero and where it is largest.
+    run = rigid.simulate(BODY, [1.1, 0.3, 0.4], t=np.linspace(0.0, 30.0, 30001))
+    data = figures.poinsot_data(run)
+    radius = np.hypot(*data.herpolhode[:, :2].T)
+    twice_energy, square = 1.1**2 + 2.0 * 0.3**2 + 3.0 * 0.4**2, 1.1**2 + 4 * 0.3**2 + 9 * 0.4**2
+    assert data.distance == pytest.approx(twice_energy / np.sqrt(square), rel=1e-14)
+    largest = float(exact.free_body(BODY, [1.1, 0.3, 0.4]).amplitude[1])
+    extremes = []
+    for middle in (0.0, largest**2):
+        sums = [twice_energy - 2.0 * middle, square - 4.0 * middle]
+        others = np.linalg.solve(np.array([[1.0, 3.0], [1.0, 9.0]]), sums)
+        extremes.append(np.sqrt(others.sum() + middle - data.distance**2))
+    np.testing.assert_allclose([radius.min(), radius.max()], sorted(extremes), rtol=1e-6)
+
+
+def test_the_picture_of_poinsot_carries_its_curves() -> None:
+    drawn = figures.poinsot(poinsot_run(401), frame=100)
+    data = drawn.data
+    np.testing.assert_array_equal(joined(drawn.polhode, drawn.hidden), data.polhode)
+    np.testing.assert_array_equal(data_of(drawn.herpolhode), data.herpolhode)
+    np.testing.assert_array_equal(data_of(drawn.contact), data.contact[np.newaxis])
+    np.testing.assert_array_equal(drawn.omega.vector, data.contact)
+    np.testing.assert_allclose(drawn.momentum.vector[:2], 0.0)
+    assert "invariable plane" in [text.strip() for text in texts(drawn.ax)]
+    assert colours.L.label in texts(drawn.ax)
+    assert colours.OMEGA.label in texts(drawn.ax)
+
+
+# Families of polhodes
+
+ORDERS = [(1.0, 2.0, 3.0), (3.0, 1.2, 2.5), (2.0, 2.5, 0.9), (0.0109, 0.1044, 0.1148)]
+
+
+@pytest.mark.parametrize("moments", ORDERS)
+def test_polhodes_have_one_energy_and_each_its_momentum(moments: Any) -> None:
+    data = figures.polhodes_data(moments, count=4, samples=181)
+    own = np.array(moments)
+    energy = (own * data.curves**2).sum(axis=-1)
+    np.testing.assert_allclose(energy, own.min(), rtol=1e-13)
+    momentum = ((own * data.curves) ** 2).sum(axis=-1)
+    np.testing.assert_allclose(momentum, momentum[:, :1] + 0.0 * momentum, rtol=1e-12)
+    np.testing.assert_allclose(data.curves[:, 0], data.curves[:, -1], atol=1e-14)
+    # On each side of the separatrix L² = 2 E I2, about the axis it says, which keeps its sign.
+    middle = np.sort(own)[1]
+    about_least = np.abs(data.axis) == own.argmin() + 1
+    np.testing.assert_array_equal(momentum[:, 0] < energy[:, 0] * middle, about_least)
+    for curve, axis in zip(data.curves, data.axis, strict=True):
+        assert (np.sign(curve[:, abs(axis) - 1]) == np.sign(axis)).all()
+    counts = np.unique(data.axis, return_counts=True)[1]
+    np.testing.assert_array_equal(counts, 4)
+    on_border = ((own * data.separatrix) ** 2).sum(axis=-1)
+    np.testing.assert_allclose(on_border, own.min() * middle, rtol=1e-13)
+    np.testing.assert_allclose((own * data.separatrix**2).sum(axis=-1), own.min(), rtol=1e-13)
+
+
+def test_a_motion_stays_on_its_polhode() -> None:
+    data = figures.polhodes_data((1.0, 2.0, 3.0), count=3, samples=4001)
+    for curve in data.curves[[0, 4, 7]]:
+        run = rigid.simulate(BODY, curve[0], t=np.linspace(0.0, 20.0, 60), record="rates")
+        apart = np.linalg.norm(run.omega[:, np.newaxis] - curve, axis=-1).min(axis=1)
+        assert apart.max() < 2e-3  # half the distance of two points of the curve
+
+
+def test_the_picture_of_polhodes_carries_the_family() -> None:
+    drawn = figures.polhodes((1.0, 2.0, 3.0), count=3)
+    data = drawn.data
+    for k, points in enumerate(data.curves):
+        np.testing.assert_array_equal(joined(drawn.seen[k], drawn.hidden[k]), points)
+        colour = colours.AXES[abs(data.axis[k]) - 1].colour
+        assert drawn.seen[k].get_color() == colour
+    assert len(drawn.separatrix) == 2
+    words = texts(drawn.ax)
+    assert words == ["1: least moment", "2: middle moment", "3: largest moment"]
+    figures.polhodes(rigid.Body((3.0, 1.2, 2.5)))
+
+
+# The throw
+
+
+def test_the_picture_of_the_throw_carries_the_experiment() -> None:
+    thrown = free.throw_experiment(rigid.Body.box(0.01, 0.08, 0.25), [0.05, 0.05, 0.05])
+    drawn = figures.throw(thrown)
+    for k in range(6):
+        for axis in range(3):
+            line = drawn.omega[k][axis]
+            np.testing.assert_array_equal(data_of(line)[:, 0], thrown.t)
+            np.testing.assert_array_equal(data_of(line)[:, 1], thrown.omega[k, :, axis])
+            assert line.get_color() == colours.AXES[axis].colour
+        dots = np.stack([np.arange(31.0), thrown.dots[k]], axis=1)
+        np.testing.assert_array_equal(data_of(drawn.dots[k]), dots)
+        assert dots[:, 1].min() >= 0.0  # never below zero (erratum S-14)
+    # Clean runs stand still, and their dots are 0, the growth rate about the middle axis, 0.
+    np.testing.assert_array_equal(np.ptp(thrown.omega[:3], axis=1), 0.0)
+    np.testing.assert_allclose(thrown.dots[:3].T, [[0.0, 0.888352678, 0.0]] * 31, atol=1e-9)
+    # On the lasting motions with noise most dots are positive too (erratum S-15).
+    assert (thrown.dots[[3, 5]] > 1e-3).mean() > 0.5
+    seen = data_of(drawn.omega[4][1])[-1]
+    np.testing.assert_allclose(seen, [30.0, -1.04874988073], rtol=1e-10)
+    titles = [ax.get_title(loc="left") for ax in drawn.axes]
+    assert titles[0] == "cleanly about axis 1"
+    assert titles[5] == "with noise about axis 3"
+    assert drawn.axes[3].get_xlabel() == "$t$ (s)"
+    assert drawn.axes[0].get_ylabel() == r"$\omega$ (rad/s)"
+    assert r"max Re $\lambda$ (1/s)" in texts(drawn.axes[0])
+
+
+# Drift
+
+
+def test_the_largest_drift_is_that_of_the_run() -> None:
+    free_run = rigid.simulate(
+        BODY, [1.0, 1.0, 1.0], t=np.linspace(0.0, 50.0, 101), method="rk4", step=0.05
+    )
+    data = figures.invariants_data(free_run)
+    assert data.names == ("energy", "L", "L_space")
+    assert data.drift[0].max() == pytest.approx(float(free_run.energy_drift), rel=1e-6)
+    assert data.drift[1].max() == pytest.approx(float(free_run.momentum_drift), rel=1e-6)
+    assert (data.drift[2] >= data.drift[1] * (1.0 - 1e-6)).all()  # a vector and its size
+    # Without the attitude, the vertical of which has an error of its own.
+    top_run = rigid.simulate(
+        TOP,
+        omega_of("cusp"),
+        TILTED,
+        t=np.linspace(0.0, 50.0, 101),
+        method="rk4",
+        step=0.02,
+        record="axis",
+    )
+    data = figures.invariants_data(top_run)
+    assert data.names == ("energy", "p_phi", "p_psi")
+    assert data.drift[0].max() == pytest.approx(float(top_run.energy_drift), rel=1e-6)
+    assert data.drift[1].max() == pytest.approx(float(top_run.momentum_drift), rel=1e-6)
+    assert data.drift[2].max() == 0.0  # I3 omega3 of equal moments is no sum
+    np.testing.assert_array_equal(data.drift[:, 0], 0.0)
+
+
+def test_what_is_kept_depends_on_the_scene() -> None:
+    t = np.linspace(0.0, 10.0, 51)
+    general = rigid.simulate(ASYMMETRIC, [0.2, 0.1, 5.0], TILTED, t=t)
+    assert figures.invariants_data(general).names == ("energy", "p_phi")
+    rates = rigid.simulate(BODY, [1.0, 1.0, 1.0], t=t, record="rates")
+    assert figures.invariants_data(rates).names == ("energy", "L")
+    driven = rigid.simulate(DAMPED, [0.1, 0.1, 5.0], TILTED, t=t, method="dop853", step=0.01)
+    data = figures.invariants_data(driven)
+    assert data.names == ("energy less work",)
+    assert data.drift.max() < 1e-10  # the energy itself falls by more than a tenth
+    kept = free.invariants(driven).energy
+    assert np.ptp(kept) > 0.1 * kept[0]
+
+
+def test_the_picture_of_drift_carries_it() -> None:
+    run = rigid.simulate(
+        BODY, [1.0, 1.0, 1.0], t=np.linspace(0.0, 50.0, 101), method="splitting4", step=0.05
+    )
+    drawn = figures.invariants(run)
+    floor = 0.02 * np.finfo(float).eps
+    for line, values in zip(drawn.lines, drawn.data.drift, strict=True):
+        np.testing.assert_array_equal(data_of(line)[:, 0], run.t)
+        np.testing.assert_array_equal(data_of(line)[:, 1], np.maximum(values, floor))
+    assert drawn.ax.get_yscale() == "log"
+    assert drawn.ax.get_xlabel() == "$t$ (s)"
+    assert drawn.ax.get_ylabel() == "relative drift"
+    assert drawn.data.drift[1:].max() < 1e-13  # the scheme keeps L, in space too
+    assert drawn.data.drift[0].max() > 1e-10

@@ -1,0 +1,423 @@
+"""The numbers under the figures of heavy tops, and that the figures show them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+import rigid
+from figure_cases import (
+    ASYMMETRIC,
+    BODY,
+    DAMPED,
+    SIN60,
+    STARTS,
+    TILTED,
+    TOP,
+    data_of,
+    joined,
+    omega_of,
+    poinsot_run,
+    texts,
+)
+from processes import python_process
+from rigid import figures, top
+
+Floats = NDArray[np.float64]
+
+
+def wrong(value: Any) -> Any:
+    """What no type checker would let through."""
+    return value
+
+
+# The effective potential
+
+
+@pytest.mark.parametrize("name", STARTS)
+def test_the_well_is_as_high_as_the_energy_at_the_circles(name: str) -> None:
+    data = figures.effective_potential_data(TOP, omega_of(name), TILTED)
+    _, _, u1, u2, _ = STARTS[name]
+    assert np.cos(data.theta_lower) == pytest.approx(u1, abs=2e-11)
+    assert np.cos(data.theta_upper) == pytest.approx(u2, abs=2e-11)
+    circles = np.interp([data.theta_upper, data.theta_lower], data.tilt, data.potential)
+    np.testing.assert_allclose(circles, data.E_prime, rtol=2e-2)  # of the polygon
+    # E', not E, is the level (erratum D-40): the energy of the spin is no part of it.
+    constants = top.heavy_constants(TOP, omega_of(name), TILTED)
+    assert data.E_prime == pytest.approx(float(constants.energy) - 0.25 * STARTS[name][1] ** 2)
+    assert data.lowest <= data.potential.min()
+    assert data.theta_upper < data.theta_steady < data.theta_lower
+
+
+def test_the_path_moves_in_the_well() -> None:
+    # E' - V'(theta) = ½ I1 theta'² along the motion; theta' from the rates across the axis.
+    omega = omega_of("prolate")
+    data = figures.effective_potential_data(TOP, omega, TILTED, samples=20001)
+    run = rigid.simulate(TOP, omega, TILTED, t=np.linspace(0.0, 6.0, 400), record="axis")
+    assert run.gamma is not None
+    u_rate = np.cross(run.gamma, run.omega)[:, 2]
+    sine = np.hypot(run.gamma[:, 0], run.gamma[:, 1])
+    tilt = np.arctan2(sine, run.gamma[:, 2])
+    well = np.interp(tilt, data.tilt, data.potential)
+    np.testing.assert_allclose(data.E_prime - well, 0.5 * (u_rate / sine) ** 2, atol=1e-6)
+
+
+def test_the_picture_of_the_well_carries_its_numbers() -> None:
+    drawn = figures.effective_potential(TOP, omega_of("cusp"), TILTED)
+    data = drawn.data
+    np.testing.assert_array_equal(data_of(drawn.curve)[:, 0], np.degrees(data.tilt))
+    np.testing.assert_array_equal(data_of(drawn.curve)[:, 1], data.potential)
+    ends = np.degrees([data.theta_upper, data.theta_lower])
+    np.testing.assert_allclose(ends, [60.0, np.degrees(np.arccos(0.191767987534))], rtol=1e-10)
+    for line in (drawn.level, drawn.turning):
+        np.testing.assert_array_equal(data_of(line), np.stack([ends, [data.E_prime] * 2], axis=1))
+    assert drawn.ax.get_xlabel() == r"tilt $\theta$ (°)"
+    assert drawn.ax.get_ylabel() == "energy (J)"
+    assert {"$E'$", r"$V'(\theta)$", r"$\theta_\mathrm{m}$"} < set(texts(drawn.ax))
+    low, high = drawn.ax.get_ylim()
+    assert low < data.lowest < data.E_prime < high
+
+
+def test_a_steady_top_lies_at_the_bottom_of_the_well() -> None:
+    slow = float(top.steady_precession(TOP, np.pi / 3, 5.0).slow)
+    drawn = figures.effective_potential(TOP, [0.0, slow * SIN60, 5.0], TILTED)
+    assert drawn.data.E_prime == pytest.approx(drawn.data.lowest, rel=1e-14)
+    assert drawn.data.theta_steady == pytest.approx(np.pi / 3, rel=1e-9)
+    assert r"$\theta_\mathrm{upper}$" not in texts(drawn.ax)
+
+
+# The cubic
+
+
+@pytest.mark.parametrize("name", STARTS)
+def test_roots_of_the_cubic(name: str) -> None:
+    data = figures.cubic_data(TOP, omega_of(name), TILTED)
+    np.testing.assert_allclose(data.roots, STARTS[name][2:], rtol=1e-11, atol=1e-12)
+    assert (data.f_allowed >= -1e-13).all()
+    outside = (data.near < data.roots[0]) | (data.near > data.roots[1])
+    assert (data.f_near[outside] < 0.0).all()
+    known = top.heavy_constants(TOP, omega_of(name), TILTED)
+    assert known.a is not None
+    assert known.b is not None
+    assert data.still == pytest.approx(float(known.a / known.b))
+    # f is lowest where it has to be: f(±1) = -(a ∓ b)².
+    ends = np.interp([1.0, -1.0], data.u, data.f)
+    expected = [-((known.a - known.b) ** 2), -((known.a + known.b) ** 2)]
+    np.testing.assert_allclose(ends, expected, atol=2e-3 * np.abs(data.f).max())
+
+
+def test_the_height_of_a_path_obeys_the_cubic() -> None:
+    omega = omega_of("prolate")
+    data = figures.cubic_data(TOP, omega, TILTED, samples=4001)
+    run = rigid.simulate(TOP, omega, TILTED, t=np.linspace(0.0, 6.0, 300), record="axis")
+    assert run.gamma is not None
+    u_rate = np.cross(run.gamma, run.omega)[:, 2]
+    seen = np.interp(run.gamma[:, 2], data.allowed, data.f_allowed)
+    np.testing.assert_allclose(seen, u_rate**2, atol=1e-6)
+    # The precession reverses at a/b: the loop's phi' has its sign.
+    phi = np.gradient(np.unwrap(top.locus(TOP, omega, TILTED, t=run.t).phi), run.t)
+    apart = np.abs(run.gamma[:, 2] - data.still) > 0.01
+    np.testing.assert_array_equal((phi > 0.0)[apart], (run.gamma[:, 2] < data.still)[apart])
+
+
+def test_the_picture_of_the_cubic_carries_its_numbers() -> None:
+    drawn = figures.cubic(TOP, omega_of("prolate"), TILTED)
+    data = drawn.data
+    np.testing.assert_array_equal(data_of(drawn.curve), np.stack([data.u, data.f], axis=1))
+    allowed = np.stack([data.allowed, data.f_allowed], axis=1)
+    np.testing.assert_array_equal(data_of(drawn.allowed), allowed)
+    np.testing.assert_array_equal(data_of(drawn.roots)[:, 0], data.roots)
+    assert drawn.close is not drawn.ax
+    assert drawn.still is not None
+    assert drawn.still.get_xdata()[0] == data.still
+    assert drawn.ax.get_xlabel() == r"height $u = \cos\theta$"
+    assert drawn.ax.get_ylabel() == r"$f(u) = \dot u^2$ (1/s²)"
+    assert "$u_3$" in texts(drawn.ax)
+    assert {"$u_1$", "$u_2$", "$a/b$"} <= set(texts(drawn.close))
+    # The wide interval of the fourth kind needs no closer look, and its u3 is out of sight.
+    wide = figures.cubic(TOP, omega_of("retrograde"), TILTED)
+    assert wide.close is wide.ax
+    assert len(data_of(wide.roots)) == 2
+    assert {"$u_1$", "$u_2$"} <= set(texts(wide.ax))
+    # A steady top has a double root (erratum G-21).
+    slow = float(top.steady_precession(TOP, np.pi / 3, 5.0).slow)
+    steady = figures.cubic(TOP, [0.0, slow * SIN60, 5.0], TILTED)
+    assert "$u_1 = u_2$" in texts(steady.close)
+
+
+def test_a_top_without_weight_has_no_third_root() -> None:
+    light = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=0.0)
+    drawn = figures.cubic(light, [0.3, 0.2, 1.0], TILTED)
+    assert drawn.data.roots[2] == np.inf
+    assert len(data_of(drawn.roots)) == 2
+
+
+# The upright top
+
+
+def test_an_upright_top_sleeps_where_f_is_negative() -> None:
+    drawn = figures.upright_cubic(TOP)
+    data = drawn.data
+    assert data.spin_min == 4.0
+    np.testing.assert_allclose(data.spin, [3.6, 4.0, 4.4], rtol=1e-15)
+    beside = data.u < 1.0
+    near = beside & (data.u > 0.9)
+    below, at, above = data.exact
+    assert (below[near] > 0.0).all()
+    assert (at[beside] < 0.0).all()
+    assert (above[beside] < 0.0).all()
+    np.testing.assert_array_equal(data.stable, [False, True, True])
+    # At the bound the printed approximation vanishes and says nothing (erratum G-19), f decides.
+    np.testing.assert_array_equal(data.approximate[1], 0.0)
+    np.testing.assert_allclose(at, -2.0 * (1.0 - data.u) ** 3, atol=1e-15)
+    np.testing.assert_array_equal(np.sign(data.approximate[[0, 2]][:, beside]).T[0], [1.0, -1.0])
+    for k in range(3):
+        np.testing.assert_array_equal(data_of(drawn.exact[k])[:, 1], data.exact[k])
+        np.testing.assert_array_equal(data_of(drawn.approximate[k])[:, 1], data.approximate[k])
+    titles = [ax.get_title() for ax in drawn.axes]
+    assert [title.split(": ")[1] for title in titles] == ["falls", "sleeps", "sleeps"]
+    assert drawn.axes[0].get_ylabel() == "$f(u)$ (1/s²)"
+
+
+# The locus
+
+
+@pytest.mark.parametrize("name", STARTS)
+def test_the_axis_stays_between_its_circles_and_touches_them(name: str) -> None:
+    data = figures.locus_data(TOP, omega_of(name), TILTED)
+    assert data.kind == name.split()[0]
+    assert data.theta_upper is not None
+    assert data.theta_lower is not None
+    assert np.cos(data.theta_lower) == pytest.approx(STARTS[name][2], abs=2e-11)
+    assert data.theta.min() > data.theta_upper - 1e-12
+    assert data.theta.max() < data.theta_lower + 1e-12
+    np.testing.assert_allclose(data.theta.min(), data.theta_upper, atol=1e-3)
+    np.testing.assert_allclose(data.theta.max(), data.theta_lower, atol=1e-3)
+    np.testing.assert_allclose(np.linalg.norm(data.point, axis=1), 1.0, rtol=1e-14)
+    assert abs(np.ptp(data.phi)) > 0.95 * 2.0 * np.pi
+    rate = np.diff(data.phi)
+    # Erratum G-18: of the fourth kind the axis goes against the spin all the time.
+    expected = {"curtate": (True, False), "retrograde": (False, True), "prolate": (True, True)}
+    if data.kind in expected:
+        assert (bool((rate > 0.0).any()), bool((rate < 0.0).any())) == expected[data.kind]
+
+
+def test_the_picture_of_the_locus_carries_its_path() -> None:
+    drawn = figures.locus(TOP, omega_of("cusp"), TILTED)
+    data = drawn.data
+    np.testing.assert_array_equal(joined(drawn.seen, drawn.hidden), data.point)
+    np.testing.assert_array_equal(data_of(drawn.start), data.point[:1])
+    assert [ring.get_label() for ring in drawn.circles] == ["upper", "lower"]
+    for ring, theta in zip(drawn.circles, (data.theta_upper, data.theta_lower), strict=True):
+        assert theta is not None
+        heights = data_of(ring)[:, 2]
+        np.testing.assert_allclose(heights[np.isfinite(heights)], np.cos(theta), rtol=1e-14)
+    # What is seen is in front.
+    elev, azim = np.radians([drawn.ax.elev, drawn.ax.azim])
+    eye = np.array([np.cos(elev) * np.cos(azim), np.cos(elev) * np.sin(azim), np.sin(elev)])
+    assert np.nanmin(data_of(drawn.seen) @ eye) >= -1e-12
+    assert np.nanmax(data_of(drawn.hidden) @ eye) <= 1e-12
+
+
+def test_panels_of_loci_are_named() -> None:
+    names = ["prolate", "cusp", "curtate", "retrograde"]
+    drawn = figures.loci(TOP, [omega_of(name) for name in names], TILTED)
+    assert [one.data.kind for one in drawn] == names
+    titles = [one.ax.get_title() for one in drawn]
+    assert titles == ["loops", "cusps", "monotone", "against the spin"]
+
+
+def test_tops_without_circles_are_drawn_for_given_times() -> None:
+    t = np.linspace(0.0, 5.0, 51)
+    for scene in (ASYMMETRIC, DAMPED):
+        drawn = figures.locus(scene, [0.2, 0.1, 5.0], TILTED, t=t)
+        assert drawn.data.kind == "general"
+        assert drawn.circles == ()
+        path = top.locus(scene, [0.2, 0.1, 5.0], TILTED, t=t)
+        np.testing.assert_array_equal(drawn.data.point, path.point)
+
+
+# Cycloids
+
+
+def test_fast_tops_come_near_cycloids() -> None:
+    coarse, fine = (figures.cycloids_data(TOP, 1.0, spin, periods=2.0) for spin in (20.0, 40.0))
+    assert coarse.kind.tolist() == ["curtate", "cusp", "prolate"]
+    np.testing.assert_allclose(coarse.precession, [0.05, 0.0, -0.1], rtol=1e-14)
+    errors = []
+    for data in (coarse, fine):
+        np.testing.assert_allclose(data.theta[:, 0], 1.0, rtol=1e-14)
+        rate = np.diff(data.phi[:, :2], axis=1)[:, 0] / data.t[1]
+        np.testing.assert_allclose(rate, data.precession, atol=1e-4)
+        width = np.ptp(data.theta_approx, axis=1)
+        errors.append(np.abs(data.theta - data.theta_approx).max(axis=1) / width)
+        # phi' never reverses, stands still, reverses.
+        slowest = np.diff(data.phi, axis=1).min(axis=1) / np.diff(data.phi, axis=1).max(axis=1)
+        assert slowest[0] > 0.2
+        assert abs(slowest[1]) < 0.01
+        assert slowest[2] < -0.2
+    # The error is of second order in 1 / spin, for a given number of nutations (D-38).
+    np.testing.assert_allclose(errors[0] / errors[1], 4.0, rtol=0.1)
+
+
+def test_any_axis_may_be_that_of_a_cycloid() -> None:
+    plain = figures.cycloids_data(TOP, 1.0, 20.0)
+    turned = rigid.HeavyTop(rigid.Body((0.5, 1.0, 1.0)), mgl=1.0, com=(1.0, 0.0, 0.0))
+    against = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0, com=(0.0, 0.0, -1.0))
+    for scene, spin in ((turned, 20.0), (against, -20.0)):
+        data = figures.cycloids_data(scene, 1.0, spin)
+        np.testing.assert_allclose(data.theta, plain.theta, rtol=1e-12)
+        np.testing.assert_allclose(data.phi, plain.phi, atol=1e-12)
+        np.testing.assert_allclose(data.theta_approx, plain.theta_approx, rtol=1e-14)
+
+
+def test_the_picture_of_cycloids_carries_both_curves() -> None:
+    drawn = figures.cycloids(TOP, 1.0, 20.0)
+    data = drawn.data
+    for k in range(3):
+        for line, phi, theta in (
+            (drawn.exact[k], data.phi[k], data.theta[k]),
+            (drawn.approximate[k], data.phi_approx[k], data.theta_approx[k]),
+        ):
+            expected = np.degrees(np.stack([np.sin(1.0) * phi, theta], axis=1))
+            np.testing.assert_array_equal(data_of(line), expected)
+        assert drawn.axes[k].get_ylim()[0] > drawn.axes[k].get_ylim()[1]  # upward is up
+        assert drawn.axes[k].get_ylabel() == r"tilt $\theta$ (°)"
+    assert drawn.axes[2].get_xlabel() == r"azimuth $\phi\,\sin\theta_0$ (°)"
+    assert figures.cycloids(TOP, 1.0, 20.0, pushes=[]).axes == ()
+
+
+# Refusals
+
+
+@pytest.mark.parametrize(
+    ("call", "error", "message"),
+    [
+        (lambda: figures.cubic(ASYMMETRIC, [0, 0, 1]), ValueError, "moments = .* two moments"),
+        (
+            lambda: figures.effective_potential(DAMPED, [0, 0, 1]),
+            ValueError,
+            "energy and momenta of a top: needs a scene without torque and damping",
+        ),
+        (lambda: figures.cubic(wrong(BODY), [0, 0, 1]), TypeError, "must be a rigid.HeavyTop"),
+        (lambda: figures.cubic(TOP, [0, 0]), ValueError, r"omega: expected shape \(3,\)"),
+        (lambda: figures.cubic(TOP, [0, 0, np.nan]), ValueError, "nan: must be finite"),
+        (
+            lambda: figures.cubic(TOP, [0, 0, 1], [TILTED, TILTED]),
+            ValueError,
+            "attitude: expected a single one",
+        ),
+        (lambda: figures.upright_cubic(TOP, [1, 2]), ValueError, r"spins: expected shape \(3,\)"),
+        (lambda: figures.upright_cubic(DAMPED), ValueError, "torque and damping"),
+        (
+            lambda: figures.locus(ASYMMETRIC, [0, 0, 1]),
+            ValueError,
+            r"t = None: the axis of this top has no period \(general\)",
+        ),
+        (lambda: figures.locus(TOP, [0, 0, 5]), ValueError, r"no period \(sleeping\)"),
+        (lambda: figures.locus(wrong(BODY), [0, 0, 5]), TypeError, "must be a rigid.HeavyTop"),
+        (
+            lambda: figures.locus(TOP, [0, 0, 5], [TILTED]),
+            ValueError,
+            r"attitude: expected shape \(4,\)",
+        ),
+        (
+            lambda: figures.loci(TOP, [[0, 0, 5]], [TILTED, TILTED]),
+            ValueError,
+            r"attitude: expected shape \(4,\) or \(1, 4\)",
+        ),
+        (lambda: figures.cycloids(TOP, 1.0, 0.0), ValueError, "a fast top needs a spin"),
+        (lambda: figures.cycloids(TOP, 4.0, 9.0), ValueError, "tilt = 4.0: must lie in"),
+        (lambda: figures.cycloids(DAMPED, 1.0, 9.0), ValueError, "cycloids: needs a scene"),
+        (lambda: figures.cycloids(TOP, 1.0, 9.0, periods=0), ValueError, "periods = 0.0"),
+        (
+            lambda: figures.cycloids(TOP, 1.0, 9.0, pushes=[[1.0]]),
+            ValueError,
+            r"pushes: expected shape \(k,\)",
+        ),
+        (lambda: figures.poinsot(poinsot_run(3), frame=3), ValueError, "frame = 3: the run has 3"),
+        (
+            lambda: figures.poinsot(poinsot_run(3), frame=wrong(0.5)),
+            TypeError,
+            "must be a whole number",
+        ),
+        (
+            lambda: figures.poinsot(rigid.simulate(TOP, [0, 0, 1], t=[0, 1])),
+            TypeError,
+            "that of a rigid.FreeBody",
+        ),
+        (
+            lambda: figures.poinsot(rigid.simulate(BODY, [0, 0, 1], t=[0, 1], record="rates")),
+            ValueError,
+            "record = 'rates': record = 'attitude' is needed",
+        ),
+        (
+            lambda: figures.poinsot(rigid.simulate(BODY, [0, 0, 0], t=[0, 1])),
+            ValueError,
+            "no invariable plane",
+        ),
+        (
+            lambda: figures.poinsot(
+                rigid.simulate(rigid.FreeBody(BODY.body, damping=0.1), [0, 0, 1], t=[0, 1])
+            ),
+            ValueError,
+            "Poinsot's picture: needs a scene without",
+        ),
+        (lambda: figures.polhodes((1, 1, 1.5)), ValueError, "three different moments"),
+        (lambda: figures.polhodes((1, 2, 4)), ValueError, "triangle inequality"),
+        (lambda: figures.polhodes((1, 2, 2.5), count=0), ValueError, "count = 0: must be at least"),
+        (lambda: figures.throw(wrong(None)), TypeError, "experiment = None: must be a"),
+        (lambda: figures.invariants(wrong(None)), TypeError, "run = None: must be a rigid.Run"),
+        (
+            lambda: figures.invariants(rigid.simulate(BODY, [[0, 0, 1]], t=[0, 1])),
+            ValueError,
+            r"omega of shape \(1, 2, 3\): needs one body",
+        ),
+        (
+            lambda: figures.invariants(rigid.simulate(BODY, [0, 0, 0], t=[0, 1])),
+            ValueError,
+            "at rest has nothing to drift",
+        ),
+        (
+            lambda: figures.invariants(rigid.simulate(TOP, [0, 0, 1], t=[0, 1], record="rates")),
+            ValueError,
+            "the energy of a heavy top needs it",
+        ),
+        (
+            lambda: figures.poinsot(poinsot_run(3), ax=Figure().add_subplot()),
+            ValueError,
+            "needs 3-D axes",
+        ),
+        (
+            lambda: figures.cubic(TOP, [0, 0, 1], ax=Figure().add_subplot(projection="3d")),
+            ValueError,
+            "needs 2-D axes",
+        ),
+        (
+            lambda: figures.upright_cubic(TOP, axes=[Figure().add_subplot()]),
+            ValueError,
+            "has 3 panels, got 1 axes",
+        ),
+    ],
+)
+def test_what_cannot_be_drawn_is_refused(call: Any, error: Any, message: str) -> None:
+    with pytest.raises(error, match=message):
+        call()
+
+
+def test_without_matplotlib_it_is_said_what_is_missing() -> None:
+    code = (
+        "import sys; sys.modules['matplotlib'] = sys.modules['matplotlib.figure'] = None\n"
+        "from rigid import figures\n"
+        "figures.polhodes_data((1.0, 2.0, 3.0))\n"
+        "try:\n"
+        "    figures.polhodes((1.0, 2.0, 3.0))\n"
+        "except ImportError as error:\n"
+        "    print(error)\n"
+    )
+    said = python_process(code).stdout.strip()
+    assert said == "plotting needs matplotlib: pip install 'rigid[maps]'"

@@ -1,0 +1,268 @@
+"""Euler's equations: what they keep, what the power does, and what is refused."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import permutations
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+import rigid
+from free_motions import OBLATE, SPUN, moments_at_random, path
+from physics import ROUNDOFF, Floats, present, rotation_matrix, tilted, vertical
+from rigid import exact, free, rotations, top
+
+RANDOM = np.random.default_rng(38)
+
+
+def slope(values: Floats, step: float) -> Floats:
+    """Derivative at the middle of five equidistant values; its error is step⁴/30 of the fifth."""
+    change: Floats = (values[0] - 8 * values[1] + 8 * values[3] - values[4]) / (12 * step)
+    return change
+
+
+# Euler's equations
+
+
+def test_the_acceleration_is_the_derivative_of_the_rates() -> None:
+    step = 2e-3
+    t = 1.0 + step * np.arange(-2, 3)
+    omega, _ = path((1.0, 2.0, 2.5), [1.1, 0.3, 0.4], t)
+    # Five derivatives of rates of frequency 1: 5e-13 and the rounding 1e-16 / step.
+    np.testing.assert_allclose(
+        free.euler_rhs((1.0, 2.0, 2.5), omega[2]), slope(omega, step), atol=2e-12
+    )
+
+
+def test_the_momentum_in_space_changes_by_the_torque() -> None:
+    moments, omega = moments_at_random(200, RANDOM), RANDOM.normal(size=(200, 3))
+    torque, attitude = RANDOM.normal(size=(200, 3)), RANDOM.normal(size=(200, 4))
+    turn = rotation_matrix(attitude)
+    change = free.euler_rhs(moments, omega, torque)
+    # d(R I omega)/dt = R (I omega' + omega × I omega).
+    inside = moments * change + np.cross(omega, moments * omega)
+    np.testing.assert_allclose(inside, torque, atol=1e-14)
+    # The same torque, given in space.
+    outside = np.einsum("nij,nj->ni", turn, torque)
+    again = free.euler_rhs(moments, omega, outside, attitude=attitude, frame="space")
+    np.testing.assert_allclose(again, change, atol=1e-13)
+    # Power: omega·I omega' = torque·omega.
+    power = (omega * moments * change).sum(axis=1)
+    np.testing.assert_allclose(power, (torque * omega).sum(axis=1), atol=1e-13)
+
+
+def test_axes_may_be_renamed() -> None:
+    moments, omega = np.array([1.0, 1.7, 2.4]), np.array([0.4, -1.3, 0.8])
+    here = free.euler_rhs(moments, omega)
+    for order in permutations(range(3)):
+        turned = list(order)
+        even = 1.0 if (turned[1] - turned[0]) % 3 == 1 else -1.0
+        there = free.euler_rhs(moments[turned], omega[turned])
+        np.testing.assert_allclose(there, even * here[turned], rtol=4 * ROUNDOFF)
+
+
+def test_a_sphere_keeps_its_rates_exactly() -> None:
+    assert (free.euler_rhs((0.3, 0.3, 0.3), RANDOM.normal(size=(50, 3))) == 0.0).all()
+
+
+def test_leading_axes_and_empty_batches() -> None:
+    omega = RANDOM.normal(size=(4, 1, 3))
+    moments = moments_at_random(5, RANDOM)
+    assert free.euler_rhs(moments, omega).shape == (4, 5, 3)
+    assert free.euler_rhs(moments, omega, [0.0, 0.0, 1.0]).shape == (4, 5, 3)
+    assert free.asymmetric_free_top(moments, omega).amplitude.shape == (4, 5, 3)
+    assert free.circulation(moments, omega).margin.shape == (4, 5)
+    nobody = np.empty((0, 3))
+    assert free.euler_rhs(nobody, nobody).shape == (0, 3)
+    assert free.euler_rhs(rigid.Body((1, 2, 3)), nobody).shape == (0, 3)
+    assert free.asymmetric_free_top((1, 2, 3), nobody, t=[0.0, 1.0]).period.shape == (0,)
+    assert free.symmetric_free_top((1, 1, 1.5), nobody).k.shape == (0,)
+    assert free.cones((1, 1, 1.5), nobody, samples=5).body_curve.shape == (0, 5, 3)
+    assert free.poinsot((1, 2, 2.5), np.empty((0, 4, 3))).distance.shape == (0,)
+
+
+# Invariants and power
+
+
+def test_a_free_body_keeps_its_momentum_but_not_its_rates() -> None:
+    scene = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
+    run = rigid.simulate(scene, [0.02, 1.0, 0.02], t=np.linspace(0.0, 40.0, 4001))
+    kept = free.invariants(run)
+    assert kept.drift("energy") < 1e-14
+    assert kept.drift("L") < 1e-14
+    assert kept.drift("L_space") < 1e-13
+    # D-02: zero torque would leave the rotation as it is.
+    assert np.ptp(run.omega[:, 1]) == pytest.approx(2.0004, abs=5e-5)
+    assert kept.p_psi is None
+
+
+def test_a_heavy_top_keeps_less() -> None:
+    t = np.linspace(0.0, 5.0, 51)
+    scene = rigid.HeavyTop(rigid.Body((1.0, 1.5, 0.5)), mgl=1.0)
+    run = rigid.simulate(scene, [0.2, 0.1, 5.0], tilted(np.pi / 3), t=t, method="dop853", step=1e-3)
+    kept = free.invariants(run)
+    # 5000 steps with rounding of 5 units in omega.
+    assert kept.drift("energy") < 1e-12
+    assert kept.drift("p_phi") < 1e-12
+    change = present(kept.p_psi)[-1] - present(kept.p_psi)[0]
+    assert change == pytest.approx(-0.00728107, abs=5e-9)
+    # The same states as arrays.
+    again = free.invariants(scene, run.omega, run.attitude)
+    np.testing.assert_allclose(again.energy, kept.energy, atol=1e-14)
+
+
+def test_the_weight_moves_the_momentum() -> None:
+    # D-19: a top "under the torque of its own weight" is no free top. Body and start of the proof.
+    scene = rigid.HeavyTop(rigid.Body((1.3, 1.3, 0.7)), mgl=2.1)
+    omega = [0.35, 0.25 * np.sin(0.9), 5.0]
+    t = np.linspace(0.0, 12.0, 12001)
+    heavy = free.invariants(rigid.simulate(scene, omega, tilted(0.9), t=t))
+    freely = free.invariants(rigid.simulate(rigid.FreeBody(scene.body), omega, tilted(0.9), t=t))
+    assert np.ptp(present(heavy.L_space)[:, 0]) == pytest.approx(5.78, abs=5e-3)
+    assert np.ptp(present(heavy.L_space)[:, 2]) < 1e-13
+    assert np.ptp(present(freely.L_space), axis=0).max() < 1e-13
+
+
+def test_the_kinetic_energy_changes_by_the_power() -> None:
+    scene = rigid.HeavyTop(rigid.Body((1.0, 1.5, 0.5)), mgl=1.0)
+    left = []
+    for count in (401, 801):
+        t = np.linspace(0.0, 2.0, count)
+        run = rigid.simulate(scene, [0.2, 0.1, 5.0], tilted(1.0), t=t, method="dop853", step=2.5e-3)
+        balance = free.power_balance(run)
+        left.append(np.abs(balance.residual[5:-5]).max())
+        assert np.abs(balance.power).max() > 0.1
+    # Differences of second order.
+    assert left[0] / left[1] == pytest.approx(4.0, abs=0.1)
+    assert left[1] < 1e-4
+    quiet = rigid.simulate(
+        rigid.FreeBody(scene.body), [0.2, 0.1, 5.0], t=np.linspace(0.0, 2.0, 201)
+    )
+    assert np.abs(free.power_balance(quiet).residual).max() < 1e-11
+
+
+# Refusals
+
+FREE = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
+HEAVY = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
+RUN = rigid.simulate(FREE, [0.1, 1.0, 0.2], t=[0.0, 1.0, 2.0])
+NO_SCENE: Any = (1.0, 2.0, 3.0)
+
+
+@pytest.mark.parametrize(
+    ("call", "kind", "message"),
+    [
+        (lambda: free.euler_rhs((1, 1, 3), [1, 2, 3]), ValueError, "triangle inequality"),
+        (lambda: free.euler_rhs((1, 1, 0), [1, 2, 3]), ValueError, "moments = (1, 1, 0)"),
+        (lambda: free.euler_rhs((1, -1, 2), [1, 2, 3]), ValueError, "moments = (1, -1, 2)"),
+        (lambda: free.euler_rhs((1, 2, np.nan), [1, 2, 3]), ValueError, "moments[2] = nan"),
+        (lambda: free.euler_rhs((1, 2), [1, 2, 3]), ValueError, "moments: expected shape (..., 3)"),
+        (lambda: free.euler_rhs((1, 2, 3), [1, 2]), ValueError, "omega: expected shape (..., 3)"),
+        (lambda: free.euler_rhs((1, 2, 3), [1, 2, np.inf]), ValueError, "omega[2] = inf: must be"),
+        (
+            lambda: free.euler_rhs((1, 2, 3), [1, 2, 3], [0, 0, 1], frame="space"),
+            ValueError,
+            "frame = 'space': a torque in space needs the attitude",
+        ),
+        (
+            lambda: free.euler_rhs((1, 2, 3), [1, 2, 3], [0, 0, 1], frame="lab"),
+            ValueError,
+            "frame = 'lab': must be one of",
+        ),
+        (
+            lambda: free.euler_rhs(
+                (1, 2, 3), [1, 2, 3], [0, 0, 1], attitude=[0, 0, 0, 0], frame="space"
+            ),
+            ValueError,
+            "attitude = [0.0, 0.0, 0.0, 0.0]: a zero quaternion is no attitude",
+        ),
+        (lambda: free.invariants(NO_SCENE, [1, 2, 3]), TypeError, "must be a rigid.FreeBody or"),
+        (lambda: free.invariants(FREE), ValueError, "omega = None: states are needed"),
+        (lambda: free.invariants(RUN, [1, 2, 3]), ValueError, "a run has its own states"),
+        (lambda: free.invariants(HEAVY, [1, 2, 3]), ValueError, "attitude = None: the energy of"),
+        (lambda: free.invariants(RUN).drift("p_psi"), ValueError, "p_psi is not known"),
+        (lambda: free.invariants(RUN).drift("speed"), ValueError, "name = 'speed': must be one"),
+        (
+            lambda: free.invariants(FREE, [1, 2, 3]).drift("energy"),
+            ValueError,
+            "energy of shape (): has no times to compare",
+        ),
+        (lambda: free.power_balance(RUN, t=[0.0, 1.0, 2.0]), ValueError, "t: a run has its own"),
+        (lambda: free.power_balance(HEAVY, [[1, 2, 3]] * 3, t=[0, 1, 2]), ValueError, "the weight"),
+        (lambda: free.power_balance(FREE, [[1, 2, 3]] * 3), ValueError, "t of shape (0,), omega"),
+        (lambda: free.symmetric_free_top((1, 2, 2.5), [1, 2, 3]), ValueError, "has two moments"),
+        (
+            lambda: free.symmetric_free_top((1, 2, 2), [1, 2, 3], axis=3),
+            ValueError,
+            "the two across the axis of symmetry must be equal",
+        ),
+        (
+            lambda: free.symmetric_free_top((1, 1, 2), [1, 2, 3], [1, 0, 0, 0]),
+            ValueError,
+            "attitude: without times t",
+        ),
+        (
+            lambda: free.asymmetric_free_top((1, 1, 2), [1, 2, 3], [1, 0, 0, 0]),
+            ValueError,
+            "attitude: without times t",
+        ),
+        (lambda: free.asymmetric_free_top((1, 1, 2), [1, 2, 3], t=[1, 0]), ValueError, "ascending"),
+        (lambda: free.cones((1, 1, 2), [0, 0, 0]), ValueError, "a body at rest has no cones"),
+        (lambda: free.cones((1, 1, 2), [0, 0, 1], samples=1), ValueError, "samples = 1: must be"),
+        (lambda: free.steady_axis_frame((1, 1, 1), 1.0), ValueError, "a sphere has no axis"),
+        (lambda: free.steady_axis_frame((1, 1.5, 1), 1.0), ValueError, "across the third axis"),
+        (lambda: free.steady_axis_frame((1, 1, 2), 1.0, 1.6), ValueError, "tilt = 1.6: must lie"),
+        (lambda: free.steady_axis_spin((1, 1, 2), [1, 2]), ValueError, "frame_rate: expected"),
+        (lambda: free.poinsot((1, 2, 2.5), [1, 2, 3]), ValueError, "omega: expected shape (..., m"),
+        (lambda: free.poinsot((1, 2, 2.5), [[0, 0, 0]]), ValueError, "has no invariable plane"),
+        (lambda: free.poinsot((1, 1, 0), [[0, 0, 2]]), ValueError, "|L| = 0.0: a body without"),
+        (
+            lambda: free.poinsot((1, 2, 2.5), [[1, 2, 3]], [1, 0, 0, 0]),
+            ValueError,
+            "attitude: expected shape (1, 4) to go with omega",
+        ),
+    ],
+)  # fmt: skip
+def test_what_has_no_answer_is_refused(
+    call: Callable[[], object], kind: type[Exception], message: str
+) -> None:
+    with pytest.raises(kind) as error:
+        call()
+    assert message in str(error.value)
+
+
+def test_attitudes_are_normalised_to_the_same_bits_everywhere() -> None:
+    """Of any length: simulate, the free tops and the rotations start from the same quaternion."""
+    given = RANDOM.normal(size=(500, 4)) * 10.0 ** RANDOM.uniform(-300, 300, (500, 1))
+    given[:4] = [
+        [0.0, 0.0, 0.0, 5e-324],
+        [1e308, 1e308, -1e308, 1e308],
+        [1e-170, 1.0, 0.0, 0.0],
+        [0.0, 3.0, 4.0, 0.0],
+    ]
+    scene, times = rigid.FreeBody(rigid.Body((1.0, 2.0, 2.5))), np.array([0.0, 1.7])
+    run = rigid.simulate(scene, [0.9, 0.3, 2.3], given, t=times, method="exact")
+    found = free.asymmetric_free_top(scene, [0.9, 0.3, 2.3], given, t=times)
+    np.testing.assert_array_equal(found.attitude, present(run.attitude))
+    start = present(rigid.simulate(scene, [0.9, 0.3, 2.3], given, t=[0.0], method="rk4").attitude)[
+        :, 0
+    ]
+    sign = np.sign(np.take_along_axis(start, np.argmax(start != 0.0, axis=1)[:, None], axis=1))
+    np.testing.assert_array_equal(rotations.canonical_quaternion(given), sign * start)
+    np.testing.assert_array_equal(
+        rotations.attitude_from_omega(np.zeros_like, t=[0.0], attitude=given).attitude[:, 0], start
+    )
+
+
+def test_scipy_rotations_are_attitudes() -> None:
+    attitude = np.array([0.8, 0.36, -0.48, 0.0])
+    rotation = Rotation.from_quat(attitude, scalar_first=True)
+    ours = free.symmetric_free_top(OBLATE, SPUN, attitude, t=[1.0])
+    theirs = free.symmetric_free_top(OBLATE, SPUN, rotation, t=[1.0])
+    np.testing.assert_allclose(present(ours.attitude), present(theirs.attitude), atol=1e-15)
+    assert exact.free_body(rigid.Body(OBLATE), SPUN).period == pytest.approx(ours.period)
+    weight = top.gravity_torque(HEAVY, rotation)
+    np.testing.assert_allclose(weight, np.cross(vertical(attitude), [0, 0, 1.0]), atol=1e-15)

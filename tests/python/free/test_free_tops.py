@@ -1,0 +1,251 @@
+"""Free tops, symmetric and asymmetric, and their cones, against paths and printed numbers."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.special import ellipj, ellipk, ellipkinc
+
+from free_motions import OBLATE, PROLATE, SPUN, angle, moments_at_random, path
+from physics import ROUNDOFF, golden_number, present, rotation_matrix
+from rigid import free
+
+RANDOM = np.random.default_rng(38)
+
+
+# The symmetric free top: table of the worked cases
+
+
+@pytest.mark.parametrize(
+    ("body", "k", "period", "frequency", "theta", "space_cone", "precession"),
+    [
+        (OBLATE, 1.38, 4.55303283129, 0.219633821467, 0.239857068984, 0.133130652816, 3.7884561499),
+        (PROLATE, -1.035, 6.07071044172, None, 0.618377530101, 0.245389808301, 1.55248993556),
+    ],
+)  # fmt: skip
+def test_the_symmetric_free_top_of_the_table(
+    body: tuple[float, float, float],
+    k: float,
+    period: float,
+    frequency: float | None,
+    theta: float,
+    space_cone: float,
+    precession: float,
+) -> None:
+    found = free.symmetric_free_top(body, SPUN)
+    assert found.axis == 3
+    assert found.k == pytest.approx(k, rel=4 * ROUNDOFF)
+    assert found.spin == -found.k
+    assert found.period == pytest.approx(period, rel=1e-12)
+    if frequency is not None:
+        assert found.frequency == pytest.approx(frequency, rel=1e-12)
+    assert found.alpha == pytest.approx(0.3729877218, abs=5e-11)
+    assert found.theta == pytest.approx(theta, rel=1e-11)
+    assert found.space_cone == pytest.approx(space_cone, rel=1e-11)
+    assert found.precession == pytest.approx(precession, rel=1e-11)
+
+
+@pytest.mark.parametrize("body", [OBLATE, PROLATE])
+@pytest.mark.parametrize("spin", [2.3, -2.3])
+def test_the_symmetric_free_top_on_its_path(body: tuple[float, float, float], spin: float) -> None:
+    start = np.array([0.9, 0.4, spin])
+    attitude = [0.8, 0.36, -0.48, 0.0]
+    found = free.symmetric_free_top(body, start, attitude, t=np.linspace(0.0, 3.0, 301))
+    omega, turn = path(body, start, np.linspace(0.0, 3.0, 301), attitude)
+    assert np.array_equal(present(found.omega), omega)
+    t = np.linspace(0.0, 3.0, 301)
+    # omega in the body: amplitude, phase and the signed rate k.
+    phase = float(found.k) * t + float(found.phase)
+    circle = float(found.amplitude) * np.stack([np.cos(phase), np.sin(phase)], axis=-1)
+    np.testing.assert_allclose(omega[:, :2], circle, atol=1e-14)
+    # Cones: omega against L in space, omega and L against the axis.
+    in_space = np.einsum("tij,tj->ti", turn, omega)
+    momentum = np.einsum("tij,tj->ti", turn, omega * np.array(body))
+    axis = turn[:, :, 2]
+    np.testing.assert_allclose(angle(in_space, momentum), found.space_cone, atol=1e-14)
+    np.testing.assert_allclose(angle(in_space, axis), found.alpha, atol=1e-14)
+    np.testing.assert_allclose(angle(momentum, axis), found.theta, atol=1e-14)
+    assert found.space_cone == pytest.approx(abs(found.alpha - found.theta), abs=1e-15)
+    assert np.abs(np.linalg.det(np.stack([axis, in_space, momentum], axis=1))).max() < 1e-14
+    # Precession: the angle of the axis about L, and rolling of the cones.
+    along = momentum[0] / np.linalg.norm(momentum[0])
+    node = np.cross(along, axis)
+    turned = np.unwrap(np.arctan2((np.cross(node[0], node) @ along), node @ node[0]))
+    assert turned[-1] / 3.0 == pytest.approx(found.precession, rel=1e-13)
+    assert found.precession * np.sin(found.theta) == pytest.approx(
+        found.rate * np.sin(found.alpha), rel=1e-14
+    )
+    # Euler's rates about L: omega3 = phi' cos(theta) + psi'.
+    third = found.precession * np.cos(found.theta) + found.spin
+    assert third == pytest.approx(spin, rel=1e-13)
+    # D-20: the printed k/2 is no frequency, and the printed period is negative if prolate.
+    measured = abs(np.ptp(np.unwrap(np.arctan2(omega[:, 1], omega[:, 0])))) / (2 * np.pi * 3.0)
+    assert found.frequency == pytest.approx(measured, rel=1e-13)
+    assert abs(abs(found.k) / 2 - measured) > 0.3
+    assert (2 * np.pi / ((body[2] - 1.0) * spin) > 0.0) == (found.k > 0.0)
+    # D-22: the printed half angle of the space cone is theta.
+    assert abs(found.theta - angle(in_space, momentum)[0]) > 0.05
+
+
+def test_symmetric_limits() -> None:
+    sphere = free.symmetric_free_top((2.0, 2.0, 2.0), [1.0, 2.0, 3.0])
+    assert sphere.k == sphere.space_cone == 0.0
+    assert sphere.period == np.inf
+    straight = free.symmetric_free_top(OBLATE, [0.0, 0.0, -2.0])
+    assert straight.body_cone == straight.space_cone == straight.amplitude == 0.0
+    assert straight.alpha == straight.theta == pytest.approx(np.pi)
+    rest = free.symmetric_free_top(OBLATE, [0.0, 0.0, 0.0])
+    assert rest.precession == rest.alpha == rest.k == 0.0
+    nearly = free.symmetric_free_top((1.0, 1.0, 1.0 + 2.0**-50), SPUN)
+    assert nearly.k == pytest.approx(2.3 * 2.0**-50, rel=4 * ROUNDOFF)
+    # |k| <= |omega|, with equality for a flat body spun about its axis.
+    flat = free.symmetric_free_top((1.0, 1.0, 2.0), [[0.0, 0.0, 3.0], [1.0, 0.0, 3.0]])
+    assert flat.k.tolist() == [3.0, 3.0]
+    assert (flat.k <= flat.rate).all()
+    # The axis may be any: for the first, alpha = (I1 - I3) omega1 / I3 as seen along it.
+    for turns in range(3):
+        renamed = free.symmetric_free_top(np.roll(OBLATE, turns), np.roll(SPUN, turns))
+        assert renamed.axis == (turns + 2) % 3 + 1
+        same = free.symmetric_free_top(OBLATE, SPUN)
+        for name in ("k", "precession", "alpha", "theta", "space_cone", "phase"):
+            assert getattr(renamed, name) == getattr(same, name)
+
+
+# The asymmetric free top
+
+
+def test_the_asymmetric_free_top_of_the_table() -> None:
+    found = free.asymmetric_free_top((1.0, 2.0, 3.0), [0.3, 0.2, 1.2], t=[10.0])
+    assert found.period == pytest.approx(5.25142979483806, rel=4e-15)
+    assert found.m == pytest.approx(0.0298165137615, rel=2e-12)
+    name = "free.I(1,2,3).w(0.3,0.2,1.2).t10"
+    assert present(found.omega)[0] == pytest.approx(golden_number(f"{name}.w"), abs=1e-13)
+    matrix = rotation_matrix(present(found.attitude)[0]).ravel()
+    assert matrix == pytest.approx(golden_number(f"{name}.R_body_to_lab"), abs=1e-13)
+
+
+def test_rates_are_jacobi_functions() -> None:
+    moments = moments_at_random(60, RANDOM)
+    omega = RANDOM.normal(size=(60, 3))
+    t = np.linspace(0.0, 7.0, 15)
+    found = free.asymmetric_free_top(moments, omega, t=t)
+    # T = 4 K / p with SciPy's K.
+    np.testing.assert_allclose(4.0 * ellipk(found.m) / found.frequency, found.period, rtol=1e-11)
+    for body in range(60):
+        axis = abs(int(found.axis[body])) - 1
+        middle = int(np.argsort(moments[body])[1])
+        other = 3 - axis - middle
+        # The phase at the start, where the middle rate is amplitude sn; sn, cn, dn are SciPy's.
+        sine = omega[body, middle] / found.amplitude[body, middle]
+        m, p = float(found.m[body]), float(found.frequency[body])
+        start = float(ellipkinc(np.arcsin(np.clip(sine, -1.0, 1.0)), m))
+        if free.euler_rhs(moments[body], omega[body])[middle] < 0.0:
+            start = float(2.0 * ellipk(m)) - start
+        sn, cn, dn, _ = ellipj(start + p * t, m)
+        rates = present(found.omega)[body]
+        np.testing.assert_allclose(rates[:, middle] / found.amplitude[body, middle], sn, atol=1e-9)
+        np.testing.assert_allclose(
+            np.abs(rates[:, other]) / found.amplitude[body, other], np.abs(cn), atol=1e-8
+        )
+        np.testing.assert_allclose(
+            np.abs(rates[:, axis]) / found.amplitude[body, axis], dn, atol=1e-9
+        )
+
+
+def test_towards_the_symmetric_top() -> None:
+    symmetric = free.symmetric_free_top(OBLATE, SPUN)
+    nearly = free.asymmetric_free_top((1.0, 1.0 + 1e-13, 1.6), SPUN)
+    assert nearly.period == pytest.approx(symmetric.period, rel=1e-12)
+    assert nearly.frequency == pytest.approx(abs(symmetric.k), rel=1e-12)
+    assert free.asymmetric_free_top(OBLATE, SPUN).m == 0.0
+
+
+def test_on_the_separatrix_the_rates_are_hyperbolic() -> None:
+    # I1 (I2 - I1) w1² = I3 (I3 - I2) w3²: 4 * 2.5 * 3² = 9 * 2.5 * 2².
+    t = np.linspace(0.0, 3.0, 7)
+    found = free.asymmetric_free_top((4.0, 6.5, 9.0), [3.0, 0.0, 2.0], t=t)
+    assert found.m == 1.0
+    assert found.period == np.inf
+    rates = present(found.omega)
+    p = float(found.frequency)
+    np.testing.assert_allclose(rates[:, 0], 3.0 / np.cosh(p * t), atol=1e-14)
+    np.testing.assert_allclose(rates[:, 2], 2.0 / np.cosh(p * t), atol=1e-14)
+    np.testing.assert_allclose(np.abs(rates[:, 1]), found.amplitude[1] * np.tanh(p * t), atol=1e-14)
+
+
+def test_the_complementary_parameter_comes_from_the_components() -> None:
+    moments = np.array([65.0, 626.0, 689.0])
+    omega = np.array([1e-10, 1.0, 1e-10])
+    found = free.asymmetric_free_top(moments, omega)
+    assert found.mc == pytest.approx(1.957904e-21, rel=3e-7)
+    assert found.period == pytest.approx(113.592275339, rel=5e-12)
+    # 2 E I2 - L² from energy and momentum is rounding.
+    naive = (moments * omega**2).sum() * 626.0 - ((moments * omega) ** 2).sum()
+    assert free.circulation(moments, omega).margin == pytest.approx(-6.942e-17, rel=1e-12)
+    assert abs(naive - -6.942e-17) > 0.5 * 6.942e-17
+
+
+# Cones
+
+
+@pytest.mark.parametrize(
+    ("body", "rolling"), [(OBLATE, "inside"), (PROLATE, "outside"), ((1.0, 1.0, 1.0), "none")]
+)
+def test_cones_roll(body: tuple[float, float, float], rolling: str) -> None:
+    attitude = np.array([0.8, 0.36, -0.48, 0.0])
+    found = free.cones(body, SPUN, attitude, samples=721)
+    assert found.rolling == rolling
+    t = np.linspace(0.0, 4.0, 41)
+    omega, turn = path(body, SPUN, t, attitude)
+    in_body = omega / np.linalg.norm(omega, axis=-1, keepdims=True)
+    in_space = np.einsum("tij,tj->ti", turn, in_body)
+    momentum = turn[0] @ (np.array(body) * SPUN)
+    if rolling == "none":
+        assert np.ptp(in_space, axis=0).max() < 1e-14
+        return
+    # D-21, D-23: in space omega turns about L on the space cone, in the body on the body cone.
+    np.testing.assert_allclose(angle(in_space, momentum), found.space_cone, atol=1e-14)
+    np.testing.assert_allclose(angle(in_body, np.eye(3)[2]), found.body_cone, atol=1e-14)
+    assert abs(found.body_cone - found.space_cone) > 0.1
+    # The path lies on the curves: 1/720 of a turn from one point to the next.
+    for curve, seen in ((found.body_curve, in_body), (found.space_curve, in_space)):
+        nearest = angle(seen[:, None, :], curve[None]).min(axis=1)
+        assert nearest.max() < np.pi / 720
+        np.testing.assert_allclose(curve[0], seen[0], atol=1e-15)
+        np.testing.assert_allclose(curve[-1], curve[0], atol=1e-15)
+    # The curves run as omega moves: in the body by Euler's equations, in space R omega' with it.
+    change = free.euler_rhs(body, SPUN)
+    assert (found.body_curve[1] - found.body_curve[0]) @ change > 0.0
+    assert (found.space_curve[1] - found.space_curve[0]) @ (turn[0] @ change) > 0.0
+    # Oblate: L lies between the axis and omega, so that the space cone is within the body cone.
+    axis = turn[0][:, 2]
+    inside = angle(momentum, axis) < angle(in_space[0], axis)
+    assert inside == (rolling == "inside")
+
+
+# The frame of the axis
+
+
+def test_the_frame_of_the_axis_needs_no_torque() -> None:
+    body, nu = np.array([1.0, 1.0, 1.4]), 0.8
+    frame = free.steady_axis_frame(body, nu, tilt=0.3)
+    omega = frame + np.array([0.0, 0.0, nu])
+    torque = np.cross(frame, body * omega)
+    np.testing.assert_allclose(torque, 0.0, atol=1e-15)
+    # S-03: the printed line of the second component, with I0 where Iz is meant.
+    printed = frame[2] * frame[0] - frame[0] * 1.0 * (frame[2] + nu)
+    assert abs(printed) > 0.1
+    # With the numbers of the proof the printed line leaves -0.296.
+    z = free.steady_axis_frame(body, nu)[2]
+    assert z * 0.37 - 0.37 * (z + nu) == pytest.approx(-0.296, abs=1e-12)
+    # S-04: |Omega| = nu Iz / ((I0 - Iz) cos), not times a radius and the cosine.
+    size = np.linalg.norm(frame)
+    assert size == pytest.approx(abs(nu * 1.4 / (1.0 - 1.4)) / np.cos(0.3), rel=1e-14)
+    assert abs(size - abs(nu * 1.4 * 2.0 * np.cos(0.3) / (1.0 - 1.4))) > 1.0
+    # Parallel to L = I0 Omega; the same rates as those of the free top; and back.
+    np.testing.assert_allclose(body * omega, 1.0 * frame, atol=1e-14)
+    top_of_it = free.symmetric_free_top(body, omega)
+    assert top_of_it.precession == pytest.approx(size, rel=1e-14)
+    assert top_of_it.k == pytest.approx(-nu, rel=1e-14)
+    assert free.steady_axis_spin(body, frame) == pytest.approx(nu, rel=1e-14)
+    assert free.steady_axis_frame(body, [nu, 0.0]).tolist()[1] == [0.0, 0.0, 0.0]

@@ -1,0 +1,199 @@
+"""Maps under torque and damping: a sleeping top loses its spin and falls."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rigid
+from physics import present
+from processes import python_process
+from rigid.cli.toml_map import parse_spec, read_spec
+from rigid.maps.spec import MapSpec
+from rigid.maps.theory import falling_lag, predict
+
+MGL, I1, I3 = 1.0, 1.0, 0.5
+BOUND = 2.0 * np.sqrt(MGL * I1) / I3
+TOP = rigid.HeavyTop(rigid.Body((I1, I1, I3)), mgl=MGL)
+CLOUD = rigid.Start(spin=6.0, attitude_noise=rigid.normal(1e-2))
+
+
+def small(scene: Any = TOP, **options: Any) -> rigid.StabilityMap:
+    given: dict[str, Any] = {
+        "axes": {"spin": [4.5, 6.0, 9.0], "damping3": [1e-3, 4e-3, 1.6e-2]},
+        "start": CLOUD,
+        "samples": 8,
+        "t_end": 60.0,
+        "stable": rigid.tilt_below(0.5, reference="vertical"),
+        "rng": 7,
+        "progress": False,
+    }
+    return rigid.stability_map(scene, **{**given, **options})
+
+
+def test_the_falling_time_is_the_quasi_static_one_in_the_slow_limit() -> None:
+    """It falls after the bound, by the lag in which its tilt grows: `c^(2/3)` of the time."""
+    tilt, limit, spin = 1e-3, 0.5, 5.0
+    attitude = [np.cos(tilt / 2), np.sin(tilt / 2), 0.0, 0.0]
+    relative = []
+    for c in (1.6e-2, 4e-3, 1e-3):
+        scene = rigid.HeavyTop(TOP.body, mgl=MGL, damping=(0.0, 0.0, c))
+        bound = I3 / c * np.log(spin / BOUND)
+        lag = float(falling_lag(*map(np.asarray, (MGL, I1, I3, c, limit / tilt))))
+        t = np.linspace(bound, bound + 2.0 * lag, 400)
+        run = rigid.simulate(scene, [0.0, 0.0, spin], attitude, t=t, method="taylor16", check=False)
+        fallen = np.flatnonzero(present(run.gamma)[:, 2] < np.cos(limit))
+        assert fallen.size
+        # The tilt grows from what the slow change left of it: a factor of a few, in the logarithm.
+        late = t[fallen[0]] - bound
+        assert 0.5 * lag < late < 1.5 * lag
+        relative.append(late / bound)
+    # A quarter of the damping: the lag, in units of the time, falls by 4^(2/3) = 2.5.
+    assert relative[0] / relative[1] == pytest.approx(4.0 ** (2.0 / 3.0), rel=0.15)
+    assert relative[1] / relative[2] == pytest.approx(4.0 ** (2.0 / 3.0), rel=0.1)
+
+
+def test_the_built_in_map_agrees_with_the_theory() -> None:
+    spec = read_spec("falling-top").spec
+    assert "quasi-static" in present_theory(spec).label
+    values = spec.to_dict()
+    for axis in values["axes"]:
+        axis["values"] = axis["values"][::15]
+    values["samples"] = 4
+    coarse = MapSpec.from_dict(values)
+    theory = present_theory(coarse)
+    result = rigid.stability_map(
+        coarse.scene,
+        axes={axis.name: axis.values for axis in coarse.axes},
+        start=coarse.start,
+        stable=coarse.stable,
+        samples=4,
+        t_end=coarse.t_end,
+        rng=coarse.seed,
+        progress=False,
+    )
+    known = np.isfinite(theory.share)
+    share = result.stable / result.spec.samples
+    assert known.mean() > 0.5
+    assert {0.0, 1.0} == set(theory.share[known].tolist())
+    assert not result.failed.any()
+    assert np.array_equal(share[known], theory.share[known])
+    assert len(theory.curves) == 1
+
+
+def present_theory(spec: MapSpec) -> Any:
+    theory = predict(spec)
+    assert theory is not None
+    return theory
+
+
+@pytest.mark.parametrize("method", ["rk4", "taylor8", "etd4", "splitting", "midpoint"])
+def test_a_map_under_damping_and_its_samples(method: str) -> None:
+    """A sample alone is the sample of the map; so it is on any number of threads."""
+    result = small(method=method)
+    again = small(method=method, threads=1)
+    for name in ("stable", "unstable", "failed"):
+        assert getattr(result, name).tolist() == getattr(again, name).tolist()
+    # Weak damping keeps the fast one up, strong damping lets the slow one fall.
+    assert result.stable[0, 2] == 8
+    assert result.unstable[2, 0] == 8
+    body = result.replay(pixel=(2, 0), sample=3)
+    assert body.outcome == "unstable"
+    run = body.run
+    tilt = np.arccos(np.clip(present(run.gamma)[:, 2], -1.0, 1.0))
+    first = run.t[np.flatnonzero(tilt > 0.5)[0]]
+    assert abs(first - body.left) < 60.0 / 400.0
+    assert np.array(result.spec.scene.damping or np.zeros((3, 3))).sum() == 0.0
+
+
+def test_methods_agree_on_the_map() -> None:
+    one, other = small(method="taylor12"), small(method="etd4")
+    assert one.stable.tolist() == other.stable.tolist()
+
+
+def test_flips_under_a_torque_are_those_of_the_trajectory() -> None:
+    """A torque against the spin turns it round at `t = I w / N`."""
+    scene = rigid.FreeBody(rigid.Body((1.0, 1.0, 2.0)), torque=rigid.Torque.body((0, 0, -0.1)))
+    result = small(
+        scene,
+        axes={"spin": [1.0, 2.0, 4.0]},
+        start=rigid.Start(spin=1.0),
+        stable=rigid.no_flip(3),
+        t_end=60.0,
+    )
+    assert result.stable.tolist() == [0, 0, 8]
+    assert result.earliest[:2] == pytest.approx([20.0, 40.0], rel=1e-9)
+
+
+def test_a_file_says_torque_and_damping() -> None:
+    text = """
+[scene]
+kind = "heavy-top"
+moments = [1.0, 1.0, 0.5]
+mgl = 1.0
+damping = [0.0, 0.0, 0.01]
+torque = [0.0, 0.0, 0.001]
+torque_in_space = [0.001, 0.0, 0.0]
+[x]
+name = "spin"
+values = [5.0, 6.0]
+[start]
+attitude_noise = { kind = "normal", size = 0.01 }
+[stable]
+criterion = "tilt_below"
+angle = 0.5
+reference = "vertical"
+[run]
+t_end = 10.0
+samples = 4
+"""
+    spec = parse_spec(text, "own.toml")
+    expected = rigid.Torque.body((0, 0, 1e-3)) + rigid.Torque.space((1e-3, 0, 0))
+    assert spec.scene.torque == expected
+    assert np.array(spec.scene.damping)[2, 2] == 0.01
+    assert MapSpec.from_json(spec.to_json()) == spec
+    assert spec.is_driven
+
+
+@pytest.mark.parametrize(
+    ("options", "part"),
+    [
+        ({"method": "exact"}, "method = 'exact': under torque and damping there is none"),
+        ({"method": "srkn6"}, "method = 'srkn6': moves bodies without torque and damping only"),
+        ({"stable": rigid.tilt_below(0.5, reference="start")}, "reference = 'start': under torque"),
+        ({"axes": {"damping3": [1e3, 1e4]}, "step": 0.1}, "unstable under damping"),
+        ({"axes": {"damping3": [-1.0, 1.0]}}, "must not be negative"),
+    ],
+)
+def test_what_a_map_under_damping_refuses(options: dict[str, Any], part: str) -> None:
+    with pytest.raises(ValueError, match=re.escape(part)):
+        small(**options)
+
+
+def print_digests() -> None:
+    """In a process of its own: what every map under damping and torque comes to.
+
+    More bodies than a group has lanes: when some have fallen, others take their lanes. A path
+    without SIMD is up to fifty times slower, so the bodies are few and the damping is strong.
+    """
+    axes = {"spin": [4.5, 6.0, 9.0], "damping3": [1e-2, 3e-2, 0.1]}
+    pushed = rigid.HeavyTop(TOP.body, mgl=MGL, torque=rigid.Torque.space((0.0, 0.02, 0.0)))
+    for method in ("rk4", "dop853", "etd4", "splitting", "midpoint"):
+        result = small(pushed, axes=axes, samples=4, t_end=12.0, method=method)
+        assert 0 < result.unstable.sum() < 36
+        for name in ("stable", "unstable", "steps", "earliest", "energy_drift", "momentum_drift"):
+            values = getattr(result, name)
+            print(method, name, values.size, hashlib.sha256(values.tobytes()).hexdigest())
+
+
+def test_maps_under_damping_have_the_same_bytes_on_every_instruction_set() -> None:
+    output = {}
+    for isa in rigid.build_info()["isa_available"]:
+        code = "import test_falling_top; test_falling_top.print_digests()"
+        output[isa] = python_process(code, RIGID_ISA=isa).stdout
+    assert len(output["scalar"].splitlines()) == 5 * 6
+    assert set(output.values()) == {output["scalar"]}

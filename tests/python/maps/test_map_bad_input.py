@@ -1,0 +1,409 @@
+"""Refusals of the map layer: each names the argument, its value and the rule that it breaks."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rigid
+from physics import LISTED, NAMES
+from rigid import _core
+from rigid.model.criteria import NoFlip, TiltBelow
+from small_maps import small_map
+
+FREE = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)))
+BOX = rigid.FreeBody(rigid.Body.box(0.25, 0.08, 0.01))
+TOP = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
+SPIN = rigid.Start(spin=1.0)
+RATES = rigid.Start(omega=(1.0, 0.5, 0.0))
+ANY: Any = None
+
+
+def refusal(call: Callable[[], object], kind: type[Exception]) -> str:
+    """The one line that a call is refused with."""
+    with pytest.raises(kind) as caught:
+        call()
+    assert type(caught.value) is kind
+    message = str(caught.value)
+    assert "\n" not in message
+    return message
+
+
+# Starts
+
+
+@pytest.mark.parametrize(
+    ("options", "kind", "message"),
+    [
+        ({}, ValueError, "a start needs either omega or spin, and not both"),
+        ({"spin": 1.0, "omega": (1, 2, 3)}, ValueError, "either omega or spin, and not both"),
+        ({"spin": np.nan}, ValueError, "spin = nan: must be finite"),
+        ({"spin": "fast"}, TypeError, "spin = 'fast': must be a"),
+        ({"omega": [1.0, 2.0]}, ValueError, "omega: expected shape (3,), got (2,)"),
+        ({"omega": [1.0, np.inf, 0.0]}, ValueError, "omega[1] = inf: must be finite"),
+        ({"spin": 1.0, "axis": 4}, ValueError, "axis = 4: must be one of 1, 2, 3"),
+        ({"spin": 1.0, "axis": -1}, ValueError, "axis = -1: must be one of 1, 2, 3"),
+        ({"spin": 1.0, "axis": 1.5}, TypeError, "axis = 1.5: must be a whole number"),
+        ({"spin": 1.0, "axis": True}, TypeError, "axis = True: must be a whole number"),
+        ({"spin": 1.0, "tilt": 4.0}, ValueError, "tilt = 4.0: must lie in [-pi, pi] (rad)"),
+        ({"spin": 1.0, "tilt": np.inf}, ValueError, "tilt = inf: must be finite"),
+        ({"spin": 1.0, "noise": 0.1}, TypeError, "noise = 0.1: must be a Noise such as"),
+        (
+            {"spin": 1.0, "attitude_noise": "normal"},
+            TypeError,
+            "attitude_noise = 'normal': must be a Noise such as",
+        ),
+        (
+            {"spin": 1.0, "noise": rigid.uniform_attitude()},
+            ValueError,
+            "noise = uniform_attitude(): rates have no attitude; use attitude_noise",
+        ),
+        (
+            {"spin": 1.0, "attitude_noise": rigid.normal([1.0, 2.0, 3.0])},
+            ValueError,
+            "attitude_noise: its size must be one number (rad), got (1.0, 2.0, 3.0)",
+        ),
+    ],
+)
+def test_starts(options: dict[str, Any], kind: type[Exception], message: str) -> None:
+    assert message in refusal(lambda: rigid.Start(**options), kind)
+
+
+@pytest.mark.parametrize("law", [rigid.normal, rigid.uniform, rigid.direction])
+@pytest.mark.parametrize(
+    ("size", "kind", "message"),
+    [
+        (-1.0, ValueError, "size = -1.0: must not be negative"),
+        (np.inf, ValueError, "size = inf: must be finite"),
+        ("large", TypeError, "size = 'large': must be a"),
+        ([1.0, 2.0], ValueError, "size: expected shape (3,), got (2,)"),
+        ([1.0, -2.0, 0.0], ValueError, "size = -2.0: must not be negative"),
+        ([1.0, np.nan, 0.0], ValueError, "size[1] = nan: must be finite"),
+    ],
+)
+def test_noise(law: Any, size: Any, kind: type[Exception], message: str) -> None:
+    assert message in refusal(lambda: law(size), kind)
+
+
+def test_kinds_of_noise() -> None:
+    message = refusal(lambda: rigid.Noise("norml"), ValueError)
+    assert "kind = 'norml': must be one of 'normal', 'uniform', 'direction'" in message
+    assert "did you mean 'normal'?" in message
+
+
+def test_sizes_may_be_numbers_of_numpy() -> None:
+    assert rigid.normal(np.float64(2.0)).size == rigid.normal(2).size == 2.0
+    assert rigid.normal(np.array([1, 2, 3])).size == (1.0, 2.0, 3.0)
+    assert rigid.normal((1, 2, 3)) == rigid.normal([1.0, 2.0, 3.0])
+
+
+# Criteria
+
+
+@pytest.mark.parametrize(
+    ("call", "kind", "message"),
+    [
+        (lambda: rigid.no_flip(0), ValueError, "axis = 0: must be one of 1, 2, 3"),
+        (lambda: rigid.no_flip(-1), ValueError, "axis = -1: must be one of 1, 2, 3"),
+        (lambda: rigid.no_flip(1.5), TypeError, "axis = 1.5: must be a whole number"),  # type: ignore[arg-type]
+        (lambda: rigid.tilt_below(0.0), ValueError, "angle = 0.0: must be positive"),
+        (lambda: rigid.tilt_below(-0.5), ValueError, "angle = -0.5: must be positive"),
+        (lambda: rigid.tilt_below(4.0), ValueError, "angle = 4.0: must lie in (0, pi] (rad)"),
+        (lambda: rigid.tilt_below(np.nan), ValueError, "angle = nan: must be finite"),
+        (lambda: rigid.tilt_below("a"), TypeError, "angle = 'a': must be a"),  # type: ignore[arg-type]
+        (
+            lambda: rigid.tilt_below(0.5, axis=0),
+            ValueError,
+            "axis = 0: must be one of 1, 2, 3, -1, -2, -3",
+        ),
+        (
+            lambda: rigid.tilt_below(0.5, reference="vertikal"),
+            ValueError,
+            "reference = 'vertikal': must be one of 'start', 'vertical'; did you mean 'vertical'?",
+        ),
+        (
+            lambda: NoFlip().core(),
+            ValueError,
+            "no_flip() without an axis needs a start: call resolved() first",
+        ),
+        (
+            lambda: TiltBelow(0.5).core(),
+            ValueError,
+            "tilt_below() without a reference needs a scene: call resolved() first",
+        ),
+        (
+            lambda: small_map(stable=rigid.tilt_below(0.5, reference="vertical")),
+            ValueError,
+            "reference = 'vertical': a free body knows no vertical; use 'start' or a HeavyTop",
+        ),
+        (
+            lambda: small_map(axes={"I1": [1.0]}, start=rigid.Start(omega=(1.0, -1.0, 0.5))),
+            ValueError,
+            "no_flip() cannot tell the axis: omega (1.0, -1.0, 0.5) has no single largest "
+            "component; say no_flip(axis=...)",
+        ),
+    ],
+)
+def test_criteria(call: Callable[[], object], kind: type[Exception], message: str) -> None:
+    assert message in refusal(call, kind)
+
+
+# Axes
+
+
+@pytest.mark.parametrize(
+    ("axes", "kind", "message"),
+    [
+        (3, TypeError, "axes = 3: must be a dict of names and values"),
+        ([("I1", [1.0])], TypeError, "axes = [('I1', [1.0])]: must be a dict"),
+        ({}, ValueError, "axes: expected 1 or 2 parameters (x, then y), got 0"),
+        ({key: [1.0] for key in ("I1", "I2", "I3")}, ValueError, "(x, then y), got 3"),
+        ({"I4": [1.0]}, ValueError, "axes: unknown parameter 'I4'"),
+        ({"spinn": [1.0]}, ValueError, "axes: unknown parameter 'spinn'; did you mean 'spin'?"),
+        ({"I1/I1": [1.0]}, ValueError, "axes: unknown parameter 'I1/I1'"),
+        ({"spinn": [1.0]}, ValueError, "(known: I1, I2, I3, I1/I2"),
+        ({3: [1.0]}, ValueError, "axes: unknown parameter 3"),
+        ({"I1": ["one"]}, TypeError, "axes['I1'] = ['one']: must be"),
+        ({"I1": [1.0 + 1.0j]}, TypeError, "axes['I1'] = [(1+1j)]: must be"),
+        ({"I1": [[1.0]]}, ValueError, "axes['I1']: expected shape (n,) with n >= 1, got (1, 1)"),
+        ({"I1": []}, ValueError, "axes['I1']: expected shape (n,) with n >= 1, got (0,)"),
+        ({"I1": 1.0}, ValueError, "axes['I1']: expected shape (n,) with n >= 1, got ()"),
+        ({"I1": [1.0, np.nan]}, ValueError, "axes['I1'][1] = nan: must be finite"),
+        ({"I1": [np.inf, 1.0]}, ValueError, "axes['I1'][0] = inf: must be finite"),
+        ({"I1": [1.0, 1.0]}, ValueError, "axes['I1']: must increase or decrease strictly"),
+        ({"I1": [1.0, 2.0, 1.5]}, ValueError, "axes['I1']: must increase or decrease strictly"),
+        ({"noise": [0.1, -0.1]}, ValueError, "axes['noise'][1] = -0.1: must not be negative"),
+        ({"tilt": [0.1, 4.0]}, ValueError, "axes['tilt'][1] = 4: must lie in [-3.14159, 3.14159]"),
+        ({"b": [0.0, 1.0]}, ValueError, "axes['b'][0] = 0: must be positive"),
+        ({"mass": [-2.0]}, ValueError, "axes['mass'][0] = -2: must be positive"),
+        ({"mgl": [-2.0]}, ValueError, "axes['mgl'][0] = -2: must not be negative"),
+    ],
+)
+def test_axes(axes: Any, kind: type[Exception], message: str) -> None:
+    assert message in refusal(lambda: small_map(BOX, axes=axes), kind)
+
+
+@pytest.mark.parametrize(
+    ("scene", "axes", "start", "message"),
+    [
+        (FREE, ["b"], SPIN, "'b' does not apply: the sides of the body are not known; make it"),
+        (FREE, ["mass"], SPIN, "'mass' does not apply: the sides of the body are not known"),
+        (FREE, ["mgl"], SPIN, "'mgl' does not apply: a free body feels no weight; use a HeavyTop"),
+        (FREE, ["spin"], RATES, "'spin' does not apply: the start is given by omega; use omega1"),
+        (FREE, ["tilt"], RATES, "'tilt' does not apply: the start is given by omega; use Start("),
+        (FREE, ["omega1"], SPIN, "'omega1' does not apply: the start is given by spin"),
+        (FREE, ["noise"], SPIN, "'noise' does not apply: the start has no noise; say its kind"),
+        (
+            FREE,
+            ["noise"],
+            rigid.Start(spin=1.0, noise=rigid.normal([1.0, 2.0, 3.0])),
+            "'noise' does not apply: the noise of the start has a size for each component",
+        ),
+        (
+            FREE,
+            ["attitude_noise"],
+            SPIN,
+            "'attitude_noise' does not apply: the attitude of a free body has no effect; use noise",
+        ),
+        (TOP, ["attitude_noise"], SPIN, "does not apply: the start has no attitude noise"),
+        (
+            TOP,
+            ["attitude_noise"],
+            rigid.Start(spin=1.0, attitude_noise=rigid.uniform_attitude()),
+            "'attitude_noise' does not apply: uniform_attitude() has no size",
+        ),
+        (
+            FREE,
+            ["I1"],
+            rigid.Start(spin=1.0, attitude_noise=rigid.normal(0.1)),
+            "attitude_noise has no effect on a free body: only its rates matter",
+        ),
+        (
+            FREE,
+            ["I1"],
+            rigid.Start(omega=(1.0, 0.0, 0.0), tilt=0.1),
+            "tilt has no effect on a free body started by omega; use Start(spin=...)",
+        ),
+        (BOX, ["I1", "b"], SPIN, "axes: 'I1' and 'b' exclude each other: the moments of a box"),
+        (BOX, ["mass", "I1/I2"], SPIN, "axes: 'I1/I2' and 'mass' exclude each other"),
+        (FREE, ["I1", "I1/I2"], SPIN, "axes: 'I1' and 'I1/I2' both set I1"),
+        (FREE, ["I1/I2", "I1/I3"], SPIN, "axes: 'I1/I2' and 'I1/I3' both set I1"),
+        (FREE, ["I1/I2", "I2/I1"], SPIN, "axes: 'I1/I2' and 'I2/I1' set the same ratio"),
+    ],
+)
+def test_axes_without_meaning_say_why(
+    scene: Any, axes: list[str], start: rigid.Start, message: str
+) -> None:
+    axes_: dict[str, Any] = {name: [0.5, 1.0] for name in axes}
+    stable = rigid.no_flip(1)
+    assert message in refusal(
+        lambda: small_map(scene, axes=axes_, start=start, stable=stable), ValueError
+    )
+
+
+# The request
+
+
+@pytest.mark.parametrize(
+    ("options", "kind", "message"),
+    [
+        ({"scene": 3}, TypeError, "scene = 3: must be a rigid.FreeBody or rigid.HeavyTop"),
+        ({"scene": rigid.Body}, TypeError, "must be a rigid.FreeBody or rigid.HeavyTop"),
+        ({"start": 3}, TypeError, "start = 3: must be a rigid.Start"),
+        (
+            {"stable": "no_flip"},
+            TypeError,
+            "stable = 'no_flip': must be a criterion, rigid.no_flip() or rigid.tilt_below(angle)",
+        ),
+        ({"samples": 0}, ValueError, "samples = 0: must be at least 1"),
+        ({"samples": 2.0}, TypeError, "samples = 2.0: must be a whole number"),
+        ({"samples": True}, TypeError, "samples = True: must be a whole number"),
+        ({"samples": 2**63}, ValueError, "samples = 9223372036854775808: must be below 2**63"),
+        ({"samples": 2**60}, ValueError, "samples = 1152921504606846976: too many to count"),
+        ({"t_end": 0.0}, ValueError, "t_end = 0.0: must be positive"),
+        ({"t_end": -1}, ValueError, "t_end = -1.0: must be positive"),
+        ({"t_end": np.inf}, ValueError, "t_end = inf: must be finite"),
+        ({"t_end": None}, TypeError, "t_end = None: must be a"),
+        ({"step": 0.0}, ValueError, "step = 0.0: must be positive"),
+        ({"step": np.nan}, ValueError, "step = nan: must be finite"),
+        ({"max_steps": 0}, ValueError, "max_steps = 0: must be at least 1"),
+        ({"max_steps": 2**63}, ValueError, "max_steps = 9223372036854775808: must be below 2**63"),
+        ({"check": -0.1}, ValueError, "check = -0.1: must not be negative"),
+        ({"check": 1.5}, ValueError, "check = 1.5: must lie in [0, 1]"),
+        ({"check": "all"}, TypeError, "check = 'all': must be a"),
+        (
+            {"method": "rk5"},
+            ValueError,
+            f"one of 'auto', {LISTED}; did you mean 'rk4'?",
+        ),
+        ({"method": 4}, ValueError, "method = 4: must be one of 'auto', 'exact', 'rk4'"),
+        ({"rng": -1}, ValueError, "rng = -1: must lie in 0 .. 2**128 - 1"),
+        ({"rng": 2**128}, ValueError, f"rng = {2**128}: must lie in 0 .. 2**128 - 1"),
+        ({"rng": 1.5}, TypeError, "rng = 1.5: must be a whole number, a numpy Generator or"),
+        ({"rng": True}, TypeError, "rng = True: must be a whole number"),
+        ({"threads": 0}, ValueError, "threads = 0: must be at least 1"),
+        ({"threads": 1.5}, TypeError, "threads = 1.5: must be a whole number"),
+        ({"chunk": 0}, ValueError, "chunk = 0: must be at least 1"),
+        ({"chunk": "big"}, TypeError, "chunk = 'big': must be a whole number"),
+        (
+            {"progress": 3},
+            TypeError,
+            "progress = 3: must be None, True, False or a callable",
+        ),
+        ({"title": 3}, TypeError, "title = 3: must be a string"),
+    ],
+)
+def test_requests(options: dict[str, Any], kind: type[Exception], message: str) -> None:
+    assert message in refusal(lambda: small_map(**options), kind)
+
+
+def test_unknown_options_are_no_options() -> None:
+    with pytest.raises(TypeError, match="t_ende"):
+        small_map(t_ende=3.0)
+    with pytest.raises(TypeError, match="positional"):
+        rigid.stability_map(FREE, {"I1": [1.0]})  # type: ignore[call-arg]
+
+
+def test_the_variable_for_threads(monkeypatch: pytest.MonkeyPatch) -> None:
+    for value in ("0", "-1", "two", "1.5", "²"):
+        monkeypatch.setenv("RIGID_NUM_THREADS", value)
+        message = refusal(small_map, ValueError)
+        expected = f"RIGID_NUM_THREADS = {value!r}: must be a whole number of at least 1"
+        assert message == expected
+    monkeypatch.setenv("RIGID_NUM_THREADS", "3")
+    assert small_map().threads == 3
+    assert small_map(threads=2).threads == 2
+
+
+def test_threads_are_those_that_the_process_may_use(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("RIGID_NUM_THREADS", raising=False)
+    monkeypatch.setattr("os.sched_getaffinity", lambda pid: {0, 1, 2, 5, 7}, raising=False)
+    assert small_map().threads == 5
+
+
+def test_times_of_a_replay() -> None:
+    result = small_map()
+    expected = "t[0] = 3.0 > t[1] = 1.0: times must be ascending"
+    assert refusal(lambda: result.replay(0, 0, t=[3.0, 1.0]), ValueError) == expected
+    assert "t[0] = nan: must be finite" in refusal(
+        lambda: result.replay(0, 0, t=[np.nan]), ValueError
+    )
+    for pixel, sample in ((0.5, 0), ("a", 0), (0, "a"), ((0.5, 0), 0)):
+        with pytest.raises(TypeError):
+            result.replay(pixel, sample)  # type: ignore[arg-type]
+
+
+def test_results_cannot_be_changed_by_accident() -> None:
+    result = small_map()
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        result.share = ANY  # type: ignore[misc]
+    with pytest.raises((dataclasses.FrozenInstanceError, TypeError, AttributeError)):
+        result.shares = ANY  # type: ignore[attr-defined]
+
+
+# The core, which is only called with checked values, does not trust them all the same.
+
+GOOD: dict[str, Any] = {
+    "scene": "free",
+    "method": "rk4",
+    "moments": np.array([[1.0, 1.5, 2.0]]),
+    "weight": np.zeros((1, 3)),
+    "omega": np.ones((1, 3)),
+    "omega_noise": "none",
+    "omega_size": np.zeros((1, 3)),
+    "attitude": np.array([[1.0, 0.0, 0.0, 0.0]]),
+    "attitude_noise": "none",
+    "attitude_size": np.zeros(1),
+    "criterion": "no_flip",
+    "axis": 1,
+    "limit": 0.0,
+    "t_end": 1.0,
+    "step": None,
+    "max_steps": 1000,
+    "samples": 2,
+    "checked": 0,
+    "seed": 1,
+}
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"scene": "fre"}, "scene = 'fre': must be one of free, top"),
+        ({"method": "rk5"}, f"method = 'rk5': must be one of {', '.join(NAMES)}"),
+        ({"omega_noise": "norml"}, "omega_noise = 'norml': must be one of none, normal, uniform"),
+        ({"attitude_noise": "x"}, "attitude_noise = 'x': must be one of none, normal, uniform"),
+        ({"criterion": "flip"}, "criterion = 'flip': must be one of no_flip, tilt_from_start"),
+        ({"axis": 0}, "axis = 0: must be 1, 2, 3 or -1, -2, -3"),
+        ({"axis": -4}, "axis = -4: must be 1, 2, 3 or -1, -2, -3"),
+        ({"samples": 0}, "samples = 0: must be at least 1"),
+        ({"t_end": 0.0}, "t_end = 0: must be positive and finite"),
+        ({"t_end": np.nan}, "t_end = NaN: must be positive and finite"),
+        ({"moments": np.ones((1, 2))}, "moments: expected shape (n, 3), C-contiguous, got (1, 2)"),
+        ({"weight": np.zeros((2, 3))}, "weight: expected shape (1, ...), got (2, ...)"),
+        ({"omega": np.zeros((2, 3))}, "omega: expected shape (1, ...), got (2, ...)"),
+        ({"omega_size": np.zeros((2, 3))}, "omega_size: expected shape (1, ...), got (2, ...)"),
+        ({"attitude": np.zeros((2, 4))}, "attitude: expected shape (1, ...), got (2, ...)"),
+        ({"attitude": np.zeros((1, 3))}, "attitude: expected shape (n, 4), C-contiguous"),
+        ({"attitude_size": np.zeros(2)}, "attitude_size: expected shape (1, ...), got (2, ...)"),
+    ],
+)
+def test_the_core_checks_its_request(change: dict[str, Any], message: str) -> None:
+    _core.MapJob(**GOOD)
+    assert message in refusal(lambda: _core.MapJob(**{**GOOD, **change}), ValueError)
+
+
+def test_the_core_checks_its_ranges() -> None:
+    job = _core.MapJob(**GOOD)
+    for start, stop in ((0, 3), (2, 1), (3, 3)):
+        expected = f"start, stop = ({start}, {stop}): must be a range of the samples of the map"
+        assert refusal(lambda a=start, b=stop: job.run(a, b, 1), ValueError) == expected  # type: ignore[misc]
+    assert "pixel = 1 of 1: must be an index" in refusal(lambda: job.sample(1, 0), ValueError)
+    assert "sample = 2 of 2: must be an index" in refusal(lambda: job.sample(0, 2), ValueError)
+    empty = job.run(1, 1, 1)
+    assert empty is not None
+    assert empty["stable"].sum() == 0

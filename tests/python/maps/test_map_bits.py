@@ -1,0 +1,272 @@
+"""The same request gives the same bits: any threads, chunks, process, processor, and alone."""
+
+from __future__ import annotations
+
+import multiprocessing
+from collections import Counter
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rigid
+from physics import angular_momentum, energy, vertical
+from processes import PATIENCE, python_process
+from rigid.model.criteria import NoFlip, TiltBelow
+from rigid.model.scene import scene_from_dict
+from rigid.solve.simulate import replay_steps
+from small_maps import NAMED, Floats, assert_same_map, saved_bytes, small_map
+
+# Each has bodies of every class that ends early and late, and the first an impossible body.
+CASES: dict[str, dict[str, Any]] = {
+    "free, flips, rk4": {
+        "axes": {"I1": np.linspace(0.3, 3.6, 8), "noise": np.geomspace(1e-3, 0.3, 5)},
+        "start": rigid.Start(spin=1.0, axis=2, noise=rigid.normal(0.0)),
+        "samples": 23,
+    },
+    "free, tilt, splitting": {
+        "axes": {"tilt": np.linspace(0.0, 0.6, 9)},
+        "start": rigid.Start(spin=1.0, axis=3, noise=rigid.direction(0.2)),
+        "stable": rigid.tilt_below(0.4),
+        "method": "splitting",
+        "samples": 41,
+        "check": 0.3,
+    },
+    "top, tilt from the vertical, rk4": {
+        "scene": rigid.HeavyTop,
+        "axes": {"spin": np.linspace(2.0, 6.0, 7), "attitude_noise": [1e-3, 0.1, 0.3]},
+        "start": rigid.Start(spin=1.0, attitude_noise=rigid.normal(0.0)),
+        "stable": rigid.tilt_below(0.5),
+        "samples": 19,
+    },
+    "top, flips, splitting": {
+        "scene": rigid.HeavyTop(rigid.Body((1.0, 1.3, 0.7)), mgl=1.0, com=(0.6, 0.0, 0.8)),
+        "axes": {"spin": np.linspace(1.0, 4.0, 6)},
+        "start": rigid.Start(
+            spin=1.0, noise=rigid.uniform(0.1), attitude_noise=rigid.uniform_attitude()
+        ),
+        "stable": rigid.no_flip(3),
+        "method": "splitting",
+        "samples": 50,
+    },
+    "top, tilt from the start, rk4": {
+        "scene": rigid.HeavyTop(rigid.Body((1.0, 1.3, 0.7)), mgl=1.0),
+        "axes": {"spin": np.linspace(2.0, 10.0, 6)},
+        "start": rigid.Start(spin=1.0, tilt=0.3, attitude_noise=rigid.normal(0.05)),
+        "stable": rigid.tilt_below(0.8, axis=-3, reference="start"),
+        "samples": 30,
+    },
+}
+EVERY = pytest.mark.parametrize("case", CASES)
+
+
+def compute(case: str, **options: Any) -> rigid.StabilityMap:
+    """One of the maps above."""
+    return small_map(**{**CASES[case], **options})
+
+
+def compute_bytes(case: str, folder: Path, **options: Any) -> bytes:
+    """The file of one of the maps above; workers of executors are told to call this."""
+    folder.mkdir(exist_ok=True)
+    return saved_bytes(compute(case, **options), folder)
+
+
+@EVERY
+def test_the_cases_see_stable_and_unstable_bodies(case: str) -> None:
+    result = compute(case)
+    assert result.stable.sum() > 20
+    assert result.unstable.sum() > 20
+
+
+@EVERY
+@pytest.mark.parametrize("threads", [1, 2, 3, 7])
+def test_threads_and_chunks_change_no_byte(case: str, threads: int, tmp_path: Path) -> None:
+    reference = compute_bytes(case, tmp_path, threads=1, chunk=10**9)
+    for chunk in (1, 13, 4096, None):
+        assert compute_bytes(case, tmp_path, threads=threads, chunk=chunk) == reference, chunk
+
+
+def _write(case: str, target: Path) -> None:
+    target.write_bytes(compute_bytes(case, target.parent / "scratch", threads=2))
+
+
+@pytest.mark.filterwarnings("ignore:This process.*multi-threaded:DeprecationWarning")
+def test_a_forked_child_computes_the_same(tmp_path: Path) -> None:
+    # After a run in the parent: a pool of threads built there would leave the child waiting.
+    case = next(iter(CASES))
+    expected = compute_bytes(case, tmp_path, threads=2)
+    child = multiprocessing.get_context("fork").Process(
+        target=_write, args=(case, tmp_path / "child.npz")
+    )
+    child.start()
+    child.join(PATIENCE)
+    if child.exitcode is None:
+        child.kill()
+    assert child.exitcode == 0
+    assert (tmp_path / "child.npz").read_bytes() == expected
+
+
+def test_executors_compute_the_same(tmp_path: Path) -> None:
+    expected = [compute_bytes(case, tmp_path) for case in CASES]
+    folders = [tmp_path / str(k) for k in range(len(CASES))]
+    with ThreadPoolExecutor(4) as pool:
+        assert list(pool.map(compute_bytes, CASES, folders)) == expected
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(1, mp_context=context) as pool:
+        assert list(pool.map(compute_bytes, CASES, folders, timeout=PATIENCE)) == expected
+
+
+def test_instruction_sets_write_the_same_file(tmp_path: Path) -> None:
+    # A path without SIMD is up to fifty times slower: eight samples, still more than one group.
+    samples = 8
+    code = (
+        "import sys\n"
+        "from pathlib import Path\n"
+        "import rigid, test_map_bits as t\n"
+        "print(rigid.build_info()['isa'])\n"
+        "for k, case in enumerate(t.CASES):\n"
+        "    t.compute(case, samples=int(sys.argv[2])).save(Path(sys.argv[1]) / f'{k}.npz')\n"
+    )
+    files = {}
+    available = rigid.build_info()["isa_available"]
+    for isa in available:
+        (tmp_path / isa).mkdir()
+        arguments = str(tmp_path / isa), str(samples)
+        assert python_process(code, *arguments, RIGID_ISA=isa).stdout.strip() == isa
+        files[isa] = [(tmp_path / isa / f"{k}.npz").read_bytes() for k in range(len(CASES))]
+    here = [compute_bytes(case, tmp_path, samples=samples) for case in CASES]
+    assert "scalar" in available
+    for isa in available:
+        assert files[isa] == here, isa
+
+
+def test_a_pixel_does_not_depend_on_its_neighbours_or_on_more_samples() -> None:
+    # Draws depend on the number of the pixel, so the smaller map is the first row of the larger.
+    x, noise = np.linspace(1.2, 1.8, 4), np.geomspace(1e-2, 0.1, 3)
+    one = small_map(axes={"I2/I1": x, "noise": noise[:1]})
+    all_ = small_map(axes={"I2/I1": x, "noise": noise})
+    for name in NAMED:
+        np.testing.assert_array_equal(getattr(one, name)[0], getattr(all_, name)[0])
+
+
+def test_a_seed_of_numpy_integers_is_the_same_seed() -> None:
+    assert_same_map(small_map(rng=7), small_map(rng=np.uint64(7)))
+    different = small_map(rng=8)
+    assert (different.stable != small_map(rng=7).stable).any()
+
+
+@EVERY
+def test_the_counts_of_a_pixel_are_those_of_its_bodies_replayed(case: str) -> None:
+    result = compute(case)
+    mixed = np.flatnonzero((result.stable > 0) & (result.unstable > 0))
+    for pixel in mixed[:3]:
+        index = np.unravel_index(pixel, result.spec.shape)
+        bodies = [result.replay(int(pixel), k, t=[0.0]) for k in range(result.spec.samples)]
+        outcomes = Counter(body.outcome for body in bodies)
+        for name in ("stable", "unstable", "undecided", "failed"):
+            assert getattr(result, name)[index] == outcomes[name]
+        assert result.energy_drift[index] == max(body.energy_drift for body in bodies)
+        assert result.momentum_drift[index] == max(body.momentum_drift for body in bodies)
+        left = [body.left for body in bodies]
+        assert result.earliest[index] == np.nanmin(left)
+        assert np.isnan(left).sum() == sum(body.status == "finished" for body in bodies)
+    assert len(mixed) >= 1
+
+
+def every_step(body: rigid.Replay) -> rigid.Run:
+    """The trajectory of a replayed body at the end of every step until it was decided."""
+    return replay_steps(
+        scene_from_dict(body.run.spec["scene"]),
+        body.omega,
+        body.attitude,
+        method=body.run.spec["method"],
+        step=body.step,
+        strides=[0] + [1] * body.steps,
+    )
+
+
+def watched(result: rigid.StabilityMap, run: rigid.Run) -> Floats:
+    """The tilt that the criterion watches (rad), at the end of every step."""
+    criterion = result.spec.stable
+    assert isinstance(criterion, TiltBelow)
+    assert run.attitude is not None
+    axis = np.sign(criterion.axis) * np.eye(3)[abs(criterion.axis) - 1]
+    if criterion.reference == "vertical":
+        seen = vertical(run.attitude) @ axis
+    else:
+        rotations = run.rotation()
+        seen = rotations.apply(axis) @ rotations[0].apply(axis)
+    angle: Floats = np.arccos(np.clip(seen, -1.0, 1.0))
+    return angle
+
+
+@EVERY
+def test_a_replay_is_the_motion_that_was_judged(case: str) -> None:
+    result = compute(case)
+    shape = result.spec.shape
+    flips = isinstance(result.spec.stable, NoFlip)
+    seen = Counter[str]()
+    for pixel in range(int(np.prod(shape))):
+        if result.status[np.unravel_index(pixel, shape)]:
+            continue
+        body = result.replay(pixel, pixel % result.spec.samples)
+        seen[body.status] += 1
+        run = every_step(body)
+        assert run.omega[0].tobytes() == body.omega.tobytes()
+
+        # The states of the trajectory that the user sees are those at the ends of the same steps.
+        numbers = np.rint(body.run.t / body.step).astype(np.int64)
+        early = numbers <= body.steps
+        assert body.run.omega[early].tobytes() == run.omega[numbers[early]].tobytes()
+        assert numbers[-1] * body.step == pytest.approx(result.spec.t_end, rel=1e-13)
+
+        if flips:
+            assert isinstance(result.spec.stable, NoFlip)
+            axis = abs(result.spec.stable.axis or 0) - 1
+            side = np.signbit(run.omega[:, axis])
+            changed = np.flatnonzero(side[1:] != side[:-1])
+            assert body.flips == len(changed)
+            assert np.isnan(body.tilt)
+            if len(changed):
+                # Inside the first step that changes the sign; its ends are rounded.
+                begin, end = run.t[changed[0]], run.t[changed[0] + 1]
+                assert begin * (1 - 1e-15) <= body.left <= end * (1 + 1e-15)
+                assert body.status == "stopped"
+            else:
+                assert np.isnan(body.left)
+                assert body.status == "finished"
+        else:
+            tilt = watched(result, run)
+            # The tilt comes from the vertical that is carried, here it comes from the quaternion:
+            # they part by the error of the scheme, which is that of the drift, and by rounding
+            # where the arc cosine is steep (1e-8 near 0).
+            assert body.tilt == pytest.approx(tilt.max(), abs=2e-5)
+            assert isinstance(result.spec.stable, TiltBelow)
+            limit = result.spec.stable.angle
+            assert (body.status == "stopped") == (body.tilt > limit)
+            if body.status == "stopped":
+                # In the step that passes the limit, or beside it where the two tilts part.
+                passed = run.t[np.argmax(tilt > limit)]
+                assert passed - 2.0 * body.step <= body.left <= passed + body.step
+        # A body is looked at after bursts of 16 steps and ends with one.
+        assert body.steps % 16 == 0
+        assert (body.status == "stopped") or body.steps == round(result.spec.t_end / body.step)
+    assert seen["stopped"] >= 2
+    assert seen["finished"] >= 2
+
+
+@pytest.mark.parametrize("case", ["free, flips, rk4", "free, tilt, splitting"])
+def test_the_drift_that_is_stated_is_that_of_the_motion(case: str) -> None:
+    # At the ends of bursts of 16 steps. The energies and lengths here round by a few eps each.
+    result = compute(case)
+    for pixel in (3, 4, 6):
+        body = result.replay(pixel, 1)
+        run = every_step(body)
+        scene = scene_from_dict(run.spec["scene"])
+        energies = energy(scene, run.omega[::16])
+        momenta = np.linalg.norm(angular_momentum(scene, run.omega[::16]), axis=1)
+        for stated, values in ((body.energy_drift, energies), (body.momentum_drift, momenta)):
+            measured = abs(values / values[0] - 1.0).max()
+            assert stated == pytest.approx(measured, rel=1e-6, abs=8 * 2.0**-52)

@@ -1,0 +1,388 @@
+"""A map in a file, as JSON, as an xarray Dataset: nothing lost, nothing of the machine, no code."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import pickle
+import random
+import zipfile
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray
+
+import rigid
+from rigid import _core
+from rigid.maps.compute import run_map
+from rigid.maps.data import STORED
+from small_maps import NAMED, assert_same_map, saved_bytes, small_map
+
+IMPOSSIBLE_TOO = {"I1": np.linspace(0.4, 3.6, 5), "noise": [0.01, 0.1]}
+START = rigid.Start(spin=1.0, axis=2, noise=rigid.normal(0.0))
+
+#: Requests with every kind of scene, start, criterion and option.
+REQUESTS: dict[str, dict[str, Any]] = {
+    "free": {"axes": IMPOSSIBLE_TOO, "start": START, "title": "A title, with Ümläüts"},
+    "box": {
+        "scene": rigid.FreeBody(rigid.Body.box(0.25, 0.08, 0.01, mass=0.3)),
+        "axes": {"b": [0.1, 0.05]},
+        "start": rigid.Start(omega=(0.1, 1.0, 0.1), noise=rigid.normal([0.1, 0.2, 0.0])),
+        "stable": rigid.no_flip(2),
+        "method": "splitting",
+        "step": 0.1,
+        "rng": 2**128 - 1,
+    },
+    "top": {
+        "scene": rigid.HeavyTop(rigid.Body((1.0, 1.1, 0.5)), mgl=1 / 3, com=(0.6, 0.0, 0.8)),
+        "axes": {"spin": [2.0, 1e-3], "tilt": [0.1]},
+        "start": rigid.Start(
+            spin=1.0, noise=rigid.uniform(0.1), attitude_noise=rigid.uniform_attitude()
+        ),
+        "stable": rigid.tilt_below(1.0, axis=-3),
+        "check": 0.5,
+        "max_steps": 12345,
+        "samples": 5,
+    },
+    "tilt": {
+        "axes": {"tilt": [0.1, 0.2]},
+        "start": rigid.Start(spin=1.0, noise=rigid.direction(0.1)),
+        "stable": rigid.tilt_below(0.3, axis=1),
+        "samples": 3,
+    },
+}
+
+
+@pytest.fixture(scope="module", params=REQUESTS)
+def result(request: pytest.FixtureRequest) -> rigid.StabilityMap:
+    return small_map(**REQUESTS[request.param])
+
+
+@pytest.fixture
+def arrays(tmp_path: Path) -> Iterator[dict[str, Any]]:
+    """What a good file holds."""
+    with np.load(small_map(**REQUESTS["free"]).save(tmp_path / "good.npz")) as file:
+        yield dict(file)
+
+
+# Round trips
+
+
+def test_specifications_round_trip_through_json(result: rigid.StabilityMap) -> None:
+    spec = result.spec
+    assert rigid.MapSpec.from_json(spec.to_json()) == spec
+    assert rigid.MapSpec.from_json(spec.to_json()).to_json() == spec.to_json()
+    assert rigid.MapSpec.from_dict(spec.to_dict()) == spec
+    assert hash(rigid.MapSpec.from_dict(spec.to_dict())) == hash(spec)
+    assert json.loads(spec.to_json())["seed"] == spec.seed
+
+
+def test_a_specification_is_frozen_and_tells_what_differs(result: rigid.StabilityMap) -> None:
+    spec = result.spec
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        spec.samples = 1  # type: ignore[misc]
+    for change in ({"seed": 5}, {"samples": 7}, {"t_end": 1.0}, {"check": 0.125}, {"step": 0.5}):
+        assert dataclasses.replace(spec, **change) != spec
+
+
+def test_the_same_specification_gives_the_same_map(result: rigid.StabilityMap) -> None:
+    spec = rigid.MapSpec.from_json(result.spec.to_json())
+    assert_same_map(run_map(spec, progress=False), result)
+
+
+def test_a_loaded_map_equals_the_saved_one(result: rigid.StabilityMap, tmp_path: Path) -> None:
+    path = result.save(tmp_path / "map.npz")
+    assert path == tmp_path / "map.npz"
+    loaded = rigid.load_map(path)
+    assert loaded.spec == result.spec
+    assert_same_map(loaded, result)
+    assert loaded.complete == result.complete
+    assert loaded.summary() == result.summary()
+    for pixel in np.flatnonzero(result.status == 0)[:1]:
+        mine, theirs = (one.replay(int(pixel), 1) for one in (result, loaded))
+        assert mine.run.omega.tobytes() == theirs.run.omega.tobytes()
+
+
+def test_measurements_of_the_machine_are_not_saved(tmp_path: Path) -> None:
+    result = small_map()
+    assert (result.nanoseconds > 0.0).all()
+    assert result.elapsed > 0.0
+    loaded = rigid.load_map(str(result.save(str(tmp_path / "map.npz"))))
+    assert np.isnan(loaded.nanoseconds).all()
+    assert np.isnan(loaded.elapsed)
+    assert loaded.threads == 0
+    with np.load(tmp_path / "map.npz") as file:
+        assert set(file.files) == {"spec.json", "x", "y", "share", "lower", "upper"} | set(STORED)
+        text = file["spec.json"].tobytes().decode()
+    for word in ("nanoseconds", "elapsed", "threads", "isa", "hostname"):
+        assert f'"{word}"' not in text
+
+
+def test_equal_maps_are_equal_bytes(result: rigid.StabilityMap, tmp_path: Path) -> None:
+    first = saved_bytes(result, tmp_path)
+    assert rigid.load_map(tmp_path / "map.npz").save(tmp_path / "b.npz").read_bytes() == first
+    again = run_map(result.spec, threads=3, chunk=7, progress=False)
+    assert saved_bytes(again, tmp_path) == first
+    other = dataclasses.replace(result.spec, seed=result.spec.seed ^ 1)
+    assert saved_bytes(run_map(other, progress=False), tmp_path) != first
+
+
+def test_the_file_has_no_date_and_is_not_compressed(tmp_path: Path) -> None:
+    small_map().save(tmp_path / "map.npz")
+    with zipfile.ZipFile(tmp_path / "map.npz") as archive:
+        for entry in archive.infolist():
+            assert entry.date_time == (1980, 1, 1, 0, 0, 0)
+            assert entry.compress_type == zipfile.ZIP_STORED
+            assert entry.create_system == 3
+
+
+def test_no_scratch_file_is_left(tmp_path: Path) -> None:
+    result = small_map()
+    result.save(tmp_path / "map.npz")
+    result.save(tmp_path / "map.npz")  # over the old one
+    result.save(tmp_path / "no suffix")
+    with pytest.raises(OSError, match="nowhere"):
+        result.save(tmp_path / "nowhere" / "map.npz")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["map.npz", "no suffix"]
+
+
+def test_any_program_can_read_the_data(result: rigid.StabilityMap, tmp_path: Path) -> None:
+    with np.load(result.save(tmp_path / "map.npz"), allow_pickle=False) as file:
+        for name in ("stable", "share", "status", "earliest"):
+            np.testing.assert_array_equal(file[name], getattr(result, name))
+        header = json.loads(file["spec.json"].tobytes())
+        np.testing.assert_array_equal(file["x"], result.spec.axes[0].values)
+        assert ("y" in file.files) == (len(result.spec.axes) == 2)
+    assert header["format"] == "rigid stability map"
+    assert header["spec"] == json.loads(result.spec.to_json())
+
+
+# Files that are no maps
+
+
+def refused(path: Path) -> str:
+    """The one line that refuses a file."""
+    with pytest.raises(ValueError) as caught:
+        rigid.load_map(path)
+    message = str(caught.value)
+    assert "\n" not in message
+    assert str(path) in message
+    return message
+
+
+def test_a_missing_file_is_not_found(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError):
+        rigid.load_map(tmp_path / "nothing.npz")
+
+
+@pytest.mark.parametrize("content", [b"", b"hello", b"PK\x03\x04", b"\x93NUMPY" + bytes(100)])
+def test_other_files_are_no_maps(content: bytes, tmp_path: Path) -> None:
+    path = tmp_path / "other"
+    path.write_bytes(content)
+    assert "is not a stability map" in refused(path)
+
+
+def test_other_arrays_are_no_maps(tmp_path: Path) -> None:
+    np.savez(tmp_path / "a.npz", share=np.zeros(3))
+    np.save(tmp_path / "b.npy", np.zeros(3))
+    assert "spec.json" in refused(tmp_path / "a.npz")
+    assert "is not a stability map" in refused(tmp_path / "b.npy")
+
+
+class Bomb:
+    """Something whose unpickling would be seen."""
+
+    armed = True
+
+    def __reduce__(self) -> tuple[Callable[..., None], tuple[type[Bomb], str, bool]]:
+        return setattr, (Bomb, "armed", False)
+
+
+@pytest.mark.parametrize("name", ["spec.json", "stable"])
+def test_nothing_is_unpickled(name: str, arrays: dict[str, Any], tmp_path: Path) -> None:
+    arrays[name] = np.array([Bomb()], dtype=object)
+    np.savez(tmp_path / "bomb.npz", allow_pickle=True, **arrays)
+    assert "is not a stability map" in refused(tmp_path / "bomb.npz")
+    assert Bomb.armed
+    with np.load(tmp_path / "bomb.npz", allow_pickle=True) as file:  # that would have been it
+        file[name]
+    assert not Bomb.armed
+    Bomb.armed = True
+
+
+@pytest.mark.parametrize("keep", [0.1, 0.5, 0.9, 0.999])
+def test_a_truncated_file_is_refused(keep: float, tmp_path: Path) -> None:
+    whole = saved_bytes(small_map(), tmp_path)
+    (tmp_path / "cut.npz").write_bytes(whole[: int(keep * len(whole))])
+    assert "is not a stability map" in refused(tmp_path / "cut.npz")
+
+
+def test_a_flipped_bit_is_refused_or_harmless(tmp_path: Path) -> None:
+    # Harmless: in a date, say. Every array has a checksum, and no other error may come through.
+    result = small_map(samples=3)
+    whole = saved_bytes(result, tmp_path)
+    path = tmp_path / "flipped.npz"
+    generator = random.Random(7)
+    directory = whole.index(b"PK\x01\x02")  # where the table of contents begins
+    places = range(directory, len(whole))
+    refusals = []
+    for place in [*places[::3], *generator.sample(range(directory), 300)]:
+        damaged = bytearray(whole)
+        damaged[place] ^= 1 << generator.randrange(8)
+        path.write_bytes(damaged)
+        try:
+            assert_same_map(rigid.load_map(path), result)
+        except ValueError as error:
+            refusals.append(str(error))
+    assert len(refusals) > 250
+    assert not any("\n" in line for line in refusals)
+
+
+def header_of(arrays: dict[str, Any]) -> Any:
+    return json.loads(arrays["spec.json"].tobytes())
+
+
+def with_header(arrays: dict[str, Any], header: object, path: Path) -> Path:
+    text = json.dumps(header).encode()
+    np.savez(path, **{**arrays, "spec.json": np.frombuffer(text, dtype=np.uint8)})
+    return path
+
+
+@pytest.mark.parametrize(
+    ("change", "complaint"),
+    [
+        ({"format": "something else"}, "its header is not that of one"),
+        ({"format_version": 1}, "has format version 1, this version of rigid reads 3"),
+        ({"format_version": None}, "has format version None"),
+        ({"spec": {}}, "holds a broken specification"),
+        ({"spec": 3}, "holds a broken specification"),
+        ({"spec": []}, "holds a broken specification"),
+    ],
+)
+def test_other_headers_are_refused(
+    change: dict[str, Any], complaint: str, arrays: dict[str, Any], tmp_path: Path
+) -> None:
+    header = header_of(arrays)
+    assert rigid.load_map(with_header(arrays, header, tmp_path / "good.npz")).complete
+    assert complaint in refused(with_header(arrays, {**header, **change}, tmp_path / "bad.npz"))
+
+
+@pytest.mark.parametrize("bad", [[], 3, "a", None, {}])
+@pytest.mark.parametrize("key", ["scene", "start", "axes", "stable", "method", "samples", "seed"])
+def test_broken_specifications_are_refused(
+    key: str, bad: object, arrays: dict[str, Any], tmp_path: Path
+) -> None:
+    if (key, bad) in (("samples", 3), ("seed", 3)):
+        return  # these are good
+    header = header_of(arrays)
+    header["spec"][key] = bad
+    path = with_header(arrays, header, tmp_path / "bad.npz")
+    assert "holds a broken specification" in refused(path)
+
+
+def test_a_header_that_is_no_json_is_refused(arrays: dict[str, Any], tmp_path: Path) -> None:
+    for content in (b"{", b"\xff\xfe", b"[1, 2]", b"null"):
+        np.savez(
+            tmp_path / "bad.npz",
+            **{**arrays, "spec.json": np.frombuffer(content, dtype=np.uint8)},
+        )
+        assert "is not a stability map" in refused(tmp_path / "bad.npz")
+
+
+def test_arrays_of_another_shape_or_type_are_refused(
+    arrays: dict[str, Any], tmp_path: Path
+) -> None:
+    path = tmp_path / "bad.npz"
+    np.savez(path, **{**arrays, "stable": arrays["stable"][:, :-1]})
+    assert "stable has shape (2, 4), expected (2, 5)" in refused(path)
+    np.savez(path, **{**arrays, "stable": arrays["stable"] * 1.0})
+    assert "stable has type float64" in refused(path)
+    np.savez(path, **{name: array for name, array in arrays.items() if name != "unstable"})
+    assert "unstable" in refused(path)
+
+
+def test_arrays_of_the_other_byte_order_are_read(arrays: dict[str, Any], tmp_path: Path) -> None:
+    swapped = {name: array.astype(array.dtype.newbyteorder(">")) for name, array in arrays.items()}
+    np.savez(tmp_path / "big.npz", **swapped)
+    assert_same_map(rigid.load_map(tmp_path / "big.npz"), small_map(**REQUESTS["free"]))
+
+
+# xarray
+
+
+def test_dataset_has_named_dimensions_units_and_the_specification() -> None:
+    result = small_map(title="A title")
+    dataset = result.to_xarray()
+    assert dict(dataset.sizes) == {"noise": 5, "I2_over_I1": 7}
+    assert dataset["share"].dims == ("noise", "I2_over_I1")
+    for name in NAMED:
+        np.testing.assert_array_equal(dataset[name].values, getattr(result, name))
+        assert dataset[name].attrs["long_name"]
+    np.testing.assert_array_equal(dataset["I2_over_I1"], result.spec.axes[0].values)
+    np.testing.assert_array_equal(dataset["noise"], result.spec.axes[1].values)
+    assert dataset["noise"].attrs["units"] == "rad/s"
+    assert dataset["I2_over_I1"].attrs["units"] == "1"
+    assert dataset["I2_over_I1"].attrs["long_name"] == "I2/I1"
+    assert dataset["earliest"].attrs["units"] == "s"
+    for name in ("share", "lower", "upper", "energy_drift", "momentum_drift"):
+        assert dataset[name].attrs["units"] == "1"
+    for name in ("share", "lower", "upper"):
+        assert "no flip about axis 2 until t = 20 s" in dataset[name].attrs["long_name"]
+    assert dataset.attrs["title"] == "A title"
+    assert dataset.attrs["criterion"] == "no flip about axis 2 until t = 20 s"
+    assert dataset.attrs["complete"] == 1
+    assert dataset.attrs["rigid_version"] == rigid.__version__
+    assert rigid.MapSpec.from_json(dataset.attrs["spec"]) == result.spec
+
+
+def test_dataset_is_selected_by_the_values_of_the_axes() -> None:
+    result = small_map()
+    x, y = (axis.values for axis in result.spec.axes)
+    picked = result.to_xarray()["earliest"].sel(I2_over_I1=x[2], noise=y[3])
+    assert float(picked) == result.earliest[3, 2]
+
+
+def test_dataset_of_a_line_and_of_a_loaded_map(tmp_path: Path) -> None:
+    result = small_map(axes={"spin": [1.0, 2.0]})
+    dataset = rigid.load_map(result.save(tmp_path / "map.npz")).to_xarray()
+    assert dataset["share"].dims == ("spin",)
+    assert dataset["spin"].attrs["units"] == "rad/s"
+    xarray.testing.assert_identical(
+        dataset.drop_vars("nanoseconds"), result.to_xarray().drop_vars("nanoseconds")
+    )
+
+
+def test_every_column_of_the_core_is_an_attribute_with_type_unit_and_meaning() -> None:
+    result = small_map(samples=2)
+    dataset = result.to_xarray()
+    rows = _core.map_columns()
+    assert [row["name"] for row in rows if row["reproducible"]] == list(STORED)[:-1]
+    for row in rows:
+        name = row["name"]
+        assert getattr(result, name).dtype == row["dtype"]
+        assert getattr(result, name).shape == result.spec.shape
+        assert name in dir(result)
+        assert dataset[name].attrs == {"long_name": row["words"], "units": row["unit"]}
+    with pytest.raises(AttributeError, match="'StabilityMap' object has no attribute 'stabel'"):
+        _ = result.stabel
+
+
+@pytest.mark.parametrize("damped", [False, True])
+def test_a_map_survives_a_pickle(damped: bool) -> None:
+    scene = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)), damping=0.1 if damped else None)
+    result = small_map(scene, axes={"spin": [1.0, 2.0]}, samples=2)
+    again = pickle.loads(pickle.dumps(result))
+    assert again.spec == result.spec
+    assert_same_map(again, result)
+    assert again.replay(1, 0).outcome == result.replay(1, 0).outcome
+
+
+def test_status_flags_say_what_they_mean() -> None:
+    dataset = small_map(**REQUESTS["free"]).to_xarray()
+    meanings = dataset["status"].attrs["flag_meanings"].split()
+    assert meanings == ["possible", "not_finite", "not_positive", "triangle_inequality_broken"]
+    assert dataset["status"].attrs["flag_values"] == [0, 1, 2, 3]
+    assert set(np.unique(dataset["status"])) == {0, 3}

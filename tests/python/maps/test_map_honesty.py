@@ -1,0 +1,154 @@
+"""What a map says of itself: intervals cover as they say, and wrong verdicts are caught."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rigid
+from rigid.maps.data import wilson
+
+SIDE = 80
+
+
+def maps() -> dict[str, dict[str, Any]]:
+    """A throw and a top, one body in each pixel, both with closed forms to judge by."""
+    return {
+        "throw": {
+            "scene": rigid.FreeBody(rigid.Body.box(0.25, 0.08, 0.01, mass=0.3)),
+            "axes": {
+                "b": np.linspace(0.012, 0.248, SIDE),
+                "noise": np.geomspace(1e-4, 1.0, SIDE),
+            },
+            "start": rigid.Start(spin=10.0, axis=2, noise=rigid.normal(1e-3)),
+            "stable": rigid.no_flip(2),
+            "t_end": 1.0,
+        },
+        "top": {
+            "scene": rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0),
+            "axes": {
+                "spin": np.linspace(1.0, 6.0, SIDE),
+                "tilt": np.linspace(0.01, 1.0, SIDE),
+            },
+            "stable": rigid.tilt_below(1.2),
+            "t_end": 20.0,
+        },
+    }
+
+
+# Steps at which the method alone judges some of the bodies wrongly.
+COARSE = [
+    ("throw", "splitting", 0.03),
+    ("throw", "splitting", 0.0625),
+    ("throw", "splitting4", 0.0625),
+    ("top", "splitting", 0.2),
+    ("top", "splitting", 1.25),
+    ("top", "splitting4", 1.25),
+    ("top", "chin4a", 1.25),
+    ("top", "dop853", 0.625),
+]
+
+
+@pytest.mark.parametrize(("name", "method", "step"), COARSE)
+def test_wrong_verdicts_of_coarse_steps_are_caught(name: str, method: str, step: float) -> None:
+    options: dict[str, Any] = {"samples": 1, "rng": 5, "progress": False, **maps()[name]}
+    truth = rigid.stability_map(**options, method="exact")
+    alone = rigid.stability_map(**options, method=method, step=step, check=0.0)
+    checked = rigid.stability_map(**options, method=method, step=step)
+    judged = (alone.failed == 0) & (truth.undecided == 0)
+    wrong = judged & (alone.stable != truth.stable)
+    assert wrong.sum() >= 5, "the steps are not coarse enough to show anything"
+    assert checked.undecided[wrong].mean() >= 0.99
+    # The second method is right but within 1e-12 of the border: it flags no right verdict here.
+    assert checked.undecided[judged & ~wrong].mean() <= 0.001
+    # Failed is failed with either.
+    np.testing.assert_array_equal(checked.failed, alone.failed)
+
+
+def test_reasons_of_failure_sum_up() -> None:
+    """Fast bodies need too many steps, faster ones overflow, a fast one within the limit drifts."""
+    result = rigid.stability_map(
+        rigid.FreeBody,
+        axes={"spin": [1.0, 30.0, 1e200]},
+        start=rigid.Start(spin=1.0, axis=3, tilt=0.8),
+        stable=rigid.no_flip(3),
+        method="rk4",
+        step=0.1,
+        samples=3,
+        t_end=100.0,
+        rng=1,
+        progress=False,
+    )
+    assert result.drifted.tolist() == [0, 3, 0]
+    assert result.not_finite.tolist() == [0, 0, 3]
+    assert "6 failed (66.67%): 3 not finite, 3 drifted" in result.summary()
+    limited = rigid.stability_map(
+        rigid.FreeBody,
+        axes={"spin": [1.0, 30.0]},
+        stable=rigid.no_flip(),
+        method="rk4",
+        samples=2,
+        t_end=10.0,
+        max_steps=1000,
+        rng=1,
+        progress=False,
+    )
+    assert limited.step_limit.tolist() == [0, 2]
+    for one in (result, limited):
+        np.testing.assert_array_equal(one.failed, one.step_limit + one.not_finite + one.drifted)
+
+
+def test_intervals_cover_as_often_as_they_say() -> None:
+    """Over shares spread evenly, Wilson's 95 % interval covers 95 % (Brown, Cai, DasGupta 2001)."""
+    random = np.random.default_rng(2026)
+    for samples in (16, 64, 256):
+        share = random.uniform(size=10_000)
+        stable = random.binomial(samples, share).astype(np.int64)
+        lower, upper = wilson(stable, np.full(stable.shape, samples))
+        covered = ((lower <= share) & (share <= upper)).mean()
+        # 10^4 pixels: the standard error is 0.2 %.
+        assert 0.94 <= covered <= 0.97, (samples, covered)
+
+
+def test_intervals_of_neighbouring_pixels_cover_their_common_share() -> None:
+    """Tops that start near the limit of their tilt: the draw decides whether they pass it."""
+    pixels, samples = 2_000, 64
+    result = rigid.stability_map(
+        rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0),
+        axes={"spin": np.linspace(5.0, 5.001, pixels)},
+        start=rigid.Start(spin=5.0, tilt=0.3, attitude_noise=rigid.normal(5e-2)),
+        stable=rigid.tilt_below(0.5),
+        samples=samples,
+        t_end=30.0,
+        rng=11,
+        progress=False,
+    )
+    # Hardly anything depends on the spin within 1e-3: the mean of all pixels is the truth.
+    probability = result.stable.sum() / result.samples.sum()
+    assert 0.05 < probability < 0.95
+    covered = ((result.lower <= probability) & (probability <= result.upper)).mean()
+    assert 0.93 <= covered <= 0.98, (probability, covered)
+
+
+@pytest.mark.parametrize("method", ["taylor16", "taylor26"])
+def test_a_pair_of_flips_inside_a_long_step_is_seen(method: str) -> None:
+    """In two of these pixels the rate passes zero and comes back within a step of the series."""
+    options: dict[str, Any] = {
+        "axes": {
+            "omega1": np.linspace(-1.5, 1.5, 41),
+            "omega2": np.linspace(-1.5, 1.5, 40),
+        },
+        "start": rigid.Start(omega=(0.0, 0.0, 0.4), tilt=0.7),
+        "stable": rigid.no_flip(3),
+        "t_end": 3.0,
+        "samples": 1,
+        "check": 0.0,
+        "rng": 1,
+        "progress": False,
+    }
+    top = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
+    fine = rigid.stability_map(top, method="rk4", step=2e-3, **options)
+    long = rigid.stability_map(top, method=method, **options)
+    np.testing.assert_array_equal(long.stable, fine.stable)

@@ -1,0 +1,131 @@
+"""Ctrl-C while a map runs keeps what there is."""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import rigid
+from interrupts import LONG, seconds_until_interrupted, sigint
+from processes import PATIENCE
+from small_maps import assert_same_map, small_map
+from terminals import in_terminal, read
+
+
+@pytest.fixture(autouse=True)
+def _foreground() -> Iterator[None]:
+    """As in the foreground of a shell; in its background SIGINT is ignored."""
+    with sigint(signal.default_int_handler):
+        yield
+
+
+def test_errors_of_a_callable_come_through() -> None:
+    def complain(progress: rigid.Progress) -> None:
+        raise ZeroDivisionError(f"after {progress.done}")
+
+    with pytest.raises(ZeroDivisionError, match="after 7"):
+        small_map(progress=complain, chunk=7)
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+@pytest.mark.parametrize("how", ["raised by the callable", "a signal"])
+def test_an_interrupted_map_is_the_beginning_of_the_whole_one(how: str, tmp_path: Path) -> None:
+    whole = small_map()
+
+    def interrupt(progress: rigid.Progress) -> None:
+        if progress.done >= 250:
+            if how == "raised by the callable":
+                raise KeyboardInterrupt
+            os.kill(os.getpid(), signal.SIGINT)
+
+    partial = small_map(chunk=50, progress=interrupt)
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    assert not partial.complete
+    done, full = 250, 12  # bodies, and pixels of 20
+    assert partial.samples.sum() == done
+    np.testing.assert_array_equal(partial.samples.ravel()[:full], 20)
+    np.testing.assert_array_equal(partial.samples.ravel()[full], done % 20)
+    np.testing.assert_array_equal(partial.samples.ravel()[full + 1 :], 0)
+    for name in ("stable", "unstable", "earliest", "energy_drift", "share", "lower"):
+        np.testing.assert_array_equal(
+            getattr(partial, name).ravel()[:full], getattr(whole, name).ravel()[:full]
+        )
+    # And it is a result like any other.
+    assert f"{done:,} of 700 (stopped early)" in partial.summary()
+    assert np.isnan(partial.share.ravel()[full + 1 :]).all()
+    assert partial.to_xarray().attrs["complete"] == 0
+    loaded = rigid.load_map(partial.save(tmp_path / "partial.npz"))
+    assert not loaded.complete
+    assert_same_map(loaded, partial)
+    assert f"stopped after {done:,} bodies" in partial.plot().get_title(loc="left")
+
+
+def test_other_handlers_and_other_threads_are_left_alone() -> None:
+    called = []
+    with sigint(lambda *_: called.append(1)):
+        handler = signal.getsignal(signal.SIGINT)
+        result = small_map(chunk=500, progress=lambda progress: os.kill(os.getpid(), signal.SIGINT))
+        assert signal.getsignal(signal.SIGINT) is handler
+    assert result.complete
+    assert called == [1, 1]
+
+    results: list[rigid.StabilityMap] = []
+    thread = threading.Thread(target=lambda: results.append(small_map()))
+    thread.start()
+    thread.join()
+    assert_same_map(results[0], result)
+
+
+@pytest.mark.parametrize("size", LONG)
+def test_ctrl_c_ends_hours_of_work(size: str) -> None:
+    seconds_until_interrupted(size)
+
+
+BIG = """
+[scene]
+kind = "free-body"
+moments = [1.0, 1.5, 2.0]
+[x]
+name = "spin"
+values = [1.0, 2.0, 3.0]
+[start]
+axis = 3
+noise = { kind = "normal", size = 0.01 }
+[stable]
+criterion = "no_flip"
+[run]
+t_end = 2000.0
+method = "rk4"
+samples = 100_000_000
+seed = 1
+"""
+
+
+@pytest.mark.parametrize("place", ["foreground", "background"])
+def test_an_interrupted_command_writes_what_there_is_and_exits_with_130(
+    place: str, tmp_path: Path
+) -> None:
+    """Also where a shell has started it in the background, so that it ignores SIGINT at first."""
+    (tmp_path / "big.toml").write_text(BIG)
+    command = ("map", str(tmp_path / "big.toml"), "--out", str(tmp_path / "big"))
+    handler = signal.SIG_IGN if place == "background" else signal.default_int_handler
+    with sigint(handler), in_terminal("-m", "rigid.cli", *command) as (process, reader):
+        shown = read(reader, until=b"k/300M")  # some thousand bodies are done
+        assert b"k/300M" in shown
+        process.send_signal(signal.SIGINT)
+        output, _ = process.communicate(timeout=PATIENCE)
+        shown += read(reader)
+    assert process.returncode == 130
+    assert b"rigid: interrupted; the map written is partial" in shown
+    assert b"Traceback" not in shown
+    assert b"(stopped early)" in output
+    result = rigid.load_map(tmp_path / "big.npz")
+    assert not result.complete
+    assert result.samples.sum() > 1000
+    assert (tmp_path / "big.png").read_bytes().startswith(b"\x89PNG")

@@ -1,0 +1,303 @@
+"""The picture of a map: what is drawn is what was computed, where it belongs, and named."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import PolyCollection, QuadMesh
+from matplotlib.figure import Figure
+from matplotlib.patches import PathPatch
+
+import rigid
+from processes import python_process
+from rigid.maps.data import FAILURES
+from small_maps import Floats, small_map, spec_of
+
+X, Y = np.linspace(1.01, 1.99, 7), np.geomspace(1e-3, 0.1, 5)
+
+
+@pytest.fixture(scope="module")
+def result() -> rigid.StabilityMap:
+    return small_map()
+
+
+def pretended(spec: rigid.MapSpec, **changes: Any) -> rigid.StabilityMap:
+    """A result with 20 stable bodies in every pixel but for these changes."""
+    arrays: dict[str, Any] = {
+        name: np.zeros(spec.shape, dtype=np.int64)
+        for name in ("unstable", "undecided", "failed", "checked", "steps", "exact", *FAILURES)
+    }
+    arrays["stable"] = np.full(spec.shape, 20)
+    arrays["status"] = np.zeros(spec.shape, dtype=np.uint8)
+    arrays |= {
+        name: np.zeros(spec.shape) for name in ("energy_drift", "momentum_drift", "earliest")
+    }
+    for name, cells in changes.items():
+        for index, value in cells.items():
+            arrays[name][index] = value
+            if name != "stable":
+                arrays["stable"][index] = 0 if name == "status" else 20 - value
+    return rigid.StabilityMap.from_arrays(spec, arrays)
+
+
+def mesh_of(ax: Axes) -> QuadMesh:
+    (mesh,) = (one for one in ax.collections if isinstance(one, QuadMesh))
+    return mesh
+
+
+def legend_of(ax: Axes) -> list[str]:
+    legend = ax.get_legend()
+    return [] if legend is None else [text.get_text() for text in legend.get_texts()]
+
+
+def hatched(ax: Axes) -> dict[str, PathPatch]:
+    return {str(one.get_label()): one for one in ax.patches if isinstance(one, PathPatch)}
+
+
+def covers(patch: PathPatch, x: float, y: float) -> bool:
+    """Whether a hatch covers a point of the axes."""
+    polygons = patch.get_path().to_polygons()
+    return any(mpl.path.Path(polygon).contains_point((x, y)) for polygon in polygons)
+
+
+# A plane
+
+
+def test_the_share_lies_under_its_values(result: rigid.StabilityMap) -> None:
+    ax = result.plot()
+    mesh = mesh_of(ax)
+    data = mesh.get_array()
+    assert data is not None
+    np.testing.assert_array_equal(np.ma.getdata(data), result.share)
+    assert 0.0 < result.share.mean() < 1.0
+    corners = np.asarray(mesh.get_coordinates())
+    assert corners.shape == (6, 8, 2)  # [y, x]
+    edges_x, edges_y = corners[0, :, 0], corners[:, 0, 1]
+    # Each value is in the middle of its cell, in the scale that is drawn.
+    np.testing.assert_allclose(0.5 * (edges_x[1:] + edges_x[:-1]), X, rtol=1e-12)
+    np.testing.assert_allclose(np.sqrt(edges_y[1:] * edges_y[:-1]), Y, rtol=1e-12)
+    assert (ax.get_xscale(), ax.get_yscale()) == ("linear", "log")
+    assert ax.get_xlim() == (edges_x[0], edges_x[-1])
+    assert ax.get_ylim() == pytest.approx((edges_y[0], edges_y[-1]))
+    assert mesh.get_clim() == (0.0, 1.0)
+    assert mesh.get_cmap().name == "cividis"
+
+
+def test_pixels_look_as_their_numbers_say() -> None:
+    # Rendered: a map whose only stable pixel is [0, 2] is bright at the lower right, nowhere else.
+    spec = spec_of(axes={"omega1": [1.0, 2.0, 3.0], "omega3": [1.0, 2.0]}, start=RATES, rng=1)
+    every = {(i, j): 20 for i in range(2) for j in range(3)}
+    result = pretended(spec, unstable={k: v for k, v in every.items() if k != (0, 2)})
+    figure = Figure(figsize=(6, 4), dpi=50)
+    ax = result.plot(ax=figure.add_axes((0.1, 0.1, 0.6, 0.6)))
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()  # type: ignore[no-untyped-call]
+    image = np.asarray(canvas.buffer_rgba())  # type: ignore[no-untyped-call]
+    bright = {}
+    for row, y in enumerate([1.0, 2.0]):
+        for column, x in enumerate([1.0, 2.0, 3.0]):
+            across, upward = ax.transData.transform((x + 0.2, y + 0.2))
+            bright[row, column] = int(image[-int(upward) - 1, int(across), 0])
+    assert {place for place, red in bright.items() if red > 200} == {(0, 2)}
+
+
+RATES = rigid.Start(omega=(0.1, 1.0, 0.1), noise=rigid.normal(0.1))
+
+
+def test_decreasing_and_single_values_have_cells_too() -> None:
+    result = small_map(axes={"spin": [3.0, 2.0, 1.0], "noise": [0.01]}, samples=4)
+    corners = np.asarray(mesh_of(result.plot()).get_coordinates())
+    np.testing.assert_allclose(corners[0, :, 0], [3.5, 2.5, 1.5, 0.5])
+    np.testing.assert_allclose(corners[:, 0, 1], [0.005, 0.015])
+    np.testing.assert_array_equal(mesh_of(result.plot()).get_array(), result.share)
+
+
+def test_labels_say_what_stable_means_and_until_when() -> None:
+    result = small_map(title="My map")
+    ax = result.plot()
+    assert ax.get_xlabel() == "$I_2/I_1$"
+    assert ax.get_ylabel() == "perturbation of the rates (rad/s)"
+    title = ax.get_title(loc="left")
+    assert title.splitlines()[0] == "My map"
+    assert "stable: no flip about axis 2 until t = 20 s" in title
+    assert "20 bodies per pixel" in title
+    figure = ax.figure
+    assert figure is not None
+    (bar,) = (one for one in figure.axes if one is not ax)
+    assert bar.get_ylabel() == "share stable until t = 20 s"
+
+
+def test_maps_without_a_title_are_named_after_their_scene() -> None:
+    free = small_map(samples=1, t_end=0.1).plot().get_title(loc="left")
+    assert free.splitlines()[0] == "Stability of a free body"
+    assert "1 body per pixel" in free
+    top = small_map(
+        rigid.HeavyTop, axes={"mgl": [1.0, 2.0]}, stable=rigid.tilt_below(0.5), t_end=0.1
+    )
+    title = top.plot().get_title(loc="left")
+    assert title.splitlines()[0] == "Stability of a heavy top"
+    assert "tilt of axis 3 from the vertical below 0.5 rad until t = 0.1 s" in title
+
+
+def test_a_given_axes_is_used(result: rigid.StabilityMap) -> None:
+    figure = Figure()
+    ax = figure.add_subplot()
+    assert result.plot(ax=ax) is ax
+    assert result.plot().figure is not figure
+
+
+# Hatches
+
+PLANE = {"axes": {"I2/I1": X, "noise": Y}}
+MARKS = {
+    "impossible body": {"status": {(0, 0): 3, (0, 1): 3, (4, 6): 2}},
+    "not computed": {"stable": {(1, 1): 0, (2, 2): 0}},
+    "failed > 5 %": {"failed": {(0, 0): 2, (3, 5): 20, (1, 1): 1}},
+    "undecided > 5 %": {"undecided": {(2, 3): 2, (2, 4): 10, (4, 0): 1}},
+}
+AT_THE_LIMIT = {"failed > 5 %": (1, 1), "undecided > 5 %": (4, 0)}  # 1 of 20 is not above
+
+
+@pytest.mark.parametrize("label", MARKS)
+def test_cells_without_a_true_share_are_hatched_with_a_legend(label: str) -> None:
+    (cells,) = MARKS[label].values()
+    ax = pretended(spec_of(**PLANE), **MARKS[label]).plot()
+    patches = hatched(ax)
+    assert set(patches) == {label}
+    assert patches[label].get_hatch()
+    assert label in legend_of(ax)
+    for row, y in enumerate(Y):
+        for column, x in enumerate(X):
+            expected = (row, column) in cells and AT_THE_LIMIT.get(label) != (row, column)
+            assert covers(patches[label], float(x), float(y)) == expected, (row, column)
+    data = mesh_of(ax).get_array()
+    assert data is not None
+    if label == "impossible body":
+        assert np.ma.getmaskarray(data).sum() == 3  # no colour, not even that of 0
+
+
+def test_hatches_differ_and_there_are_none_without_need() -> None:
+    spec = spec_of(**PLANE)
+    everything: dict[str, Any] = {}
+    for row, marks in enumerate(MARKS.values()):
+        for name, cells in marks.items():
+            everything[name] = dict.fromkeys([(row, 0), (row, 1)], next(iter(cells.values())))
+    ax = pretended(spec, **everything).plot()
+    patterns = [patch.get_hatch() for patch in hatched(ax).values()]
+    assert len(set(patterns)) == len(patterns) == 4
+    assert hatched(pretended(spec).plot()) == {}
+
+
+def test_the_curve_of_theory_is_drawn_and_named() -> None:
+    result = small_map(
+        axes={"I2": np.linspace(0.8, 2.4, 12), "tilt": np.linspace(0.0, 1.5, 10)},
+        start=rigid.Start(spin=1.0, axis=2),
+        samples=1,
+    )
+    ax = result.plot()
+    assert any(text.startswith("theory: separatrix") for text in legend_of(ax))
+    none = small_map(
+        axes={"tilt": [0.1, 0.2], "noise": [0.1, 0.2]},
+        start=rigid.Start(spin=1.0, noise=rigid.normal(0.0)),
+        stable=rigid.tilt_below(0.3),
+    )
+    assert none.theory() is None
+    assert not any("theory" in text for text in legend_of(none.plot()))
+
+
+# A line
+
+
+def test_a_line_has_its_interval_as_a_band() -> None:
+    result = small_map(axes={"noise": np.geomspace(1e-3, 0.1, 9)})
+    ax = result.plot()
+    share = next(line for line in ax.lines if line.get_label() == "share")
+    np.testing.assert_array_equal(share.get_xdata(), result.spec.axes[0].values)
+    np.testing.assert_array_equal(share.get_ydata(), result.share)
+    (band,) = (one for one in ax.collections if isinstance(one, PolyCollection))
+    outline = np.asarray(band.get_paths()[0].vertices)
+    for x, lower, upper in zip(result.spec.axes[0].values, result.lower, result.upper, strict=True):
+        heights: Floats = outline[outline[:, 0] == x, 1]
+        assert (heights.min(), heights.max()) == (lower, upper)
+    theory = result.theory()
+    assert theory is not None
+    line = next(line for line in ax.lines if line.get_label() == "theory")
+    np.testing.assert_array_equal(line.get_ydata(), theory.share)
+    assert legend_of(ax) == ["share", "95 % interval", "theory"]
+    assert ax.get_xscale() == "log"
+    assert ax.get_ylabel() == "share stable until t = 20 s"
+    assert ax.get_ylim() == (-0.02, 1.02)
+
+
+def test_a_line_hatches_impossible_bodies() -> None:
+    x = np.array([0.1, 0.9, 1.1, 1.3, 9.0])
+    ax = small_map(axes={"I1": x}, start=rigid.Start(spin=1.0, axis=2)).plot()
+    patch = hatched(ax)["impossible body"]
+    assert [covers(patch, float(value), 0.5) for value in x] == [True, False, False, False, True]
+
+
+# Manners
+
+
+def test_no_global_state_is_touched(result: rigid.StabilityMap) -> None:
+    code = (
+        "import sys, matplotlib, rigid\n"
+        "def settings():  # to ask for the backend would load one\n"
+        "    keys = set(matplotlib.rcParams) - {'backend'}\n"
+        "    return {key: matplotlib.rcParams[key] for key in keys}\n"
+        "before = settings()\n"
+        "result = rigid.stability_map(rigid.FreeBody, axes={'spin': [1.0, 2.0]}, samples=2,\n"
+        "    t_end=1.0, stable=rigid.no_flip(), progress=False)\n"
+        "result.plot().figure.savefig('/dev/null', format='png')\n"
+        "assert settings() == before\n"
+        "assert 'matplotlib.pyplot' not in sys.modules\n"
+    )
+    python_process(code, DISPLAY="", MPLBACKEND="")
+
+
+def test_without_matplotlib_it_is_said_what_is_missing() -> None:
+    code = (
+        "import sys; sys.modules['matplotlib'] = sys.modules['matplotlib.figure'] = None\n"
+        "sys.modules['xarray'] = None\n"
+        "import rigid\n"
+        "result = rigid.stability_map(rigid.FreeBody, axes={'spin': [1.0, 2.0]}, samples=2,\n"
+        "    t_end=1.0, stable=rigid.no_flip(), progress=False)\n"
+        "for ask in (result.plot, result.to_xarray):\n"
+        "    try:\n"
+        "        ask()\n"
+        "    except ImportError as error:\n"
+        "        print(error)\n"
+    )
+    assert python_process(code).stdout.splitlines() == [
+        "plotting needs matplotlib: pip install 'rigid[maps]'",
+        "to_xarray() needs xarray: pip install 'rigid[maps]'",
+    ]
+
+
+def test_drawing_a_large_map_takes_no_loop_over_its_pixels() -> None:
+    # 100 x 100 cells with a hatch in every second one make two artists, not five thousand.
+    axes = {"spin": np.linspace(1.0, 2.0, 100), "noise": np.geomspace(1e-3, 0.1, 100)}
+    start = rigid.Start(spin=1.0, axis=2, noise=rigid.normal(0.0))
+    spec = spec_of(axes=axes, start=start, check=0.0)
+    cells = {(i, j): 20 for i in range(100) for j in range(i % 2, 100, 2)}
+    ax = pretended(spec, undecided=cells).plot()
+    assert len(ax.patches) == 1
+    assert len(ax.get_children()) < 30
+
+
+def test_a_plane_one_pixel_high_is_drawn_without_curves() -> None:
+    result = rigid.stability_map(
+        rigid.HeavyTop,
+        axes={"spin": [3.0, 4.0, 5.0], "attitude_noise": [1e-3]},
+        samples=2,
+        t_end=5.0,
+        stable=rigid.tilt_below(0.5),
+        rng=1,
+        progress=False,
+    )
+    assert len(result.plot().collections) == 1

@@ -1,0 +1,144 @@
+"""While a map runs: progress, silent when asked to be, and chunks of a third of a second."""
+
+from __future__ import annotations
+
+import subprocess
+
+import numpy as np
+import pytest
+
+import rigid
+from processes import PATIENCE, python_process
+from rigid._checks.progress import CHUNK_SECONDS, LONGEST_SECONDS, Pace
+from rigid.maps.job import Work
+from small_maps import small_map
+from terminals import in_terminal, read
+
+IMPORTS = "import numpy as np, rigid, sys, time\n"
+
+#: A tenth of a second of work with a visible bar; one pixel of five fails.
+SHORT = """
+result = rigid.stability_map(
+    rigid.FreeBody, axes={"spin": [0.5, 1.0, 1.5, 2.0, 1e200]}, samples=400, t_end=200.0,
+    stable=rigid.no_flip(3), start=rigid.Start(spin=1.0, axis=3, tilt=0.1), rng=1,
+    method="rk4", step=0.05,
+"""
+
+
+def run(code: str) -> subprocess.CompletedProcess[str]:
+    """Run code with all three streams as pipes."""
+    return python_process(IMPORTS + code)
+
+
+# Progress
+
+
+@pytest.mark.parametrize("option", ["False", "None", "lambda progress: None"])
+def test_without_a_terminal_not_one_byte_is_written(option: str) -> None:
+    done = run(SHORT + f"progress={option})\nassert result.complete")
+    assert (done.stdout, done.stderr) == ("", "")
+
+
+def test_in_a_terminal_a_bar_shows_bodies_rate_time_and_failures() -> None:
+    with in_terminal("-c", IMPORTS + SHORT + "progress=None)") as (process, reader):
+        shown = read(reader).decode()
+        assert process.wait(PATIENCE) == 0
+    assert "bodies/s" in shown
+    assert "2.00k/2.00k" in shown
+    assert "100%" in shown
+    assert "failed=400" in shown
+
+
+def test_false_is_silent_in_a_terminal_too() -> None:
+    with in_terminal("-c", IMPORTS + SHORT + "progress=False)") as (process, reader):
+        assert read(reader) == b""
+        assert process.wait(PATIENCE) == 0
+
+
+def test_true_shows_the_bar_anywhere() -> None:
+    done = run(SHORT + "progress=True)")
+    assert "bodies/s" in done.stderr
+    assert done.stdout == ""
+
+
+def test_without_tqdm_none_is_silent_and_true_says_what_is_missing() -> None:
+    blocked = "sys.modules['tqdm'] = None\n"
+    code = IMPORTS + blocked + SHORT + "progress=None)"
+    with in_terminal("-c", code) as (process, reader):
+        assert read(reader) == b""
+        assert process.wait(PATIENCE) == 0
+    ask = "try:\n    " + SHORT.strip().replace("\n", "\n    ") + "progress=True)\n"
+    done = run(blocked + ask + "except ImportError as error:\n    print(error)")
+    assert done.stdout.strip() == "a progress bar needs tqdm: pip install 'rigid[maps]'"
+
+
+@pytest.mark.parametrize("chunk", [1, 7, 100, None])
+def test_a_callable_gets_records_that_only_grow(chunk: int | None) -> None:
+    records: list[rigid.Progress] = []
+    axes = {"I1": [0.1, 0.9, 1.2, 5.0]}  # the outer two are impossible and cost nothing
+    result = small_map(
+        axes=axes,
+        start=rigid.Start(spin=1.0, axis=2, noise=rigid.normal(0.1)),
+        samples=30,
+        chunk=chunk,
+        progress=records.append,
+    )
+    done = [record.done for record in records]
+    assert done[-1] == 60 == result.samples.sum()
+    assert (np.diff([0, *done]) > 0).all()
+    if chunk is not None:
+        assert done == [*range(chunk, 60, chunk), 60]
+    assert {record.total for record in records} == {60}
+    elapsed = [record.elapsed for record in records]
+    assert (np.diff([0.0, *elapsed]) >= 0.0).all()
+    assert elapsed[-1] <= result.elapsed
+    for record in records:
+        assert record.rate == record.done / record.elapsed
+        left = record.total - record.done
+        assert record.remaining == pytest.approx(left / record.rate, rel=1e-12, abs=1e-300)
+    assert {record.failures for record in records} == {0}
+
+
+def test_failures_are_counted_while_it_runs() -> None:
+    records: list[rigid.Progress] = []
+    result = small_map(
+        axes={"spin": [1.0, 2.0, 1e200]},
+        start=rigid.Start(spin=1.0, axis=3, tilt=0.1),
+        samples=10,
+        chunk=5,
+        progress=records.append,
+    )
+    assert [record.failures for record in records] == [0, 0, 0, 0, 5, 10]
+    assert result.failed.sum() == 10
+
+
+def test_a_record_before_the_first_body_promises_nothing() -> None:
+    record = rigid.Progress(done=0, total=10, elapsed=0.0, failures=0)
+    assert record.rate == 0.0
+    assert record.remaining == float("inf")
+    assert rigid.Progress(done=10, total=10, elapsed=0.0, failures=0).remaining == 0.0
+
+
+# Chunks
+
+
+def test_chunks_settle_near_a_third_of_a_second_and_never_pass_one() -> None:
+    # A machine that needs 1 ms a body in the first half and 1 ms / 100 in the second.
+    pace = Pace(threads=2)
+    seconds = []
+    for round_ in range(60):
+        cost = 1e-3 if round_ < 30 else 1e-5
+        bodies = pace.size
+        seconds.append(bodies * cost)
+        pace.note(bodies, seconds[-1], 2.0 * cost)
+    assert max(seconds) <= LONGEST_SECONDS
+    assert seconds[20] == pytest.approx(CHUNK_SECONDS, rel=0.1)
+    # What once was costly may come again: a chunk stays short enough for that.
+    assert pace.size * 1e-3 <= LONGEST_SECONDS * 1.01
+
+
+def test_impossible_pixels_are_skipped_in_the_count() -> None:
+    work = Work(np.array([False, True, False, False, True, True]), samples=4)
+    assert work.total == 12
+    assert [work.flat(done) for done in (0, 1, 3)] == [4, 5, 7]
+    assert [work.flat(done) for done in (5, 7, 8, 11)] == [17, 19, 20, 23]

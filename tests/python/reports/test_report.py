@@ -1,0 +1,470 @@
+"""Error against run time: errors are true, orders are found, and nothing unknown is told."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from matplotlib.text import Text
+
+import rigid
+from physics import ROUNDOFF, golden_scene, rotation_angle
+from rigid.cli import main
+from rigid.cli.toml_report import parse_report, read_report, report_names
+from rigid.cli.toml_table import SpecError
+from rigid.reports.ensemble import ensemble_of
+from rigid.reports.reference import find_reference
+from rigid.reports.row import AT_UNCERTAINTY, REFERENCE, USELESS
+from rigid.reports.spec import make_spec
+from rigid.reports.sweep import probe
+
+BOX = rigid.FreeBody(rigid.Body.box(0.25, 0.08, 0.01, mass=0.3))
+THROW = (0.1, 10.0, 0.1)
+LAGRANGE = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.4)), mgl=1.0)
+#: Seconds that no report of these tests needs, also on a slow machine: it ends when it is done.
+ENOUGH = 600.0
+ASYMMETRIC = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2)
+
+
+@pytest.fixture(scope="module")
+def box() -> rigid.Report:
+    """Two schemes against the closed form, with more time than they need."""
+    return rigid.report(
+        BOX,
+        THROW,
+        t_end=0.5,
+        methods=["exact", "rk4", "splitting"],
+        errors=[1e-3, 1e-5],
+        seconds=ENOUGH,
+        progress=False,
+    )
+
+
+@pytest.fixture(scope="module")
+def top() -> rigid.Report:
+    """A top without a closed form, and time for little more than its reference."""
+    return rigid.report(
+        ASYMMETRIC, (0.4, 0.7, 2.0), t_end=1.0, errors=[1e-2], seconds=0.5, progress=False
+    )
+
+
+# What is measured
+
+
+@pytest.mark.parametrize(("method", "order"), [("rk4", 4.0), ("splitting", 2.0)])
+def test_the_order_of_a_scheme_is_found(box: rigid.Report, method: str, order: float) -> None:
+    assert box.order(method) == pytest.approx(order, abs=0.4)
+
+
+def test_errors_are_those_of_the_state_against_the_closed_form(box: rigid.Report) -> None:
+    """The first body of the ensemble is the given one; the median is that of one body."""
+    alone = rigid.report(
+        BOX, THROW, t_end=0.5, methods=["rk4"], bodies=1, errors=[1e-3], progress=False
+    )
+    truth = rigid.simulate(BOX, THROW, t=[0.5])
+    for row in alone.rows:
+        assert row.step is not None
+        run = rigid.simulate(BOX, THROW, t=[0.5], method="rk4", step=np.nextafter(row.step, 1.0))
+        assert run.steps == row.steps
+        assert run.attitude is not None
+        assert truth.attitude is not None
+        rates = np.abs(run.omega - truth.omega).max()
+        rates /= max(np.linalg.norm(THROW), np.linalg.norm(truth.omega))
+        angle = float(rotation_angle(run.attitude, truth.attitude)[0])
+        # Differences of numbers of size one: their rounding, and that of the angle.
+        assert row.rates_error == pytest.approx(rates, rel=1e-9, abs=8 * ROUNDOFF)
+        assert row.attitude_error == pytest.approx(angle, rel=1e-9, abs=8 * ROUNDOFF)
+        assert row.error == row.worst == max(row.rates_error, row.attitude_error)
+        assert row.energy_drift == run.energy_drift
+        assert row.momentum_drift == run.momentum_drift
+
+
+def test_steps_double_from_about_a_radian_until_the_smallest_wanted_error(
+    box: rigid.Report,
+) -> None:
+    for method in ("rk4", "splitting"):
+        rows = box.of(method)
+        assert all(a.steps == b.steps // 2 for a, b in itertools.pairwise(rows))
+        assert any(0.5 <= row.angle <= 1.0 for row in rows if row.angle is not None)
+        assert rows[-1].error < 1e-5 <= rows[-2].error
+        assert box.ended[method] == "smallest wanted error"
+        assert rows[0].error >= 1e-3 or rows[0].steps == 1
+
+
+def test_every_time_is_positive_and_has_a_spread(box: rigid.Report) -> None:
+    assert box.complete
+    assert box.rounds >= 1
+    for row in box.rows:
+        assert row.nanoseconds > 0.0
+        assert row.total == pytest.approx(row.nanoseconds * 0.5)
+        assert row.spread is not None
+        assert row.spread >= 0.0
+
+
+def test_the_closed_form_is_the_reference_and_says_how_far_it_may_be_off(
+    box: rigid.Report,
+) -> None:
+    (row,) = box.of("exact")
+    assert (box.reference.method, box.reference.steps) == ("exact", 0)
+    assert row.mark == REFERENCE
+    assert row.error == box.reference.uncertainty
+    assert 0.0 < box.reference.uncertainty <= box.reference.worst < 1e-11
+
+
+# The reference
+
+
+@pytest.mark.parametrize("name", ["regular_tumbling", "chaotic_a", "chaotic_strong"])
+def test_a_converged_reference_is_as_exact_as_it_says(name: str) -> None:
+    case = golden_scene(f"heavy_asymmetric/{name}")
+    k = 1  # the first time after the start
+    spec = make_spec(case.scene, case.omega0, case.attitude0, t_end=case.t[k], bodies=8)
+    ensemble = ensemble_of(spec)
+    usable, refused = probe(ensemble, spec.methods)
+    assert "exact" in refused
+    reference, truth = find_reference(ensemble, usable, lambda _: True)
+    assert truth.attitude is not None
+    off = float(rotation_angle(truth.attitude[0, -1], case.attitude[k]))
+    of_rates = np.abs(truth.omega[0, -1] - case.omega[k]).max() / np.linalg.norm(case.omega0)
+    # The golden start is normalised exactly, ours is rounded: its condition.
+    rounded = ROUNDOFF * case.kappa_att[k]
+    assert off <= reference.worst + rounded
+    assert of_rates <= reference.worst + ROUNDOFF * case.kappa_omega[k]
+    assert reference.uncertainty < 1e-10
+
+
+def test_the_reference_is_not_converged_in_no_time_and_says_so() -> None:
+    spec = make_spec(ASYMMETRIC, (0.4, 0.7, 2.0), t_end=20.0, bodies=8)
+    ensemble = ensemble_of(spec)
+    hasty, short = find_reference(ensemble, ["splitting"], lambda _: False)
+    _, truth = find_reference(ensemble, ["rk4"], lambda _: True)
+    off = np.maximum(*ensemble.distance(short, truth))
+    assert np.median(off) <= hasty.uncertainty
+    assert hasty.uncertainty > 1e-4
+
+
+def test_no_error_below_the_uncertainty_of_the_reference_is_told(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("rigid.reports.sweep.MOST_ROUNDS", 1)  # times are not looked at
+    result = rigid.report(
+        ASYMMETRIC,
+        (0.4, 0.7, 2.0),
+        t_end=0.2,
+        methods=["rk4", "taylor16"],
+        bodies=8,
+        errors=[1e-15],
+        seconds=ENOUGH,
+        progress=False,
+    )
+    bound = result.reference.uncertainty
+    assert all(row.error >= bound for row in result.rows)
+    assert result.of("rk4")[-1].mark == AT_UNCERTAINTY
+    assert result.of("rk4")[-1].error == bound
+    assert result.cheapest(1e-15) is None
+    assert sum(row.mark == AT_UNCERTAINTY for row in result.front) <= 1
+
+
+def test_after_the_horizon_of_chaos_rows_are_marked() -> None:
+    case = golden_scene("heavy_asymmetric/chaotic_strong")
+    result = rigid.report(
+        case.scene,
+        case.omega0,
+        case.attitude0,
+        t_end=60.0,
+        methods=["splitting"],
+        bodies=32,
+        seconds=0.3,
+        progress=False,
+    )
+    useless = [row for row in result.rows if row.error >= 1.0]
+    assert useless
+    assert {row.mark for row in useless} <= {USELESS, "failed"}
+    assert all(row.error < 1.0 for row in result.front)
+
+
+def test_what_is_not_applicable_is_listed_with_its_reason(top: rigid.Report) -> None:
+    assert "no closed form" in top.refused["exact"]
+    assert "exact" not in top.methods
+    assert "not for     exact: no closed form" in str(top)
+    assert top.reference.method != "exact"
+
+
+def test_the_ensemble_depends_on_its_seed_and_on_nothing_else() -> None:
+    def ensemble(seed: int) -> Any:
+        return ensemble_of(make_spec(BOX, (0.0, 10.0, 0.1), t_end=1.0, seed=seed)).omega
+
+    one = ensemble(1)
+    assert np.array_equal(one, ensemble(1))
+    assert not np.array_equal(one, ensemble(2))
+    assert np.array_equal(one[0], (0.0, 10.0, 0.1))
+    assert np.all(one[:, 0] == 0.0), "what is zero stays zero"
+    assert np.std(one[1:, 1] / 10.0) == pytest.approx(1e-3, rel=0.4)
+
+
+# What is said of it
+
+
+def test_the_front_is_not_dominated_and_everything_else_is(box: rigid.Report) -> None:
+    def beats(a: rigid.Row, b: rigid.Row) -> bool:
+        no_worse = a.nanoseconds <= b.nanoseconds and a.error <= b.error
+        return no_worse and (a.nanoseconds, a.error) != (b.nanoseconds, b.error)
+
+    schemes = [row for row in box.rows if row.method != "exact"]
+    for front, rows in ((box.front, list(box.rows)), (box.scheme_front, schemes)):
+        assert front
+        for row in rows:
+            beaten = any(beats(other, row) for other in rows)
+            assert (row in front) == (not beaten and row.error < 1.0)
+        assert all(a.error > b.error for a, b in itertools.pairwise(front))
+
+
+def test_the_cost_of_an_error_lies_between_the_steps_around_it(box: rigid.Report) -> None:
+    for method in ("rk4", "splitting"):
+        rows = box.of(method)
+        for row in rows[1:]:
+            assert box.cost(method, row.error) == pytest.approx(row.nanoseconds)
+        cost = box.cost(method, 1e-5)
+        assert cost is not None
+        low, high = sorted(row.nanoseconds for row in rows[-2:])
+        assert low * (1 - 1e-12) <= cost <= high * (1 + 1e-12)
+        assert box.cost(method, 0.1 * rows[-1].error) is None
+    costs = {method: box.cost(method, 1e-3) for method in box.methods}
+    assert box.cheapest(1e-3) == min(costs, key=lambda name: costs[name] or math.inf)
+    assert box.cheapest(1e-3, schemes=True) in ("rk4", "splitting")
+
+
+def test_the_table_names_methods_reference_and_wanted_errors(box: rigid.Report) -> None:
+    text = str(box)
+    assert "reference   exact, closed form; may be off by" in text
+    for part in ("rk4", "splitting", "1e-03", "1e-05", "avx512" if "avx512" in text else "isa"):
+        assert part in text or part == "isa"
+    assert max(map(len, text.splitlines())) <= 160
+
+
+def test_json_there_and_back(box: rigid.Report, top: rigid.Report, tmp_path: Path) -> None:
+    for result in (box, top):
+        assert rigid.Report.from_json(result.to_json()) == result
+    lost = dataclasses.replace(box.rows[-1], error=math.inf, worst=math.inf, mark="failed")
+    broken = dataclasses.replace(box, rows=(lost,))
+    assert rigid.Report.from_json(broken.to_json()) == broken
+    path = box.save(tmp_path / "box.json")
+    data = json.loads(path.read_text(encoding="utf-8"))
+    assert data["machine"]["isa"] == rigid.build_info()["isa"]
+    assert data["machine"]["rigid"] == rigid.__version__
+    assert {"cpu", "python", "numpy"} <= set(data["machine"])
+
+
+@pytest.mark.parametrize(
+    "text", ["", "[]", "{}", '{"format": "rigid report", "format_version": 9}']
+)
+def test_what_is_no_report_is_refused(text: str) -> None:
+    with pytest.raises(ValueError, match="text: is not a report"):
+        rigid.Report.from_json(text)
+
+
+def test_the_picture_names_every_line_once_and_no_name_hides_another(box: rigid.Report) -> None:
+    copies = [
+        dataclasses.replace(row, method=f"{row.method}{k}", nanoseconds=row.nanoseconds * 1.05**k)
+        for k in range(8)
+        for row in box.rows
+        if row.method != "exact"
+    ]
+    many = dataclasses.replace(box, rows=(*box.of("exact"), *copies))
+    ax = many.plot()
+    ax.figure.draw_without_rendering()  # type: ignore[union-attr]
+    names = [text for text in ax.texts if text.get_text() in many.methods]
+    assert sorted(text.get_text() for text in names) == sorted(many.methods)
+    assert ax.get_xscale() == ax.get_yscale() == "log"
+    # The box of the words alone, without the line that leads to their point.
+    boxes = [Text.get_window_extent(text) for text in names]
+    assert not any(a.overlaps(b) for a, b in itertools.combinations(boxes, 2))
+
+
+# Progress, interruption
+
+
+def test_progress_only_grows_and_ends_at_its_total() -> None:
+    seen: list[rigid.Progress] = []
+    rigid.report(BOX, THROW, t_end=0.2, methods=["rk4"], seconds=0.2, progress=seen.append)
+    done = [progress.done for progress in seen]
+    assert done == sorted(set(done))
+    assert done[-1] == seen[-1].total == 100
+
+
+@pytest.mark.parametrize("until", [1, 30])
+def test_an_interruption_leaves_what_is_known(until: int) -> None:
+    def press(progress: rigid.Progress) -> None:
+        if progress.done >= until:
+            raise KeyboardInterrupt
+
+    result = rigid.report(
+        BOX, THROW, t_end=0.2, methods=["exact", "rk4"], seconds=1.0, progress=press
+    )
+    assert not result.complete
+    assert result.rows
+    assert "partial" in str(result)
+    assert rigid.Report.from_json(result.to_json()) == result
+    assert "partial" in result.plot().get_title(loc="left")
+
+
+# Bad input
+
+
+@pytest.mark.parametrize(
+    ("change", "parts"),
+    [
+        ({"scene": "box"}, ["scene = 'box'", "must be a rigid.FreeBody or rigid.HeavyTop"]),
+        ({"omega": [1.0, 2.0]}, ["omega", "shape (3,)"]),
+        ({"omega": [1.0, np.nan, 2.0]}, ["omega[1] = nan", "finite"]),
+        ({"attitude": [0.0] * 4}, ["attitude[0]", "zero quaternion"]),
+        ({"attitude": np.eye(4)}, ["attitude", "shape (4,)"]),
+        ({"t_end": 0.0}, ["t_end = 0.0: must be positive"]),
+        ({"t_end": np.inf}, ["t_end = inf: must be finite"]),
+        ({"methods": ["rk5"]}, ["methods[0] = 'rk5'", "did you mean 'rk4'?"]),
+        ({"methods": ["rk4", "rk4"]}, ["methods[1] = 'rk4'", "already"]),
+        ({"methods": []}, ["methods = []", "at least one"]),
+        ({"methods": "rk4"}, ["methods = 'rk4'", "['rk4']"]),
+        ({"bodies": 0}, ["bodies = 0: must be at least 1"]),
+        ({"bodies": 10**6}, ["bodies = 1000000: must be at most"]),
+        ({"errors": []}, ["errors", "at least one"]),
+        ({"errors": [1e-3, 2.0]}, ["errors[1] = 2.0", "[1e-15, 1)"]),
+        ({"errors": [0.0]}, ["errors[0] = 0.0"]),
+        ({"seconds": -1.0}, ["seconds = -1.0: must be positive"]),
+        ({"rng": "dice"}, ["rng = 'dice'"]),
+        ({"unit": 3}, ["unit = 3"]),
+        ({"progress": "yes"}, ["progress = 'yes'"]),
+    ],
+)
+def test_mistakes_name_argument_value_and_rule(change: dict[str, Any], parts: list[str]) -> None:
+    request: dict[str, Any] = {"scene": BOX, "omega": THROW, "t_end": 0.1, "seconds": 0.1}
+    request |= change
+    with pytest.raises((TypeError, ValueError)) as caught:
+        rigid.report(request.pop("scene"), request.pop("omega"), **request)
+    for part in parts:
+        assert part in str(caught.value)
+
+
+def test_a_scene_that_no_method_accepts_is_refused_with_the_reasons() -> None:
+    with pytest.raises(ValueError, match=r"methods = \['exact'\]: none accepts .* no closed form"):
+        rigid.report(
+            rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.0, com=(0.6, 0.0, 0.8)),
+            (0.0, 0.1, 1.0),
+            t_end=1.0,
+            methods=["exact"],
+        )
+
+
+# Named scenes and the command
+
+SPEC = """
+title = "A small report"
+[scene]
+kind = "free-body"
+moments = [1.0, 1.5, 2.0]
+[start]
+omega = [0.1, 1.0, 0.2]
+[run]
+t_end = 1.0
+t_end_long = 2.0
+bodies = 32
+errors = [1e-2, 1e-4]
+methods = ["exact", "rk4"]
+"""
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    (tmp_path / "small.toml").write_text(SPEC)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize("name", report_names())
+def test_built_in_scenes_can_be_moved(name: str) -> None:
+    named = read_report(name)
+    assert named.t_end_long > named.spec.t_end
+    assert named.spec.title
+    ensemble = ensemble_of(named.spec)
+    usable, _ = probe(ensemble, named.spec.methods)
+    assert "rk4" in usable
+    assert ("exact" in usable) == (name not in ("asymmetric-top", "damped-top"))
+
+
+@pytest.mark.parametrize(
+    ("line", "instead", "parts"),
+    [
+        ("t_end = 1.0", "t_ende = 1.0", ["[run] unknown key 't_ende'; did you mean 't_end'?"]),
+        ("t_end = 1.0", "t_end = -1.0", ["[run] t_end = -1.0: must be positive"]),
+        ("omega =", "omege =", ["[start] unknown key 'omege'; did you mean 'omega'?"]),
+        ('"rk4"]', '"rk5"]', ["[run] methods[1] = 'rk5'", "did you mean 'rk4'?"]),
+        ("bodies = 32", "bodies = 0", ["[run] bodies = 0: must be at least 1"]),
+        ("[scene]", "[scene", ["is not valid TOML"]),
+    ],
+)
+def test_mistakes_in_a_file_tell_the_place(line: str, instead: str, parts: list[str]) -> None:
+    assert line in SPEC
+    with pytest.raises(SpecError) as caught:
+        parse_report("small", SPEC.replace(line, instead, 1), "small.toml")
+    for part in ["small.toml: ", *parts]:
+        assert part in str(caught.value)
+
+
+def test_the_command_writes_data_and_picture_and_prints_the_table(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["report", "small.toml", "--seconds", "0.3", "--no-progress"]) == 0
+    output, errors = capsys.readouterr()
+    assert errors == ""
+    names = {path.name for path in folder.iterdir()} - {"small.toml"}
+    assert names == {"report-small.json", "report-small.png"}
+    assert (folder / "report-small.png").read_bytes().startswith(b"\x89PNG\r\n")
+    result = rigid.Report.from_json((folder / "report-small.json").read_text(encoding="utf-8"))
+    assert output.startswith(str(result))
+    assert result.spec.title == "A small report"
+    assert set(result.methods) == {"exact", "rk4"}
+
+
+def test_options_of_the_command(folder: Path) -> None:
+    arguments = ["--long", "--seconds", "0.3", "--method", "rk4", "--out", "there.json"]
+    assert main(["report", "small.toml", *arguments]) == 0
+    result = rigid.Report.from_json((folder / "there.json").read_text(encoding="utf-8"))
+    assert result.methods == ("rk4",)
+    assert result.spec.t_end == 2.0
+    assert (folder / "there.png").exists()
+
+
+def test_built_in_reports_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["reports"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split()[0] for line in lines] == report_names()
+    assert {"asymmetric-top", "earth", "fast-top", "lagrange-top", "thrown-box"} <= set(
+        report_names()
+    )
+
+
+@pytest.mark.parametrize(
+    ("arguments", "part"),
+    [
+        (["thrown-bix"], "no built-in report is called 'thrown-bix'; did you mean 'thrown-box'?"),
+        (["small.toml", "--method", "rk5"], "methods[0] = 'rk5'"),
+        (["small.toml", "--seconds", "0"], "seconds = 0.0: must be positive"),
+        (["small.toml", "--out", "no/where"], "--out: there is no directory 'no'"),
+    ],
+)
+@pytest.mark.usefixtures("folder")
+def test_mistakes_on_the_command_line_are_one_line(
+    arguments: list[str], part: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["report", *arguments]) == 2
+    output, errors = capsys.readouterr()
+    assert output == ""
+    assert errors.startswith("rigid: ")
+    assert part in errors
+    assert errors.count("\n") == 1

@@ -1,0 +1,192 @@
+"""Extreme and stiff bodies by every method: right, flagged or refused, never silently wrong."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import rigid
+from rigid import _core
+from rigid.reports.stress_cases import cases
+
+
+@pytest.fixture(scope="module")
+def found() -> rigid.Extremes:
+    return rigid.extremes(progress=False)
+
+
+def test_no_answer_is_wrong_without_saying_so(found: rigid.Extremes) -> None:
+    assert [(c.case.family, c.case.name, c.method, c.error) for c in found.wrong] == []
+    assert "unknown" not in found.counts(), "a case without a truth shows nothing"
+    # Most cells have an answer: flags and refusals are no way out.
+    assert found.counts()["right"] > len(found.cells) / 2
+
+
+def test_every_cell_has_a_verdict_and_a_reason(found: rigid.Extremes) -> None:
+    verdicts = {"right", "flagged", "refused", "step limit", "not finite", "drifted"}
+    for cell in found.cells:
+        assert cell.verdict in verdicts
+        assert cell.reason
+        if cell.verdict == "right":
+            assert cell.error <= cell.bound
+
+
+def test_the_closed_form_is_right_wherever_there_is_one(found: rigid.Extremes) -> None:
+    """Within 1e-13 and what rounding of the start does, which is four times 2^-53 condition."""
+    exact = [c for c in found.cells if c.method == "exact" and c.verdict != "refused"]
+    assert len(exact) > 60
+    for cell in exact:
+        if cell.verdict == "flagged":
+            # 1e15 rad: rounding of the time alone is a tenth of a turn.
+            assert abs(cell.case.t) >= 1e15
+            continue
+        assert cell.verdict == "right"
+        assert cell.error < max(1e-13, cell.bound if cell.bound > 1e-8 else 1e-8 / 4)
+
+
+def test_every_scene_without_damping_has_a_method_that_is_right(found: rigid.Extremes) -> None:
+    asked = [case for case in cases() if case.step is None and abs(case.t) < 1e12]
+    for case in asked:
+        same = (case.family, case.name)
+        mine = [c.verdict for c in found.cells if (c.case.family, c.case.name) == same]
+        assert "right" in mine, (same, mine)
+
+
+def test_the_table_counts_its_cells(found: rigid.Extremes) -> None:
+    text = str(found)
+    assert text.splitlines()[-1].startswith(f"{len(found.cells)} cells: ")
+    assert sum(found.counts().values()) == len(found.cells)
+    assert "omega = (1e-14, 1, 1e-14)" in text
+
+
+def test_one_family_by_one_method() -> None:
+    some = rigid.extremes("near spherical", method="taylor16", progress=False)
+    assert {cell.method for cell in some.cells} == {"taylor16"}
+    assert len(some.cells) == 6
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"family": "pancake"}, "family = 'pancake': must be one of 'needle', 'lamina'"),
+        ({"method": "euler"}, "method = 'euler': must be one of 'exact', 'rk4'"),
+    ],
+)
+def test_unknown_names_are_refused(options: dict[str, str], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        rigid.extremes(**options)  # type: ignore[arg-type]
+
+
+# Units
+
+
+def moved(unit: int, method: str) -> tuple[np.ndarray, ...]:
+    moments = np.ldexp([1.0, 1.625, 0.75], unit)
+    scene = rigid.HeavyTop(rigid.Body(moments), mgl=math.ldexp(1.5, unit), com=(0.6, 0.0, 0.8))
+    run = rigid.simulate(scene, [0.3, -0.2, 1.0], t=[0.5, 3.3], method=method)
+    assert run.attitude is not None
+    return run.omega, run.attitude, run.error, run.energy_drift
+
+
+def driven(unit: int, method: str) -> tuple[np.ndarray, ...]:
+    scene = rigid.FreeBody(
+        rigid.Body(np.ldexp([1.0, 1.625, 0.75], unit)),
+        damping=math.ldexp(0.25, unit),
+        torque=rigid.Torque.body(np.ldexp([0.5, 0.0, 0.25], unit)),
+    )
+    run = rigid.simulate(scene, [0.3, -0.2, 1.0], t=[0.5, 3.3], method=method)
+    assert run.attitude is not None
+    assert run.work is not None
+    return run.omega, run.attitude, run.error, np.ldexp(run.work, -unit)
+
+
+@pytest.mark.parametrize("unit", [-1000, -301, 1, 400, 1020])
+def test_the_unit_of_mass_changes_no_bit(unit: int) -> None:
+    """Moments, torques and energies by the same power of two, to the ends of the doubles."""
+    for motion, methods in (
+        (moved, ("rk4", "dop853", "taylor16", "splitting", "srkn11", "midpoint")),
+        (driven, ("rk4", "taylor12", "etd4", "splitting", "midpoint")),
+    ):
+        for method in methods:
+            for ours, theirs in zip(motion(unit, method), motion(0, method), strict=True):
+                np.testing.assert_array_equal(ours, theirs, err_msg=f"{motion} {method}")
+
+
+@pytest.mark.parametrize("unit", [-60, -3, 40])
+def test_the_unit_of_time_changes_no_bit(unit: int) -> None:
+    """Rates by a power of two, times by its inverse, energies by its square."""
+    start = np.array([0.3, -0.2, 1.0])
+    for method in ("exact", "rk4", "taylor16", "splitting", "midpoint"):
+        for com in ((0.0, 0.0, 1.0), (0.6, 0.0, 0.8)):
+            if method == "exact" and com[0]:
+                continue
+
+            def run(u: int, method: str = method, com: tuple[float, ...] = com) -> rigid.Run:
+                top = rigid.HeavyTop(
+                    rigid.Body((1.25, 1.25, 0.75)), mgl=math.ldexp(1.5, 2 * u), com=com
+                )
+                times = np.ldexp([0.5, 3.3], -u)
+                return rigid.simulate(top, np.ldexp(start, u), t=times, method=method)
+
+            one, other = run(0), run(unit)
+            np.testing.assert_array_equal(np.ldexp(other.omega, -unit), one.omega)
+            np.testing.assert_array_equal(other.attitude, one.attitude)
+
+
+def test_rates_whose_squares_underflow_are_refused() -> None:
+    box = rigid.FreeBody(rigid.Body((1.0, 2.0, 2.5)))
+    with pytest.raises(ValueError, match=r"omega\[0\].*must be zero or reach 1e-140 rad/s"):
+        rigid.simulate(box, [1e-150, 0.0, 0.0], t=[1e150])
+    top = rigid.HeavyTop(rigid.Body((1e-300, 1e-300, 1e-300)), mgl=1e100)
+    with pytest.raises(ValueError, match=r"mgl = 1e\+100: must be below 1e308 times"):
+        rigid.simulate(top, [1.0, 0.0, 0.0], t=[1.0])
+
+
+# Status and reasons
+
+
+def test_the_codes_of_the_status_are_those_of_the_core() -> None:
+    for code, name in enumerate(_core.status_names()):
+        assert rigid.Status[name.upper().replace(" ", "_")] == code
+
+
+def test_reasons_say_how_each_body_ended() -> None:
+    box = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
+    starts = [[1.0, 0.0, 0.1], [1e-12, 1.0, 1e-12], [1e200, 1e200, 1.0], [1e9, 1.0, 1.0]]
+    run = rigid.simulate(box, starts, t=[100.0], method="rk4", max_steps=10**6)
+    ok, lost, overflow, slow = run.reasons()
+    assert ok == "ok"
+    assert lost.startswith("flagged: the estimated error is 1 or more from t = ")
+    assert lost.endswith(" on; end the run earlier or ask for an accuracy")
+    assert overflow in (
+        "not finite: a number overflowed; take shorter steps or other units",
+        slow,
+    )
+    assert slow == (
+        "step limit: it needs more than max_steps steps; raise max_steps, take longer steps or a "
+        "method of higher order"
+    )
+    assert run.status.tolist()[:2] == [rigid.Status.OK, rigid.Status.FLAGGED]
+    above = rigid.simulate(
+        rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8)),
+        [0.3, 0.4, 1.0],
+        [0.9, 0.3, 0.2, 0.1],
+        t=[200.0],
+        accuracy=1e-10,
+    )
+    assert "above the 1e-10 asked for" in above.reasons()[0] or "1 or more" in above.reasons()[0]
+
+
+def test_next_to_a_separatrix_a_lost_side_is_flagged_from_the_first_flip_on() -> None:
+    """Both runs of RK4 agree, being wrong alike; the states tell that they left their polhode."""
+    box = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
+    start = [1e-12, 1.0, 1e-12]
+    run = rigid.simulate(box, start, t=[40.0, 100.0], method="taylor16")
+    first = rigid.exact.flip_times(box, start, count=1)[0]
+    assert run.status == rigid.Status.FLAGGED
+    assert run.lost_from == pytest.approx(first)
+    before = rigid.simulate(box, start, t=[40.0], method="taylor16")
+    assert before.status == rigid.Status.OK
+    assert before.error < 1e-2

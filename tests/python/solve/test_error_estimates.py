@@ -1,0 +1,101 @@
+"""The estimated error is at least the error; an accuracy is met, refused or flagged."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rigid
+from error_survey import final_error, survey
+from physics import EVERY_METHOD, Golden, golden, tilted
+
+TOP = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
+
+
+def test_random_scenes() -> None:
+    """True errors are at most the estimated ones, which are seldom much larger."""
+    ratios, missed = survey(400, seed=2026)
+    assert not missed
+    assert len(ratios) > 300
+    assert np.mean(ratios <= 1.0) >= 0.99
+    assert 0.05 <= np.median(ratios) <= 1.0
+
+
+FAMILIES = ("free_asymmetric", "free_symmetric", "lagrange", "heavy_asymmetric", "kovalevskaya")
+CASES = [case for family in FAMILIES for case in golden(family)]
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.id)
+def test_every_scheme_gives_the_accuracy_or_says_that_it_does_not(case: Golden) -> None:
+    known = case.kappa_att < 1e6
+    last = int(np.flatnonzero(known)[min(2, known.sum() - 1)])
+    fastest = float(np.linalg.norm(case.omega, axis=-1).max())
+    met = 0
+    for method in EVERY_METHOD:
+        for accuracy in (1e-6, 1e-9, 1e-12):
+            try:
+                run = rigid.simulate(
+                    case.scene,
+                    case.omega0,
+                    case.attitude0,
+                    t=[case.t[last]],
+                    method=method.name,
+                    accuracy=accuracy,
+                    max_steps=20_000,
+                )
+            except ValueError:
+                continue  # beyond float64, or not for this body
+            if run.status != rigid.Status.FINISHED or run.flagged:
+                continue
+            error = final_error(run, case.omega[last], case.attitude[last], fastest)
+            assert error <= accuracy, (method.name, accuracy, float(run.error))
+            met += 1
+    assert met >= 3
+
+
+def test_chaos_is_flagged_from_some_time_on() -> None:
+    """The swing of a bare asymmetric top is chaotic: in the end two step sizes share no digit."""
+    t = np.linspace(0.0, 400.0, 81)
+    run = rigid.simulate(TOP, [0.1, 0.0, 0.2], tilted(0.3), t=t, method="dop853", step=0.05)
+    assert run.flagged
+    assert 0.0 < float(run.lost_from) < 400.0
+    assert run.error >= 1.0
+    # Before, the run is what any other makes of it.
+    other = rigid.simulate(TOP, [0.1, 0.0, 0.2], tilted(0.3), t=t, method="taylor20")
+    before = t < 0.5 * float(run.lost_from)
+    assert np.abs(run.omega - other.omega)[before].max() < 1.0
+
+
+def test_a_sample_of_a_large_call_is_checked() -> None:
+    rng = np.random.default_rng(5)
+    omega = rng.normal(size=(100, 3))
+    options: dict[str, Any] = {"t": [5.0], "method": "rk4", "step": 0.05}
+    run = rigid.simulate(TOP, omega, tilted(0.3), **options)
+    truth = rigid.simulate(TOP, omega, tilted(0.3), t=[5.0], method="taylor20")
+    assert run.error.shape == run.lost_from.shape == (100,)
+    # 32 bodies have an error of their own, the others the largest of those.
+    assert len(np.unique(run.error)) == 32
+    error = np.linalg.norm(run.omega - truth.omega, axis=-1)[:, 0]
+    assert np.mean(error <= run.error * np.linalg.norm(truth.omega, axis=-1)[:, 0]) > 0.95
+    unchecked = rigid.simulate(TOP, omega, tilted(0.3), check=False, **options)
+    assert np.isnan(unchecked.error).all()
+    assert unchecked.omega.tobytes() == run.omega.tobytes()
+
+
+def test_a_body_does_not_know_its_neighbours_when_an_accuracy_is_asked() -> None:
+    omega = np.array([[0.1, 0.2, 0.3], [3.0, 1.0, -2.0], [0.0, 0.5, 8.0]])
+    together = rigid.simulate(TOP, omega, tilted(0.5), t=[4.0], method="dop853", accuracy=1e-9)
+    for k in range(3):
+        alone = rigid.simulate(TOP, omega[k], tilted(0.5), t=[4.0], method="dop853", accuracy=1e-9)
+        assert alone.omega.tobytes() == together.omega[k].tobytes()
+        assert alone.error == together.error[k]
+
+
+def test_nothing_to_check() -> None:
+    at_start = rigid.simulate(TOP, [1.0, 2.0, 3.0], t=[0.0], method="rk4")
+    assert at_start.error == 0.0
+    limited = rigid.simulate(TOP, [1.0, 2.0, 3.0], t=[10.0], method="rk4", max_steps=3)
+    assert np.isnan(limited.error)
+    assert not limited.flagged

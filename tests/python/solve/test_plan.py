@@ -1,0 +1,412 @@
+"""The plan says what is done, what is left out and why; closed forms are taken where they exist."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rigid
+from physics import LISTED, METHODS, present, rotation_angle, tilted
+from rigid.model.scene import Scene
+from small_maps import small_map
+
+FREE = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
+SYMMETRIC = rigid.FreeBody(rigid.Body((2.0, 3.0, 2.0)))
+SPHERE = rigid.FreeBody(rigid.Body((2.0, 2.0, 2.0)))
+LAGRANGE = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
+HEAVY = rigid.HeavyTop(rigid.Body((1.0, 1.4, 0.7)), mgl=1.0, com=(0.6, 0.0, 0.8))
+RATES = [0.3, 1.0, 2.0]
+
+RECORDS = ("rates", "axis", "attitude")
+
+
+def lagrange(axis: int, side: float) -> rigid.HeavyTop:
+    """A top symmetric about that axis, its centre of mass on one side of it."""
+    moments, com = np.ones(3), np.zeros(3)
+    moments[axis - 1], com[axis - 1] = 0.5, side
+    return rigid.HeavyTop(rigid.Body(moments), mgl=1.0, com=com)
+
+
+# Words
+
+
+PLANS: list[Callable[[], rigid.Plan]] = [
+    lambda: rigid.plan(FREE, "rates"),
+    lambda: rigid.plan(FREE, "attitude", omega=RATES, t_end=0.1, accuracy=1e-9),
+    lambda: rigid.plan(FREE, rigid.no_flip()),
+    lambda: rigid.plan(LAGRANGE, rigid.tilt_below(0.5), omega=[RATES, RATES], t_end=1e3),
+    lambda: rigid.plan(HEAVY, "axis"),
+    lambda: rigid.plan(HEAVY, "rates", omega=RATES, step=0.1),
+    lambda: rigid.plan(HEAVY, "attitude", omega=RATES, t_end=1.0 / 3.0, method="splitting"),
+    lambda: rigid.plan(HEAVY, rigid.tilt_below(1.0, axis=-2), omega=[0, 0, 0], t_end=1.0),
+    lambda: small_map(samples=1).plan,
+]
+
+
+@pytest.mark.parametrize("make", PLANS)
+def test_a_plan_round_trips_through_json(make: Callable[[], rigid.Plan]) -> None:
+    plan = make()
+    assert rigid.Plan.from_dict(plan.to_dict()) == plan
+    assert rigid.Plan.from_json(plan.to_json()) == plan
+    assert rigid.Plan.from_json(plan.to_json()).to_json() == plan.to_json()
+    assert hash(rigid.Plan.from_json(plan.to_json())) == hash(plan)
+    assert json.loads(plan.to_json())["method"] == plan.method
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        plan.method = "rk5"  # type: ignore[misc]
+    assert not hasattr(plan, "__dict__")
+
+
+@pytest.mark.parametrize("make", PLANS)
+def test_a_plan_is_read_in_eight_lines(make: Callable[[], rigid.Plan]) -> None:
+    plan = make()
+    facts = dict(line.split(maxsplit=1) for line in str(plan).splitlines())
+    assert list(facts) == [
+        "scene", "question", "method", "carried", "why", "left", "cost", "error"
+    ]  # fmt: skip
+    assert facts["method"].startswith(plan.method)
+    assert facts["scene"] == plan.scene
+    assert facts["question"] == plan.question
+    assert plan.why
+    for words in (*plan.why, *plan.left_out):
+        assert words in facts["why"] + facts["left"]
+
+
+def test_less_is_carried_where_less_is_asked() -> None:
+    carried = [rigid.plan(FREE, record).carried for record in RECORDS]
+    assert carried == [("omega",), ("omega", "gamma", "attitude"), ("omega", "attitude")]
+    # A scheme needs the vertical of a top for its torque, a closed form does not.
+    carried = [rigid.plan(HEAVY, record).carried for record in RECORDS]
+    assert carried == [("omega", "gamma"), ("omega", "gamma"), ("omega", "gamma", "attitude")]
+    assert rigid.plan(LAGRANGE, "rates").carried == ("omega", "attitude")
+    assert rigid.plan(FREE, rigid.no_flip()).carried == ()
+    assert rigid.plan(HEAVY, rigid.no_flip(1)).carried == ("omega", "gamma")
+    assert "rates only: no attitude" in rigid.plan(FREE, "rates").left_out
+    assert "no weight: no vertical" in rigid.plan(FREE, "rates").left_out
+    assert "no torque: no steps" in rigid.plan(FREE, "rates").left_out
+    assert "class only: no trajectory, no attitude" in rigid.plan(FREE, rigid.no_flip()).left_out
+
+
+def test_costs_and_errors_grow_with_the_angle_turned() -> None:
+    short, long = (rigid.plan(FREE, "rates", omega=RATES, t_end=t) for t in (10.0, 1000.0))
+    assert short.cost == long.cost
+    assert present_float(long.error) == pytest.approx(100.0 * present_float(short.error), rel=0.1)
+    short, long = (
+        rigid.plan(FREE, "rates", omega=RATES, t_end=t, method="rk4") for t in (10.0, 1000.0)
+    )
+    assert present_float(long.cost) == pytest.approx(100.0 * present_float(short.cost), rel=0.01)
+    assert short.step == long.step
+    nothing_known = rigid.plan(HEAVY, "rates")
+    assert nothing_known.step is nothing_known.steps is None
+    assert nothing_known.cost is nothing_known.error is None
+
+
+def present_float(value: float | None) -> float:
+    assert value is not None
+    return value
+
+
+# Which form
+
+
+@pytest.mark.parametrize(
+    ("scene", "form"),
+    [(FREE, "free asymmetric"), (SYMMETRIC, "free symmetric"), (SPHERE, "axis spin")],
+    ids=["asymmetric", "symmetric", "spherical"],
+)
+def test_every_free_body_has_a_closed_form(scene: rigid.FreeBody, form: str) -> None:
+    questions: list[Any] = [*RECORDS, rigid.no_flip(), rigid.no_flip(1)]
+    for question in questions:
+        plan = rigid.plan(scene, question)
+        assert (plan.method, plan.closed_form, plan.steps) == ("exact", form, 0)
+    # The largest tilt from the start has none.
+    assert rigid.plan(scene, rigid.tilt_below(0.5)).method == "rk4"
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize("axis", [1, 2, 3])
+def test_a_top_is_symmetric_about_any_axis_with_its_mass_on_either_side(
+    axis: int, side: float
+) -> None:
+    scene = lagrange(axis, side)
+    closed: list[Any] = [*RECORDS, rigid.no_flip(axis)]
+    closed += [rigid.tilt_below(0.5, axis=k) for k in (axis, -axis)]
+    for question in closed:
+        plan = rigid.plan(scene, question)
+        assert (plan.method, plan.closed_form) == ("exact", "lagrange")
+    other = axis % 3 + 1
+    for question in (
+        rigid.no_flip(other),
+        rigid.tilt_below(0.5, axis=other),
+        rigid.tilt_below(0.5, axis=axis, reference="start"),
+    ):
+        assert rigid.plan(scene, question).method == "rk4"
+    run = rigid.simulate(scene, RATES, t=[1.0])
+    assert run.plan.closed_form == "lagrange"
+    assert run.steps == 0
+
+
+UP, DOWN = np.nextafter(1.0, [2.0, 0.0])
+
+
+@pytest.mark.parametrize(
+    ("moments", "com", "why"),
+    [
+        ((1.0, UP, 0.5), (0.0, 0.0, 1.0), "no two moments of the top are equal to the bit"),
+        ((1.0, DOWN, 0.5), (0.0, 0.0, 1.0), "no two moments of the top are equal to the bit"),
+        ((1.0, 1.0, 0.5), (1e-300, 0.0, 1.0), "the centre of mass is not on the symmetry axis"),
+        ((1.0, 1.0, 0.5), (1.0, 0.0, 0.0), "the centre of mass is not on the symmetry axis"),
+        ((1.0, 0.5, 1.0), (0.0, 0.0, 1.0), "the centre of mass is not on the symmetry axis"),
+        ((1.0, 1.0, 1.0), (0.6, 0.8, 0.0), "the centre of mass is on no principal axis"),
+    ],
+)
+def test_what_is_nearly_symmetric_is_not_made_symmetric(
+    moments: tuple[float, ...], com: tuple[float, ...], why: str
+) -> None:
+    scene = rigid.HeavyTop(rigid.Body(moments), mgl=1.0, com=com)
+    questions: list[Any] = [*RECORDS, rigid.tilt_below(0.5), rigid.no_flip(3)]
+    for question in questions:
+        plan = rigid.plan(scene, question, omega=RATES)
+        assert plan.method == "rk4"
+        assert plan.closed_form is None
+        assert plan.why == (f"no closed form: {why}",)
+    assert rigid.simulate(scene, RATES, t=[1.0]).steps > 0
+
+
+def test_a_nearly_symmetric_free_body_is_asymmetric() -> None:
+    scene = rigid.FreeBody(rigid.Body((1.0, UP, 0.5)))
+    assert rigid.plan(scene, "rates").scene == f"free body, moments (1.0, {float(UP)!r}, 0.5)"
+    assert rigid.plan(scene, "rates").closed_form == "free asymmetric"
+
+
+def test_a_top_without_weight_is_a_free_body() -> None:
+    scene = rigid.HeavyTop(FREE.body, mgl=0.0)
+    plan = rigid.plan(scene, "attitude", omega=RATES)
+    assert (plan.method, plan.closed_form) == ("exact", "free asymmetric")
+    weightless, free = (rigid.simulate(each, RATES, t=[1.0, 7.0]) for each in (scene, FREE))
+    assert weightless.omega.tobytes() == free.omega.tobytes()
+
+
+def test_a_swing_about_a_principal_axis_is_a_pendulum_if_all_bodies_swing() -> None:
+    # The centre of mass lies across axis 2, which is horizontal and stays so.
+    swinging, tumbling = [0.0, 1.5, 0.0], [0.1, 1.5, 0.0]
+    start = tilted(0.0)
+    assert rigid.plan(HEAVY, "rates").method == "rk4"
+    assert rigid.plan(HEAVY, "rates", omega=swinging, attitude=start).closed_form == "pendulum"
+    assert rigid.plan(HEAVY, "rates", omega=[swinging] * 3).method == "exact"
+    assert rigid.plan(HEAVY, "rates", omega=[swinging, tumbling]).method == "rk4"
+    assert rigid.simulate(HEAVY, swinging, start, t=[1.0]).plan.closed_form == "pendulum"
+    assert rigid.simulate(HEAVY, [swinging, tumbling], start, t=[1.0]).plan.method == "rk4"
+
+
+@pytest.mark.parametrize("scene", [FREE, SYMMETRIC, SPHERE, LAGRANGE, lagrange(1, -1.0), HEAVY])
+def test_the_core_knows_the_closed_forms_that_are_planned(scene: Scene) -> None:
+    rng = np.random.default_rng(7)
+    omega, attitude = rng.normal(size=(20, 3)), rng.normal(size=(20, 4))
+    attitude /= np.linalg.norm(attitude, axis=1, keepdims=True)
+    forms = rigid._core.closed_forms(
+        scene=scene.kind,
+        moments=np.tile(scene.body.moments, (20, 1)),
+        weight=np.tile(scene.weight, (20, 1)),
+        omega=omega,
+        attitude=attitude,
+    )
+    planned = rigid.plan(scene, "attitude").closed_form
+    assert set(forms) == {planned or ""}
+
+
+# Which method
+
+
+def test_a_method_or_a_step_that_is_asked_for_is_taken() -> None:
+    for method in METHODS:
+        run = rigid.simulate(FREE, RATES, t=[1.0], method=method.name)
+        assert run.spec["method"] == run.plan.method == method.name
+        assert run.plan.why == (f"method = {method.name!r} was asked for",)
+    run = rigid.simulate(FREE, RATES, t=[1.0], step=0.25)
+    assert run.spec["method"] == "rk4"
+    assert run.steps == 4
+    assert run.plan.why == ("a step was asked for",)
+    run = rigid.simulate(FREE, RATES, t=[1.0], step=0.25, method="exact")
+    assert (run.spec["method"], run.spec["step"]) == ("exact", None)
+    assert run.steps == 0
+    assert "closed form: step = 0.25 is not needed" in run.plan.left_out
+
+
+@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
+@pytest.mark.parametrize("scene", [FREE, SYMMETRIC, SPHERE, LAGRANGE, lagrange(2, -1.0), HEAVY])
+def test_the_steps_that_are_planned_are_taken(scene: Scene, method: rigid.Method) -> None:
+    rates = np.random.default_rng(3).normal(size=(10, 3))
+    for omega in rates:
+        run = rigid.simulate(scene, omega, tilted(0.3), t=[5.0], method=method.name)
+        plan = rigid.plan(
+            scene, "attitude", omega=omega, attitude=tilted(0.3), t_end=5.0, method=method.name
+        )
+        assert run.plan == plan
+        # Both round the bound of the rates, perhaps across a whole number of steps.
+        assert abs(int(run.steps) - (plan.steps or 0)) <= 1
+
+
+@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
+@pytest.mark.parametrize("scene", [FREE, SYMMETRIC, LAGRANGE], ids=["free", "symmetric", "top"])
+@pytest.mark.parametrize("accuracy", [1e-4, 1e-6, 1e-8])
+def test_the_step_for_an_accuracy_gives_it(
+    scene: Scene, method: rigid.Method, accuracy: float
+) -> None:
+    accuracy **= min(method.order, 4) / 4.0  # a method of order 2 would take a million steps
+    omega, t = [0.4, 0.3, 2.0], [20.0]
+    truth = rigid.simulate(scene, omega, tilted(0.7), t=t, method="exact")
+    run = rigid.simulate(scene, omega, tilted(0.7), t=t, method=method.name, accuracy=accuracy)
+    error = rotation_angle(present(run.attitude), present(truth.attitude))[0]
+    assert error < accuracy
+    assert present_float(run.plan.error) <= accuracy * (1.0 + 1e-6)
+    assert error <= run.error <= accuracy
+    assert run.spec["accuracy"] == accuracy
+
+
+def test_a_body_has_the_step_of_its_own_rates() -> None:
+    omega = np.array([[0.1, 0.2, 0.3], [1.0, 2.0, 3.0], [0.0, 0.0, 0.0]])
+    options: dict[str, Any] = {"t": [3.0], "method": "rk4", "accuracy": 1e-6}
+    together = rigid.simulate(HEAVY, omega, tilted(0.5), **options)
+    for k in range(3):
+        alone = rigid.simulate(HEAVY, omega[k], tilted(0.5), **options)
+        assert alone.omega.tobytes() == together.omega[k].tobytes()
+    assert together.steps[1] > together.steps[0]
+
+
+# Maps
+
+
+def test_each_pixel_of_a_map_decides_for_itself() -> None:
+    options: dict[str, Any] = {
+        "axes": {"I1": [0.9, 1.0, 1.1]},
+        "stable": rigid.tilt_below(0.5),
+        "samples": 8,
+        "t_end": 5.0,
+        "method": None,
+    }
+    result = small_map(rigid.HeavyTop, **options)
+    assert result.spec.method == "auto"
+    assert result.exact.tolist() == [0, 8, 0]
+    assert (result.steps > 0).tolist() == [True, False, True]
+    assert np.isnan(result.energy_drift).tolist() == [False, True, False]
+    assert result.plan.method == "auto"
+    assert result.plan.closed_form == "lagrange"
+    assert result.plan.why == ("1 of 3 pixels have a closed form",)
+    assert "auto: closed form for 8 bodies, else rk4" in result.summary()
+    assert "all of those integrated cross-checked by taylor16" in result.summary()
+    assert [result.replay(k, 0).method for k in range(3)] == ["rk4", "exact", "rk4"]
+
+
+def test_a_map_in_closed_form_takes_no_step() -> None:
+    result = small_map(method=None)
+    assert result.exact.sum() == result.samples.sum()
+    assert result.steps.sum() == result.checked.sum() == result.undecided.sum() == 0
+    assert result.plan.method == "exact"
+    assert "worst drift none: closed form" in result.summary()
+    body = result.replay(pixel=(2, 3), sample=5)
+    assert (body.method, body.steps, body.run.plan.method) == ("exact", 0, "exact")
+    assert np.isnan(body.step)
+    assert body.run.omega.shape == (501, 3)
+    assert body.run.t[-1] == result.spec.t_end
+
+
+@pytest.mark.parametrize("method", ["exact", "rk4"])
+def test_what_never_leaves_is_stable(method: str) -> None:
+    # A spin about the largest moment, and a top that sleeps: times of leaving that are infinite.
+    start = rigid.Start(spin=1.0, axis=3, noise=rigid.normal(1e-3))
+    body = small_map(axes={"spin": [1.0, 2.0]}, start=start, method=method)
+    asleep = {"axes": {"spin": [5.0, 6.0]}, "stable": rigid.tilt_below(0.5), "method": method}
+    for result in (body, small_map(rigid.HeavyTop, **asleep)):
+        assert result.stable.tolist() == [20, 20]
+        assert result.undecided.tolist() == [0, 0]
+        assert (result.earliest == np.inf).all()
+
+
+def test_exact_maps_are_those_of_auto_where_all_have_closed_forms() -> None:
+    auto, exact = (small_map(method=method) for method in ("auto", "exact"))
+    for name in ("stable", "unstable", "earliest", "exact"):
+        np.testing.assert_array_equal(getattr(auto, name), getattr(exact, name))
+
+
+# Refusals
+
+
+def refused(call: Callable[[], object], kind: type[Exception] = ValueError) -> str:
+    with pytest.raises(kind) as error:
+        call()
+    return str(error.value)
+
+
+STATES_RULE = "closed forms are known of a free body, of a top with two moments equal to the bit"
+CLASS_RULE = "closed forms are known of no_flip of a free body, and of tilt_below(axis=±k"
+
+
+def test_exact_is_refused_where_there_is_no_closed_form() -> None:
+    message = refused(lambda: rigid.simulate(HEAVY, RATES, t=[1.0], method="exact"))
+    assert message.startswith("method = 'exact': no closed form of rates and attitude")
+    assert "for the heavy top, moments (1, 1.4, 0.7)" in message
+    assert STATES_RULE in message
+    bodies = [[0.0, 1.0, 0.0], [0.0, 2.0, 0.0], RATES]
+    message = refused(lambda: rigid.simulate(HEAVY, bodies, t=[1.0], method="exact"))
+    assert "for body 2 of the heavy top" in message
+    message = refused(lambda: rigid.plan(FREE, rigid.tilt_below(0.5), method="exact"))
+    assert "no closed form of tilt of axis 3 from its start below 0.5 rad" in message
+    assert CLASS_RULE in message
+
+
+def test_an_exact_map_is_refused_for_the_pixel_without_a_closed_form() -> None:
+    options: dict[str, Any] = {"axes": {"I1": [1.0, 1.1]}, "stable": rigid.tilt_below(0.5)}
+    message = refused(lambda: small_map(rigid.HeavyTop, method="exact", **options))
+    assert "method = 'exact': no closed form of tilt of axis 3 from the vertical" in message
+    assert "for the body of pixel (1,), moments (1.1, 1, 0.5)" in message
+    assert CLASS_RULE in message
+    # An impossible body asks for none.
+    options["axes"] = {"I1": [1.0, 5.0]}
+    assert small_map(rigid.HeavyTop, method="exact", **options).exact.tolist() == [20, 0]
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"method": "rk5"}, f"method = 'rk5': must be one of {LISTED}"),
+        ({"method": "auto"}, f"method = 'auto': must be one of {LISTED}"),
+        ({"step": 0.0}, "step = 0.0: must be positive"),
+        ({"t_end": -1.0}, "t_end = -1.0: must be positive"),
+        ({"accuracy": 0.0}, "accuracy = 0.0: must be positive"),
+        ({"accuracy": np.nan}, "accuracy = nan: must be finite"),
+        ({"accuracy": 1e-6, "step": 0.1}, "accuracy = 1e-06, step = 0.1: exclude each other"),
+        (
+            {"accuracy": 1e-6, "t_end": 1.0},
+            "follows from the rates and the horizon; omega is",
+        ),
+        ({"accuracy": 1e-6, "omega": RATES}, "t_end is missing"),
+        ({"accuracy": 1e-15, "omega": RATES, "t_end": 1.0}, "1e-15: must be above 6.0e-15"),
+        ({"attitude": [1, 0, 0, 0]}, "attitude: says nothing without omega"),
+        ({"omega": [1, 2]}, "omega: expected shape (3,)"),
+        ({"question": "state"}, "question = 'state': must be one of 'rates', 'axis', 'attitude'"),
+        ({"question": rigid.no_flip()}, "no_flip() without an axis: say no_flip(axis)"),
+    ],
+)
+def test_what_cannot_be_planned_is_refused(options: dict[str, Any], message: str) -> None:
+    question = options.pop("question", "attitude")
+    assert message in refused(lambda: rigid.plan(HEAVY, question, **options))
+
+
+def test_wrong_kinds_are_refused() -> None:
+    assert "must be a rigid.FreeBody or rigid.HeavyTop" in refused(
+        lambda: rigid.plan(FREE.body, "rates"),  # type: ignore[arg-type]
+        TypeError,
+    )
+    assert "question = 3: must be one of 'rates', 'axis', 'attitude'" in refused(
+        lambda: rigid.plan(FREE, 3),  # type: ignore[arg-type]
+        TypeError,
+    )
+    with pytest.raises(ValueError, match="a free body knows no vertical"):
+        rigid.plan(FREE, rigid.tilt_below(0.5, reference="vertical"))
+    with pytest.raises(TypeError):
+        rigid.plan(FREE, "rates", acuracy=1e-3)  # type: ignore[call-arg]

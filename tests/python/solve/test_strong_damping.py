@@ -1,0 +1,164 @@
+"""Damping of any strength: the schemes that act by its exponential, and who chooses them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import rigid
+from physics import golden, golden_scene, present, rotation_angle
+
+STIFF = {method.name: method for method in rigid.methods() if method.stiff}
+BODY = rigid.Body((1.0, 1.5, 2.0))
+SHAPE = np.array([[1.0, 0.1, 0.0], [0.1, 1.2, 0.2], [0.0, 0.2, 0.9]])
+START = ([3.0, -2.0, 5.0], [0.8, 0.36, -0.48, 0.0])
+TILTED_COM = (0.0, 0.6, 0.8)
+
+
+def errors(run: rigid.Run, truth: rigid.Run) -> tuple[float, float]:
+    rates = np.linalg.norm(run.omega[-1] - truth.omega[-1]) / np.linalg.norm(truth.omega[-1])
+    angle = rotation_angle(present(run.attitude)[-1], present(truth.attitude)[-1])
+    return float(rates), float(angle)
+
+
+def damped_top(c: float) -> rigid.HeavyTop:
+    """An asymmetric top that damping lets sink at a rate of about 10 1/s, whatever its strength."""
+    return rigid.HeavyTop(BODY, mgl=10.0 * c, com=TILTED_COM, damping=c * SHAPE)
+
+
+def test_three_schemes_do_not_mind_the_strength() -> None:
+    assert list(STIFF) == ["splitting", "etd4", "midpoint"]
+
+
+@pytest.mark.parametrize("method", STIFF)
+def test_measured_order_of_the_schemes_for_damping(method: str) -> None:
+    """Of moderate damping, with a torque that changes in time, in body and space."""
+    torque = rigid.Torque.body([(0.2, -0.5, 0.9), (1.0, 0.3, -0.7)], times=[0.0, 2.0])
+    scene = rigid.HeavyTop(
+        BODY,
+        mgl=1.5,
+        com=(0.6, 0.0, 0.8),
+        torque=torque + rigid.Torque.space((0.3, -0.2, 0.1)),
+        damping=SHAPE,
+    )
+    truth = rigid.simulate(scene, *START, t=[2.0], method="taylor26")
+    order = STIFF[method].order
+    steps = (0.04 if order == 4 else 0.02) * 0.5 ** np.arange(5)
+    runs = [
+        rigid.simulate(scene, *START, t=[2.0], method=method, step=float(step), check=False)
+        for step in steps
+    ]
+    for error in np.array([errors(run, truth) for run in runs]).T:
+        slope = np.polyfit(np.log(steps), np.log(error), 1)[0]
+        assert slope == pytest.approx(order, abs=0.25)
+    # So fall the residuals of energy and momentum; the splitting keeps the latter, the
+    # midpoint rule both.
+    drift = np.array([float(run.energy_drift) for run in runs])
+    if method == "midpoint":
+        assert drift.max() < 1e-13
+    else:
+        assert np.polyfit(np.log(steps), np.log(drift), 1)[0] == pytest.approx(order, abs=0.4)
+    assert all(run.unit_drift < 1e-13 for run in runs)
+
+
+@pytest.mark.parametrize("c", [1.0, 1e2, 1e4, 1e6])
+def test_the_error_falls_with_the_step_whatever_the_damping(c: float) -> None:
+    """`h c/I` from 1e-2 to 1e4 and beyond: never above 1e-2, and of order 4 for weak damping.
+
+    Under strong damping each halving gains at least a factor of 4 until the error is that of the
+    layer in which the start is forgotten, `h omega^2 I/c` (no step of a stiff scheme resolves it).
+    """
+    scene = damped_top(c)
+    end = 0.4
+    truth = rigid.simulate(
+        scene,
+        *START,
+        t=[end],
+        **({"method": "taylor26"} if c <= 1e4 else {"method": "etd4", "step": end / 20000}),
+        check=False,
+    )
+    counts = 10 * 2 ** np.arange(5)
+    found = []
+    for count in counts:
+        run = rigid.simulate(
+            scene, *START, t=[end], method="etd4", step=end / int(count), check=False
+        )
+        assert run.status == rigid.Status.FINISHED
+        found.append(max(errors(run, truth)))
+    assert max(found) < 1e-2
+    speed = float(np.linalg.norm(START[0]))
+    for h, before, error in zip(end / counts[1:], found, found[1:], strict=False):
+        layer = h * speed**2 / c if c > 10.0 else 0.0
+        least = 12.0 if c == 1.0 else 4.0
+        assert error < before / least + layer
+
+
+STIFF_CASES = ["damped_medium", "damped_1e3", "damped_1e6", "damped_heavy", "overdamped_heavy"]
+
+
+@pytest.mark.parametrize("product", [1e-2, 1.0, 1e2, 1e4])
+@pytest.mark.parametrize("name", STIFF_CASES)
+def test_reference_trajectories_at_any_product_of_step_and_damping(
+    name: str, product: float
+) -> None:
+    """Of the scene's own motion a step takes at most a third of a radian."""
+    case = golden_scene(f"forced_damped/{name}")
+    forcing = case.scene.forcing
+    assert forcing is not None
+    rate = forcing.damping_rates(case.scene.body.moments)[-1]
+    # Strong damping stops what the body started with before it turns.
+    moving = case.t > 5.0 / rate if rate > 100.0 else case.t >= 0.0
+    speed = np.linalg.norm(case.omega[moving], axis=-1).max()
+    step = min(product / rate, 0.3 / speed if speed else np.inf)
+    if case.t[-1] / step > 2e6:
+        pytest.skip("millions of steps")
+    run = case.run("etd4", step=step, check=False)
+    size = np.linalg.norm(case.omega, axis=-1).max()
+    assert np.linalg.norm(run.omega - case.omega, axis=-1).max() < 1e-2 * size
+    assert rotation_angle(present(run.attitude), case.attitude).max() < 1e-2
+    assert run.status == rigid.Status.FINISHED
+
+
+@pytest.mark.parametrize("method", STIFF)
+def test_a_torque_against_strong_damping_turns_a_body_at_their_quotient(method: str) -> None:
+    """`omega = N / c` in one step a thousand damping times long, and `N t / c` turned.
+
+    By the Cayley transform of the midpoint rule a hundred steps turn it by `200 atan(h omega / 2)`.
+    """
+    scene = rigid.FreeBody(
+        rigid.Body([2.0] * 3), torque=rigid.Torque.body((0, 0, 1e6)), damping=1e6
+    )
+    run = rigid.simulate(scene, [0.0, 0.0, 1.0], t=[1.0], method=method, step=0.01, check=False)
+    assert run.omega[0] == pytest.approx([0.0, 0.0, 1.0], abs=1e-14)
+    half = 100.0 * np.arctan(0.005) if method == "midpoint" else 0.5
+    assert present(run.attitude)[0] == pytest.approx([np.cos(half), 0, 0, np.sin(half)], abs=1e-13)
+
+
+def test_strong_damping_is_noticed() -> None:
+    """The default method, the one for an accuracy, and what explicit methods say."""
+    scene = damped_top(1e5)
+    run = rigid.simulate(scene, *START, t=[0.4])
+    assert run.plan.method == "etd4"
+    assert any("strong damping" in why for why in run.plan.why)
+    assert run.steps < 1e4
+    truth = rigid.simulate(scene, *START, t=[0.4], method="etd4", step=2e-5, check=False)
+    assert max(errors(run, truth)) < run.error < 1e-3
+    wanted = rigid.simulate(scene, *START, t=[0.4], accuracy=1e-5)
+    assert wanted.plan.method == "etd4"
+    assert max(errors(wanted, truth)) < 1e-5
+    assert wanted.error <= 1e-5 or wanted.flagged
+    weak = rigid.simulate(damped_top(0.1), *START, t=[1.0])
+    assert weak.plan.method == "rk4"
+    assert rigid.plan(scene, "rates", step=0.01).method == "etd4"
+    with pytest.raises(ValueError, match="unstable under damping"):
+        rigid.simulate(scene, *START, t=[0.4], method="dop853", step=0.01)
+    # Left to itself an explicit method takes the many steps that it needs, and says how many.
+    many = rigid.plan(scene, "rates", omega=START[0], t_end=0.4, method="rk4")
+    assert many.steps is not None
+    assert many.steps > 1e5
+
+
+def test_without_damping_the_exponential_method_is_the_classical_one() -> None:
+    for case in golden("free_asymmetric")[:2]:
+        here, there = (case.run(method, step=0.05, check=False) for method in ("etd4", "rk4"))
+        assert here.omega.tobytes() == there.omega.tobytes()

@@ -1,0 +1,22 @@
+//! What needs no Python, in one binary: `cargo test same_bits` runs one module.
+
+mod adaptive_steps;
+mod bodies;
+mod closed_forms;
+mod compositions;
+mod driven_bodies;
+mod elementary_functions;
+mod elliptic_functions;
+mod events_of_series;
+mod flips;
+mod random_starts;
+mod same_bits;
+mod splitting_structure;
+mod taylor;
+
+use rigid::scene::{FREE, Scene, TOP};
+
+/// The scene of tops or of free bodies.
+fn scene_of(is_top: bool) -> &'static Scene {
+    if is_top { &TOP } else { &FREE }
+}

@@ -1,0 +1,198 @@
+//! Maps, however they are cut and shared out.
+
+use super::*;
+
+const SAMPLES: u64 = 1000;
+
+/// Pixels of both tables of a splitting, one impossible, one that overflows or needs too many steps.
+fn map(is_top: bool, method: MethodChoice, criterion: Criterion, step: Option<f64>) -> Map {
+    let pixel = |number, symmetric| Pixel {
+        body: body(number, is_top, symmetric),
+        omega_size: [0.3, 0.2, 0.1],
+        attitude_size: 0.1,
+        possible: true,
+    };
+    let mut pixels = vec![pixel(1, false), pixel(2, true), pixel(5, false), pixel(6, false), pixel(7, false)];
+    pixels[2].possible = false;
+    pixels[3].body.omega = [1e17; 3];
+    Map {
+        scene: scene_of(is_top),
+        forcing: Vec::new(),
+        method,
+        pixels,
+        omega_law: Law::Normal,
+        attitude_law: Law::Direction,
+        criterion,
+        axis: -2,
+        t_end: 4.0,
+        step,
+        max_steps: 2000,
+        samples: SAMPLES,
+        checked: 100,
+        key: [2026, 11],
+    }
+}
+
+fn maps() -> Vec<Map> {
+    let [rk4, splitting] =
+        [&scheme::RK4, &scheme::SPLITTING].map(|method| MethodChoice::Only(Solver::Steps(method)));
+    vec![
+        map(false, rk4, Criterion::NoFlip, Some(0.05)),
+        map(false, splitting, Criterion::TiltFromStart(1.5), None),
+        map(true, rk4, Criterion::TiltFromVertical(2.2), None),
+        map(true, splitting, Criterion::NoFlip, Some(0.05)),
+        map(true, splitting, Criterion::TiltFromStart(2.6), Some(0.05)),
+    ]
+}
+
+/// Free bodies all in closed form; tops of one pixel in closed form, of the others stepped, in the same blocks.
+fn maps_in_closed_form() -> Vec<Map> {
+    let mut maps = vec![
+        map(false, MethodChoice::Auto, Criterion::NoFlip, None),
+        map(false, MethodChoice::Only(Solver::Exact), Criterion::NoFlip, None),
+        map(true, MethodChoice::Auto, Criterion::TiltFromVertical(2.2), None),
+    ];
+    for map in &mut maps {
+        // Symmetric about the watched axis, a top's centre of mass on it.
+        map.pixels[0].body = body(4, map.scene.has_weight, true);
+    }
+    maps
+}
+
+/// Everything but the time that it took.
+fn timeless(mut statistics: Statistics) -> Statistics {
+    statistics.nanoseconds = 0.0;
+    statistics
+}
+
+fn merged(a: Statistics, b: Statistics) -> Statistics {
+    Statistics {
+        stable: a.stable + b.stable,
+        unstable: a.unstable + b.unstable,
+        undecided: a.undecided + b.undecided,
+        failed: a.failed + b.failed,
+        step_limit: a.step_limit + b.step_limit,
+        not_finite: a.not_finite + b.not_finite,
+        drifted: a.drifted + b.drifted,
+        exact: a.exact + b.exact,
+        checked: a.checked + b.checked,
+        energy_drift: a.energy_drift.max(b.energy_drift),
+        momentum_drift: a.momentum_drift.max(b.momentum_drift),
+        earliest: a.earliest.min(b.earliest),
+        steps: a.steps + b.steps,
+        nanoseconds: 0.0,
+    }
+}
+
+/// The whole map in pieces of `cut` samples.
+fn in_pieces(map: &Map, cut: u64, threads: usize, isa: Isa) -> Vec<Statistics> {
+    let none = Statistics { energy_drift: 0.0, momentum_drift: 0.0, ..Statistics::NONE };
+    let mut all = vec![none; map.pixels.len()];
+    for start in (0..map.len()).step_by(cut as usize) {
+        let (first, part) = map.run(start, map.len().min(start + cut), threads, isa, &GO).unwrap();
+        for (pixel, statistics) in (first as usize..).zip(part) {
+            all[pixel] = merged(all[pixel], timeless(statistics));
+        }
+    }
+    all
+}
+
+/// The statistics of all samples of a map, after they were compared however it is cut and shared out.
+fn compared(map: &Map) -> Statistics {
+    let widest = Isa::available()[0];
+    let whole = in_pieces(map, map.len(), 1, widest);
+    for threads in [2, 3, 7] {
+        assert_eq!(in_pieces(map, map.len(), threads, widest), whole, "{threads} threads");
+    }
+    for cut in [1, 13, 4096] {
+        assert_eq!(in_pieces(map, cut, 1, widest), whole, "pieces of {cut}");
+    }
+    assert_eq!(in_pieces(map, 13, 3, widest), whole);
+    for isa in Isa::available() {
+        assert_eq!(in_pieces(map, map.len(), 2, isa), whole, "{isa:?}");
+    }
+    whole.into_iter().reduce(merged).unwrap()
+}
+
+#[test]
+fn a_map_however_it_is_cut_and_shared_out() {
+    for map in maps() {
+        // The case is worth comparing.
+        let total = compared(&map);
+        assert!(total.stable > 0 && total.unstable > 0 && total.failed >= SAMPLES, "{total:?}");
+        assert_eq!(total.stable + total.unstable + total.undecided + total.failed, 4 * SAMPLES);
+        assert!(total.energy_drift > 0.0 && total.earliest < map.t_end);
+    }
+    for map in maps_in_closed_form() {
+        let total = compared(&map);
+        assert!(total.stable > 0 && total.unstable > 0 && total.earliest < map.t_end, "{total:?}");
+        assert_eq!(total.exact, if map.scene.has_weight { SAMPLES } else { 4 * SAMPLES });
+        assert_eq!(total.steps > 0, map.scene.has_weight, "{total:?}");
+    }
+}
+
+#[test]
+fn a_sample_alone_is_the_sample_of_the_map() {
+    for mut map in maps().into_iter().chain(maps_in_closed_form()) {
+        // Counted once: the steps of a statistic are those of both runs.
+        map.checked = 0;
+        let isa = Isa::available()[0];
+        for flat in (0..map.len()).step_by(37) {
+            let (pixel, sample) = (flat / SAMPLES, flat % SAMPLES);
+            let (body, class, outcome) = map.sample(pixel, sample, isa, &GO).unwrap();
+            let statistics = map.run(flat, flat + 1, 1, isa, &GO).unwrap().1[0];
+            let mut expected = Statistics::NONE;
+            if map.pixels[pixel as usize].possible {
+                match class {
+                    Class::Stable => expected.stable = 1,
+                    Class::Unstable => expected.unstable = 1,
+                    Class::Undecided => expected.undecided = 1,
+                    Class::Failed => expected.failed = 1,
+                }
+                match outcome.status {
+                    Status::StepLimit => expected.step_limit = 1,
+                    Status::NotFinite => expected.not_finite = 1,
+                    Status::Drifted => expected.drifted = 1,
+                    Status::Finished | Status::Stopped => {}
+                }
+                expected.steps = outcome.steps;
+                expected.exact = u64::from(outcome.exact);
+                if outcome.status != Status::StepLimit && !outcome.exact {
+                    // What overflowed lost all.
+                    let lost = |drift: f64| if drift.is_nan() { f64::INFINITY } else { drift };
+                    expected.energy_drift = lost(outcome.energy_drift);
+                    expected.momentum_drift = lost(outcome.momentum_drift);
+                }
+                if class == Class::Unstable {
+                    expected.earliest = outcome.left;
+                }
+            }
+            // As text, in which a NaN equals itself.
+            assert_eq!(format!("{:?}", timeless(statistics)), format!("{expected:?}"), "sample {flat}");
+            assert_eq!(body, map.draw(isa, flat..flat + 1)[0]);
+        }
+    }
+}
+
+#[test]
+fn draws_on_every_instruction_set() {
+    let laws = [Law::None, Law::Normal, Law::Uniform, Law::Direction, Law::UniformAttitude];
+    let numbers = |b: Body| all_bits(&[&b.moments[..], &b.weight, &b.omega, &b.attitude].concat());
+    for omega_law in laws {
+        for attitude_law in laws {
+            let map = Map { omega_law, attitude_law, ..maps().swap_remove(2) };
+            // From the last samples of a pixel to the first of the next but one.
+            let range = 2 * SAMPLES - 40..3 * SAMPLES + 45;
+            let alone = |flat: u64| numbers(map.draw(Isa::Scalar, flat..flat + 1)[0]);
+            let scalar: Vec<_> = range.clone().map(alone).collect();
+            for isa in Isa::available() {
+                // Other cuts put a sample into other lanes.
+                for offset in [0, 1, 7, 33] {
+                    let drawn = map.draw(isa, range.start + offset..range.end);
+                    let drawn: Vec<_> = drawn.into_iter().map(numbers).collect();
+                    assert_eq!(drawn, scalar[offset as usize..], "{isa:?} {omega_law:?} {attitude_law:?}");
+                }
+            }
+        }
+    }
+}

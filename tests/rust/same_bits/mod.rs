@@ -1,0 +1,381 @@
+//! The same request gives the same bits: on every instruction set, in every lane, beside any neighbours, on any
+//! number of threads, however the work is cut, and whatever else is recorded.
+//!
+//! No tolerance appears here. A NaN equals any NaN: its payload is no number.
+
+mod closed_forms;
+mod maps;
+mod trajectories;
+
+use crate::scene_of;
+use rigid::exact::derived::{free_quantities, sign_changes, tilt_time, top_quantities};
+use rigid::exact::{CanonicalForm, Evaluator, EvaluatorKind, ExitRows, StartRows, StateRows};
+use rigid::forcing::Forcing;
+use rigid::kernel::Group;
+use rigid::kernel::{Compiled, ForcingRows, Kernel, System};
+use rigid::kernel::{Entry, KernelAssignment, load};
+use rigid::map::{Class, Criterion, Map, MethodChoice, Pixel, Statistics};
+use rigid::observe::{EXIT_TIME, Flips, Observed, Tilt};
+use rigid::sample::{Law, uniforms};
+use rigid::scheme::{self, Engine, Scheme, Step};
+use rigid::simd::Isa;
+use rigid::simd::{LANES, Row};
+use rigid::solver::Solver;
+use rigid::start::Body;
+use rigid::status::Status;
+use rigid::trajectory::{Record, Request, Schedule, States, simulate};
+use std::sync::atomic::AtomicBool;
+
+static GO: AtomicBool = AtomicBool::new(false);
+
+fn bits(x: f64) -> u64 {
+    if x.is_nan() { f64::NAN.to_bits() } else { x.to_bits() }
+}
+
+fn all_bits(numbers: &[f64]) -> Vec<u64> {
+    numbers.iter().map(|&x| bits(x)).collect()
+}
+
+const SYSTEMS: [(System, &[Observed]); 9] = [
+    (System::FreeRates, &[Observed::Nothing, Observed::Flips]),
+    (System::FreeAxis, &[Observed::Nothing, Observed::Tilt]),
+    (System::FreeAttitude, &[Observed::Nothing]),
+    (System::TopAxis, &[Observed::Nothing, Observed::Flips, Observed::Tilt]),
+    (System::TopTwoAxes, &[Observed::Nothing, Observed::Tilt]),
+    (System::TopAttitude, &[Observed::Nothing]),
+    (System::ReducedTopAxis, &[Observed::Nothing]),
+    (System::ReducedTopTwoAxes, &[Observed::Nothing]),
+    (System::ReducedTopAttitude, &[Observed::Nothing]),
+];
+
+/// Every step of every scheme, each once.
+fn steps() -> Vec<Step> {
+    let mut all: Vec<Step> = Vec::new();
+    for step in scheme::ALL.iter().flat_map(|scheme| scheme.steps()) {
+        if !all.contains(&step) {
+            all.push(step);
+        }
+    }
+    all
+}
+
+/// The assignment that some scheme gives a body in a kernel.
+fn assignment(kernel: Kernel, body: &Body) -> Option<KernelAssignment> {
+    let reduced = is_reduced(kernel.system);
+    let of_method = |method: &&Scheme| {
+        let of = if reduced { KernelAssignment::of_path } else { KernelAssignment::of };
+        of(method, body, kernel.system.scene())
+    };
+    let fits =
+        |assignment: &KernelAssignment| assignment.step == kernel.step && assignment.is_reduced() == reduced;
+    let able =
+        scheme::ALL.iter().copied().filter(|scheme| !kernel.system.scene().has_weight || scheme.moves_tops());
+    able.map(|scheme| of_method(&scheme)).find(fits)
+}
+
+/// Every kernel that some scheme asks for.
+fn kernels() -> Vec<Kernel> {
+    let of_system = |(system, watches): (System, &'static [Observed])| {
+        let of_watch = move |&observed| {
+            let moving = steps().into_iter().filter(move |&step| system.is_moved_by(step));
+            let kernels = moving.map(move |step| Kernel { system, step, observed });
+            kernels.filter(|&kernel| assignment(kernel, &loads(kernel)[0].body).is_some())
+        };
+        watches.iter().flat_map(of_watch)
+    };
+    SYSTEMS.into_iter().flat_map(of_system).collect()
+}
+
+/// Of the kernels that share code, the one with the longest table.
+fn codes() -> Vec<Kernel> {
+    let all = kernels();
+    let shared = |a: &Kernel, b: &Kernel| {
+        (a.system, a.observed) == (b.system, b.observed) && a.step.engine == b.step.engine
+    };
+    let last = |&i: &usize| !all[i + 1..].iter().any(|later| shared(&all[i], later));
+    (0..all.len()).filter(last).map(|i| all[i]).collect()
+}
+
+#[test]
+fn the_list_of_kernels_is_complete() {
+    for (system, watches) in SYSTEMS {
+        let step = steps().into_iter().find(|&step| system.is_moved_by(step)).unwrap();
+        for observed in [Observed::Nothing, Observed::Flips, Observed::Tilt] {
+            let kernel = Kernel { system, step, observed };
+            let exists = std::panic::catch_unwind(|| Compiled::new(kernel, Isa::Scalar)).is_ok();
+            assert_eq!(exists, watches.contains(&observed), "{kernel:?}");
+        }
+    }
+}
+
+/// A tumbling body, another for every number; a top if asked; symmetric about one of its axes if asked.
+fn body(number: u64, is_top: bool, symmetric: bool) -> Body {
+    let u = |block| uniforms([1, 2], block, number, 0);
+    let [a, b, c, _] = u(0).map(|x| 0.2 + x);
+    // Moments of three masses on the axes: any real body.
+    let mut moments = [b + c, c + a, a + b];
+    let axis = (number % 3) as usize;
+    if symmetric {
+        moments[(axis + 1) % 3] = moments[(axis + 2) % 3];
+    }
+    let [x, y, z, _] = u(1).map(|x| 4.0 * x - 2.0);
+    let mut weight = [0.0; 3];
+    if is_top && symmetric {
+        weight[axis] = 1.5;
+    } else if is_top {
+        weight = u(2).map(|x| 2.0 * x - 1.0)[..3].try_into().unwrap();
+    }
+    let attitude = rigid::sample::attitude(Law::UniformAttitude, 0.0, [1.0, 0.0, 0.0, 0.0], u(3));
+    Body { moments, weight, omega: [x, y, z], attitude }
+}
+
+/// What a lane of the test group carries.
+struct Load {
+    body: Body,
+    watched: i32,
+    step: f64,
+    /// Of the tilt, small ones compared by the sine, large ones by the cosine.
+    limit: f64,
+}
+
+/// The lane that overflows within a few steps, and one whose body turns by radians a step.
+const WILD: usize = 7;
+const FAST: usize = 12;
+
+fn loads(kernel: Kernel) -> Vec<Load> {
+    let of_lane = |lane: usize| {
+        let symmetric = kernel.step.engine == Engine::KickRotor || is_reduced(kernel.system);
+        let mut body = body(lane as u64, kernel.system.scene().has_weight, symmetric);
+        // Turns of 0.1 to 0.7 in a step: of such angles up to one in a hundred has another sine by the code for
+        // large angles, of smaller ones hardly any, and a lane that took the wrong code would not be seen.
+        let mut step = 0.1 + 0.01 * lane as f64;
+        if kernel.step.engine == Engine::KickMoserVeselov {
+            // The equation of these drifts has no solution beyond a turn of one: not a number, half of the lanes.
+            step *= 0.25;
+        }
+        match lane {
+            WILD => body.omega = [1e18; 3],
+            FAST => step = 1.7,
+            3 | 20 => step = 0.0,
+            _ => {}
+        }
+        // Not the axis of symmetry, about which nothing ever flips.
+        let watched = [2, 3, 1, -2, -3, -1][lane % 6];
+        let limit = [0.3, 0.9, 1.6, 3.1][lane % 4];
+        Load { body, watched, step, limit }
+    };
+    (0..LANES).map(of_lane).collect()
+}
+
+fn is_reduced(system: System) -> bool {
+    matches!(system, System::ReducedTopAxis | System::ReducedTopTwoAxes | System::ReducedTopAttitude)
+}
+
+fn place(group: &mut Group, lane: usize, kernel: Kernel, compiled: Compiled, it: &Load) {
+    let assignment = assignment(kernel, &it.body).expect("some scheme asks for every kernel");
+    let entry = Entry { body: &it.body, forcing: None, axis: it.watched, limit: it.limit, step: it.step };
+    load(group, lane, compiled, assignment, &entry);
+}
+
+/// Steps in bursts of several lengths: 200, or 40 of those that are long and dear.
+fn run(group: &mut Group, kernel: Kernel, compiled: Compiled) {
+    let splitting = [scheme::SPLITTING.any, scheme::SPLITTING.symmetric].contains(&kernel.step);
+    let short = splitting || matches!(kernel.step.engine, Engine::Rk4 | Engine::KickMoserVeselov);
+    for steps in if short { [1, 16, 83, 100] } else { [1, 5, 14, 20] } {
+        compiled.advance(group, &ForcingRows::NONE, steps);
+    }
+}
+
+fn full_group(kernel: Kernel, compiled: Compiled) -> Group {
+    let mut group = Group::waiting();
+    for (lane, it) in loads(kernel).iter().enumerate() {
+        place(&mut group, lane, kernel, compiled, it);
+    }
+    group
+}
+
+fn rows(g: &Group) -> Vec<&Row> {
+    let singles = [&g.step, &g.count, &g.unit];
+    let drifts = [&g.energy, &g.momentum].into_iter().flat_map(|d| [&d.start, &d.inverse_scale, &d.worst]);
+    let vectors = g.moments.iter().chain(&g.weight).chain(&g.observed);
+    let rows: Vec<_> =
+        g.state.iter().chain(&g.compensation).chain(vectors).chain(singles).chain(drifts).collect();
+    // Nothing of a group is left out.
+    assert_eq!(size_of::<Group>(), rows.len() * size_of::<Row>());
+    rows
+}
+
+fn lane_bits(group: &Group, lane: usize) -> Vec<u64> {
+    rows(group).iter().map(|row| bits(row.0[lane])).collect()
+}
+
+fn state(group: &Group, lane: usize) -> Vec<f64> {
+    group.state.iter().map(|row| row.0[lane]).collect()
+}
+
+#[test]
+fn every_kernel_on_every_instruction_set() {
+    for kernel in kernels() {
+        let after = |isa| {
+            let compiled = Compiled::new(kernel, isa);
+            let mut group = full_group(kernel, compiled);
+            run(&mut group, kernel, compiled);
+            group
+        };
+        let scalar = after(Isa::Scalar);
+        for isa in Isa::available() {
+            let group = after(isa);
+            for lane in 0..LANES {
+                assert_eq!(
+                    lane_bits(&group, lane),
+                    lane_bits(&scalar, lane),
+                    "{kernel:?} {isa:?} lane {lane}"
+                );
+            }
+        }
+
+        // The case is worth comparing: the wild body overflowed, it alone (an explicit method may lose the fast
+        // one too), and something was seen.
+        for lane in 0..LANES {
+            let finite = state(&scalar, lane).iter().all(|x| x.is_finite());
+            assert!(finite != (lane == WILD) || lane == FAST, "{kernel:?} lane {lane}");
+            assert_eq!(scalar.energy.worst.0[lane].is_finite(), finite, "{kernel:?} lane {lane}");
+        }
+        if kernel.observed == Observed::Flips {
+            assert!(scalar.observed[Flips::COUNT].0.iter().sum::<f64>() >= 10.0, "{kernel:?}");
+        }
+        if kernel.observed == Observed::Tilt {
+            let lost = scalar.observed[EXIT_TIME].0.iter().filter(|t| t.is_finite()).count();
+            assert!(scalar.observed[Tilt::SINE2].0[0] > 0.01 && (5..LANES).contains(&lost), "{kernel:?}");
+        }
+    }
+}
+
+/// A body alone in a group of waiting lanes, 17 lanes further, has the bits that it has in company: of bodies
+/// with other steps, of one that overflows, and of one that sends the others through the code for large angles.
+#[test]
+fn every_lane_is_alone() {
+    for kernel in codes() {
+        for isa in Isa::available() {
+            let compiled = Compiled::new(kernel, isa);
+            let mut company = full_group(kernel, compiled);
+            run(&mut company, kernel, compiled);
+            for (lane, it) in loads(kernel).iter().enumerate() {
+                let elsewhere = (lane + 17) % LANES;
+                let mut group = Group::waiting();
+                place(&mut group, elsewhere, kernel, compiled, it);
+                run(&mut group, kernel, compiled);
+                assert_eq!(
+                    lane_bits(&group, elsewhere),
+                    lane_bits(&company, lane),
+                    "{kernel:?} {isa:?} lane {lane}"
+                );
+            }
+        }
+    }
+}
+
+/// A step of 0 leaves every number of the state as it is.
+#[test]
+fn a_waiting_lane_stays() {
+    for kernel in kernels() {
+        for isa in Isa::available() {
+            let compiled = Compiled::new(kernel, isa);
+            let start = full_group(kernel, compiled);
+            let mut group = start.clone();
+            run(&mut group, kernel, compiled);
+            assert_eq!(state(&group, 20), state(&start, 20), "{kernel:?} {isa:?}");
+            assert_ne!(state(&group, 19), state(&start, 19), "{kernel:?} {isa:?}");
+            let lane = |row: Row| row.0[20];
+            assert_eq!(lane(group.energy.worst), 0.0);
+            assert_eq!(lane(group.momentum.worst), 0.0);
+            // Under a tilt the row holds another number.
+            assert!(kernel.observed == Observed::Tilt || lane(group.observed[Flips::COUNT]) == 0.0);
+        }
+    }
+}
+
+const TIMES: [f64; 5] = [-0.7, 0.0, 0.3, 0.31, 2.0];
+
+/// A body for each table in turn, one in between that overflows.
+fn crowd(is_top: bool) -> Vec<Body> {
+    let mut bodies: Vec<_> = (0..203).map(|i| body(i, is_top, i % 3 == 0)).collect();
+    bodies[100].omega = [1e18, 1e18, 1.0];
+    bodies
+}
+
+fn own_steps(n: usize) -> Vec<f64> {
+    (0..n).map(|i| [0.03, 0.25, 0.003, 0.9][i % 4]).collect()
+}
+
+const STRIDES: [u64; 4] = [0, 1, 40, 7];
+
+#[derive(Clone, Copy)]
+struct Question {
+    is_top: bool,
+    method: &'static Scheme,
+    record: Record,
+    at_times: bool,
+}
+
+impl Question {
+    fn ask(self, bodies: &[Body], steps: &[f64], threads: usize, isa: Isa) -> States {
+        let schedule = if self.at_times { Schedule::Times(&TIMES) } else { Schedule::Strides(&STRIDES) };
+        let Question { is_top, method, record, .. } = self;
+        let solver = Solver::Steps(method);
+        let request = Request {
+            bodies,
+            scene: scene_of(is_top),
+            forcing: Forcing::NONE,
+            solver,
+            record,
+            schedule,
+            steps,
+            tolerance: None,
+            max_steps: 500,
+        };
+        simulate(&request, threads, isa, &GO).unwrap().unwrap()
+    }
+}
+
+/// Of the methods that share code for all bodies, the last: it has the longest table.
+fn methods(is_top: bool) -> Vec<&'static Scheme> {
+    let all: Vec<_> =
+        scheme::ALL.iter().copied().filter(|method| method.check(scene_of(is_top), false).is_ok()).collect();
+    let code = |method: &Scheme| {
+        let steps = [true, false].map(|symmetric| {
+            KernelAssignment::of(method, &body(0, is_top, symmetric), scene_of(is_top)).step
+        });
+        (steps.map(|step| step.engine), steps.map(Step::is_processed))
+    };
+    let last = |&i: &usize| !all[i + 1..].iter().any(|&later| code(later) == code(all[i]));
+    (0..all.len()).filter(last).map(|i| all[i]).collect()
+}
+
+fn questions() -> Vec<Question> {
+    let mut all = Vec::new();
+    for is_top in [false, true] {
+        for method in methods(is_top) {
+            for record in [Record::Rates, Record::Axis, Record::Attitude] {
+                for at_times in [true, false] {
+                    all.push(Question { is_top, method, record, at_times });
+                }
+            }
+        }
+    }
+    all
+}
+
+/// Everything that is known of a body.
+fn of_body(states: &States, i: usize) -> (Vec<u64>, Status, u64) {
+    let n = states.status.len();
+    let mut numbers = Vec::new();
+    for field in
+        [Some(&states.omega), states.vertical.as_ref(), states.attitude.as_ref()].into_iter().flatten()
+    {
+        let width = field.len() / n;
+        numbers.extend_from_slice(&field[i * width..][..width]);
+    }
+    numbers.extend([states.energy_drift[i], states.momentum_drift[i], states.unit_drift[i]]);
+    (all_bits(&numbers), states.status[i], states.steps[i])
+}

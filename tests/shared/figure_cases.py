@@ -1,0 +1,56 @@
+"""Motions that figures show, and what is read from a drawn figure."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import rigid
+
+Floats = NDArray[np.float64]
+
+TOP = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
+TILTED = [np.cos(np.pi / 6), np.sin(np.pi / 6), 0.0, 0.0]
+SIN60 = np.sin(np.pi / 3)
+ASYMMETRIC = rigid.HeavyTop(rigid.Body((1.0, 1.5, 0.6)), mgl=1.0)
+DAMPED = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0, damping=(0.0, 0.0, 0.1))
+BODY = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
+
+# Starts at 60 degrees: rate of precession, spin, and the roots of f to the digits of the tables.
+STARTS = {
+    "cusp": (0.0, 5.0, 0.191767987534, 0.5, 2.93323201247),
+    "prolate": (-0.3, 5.0, -0.00533329827606, 0.5, 3.16408329828),
+    "curtate": (0.2, 5.0, 0.331089188037, 0.5, 2.80891081196),
+    "curtate from below": (0.6, 5.0, 0.5, 0.611717131638, 2.64828286836),
+    "prolate from below": (1.5, 5.0, 0.5, 0.992095230668, 2.97665476933),
+    "retrograde": (-4.0, 1.0, -0.786708522541, 0.5, 6.91170852254),
+}
+
+
+def omega_of(name: str) -> list[float]:
+    push, spin = STARTS[name][:2]
+    return [0.0, push * SIN60, spin]
+
+
+def data_of(line: Any) -> Floats:
+    """What a line in a plane or in space carries, shape (m, 2) or (m, 3)."""
+    got = line.get_data_3d() if hasattr(line, "get_data_3d") else line.get_data()
+    return np.stack([np.asarray(part, dtype=float) for part in got], axis=1)
+
+
+def joined(seen: Any, hidden: Any) -> Floats:
+    """A curve from its two sides."""
+    one, other = data_of(seen), data_of(hidden)
+    assert (np.isnan(one) != np.isnan(other)).all()
+    return np.where(np.isnan(one), other, one)
+
+
+def texts(ax: Any) -> list[str]:
+    return [text.get_text() for text in ax.texts]
+
+
+def poinsot_run(m: int = 1201) -> Any:
+    body = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
+    return rigid.simulate(body, [1.1, 0.3, 0.4], [0.5, 0.5, 0.1, 0.7], t=np.linspace(0, 15, m))

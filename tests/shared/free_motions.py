@@ -1,0 +1,33 @@
+"""Free bodies, their paths, and angles between vectors."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+import rigid
+from physics import Floats, present, rotation_matrix
+
+OBLATE, PROLATE = (1.0, 1.0, 1.6), (1.0, 1.0, 0.55)
+SPUN = np.array([0.9, 0.0, 2.3])
+
+
+def moments_at_random(count: int, random: np.random.Generator) -> Floats:
+    """Moments of random clouds of points, in random order: never impossible."""
+    squares = random.uniform(0.1, 2.0, (count, 3))
+    moments: Floats = squares.sum(axis=1, keepdims=True) - squares
+    return moments
+
+
+def path(body: ArrayLike, omega: ArrayLike, t: ArrayLike, start: ArrayLike | None = None) -> Any:
+    """A free motion by closed form: rates and matrices body to space."""
+    run = rigid.simulate(rigid.FreeBody(rigid.Body(body)), omega, start, t=t, method="exact")
+    return run.omega, rotation_matrix(present(run.attitude))
+
+
+def angle(a: Floats, b: Floats) -> Floats:
+    across = np.linalg.norm(np.cross(a, b), axis=-1)
+    between: Floats = np.arctan2(across, (a * b).sum(axis=-1))
+    return between

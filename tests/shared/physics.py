@@ -1,0 +1,181 @@
+"""What the tests share: the methods, reference trajectories, and physics written down once more."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+import rigid
+from rigid.model.scene import Scene
+
+Floats = NDArray[np.float64]
+
+#: All methods.
+EVERY_METHOD = rigid.methods()
+
+#: Everything that is said of a method through Python is tested over this list: those that move any
+#: body at any wanted time. What is said of compositions, processed kernels and drifts (order,
+#: structure, bits) is tested on the core, over its own list: tests/rust.
+METHODS = tuple(
+    method
+    for method in EVERY_METHOD
+    if method.name in ("rk4", "dop853", "splitting", "midpoint") or method.name.startswith("taylor")
+)
+
+#: The names of all, and as an error message lists those of a run.
+NAMES = [method.name for method in EVERY_METHOD]
+LISTED = ", ".join(map(repr, ["exact", *NAMES]))
+
+#: Unit roundoff of float64.
+ROUNDOFF = 2.0**-53
+
+GOLDEN = Path(__file__).parents[1] / "golden"
+
+
+@dataclass(frozen=True)
+class Golden:
+    """A trajectory known to 25 digits, in the conventions of the library."""
+
+    id: str
+    scene: Scene
+    omega0: Floats
+    attitude0: Floats
+    t: Floats
+    omega: Floats
+    attitude: Floats
+    energy: Floats
+    L_space: Floats
+    kappa_omega: Floats
+    kappa_att: Floats
+
+    def step_turning(self, angle: float) -> float:
+        """A step in which the body turns or swings by at most about that angle (rad)."""
+        rate = float(np.linalg.norm(self.omega, axis=-1).max())
+        swinging = np.linalg.norm(self.scene.weight) / min(self.scene.body.moments[:2])
+        return angle / (rate + float(np.sqrt(swinging)))
+
+    def run(self, method: str, *, until: float = np.inf, **options: Any) -> rigid.Run:
+        """The trajectory computed at the reference times up to ``until``."""
+        times = self.t[self.t <= until]
+        return rigid.simulate(
+            self.scene, self.omega0, self.attitude0, t=times, method=method, **options
+        )
+
+
+def golden(family: str) -> list[Golden]:
+    """The scenes of a file of reference trajectories whose body axes are principal axes."""
+    scenes = json.loads((GOLDEN / f"{family}.json").read_text())["scenes"]
+    return [_golden(scene) for scene in scenes if not isinstance(scene["inertia"][0], list)]
+
+
+def golden_scene(identifier: str) -> Golden:
+    """The scene with that id."""
+    (found,) = (case for case in golden(identifier.split("/")[0]) if case.id == identifier)
+    return found
+
+
+def _golden(scene: dict[str, Any]) -> Golden:
+    def column(key: str) -> Floats:
+        # A condition number that does not exist (no rate to be relative to) is null: none granted.
+        values = [sample[key] for sample in scene["samples"]]
+        return np.array([0.0 if value is None else value for value in values]).astype(np.float64)
+
+    com = np.array(scene["com"])
+    distance = float(np.linalg.norm(com))
+    mgl = scene["mass"] * scene["gravity"] * distance
+    body = rigid.Body(scene["inertia"])
+    outside: dict[str, Any] = {}
+    if any(scene.get("torque_body", [])):
+        outside["torque"] = rigid.Torque.body(scene["torque_body"])
+    if scene.get("damping"):
+        outside["damping"] = scene["damping"]
+    return Golden(
+        id=scene["id"],
+        scene=(
+            rigid.HeavyTop(body, mgl=mgl, com=com / distance, **outside)
+            if mgl
+            else rigid.FreeBody(body, **outside)
+        ),
+        omega0=np.array(scene["omega0"]),
+        attitude0=np.roll(scene["q0"], 1),
+        t=column("t"),
+        omega=column("omega"),
+        attitude=np.roll(column("q"), 1, axis=-1),
+        energy=column("energy"),
+        L_space=column("L_space"),
+        kappa_omega=column("kappa_omega"),
+        kappa_att=column("kappa_att"),
+    )
+
+
+def telling(step: float, method: rigid.Method) -> float:
+    """A step at which a method errs about as much as one of order 4 does at ``step``."""
+    return float(step ** (4.0 / max(method.order, 4)))
+
+
+def present(array: Floats | None) -> Floats:
+    """The array, which must be there."""
+    assert array is not None
+    return array
+
+
+def rotation_angle(attitude: ArrayLike, reference: ArrayLike) -> Floats:
+    """Angle between two attitudes (rad), small angles without cancellation; lengths and signs free.
+
+    Scalar and vector part of ``conj(reference) * attitude`` are the cosine and sine of its half.
+    """
+    a, b = (np.moveaxis(np.asarray(q, dtype=np.float64), -1, 0) for q in (attitude, reference))
+    vector = np.array(
+        [
+            b[0] * a[1] - b[1] * a[0] - b[2] * a[3] + b[3] * a[2],
+            b[0] * a[2] - b[2] * a[0] - b[3] * a[1] + b[1] * a[3],
+            b[0] * a[3] - b[3] * a[0] - b[1] * a[2] + b[2] * a[1],
+        ]
+    )
+    angle: Floats = 2.0 * np.arctan2(np.linalg.norm(vector, axis=0), np.abs((a * b).sum(axis=0)))
+    return angle
+
+
+def rotation_matrix(attitude: ArrayLike) -> Floats:
+    """``R`` with ``v_space = R v_body``, shape (..., 3, 3)."""
+    q = np.asarray(attitude, dtype=np.float64)
+    w, x, y, z = np.moveaxis(q / np.linalg.norm(q, axis=-1, keepdims=True), -1, 0)
+    rows = [
+        [w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z],
+    ]
+    return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
+
+
+def vertical(attitude: ArrayLike) -> Floats:
+    """``gamma = R.T e3``, the upward vertical seen from the body, shape (..., 3)."""
+    return rotation_matrix(attitude)[..., 2, :]
+
+
+def angular_momentum(scene: Scene, omega: ArrayLike) -> Floats:
+    """``I omega``, in the body, shape (..., 3)."""
+    momentum: Floats = np.array(scene.body.moments) * np.asarray(omega)
+    return momentum
+
+
+def energy(scene: Scene, omega: ArrayLike, gamma: ArrayLike | None = None) -> Floats:
+    """Kinetic and, with ``gamma``, potential energy, shape (...)."""
+    kinetic: Floats = 0.5 * (angular_momentum(scene, omega) * np.asarray(omega)).sum(axis=-1)
+    return kinetic if gamma is None else kinetic + np.asarray(gamma) @ scene.weight
+
+
+def tilted(angle: float) -> Floats:
+    """The attitude turned about axis 1 of space by ``angle`` (rad)."""
+    return np.array([np.cos(angle / 2), np.sin(angle / 2), 0.0, 0.0])
+
+
+def golden_number(name: str) -> Any:
+    """A number, or an array of them, of the table of worked cases."""
+    value = json.loads((GOLDEN / "worked_cases.json").read_text())[name]
+    return np.array(value, dtype=np.float64) if isinstance(value, list) else float(value)
