@@ -29,3 +29,11 @@ pub mod special;
 pub mod start;
 pub mod status;
 pub mod trajectory;
+
+// The tests of tests/rust use the crate by its name, as its users do. They are part of its own test
+// binary: a binary of their own would compile all kernels a second time.
+#[cfg(test)]
+extern crate self as rigid;
+#[cfg(test)]
+#[path = "../tests/rust/mod.rs"]
+mod tests;

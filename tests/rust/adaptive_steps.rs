@@ -1,7 +1,7 @@
 //! Taylor series that choose their steps: as exact as asked, the same bits in any company, states in between for
 //! nothing, and hardly a lane that waits.
 
-use crate::scene_of;
+use crate::tests::scene_of;
 use rigid::forcing::Forcing;
 use rigid::sample::{Law, attitude, uniforms};
 use rigid::scheme::{self, Scheme};

@@ -1,7 +1,7 @@
 //! What the compositions promise: their order, on a free body, on a Lagrange top and on a top without symmetry, against
 //! the closed form or a converged run; the way back; lengths; and no drift of the energy.
 
-use crate::scene_of;
+use crate::tests::scene_of;
 use rigid::error::Error;
 use rigid::forcing::Forcing;
 use rigid::sample::uniforms;

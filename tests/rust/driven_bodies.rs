@@ -1,7 +1,7 @@
 //! Bodies under torque and damping: the same bits on every instruction set, in every lane and on any number of
 //! threads, and what must be refused.
 
-use crate::scene_of;
+use crate::tests::scene_of;
 use rigid::forcing::Forcing;
 use rigid::kernel::{Compiled, Kernel, System};
 use rigid::kernel::{Entry, KernelAssignment, load};

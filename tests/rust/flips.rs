@@ -1,6 +1,6 @@
 //! Flips: sign changes of a component of the rates, counted once each and located inside the step.
 
-use crate::scene_of;
+use crate::tests::scene_of;
 use rigid::forcing::ForcingInterval;
 use rigid::kernel::Group;
 use rigid::kernel::{Compiled, ForcingRows, Kernel, System};

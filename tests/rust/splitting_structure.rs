@@ -1,7 +1,7 @@
 //! What a splitting keeps besides its order: the way back, the lengths, the energy, the exact motion of a symmetric
 //! body, and the names of the axes. And that one step of each scheme is what its table says, written out naively.
 
-use crate::scene_of;
+use crate::tests::scene_of;
 use nalgebra::{Quaternion, SVector, Unit, UnitQuaternion, Vector3};
 use rigid::forcing::{Forcing, ForcingInterval};
 use rigid::real::Real;

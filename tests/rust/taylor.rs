@@ -1,6 +1,6 @@
 //! Taylor series: their coefficients, their order, and what is left of their rounding after a long time.
 
-use crate::scene_of;
+use crate::tests::scene_of;
 use nalgebra::{DMatrix, DVector};
 use rigid::forcing::{Forcing, ForcingInterval};
 use rigid::sample::{Law, attitude, uniforms};

@@ -7,7 +7,7 @@ mod reference_trajectories;
 mod times_and_angles;
 mod torus;
 
-use crate::scene_of;
+use crate::tests::scene_of;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use rigid::body::Inertia;

@@ -1,7 +1,7 @@
 //! Closed forms: on every instruction set, in every lane, at any number of times.
 
 use super::*;
-use crate::scene_of;
+use crate::tests::scene_of;
 
 /// Bodies of a closed form in its variables: ordinary ones, and beside them in the same registers those at every
 /// border of its code: separatrices, near and met exactly, poles, turning points, stable axes, extreme units.

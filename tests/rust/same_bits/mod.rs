@@ -7,7 +7,7 @@ mod closed_forms;
 mod maps;
 mod trajectories;
 
-use crate::scene_of;
+use crate::tests::scene_of;
 use rigid::exact::derived::{free_quantities, sign_changes, tilt_time, top_quantities};
 use rigid::exact::{CanonicalForm, Evaluator, EvaluatorKind, ExitRows, StartRows, StateRows};
 use rigid::forcing::Forcing;

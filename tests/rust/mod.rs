@@ -1,4 +1,4 @@
-//! What needs no Python, in one binary: `cargo test same_bits` runs one module.
+//! Tests of the core that need no Python: `cargo test same_bits` runs one module.
 
 mod adaptive_steps;
 mod bodies;
