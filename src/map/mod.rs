@@ -1,17 +1,18 @@
 //! The Monte Carlo map: blocks of samples are drawn, classified and counted.
 
 mod classify;
+mod criterion;
 mod draw;
 mod integrate;
 mod request;
 mod statistics;
 
-pub use request::{Criterion, Map, MethodChoice, Pixel};
+pub use criterion::Criterion;
+pub use request::{Map, MethodChoice, Pixel};
 pub use statistics::{Class, Column, Field, Outcome, Statistics};
 
 use crate::forcing::Forcing;
 use crate::kernel::{Kernel, KernelAssignment, Needs, System};
-use crate::observe::Observed;
 use crate::parallel::{over_blocks, thread_nanoseconds};
 use crate::scheme::{Scheme, Step};
 use crate::simd::Isa;
@@ -70,20 +71,18 @@ impl Map {
 
     /// The kernel of the samples with that step: its system carries what the criterion watches and no more.
     fn kernel(&self, step: Step) -> Kernel {
-        let (directions, observed) = match self.criterion {
-            Criterion::NoFlip => (0, Observed::Flips),
-            Criterion::TiltFromVertical(_) => (1, Observed::Tilt),
-            // Where there is weight, the first direction is the vertical.
-            Criterion::TiltFromStart(_) => (1 + usize::from(self.scene.has_weight), Observed::Tilt),
-        };
         let in_space = self.forcing.iter().any(Forcing::acts_in_space);
         let needs = Needs {
             is_forced: self.is_forced(),
             is_reduced: false,
-            directions: if in_space { 3 } else { directions },
+            directions: if in_space { 3 } else { self.criterion.directions(self.scene) },
             attitude: false,
         };
-        Kernel { system: System::carrying(self.scene, step, needs), step, observed }
+        Kernel {
+            system: System::carrying(self.scene, step, needs),
+            step,
+            observed: self.criterion.observed(),
+        }
     }
 
     /// The scheme of a run of a sample.

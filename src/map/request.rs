@@ -1,5 +1,6 @@
 //! What is asked of a map: the pixels and their samples, the criterion and the method.
 
+use super::Criterion;
 use crate::error::Error;
 use crate::exact::Question;
 use crate::forcing::Forcing;
@@ -8,40 +9,6 @@ use crate::scene::Scene;
 use crate::scheme::{self, Scheme};
 use crate::solver::Solver;
 use crate::start::Body;
-
-/// When a sample counts as stable.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Criterion {
-    /// The component of the rates along the watched axis never changes sign.
-    NoFlip,
-    /// The watched axis stays within this angle of where it started.
-    TiltFromStart(f64),
-    /// The watched axis stays within this angle of the vertical.
-    TiltFromVertical(f64),
-}
-
-impl Criterion {
-    /// The largest angle that the observed axis may tilt; infinite if its tilt is not asked for.
-    pub(super) fn limit(self) -> f64 {
-        match self {
-            Criterion::NoFlip => f64::INFINITY,
-            Criterion::TiltFromStart(angle) | Criterion::TiltFromVertical(angle) => angle,
-        }
-    }
-
-    /// The criterion of that name, with its limit (rad).
-    pub fn parse(name: &str, limit: f64) -> Result<Criterion, Error> {
-        match name {
-            "no_flip" => Ok(Criterion::NoFlip),
-            "tilt_from_start" => Ok(Criterion::TiltFromStart(limit)),
-            "tilt_from_vertical" => Ok(Criterion::TiltFromVertical(limit)),
-            _ => {
-                let known = "no_flip, tilt_from_start, tilt_from_vertical".into();
-                Err(Error::Unknown { argument: "criterion", value: name.into(), known })
-            }
-        }
-    }
-}
 
 /// The nominal body of a pixel and the size of the perturbations of its samples.
 #[derive(Clone, Copy, Debug)]
@@ -241,9 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn criteria_and_methods_have_names() {
-        assert_eq!(Criterion::parse("tilt_from_start", 0.5), Ok(Criterion::TiltFromStart(0.5)));
-        assert!(Criterion::parse("flip", 0.5).is_err());
+    fn methods_have_names() {
         assert_eq!(MethodChoice::parse("auto"), Ok(MethodChoice::Auto));
         assert_eq!(MethodChoice::parse("exact"), Ok(MethodChoice::Only(Solver::Exact)));
     }
