@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import math
 import os
+import sys
 from collections.abc import Iterable
 from numbers import Real
 
@@ -173,12 +174,15 @@ def vectors(**arguments: ArrayLike) -> tuple[NDArray[np.float64], ...]:
 
 
 def unit_vector(name: str, value: ArrayLike, length: int) -> NDArray[np.float64]:
-    """``value`` as a vector of length one, which it must be to 1e-9; normalised to rounding."""
+    """``value`` as a vector of length one, which it must be to 1e-9; normalised to rounding.
+
+    A vector whose length is 1 to rounding stays as it is: what was saved is read back to the bit.
+    """
     array = vector(name, value, length)
     norm = math.hypot(*array.tolist())
     if abs(norm - 1.0) > 1e-9:
         raise ValueError(f"{name} = {array.tolist()}: must be a unit vector, its length is {norm}")
-    return array / norm
+    return array if abs(norm - 1.0) <= sys.float_info.epsilon else array / norm
 
 
 def sorted_times(name: str, value: ArrayLike) -> NDArray[np.float64]:
