@@ -57,11 +57,11 @@ struct Codes {
     scalar: Option<Code>,
 }
 
-/// The functions of a kernel for an instruction set. `S` steps the packs, `T` a body alone.
+/// The functions of kernels for an instruction set. `S` steps the packs, `T` a body alone.
 macro_rules! entry_points {
     ($($isa:ident [$($feature:tt)*];)*) => {$(
         #[allow(clippy::extra_unused_type_parameters)] // A kernel is its types.
-        mod $isa {
+        pub mod $isa {
             use super::*;
 
             $($feature)*
@@ -139,7 +139,7 @@ macro_rules! entry_points {
                 invariants::<f64, N, L, T, D>(p, &state)
             }
 
-            pub(super) const fn code<P, S, M, T, N, L, const D: usize, const PACKS: usize>() -> Option<Code>
+            pub const fn code<P, S, M, T, N, L, const D: usize, const PACKS: usize>() -> Option<Code>
             where
                 P: Pack,
                 S: Stepper<P, M, L, D>,
@@ -162,15 +162,6 @@ macro_rules! entry_points {
         }
     )*};
 }
-#[cfg(target_arch = "x86_64")]
-entry_points! {
-    avx512 [#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,avx2,fma")]];
-    avx2 [#[target_feature(enable = "avx2,fma")]];
-}
-entry_points! {
-    scalar [];
-}
-
 /// The kernels: each engine with each system that it moves. `R` and `M` stand for the pack and the model in it; the
 /// packs are those that the engine runs best with: a long chain of rotations wants two packs in flight inside the step,
 /// the others leave it to the interleaving of packs (benches/README.md). Of the systems that carry what is wanted the
@@ -214,11 +205,31 @@ macro_rules! kernels {
             $(assert!($scene.has_weight == <$model<f64> as Model<f64>>::HEAVY);)*
         };
 
+        kernels!(@modules $engines);
+
         fn codes(system: System, engine: Engine) -> &'static Codes {
             match system {
                 $(System::$system => kernels!(@codes engine, $model, $layout, $engines),)*
             }
         }
+    };
+    // The compiler works by modules: a module for each engine, so that a change of one engine compiles its kernels only.
+    (@modules { $($engine:ident: $stepper:ty, $avx512:ty, $avx2:ty;)* }) => {
+        mod kernels_of {$(
+            #[allow(non_snake_case)]
+            pub mod $engine {
+                use super::super::*;
+
+                #[cfg(target_arch = "x86_64")]
+                entry_points! {
+                    avx512 [#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,avx2,fma")]];
+                    avx2 [#[target_feature(enable = "avx2,fma")]];
+                }
+                entry_points! {
+                    scalar [];
+                }
+            }
+        )*}
     };
     (@codes $which:ident, $model:ident, $layout:ident,
         { $($engine:ident: $stepper:ty, $avx512:ty, $avx2:ty;)* }) => {
@@ -234,15 +245,15 @@ macro_rules! kernels {
                     avx512: {
                         type R = $avx512;
                         type M = $model<R>;
-                        avx512::code::<R, $stepper, M, Alone, AloneModel, $layout, D, { LANES / R::LANES }>()
+                        kernels_of::$engine::avx512::code::<R, $stepper, M, Alone, AloneModel, $layout, D, { LANES / R::LANES }>()
                     },
                     #[cfg(target_arch = "x86_64")]
                     avx2: {
                         type R = $avx2;
                         type M = $model<R>;
-                        avx2::code::<R, $stepper, M, Alone, AloneModel, $layout, D, { LANES / R::LANES }>()
+                        kernels_of::$engine::avx2::code::<R, $stepper, M, Alone, AloneModel, $layout, D, { LANES / R::LANES }>()
                     },
-                    scalar: scalar::code::<R, Alone, M, Alone, M, $layout, D, { LANES / R::LANES }>(),
+                    scalar: kernels_of::$engine::scalar::code::<R, Alone, M, Alone, M, $layout, D, { LANES / R::LANES }>(),
                 }
             },)*
         }
