@@ -7,12 +7,14 @@ from __future__ import annotations
 
 import json
 from importlib import resources
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .._files import published
 from ..drawing.figure import new_figure
 from ..drawing.shapes import across
 from .film import Film, Part, film_of
@@ -74,6 +76,9 @@ def animate(
     ------
     ImportError
         If the animation is a GIF and Matplotlib is not installed.
+    OSError
+        If the file cannot be written, or its name is that of something else than a file. An older
+        file stays as it was.
     TypeError, ValueError
         Naming the argument, its value and the rule: an unknown suffix or view, a run without
         attitudes, of one time or not finite, a body at rest, cones of an asymmetric body or one
@@ -94,10 +99,9 @@ def animate(
     if suffix not in (".html", ".gif"):
         raise ValueError(f"path = {str(target)!r}: must end in .html or .gif")
     film = film_of(run, view=view, speed=speed, body=body)
-    if suffix == ".html":
-        target.write_text(_page(film), encoding="utf-8")
-    else:
-        _write_gif(film, target)
+    content = _page(film).encode() if suffix == ".html" else _gif(film)
+    with published(target) as file:
+        file.write(content)
     return target
 
 
@@ -136,8 +140,8 @@ def _plain(film: Film) -> dict[str, Any]:
     }
 
 
-def _write_gif(film: Film, path: Path) -> None:
-    """Draw and write the frames; times are rounded to a hundredth of a second."""
+def _gif(film: Film) -> bytes:
+    """The frames, drawn; times are rounded to a hundredth of a second."""
     shortest, longest = SHOWN
     outside = (film.shown < shortest * (1.0 - 1e-9)) | (film.shown > longest)
     if outside.any():
@@ -183,9 +187,12 @@ def _write_gif(film: Film, path: Path) -> None:
         pixels = np.asarray(canvas.buffer_rgba())[..., :3]  # type: ignore[no-untyped-call]
         image = Image.fromarray(np.ascontiguousarray(pixels))
         images.append(image.quantize(256, Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE))
+    content = BytesIO()
+    duration = (10 * hundredths).tolist()
     images[0].save(
-        path, save_all=True, append_images=images[1:], duration=(10 * hundredths).tolist(), loop=0
+        content, "GIF", save_all=True, append_images=images[1:], duration=duration, loop=0
     )
+    return content.getvalue()
 
 
 def _camera(up: Floats) -> Floats:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .._files import published
 from .data import STORED, MapData
 from .spec import MapSpec
 
@@ -41,19 +42,16 @@ def write_map(data: MapData, path: str | os.PathLike[str]) -> Path:
         arrays[name] = np.array(axis.values)
     for name in (*STORED, "share", "lower", "upper"):
         arrays[name] = getattr(data, name)
-    # Write to a second file and rename it, so that an incomplete file never has the name.
-    scratch = target.with_name(f"{target.name}.part")
-    try:
-        with zipfile.ZipFile(scratch, "w", zipfile.ZIP_STORED) as archive:
-            for name, array in arrays.items():
-                entry = zipfile.ZipInfo(f"{name}.npy", _EPOCH)
-                entry.create_system = 3  # Unix on all systems, so that the bytes are equal
-                with archive.open(entry, "w", force_zip64=True) as file:
-                    little = np.ascontiguousarray(array, dtype=array.dtype.newbyteorder("<"))
-                    np.lib.format.write_array(file, little, version=(1, 0), allow_pickle=False)
-        os.replace(scratch, target)
-    finally:
-        scratch.unlink(missing_ok=True)
+    with (
+        published(target) as whole,
+        zipfile.ZipFile(whole, "w", zipfile.ZIP_STORED) as archive,
+    ):
+        for name, array in arrays.items():
+            entry = zipfile.ZipInfo(f"{name}.npy", _EPOCH)
+            entry.create_system = 3  # Unix on all systems, so that the bytes are equal
+            with archive.open(entry, "w", force_zip64=True) as file:
+                little = np.ascontiguousarray(array, dtype=array.dtype.newbyteorder("<"))
+                np.lib.format.write_array(file, little, version=(1, 0), allow_pickle=False)
     return target
 
 

@@ -227,6 +227,9 @@ class StabilityMap(MapData):
         The file holds the arrays, and the specification as JSON under the name ``spec.json``. It
         holds no measured times, so equal seeds give equal bytes on every machine.
 
+        The file appears whole or not at all: it is written under another name, synchronised with
+        the disk and renamed. It replaces an older file and keeps the mode of that file.
+
         Parameters
         ----------
         path : path-like
@@ -236,6 +239,15 @@ class StabilityMap(MapData):
         -------
         Path
             The file.
+
+        Raises
+        ------
+        FileExistsError
+            If the name is that of something else than a file: a directory, a symbolic link, a pipe
+            or a device.
+        OSError
+            If the file cannot be written, for example because the disk is full. An older file stays
+            as it was.
         """
         return write_map(self, path)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING
 
+from .._files import published
 from .data import ReportData
 from .plot import plot_report
 from .table import report_text
@@ -62,12 +63,21 @@ class Report(ReportData):
         return plot_report(self, ax=ax)
 
     def save(self, path: str | os.PathLike[str]) -> Path:
-        """Write the JSON text to a file and return its path."""
+        """Write the JSON text to a file and return its path.
+
+        The file appears whole or not at all; see :meth:`rigid.StabilityMap.save`.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be written, or its name is that of something else than a file.
+        """
         from pathlib import Path
 
-        target = Path(path)
-        target.write_text(self.to_json() + "\n", encoding="utf-8")
-        return target
+        text = self.to_json() + "\n"
+        with published(path) as file:
+            file.write(text.encode())
+        return Path(path)
 
     def __str__(self) -> str:
         return report_text(self)

@@ -329,6 +329,6 @@ def test_without_matplotlib_the_data_is_written_and_the_rest_told(folder: Path) 
 
 
 def test_the_module_is_the_command_too(folder: Path) -> None:
-    done = run_python("-m", "rigid.cli", "map", "nothing", check=False)
+    done = run_python("-m", "rigid", "map", "nothing", check=False)
     assert done.returncode == 2
     assert done.stderr.startswith("rigid: no built-in map is called 'nothing'")

@@ -115,7 +115,7 @@ def test_an_interrupted_command_writes_what_there_is_and_exits_with_130(
     (tmp_path / "big.toml").write_text(BIG)
     command = ("map", str(tmp_path / "big.toml"), "--out", str(tmp_path / "big"))
     handler = signal.SIG_IGN if place == "background" else signal.default_int_handler
-    with sigint(handler), in_terminal("-m", "rigid.cli", *command) as (process, reader):
+    with sigint(handler), in_terminal("-m", "rigid", *command) as (process, reader):
         shown = read(reader, until=b"k/300M")  # some thousand bodies are done
         assert b"k/300M" in shown
         process.send_signal(signal.SIGINT)

@@ -1,0 +1,136 @@
+"""Files that are written whole or not at all: every writer of rigid uses :func:`published`."""
+
+from __future__ import annotations
+
+import errno
+import os
+import stat
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from typing import BinaryIO
+
+__all__ = ["published", "require_replaceable", "require_room"]
+
+SCRATCH = ".rigid-"
+"""How the names of scratch files begin; a process that is killed leaves its own."""
+
+_KINDS = {
+    stat.S_IFLNK: "a symbolic link",
+    stat.S_IFDIR: "a directory",
+    stat.S_IFIFO: "a pipe",
+    stat.S_IFCHR: "a device",
+    stat.S_IFBLK: "a device",
+    stat.S_IFSOCK: "a socket",
+}
+
+
+def require_replaceable(path: str | os.PathLike[str]) -> int | None:
+    """Mode of the regular file at ``path``, None if there is no file.
+
+    Raises
+    ------
+    FileExistsError
+        If something else has this name.
+    """
+    try:
+        mode = os.lstat(path).st_mode
+    except FileNotFoundError:
+        return None
+    if not stat.S_ISREG(mode):
+        kind = _KINDS.get(stat.S_IFMT(mode), "no file")
+        raise FileExistsError(
+            f"path = {os.fspath(path)!r}: must be new or a regular file, it is {kind}"
+        )
+    return stat.S_IMODE(mode)
+
+
+@contextmanager
+def published(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
+    """A new file, open to write bytes; it gets its name when it is whole and on the disk.
+
+    The bytes go to a scratch file with a name of its own in the same folder. At the end the scratch
+    file is synchronised and renamed. After any failure the scratch file is removed, and an older
+    file at ``path`` is as it was. A new file obeys the umask; an older one hands on its mode.
+
+    Parameters
+    ----------
+    path : path-like
+        The file: a new name, or that of a regular file.
+
+    Raises
+    ------
+    FileExistsError
+        If something else has this name: a directory, a symbolic link, a pipe or a device.
+    OSError
+        Naming ``path``, if the file cannot be written.
+    """
+    target = os.fspath(path)
+    with _naming(target), _scratch(target) as (scratch, file):
+        yield file
+        file.flush()
+        os.fsync(file.fileno())
+        file.close()
+        os.replace(scratch, target)
+        _synchronise(os.path.dirname(target) or os.curdir)
+
+
+def require_room(path: str | os.PathLike[str], size: int) -> None:
+    """Raise what :func:`published` would raise for a file of ``size`` bytes, as far as it shows.
+
+    The folder must be writable, and the disk must have room; the room is not kept.
+
+    Raises
+    ------
+    OSError
+        As of :func:`published`.
+    """
+    target = os.fspath(path)
+    with _naming(target), _scratch(target) as (_, file):
+        if hasattr(os, "posix_fallocate"):
+            os.posix_fallocate(file.fileno(), 0, size)
+
+
+@contextmanager
+def _scratch(target: str) -> Iterator[tuple[str, BinaryIO]]:
+    """A new file beside ``target`` with the mode of the file there; it is removed at the end."""
+    mode = require_replaceable(target)
+    scratch = os.path.join(os.path.dirname(target), f"{SCRATCH}{os.urandom(16).hex()}.part")
+
+    def create(path: str, flags: int) -> int:
+        # The flags of mode "x" follow no link. A private file is private from the start.
+        return os.open(path, flags, 0o666 if mode is None else 0o600)
+
+    try:
+        with open(scratch, "xb", opener=create) as file:
+            if mode is not None:
+                os.chmod(file.fileno() if os.chmod in os.supports_fd else scratch, mode)
+            yield scratch, file
+    finally:
+        with suppress(OSError):
+            os.unlink(scratch)
+
+
+def _synchronise(folder: str) -> None:
+    """Write the names in a folder to the disk, where the system can."""
+    if os.name != "posix":
+        return
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    except OSError as error:
+        if error.errno not in (errno.EINVAL, errno.ENOTSUP):  # some file systems cannot
+            raise
+    finally:
+        os.close(descriptor)
+
+
+@contextmanager
+def _naming(target: str) -> Iterator[None]:
+    """Errors of the system name the file that is written, not its scratch file."""
+    try:
+        yield
+    except OSError as error:
+        of_scratch = os.path.basename(error.filename or "").startswith(SCRATCH)
+        if error.errno is None or not (error.filename is None or of_scratch):
+            raise
+        raise OSError(error.errno, error.strerror, target) from None

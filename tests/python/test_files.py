@@ -1,0 +1,259 @@
+"""Files are whole or not there: two writers, a full disk, names that are taken, links."""
+
+from __future__ import annotations
+
+import errno
+import json
+import os
+import stat
+import threading
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rigid
+from processes import python_process
+from rigid import _files
+from small_maps import assert_same_map, small_map
+
+RUN = rigid.simulate(
+    rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0))), [0.1, 1.0, 0.1], t=np.linspace(0.0, 1.0, 3)
+)
+REPORT = rigid.report(
+    rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0))),
+    [0.1, 1.0, 0.1],
+    t_end=0.1,
+    methods=["rk4"],
+    bodies=1,
+    errors=[1e-2],
+    seconds=0.01,
+    progress=False,
+)
+
+#: Every writer of the library, with the suffix of its files.
+WRITERS: dict[str, tuple[str, Callable[[Path], Any]]] = {
+    "map": (".npz", lambda path: small_map(samples=1, t_end=1.0).save(path)),
+    "report": (".json", REPORT.save),
+    "page": (".html", RUN.animate),
+    "picture": (".gif", RUN.animate),
+}
+
+
+@pytest.fixture(params=WRITERS)
+def writer(request: pytest.FixtureRequest) -> tuple[str, Callable[[Path], Any]]:
+    return WRITERS[request.param]
+
+
+def names(folder: Path) -> list[str]:
+    return sorted(path.name for path in folder.iterdir())
+
+
+# What was there
+
+
+def test_a_new_file_obeys_the_umask_and_an_old_one_keeps_its_mode(
+    writer: tuple[str, Callable[[Path], Any]], tmp_path: Path
+) -> None:
+    suffix, write = writer
+    path = tmp_path / f"a{suffix}"
+    before = os.umask(0o027)
+    try:
+        assert write(path) == path
+        assert stat.S_IMODE(path.stat().st_mode) == 0o640
+        for mode in (0o600, 0o666):
+            path.chmod(mode)
+            write(path)
+            assert stat.S_IMODE(path.stat().st_mode) == mode
+    finally:
+        os.umask(before)
+    assert names(tmp_path) == [path.name]
+
+
+def make_link(path: Path) -> None:
+    path.symlink_to(path.with_name("linked"))
+
+
+def make_link_to_nothing(path: Path) -> None:
+    path.symlink_to(path.with_name("nothing"))
+
+
+@pytest.mark.parametrize(
+    ("make", "kind"),
+    [
+        (os.mkfifo, "a pipe"),
+        (os.mkdir, "a directory"),
+        (make_link, "a symbolic link"),
+        (make_link_to_nothing, "a symbolic link"),
+    ],
+)
+def test_what_is_no_regular_file_is_left_alone(
+    make: Callable[[Path], None],
+    kind: str,
+    writer: tuple[str, Callable[[Path], Any]],
+    tmp_path: Path,
+) -> None:
+    suffix, write = writer
+    path = tmp_path / f"a{suffix}"
+    (tmp_path / "linked").write_bytes(b"precious")
+    make(path)
+    kept = path.lstat()
+    with pytest.raises(FileExistsError) as caught:
+        write(path)
+    assert str(caught.value) == f"path = {str(path)!r}: must be new or a regular file, it is {kind}"
+    assert path.lstat() == kept
+    assert (tmp_path / "linked").read_bytes() == b"precious"
+    assert names(tmp_path) == sorted([path.name, "linked"])
+
+
+def test_files_of_the_user_beside_a_map_are_left_alone(tmp_path: Path) -> None:
+    """Neither the file nor the target of a link at the scratch name of earlier versions."""
+    (tmp_path / "precious").write_bytes(b"precious")
+    (tmp_path / "a.npz.part").symlink_to("precious")
+    (tmp_path / "b.npz.part").write_bytes(b"mine")
+    for name in ("a.npz", "b.npz"):
+        small_map(samples=1, t_end=1.0).save(tmp_path / name)
+        assert not (tmp_path / name).is_symlink()
+    assert (tmp_path / "a.npz.part").is_symlink()
+    assert (tmp_path / "precious").read_bytes() == b"precious"
+    assert (tmp_path / "b.npz.part").read_bytes() == b"mine"
+
+
+def test_a_link_at_the_scratch_name_is_not_followed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Even if somebody else could guess the name."""
+    monkeypatch.setattr(os, "urandom", lambda count: bytes(count))
+    (tmp_path / "precious").write_bytes(b"precious")
+    (tmp_path / f".rigid-{'00' * 16}.part").symlink_to("precious")
+    with pytest.raises(FileExistsError, match=r"a\.txt"), _files.published(tmp_path / "a.txt"):
+        pytest.fail("the scratch file is not ours")
+    assert (tmp_path / "precious").read_bytes() == b"precious"
+    assert not (tmp_path / "a.txt").exists()
+
+
+def test_a_folder_that_is_not_there_is_named(
+    writer: tuple[str, Callable[[Path], Any]], tmp_path: Path
+) -> None:
+    suffix, write = writer
+    with pytest.raises(FileNotFoundError) as caught:
+        write(tmp_path / "nowhere" / f"a{suffix}")
+    assert caught.value.filename == str(tmp_path / "nowhere" / f"a{suffix}")
+
+
+def test_an_interruption_leaves_the_old_file(tmp_path: Path) -> None:
+    path = tmp_path / "a.txt"
+    path.write_bytes(b"old")
+
+    def interrupted() -> None:
+        with _files.published(path) as file:
+            file.write(b"new")
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
+    assert path.read_bytes() == b"old"
+    assert names(tmp_path) == ["a.txt"]
+
+
+def test_file_and_folder_are_synchronised_around_the_renaming(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """So that a power failure leaves the old file or the whole new one."""
+    events: list[str] = []
+    fsync, replace = os.fsync, os.replace
+
+    def synchronise(descriptor: int) -> None:
+        events.append("folder" if stat.S_ISDIR(os.fstat(descriptor).st_mode) else "file")
+        fsync(descriptor)
+
+    def rename(old: str, new: str) -> None:
+        events.append("renamed")
+        replace(old, new)
+
+    monkeypatch.setattr(os, "fsync", synchronise)
+    monkeypatch.setattr(os, "replace", rename)
+    for suffix, write in WRITERS.values():
+        events.clear()
+        write(tmp_path / f"a{suffix}")
+        assert events == ["file", "renamed", "folder"]
+
+
+# Two writers
+
+
+def test_two_writers_of_one_file_do_not_tear_it(tmp_path: Path) -> None:
+    path = tmp_path / "map.npz"
+    results = [small_map(samples=1, t_end=1.0, rng=seed) for seed in (1, 2)]
+    errors: list[BaseException] = []
+
+    def write(result: rigid.StabilityMap) -> None:
+        try:
+            for _ in range(40):
+                result.save(path)
+                loaded = rigid.load_map(path)
+                assert_same_map(loaded, results[0 if loaded.spec == results[0].spec else 1])
+        except BaseException as error:
+            errors.append(error)
+
+    threads = [threading.Thread(target=write, args=(result,)) for result in results]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert not errors
+    assert names(tmp_path) == ["map.npz"]
+
+
+# A full disk
+
+#: Every writer over an old file, in a process whose files cannot grow beyond some bytes.
+FULL = """
+import json, os, resource, sys
+import test_files
+from pathlib import Path
+
+for name, (suffix, _) in test_files.WRITERS.items():
+    Path(sys.argv[2], f"{name}{suffix}").write_bytes(b"old")
+resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[1]),) * 2)
+found = {}
+for name, (suffix, write) in test_files.WRITERS.items():
+    path = Path(sys.argv[2], f"{name}{suffix}")
+    try:
+        write(path)
+    except OSError as error:
+        found[name] = [error.errno, error.filename, path.read_bytes().decode()]
+    try:
+        test_files._files.require_room(path, 10**6)
+    except OSError as error:
+        found[f"room of {name}"] = [error.errno, error.filename, path.read_bytes().decode()]
+print(json.dumps(found))
+print(*os.listdir(sys.argv[2]))
+"""
+
+
+@pytest.mark.parametrize("limit", [0, 10, 300])
+def test_a_full_disk_is_an_error_that_names_the_file_and_leaves_the_old_one(
+    limit: int, tmp_path: Path
+) -> None:
+    done = python_process(FULL, str(limit), str(tmp_path))
+    found, left = done.stdout.splitlines()
+    paths = {name: str(tmp_path / f"{name}{suffix}") for name, (suffix, _) in WRITERS.items()}
+    expected = {}
+    for name, path in paths.items():
+        expected[name] = expected[f"room of {name}"] = [errno.EFBIG, path, "old"]
+    assert json.loads(found) == expected
+    assert sorted(left.split()) == sorted(Path(path).name for path in paths.values())
+
+
+def test_room_is_looked_for_and_not_kept(tmp_path: Path) -> None:
+    path = tmp_path / "a.npz"
+    _files.require_room(path, 10**6)
+    assert names(tmp_path) == []
+    path.mkdir()
+    with pytest.raises(FileExistsError, match="it is a directory"):
+        _files.require_room(path, 1)
+    with pytest.raises(FileNotFoundError, match=r"nowhere/b\.npz"):
+        _files.require_room(tmp_path / "nowhere" / "b.npz", 1)
