@@ -19,7 +19,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from . import exact
-from ._checks.progress import Progress
+from ._checks.progress import Interrupted, Progress
 from ._core import __version__
 from .citing import cite
 from .info import build_info
@@ -69,6 +69,7 @@ __all__ = [
     "Extremes",
     "FreeBody",
     "HeavyTop",
+    "Interrupted",
     "MapSpec",
     "Method",
     "Noise",

@@ -524,7 +524,7 @@ def _reports() -> Iterator[Case]:
                 raise KeyboardInterrupt
 
         start = ([0.3, 1.2, 0.5], [0.8, 0.4, -0.4, 0.2])
-        options = {"bodies": 8, "errors": [1e-2, 1e-5, 1e-8], "methods": methods}
+        options = {"bodies": 8, "errors": [1e-2, 1e-5, 1e-8], "methods": methods, "partial": True}
         report = rigid.report(
             SCENES[scene], *start, t_end=1.0, seconds=600.0, progress=stop_before_timing, **options
         )

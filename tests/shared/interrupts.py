@@ -50,10 +50,13 @@ said = False
 many = {many}
 if not many:
     threading.Thread(target=wait).start()
-result = rigid.stability_map(
-    rigid.FreeBody, {size}, stable=rigid.no_flip(), rng=1, progress=ready if many else False,
-    method="rk4", start=rigid.Start(spin=1.0, axis=3, noise=rigid.normal(0.01)),
-)
+try:
+    rigid.stability_map(
+        rigid.FreeBody, {size}, stable=rigid.no_flip(), rng=1, progress=ready if many else False,
+        method="rk4", start=rigid.Start(spin=1.0, axis=3, noise=rigid.normal(0.01)),
+    )
+except rigid.Interrupted as interrupted:
+    result = interrupted.partial
 done = int(result.samples.sum())
 assert not result.complete and done == result.stable.sum() + result.unstable.sum()
 assert done > 0 if many else done == 0

@@ -9,13 +9,14 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from types import FrameType
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 __all__ = [
+    "Interrupted",
     "Pace",
     "Progress",
     "ProgressOption",
-    "heeding_interrupts",
+    "heeding_signals",
     "interruptible",
     "reporting",
 ]
@@ -134,11 +135,45 @@ class Pace:
         self.size = max(self._threads, int(min(fitting, bounded, 8.0 * self.size)))
 
 
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C ended a map or a report: a ``KeyboardInterrupt`` that holds what is finished.
+
+    Attributes
+    ----------
+    partial : StabilityMap or Report
+        The result of the finished part. It is complete if Ctrl-C came with the last body.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> def press_ctrl_c(progress):
+    ...     raise KeyboardInterrupt
+    >>> try:
+    ...     rigid.stability_map(
+    ...         rigid.FreeBody, axes={"spin": [1.0, 2.0]}, samples=10, t_end=50.0,
+    ...         stable=rigid.no_flip(), chunk=4, progress=press_ctrl_c,
+    ...     )
+    ... except rigid.Interrupted as interrupted:
+    ...     print(interrupted)
+    ...     interrupted.partial.samples.tolist()
+    4 of 20 bodies are done; the attribute 'partial' of this exception is their map
+    [4, 0]
+    """
+
+    def __init__(self, message: str, partial: Any) -> None:
+        super().__init__(message, partial)
+        self.partial = partial
+
+    def __str__(self) -> str:
+        return str(self.args[0])
+
+
 @contextmanager
 def interruptible() -> Iterator[threading.Event]:
     """Turn Ctrl-C into an event, so that a chunk is counted completely or omitted.
 
-    Only where Python's own handler is at work: other handlers, and other threads, keep theirs.
+    A second Ctrl-C raises ``KeyboardInterrupt`` at once. Only where Python's own handler is at
+    work: other handlers, and other threads, keep theirs.
     """
     stop = threading.Event()
     ours = (
@@ -146,7 +181,9 @@ def interruptible() -> Iterator[threading.Event]:
         and signal.getsignal(signal.SIGINT) is signal.default_int_handler
     )
 
-    def note(_number: int, _frame: FrameType | None) -> None:
+    def note(number: int, frame: FrameType | None) -> None:
+        if stop.is_set():
+            signal.default_int_handler(number, frame)
         stop.set()
 
     if ours:
@@ -159,21 +196,36 @@ def interruptible() -> Iterator[threading.Event]:
 
 
 @contextmanager
-def heeding_interrupts() -> Iterator[None]:
-    """Handle SIGINT (Ctrl-C) even if the process was started with SIGINT ignored.
+def heeding_signals() -> Iterator[Callable[[], int]]:
+    """Handle SIGTERM as SIGINT (Ctrl-C), and SIGINT even if the process started with it ignored.
 
-    A shell without job control starts background commands with SIGINT ignored, and Python then
-    raises no `KeyboardInterrupt`. A command that runs for minutes must still be stoppable by
-    SIGINT. Another handler stays installed, and threads other than the main one change nothing.
+    Batch systems end a job with SIGTERM; what is finished must be saved then, too. Further SIGTERM
+    change nothing. A shell without job control starts background commands with SIGINT ignored, and
+    Python then raises no `KeyboardInterrupt`. A command that runs for minutes must still be
+    stoppable by SIGINT. Other handlers stay installed, and threads other than the main one change
+    nothing.
+
+    Yields
+    ------
+    callable
+        Exit code of a command that was interrupted: 128 and the number of the signal.
     """
-    ignored = (
-        threading.current_thread() is threading.main_thread()
-        and signal.getsignal(signal.SIGINT) is signal.SIG_IGN
-    )
-    if ignored:
-        signal.signal(signal.SIGINT, signal.default_int_handler)
+    terminated = False
+
+    def terminate(_number: int, _frame: FrameType | None) -> None:
+        nonlocal terminated
+        if not terminated:
+            terminated = True
+            signal.raise_signal(signal.SIGINT)
+
+    before: dict[signal.Signals, Any] = {}
+    if threading.current_thread() is threading.main_thread():
+        if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+            before[signal.SIGINT] = signal.signal(signal.SIGINT, signal.default_int_handler)
+        if signal.getsignal(signal.SIGTERM) is signal.SIG_DFL:
+            before[signal.SIGTERM] = signal.signal(signal.SIGTERM, terminate)
     try:
-        yield
+        yield lambda: 128 + (signal.SIGTERM if terminated else signal.SIGINT)
     finally:
-        if ignored:
-            signal.signal(signal.SIGINT, signal.SIG_IGN)
+        for number, handler in before.items():
+            signal.signal(number, handler)

@@ -9,16 +9,20 @@ from __future__ import annotations
 
 import argparse
 import dataclasses
+import os
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from io import BytesIO, TextIOWrapper
 from pathlib import Path
 from typing import NoReturn
 
 from .._checks.arguments import resolve_threads
-from .._checks.progress import heeding_interrupts
+from .._checks.progress import heeding_signals, interruptible
+from .._files import published, require_replaceable, require_room
 from ..drawing.figure import new_figure
 from ..info import build_info
 from ..maps.compute import run_map
+from ..maps.file import file_size
 from ..maps.plan import map_plan
 from ..maps.result import StabilityMap
 from ..maps.spec import MapSpec
@@ -31,23 +35,32 @@ from .toml_report import read_report, report_names
 
 __all__ = ["main"]
 
-USAGE_ERROR = 2
-INTERRUPTED = 130
 SILENT_ERROR = 1
+USAGE_ERROR = 2
+WRITE_ERROR = 74
+"""Exit codes; that of an interrupted command is 128 and the number of the signal."""
 
 SECONDS, LONG_SECONDS = 30.0, 120.0
 """Time limits (s) of ``rigid report`` and ``rigid report --long``."""
 
+REPORT_SIZE = 2**20
+"""More bytes than the file of a report has."""
+
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit code.
+
+    0: done. 1: `rigid extremes` has found a silent error. 2: refused before any work. 74: a file or
+    the output could not be written. 130, 143: ended by Ctrl-C or SIGTERM.
 
     Parameters
     ----------
     arguments : sequence of str, optional
         By default those of the process.
     """
-    with heeding_interrupts():
+    if isinstance(sys.stdout, TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")  # as stderr: a terminal may be ASCII
+    with heeding_signals() as interrupted:
         try:
             options = _parser().parse_args(arguments)
             command = {
@@ -58,13 +71,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 "extremes": _extremes,
                 "info": _info,
             }[options.command]
-            return command(options)
-        except (OSError, RuntimeError, ValueError) as error:
+            code = command(options)
+            print(end="", flush=True)
+            return code
+        except OSError as error:
+            print(f"rigid: {error}", file=sys.stderr)
+            return WRITE_ERROR
+        except (RuntimeError, ValueError) as error:
             print(f"rigid: {error}", file=sys.stderr)
             return USAGE_ERROR
-        except KeyboardInterrupt:
-            print("rigid: interrupted", file=sys.stderr)
-            return INTERRUPTED
+        except KeyboardInterrupt as stop:
+            print(f"rigid: {stop or 'interrupted'}", file=sys.stderr)
+            return interrupted()
 
 
 def _map(options: argparse.Namespace) -> int:
@@ -76,11 +94,14 @@ def _map(options: argparse.Namespace) -> int:
         spec = dataclasses.replace(spec, seed=seed_from(options.seed))
     stem = _stem(options.out, named.name, (".npz", ".png"))
     threads = resolve_threads(options.threads)
+    require_room(_with_suffix(stem, ".npz"), file_size(spec))
     print(f"{'plan':<12}{_plan(spec)}", flush=True)
-    result = run_map(spec, threads=threads, progress=None if options.progress else False)
-    print(result.summary())
-    print(f"{'speed':<12}{_speed(result)}")
-    return _written(result, stem, ".npz", "map")
+    result = run_map(
+        spec, threads=threads, progress=None if options.progress else False, partial=True
+    )
+    return _finished(
+        result, stem, ".npz", "map", lambda: f"{result.summary()}\n{'speed':<12}{_speed(result)}"
+    )
 
 
 def _plan(spec: MapSpec) -> str:
@@ -103,10 +124,11 @@ def _report(options: argparse.Namespace) -> int:
     if seconds is None:
         seconds = LONG_SECONDS if options.long else SECONDS
     stem = _stem(options.out, f"report-{named.name}", (".json", ".png"))
-    result = run_report(spec, seconds=seconds, progress=None if options.progress else False)
-    print(result)
-    print()
-    return _written(result, stem, ".json", "report")
+    require_room(_with_suffix(stem, ".json"), REPORT_SIZE)
+    result = run_report(
+        spec, seconds=seconds, progress=None if options.progress else False, partial=True
+    )
+    return _finished(result, stem, ".json", "report", lambda: f"{result}\n")
 
 
 def _reports(options: argparse.Namespace) -> int:
@@ -148,11 +170,17 @@ def _stem(out: str | None, name: str, suffixes: tuple[str, ...]) -> Path:
     if not stem.name:
         raise ValueError(f"--out: {str(stem)!r} names a directory, not a file")
     for suffix in suffixes:
-        if stem.with_name(stem.name + suffix).is_dir():
-            raise ValueError(f"--out: {str(stem) + suffix!r} is a directory")
+        try:
+            require_replaceable(_with_suffix(stem, suffix))
+        except FileExistsError as error:
+            raise ValueError(f"--out: {error}") from None
     if not stem.parent.is_dir():
         raise ValueError(f"--out: there is no directory {str(stem.parent)!r}")
     return stem
+
+
+def _with_suffix(stem: Path, suffix: str) -> Path:
+    return stem.with_name(stem.name + suffix)
 
 
 def _speed(result: StabilityMap) -> str:
@@ -162,22 +190,58 @@ def _speed(result: StabilityMap) -> str:
     return f"{rate:,.0f} bodies per second, {result.elapsed:.2f} s on {threads}"
 
 
-def _written(result: StabilityMap | Report, stem: Path, suffix: str, what: str) -> int:
-    """Write data and picture, print their paths, and return the exit code."""
-    print(f"{'data':<12}{result.save(stem.with_name(stem.name + suffix))}")
-    picture = stem.with_name(f"{stem.name}.png")
+def _finished(
+    result: StabilityMap | Report, stem: Path, suffix: str, what: str, words: Callable[[], str]
+) -> int:
+    """Save the data; then print words and paths, and draw the picture. Returns the exit code."""
+    with interruptible() as stop:
+        data = _saved(result, _with_suffix(stem, suffix), what)
+    safe = f"the {what} is safe in {data}"
+    picture = _with_suffix(stem, ".png")
     try:
-        figure = new_figure()
-        result.plot(figure.add_subplot())
-        figure.savefig(picture)
-    except ImportError as error:
-        print(f"{'picture':<12}none: {error}")
-    else:
-        print(f"{'picture':<12}{picture}")
+        if stop.is_set():
+            raise KeyboardInterrupt
+        print(words())
+        print(f"{'data':<12}{data}", flush=True)
+        try:
+            content = _drawn(result)
+        except ImportError as error:
+            print(f"{'picture':<12}none: {error}", flush=True)
+        else:
+            with published(picture) as file:
+                file.write(content)
+            print(f"{'picture':<12}{picture}", flush=True)
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(f"interrupted; {safe}, there is no picture") from None
+    except OSError as error:
+        raise OSError(f"{error}; {safe}") from None
     if not result.complete:
-        print(f"rigid: interrupted; the {what} written is partial", file=sys.stderr)
-        return INTERRUPTED
+        raise KeyboardInterrupt(f"interrupted; the {what} written is partial")
     return 0
+
+
+def _saved(result: StabilityMap | Report, data: Path, what: str) -> Path:
+    """Save the data, or raise OSError that tells where the data is instead."""
+    try:
+        return result.save(data)
+    except OSError as error:
+        import tempfile
+
+        try:
+            folder = tempfile.gettempdir()
+            spare = result.save(Path(folder, f"rigid-{os.urandom(8).hex()}-{data.name}"))
+        except OSError:
+            raise OSError(f"{error}; the {what} is not saved") from None
+        raise OSError(f"{error}; the {what} is safe in {spare}") from None
+
+
+def _drawn(result: StabilityMap | Report) -> bytes:
+    """The picture as PNG."""
+    figure = new_figure()
+    result.plot(figure.add_subplot())
+    content = BytesIO()
+    figure.savefig(content, format="png")
+    return content.getvalue()
 
 
 def _list(lines: Mapping[str, str]) -> int:

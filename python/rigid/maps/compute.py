@@ -11,7 +11,14 @@ from numpy.typing import ArrayLike
 
 from .. import _core
 from .._checks.arguments import positive_int, resolve_threads
-from .._checks.progress import Pace, Progress, ProgressOption, interruptible, reporting
+from .._checks.progress import (
+    Interrupted,
+    Pace,
+    Progress,
+    ProgressOption,
+    interruptible,
+    reporting,
+)
 from ..model.criteria import Criterion
 from ..model.scene import Scene, check_scene
 from ..model.seed import seed_from
@@ -42,12 +49,14 @@ def stability_map(
     chunk: int | None = None,
     max_steps: int = MapSpec.max_steps,
     title: str | None = MapSpec.title,
+    partial: bool = False,
 ) -> StabilityMap:
     """Monte Carlo stability map: an ensemble of perturbed bodies in every pixel of a grid.
 
     Nothing is kept per body: memory grows with the pixels, not with the samples or the horizon. The
     same request gives the same bits for any number of threads and any chunking. Ctrl-C ends the run
-    within a fraction of a second and returns the partial map of the chunks done.
+    within a fraction of a second and raises :class:`Interrupted`, a ``KeyboardInterrupt`` with the
+    map of the bodies done. A second Ctrl-C ends the run at once.
 
     Parameters
     ----------
@@ -96,6 +105,9 @@ def stability_map(
         A body that needs more steps counts as failed.
     title : str, optional
         For plots and files.
+    partial : bool
+        Return the map of the bodies done after Ctrl-C, instead of raising :class:`Interrupted`:
+        the program goes on. ``result.complete`` tells whether all bodies were done.
 
     Returns
     -------
@@ -103,6 +115,8 @@ def stability_map(
 
     Raises
     ------
+    Interrupted
+        After Ctrl-C, unless ``partial`` is set.
     ValueError
         For an unknown name (the nearest is suggested), a name without meaning for this scene and
         start, a value out of range, or ``"exact"`` where a body has no closed form. Impossible
@@ -138,7 +152,7 @@ def stability_map(
         seed=seed_from(rng),
         title=title,
     )
-    return run_map(spec, threads=threads, progress=progress, chunk=chunk)
+    return run_map(spec, threads=threads, progress=progress, chunk=chunk, partial=partial)
 
 
 def run_map(
@@ -147,6 +161,7 @@ def run_map(
     threads: int | None = None,
     progress: ProgressOption = None,
     chunk: int | None = None,
+    partial: bool = False,
 ) -> StabilityMap:
     """Compute the map of a specification; the options are those of :func:`stability_map`."""
     workers = resolve_threads(threads)
@@ -157,6 +172,7 @@ def run_map(
     work = Work(status == 0, spec.samples)
     pace = Pace(workers)
     done = failures = 0
+    interrupted = False
     begun = time.perf_counter()
     with reporting(progress, work.total) as report, interruptible() as stop:
         try:
@@ -180,10 +196,19 @@ def run_map(
                     )
                 )
         except KeyboardInterrupt:
-            pass
-    elapsed = time.perf_counter() - begun
-    arrays = {**statistics.arrays(), "status": status}
-    return StabilityMap.from_arrays(spec, arrays, elapsed=elapsed, threads=workers)
+            if stop.is_set():
+                raise  # the second Ctrl-C
+            interrupted = True
+        elapsed = time.perf_counter() - begun
+        arrays = {**statistics.arrays(), "status": status}
+        result = StabilityMap.from_arrays(spec, arrays, elapsed=elapsed, threads=workers)
+    if (interrupted or stop.is_set()) and not partial:
+        raise Interrupted(
+            f"{result.samples.sum():,} of {work.total:,} bodies are done; "
+            "the attribute 'partial' of this exception is their map",
+            result,
+        )
+    return result
 
 
 def _scene(scene: Scene | type[Scene]) -> Scene:

@@ -7,6 +7,7 @@ nothing is compressed, and dates are fixed: equal maps are equal bytes.
 from __future__ import annotations
 
 import json
+import math
 import os
 from typing import TYPE_CHECKING, Any
 
@@ -21,12 +22,18 @@ if TYPE_CHECKING:
     import zipfile
     from pathlib import Path
 
-__all__ = ["read_map", "write_map"]
+__all__ = ["file_size", "read_map", "write_map"]
 
 FORMAT = "rigid stability map"
 FORMAT_VERSION = 3
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 _SPEC = "spec.json"
+
+_DERIVED = ("share", "lower", "upper")
+"""Arrays of floats for other programs; they follow from the others and are not read."""
+
+_ENTRY = 1024
+"""More bytes than the headers and the entry of an array in the directory take."""
 
 
 def write_map(data: MapData, path: str | os.PathLike[str]) -> Path:
@@ -35,12 +42,10 @@ def write_map(data: MapData, path: str | os.PathLike[str]) -> Path:
     from pathlib import Path
 
     target = Path(path)
-    header = {"format": FORMAT, "format_version": FORMAT_VERSION, "spec": data.spec.to_dict()}
-    text = json.dumps(header, indent=1, allow_nan=False)
-    arrays: dict[str, NDArray[Any]] = {_SPEC: np.frombuffer(text.encode(), dtype=np.uint8)}
+    arrays: dict[str, NDArray[Any]] = {_SPEC: np.frombuffer(_header(data.spec), dtype=np.uint8)}
     for name, axis in zip(("x", "y"), data.spec.axes, strict=False):
         arrays[name] = np.array(axis.values)
-    for name in (*STORED, "share", "lower", "upper"):
+    for name in (*STORED, *_DERIVED):
         arrays[name] = getattr(data, name)
     with (
         published(target) as whole,
@@ -53,6 +58,19 @@ def write_map(data: MapData, path: str | os.PathLike[str]) -> Path:
                 little = np.ascontiguousarray(array, dtype=array.dtype.newbyteorder("<"))
                 np.lib.format.write_array(file, little, version=(1, 0), allow_pickle=False)
     return target
+
+
+def file_size(spec: MapSpec) -> int:
+    """An upper bound of the size of the file of a map, bytes; close for maps of many pixels."""
+    axes = [len(axis.values) for axis in spec.axes]
+    pixel = sum(dtype.itemsize for dtype in STORED.values()) + 8 * len(_DERIVED)
+    arrays = pixel * math.prod(axes) + 8 * sum(axes)
+    return len(_header(spec)) + arrays + _ENTRY * (1 + len(axes) + len(STORED) + len(_DERIVED))
+
+
+def _header(spec: MapSpec) -> bytes:
+    header = {"format": FORMAT, "format_version": FORMAT_VERSION, "spec": spec.to_dict()}
+    return json.dumps(header, indent=1, allow_nan=False).encode()
 
 
 def read_map(path: str | os.PathLike[str]) -> tuple[MapSpec, dict[str, NDArray[Any]]]:

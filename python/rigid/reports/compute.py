@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from .. import _core
 from .._checks.arguments import finite_float
-from .._checks.progress import Progress, ProgressOption, reporting
+from .._checks.progress import Interrupted, Progress, ProgressOption, reporting
 from ..model.scene import Scene
 from ..model.seed import seed_from
 from ..solve.methods import run_methods
@@ -49,6 +49,7 @@ def report(
     rng: int | np.random.Generator | np.random.SeedSequence | None = ReportSpec.seed,
     unit: str = ReportSpec.unit,
     title: str | None = None,
+    partial: bool = False,
 ) -> Report:
     """Error against run time of all methods that can move a body from this start.
 
@@ -68,7 +69,7 @@ def report(
     is evaluated for 1024 bodies and compared with one step of 1024 bodies; some 10 ns remain
     uncertain.
 
-    Ctrl-C leaves a partial report of the runs done.
+    Ctrl-C raises :class:`Interrupted`, a ``KeyboardInterrupt`` with the report of the runs done.
 
     Parameters
     ----------
@@ -96,6 +97,8 @@ def report(
         Name of the unit of time.
     title : str, optional
         For tables and plots.
+    partial : bool
+        Return the report of the runs done after Ctrl-C, instead of raising :class:`Interrupted`.
 
     Returns
     -------
@@ -103,6 +106,10 @@ def report(
 
     Raises
     ------
+    Interrupted
+        After Ctrl-C, unless ``partial`` is set.
+    KeyboardInterrupt
+        After Ctrl-C before the end of the first run.
     ValueError
         Naming the argument, its value and the rule; or if no method accepts the scene.
 
@@ -133,11 +140,15 @@ def report(
         unit=unit,
         title=title,
     )
-    return run_report(spec, seconds=seconds, progress=progress)
+    return run_report(spec, seconds=seconds, progress=progress, partial=partial)
 
 
 def run_report(
-    spec: ReportSpec, *, seconds: float = 30.0, progress: ProgressOption = None
+    spec: ReportSpec,
+    *,
+    seconds: float = 30.0,
+    progress: ProgressOption = None,
+    partial: bool = False,
 ) -> Report:
     """The report of a specification; the options are those of :func:`rigid.report`."""
     seconds = finite_float("seconds", seconds, positive=True)
@@ -153,7 +164,7 @@ def run_report(
     if not sweeps:
         reasons = "; ".join(f"{method}: {why}" for method, why in refused.items())
         raise ValueError(f"methods = {list(spec.methods)}: none accepts the scene: {reasons}")
-    complete = False
+    complete = interrupted = False
     with _hundredths(progress, begun, sweeps) as told:
         reference, truth = find_reference(ensemble, usable, until(SEARCH))
         searched = (time.perf_counter() - begun) / seconds
@@ -171,8 +182,10 @@ def run_report(
             complete = True
             told(1.0)
         except KeyboardInterrupt:
-            pass
-    return Report(
+            if not any(sweep.runs for sweep in sweeps):
+                raise
+            interrupted = True
+    result = Report(
         spec=spec,
         rows=tuple(row for sweep in sweeps for row in sweep.rows(ensemble, reference)),
         reference=reference,
@@ -183,6 +196,13 @@ def run_report(
         rounds=min((len(run.times) for sweep in sweeps for run in sweep.runs.values()), default=0),
         elapsed=time.perf_counter() - begun,
     )
+    if interrupted and not partial:
+        raise Interrupted(
+            f"{sum(len(sweep.runs) for sweep in sweeps)} runs are done; "
+            "the attribute 'partial' of this exception is their report",
+            result,
+        )
+    return result
 
 
 @contextmanager

@@ -38,7 +38,7 @@ class Report(ReportData):
     machine : dict of str to str
         Processor, instruction set, versions.
     complete : bool
-        Whether the run came to its end; Ctrl-C leaves a partial report.
+        Whether the run came to its end; after Ctrl-C a report is partial.
     rounds : int
         Timings of each row.
     elapsed : float

@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
+import os
+import signal
 import subprocess
+from collections.abc import Callable
 from importlib import metadata
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 import rigid
-from processes import python_process, run_python
+from interrupts import sigint
+from processes import environment, python_command, python_process, run_python
 from rigid.cli import main
+from rigid.maps.compute import run_map
+from rigid.maps.data import MapData
+from rigid.maps.file import write_map
 from small_maps import assert_same_map
 
 SPEC = """
@@ -266,14 +274,15 @@ def test_a_file_that_is_no_text_is_refused(
     assert "small.toml: is not UTF-8 text" in fails(["map", "small.toml"], capsys)
 
 
-def test_an_output_that_cannot_be_written_is_one_line(
-    folder: Path, capsys: pytest.CaptureFixture[str]
+@pytest.mark.parametrize("suffix", [".npz", ".png"])
+@pytest.mark.parametrize("make", [os.mkdir, os.mkfifo])
+def test_an_output_that_cannot_be_written_is_one_line_before_any_work(
+    make: Callable[[Path], None], suffix: str, folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    (folder / "b.npz").mkdir()
-    assert main(["map", "small.toml", "--samples", "1", "--out", "b"]) == 2
-    errors = capsys.readouterr().err
-    assert errors.count("\n") == 1
-    assert "b.npz" in errors
+    make(folder / f"b{suffix}")
+    message = fails(["map", "small.toml", "--samples", "1", "--out", "b"], capsys)
+    assert f"--out: path = 'b{suffix}': must be new or a regular file" in message
+    assert made(folder) == {f"b{suffix}"}
 
 
 def test_a_wrong_variable_is_one_line(
@@ -315,6 +324,154 @@ def test_nothing_but_the_facts_is_printed_into_pipes(option: list[str]) -> None:
     assert done.returncode == 0
     assert done.stderr == ""
     assert done.stdout.startswith("plan ")
+
+
+def test_an_ascii_terminal_is_no_reason_to_lose_a_map(folder: Path) -> None:
+    done = command("map", "small.toml", PYTHONIOENCODING="ascii")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "kg m\\xb2" in done.stdout
+    assert made(folder) == {"small.npz", "small.png"}
+
+
+@pytest.mark.parametrize("what", ["map", "report"])
+@pytest.mark.parametrize("failing", ["print", "plot"])
+def test_data_is_saved_before_it_is_printed_and_drawn(
+    what: str, failing: str, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object, **__: object) -> None:
+        raise ZeroDivisionError
+
+    names = {
+        ("map", "print"): "rigid.maps.result.summary",
+        ("map", "plot"): "rigid.maps.result.plot_map",
+        ("report", "print"): "rigid.reports.result.report_text",
+        ("report", "plot"): "rigid.reports.result.plot_report",
+    }
+    monkeypatch.setattr(names[what, failing], fail)
+    arguments = ["--seconds", "0.1", "--method", "rk4"] if what == "report" else ["--samples", "1"]
+    source = "thrown-box" if what == "report" else "small.toml"
+    with pytest.raises(ZeroDivisionError):
+        main([what, source, "--out", "a", *arguments])
+    assert made(folder) == {"a.npz" if what == "map" else "a.json"}
+
+
+def test_ctrl_c_while_the_picture_is_drawn_leaves_the_data(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def press(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("rigid.maps.result.plot_map", press)
+    assert main(["map", "small.toml"]) == 130
+    output, errors = capsys.readouterr()
+    assert errors == "rigid: interrupted; the map is safe in small.npz, there is no picture\n"
+    assert output.endswith("data        small.npz\n")
+    assert made(folder) == {"small.npz"}
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_a_signal_while_the_data_is_saved_waits_for_it(
+    number: signal.Signals,
+    code: int,
+    folder: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    def pressed(data: MapData, path: Path) -> Path:
+        os.kill(os.getpid(), number)
+        return write_map(data, path)
+
+    monkeypatch.setattr("rigid.maps.result.write_map", pressed)
+    with sigint(signal.default_int_handler):
+        assert main(["map", "small.toml"]) == code
+    assert "the map is safe in small.npz, there is no picture" in capsys.readouterr().err
+    assert rigid.load_map("small.npz").complete
+    assert made(folder) == {"small.npz"}
+    assert signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
+
+
+#: The command, when files cannot grow beyond ``sys.argv[1]`` bytes from a moment on.
+FULL = """
+import resource, sys
+import rigid.cli
+
+def fill():
+    resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[1]),) * 2)
+
+def when_it_is_computed(spec, **options):
+    result = run_map(spec, **options)
+    fill()
+    return result
+
+run_map = rigid.cli.run_map
+if sys.argv[2] == "at first":
+    fill()
+else:
+    rigid.cli.run_map = when_it_is_computed
+sys.exit(rigid.cli.main(sys.argv[3:]))
+"""
+
+
+@pytest.mark.parametrize(
+    ("limit", "when", "told"),
+    [
+        (100, "at first", "rigid: [Errno 27] File too large: 'small.npz'\n"),
+        (100, "then", "rigid: [Errno 27] File too large: 'small.npz'; the map is not saved\n"),
+        (
+            20_000,
+            "then",
+            "rigid: [Errno 27] File too large: 'small.png'; the map is safe in small.npz\n",
+        ),
+    ],
+)
+def test_a_full_disk_is_told_with_what_is_safe(
+    limit: int, when: str, told: str, folder: Path
+) -> None:
+    for suffix in (".npz", ".png"):
+        (folder / f"small{suffix}").write_bytes(b"old")
+    done = python_process(FULL, str(limit), when, "map", "small.toml", check=False)
+    assert (done.returncode, done.stderr) == (74, told)
+    assert (folder / "small.png").read_bytes() == b"old"
+    assert made(folder) == {"small.npz", "small.png"}
+    if "safe" in told:
+        assert rigid.load_map(folder / "small.npz").complete
+    else:
+        assert (folder / "small.npz").read_bytes() == b"old"
+    assert bool(done.stdout) == (when == "then")
+
+
+def test_a_map_whose_folder_is_gone_is_saved_elsewhere(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "there").mkdir()
+    (folder / "spare").mkdir()
+
+    def computed(spec: rigid.MapSpec, **options: Any) -> rigid.StabilityMap:
+        result = run_map(spec, **options)
+        (folder / "there").rmdir()
+        return result
+
+    monkeypatch.setattr("rigid.cli.run_map", computed)
+    monkeypatch.setattr("tempfile.tempdir", str(folder / "spare"))
+    assert main(["map", "small.toml", "--out", "there/a"]) == 74
+    (spare,) = (folder / "spare").iterdir()
+    assert f"'there/a.npz'; the map is safe in {spare}\n" in capsys.readouterr().err
+    assert rigid.load_map(spare).complete
+
+
+def test_a_closed_pipe_is_one_line() -> None:
+    reader, writer = os.pipe()
+    os.close(reader)
+    with os.fdopen(writer) as closed:
+        done = subprocess.run(
+            python_command("-m", "rigid", "info"),
+            stdout=closed,
+            stderr=subprocess.PIPE,
+            env=environment(),
+            text=True,
+            check=False,
+        )
+    assert (done.returncode, done.stderr) == (74, "rigid: [Errno 32] Broken pipe\n")
 
 
 def test_without_matplotlib_the_data_is_written_and_the_rest_told(folder: Path) -> None:

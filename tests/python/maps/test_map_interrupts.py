@@ -1,8 +1,9 @@
-"""Ctrl-C while a map runs keeps what there is."""
+"""Ctrl-C while a map runs keeps what there is, and ends the program unless it asked to go on."""
 
 from __future__ import annotations
 
 import os
+import pickle
 import signal
 import threading
 from collections.abc import Iterator
@@ -44,7 +45,7 @@ def test_an_interrupted_map_is_the_beginning_of_the_whole_one(how: str, tmp_path
                 raise KeyboardInterrupt
             os.kill(os.getpid(), signal.SIGINT)
 
-    partial = small_map(chunk=50, progress=interrupt)
+    partial = small_map(chunk=50, progress=interrupt, partial=True)
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
     assert not partial.complete
     done, full = 250, 12  # bodies, and pixels of 20
@@ -64,6 +65,58 @@ def test_an_interrupted_map_is_the_beginning_of_the_whole_one(how: str, tmp_path
     assert not loaded.complete
     assert_same_map(loaded, partial)
     assert f"stopped after {done:,} bodies" in partial.plot().get_title(loc="left")
+
+
+@pytest.mark.parametrize("how", ["raised by the callable", "a signal"])
+def test_ctrl_c_ends_a_loop_of_maps_and_brings_the_part_that_is_done(how: str) -> None:
+    whole = small_map()
+    begun: list[int] = []
+
+    def interrupt(progress: rigid.Progress) -> None:
+        if len(begun) == 2 and progress.done == 250:
+            if how == "raised by the callable":
+                raise KeyboardInterrupt
+            os.kill(os.getpid(), signal.SIGINT)
+
+    def six_maps() -> None:
+        for number in range(6):
+            begun.append(number)
+            small_map(chunk=50, progress=interrupt)
+
+    with pytest.raises(KeyboardInterrupt) as caught:
+        six_maps()
+    assert begun == [0, 1]
+    assert isinstance(caught.value, rigid.Interrupted)
+    assert str(caught.value).startswith("250 of 700 bodies are done; the attribute 'partial'")
+    partial = caught.value.partial
+    assert not partial.complete
+    assert partial.samples.sum() == 250
+    np.testing.assert_array_equal(partial.stable.ravel()[:12], whole.stable.ravel()[:12])
+    again = pickle.loads(pickle.dumps(caught.value))
+    assert str(again) == str(caught.value)
+    assert_same_map(again.partial, partial)
+
+
+def test_ctrl_c_with_the_last_body_is_not_lost() -> None:
+    def interrupt(progress: rigid.Progress) -> None:
+        if progress.done == progress.total:
+            os.kill(os.getpid(), signal.SIGINT)
+
+    with pytest.raises(rigid.Interrupted, match="700 of 700 bodies are done") as caught:
+        small_map(progress=interrupt)
+    assert_same_map(caught.value.partial, small_map())
+    assert small_map(progress=interrupt, partial=True).complete
+
+
+def test_a_second_ctrl_c_ends_at_once() -> None:
+    def impatient(progress: rigid.Progress) -> None:
+        os.kill(os.getpid(), signal.SIGINT)
+        os.kill(os.getpid(), signal.SIGINT)
+
+    with pytest.raises(KeyboardInterrupt) as caught:
+        small_map(chunk=50, progress=impatient, partial=True)
+    assert not isinstance(caught.value, rigid.Interrupted)
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
 def test_other_handlers_and_other_threads_are_left_alone() -> None:
@@ -107,9 +160,16 @@ seed = 1
 """
 
 
-@pytest.mark.parametrize("place", ["foreground", "background"])
-def test_an_interrupted_command_writes_what_there_is_and_exits_with_130(
-    place: str, tmp_path: Path
+@pytest.mark.parametrize(
+    ("place", "number", "code"),
+    [
+        ("foreground", signal.SIGINT, 130),
+        ("background", signal.SIGINT, 130),
+        ("foreground", signal.SIGTERM, 143),
+    ],
+)
+def test_an_interrupted_command_writes_what_there_is(
+    place: str, number: signal.Signals, code: int, tmp_path: Path
 ) -> None:
     """Also where a shell has started it in the background, so that it ignores SIGINT at first."""
     (tmp_path / "big.toml").write_text(BIG)
@@ -118,10 +178,10 @@ def test_an_interrupted_command_writes_what_there_is_and_exits_with_130(
     with sigint(handler), in_terminal("-m", "rigid", *command) as (process, reader):
         shown = read(reader, until=b"k/300M")  # some thousand bodies are done
         assert b"k/300M" in shown
-        process.send_signal(signal.SIGINT)
+        process.send_signal(number)
         output, _ = process.communicate(timeout=PATIENCE)
         shown += read(reader)
-    assert process.returncode == 130
+    assert process.returncode == code
     assert b"rigid: interrupted; the map written is partial" in shown
     assert b"Traceback" not in shown
     assert b"(stopped early)" in output

@@ -304,14 +304,29 @@ def test_an_interruption_leaves_what_is_known(until: int) -> None:
         if progress.done >= until:
             raise KeyboardInterrupt
 
-    result = rigid.report(
-        BOX, THROW, t_end=0.2, methods=["exact", "rk4"], seconds=1.0, progress=press
-    )
+    request: dict[str, Any] = {"t_end": 0.2, "methods": ["exact", "rk4"], "seconds": 1.0}
+    with pytest.raises(rigid.Interrupted, match="runs are done; the attribute 'partial'") as caught:
+        rigid.report(BOX, THROW, progress=press, **request)
+    assert not caught.value.partial.complete
+    assert caught.value.partial.rows
+    result = rigid.report(BOX, THROW, progress=press, partial=True, **request)
     assert not result.complete
     assert result.rows
     assert "partial" in str(result)
     assert rigid.Report.from_json(result.to_json()) == result
     assert "partial" in result.plot().get_title(loc="left")
+
+
+def test_an_interruption_before_the_first_run_leaves_nothing(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def press(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("rigid.reports.compute.sweep_methods", press)
+    with pytest.raises(KeyboardInterrupt) as caught:
+        rigid.report(BOX, THROW, t_end=0.2, methods=["rk4"], partial=True, progress=False)
+    assert not isinstance(caught.value, rigid.Interrupted)
 
 
 # Bad input
