@@ -17,6 +17,7 @@ __all__ = [
     "first_place",
     "nearest",
     "numbers",
+    "one_line",
     "one_of",
     "positive_int",
     "resolve_threads",
@@ -32,6 +33,9 @@ __all__ = [
 
 MOST_THREADS = 1024
 
+MESSAGE = 400
+"""Most characters of a message about the content of a file."""
+
 
 def nearest(name: object, known: Iterable[str]) -> str:
     """A hint such as ``"; did you mean 'spin'?"``, or nothing if no known name is close."""
@@ -46,6 +50,12 @@ def _brief(value: object) -> str:
     """``value`` on one line of moderate length."""
     text = " ".join(repr(value).split())
     return text if len(text) <= 80 else f"{text[:77]}..."
+
+
+def one_line(message: Exception | str) -> str:
+    """What is said about a file, on one line: files may hold long names and raw bytes."""
+    text = " ".join(str(message).split()) or type(message).__name__
+    return text if len(text) <= MESSAGE else f"{text[: MESSAGE - 3]}..."
 
 
 def one_of(argument: str, value: object, known: Iterable[str]) -> str:

@@ -15,6 +15,9 @@ from .toml_table import BUILTIN, Table, as_is, names_in, parsed, read_source, te
 
 __all__ = ["NamedSpec", "builtin_names", "parse_spec", "read_spec"]
 
+MOST_VALUES = 100_000
+"""Most values that an axis is divided into."""
+
 
 @dataclass(frozen=True, slots=True)
 class NamedSpec:
@@ -106,12 +109,19 @@ def _axis(table: Table) -> Axis:
         values = table.take("values", as_is)
     else:
         first, last = table.take("from", finite_float), table.take("to", finite_float)
-        count = table.take("count", lambda key, value: positive_int(key, value, minimum=2))
+        count = table.take("count", _count)
         logarithmic = table.choice("scale", ("linear", "log"), default="linear") == "log"
         if logarithmic and not (first > 0.0 and last > 0.0):
             raise table.error(f"scale = 'log': the ends must be positive, got {first} and {last}")
         values = _spaced(first, last, count, logarithmic)
     return table.build(lambda: make_axes({name: values}))[0]
+
+
+def _count(key: str, value: object) -> int:
+    count = positive_int(key, value, minimum=2)
+    if count > MOST_VALUES:
+        raise ValueError(f"{key} = {count}: must be at most {MOST_VALUES}")
+    return count
 
 
 def _spaced(first: float, last: float, count: int, logarithmic: bool) -> list[float]:

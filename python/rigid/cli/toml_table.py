@@ -5,6 +5,7 @@ Every mistake is one line that names the file, the table and key, and the neares
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Callable, Iterable, Mapping
 from importlib import resources
@@ -14,7 +15,7 @@ from typing import Any, TypeVar
 
 from numpy.typing import ArrayLike
 
-from .._checks.arguments import finite_float, nearest, one_of, vector
+from .._checks.arguments import finite_float, nearest, one_line, one_of, vector
 
 __all__ = [
     "BUILTIN",
@@ -33,6 +34,15 @@ _T = TypeVar("_T")
 
 BUILTIN = resources.files("rigid") / "builtin"
 """The folder of the specifications that come with the package."""
+
+MOST_TEXT = 2**23
+"""Most bytes of a specification: two axes of 100 000 values with all their digits need less."""
+
+MOST_PARTS = 16
+"""Most parts of a dotted key. The time that the parser needs grows with their square."""
+
+_PART = r"""(?:[\w-]++|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')"""
+_DEEP_KEY = re.compile(rf"(?<![\w-]){_PART}(?:[ \t]*+\.[ \t]*+{_PART}){{{MOST_PARTS}}}")
 
 _REQUIRED: Any = object()
 
@@ -59,7 +69,11 @@ def read_source(source: str, what: str, folder: Traversable) -> tuple[str, str, 
             )
         return source, (folder / f"{source}.toml").read_text(encoding="utf-8"), f"{source}.toml"
     try:
-        return path.stem, path.read_text(encoding="utf-8"), path.name
+        with path.open("rb") as file:
+            content = file.read(MOST_TEXT + 1)
+        if len(content) > MOST_TEXT:
+            raise SpecError(f"{source}: is longer than {MOST_TEXT} bytes")
+        return path.stem, content.decode(), path.name
     except OSError as error:
         raise SpecError(f"{source}: cannot be read: {error.strerror}") from None
     except UnicodeDecodeError:
@@ -68,10 +82,14 @@ def read_source(source: str, what: str, folder: Traversable) -> tuple[str, str, 
 
 def parsed(content: str, file: str) -> Table:
     """The outermost table of a TOML text; ``file`` names it in messages."""
+    if _DEEP_KEY.search(content):
+        raise SpecError(f"{file}: a key has more than {MOST_PARTS} parts")
     try:
         return Table(file, "", tomllib.loads(content))
-    except tomllib.TOMLDecodeError as error:
-        raise SpecError(f"{file}: is not valid TOML: {error}") from None
+    except RecursionError:
+        raise SpecError(f"{file}: arrays or tables are nested too deeply") from None
+    except ValueError as error:  # also of a number of thousands of digits
+        raise SpecError(f"{file}: is not valid TOML: {one_line(error)}") from None
 
 
 class Table:
@@ -88,7 +106,7 @@ class Table:
     def error(self, message: str) -> SpecError:
         """The error with the location of the table before its message."""
         place = f"{self._file}: [{self._name}]" if self._name else f"{self._file}:"
-        return SpecError(f"{place} {message}")
+        return SpecError(f"{place} {one_line(message)}")
 
     def only(self, *known: str) -> None:
         """Raise for a key that is not known."""

@@ -1,7 +1,8 @@
 """A stability map as one data-only file.
 
 The file is an ``.npz`` archive of arrays with the specification as JSON inside. Nothing is pickled,
-nothing is compressed, and dates are fixed: equal maps are equal bytes.
+nothing is compressed, and dates are fixed: equal maps are equal bytes. A reader knows the size of
+everything from the size of the file and the specification before it reads: see ``_read``.
 """
 
 from __future__ import annotations
@@ -9,13 +10,16 @@ from __future__ import annotations
 import json
 import math
 import os
-from typing import TYPE_CHECKING, Any
+import stat
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .._checks.arguments import first_place, one_line
 from .._files import published
-from .data import STORED, MapData
+from .data import CLASSES, FAILURES, STATUS, STORED, MapData
 from .spec import MapSpec
 
 if TYPE_CHECKING:
@@ -31,6 +35,12 @@ _SPEC = "spec.json"
 
 _DERIVED = ("share", "lower", "upper")
 """Arrays of floats for other programs; they follow from the others and are not read."""
+
+MOST_DIRECTORY = 2**16
+"""Most bytes of the directory of a file."""
+
+MOST_TEXT = 2**16
+"""Most bytes of a specification without the values of its axes; the arrays are longer."""
 
 _ENTRY = 1024
 """More bytes than the headers and the entry of an array in the directory take."""
@@ -75,46 +85,114 @@ def _header(spec: MapSpec) -> bytes:
 
 def read_map(path: str | os.PathLike[str]) -> tuple[MapSpec, dict[str, NDArray[Any]]]:
     """Specification and :data:`STORED` arrays of a saved map; see :func:`rigid.load_map`."""
-    import zipfile
-    from io import BytesIO
     from pathlib import Path
 
     source = Path(path)
-    content = BytesIO(source.read_bytes())
-    try:
-        with zipfile.ZipFile(content) as archive:
-            header = json.loads(_read_array(archive, _SPEC).tobytes().decode())
-            ours = isinstance(header, dict) and header.get("format_version") == FORMAT_VERSION
-            arrays = {name: _read_array(archive, name) for name in STORED if ours}
-    except Exception as error:  # a damaged archive may raise any exception
-        raise ValueError(f"{source} is not a stability map: {_one_line(error)}") from None
-    if not isinstance(header, dict) or header.get("format") != FORMAT:
-        raise ValueError(f"{source} is not a stability map: its header is not that of one")
-    if header.get("format_version") != FORMAT_VERSION:
-        raise ValueError(
-            f"{source} has format version {header.get('format_version')}, "
-            f"this version of rigid reads {FORMAT_VERSION}"
-        )
-    try:
-        spec = MapSpec.from_dict(header["spec"])
-    except (AttributeError, KeyError, TypeError, ValueError) as error:
-        raise ValueError(f"{source} holds a broken specification: {_one_line(error)}") from None
-    for name, array in arrays.items():
-        if array.shape != spec.shape:
-            raise ValueError(
-                f"{source} is damaged: {name} has shape {array.shape}, expected {spec.shape}"
-            )
+    if not stat.S_ISREG(source.stat().st_mode):
+        raise ValueError(f"{source} is not a stability map: it is no regular file")
+    with source.open("rb") as file:
         try:
-            arrays[name] = array.astype(STORED[name], casting="same_kind")
-        except TypeError:
-            raise ValueError(f"{source} is damaged: {name} has type {array.dtype}") from None
+            return _read(file)
+        except _FileError as error:
+            raise ValueError(f"{source} {one_line(error)}") from None
+        except Exception as error:  # a damaged archive may raise any exception
+            raise ValueError(f"{source} is not a stability map: {one_line(error)}") from None
+
+
+class _FileError(Exception):
+    """Why a file is refused; the name of the file precedes the message."""
+
+
+def _read(file: BinaryIO) -> tuple[MapSpec, dict[str, NDArray[Any]]]:
+    """Read a map with no more memory than a small multiple of the size of its file."""
+    import zipfile
+
+    length = file.seek(0, os.SEEK_END)
+    if _directory_size(file, length) > MOST_DIRECTORY:
+        raise _FileError(f"is not a stability map: its directory is larger than {MOST_DIRECTORY} B")
+    with zipfile.ZipFile(file) as archive:
+        for entry in archive.infolist():
+            if entry.compress_type != zipfile.ZIP_STORED or entry.file_size > length:
+                raise _FileError(f"is not a stability map: {entry.filename} is compressed")
+        if archive.getinfo(f"{_SPEC}.npy").file_size > MOST_TEXT + length // 2:
+            raise _FileError("is not a stability map: its specification is longer than its arrays")
+        header = json.loads(_read_array(archive, _SPEC, np.dtype(np.uint8)).tobytes().decode())
+        if not isinstance(header, dict) or header.get("format") != FORMAT:
+            raise _FileError("is not a stability map: its header is not that of one")
+        if header.get("format_version") != FORMAT_VERSION:
+            raise _FileError(
+                f"has format version {header.get('format_version')}, "
+                f"this version of rigid reads {FORMAT_VERSION}"
+            )
+        spec = _specification(header.get("spec"), archive.getinfo("status.npy").file_size)
+        arrays = {
+            name: _read_array(archive, name, dtype, spec.shape) for name, dtype in STORED.items()
+        }
+    _check_counts(spec, arrays)
     return spec, arrays
 
 
-def _read_array(archive: zipfile.ZipFile, name: str) -> NDArray[Any]:
-    with archive.open(f"{name}.npy") as file:
-        return np.lib.format.read_array(file, allow_pickle=False)
+def _directory_size(file: BinaryIO, length: int) -> int:
+    """Bytes of the directory of a ZIP archive without a comment, from its end records."""
+    file.seek(max(0, length - 98))
+    end = file.read()
+    if end[-22:-18] != b"PK\5\6" or end[-2:] != b"\0\0":
+        raise ValueError("File is not a zip file")
+    if end[-42:-38] == b"PK\6\7":  # beyond 4 GB the numbers are in another record
+        return int.from_bytes(end[-58:-50], "little")
+    return int.from_bytes(end[-10:-6], "little")
 
 
-def _one_line(error: Exception) -> str:
-    return " ".join(str(error).split()) or type(error).__name__
+def _specification(data: Any, most: int) -> MapSpec:
+    """The specification of a file whose arrays have at most so many pixels."""
+    try:
+        axes = [len(axis["values"]) for axis in data["axes"]]
+        if len(axes) > 2 or math.prod(axes) > most:
+            raise ValueError(f"axes: {len(axes)} of lengths {axes}, the arrays are smaller")
+        return MapSpec.from_dict(data)
+    except Exception as error:  # the text may hold anything
+        raise _FileError(f"holds a broken specification: {one_line(error)}") from None
+
+
+def _read_array(
+    archive: zipfile.ZipFile,
+    name: str,
+    dtype: np.dtype[Any],
+    shape: tuple[int, ...] | None = None,
+) -> NDArray[Any]:
+    """An array, read after its type, its shape and its size have been compared."""
+    entry = archive.getinfo(f"{name}.npy")
+    with archive.open(entry) as file:
+        if np.lib.format.read_magic(file) != (1, 0):
+            raise _FileError(f"is damaged: {name} is not of version 1.0 of the npy format")
+        found, fortran, kind = np.lib.format.read_array_header_1_0(file)
+        if kind.newbyteorder("=") != dtype:
+            raise _FileError(f"is damaged: {name} has type {kind}, expected {dtype}")
+        if shape is not None and found != shape:
+            raise _FileError(f"is damaged: {name} has shape {found}, expected {shape}")
+        if entry.file_size - file.tell() != kind.itemsize * math.prod(found):
+            raise _FileError(f"is damaged: {name} has not the size of its shape {found}")
+        content = np.frombuffer(file.read(), dtype=kind)
+    return content.reshape(found, order="F" if fortran else "C").astype(dtype)
+
+
+def _check_counts(spec: MapSpec, arrays: Mapping[str, NDArray[Any]]) -> None:
+    """Refuse numbers that no computation gives."""
+
+    def refuse_where(bad: NDArray[np.bool_], name: str, rule: str) -> None:
+        if bad.any():
+            index, place = first_place(bad)
+            raise _FileError(f"is damaged: {name}{place} = {arrays[name][index]}: {rule}")
+
+    refuse_where(arrays["status"] >= len(STATUS), "status", "is no known code")
+    most = np.where(arrays["status"] == 0, spec.samples, 0)
+    for name, array in arrays.items():
+        refuse_where(array < 0, name, "must not be negative")
+        if name in CLASSES:
+            refuse_where(array > most, name, f"more bodies than samples, {spec.samples}")
+    done = np.sum([arrays[name] for name in CLASSES], axis=0)
+    refuse_where(done > most, CLASSES[0], f"the classes have more bodies than {spec.samples}")
+    for name in (*FAILURES, "checked", "exact"):
+        refuse_where(arrays[name] > done, name, "more bodies than the classes")
+    failures = np.sum([arrays[name] for name in FAILURES], axis=0)
+    refuse_where(failures != arrays["failed"], "failed", "must be the sum of its reasons")

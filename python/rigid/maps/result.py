@@ -275,7 +275,9 @@ def load_map(path: str | os.PathLike[str]) -> StabilityMap:
     FileNotFoundError
         If there is no such file.
     ValueError
-        If the file is not a stability map, or one of a newer format.
+        Naming the file: if it is not a stability map, is one of another format, is damaged, or
+        holds counts that no computation gives. Nothing in the file is executed, and reading takes
+        no more memory than a small multiple of its size.
 
     Examples
     --------

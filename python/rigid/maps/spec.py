@@ -25,6 +25,9 @@ from .parameters import Axis, check_applicable, make_axes
 
 __all__ = ["MapSpec"]
 
+MOST_TITLE = 1000
+"""Most characters of a title, so that a file of a map has a known size."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class MapSpec:
@@ -56,6 +59,7 @@ class MapSpec:
     seed : int
         Key of the random numbers, 0 <= seed < 2**128.
     title : str or None
+        At most 1000 characters.
     version : str
         Version of rigid.
     """
@@ -108,6 +112,12 @@ class MapSpec:
         put("seed", checked_seed("seed", self.seed))
         if self.title is not None and not isinstance(self.title, str):
             raise TypeError(f"title = {self.title!r}: must be a string")
+        if self.title is not None and len(self.title) > MOST_TITLE:
+            raise ValueError(
+                f"title of {len(self.title)} characters: must have at most {MOST_TITLE}"
+            )
+        if not isinstance(self.version, str):
+            raise TypeError(f"version = {self.version!r}: must be a string")
 
     @property
     def is_driven(self) -> bool:

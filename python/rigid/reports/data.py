@@ -9,6 +9,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, Self
 
+from .._checks.arguments import one_line
 from ..solve.methods import EXACT
 from .reference import Reference
 from .row import Row
@@ -128,8 +129,10 @@ class ReportData:
             values["reference"] = Reference(**values["reference"])
             values["rows"] = tuple(_row(row) for row in values["rows"])
             return cls(**values)
-        except (AttributeError, KeyError, TypeError, ValueError) as error:
-            raise ValueError(f"text: is not a report: {type(error).__name__}: {error}") from None
+        except Exception as error:  # the text may hold anything
+            raise ValueError(
+                f"text: is not a report: {type(error).__name__}: {one_line(error)}"
+            ) from None
 
 
 def _front(rows: Iterable[Row]) -> tuple[Row, ...]:

@@ -332,6 +332,51 @@ def test_tables_that_are_missing_or_no_tables() -> None:
 # The built-in maps
 
 
+# Texts that want to take time or memory
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("a = " + "[" * 3000, "hostile.toml: arrays or tables are nested too deeply"),
+        ("a = " + "{a = " * 3000, "hostile.toml: arrays or tables are nested too deeply"),
+        (".".join(["a"] * 20_000) + " = 1", "hostile.toml: a key has more than 16 parts"),
+        ("[" + " . ".join(["a"] * 20_000) + "]", "hostile.toml: a key has more than 16 parts"),
+        ("x = {" + ".".join([r'"a \" b"'] * 20_000), "hostile.toml: a key has more than 16 parts"),
+        (".".join(["'a b'"] * 20_000), "hostile.toml: a key has more than 16 parts"),
+        ("a = " + "1" * 5000, "hostile.toml: is not valid TOML: Exceeds the limit"),
+        ("k" * 10**6 + " = 1", "hostile.toml: unknown key 'kkkkk"),
+        (BOX.replace("count = 4", f"count = {10**12}"), "count = 1000000000000: must be at most"),
+        (BOX.replace("count = 4", "count = " + "1" * 4000), "[x] count = 1111"),
+        (BOX.replace("t_end = 1.0", "t_end = " + "1" * 4000), "[run] "),
+    ],
+)
+def test_a_hostile_text_is_refused_in_a_line_with_the_name_of_the_file(
+    text: str, told: str
+) -> None:
+    with pytest.raises(SpecError) as caught:
+        parse_spec(text, "hostile.toml")
+    message = str(caught.value)
+    assert message.startswith("hostile.toml: ")
+    assert told in message
+    assert "\n" not in message
+    assert len(message) < 500
+
+
+def test_a_key_with_as_many_parts_as_any_table_needs_is_none_of_them() -> None:
+    text = BOX + ".".join(["deep"] * 16) + " = 1\n"
+    with pytest.raises(SpecError, match="unknown key 'deep'"):
+        parse_spec(text, "deep.toml")
+
+
+def test_a_long_file_is_refused_before_it_is_read(tmp_path: Path) -> None:
+    path = tmp_path / "long.toml"
+    with path.open("wb") as file:
+        file.truncate(10**10)  # takes no room on the disk
+    with pytest.raises(SpecError, match=r"long\.toml: is longer than 8388608 bytes"):
+        read_spec(str(path))
+
+
 @pytest.fixture(scope="module", params=["inertia-triangle", "sleeping-top", "thrown-box"])
 def built_in(request: pytest.FixtureRequest) -> tuple[str, rigid.StabilityMap]:
     """A built-in map with two bodies a pixel."""

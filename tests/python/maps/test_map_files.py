@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import os
 import pickle
 import random
+import tracemalloc
 import zipfile
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +23,7 @@ import rigid
 from rigid import _core
 from rigid.maps.compute import run_map
 from rigid.maps.data import STORED
+from rigid.maps.file import file_size
 from small_maps import NAMED, assert_same_map, saved_bytes, small_map
 
 IMPOSSIBLE_TOO = {"I1": np.linspace(0.4, 3.6, 5), "noise": [0.01, 0.1]}
@@ -175,6 +180,7 @@ def refused(path: Path) -> str:
     message = str(caught.value)
     assert "\n" not in message
     assert str(path) in message
+    assert len(message) < len(str(path)) + 500
     return message
 
 
@@ -210,7 +216,7 @@ class Bomb:
 def test_nothing_is_unpickled(name: str, arrays: dict[str, Any], tmp_path: Path) -> None:
     arrays[name] = np.array([Bomb()], dtype=object)
     np.savez(tmp_path / "bomb.npz", allow_pickle=True, **arrays)
-    assert "is not a stability map" in refused(tmp_path / "bomb.npz")
+    assert f"is damaged: {name} has type object" in refused(tmp_path / "bomb.npz")
     assert Bomb.armed
     with np.load(tmp_path / "bomb.npz", allow_pickle=True) as file:  # that would have been it
         file[name]
@@ -313,6 +319,149 @@ def test_arrays_of_the_other_byte_order_are_read(arrays: dict[str, Any], tmp_pat
     swapped = {name: array.astype(array.dtype.newbyteorder(">")) for name, array in arrays.items()}
     np.savez(tmp_path / "big.npz", **swapped)
     assert_same_map(rigid.load_map(tmp_path / "big.npz"), small_map(**REQUESTS["free"]))
+
+
+# Files that want to take memory, time or trust
+
+
+@contextmanager
+def at_most(size: int) -> Iterator[None]:
+    """Python and NumPy take no more memory than so many bytes."""
+    tracemalloc.start()
+    try:
+        yield
+        assert tracemalloc.get_traced_memory()[1] < size
+    finally:
+        tracemalloc.stop()
+
+
+def test_a_compressed_file_is_refused_before_it_is_unpacked(
+    arrays: dict[str, Any], tmp_path: Path
+) -> None:
+    path = tmp_path / "bomb.npz"
+    np.savez_compressed(path, **{**arrays, "stable": np.zeros(10**7, dtype=np.int64)})
+    assert path.stat().st_size < 10**6
+    with at_most(10**6):
+        assert "is not a stability map: spec.json.npy is compressed" in refused(path)
+
+
+def test_a_long_specification_of_a_small_map_is_refused_before_it_is_read(
+    arrays: dict[str, Any], tmp_path: Path
+) -> None:
+    header = header_of(arrays) | {"more": "[" * 10**6}
+    path = with_header(arrays, header, tmp_path / "bomb.npz")
+    with at_most(10**6):
+        assert "its specification is longer than its arrays" in refused(path)
+
+
+def test_a_specification_of_more_pixels_than_the_file_has_is_refused(
+    arrays: dict[str, Any], tmp_path: Path
+) -> None:
+    """A grid of many pixels takes much memory before it is compared with any array."""
+    header = header_of(arrays)
+    header["spec"]["method"] = "exact"  # it asks for the closed forms of all pixels
+    for axis in header["spec"]["axes"]:
+        axis["values"] = list(range(1, 400))
+    path = with_header(arrays, header, tmp_path / "bomb.npz")
+    assert "axes: 2 of lengths" in refused(path)
+    header["spec"]["axes"] *= 2
+    assert "axes: 4 of lengths" in refused(with_header(arrays, header, path))
+
+
+def test_an_array_that_claims_to_be_large_is_refused_before_it_is_made(
+    arrays: dict[str, Any], tmp_path: Path
+) -> None:
+    path = tmp_path / "bomb.npz"
+    with zipfile.ZipFile(path, "w") as archive:
+        for name, array in arrays.items():
+            content = BytesIO()
+            np.save(content, array)
+            data = content.getvalue()
+            if name == "stable":
+                data = data.replace(b"(2, 5), }" + b" " * 9, b"(2, 5000000000), }")
+                assert len(data) == len(content.getvalue())
+            archive.writestr(f"{name}.npy", data)
+    with at_most(10**6):
+        assert "stable has shape (2, 5000000000), expected (2, 5)" in refused(path)
+
+
+def test_a_large_directory_is_refused_before_it_is_read(tmp_path: Path) -> None:
+    path = tmp_path / "bomb.npz"
+    with zipfile.ZipFile(path, "w") as archive:
+        for number in range(2000):
+            archive.writestr(f"{number:040}", b"")
+    with at_most(10**5):
+        assert "its directory is larger than 65536 B" in refused(path)
+
+
+def test_a_pipe_is_refused_and_not_waited_for(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe.npz")
+    assert "it is no regular file" in refused(tmp_path / "pipe.npz")
+    assert "it is no regular file" in refused(tmp_path)
+
+
+def test_a_long_name_in_an_archive_makes_no_long_message(tmp_path: Path) -> None:
+    whole = bytearray(saved_bytes(small_map(samples=1), tmp_path))
+    path = tmp_path / "long.npz"
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("spec.json.npy", bytes(whole[:3000]))
+        archive.writestr("n" * 5000, b"")
+    data = path.read_bytes().replace(b"n" * 5000, b"\xff" * 5000, 1)
+    path.write_bytes(data)
+    refused(path)
+    with_header({}, {"format": "rigid stability map", "format_version": "v" * 5000}, path)
+    assert "has format version vvv" in refused(path)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "rule"),
+    [
+        ("stable", -1, "stable[1, 2] = -1: must not be negative"),
+        ("steps", -1, "steps[1, 2] = -1: must not be negative"),
+        ("earliest", -1.0, "earliest[1, 2] = -1.0: must not be negative"),
+        ("unstable", 21, "unstable[1, 2] = 21: more bodies than samples, 20"),
+        ("undecided", 1, "the classes have more bodies than 20"),
+        ("checked", 21, "checked[1, 2] = 21: more bodies than the classes"),
+        ("exact", 21, "exact[1, 2] = 21: more bodies than the classes"),
+        ("drifted", 1, "failed[1, 2] = 0: must be the sum of its reasons"),
+        ("status", 4, "status[1, 2] = 4: is no known code"),
+        ("status", 3, "stable[1, 2] = 20: more bodies than samples"),
+    ],
+)
+def test_numbers_that_no_computation_gives_are_refused(
+    name: str, value: float, rule: str, arrays: dict[str, Any], tmp_path: Path
+) -> None:
+    assert arrays["stable"][1, 2] == 20
+    arrays[name] = arrays[name].copy()
+    arrays[name][1, 2] = value
+    np.savez(tmp_path / "bad.npz", **arrays)
+    message = refused(tmp_path / "bad.npz")
+    assert "is damaged: " in message
+    assert rule in message
+
+
+def test_a_title_longer_than_a_file_may_hold_is_refused() -> None:
+    with pytest.raises(ValueError, match="title of 1001 characters: must have at most 1000"):
+        small_map(title="t" * 1001, samples=1)
+    with pytest.raises(TypeError, match=r"version = \[\]: must be a string"):
+        dataclasses.replace(small_map(samples=1).spec, version=[])  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("points", [1, 20_000])
+def test_the_largest_honest_specification_is_read(points: int, tmp_path: Path) -> None:
+    """Values with all their digits, and a title that JSON writes with twelve bytes a letter."""
+    values = -np.geomspace(1e-300, 1e-200, points)[::-1] * 1.2345678901234567
+    result = small_map(
+        axes={"omega1": values},
+        start=rigid.Start(omega=(0.0, 1.0, 0.0)),
+        stable=rigid.no_flip(2),
+        samples=1,
+        t_end=1e-6,
+        title="\U0001f300" * 1000,
+    )
+    path = result.save(tmp_path / "long.npz")
+    assert path.stat().st_size <= file_size(result.spec) <= path.stat().st_size + 25 * 1024
+    assert_same_map(rigid.load_map(path), result)
 
 
 # xarray

@@ -269,6 +269,15 @@ def test_what_is_no_report_is_refused(text: str) -> None:
         rigid.Report.from_json(text)
 
 
+@pytest.mark.parametrize(
+    "text", ["[" * 10**5, '{"format": ' + "1" * 5000 + "}", '{"' + "k" * 10**5 + '": 1}']
+)
+def test_a_hostile_text_is_refused_in_a_line(text: str) -> None:
+    with pytest.raises(ValueError, match="text: is not a report") as caught:
+        rigid.Report.from_json(text)
+    assert len(str(caught.value)) < 500
+
+
 def test_the_picture_names_every_line_once_and_no_name_hides_another(box: rigid.Report) -> None:
     copies = [
         dataclasses.replace(row, method=f"{row.method}{k}", nanoseconds=row.nanoseconds * 1.05**k)
