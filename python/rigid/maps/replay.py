@@ -5,17 +5,26 @@ from __future__ import annotations
 import math
 import operator
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .. import _core
 from ..solve.methods import EXACT
 from ..solve.run import Run
 from ..solve.simulate import replay_steps, simulate
-from .data import STATUS, MapData
+from .data import COLUMNS, STATUS, MapData
 from .job import to_core
+from .spec import MapSpec
 
 __all__ = ["Replay", "replay"]
+
+MOST_STEPS = 10_000_000
+"""Most steps of a pixel that is computed again before a replay: some tenths of a second."""
+
+STEPS_OF_A_BODY = 100
+"""The closed form of a body takes about as long as these steps."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -84,6 +93,9 @@ def replay(
     if data.status[index]:
         raise ValueError(f"pixel = {index}: no such body is possible: {STATUS[data.status[index]]}")
     flat = int(np.ravel_multi_index(index, spec.shape))
+    # The earliest loss of stability is a time, whose last bits tell more than any count does.
+    for place, one in ((flat, number), (int(np.argmin(data.earliest)), 0)):
+        _require_same_bits(data, place, one)
     record = to_core(spec).sample(flat, number)
     scene = spec.grid.scene_of(flat)
     start, step = (record["omega"], record["attitude"]), float(record["step"])
@@ -112,6 +124,42 @@ def replay(
         run=run,
         **values,
     )
+
+
+def _require_same_bits(data: MapData, flat: int, sample: int) -> None:
+    """Raise ValueError if this build computes other numbers for a pixel than the map has.
+
+    All bodies of the pixel are computed again if they took few steps; otherwise the numbers of one
+    body must be possible in this pixel.
+    """
+    spec, bodies = data.spec, int(data.samples.flat[flat])
+    if sample >= bodies:
+        return  # the map says nothing about this body
+    whole = data.steps.flat[flat] + STEPS_OF_A_BODY * bodies <= MOST_STEPS
+    first = flat * spec.samples + (0 if whole else sample)
+    again = _computed(spec, first, first + (bodies if whole else 1))
+    for column in COLUMNS:
+        if not column.reproducible:
+            continue
+        new, old = again[column.name], data.columns[column.name].flat[flat]
+        possible = {"sum": new <= old, "max": not new > old, "min": new >= old}
+        same = new == old or (new != new and old != old)
+        if not (same if whole else possible[column.reduction]):
+            index = tuple(int(i) for i in np.unravel_index(flat, spec.shape))
+            who = "its bodies" if whole else f"sample {sample}"
+            raise ValueError(
+                f"pixel = {index}: {who} computed again give {column.name} = {new}, the "
+                f"map has {old}: this build of rigid {_core.__version__} does not give the bits of "
+                f"rigid {spec.version}, which made the map; replay it there, or compute it again"
+            )
+
+
+@lru_cache(maxsize=64)
+def _computed(spec: MapSpec, first: int, stop: int) -> dict[str, float]:
+    """The columns of some bodies of one pixel, computed by this build."""
+    part = to_core(spec).run(first, stop, 1)
+    assert part is not None
+    return {column.name: part[column.name][0] for column in COLUMNS}
 
 
 def _pixel_index(pixel: int | tuple[int, ...], shape: tuple[int, ...]) -> tuple[int, ...]:

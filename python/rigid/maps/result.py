@@ -108,6 +108,10 @@ class StabilityMap(MapData):
     ) -> Replay:
         """Compute one body of the map again, with its trajectory.
 
+        First the bodies of the pixel are classified again, or this body alone if the pixel took
+        many steps, and so are those that left stability first. Their numbers must be those of the
+        map, which another version of rigid may have computed.
+
         Parameters
         ----------
         pixel : int or tuple of int
@@ -129,7 +133,8 @@ class StabilityMap(MapData):
         IndexError
             If there is no such pixel or sample.
         ValueError
-            If the body of this pixel is impossible.
+            If the body of this pixel is impossible, or if this build of rigid computes other
+            numbers than the map has: the body would not be the body of the map.
 
         Examples
         --------

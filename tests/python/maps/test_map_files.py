@@ -464,6 +464,95 @@ def test_the_largest_honest_specification_is_read(points: int, tmp_path: Path) -
     assert_same_map(rigid.load_map(path), result)
 
 
+# Files of a core that computed other bits
+
+
+def test_a_map_of_another_arithmetic_is_not_replayed_in_silence(
+    arrays: dict[str, Any], tmp_path: Path
+) -> None:
+    """Another arithmetic differs in the last bits, as does a start with another last bit."""
+    header = header_of(arrays)
+    header["spec"]["start"]["spin"] = float(np.nextafter(1.0, 2.0))
+    header["spec"]["version"] = "0.0.9"
+    loaded = rigid.load_map(with_header(arrays, header, tmp_path / "map.npz"))
+    rule = f"this build of rigid {rigid.__version__} does not give the bits of rigid 0.0.9, which"
+    for pixel in np.flatnonzero(loaded.status == 0):
+        with pytest.raises(ValueError, match=rule):
+            loaded.replay(int(pixel), 0)
+
+
+@pytest.mark.parametrize(
+    ("name", "change"),
+    [
+        ("earliest", {"earliest": -1e-14}),
+        ("energy_drift", {"energy_drift": 1e-16}),
+        ("steps", {"steps": -1}),
+        ("stable", {"stable": -1, "unstable": 1}),
+    ],
+)
+def test_a_pixel_whose_numbers_are_not_ours_is_not_replayed(
+    name: str, change: dict[str, float], tmp_path: Path
+) -> None:
+    with np.load(small_map().save(tmp_path / "map.npz")) as file:
+        arrays = dict(file)
+    mixed = np.argwhere((arrays["stable"] > 0) & (arrays["unstable"] > 0))
+    pixel = max(map(tuple, mixed.tolist()), key=lambda index: arrays["earliest"][index])
+    for array, difference in change.items():
+        arrays[array][pixel] += difference
+    np.savez(tmp_path / "other.npz", **arrays)
+    loaded = rigid.load_map(tmp_path / "other.npz")
+    with pytest.raises(ValueError, match=f"its bodies computed again give {name} = "):
+        loaded.replay(pixel, 3)
+    assert loaded.replay((4, 2), 3).outcome == small_map().replay((4, 2), 3).outcome
+
+
+def test_of_a_pixel_of_many_steps_one_body_is_compared(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("rigid.maps.replay.MOST_STEPS", 0)
+    result = small_map()
+    pixel = (4, 2)
+    bodies = [result.replay(pixel, sample) for sample in range(20)]
+    assert sum(body.outcome == "unstable" for body in bodies) == result.unstable[pixel] > 0
+    with np.load(result.save(tmp_path / "map.npz")) as file:
+        arrays = dict(file)
+    arrays["unstable"], arrays["stable"] = arrays["stable"], arrays["unstable"]
+    arrays["stable"][pixel], arrays["unstable"][pixel] = 20, 0
+    np.savez(tmp_path / "other.npz", **arrays)
+    loaded = rigid.load_map(tmp_path / "other.npz")
+    sample = next(body.sample for body in bodies if body.outcome == "unstable")
+    told = f"sample {sample} computed again give unstable = 1, the map has 0"
+    with pytest.raises(ValueError, match=told):
+        loaded.replay(pixel, sample)
+
+
+def test_a_stable_pixel_in_closed_form_is_vouched_for_by_the_first_to_leave(
+    tmp_path: Path,
+) -> None:
+    """Where no body leaves and nothing drifts, only counts are known."""
+    with np.load(small_map(method="exact").save(tmp_path / "map.npz")) as file:
+        arrays = dict(file)
+    stable = np.unravel_index(np.argmax(arrays["earliest"]), arrays["earliest"].shape)
+    assert arrays["stable"][stable] == 20
+    first = np.unravel_index(np.argmin(arrays["earliest"]), arrays["earliest"].shape)
+    arrays["earliest"][first] = np.nextafter(arrays["earliest"][first], 0.0)
+    np.savez(tmp_path / "other.npz", **arrays)
+    told = rf"pixel = \({first[0]}, {first[1]}\): its bodies computed again give earliest = "
+    with pytest.raises(ValueError, match=told):
+        rigid.load_map(tmp_path / "other.npz").replay((int(stable[0]), int(stable[1])), 0)
+
+
+def test_a_body_that_a_partial_map_does_not_have_can_be_replayed() -> None:
+    def stop(progress: rigid.Progress) -> None:
+        raise KeyboardInterrupt
+
+    partial = small_map(chunk=30, progress=stop, partial=True)
+    assert partial.samples.ravel()[:3].tolist() == [20, 10, 0]
+    for pixel, sample in ((0, 19), (1, 9), (1, 10), (2, 0)):
+        ours, theirs = (one.replay(pixel, sample) for one in (partial, small_map()))
+        assert ours.run.omega.tobytes() == theirs.run.omega.tobytes()
+
+
 # xarray
 
 

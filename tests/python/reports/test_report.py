@@ -6,6 +6,8 @@ import dataclasses
 import itertools
 import json
 import math
+import os
+import signal
 from pathlib import Path
 from typing import Any
 
@@ -14,14 +16,16 @@ import pytest
 from matplotlib.text import Text
 
 import rigid
+from interrupts import sigint
 from physics import ROUNDOFF, golden_scene, rotation_angle
 from rigid.cli import main
 from rigid.cli.toml_report import parse_report, read_report, report_names
 from rigid.cli.toml_table import SpecError
+from rigid.reports.compute import run_report
 from rigid.reports.ensemble import ensemble_of
 from rigid.reports.reference import find_reference
 from rigid.reports.row import AT_UNCERTAINTY, REFERENCE, USELESS
-from rigid.reports.spec import make_spec
+from rigid.reports.spec import ReportSpec, make_spec
 from rigid.reports.sweep import probe
 
 BOX = rigid.FreeBody(rigid.Body.box(0.25, 0.08, 0.01, mass=0.3))
@@ -453,6 +457,31 @@ def test_the_command_writes_data_and_picture_and_prints_the_table(
     assert output.startswith(str(result))
     assert result.spec.title == "A small report"
     assert set(result.methods) == {"exact", "rk4"}
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_an_interrupted_command_saves_the_runs_that_are_done(
+    number: signal.Signals,
+    code: int,
+    folder: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    def press(progress: rigid.Progress) -> None:
+        os.kill(os.getpid(), number)
+
+    def interrupted(spec: ReportSpec, **options: Any) -> rigid.Report:
+        return run_report(spec, **{**options, "progress": press})
+
+    monkeypatch.setattr("rigid.cli.run_report", interrupted)
+    with sigint(signal.default_int_handler):
+        assert main(["report", "small.toml"]) == code
+    output, errors = capsys.readouterr()
+    assert errors == "rigid: interrupted; the report written is partial\n"
+    saved = rigid.Report.from_json((folder / "report-small.json").read_text(encoding="utf-8"))
+    assert not saved.complete
+    assert saved.rows
+    assert output.startswith(str(saved))
 
 
 def test_options_of_the_command(folder: Path) -> None:
