@@ -87,7 +87,8 @@ def require_room(path: str | os.PathLike[str], size: int) -> None:
     target = os.fspath(path)
     with _naming(target), _scratch(target) as (_, file):
         if hasattr(os, "posix_fallocate"):
-            os.posix_fallocate(file.fileno(), 0, size)
+            with _where_possible():
+                os.posix_fallocate(file.fileno(), 0, size)
 
 
 @contextmanager
@@ -116,12 +117,20 @@ def _synchronise(folder: str) -> None:
         return
     descriptor = os.open(folder, os.O_RDONLY)
     try:
-        os.fsync(descriptor)
-    except OSError as error:
-        if error.errno not in (errno.EINVAL, errno.ENOTSUP):  # some file systems cannot
-            raise
+        with _where_possible():
+            os.fsync(descriptor)
     finally:
         os.close(descriptor)
+
+
+@contextmanager
+def _where_possible() -> Iterator[None]:
+    """Go on where the file system does not know the call."""
+    try:
+        yield
+    except OSError as error:
+        if error.errno not in (errno.EINVAL, errno.ENOTSUP, errno.EOPNOTSUPP):
+            raise
 
 
 @contextmanager

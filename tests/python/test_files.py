@@ -248,6 +248,41 @@ def test_a_full_disk_is_an_error_that_names_the_file_and_leaves_the_old_one(
     assert sorted(left.split()) == sorted(Path(path).name for path in paths.values())
 
 
+def test_a_file_system_without_a_call_is_no_obstacle(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Some cannot synchronise folders, some cannot look for room."""
+    fsync = os.fsync
+
+    def synchronise(descriptor: int) -> None:
+        if stat.S_ISDIR(os.fstat(descriptor).st_mode):
+            raise OSError(errno.EINVAL, "Invalid argument")
+        fsync(descriptor)
+
+    def allocate(*_: int) -> None:
+        raise OSError(errno.EOPNOTSUPP, "Operation not supported")
+
+    monkeypatch.setattr(os, "fsync", synchronise)
+    monkeypatch.setattr(os, "posix_fallocate", allocate)
+    _files.require_room(tmp_path / "a.txt", 100)
+    with _files.published(tmp_path / "a.txt") as file:
+        file.write(b"whole")
+    assert (tmp_path / "a.txt").read_bytes() == b"whole"
+
+
+def test_a_failing_disk_is_an_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(_: int) -> None:
+        raise OSError(errno.EIO, "Input/output error")
+
+    (tmp_path / "a.txt").write_bytes(b"old")
+    monkeypatch.setattr(os, "fsync", fail)
+    published = _files.published(tmp_path / "a.txt")
+    with pytest.raises(OSError, match=r"Input/output error: .*a\.txt"), published as file:
+        file.write(b"new")
+    assert (tmp_path / "a.txt").read_bytes() == b"old"
+    assert names(tmp_path) == ["a.txt"]
+
+
 def test_room_is_looked_for_and_not_kept(tmp_path: Path) -> None:
     path = tmp_path / "a.npz"
     _files.require_room(path, 10**6)

@@ -114,7 +114,7 @@ def _read(file: BinaryIO) -> tuple[MapSpec, dict[str, NDArray[Any]]]:
         for entry in archive.infolist():
             if entry.compress_type != zipfile.ZIP_STORED or entry.file_size > length:
                 raise _FileError(f"is not a stability map: {entry.filename} is compressed")
-        if archive.getinfo(f"{_SPEC}.npy").file_size > MOST_TEXT + length // 2:
+        if archive.getinfo(f"{_SPEC}.npy").file_size > MOST_TEXT + length // 4:
             raise _FileError("is not a stability map: its specification is longer than its arrays")
         header = json.loads(_read_array(archive, _SPEC, np.dtype(np.uint8)).tobytes().decode())
         if not isinstance(header, dict) or header.get("format") != FORMAT:

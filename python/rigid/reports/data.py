@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, Self
 
-from .._checks.arguments import one_line
+from .._checks.arguments import finite_float, one_line
 from ..solve.methods import EXACT
 from .reference import Reference
 from .row import Row
@@ -121,13 +121,15 @@ class ReportData:
             If the text is no report, or one of another format.
         """
         try:
-            data = json.loads(text)
+            data = json.loads(text, parse_constant=_refuse)
             if data["format"] != FORMAT or data["format_version"] != FORMAT_VERSION:
                 raise ValueError(f"format is not {FORMAT!r}, version {FORMAT_VERSION}")
             values = {field.name: data[field.name] for field in dataclasses.fields(cls)}
             values["spec"] = ReportSpec.from_dict(values["spec"])
             values["reference"] = Reference(**values["reference"])
             values["rows"] = tuple(_row(row) for row in values["rows"])
+            for name in ("rounds", "elapsed"):
+                finite_float(name, values[name], nonnegative=True)
             return cls(**values)
         except Exception as error:  # the text may hold anything
             raise ValueError(
@@ -159,9 +161,23 @@ def _finite(row: dict[str, Any]) -> dict[str, Any]:
     return row | lost
 
 
+_OPTIONAL = ("step", "angle", "spread", "order")
+
+
 def _row(data: Mapping[str, Any]) -> Row:
     values = dict(data)
-    for name in _UNBOUNDED:
-        if values[name] is None:
+    for name, value in values.items():
+        if name in ("method", "mark"):
+            if not isinstance(value, str):
+                raise TypeError(f"{name} = {value!r}: must be a string")
+        elif value is not None:
+            finite_float(name, value, nonnegative=name != "order", positive=name == "nanoseconds")
+        elif name in _UNBOUNDED:
             values[name] = math.inf
+        elif name not in _OPTIONAL:
+            raise TypeError(f"{name} = None: must be a number")
     return Row(**values)
+
+
+def _refuse(constant: str) -> Any:
+    raise ValueError(f"{constant}: is not JSON")

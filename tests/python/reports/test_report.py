@@ -282,6 +282,28 @@ def test_a_hostile_text_is_refused_in_a_line(text: str) -> None:
     assert len(str(caught.value)) < 500
 
 
+@pytest.mark.parametrize(
+    ("key", "value", "rule"),
+    [
+        ("nanoseconds", 0.0, "nanoseconds = 0.0: must be positive"),
+        ("nanoseconds", None, "nanoseconds = None: must be a number"),
+        ("error", -1.0, "error = -1.0: must not be negative"),
+        ("error", math.nan, "NaN: is not JSON"),
+        ("steps", "many", "steps = 'many': must be a real number"),
+        ("method", 4, "method = 4: must be a string"),
+        ("more", 4, "more"),
+    ],
+)
+def test_rows_that_no_measurement_gives_are_refused(
+    box: rigid.Report, key: str, value: object, rule: str
+) -> None:
+    data = json.loads(box.to_json())
+    data["rows"][0][key] = value
+    with pytest.raises(ValueError, match="text: is not a report") as caught:
+        rigid.Report.from_json(json.dumps(data))
+    assert rule in str(caught.value)
+
+
 def test_the_picture_names_every_line_once_and_no_name_hides_another(box: rigid.Report) -> None:
     copies = [
         dataclasses.replace(row, method=f"{row.method}{k}", nanoseconds=row.nanoseconds * 1.05**k)
