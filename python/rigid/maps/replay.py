@@ -143,7 +143,7 @@ def _require_same_bits(data: MapData, flat: int, sample: int) -> None:
             continue
         new, old = again[column.name], data.columns[column.name].flat[flat]
         possible = {"sum": new <= old, "max": not new > old, "min": new >= old}
-        same = new == old or (new != new and old != old)
+        same = new == old or math.isnan(old)  # NaN: the map says nothing about it
         if not (same if whole else possible[column.reduction]):
             index = tuple(int(i) for i in np.unravel_index(flat, spec.shape))
             who = "its bodies" if whole else f"sample {sample}"
