@@ -81,7 +81,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             print(f"rigid: {error}", file=sys.stderr)
             return USAGE_ERROR
         except KeyboardInterrupt as stop:
-            print(f"rigid: {stop or 'interrupted'}", file=sys.stderr)
+            print(f"rigid: {str(stop) or 'interrupted'}", file=sys.stderr)
             return interrupted()
 
 

@@ -369,6 +369,43 @@ def test_ctrl_c_while_the_picture_is_drawn_leaves_the_data(
     assert made(folder) == {"small.npz"}
 
 
+def test_a_second_ctrl_c_ends_a_command_without_a_file(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def impatient(progress: rigid.Progress) -> None:
+        os.kill(os.getpid(), signal.SIGINT)
+        os.kill(os.getpid(), signal.SIGINT)
+
+    def interrupted(spec: rigid.MapSpec, **options: Any) -> rigid.StabilityMap:
+        return run_map(spec, **{**options, "progress": impatient})
+
+    monkeypatch.setattr("rigid.cli.run_map", interrupted)
+    with sigint(signal.default_int_handler):
+        assert main(["map", "small.toml"]) == 130
+    assert capsys.readouterr().err == "rigid: interrupted\n"
+    assert made(folder) == set()
+
+
+def test_sigterm_is_ctrl_c_once(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Some programs send it to a process and to its group: the second must not lose the map."""
+
+    def ended(progress: rigid.Progress) -> None:
+        os.kill(os.getpid(), signal.SIGTERM)
+        os.kill(os.getpid(), signal.SIGTERM)
+
+    def terminated(spec: rigid.MapSpec, **options: Any) -> rigid.StabilityMap:
+        return run_map(spec, **{**options, "progress": ended, "chunk": 10})
+
+    monkeypatch.setattr("rigid.cli.run_map", terminated)
+    with sigint(signal.default_int_handler):
+        assert main(["map", "small.toml"]) == 143
+    assert "the map written is partial" in capsys.readouterr().err
+    assert rigid.load_map("small.npz").samples.sum() == 10
+    assert made(folder) == {"small.npz", "small.png"}
+
+
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 def test_a_signal_while_the_data_is_saved_waits_for_it(
     number: signal.Signals,
