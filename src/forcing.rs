@@ -212,16 +212,20 @@ impl Forcing {
         stops.windows(2).map(|w| 0.5 * (at(w[0], false) + at(w[1], true)) * (w[1] - w[0])).sum()
     }
 
+    /// Entries 11, 22, 33, 23, 31, 12 of the damping matrix, if no torque is applied at any time.
+    pub fn damping_alone(&self) -> Option<[f64; 6]> {
+        self.values.iter().flatten().flatten().all(|&x| x == 0.0).then_some(self.damping)
+    }
+
     /// The rate k, if the forcing is a damping `D = k I` without torque, equal to within the rounding of the products.
     ///
     /// All components of the momentum then decay as `exp(-k t)`, and the motion is a free motion in a transformed time.
     pub fn slows_evenly(&self, moments: [f64; 3]) -> Option<f64> {
-        let [d11, d22, d33, ..] = self.damping;
-        let still = self.values.iter().flatten().flatten().all(|&x| x == 0.0);
+        let [d11, d22, d33, ..] = self.damping_alone()?;
         let diagonal = self.damping[3..].iter().all(|&x| x == 0.0);
         let own = [d11, d22, d33];
         let fits = |&k: &f64| (0..3).all(|i| k * moments[i] == own[i]);
-        (0..3).map(|i| own[i] / moments[i]).find(fits).filter(|_| still && diagonal)
+        (0..3).map(|i| own[i] / moments[i]).find(fits).filter(|_| diagonal)
     }
 
     /// The largest `|I^(-1/2) torque|`, at any time.

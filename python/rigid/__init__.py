@@ -39,9 +39,10 @@ from .reports.stress import Extremes, extremes
 from .solve.choose_method import plan
 from .solve.methods import Method, methods
 from .solve.plan import Plan
-from .solve.run import Run, Status, plug_in_animator
+from .solve.run import Run, plug_in_animator
 from .solve.sensitivity import condition
 from .solve.simulate import simulate
+from .solve.status import Status
 
 if TYPE_CHECKING:
     from os import PathLike

@@ -29,6 +29,7 @@ __all__ = [
     "moment_status",
     "moment_status_names",
     "principal_axes",
+    "saddles",
     "simulate",
     "status_names",
     "tilt_times",
@@ -65,6 +66,7 @@ def simulate(
     threads: int,
     times: Sequence[float] | None = None,
     strides: Sequence[int] | None = None,
+    refinement: float = 1.0,
     tolerance: float | None = None,
     forcing: Forcing | None = None,
 ) -> dict[str, Any]: ...
@@ -119,6 +121,13 @@ def top_quantities(
     omega: NDArray[np.float64],
     attitude: NDArray[np.float64],
 ) -> dict[str, Any]: ...
+def saddles(
+    *,
+    moments: NDArray[np.float64],
+    weight: NDArray[np.float64],
+    omega: NDArray[np.float64],
+    attitude: NDArray[np.float64],
+) -> NDArray[np.float64]: ...
 def tilt_times(
     *,
     moments: NDArray[np.float64],
@@ -140,6 +149,7 @@ class Forcing:
         damping: Sequence[float],
     ) -> Forcing: ...
     def slows_evenly(self, moments: Sequence[float]) -> float | None: ...
+    def damping_alone(self) -> list[float] | None: ...
     def damping_rates(self, moments: Sequence[float]) -> list[float]: ...
 
 @final

@@ -104,6 +104,9 @@ with_fma! {
     pub fn sign_changes = changes(body: &Body, axis: usize) -> Option<[f64; 2]>;
     /// The quantities of a symmetric top; `None` if the body is not a symmetric top.
     pub fn top_quantities = top(body: &Body) -> Option<TopQuantities>;
+    /// Complementary parameter of the nutation of a top or pendulum, and the rate at which it leaves the saddle of its
+    /// separatrix; 1 and 0 for any other body.
+    pub fn saddle = saddle_of(body: &Body) -> [f64; 2];
     /// First time at which the angle between the vertical and the centre of mass of a symmetric top is `limit`.
     pub fn tilt_time = time_of_tilt(body: &Body, limit: f64) -> Option<f64>;
     /// The motion of a body that has this canonical form. All quantities share the code of its set-up.
@@ -249,6 +252,16 @@ fn upright(body: &Body, form: CanonicalForm) -> Option<TopQuantities> {
     };
     let tilt = if hanging { PI } else { 0.0 };
     Some(TopQuantities { tilt: [tilt; 2], period: f64::INFINITY, advance: [f64::NAN; 2], mc: 1.0, kind })
+}
+
+#[inline(always)]
+fn saddle_of(isa: Isa, body: &Body) -> [f64; 2] {
+    let Some(form) = CanonicalForm::of(body).filter(|form| form.kind() == EvaluatorKind::Lagrange) else {
+        return [1.0, 0.0];
+    };
+    let m: Lagrange<f64> = motion(isa, form, body);
+    let kc = m.torus.moduli[1];
+    [kc * kc, m.saddle_exponent()]
 }
 
 #[inline(always)]

@@ -250,6 +250,12 @@ impl<R: Real> Lagrange<R> {
         (quarter + quarter) / (self.rate * self.unit)
     }
 
+    /// The rate at which the top leaves the saddle of its nutation; exact at the separatrix, a bound beside it.
+    #[inline(always)]
+    pub fn saddle_exponent(&self) -> R {
+        self.rate / self.torus.scale * self.unit
+    }
+
     /// Phase at the start, in units of the argument: 0 at the largest tilt, falling from there.
     #[inline(always)]
     fn phase_at_start(&self) -> R {

@@ -3,7 +3,7 @@
 use super::convert::{bodies, rows, same_length};
 use crate::error::Error;
 use crate::exact::derived::{
-    FreeQuantities, TopQuantities, free_quantities, sign_change_times, tilt_time, top_quantities,
+    FreeQuantities, TopQuantities, free_quantities, saddle, sign_change_times, tilt_time, top_quantities,
 };
 use crate::exact::{CanonicalForm, ClosedForm, Question, lagrange_axis};
 use crate::scene::Scene;
@@ -160,6 +160,22 @@ pub fn flip_times<'py>(
         );
     }
     times.into_pyarray(py).reshape([bodies.len(), count])
+}
+
+/// How near each body is to the separatrix of its closed form: complementary parameter, and the rate of the saddle.
+#[pyfunction]
+#[pyo3(signature = (*, moments, weight, omega, attitude))]
+pub fn saddles<'py>(
+    py: Python<'py>,
+    moments: PyReadonlyArray2<'py, f64>,
+    weight: PyReadonlyArray2<'py, f64>,
+    omega: PyReadonlyArray2<'py, f64>,
+    attitude: PyReadonlyArray2<'py, f64>,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let isa = Isa::current()?;
+    let bodies = bodies_of(&moments, &weight, &omega, &attitude)?;
+    let all: Vec<f64> = bodies.iter().flat_map(|body| saddle(isa, body)).collect();
+    all.into_pyarray(py).reshape([bodies.len(), 2])
 }
 
 /// Turning points, period and advances of symmetric tops.

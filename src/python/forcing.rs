@@ -29,6 +29,11 @@ impl PyForcing {
         self.0.slows_evenly(moments)
     }
 
+    /// The entries 11, 22, 33, 23, 31, 12 of the damping matrix; None if a torque acts too.
+    fn damping_alone(&self) -> Option<[f64; 6]> {
+        self.0.damping_alone()
+    }
+
     /// Damping rates of a body with these moments without torque, ascending.
     fn damping_rates(&self, moments: [f64; 3]) -> [f64; 3] {
         self.0.damping_rates(moments)

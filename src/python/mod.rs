@@ -33,7 +33,7 @@ mod _core {
     #[pymodule_export]
     use super::exact::{closed_forms, closed_forms_for, lagrange_axes};
     #[pymodule_export]
-    use super::exact::{elliptic, flip_times, free_quantities_of, tilt_times, top_quantities_of};
+    use super::exact::{elliptic, flip_times, free_quantities_of, saddles, tilt_times, top_quantities_of};
     #[pymodule_export]
     use super::forcing::PyForcing;
     #[pymodule_export]

@@ -16,7 +16,7 @@ use pyo3::types::PyDict;
 
 /// States of bodies at given times; see `rigid.simulate`.
 #[pyfunction]
-#[pyo3(signature = (*, scene, method, record, moments, weight, omega, attitude, step, max_steps, threads, times=None, strides=None, tolerance=None, forcing=None))]
+#[pyo3(signature = (*, scene, method, record, moments, weight, omega, attitude, step, max_steps, threads, times=None, strides=None, refinement=1.0, tolerance=None, forcing=None))]
 #[allow(clippy::too_many_arguments)] // The request of `trajectory`, column by column.
 pub fn simulate<'py>(
     py: Python<'py>,
@@ -32,6 +32,7 @@ pub fn simulate<'py>(
     threads: usize,
     times: Option<Vec<f64>>,
     strides: Option<Vec<u64>>,
+    refinement: f64,
     tolerance: Option<f64>,
     forcing: Option<PyRef<'py, PyForcing>>,
 ) -> PyResult<Bound<'py, PyDict>> {
@@ -62,8 +63,9 @@ pub fn simulate<'py>(
         (None, None) => Schedule::Times(&[]),
     };
     let steps = &steps;
+    let bodies = &bodies;
     let request =
-        Request { bodies: &bodies, scene, forcing, solver, record, schedule, steps, tolerance, max_steps };
+        Request { bodies, scene, forcing, solver, record, schedule, steps, refinement, tolerance, max_steps };
     let states =
         interruptible(py, None, |stop| trajectory::simulate(&request, threads, isa, stop).transpose())?
             .ok_or_else(stopped)??;

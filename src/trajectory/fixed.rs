@@ -1,7 +1,6 @@
 //! States by steps of a scheme.
 
 use super::{Request, Schedule, States, invariants_at_start, system_of, time_range};
-use crate::forcing::Forcing;
 use crate::kernel::{Compiled, ForcingRows, Group, Kernel};
 use crate::kernel::{Entry, KernelAssignment, load, start_clock, unload};
 use crate::observe::Observed;
@@ -37,8 +36,8 @@ struct Stop {
 /// the times < 0.
 type Plan = [Vec<Stop>; 2];
 
-/// Steps no longer than `largest` that end exactly at `to`.
-fn leg(from: f64, to: f64, largest: f64) -> Leg {
+/// Steps no longer than `largest` that end exactly at `to`, their number times the refinement.
+fn leg(from: f64, to: f64, largest: f64, refinement: f64) -> Leg {
     let span = to - from;
     let wanted = span.abs() / largest;
     // A quotient that differs from a whole number only by rounding does not add a step.
@@ -47,14 +46,16 @@ fn leg(from: f64, to: f64, largest: f64) -> Leg {
     if span == 0.0 {
         return Leg { steps: 0, step: 0.0 };
     }
-    let steps = steps.max(1.0);
+    let steps = (steps.max(1.0) * refinement.max(1.0)).ceil();
     Leg { steps: steps as u64, step: span / steps }
 }
 
 /// The plan of a body with that largest step. Legs end at the knots of the forcing: a step across a knot would lose
 /// the order of any scheme.
-fn legs(schedule: &Schedule, forcing: &Forcing, largest: f64) -> Plan {
-    match schedule {
+fn legs(request: &Request, largest: f64) -> Plan {
+    let forcing = request.forcing;
+    let leg = |from, to| leg(from, to, largest, request.refinement);
+    match &request.schedule {
         Schedule::Times(times) => {
             let split = times.partition_point(|&t| t < 0.0);
             let pass = |indices: &mut dyn Iterator<Item = usize>, backward: bool| {
@@ -64,10 +65,10 @@ fn legs(schedule: &Schedule, forcing: &Forcing, largest: f64) -> Plan {
                         if if backward { knot <= times[k] } else { times[k] <= knot } {
                             break;
                         }
-                        stops.push(Stop { from, leg: leg(from, knot, largest), state: None });
+                        stops.push(Stop { from, leg: leg(from, knot), state: None });
                         from = knot;
                     }
-                    stops.push(Stop { from, leg: leg(from, times[k], largest), state: Some(k) });
+                    stops.push(Stop { from, leg: leg(from, times[k]), state: Some(k) });
                     from = times[k];
                 }
                 stops
@@ -162,7 +163,7 @@ impl<'a> FixedBatch<'a> {
         for (lane, &step) in self.steps.iter().enumerate() {
             let plan = match plans.last() {
                 Some(last) if self.steps[lane - 1] == step => last.clone(),
-                _ => Rc::new(legs(&self.request.schedule, self.request.forcing, step)),
+                _ => Rc::new(legs(self.request, step)),
             };
             plans.push(plan);
         }

@@ -270,6 +270,7 @@ mod tests {
             schedule: Schedule::Times(&[0.0, 1.0]),
             steps: &[],
             tolerance: None,
+            refinement: 1.0,
             max_steps: 1,
         };
         for (scene, record, vertical, attitude) in [

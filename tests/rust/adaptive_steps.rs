@@ -48,6 +48,7 @@ impl Question<'_> {
             schedule: Schedule::Times(self.times),
             steps,
             tolerance,
+            refinement: 1.0,
             max_steps: self.max_steps,
         }
     }

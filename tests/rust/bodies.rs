@@ -230,6 +230,7 @@ fn the_unit_of_inertia_does_not_matter() {
                 schedule: Schedule::Times(&[5.0]),
                 steps: &[0.01],
                 tolerance: None,
+                refinement: 1.0,
                 max_steps: 1000,
             };
             let states = simulate(&request, 1, Isa::Scalar, &AtomicBool::new(false)).unwrap().unwrap();

@@ -49,6 +49,7 @@ fn ask(scene: &Scene, solver: Solver, times: &[f64], step: f64) -> States {
         schedule: Schedule::Times(times),
         steps: &vec![step; scene.bodies.len()],
         tolerance: None,
+        refinement: 1.0,
         max_steps: u64::MAX,
     };
     simulate(&request, 1, Isa::available()[0], &AtomicBool::new(false)).unwrap().unwrap()

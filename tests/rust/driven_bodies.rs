@@ -132,6 +132,7 @@ fn ask(
         schedule: Schedule::Times(&TIMES),
         steps: &steps,
         tolerance,
+        refinement: 1.0,
         max_steps: 5000,
     };
     simulate(&request, threads, isa, &GO).unwrap().unwrap()
@@ -253,6 +254,7 @@ fn what_would_feed_a_motion_or_blow_up_is_refused() {
                 schedule: Schedule::Times(&[1.0]),
                 steps: &[step],
                 tolerance: None,
+                refinement: 1.0,
                 max_steps: 100_000,
             };
             simulate(&request, 1, Isa::Scalar, &GO)

@@ -301,6 +301,7 @@ fn run(bodies: &[Body], is_top: bool, method: &'static Scheme) -> States {
         schedule: Schedule::Strides(&[1, 199]),
         steps: &steps,
         tolerance: None,
+        refinement: 1.0,
         max_steps: 1000,
     };
     simulate(&request, 1, Isa::available()[0], &AtomicBool::new(false)).unwrap().unwrap()

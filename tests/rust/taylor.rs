@@ -25,6 +25,7 @@ fn run(bodies: &[Body], solver: Solver, step: f64, times: &[f64]) -> States {
         schedule: Schedule::Times(times),
         steps: &vec![step; bodies.len()],
         tolerance: None,
+        refinement: 1.0,
         max_steps: u64::MAX,
     };
     simulate(&request, 1, Isa::available()[0], &AtomicBool::new(false)).unwrap().unwrap()

@@ -10,8 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 from ..solve.batch import Batch
 from ..solve.cost_model import ROUNDING
 from ..solve.methods import EXACT
-from ..solve.run import Run, Status
+from ..solve.run import Run
 from ..solve.simulate import simulate
+from ..solve.status import ARRIVED
 from .spec import ReportSpec
 
 __all__ = ["Ensemble", "attitude_angle", "ensemble_of"]
@@ -81,7 +82,7 @@ class Ensemble:
         with np.errstate(all="ignore"):
             of_rates = np.abs(here - there).max(axis=1) / scale
             of_attitude = attitude_angle(run.attitude[:, -1], truth.attitude[:, -1])
-        arrived = np.isin(run.status, (Status.OK, Status.FLAGGED))
+        arrived = np.isin(run.status, ARRIVED)
         known = arrived & np.isfinite(of_rates) & np.isfinite(of_attitude)
         return np.where(known, of_rates, np.inf), np.where(known, of_attitude, np.inf)
 

@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 from .._checks.progress import Progress, ProgressOption, reporting
 from ..solve.error_estimate import distances
 from ..solve.methods import EXACT, run_methods
-from ..solve.run import Run, Status
+from ..solve.run import Run
 from ..solve.simulate import simulate
+from ..solve.status import Status
 from .stress_cases import Case, cases
 
 __all__ = ["Cell", "Extremes", "extremes"]
@@ -248,7 +249,7 @@ def _verdict(case: Case, run: Run | None, truth: _Truth | None) -> dict[str, Any
         exact = {"omega": truth.omega[None, None], "attitude": truth.attitude[None, None]}
         with np.errstate(invalid="ignore"):
             error = float(distances(states, exact)[0, -1])
-    if status != Status.OK:
+    if status not in (Status.OK, Status.COARSE):
         verdict = status.name.lower().replace("_", " ")
     elif truth is None:
         verdict = "unknown"

@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 from .. import _core
 from ..model.criteria import Criterion
 from ..model.scene import Scene
+from .arrays import time_range, time_span
+from .batch import Batch
 from .closed_form import lagrange_axis_of
 from .methods import order_of
 
@@ -27,6 +29,7 @@ __all__ = [
     "cheapest",
     "check_attainable",
     "closed_form_estimate",
+    "phase_error",
     "schemes",
     "steps_estimate",
     "steps_for",
@@ -183,6 +186,24 @@ def closed_form_estimate(
     )
     error = None if rates is None or span is None else ROUNDING * (1.0 + rates * span)
     return Estimate(None, 0, max(by_form, default=0.0), _worst(error))
+
+
+@np.errstate(all="ignore")
+def phase_error(
+    batch: Batch, method: str, times: Floats, taken: Floats, tolerance: float | None
+) -> Floats:
+    """The error (rad) of some bodies after so many steps, from the model; shape (n,)."""
+    angles = batch.fastest_rates(time_range(times), method) * time_span(times)
+    if tolerance is not None:
+        return tolerance * angles
+    if batch.forcing is not None:
+        kind = "driven"
+    elif lagrange_axis_of(batch.moments[0], batch.weight[0]):
+        kind = "lagrange"
+    else:
+        kind = "top" if batch.weight.any() else "free"
+    scheme = schemes()[method, kind]
+    return angles * scheme.factor * (angles / taken) ** scheme.order
 
 
 @np.errstate(all="ignore")

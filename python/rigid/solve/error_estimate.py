@@ -6,6 +6,9 @@ Where rounding dominates, or chaos amplifies it, the two runs differ by about as
 them errs. In both cases three times the difference is stated: nearly always more than the error,
 and seldom much more. The extrapolation is Richardson's (Hairer, Nørsett, Wanner, *Solving Ordinary
 Differential Equations I*, § II.4).
+
+The second run divides the steps of the first: between any two wanted times it takes at least one
+step more. The runs are compared at every wanted time.
 """
 
 from __future__ import annotations
@@ -17,24 +20,31 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .arrays import spread_indices, time_range, time_span
+from .arrays import time_range, time_span
 from .batch import Batch
-from .cost_model import ROUNDING
-from .methods import order_of, rotations, stiff_methods
-from .request import Request
+from .cost_model import ROUNDING, phase_error
+from .methods import order_of, rotations, series_methods, stiff_methods
+from .request import Request, select_states
+from .saddle import departure, separatrices
+from .status import Status
 
-__all__ = ["ErrorEstimate", "closed_form_error", "distances", "estimate_error", "unknown_error"]
+__all__ = [
+    "ErrorEstimate",
+    "closed_form_error",
+    "distances",
+    "estimate_error",
+    "is_damped_stiffly",
+    "unknown_error",
+]
 
 Floats = NDArray[np.float64]
 
 SAFETY = 3.0
 """The difference of two runs times this is stated as the error."""
 
-CHECKS = 16
-"""Times of a run, at most, at which the two runs are compared."""
-
-REST = 1e-6
-"""Rates below this share of the fastest that a body can reach are those of a body at rest."""
+REST = 1e-13
+"""Rates below this share of the fastest that a body can reach, and of the rate of its swing, are
+those of a body at rest."""
 
 EQUAL_RUNS = 5e-16
 """Error per radian turned (rad) that rounding may leave in two runs that agree to the bit."""
@@ -43,6 +53,12 @@ ROTATION = 1.6e-17
 """Error (rad) that rounding leaves in each rotation of a splitting.
 
 Equal rotations err in both runs alike, all in one direction."""
+
+PART_OF_A_TURN = 0.5
+"""Phase (rad) by which two runs may part between two compared times; a whole turn would not show"""
+
+BETWEEN = 64
+"""Times, at most, at which runs that may part by whole turns are compared besides the wanted."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,76 +76,135 @@ class ErrorEstimate:
     error: Floats
     lost_from: Floats
 
+    def write(self, bodies: NDArray[np.intp], other: ErrorEstimate) -> None:
+        """Write the estimate of some bodies over."""
+        self.error[bodies], self.lost_from[bodies] = other.error, other.lost_from
+
 
 def unknown_error(count: int) -> ErrorEstimate:
     """The estimate of bodies whose error is unknown."""
     return ErrorEstimate(np.full(count, np.nan), np.full(count, np.nan))
 
 
+@np.errstate(all="ignore")
 def closed_form_error(batch: Batch, times: Floats) -> ErrorEstimate:
-    """The error of a closed form: 1e-15 for each radian turned."""
+    """The error of a closed form: 1e-15 for each radian turned, or what a saddle makes of 1e-15.
+
+    A top beside the separatrix of its nutation magnifies rounding by ``exp(exponent t)``, at each
+    passage of the saddle at most by one over the relative distance from the separatrix.
+    """
     rates = batch.fastest_rates(time_range(times))
-    error = ROUNDING * (1.0 + rates * time_span(times))
-    with np.errstate(divide="ignore"):
-        lost = np.where(error >= 1.0, 1.0 / (ROUNDING * rates), np.inf)
     first, last = time_range(times)
+    distance, exponent = separatrices(batch)
+    saddle = exponent * max(-first, last)
+    factor = np.fmin(np.exp(saddle), (1.0 + saddle) / distance)
+    error = ROUNDING * np.maximum(1.0 + rates * time_span(times), factor)
+    by_saddle = np.fmax(-np.log(ROUNDING), distance / ROUNDING - 1.0) / exponent
+    lost = np.where(error >= 1.0, np.fmin(1.0 / (ROUNDING * rates), by_saddle), np.inf)
     return ErrorEstimate(error, np.where((-first > last) & (lost < np.inf), -lost, lost))
 
 
 @np.errstate(all="ignore")
-def estimate_error(request: Request, states: Mapping[str, Any]) -> ErrorEstimate:
-    """The error of states that were made by steps, from a second run with shorter ones."""
+def estimate_error(
+    request: Request,
+    states: Mapping[str, Any],
+    steps: Floats | None,
+    refinement: float = 1.0,
+) -> ErrorEstimate:
+    """The error of states from a second run.
+
+    The states were made with these longest steps (s) and this :meth:`refinement <Request.states>`.
+    """
     batch, times, method = request.batch, request.times, request.method
-    taken = states["steps"].astype(np.float64)
+    ended = ~np.isin(states["status"], (Status.STEP_LIMIT, Status.NOT_FINITE))
+    if not ended.all():
+        estimate, some = unknown_error(len(batch)), np.flatnonzero(ended)
+        if len(some):
+            longest = None if steps is None else steps[some]
+            parts = request.select(some), select_states(states, some), longest
+            estimate.write(some, estimate_error(*parts, refinement))
+        return estimate
     span = time_span(times)
     if span == 0.0 or not len(times):
-        return ErrorEstimate(np.zeros(len(taken)), np.full(len(taken), np.inf))
-    if not taken.any():
-        return unknown_error(len(taken))
-    checks = _compared_times(times, taken)
+        return ErrorEstimate(np.zeros(len(batch)), np.full(len(batch), np.inf))
+    taken = states["steps"].astype(np.float64)
     rates = batch.fastest_rates(time_range(times))
-    again = _shorter_run(request, checks, taken)
-    seen = {
-        name: None if states[name] is None else states[name][:, checks]
-        for name in ("omega", "vertical", "attitude")
-    }
     floor = EQUAL_RUNS * (1.0 + rates * span) + ROTATION * rotations(method) * taken
-    error = SAFETY * distances(seen, again, REST * rates) + floor[:, None]
-    # What is not a number is not known; a body that was not run has no error.
+    error = SAFETY * _distances_of_runs(
+        batch, states, _second_run(request, steps, refinement), rates
+    )
+    error += floor[:, None] + departure(batch, times)
+    # What is not a number is not known.
     error = np.where(np.isfinite(error), error, np.inf)
-    if _is_damped_stiffly(request) and request.tolerance is None:
+    if is_damped_stiffly(request) and request.tolerance is None:
         # Damping can stop a body within a step: both runs lose the angle it turned meanwhile.
         error[rates * span > np.pi * taken] = np.inf
-    error[taken == 0] = np.nan
-    return ErrorEstimate(error.max(axis=1), _lost_from(error, times[checks]))
+    estimate = ErrorEstimate(error.max(axis=1), _lost_from(error, times))
+    _count_turns(request, taken, estimate)
+    return estimate
 
 
-def _compared_times(times: Floats, taken: Floats) -> NDArray[np.intp]:
-    """Indices of the times at which the runs are compared."""
-    # Several steps lie between two of them, so that the shorter steps differ from the others.
-    most = int(np.clip(taken[taken > 0].min() // 4, 1, CHECKS))
-    checks = spread_indices(len(times), most)
-    return np.union1d(checks, [0]) if times[0] < 0.0 else checks
+def _distances_of_runs(
+    batch: Batch, states: Mapping[str, Any], again: Mapping[str, Any], rates: Floats
+) -> Floats:
+    """Distance of the states of two runs, their work included, shape (n, m)."""
+    swing = np.sqrt(np.linalg.norm(batch.weight, axis=1) / batch.moments.min(axis=1))
+    scale = np.maximum(rates, swing)
+    apart = distances(states, again, REST * scale, scale)
+    if states["work"] is None:
+        return apart
+    # The fastest rate is reached about the axis of the least moment.
+    energy = 0.5 * batch.moments.min(axis=1) * rates**2
+    work = np.abs(states["work"] - again["work"]) / np.where(energy > 0.0, energy, 1.0)[:, None]
+    largest: Floats = np.maximum(apart, work)
+    return largest
 
 
-def _shorter_run(request: Request, checks: NDArray[np.intp], taken: Floats) -> dict[str, Any]:
-    """The states of the same bodies at some of the times, with shorter steps."""
-    order = order_of(request.method)
-    ratio = max(2.0 ** (2.0 / order), 1.2)
-    if _is_damped_stiffly(request):
+def _second_run(request: Request, steps: Floats | None, refinement: float) -> dict[str, Any]:
+    """The states of the same bodies at the same times, with shorter steps."""
+    second = replace(request, max_steps=min(4 * request.max_steps, 2**63))
+    if request.tolerance is not None:
+        # Of equal order the first steps of both runs would be one polynomial. No smaller tolerance
+        # could show how far it is off at a time within the shorter step.
+        last, other = series_methods()[-1:-3:-1]
+        tolerance = max(request.tolerance / 4.0, np.finfo(np.float64).tiny)
+        method = other if request.method == last else last
+        return replace(second, method=method, tolerance=tolerance).states(None)
+    ratio = max(2.0 ** (2.0 / order_of(request.method)), 1.2)
+    if is_damped_stiffly(request):
         # Under strong damping the order of these methods falls, to one at worst.
         ratio = max(ratio, 2.0)
-    second = replace(
-        request,
-        times=request.times[checks],
-        max_steps=min(4 * request.max_steps, 2**63),
-        # Steps that follow a tolerance go with its power of one over the order.
-        tolerance=None if request.tolerance is None else request.tolerance / ratio**order,
-    )
-    return second.states(time_span(request.times) / np.maximum(taken, 1.0) / ratio)
+    return second.states(steps, refinement * ratio)
 
 
-def _is_damped_stiffly(request: Request) -> bool:
+def _count_turns(request: Request, taken: Floats, estimate: ErrorEstimate) -> None:
+    """Compare runs that may part by whole turns on the way too; writes larger errors over.
+
+    The steps of a run are equal between wanted times. So that no bit of its states depends on the
+    estimate, a pair of further runs is compared.
+    """
+    wanted = np.union1d(request.times, [0.0])
+    gaps = np.diff(wanted)
+    phase = phase_error(request.batch, request.method, request.times, taken, request.tolerance)
+    parting = phase * gaps.max() / gaps.sum()
+    some = np.flatnonzero((parting > PART_OF_A_TURN) & (estimate.error < 1.0))
+    if not len(some):
+        return
+    most = int(np.clip(np.ceil(phase[some].max() / PART_OF_A_TURN), 1, BETWEEN))
+    between = np.linspace(*time_range(request.times), most + 2)[1:-1]
+    dense = replace(request.select(some), times=np.union1d(request.times, between))
+    steps = gaps.sum() / taken[some]
+    rates = dense.batch.fastest_rates(time_range(dense.times))
+    both = dense.states(steps), _second_run(dense, steps, 1.0)
+    apart = _distances_of_runs(dense.batch, *both, rates)
+    error = np.where(np.isfinite(apart), SAFETY * apart, np.inf)
+    largest = error.max(axis=1)
+    larger = largest > estimate.error[some]
+    found = ErrorEstimate(largest, _lost_from(error, dense.times))
+    estimate.write(some[larger], ErrorEstimate(found.error[larger], found.lost_from[larger]))
+
+
+def is_damped_stiffly(request: Request) -> bool:
     """Whether a method for strong damping integrates forced bodies."""
     return request.batch.forcing is not None and request.method in stiff_methods()
 
@@ -142,17 +217,21 @@ def _lost_from(error: Floats, times: Floats) -> Floats:
 
 
 def distances(
-    states: Mapping[str, Any], other: Mapping[str, Any], rest: Floats | float = 0.0
+    states: Mapping[str, Any],
+    other: Mapping[str, Any],
+    rest: Floats | float = 0.0,
+    scale: Floats | float = 1.0,
 ) -> Floats:
     """Relative distance of the states of two runs, shape (n, m).
 
     The largest of ``|d omega|`` over the largest ``|omega|`` of the body, of the angle between the
-    verticals and of the angle between the attitudes. Rates below ``rest`` are compared with that.
+    verticals and of the angle between the attitudes. Rates that are all below ``rest`` are compared
+    with ``scale``.
     """
     rates, others = states["omega"], other["omega"]
-    size = np.maximum(np.linalg.norm(others, axis=-1).max(axis=1, initial=0.0), rest)
-    moving = np.where(size > 0.0, size, 1.0)
-    parts = [np.linalg.norm(rates - others, axis=-1) / moving[:, None]]
+    size = np.linalg.norm(others, axis=-1).max(axis=1, initial=0.0)
+    size = np.where(size > rest, size, np.where(np.asarray(scale) > 0.0, scale, 1.0))
+    parts = [np.linalg.norm(rates - others, axis=-1) / size[:, None]]
     if states["vertical"] is not None:
         parts.append(np.linalg.norm(states["vertical"] - other["vertical"], axis=-1))
     if states["attitude"] is not None:

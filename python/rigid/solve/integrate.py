@@ -9,7 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .arrays import spread_indices, time_range
-from .error_estimate import ErrorEstimate, estimate_error, unknown_error
+from .error_estimate import (
+    ErrorEstimate,
+    estimate_error,
+    is_damped_stiffly,
+    unknown_error,
+)
 from .methods import order_of
 from .request import Request, select_states
 from .separatrix import separatrix_error
@@ -23,6 +28,9 @@ SAMPLE = 32
 
 ATTEMPTS = 4
 """Largest number of times that the steps of a body are shortened to reach an accuracy."""
+
+DIVISION = 8.0
+"""Under strong damping each attempt divides all steps by this."""
 
 
 def integrate(
@@ -44,48 +52,57 @@ def integrate(
     if accuracy is not None and steps is not None:
         estimate = _refine(request, states, steps, accuracy)
     elif check or accuracy is not None:
-        estimate = _sampled_estimate(request, states)
+        estimate = _sampled_estimate(request, states, steps)
     else:
         estimate = unknown_error(len(request.batch))
     delay, lost = separatrix_error(request.batch, states, time_range(request.times))
-    error = np.where(delay > 0.0, np.fmax(estimate.error, delay), estimate.error)
-    earlier = ~(np.abs(estimate.lost_from) < np.abs(lost))
+    # Of a body that was not run again no error is known, but that its phase is lost.
+    known = ~np.isnan(estimate.error) | np.isfinite(lost)
+    error = np.where(known & (delay > 0.0), np.fmax(estimate.error, delay), estimate.error)
+    earlier = known & ~(np.abs(estimate.lost_from) < np.abs(lost))
     return states, ErrorEstimate(error, np.where(earlier, lost, estimate.lost_from))
 
 
-def _sampled_estimate(request: Request, states: dict[str, Any]) -> ErrorEstimate:
-    """The errors of all bodies, of a large call from a sample of them."""
+def _sampled_estimate(
+    request: Request, states: dict[str, Any], steps: Floats | None
+) -> ErrorEstimate:
+    """The errors of all bodies, of a large call those of a sample unless one of them is lost."""
     count = len(request.batch)
-    sample = spread_indices(count, SAMPLE)
-    seen = estimate_error(request.select(sample), select_states(states, sample))
     if count <= SAMPLE:
-        return seen
+        return estimate_error(request, states, steps)
+    sample = spread_indices(count, SAMPLE)
+    longest = None if steps is None else steps[sample]
+    seen = estimate_error(request.select(sample), select_states(states, sample), longest)
     if np.any(seen.error >= 1.0):
-        # Where some are lost, each body needs an estimate of its own.
-        return estimate_error(request, states)
-    known = seen.error[~np.isnan(seen.error)]
-    error = np.full(count, known.max() if len(known) else np.nan)
-    lost_from = np.full(count, seen.lost_from.min())
-    error[sample], lost_from[sample] = seen.error, seen.lost_from
-    return ErrorEstimate(error, lost_from)
+        return estimate_error(request, states, steps)
+    estimate = unknown_error(count)
+    estimate.write(sample, seen)
+    return estimate
 
 
 def _refine(
     request: Request, states: dict[str, Any], steps: Floats, accuracy: float
 ) -> ErrorEstimate:
     """Shorten the steps of inaccurate bodies, and write their better states over the others."""
-    estimate = estimate_error(request, states)
-    steps, order = steps.copy(), order_of(request.method)
+    estimate = estimate_error(request, states, steps)
+    # Steps longer than any interval between wanted times were cut to the interval.
+    longest = np.diff(np.union1d(request.times, [0.0])).max(initial=0.0)
+    steps, order = np.minimum(steps, longest), order_of(request.method)
     pending = np.flatnonzero(estimate.error > accuracy)
-    for _ in range(ATTEMPTS):
+    for attempt in range(1, ATTEMPTS + 1):
         if not len(pending):
             break
-        steps[pending] /= [
-            _step_reduction(float(estimate.error[body]), accuracy, order) for body in pending
-        ]
+        refinement = 1.0
+        if is_damped_stiffly(request):
+            # What the start forgets at once needs short steps there, not everywhere.
+            refinement = DIVISION**attempt
+        else:
+            steps[pending] /= [
+                _step_reduction(float(estimate.error[body]), accuracy, order) for body in pending
+            ]
         some = request.select(pending)
-        shorter = some.states(steps[pending])
-        again = estimate_error(some, shorter)
+        shorter = some.states(steps[pending], refinement)
+        again = estimate_error(some, shorter, steps[pending], refinement)
         # Shorter steps do not help where rounding or chaos dominates.
         better = again.error < estimate.error[pending]
         states["nanoseconds"] += shorter["nanoseconds"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
@@ -43,8 +44,11 @@ class Request:
     threads: int
     tolerance: float | None = None
 
-    def states(self, steps: Floats | None) -> dict[str, Any]:
-        """The states, each body with its longest step (s); None leaves the steps to the core."""
+    def states(self, steps: Floats | None, refinement: float = 1.0) -> dict[str, Any]:
+        """The states, each body with its longest step (s); None leaves the steps to the core.
+
+        Between two wanted times a body takes ``refinement`` times the steps, rounded up.
+        """
         return _core.simulate(
             **self.batch.columns(),
             method=self.method,
@@ -53,6 +57,7 @@ class Request:
             max_steps=self.max_steps,
             threads=self.threads,
             times=self.times.tolist(),
+            refinement=refinement,
             tolerance=self.tolerance,
         )
 
@@ -61,7 +66,7 @@ class Request:
         return replace(self, batch=self.batch.select(bodies))
 
 
-def select_states(states: dict[str, Any], bodies: NDArray[np.intp]) -> dict[str, Any]:
+def select_states(states: Mapping[str, Any], bodies: NDArray[np.intp]) -> dict[str, Any]:
     """The states of some bodies, as :meth:`Request.states` gives them."""
     columns = ((name, values) for name, values in states.items() if name != "nanoseconds")
     return {name: None if values is None else values[bodies] for name, values in columns}

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from enum import IntEnum
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -12,7 +11,9 @@ from numpy.typing import NDArray
 
 from .. import _core
 from ..model.scene import scene_from_dict
+from .methods import EXACT
 from .plan import Plan
+from .status import Status, error_limit
 
 if TYPE_CHECKING:
     from os import PathLike
@@ -20,20 +21,7 @@ if TYPE_CHECKING:
 
     from scipy.spatial.transform import Rotation
 
-__all__ = ["Run", "Status", "error_limit", "plug_in_animator"]
-
-
-class Status(IntEnum):
-    """How a body ended."""
-
-    OK = 0  #: at the last requested time
-    FINISHED = 0  #: another name of OK
-    STOPPED = 1  #: when a map had classified the body
-    STEP_LIMIT = 2  #: it would have needed more than ``max_steps``: not run, or stopped there
-    NOT_FINITE = 3  #: overflow or NaN: too long a step, or a phase beyond 2**50 turns
-    DRIFTED = 4  #: energy, momentum or unit lengths off by more than 0.1: the step is too long
-    FLAGGED = 5  #: error above the requested accuracy, or 1 or more: see ``lost_from``
-
+__all__ = ["Run", "plug_in_animator"]
 
 _STATUS_WORDS: Mapping[Status, str] = {
     Status.OK: "ok",
@@ -46,6 +34,10 @@ _STATUS_WORDS: Mapping[Status, str] = {
     Status.DRIFTED: (
         f"drifted: energy, momentum or a length is off by more than {_core.DRIFT_LIMIT:g}; take "
         "shorter steps or a method of higher order"
+    ),
+    Status.UNCHECKED: (
+        "unchecked: its error was not estimated; ask for an accuracy, or simulate this body alone "
+        "with check=True"
     ),
 }
 
@@ -84,21 +76,25 @@ class Run:
     unit_drift : ndarray, shape (n,)
         Largest deviation of ``|gamma|`` and ``|q|`` from one; 0 if neither is integrated.
     status : ndarray of uint8, shape (n,)
-        A :class:`Status` for each body. ``FLAGGED`` follows from ``error``, which in a large call
-        may be that of a sample; the other statuses are the body's own.
+        A :class:`Status` for each body. ``FLAGGED``, ``COARSE`` and ``UNCHECKED`` follow from its
+        ``error``; ``OK`` says that the error is below the requested accuracy, or below 1e-3.
     steps : ndarray of uint64, shape (n,)
         Steps taken; 0 by closed form.
     error : ndarray, shape (n,)
-        Estimated error: of the rates relative to the fastest, of the vertical and the attitude in
-        rad, the largest at up to 16 of the times, the last time among them. For steps it is three
-        times the difference from a second run with shorter steps. In a call with more than 32
-        bodies and no ``accuracy``, a sample of 32 bodies is run again and the other bodies are
-        given the largest error of the sample. For a closed form it is ``1e-15`` per radian turned.
-        NaN for a body that was not run.
+        Estimated error, the largest at the requested times: of the rates relative to the fastest of
+        the body at these times, of the vertical and the attitude in rad, of the work relative to
+        the largest kinetic energy that the body can reach. Rates that are all below 1e-13 of the
+        fastest that the body can reach, or of ``sqrt(mgl / I_min)``, are those of a body at rest
+        and are compared with the larger of these two. For steps the error is three times the
+        difference from a second run, which takes at least one step more between any two times;
+        beside an unstable equilibrium it includes the rounding of the start, magnified. For a
+        closed form it is ``1e-15`` per radian turned, or what the saddle of a top makes of
+        ``1e-15``. NaN for a body that was not run, and for one that was not checked: in a call
+        with more than 32 bodies and no ``accuracy`` only 32 of the bodies are run again.
     lost_from : ndarray, shape (n,)
         Time from which on, away from 0, the error is 1 or more: do not use the states from there
-        on. Negative if that is backward in time; infinite if there is none; NaN for a body that was
-        not run or overflowed.
+        on. Negative if that is backward in time; infinite if there is none; NaN where the error is
+        not known.
     nanoseconds : int
         Processor time of the states, of all threads together; not that of the second run.
     spec : dict
@@ -155,18 +151,20 @@ an accuracy
             np.atleast_1d(values) for values in (self.status, self.error, self.lost_from)
         )
         return tuple(
-            self._flagged_words(float(error), float(since))
-            if status == Status.FLAGGED
-            else _STATUS_WORDS[Status(status)]
+            self._words(Status(status), float(error), float(since))
             for status, error, since in zip(statuses, errors, lost, strict=True)
         )
 
-    def _flagged_words(self, error: float, since: float) -> str:
-        """Why a body is flagged, and what to do."""
-        accuracy = self.spec["accuracy"]
+    def _words(self, status: Status, error: float, since: float) -> str:
+        """How a body ended, and what to do."""
+        if status not in (Status.FLAGGED, Status.COARSE):
+            return _STATUS_WORDS[status]
+        steps_help = self.spec["accuracy"] is None and self.spec["method"] != EXACT
+        cure = "end the run earlier"
+        cure += " or ask for an accuracy" if steps_help else ": shorter steps do not help"
+        if status == Status.COARSE:
+            return f"coarse: the estimated error is {error:.1e}; {cure}"
         if np.isfinite(since):
-            cure = "end the run earlier"
-            cure += " or ask for an accuracy" if accuracy is None else ": shorter steps do not help"
             return f"flagged: the estimated error is 1 or more from t = {since:.4g} on; {cure}"
         return (
             f"flagged: the estimated error is {error:.1e}, above the {self._limit:g} asked for; "
@@ -227,8 +225,3 @@ def plug_in_animator(animator: Callable[..., Path]) -> None:
     import them; the top package registers the function.
     """
     Run._animator = staticmethod(animator)
-
-
-def error_limit(spec: dict[str, Any]) -> float:
-    """The error from which on a body is flagged."""
-    return 1.0 if spec["accuracy"] is None else float(spec["accuracy"])

@@ -21,7 +21,8 @@ from .integrate import integrate
 from .methods import EXACT, series_methods
 from .plan import Plan
 from .request import Request
-from .run import Run, Status, error_limit
+from .run import Run
+from .status import Status, judged_status
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -74,10 +75,10 @@ def simulate(
         Largest step (s). Default: each body turns by at most the ``angle_per_step`` of the method a
         step, from a bound of its rates.
     accuracy : float, optional
-        Largest error of the last state, relative to its size (see :attr:`Run.error`), instead of a
-        step. Method and step follow from a calibrated model of the error. Each body is then
-        integrated again with shorter steps, repeatedly, until its estimated error is below. A body
-        whose error stays above, because of chaos or rounding, is :attr:`Run.flagged`.
+        Largest error of all states (see :attr:`Run.error`), instead of a step. Method and step
+        follow from a calibrated model of the error. Each body is then integrated again with shorter
+        steps, repeatedly, until its estimated error is below. A body whose error stays above,
+        because of chaos or rounding, is :attr:`Run.flagged`.
     tolerance : float, optional
         For a Taylor method, instead of a step: each body takes steps of its own, as long as the
         last terms of its series stay below this share of the largest rate and of a unit vector.
@@ -87,7 +88,7 @@ def simulate(
         only. A smaller record is faster and changes no bit of the rates.
     check : bool
         Whether the error is estimated by a second run with shorter steps. Without the second run
-        the error is NaN. An ``accuracy`` always takes it.
+        the error is NaN and the status ``UNCHECKED``. An ``accuracy`` always takes it.
     max_steps : int
         A body that would need more has the status ``STEP_LIMIT``: it is not run, or it is stopped
         there if there is a tolerance.
@@ -243,8 +244,7 @@ def _to_run(
     unknown = np.isin(states["status"], (Status.STEP_LIMIT, Status.NOT_FINITE))
     error = np.where(unknown, np.nan, estimate.error)
     lost_from = np.where(unknown, np.nan, estimate.lost_from)
-    flagged = (states["status"] == Status.OK) & (error >= error_limit(spec))
-    states["status"] = np.where(flagged, np.uint8(Status.FLAGGED), states["status"])
+    states["status"] = judged_status(states["status"], error, spec)
     return Run(
         t=times,
         omega=of_body(states["omega"]),

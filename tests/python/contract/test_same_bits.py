@@ -12,6 +12,7 @@ import rigid
 from physics import METHODS
 from processes import python_process
 from rigid.model.scene import Scene
+from rigid.solve.status import ARRIVED
 
 TOP = rigid.HeavyTop(rigid.Body((1.0, 1.5, 2.0)), mgl=3.0, com=(0.48, -0.64, 0.6))
 SCENES: dict[str, Scene] = {
@@ -42,8 +43,8 @@ def columns(run: rigid.Run) -> dict[str, np.ndarray]:
         "steps",
     ]
     found = {name: getattr(run, name) for name in names if getattr(run, name) is not None}
-    # What is believed of a body may come from a sample of its batch; how it ended does not.
-    found["status"] = np.where(run.status == rigid.Status.FLAGGED, rigid.Status.OK, run.status)
+    # Whether the error of a body is estimated depends on its batch; how the body ended does not.
+    found["status"] = np.where(np.isin(run.status, ARRIVED), rigid.Status.OK, run.status)
     return found
 
 

@@ -23,6 +23,7 @@ from physics import (
     vertical,
 )
 from rigid.model.scene import Scene
+from rigid.solve.status import ARRIVED
 
 MILLION = 1_000_000
 START = tilted(1.0)
@@ -268,4 +269,5 @@ def test_units_do_not_matter(method: rigid.Method, scene_name: str) -> None:
         assert run.energy_drift == plain.energy_drift
         assert run.momentum_drift == plain.momentum_drift
         assert run.unit_drift == plain.unit_drift
-        assert run.status == plain.status == rigid.Status.FINISHED
+        assert run.status == plain.status
+        assert run.status in ARRIVED

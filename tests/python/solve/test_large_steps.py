@@ -8,6 +8,7 @@ import pytest
 import rigid
 from physics import ROUNDOFF, Floats, angular_momentum, energy, present, rotation_angle, vertical
 from rigid.model.scene import Scene
+from rigid.solve.status import ARRIVED
 
 BODY = rigid.Body((1.0, 1.6, 2.1))
 START = ([0.5, 1.0, 0.8], [0.8, 0.36, -0.48, 0.0])
@@ -97,7 +98,7 @@ def test_energy_and_momentum_stay_in_steps_of_many_radians(angle: float) -> None
         run = rigid.simulate(
             scene, omega, attitude, t=[1000 * step], method="midpoint", step=step, check=False
         )
-        assert run.status == rigid.Status.FINISHED
+        assert run.status in ARRIVED
         # A thousand steps of up to 64 turns of ten operations, all the same way.
         assert max(run.energy_drift, run.momentum_drift, run.unit_drift) < 1e-10
 
@@ -162,7 +163,7 @@ def test_strong_damping_never_feeds_a_body(product: float) -> None:
     scene = rigid.FreeBody(BODY, damping=damping * product / step)
     t = step * np.arange(101)
     run = rigid.simulate(scene, omega, t=t, method="midpoint", step=step, check=False)
-    assert run.status == rigid.Status.FINISHED
+    assert run.status in ARRIVED
     kinetic = energy(scene, run.omega)
     assert np.all(np.diff(kinetic) <= 1e-14 * kinetic[0])
     slowest = product / step * 0.8 / 2.1
@@ -190,7 +191,7 @@ def test_a_top_that_sinks_through_strong_damping(c: float) -> None:
         run = rigid.simulate(
             scene, omega, attitude, t=[1.0], method="midpoint", step=1.0 / count, check=False
         )
-        assert run.status == rigid.Status.FINISHED
+        assert run.status in ARRIVED
         angle = rotation_angle(present(run.attitude), present(truth.attitude))[0]
         errors.append(float(angle))
     assert np.log2(np.array(errors[:-1]) / errors[1:]) == pytest.approx(2.0, abs=0.1)

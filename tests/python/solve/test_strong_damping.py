@@ -7,6 +7,7 @@ import pytest
 
 import rigid
 from physics import golden, golden_scene, present, rotation_angle
+from rigid.solve.status import ARRIVED
 
 STIFF = {method.name: method for method in rigid.methods() if method.stiff}
 BODY = rigid.Body((1.0, 1.5, 2.0))
@@ -83,7 +84,7 @@ def test_the_error_falls_with_the_step_whatever_the_damping(c: float) -> None:
         run = rigid.simulate(
             scene, *START, t=[end], method="etd4", step=end / int(count), check=False
         )
-        assert run.status == rigid.Status.FINISHED
+        assert run.status in ARRIVED
         found.append(max(errors(run, truth)))
     assert max(found) < 1e-2
     speed = float(np.linalg.norm(START[0]))
@@ -116,7 +117,7 @@ def test_reference_trajectories_at_any_product_of_step_and_damping(
     size = np.linalg.norm(case.omega, axis=-1).max()
     assert np.linalg.norm(run.omega - case.omega, axis=-1).max() < 1e-2 * size
     assert rotation_angle(present(run.attitude), case.attitude).max() < 1e-2
-    assert run.status == rigid.Status.FINISHED
+    assert run.status in ARRIVED
 
 
 @pytest.mark.parametrize("method", STIFF)

@@ -168,6 +168,7 @@ fn what_has_no_closed_form_is_refused() {
             schedule,
             steps: &[f64::NAN; 2],
             tolerance: None,
+            refinement: 1.0,
             max_steps: 0,
         };
         simulate(&request, 1, Isa::Scalar, &AtomicBool::new(false)).err().map(|error| error.to_string())

@@ -39,6 +39,7 @@ fn solved(body: &Body, times: &[f64]) -> States {
         schedule: Schedule::Times(times),
         steps: &[f64::NAN],
         tolerance: None,
+        refinement: 1.0,
         max_steps: 0,
     };
     simulate(&request, 1, Isa::available()[0], &AtomicBool::new(false)).unwrap().unwrap()

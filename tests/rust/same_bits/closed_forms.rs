@@ -178,6 +178,7 @@ fn ask_exactly(
         schedule,
         steps: &steps,
         tolerance: None,
+        refinement: 1.0,
         max_steps: 0,
     };
     simulate(&request, threads, isa, &GO).unwrap().unwrap()

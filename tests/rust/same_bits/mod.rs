@@ -332,6 +332,7 @@ impl Question {
             schedule,
             steps,
             tolerance: None,
+            refinement: 1.0,
             max_steps: 500,
         };
         simulate(&request, threads, isa, &GO).unwrap().unwrap()

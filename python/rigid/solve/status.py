@@ -1,0 +1,52 @@
+"""How a body ended, and whether its error is small."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["ARRIVED", "Status", "error_limit", "judged_status"]
+
+COARSE_ERROR = 1e-3
+"""Without a requested accuracy a larger error is called coarse."""
+
+
+class Status(IntEnum):
+    """How a body ended."""
+
+    OK = 0  #: at the last requested time
+    FINISHED = 0  #: another name of OK
+    STOPPED = 1  #: when a map had classified the body
+    STEP_LIMIT = 2  #: it would have needed more than ``max_steps``: not run, or stopped there
+    NOT_FINITE = 3  #: overflow or NaN: too long a step, or a phase beyond 2**50 turns
+    DRIFTED = 4  #: energy, momentum or unit lengths off by more than 0.1: the step is too long
+    FLAGGED = 5  #: error above the requested accuracy, or 1 or more: see ``lost_from``
+    UNCHECKED = 6  #: at the last requested time; its error was not estimated
+    COARSE = 7  #: no accuracy was requested, and the error is above 1e-3
+
+
+ARRIVED = (Status.OK, Status.FLAGGED, Status.UNCHECKED, Status.COARSE)
+"""The statuses of bodies at the last requested time, whatever their errors are."""
+
+
+def error_limit(spec: dict[str, Any]) -> float:
+    """The error from which on a body is flagged."""
+    return 1.0 if spec["accuracy"] is None else float(spec["accuracy"])
+
+
+def judged_status(
+    status: NDArray[np.uint8], error: NDArray[np.float64], spec: dict[str, Any]
+) -> NDArray[np.uint8]:
+    """The status of bodies whose error is known: only a small error leaves them ``OK``."""
+    coarse = (
+        (error > COARSE_ERROR) if spec["accuracy"] is None else np.zeros_like(error, dtype=bool)
+    )
+    judged = np.select(
+        [error >= error_limit(spec), np.isnan(error), coarse],
+        [Status.FLAGGED, Status.UNCHECKED, Status.COARSE],
+        Status.OK,
+    )
+    return np.where(status == Status.OK, judged, status).astype(np.uint8)

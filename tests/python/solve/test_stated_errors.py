@@ -1,0 +1,283 @@
+"""What a run says of its error where two runs could agree and both be wrong."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rigid
+from physics import Floats, present, rotation_angle, tilted
+from rigid import Status, _core
+from rigid.model.scene import Scene
+
+TOP = rigid.HeavyTop(rigid.Body((1.0, 1.2, 0.5)), mgl=1.0, com=(0.6, 0.0, 0.8))
+
+
+def errors(run: rigid.Run, truth: rigid.Run) -> Floats:
+    """True error at each time: of the rates relative to the fastest, of the attitude in rad."""
+    size = np.linalg.norm(truth.omega, axis=-1).max()
+    rates = np.linalg.norm(run.omega - truth.omega, axis=-1) / size
+    angles: Floats = rotation_angle(present(run.attitude), present(truth.attitude))
+    largest: Floats = np.maximum(rates, angles)
+    return largest
+
+
+def both(
+    scene: Scene, omega: Any, t: Any, attitude: Any = None, **options: Any
+) -> tuple[rigid.Run, Floats]:
+    """A run, and its true errors by a series of order 26."""
+    run = rigid.simulate(scene, omega, attitude, t=t, **options)
+    truth = rigid.simulate(scene, omega, attitude, t=t, method="taylor26", check=False)
+    return run, errors(run, truth)
+
+
+# The layer in which strong damping forgets the start
+
+LAYER = rigid.FreeBody(
+    rigid.Body((0.8, 1.7, 2.2)), damping=8000.0, torque=rigid.Torque.body((4e3, -3e3, 5e3))
+)
+EARLY = [1e-4, 1e-3, 0.01, 0.03, 0.1, 0.3]
+
+
+@pytest.mark.parametrize("t", [EARLY, np.geomspace(1e-4, 0.3, 8)], ids=["decades", "geometric"])
+@pytest.mark.parametrize("method", [None, "etd4", "splitting", "midpoint"])
+def test_wanted_times_closer_than_a_step_do_not_hide_its_error(method: str | None, t: Any) -> None:
+    run, true = both(LAYER, [3.0, -10.0, 1.0], t, method=method)
+    assert true.max() > 1e-7
+    assert true.max() <= run.error
+
+
+@pytest.mark.parametrize("t", [EARLY, np.geomspace(1e-4, 0.3, 8)], ids=["decades", "geometric"])
+def test_the_whole_record_keeps_an_accuracy(t: Any) -> None:
+    """The largest error is that of an early time."""
+    run, true = both(LAYER, [3.0, -10.0, 1.0], t, accuracy=1e-8)
+    assert run.plan.method == "etd4"
+    assert run.status == Status.OK
+    assert true.max() <= run.error <= 1e-8
+
+
+@pytest.mark.parametrize("method", ["rk4", "dop853", "splitting", "taylor12", "srkn6", "pmlf4"])
+def test_every_interval_is_checked_by_other_steps(method: str) -> None:
+    """One to three steps lie between the wanted times: shorter steps must be more of them."""
+    top = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
+    for steps in (0.9, 1.05, 1.9, 2.4):
+        t = np.cumsum(np.full(12, 0.3 * steps))
+        run = rigid.simulate(top, [0.4, 0.7, 2.0], tilted(0.6), t=t, method=method, step=0.3)
+        true = errors(run, rigid.simulate(top, [0.4, 0.7, 2.0], tilted(0.6), t=t, method="exact"))
+        assert true.max() <= run.error <= max(20.0 * true.max(), 1e-13)
+
+
+# Steps that follow a tolerance
+
+
+@pytest.mark.parametrize(
+    ("method", "tolerance", "end"),
+    [
+        ("taylor8", 1e-2, 0.5),
+        ("taylor8", 1e-3, 0.3),
+        ("taylor12", 1e-2, 0.5),
+        ("taylor12", 1e-6, 0.3),
+        ("taylor20", 1e-3, 0.8),
+        ("taylor26", 1e-3, 1.0),
+    ],
+)
+def test_a_run_of_a_single_step_is_checked_by_another_series(
+    method: str, tolerance: float, end: float
+) -> None:
+    start: Any = [0.1, 0.2, 2.0]
+    run = rigid.simulate(TOP, start, t=[end], method=method, tolerance=tolerance)
+    assert run.steps == 1
+    truth = rigid.simulate(TOP, start, t=[end], method="taylor16", step=0.01)
+    true = float(errors(run, truth).max())
+    assert true > 1e-11
+    assert true <= run.error
+
+
+@pytest.mark.parametrize("check", [True, False])
+def test_a_body_that_hit_the_step_limit_is_not_run_again(
+    check: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    calls = []
+    core = _core.simulate
+
+    def counted(**request: Any) -> dict[str, Any]:
+        calls.append(len(request["omega"]))
+        return core(**request)
+
+    monkeypatch.setattr(_core, "simulate", counted)
+    options: dict[str, Any] = {"method": "taylor8", "tolerance": 1e-12, "max_steps": 100}
+    run = rigid.simulate(TOP, [[0.1, 0.2, 2.0], [1.0, 2.0, 200.0]], t=[2.0], check=check, **options)
+    assert run.status[1] == Status.STEP_LIMIT
+    assert np.isnan(run.error[1])
+    assert run.error[0] < 1e-9 if check else np.isnan(run.error[0])
+    assert calls == ([2, 1] if check else [2])
+
+
+# Saddles
+
+
+def test_beside_a_homoclinic_motion_the_closed_form_says_what_rounding_becomes() -> None:
+    """In 34-digit arithmetic the state at t = 25 is 3.9e-4 from that of the rounded start."""
+    top = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=2.0)
+    c = 1.0 - np.cos(1.0)
+    start = [np.sqrt(4.0 * c - (c / np.sin(1.0)) ** 2), np.sin(1.0) / (2.0 - c), 2.0]
+    run = rigid.simulate(top, start, tilted(1.0), t=[25.0], accuracy=1e-9)
+    assert run.plan.method == "exact"
+    assert run.error >= 3.9e-4
+    assert run.status == Status.FLAGGED
+    early = rigid.simulate(top, start, tilted(1.0), t=[5.0], accuracy=1e-9)
+    assert early.status == Status.OK
+    late = rigid.simulate(top, start, tilted(1.0), t=[100.0])
+    assert late.status == Status.FLAGGED
+    assert 20.0 < late.lost_from < 40.0
+    assert "shorter steps do not help" in late.reasons()[0]
+
+
+def test_far_from_a_saddle_a_closed_form_errs_by_rounding() -> None:
+    top = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
+    run = rigid.simulate(top, [0.3, 0.2, 3.0], tilted(0.5), t=[100.0])
+    assert run.status == Status.OK
+    assert run.error < 1e-12
+
+
+UPRIGHT = rigid.HeavyTop(rigid.Body((1.0, 1.3, 0.6)), mgl=1.0, com=(0.6, 0.0, 0.8))
+
+
+@pytest.mark.parametrize("method", [None, "rk4", "dop853", "splitting8", "taylor20", "midpoint"])
+@pytest.mark.parametrize("sign", [1.0, -1.0], ids=["hanging", "upright"])
+def test_upright_to_rounding_a_top_is_lost_when_rounding_has_grown(
+    sign: float, method: str | None
+) -> None:
+    """The centre of mass is upright as floats have it: it falls, nobody knows where to or when.
+
+    It leaves the saddle at the rate sqrt(mgl/I), 0.877 to 1.08 1/s: rounding is 1 after 33 to 42 s.
+    Hanging, the same start stays where it is.
+    """
+    half = 0.5 * np.arctan2(0.6, 0.8)
+    attitude = np.array([np.cos(half), 0.0, -np.sin(half), 0.0])
+    if sign > 0.0:
+        attitude = np.array([np.sin(half), 0.0, np.cos(half), 0.0])
+    t = np.linspace(0.0, 60.0, 31)
+    run = rigid.simulate(UPRIGHT, [0.0] * 3, attitude, t=t, method=method)
+    if sign > 0.0:
+        assert run.status in (Status.OK, Status.COARSE)
+        assert np.abs(run.omega).max() < 1e-14
+    else:
+        assert run.status == Status.FLAGGED
+        assert 30.0 <= run.lost_from <= 44.0
+
+
+def test_at_rest_upright_to_the_bit_a_top_stays() -> None:
+    top = rigid.HeavyTop(rigid.Body((1.0, 1.3, 0.6)), mgl=1.0)
+    for method in (None, "rk4", "taylor20"):
+        run = rigid.simulate(top, [0.0] * 3, t=[100.0], method=method)
+        assert run.status == Status.OK
+        assert not run.omega.any()
+
+
+@pytest.mark.parametrize("damping", [0.3, 30.0])
+def test_damping_slows_the_fall_of_an_upright_top(damping: float) -> None:
+    """The exponent is that of the damped saddle: 0.81 and 0.026 1/s about axis 1."""
+    top = rigid.HeavyTop(rigid.Body((1.3, 1.0, 0.6)), mgl=1.0, com=(0.6, 0.0, 0.8), damping=damping)
+    half = 0.5 * np.arctan2(0.6, 0.8)
+    attitude = [np.cos(half), 0.0, -np.sin(half), 0.0]
+    for t, lost in ((20.0, False), (2000.0, True)):
+        run = rigid.simulate(top, [0.0] * 3, attitude, t=[t], method="taylor16")
+        assert (run.status == Status.FLAGGED) == lost
+
+
+# Slow bodies, whole turns
+
+
+@pytest.mark.parametrize(
+    ("method", "accuracy"),
+    [("dop853", 1e-8), ("splitting", 1e-5), ("rk4", None), ("splitting", None)],
+)
+@pytest.mark.parametrize("size", [1e-9, 1e-12])
+def test_a_top_that_hardly_swings_is_compared_with_its_own_rates(
+    method: str, accuracy: float | None, size: float
+) -> None:
+    """It could reach 2 rad/s; displaced by 2e-9 rad it never exceeds 2e-9 rad/s."""
+    top = rigid.HeavyTop(rigid.Body((1.0, 1.3, 0.6)), mgl=1.0)
+    start = size * np.array([0.3, 0.2, 1.0])
+    attitude = [size, 1.0, 0.3 * size, 0.0]
+    t = np.linspace(0.0, 300.0, 40)
+    run, true = both(top, start, t, attitude, method=method, accuracy=accuracy)
+    assert true.max() > 1e-9
+    assert true.max() <= run.error
+    if accuracy is not None:
+        assert run.error <= accuracy
+
+
+def test_rates_that_have_decayed_to_rounding_are_those_of_a_body_at_rest() -> None:
+    """Below 1e-13 of the fastest rate of a body only rounding is left."""
+    top = rigid.HeavyTop(rigid.Body((1.0, 1.3, 0.6)), mgl=1.0, com=(0.6, 0.0, 0.8), damping=1.0)
+    run = rigid.simulate(top, [0.3, 0.2, 1.0], t=[300.0], accuracy=1e-9)
+    assert np.abs(run.omega).max() < 1e-15
+    assert run.status == Status.OK
+
+
+def test_two_runs_that_part_by_a_whole_turn_do_not_look_equal() -> None:
+    """The midpoint rule turns by `2 atan(h omega/2)` a step: 8.7 rad less than 419.5 in the end."""
+    wheel = rigid.FreeBody(rigid.Body((1.0, 1.0, 2.0)))
+    run = rigid.simulate(wheel, [0.0, 0.0, 1.0], t=[419.5], method="midpoint", step=0.5)
+    assert run.status == Status.FLAGGED
+    assert 0.0 < run.lost_from < 60.0
+    tumbling = rigid.FreeBody(rigid.Body((1.0, 1.0, 1.5)))
+    long = rigid.simulate(tumbling, [0.1, 0.2, 1.0], t=[3000.0], method="rk4", step=0.713)
+    assert long.status == Status.FLAGGED
+
+
+def test_the_error_of_the_work_is_stated() -> None:
+    """A torque against damping: in the end the rate is N/c in any run, and the work I (N/c)²/2."""
+    scene = rigid.FreeBody(
+        rigid.Body((2.0, 2.0, 2.0)), torque=rigid.Torque.body((0.0, 0.0, 3.0)), damping=2.0
+    )
+    run = rigid.simulate(scene, [0.0] * 3, t=[60.0], method="rk4", step=0.5, record="rates")
+    assert abs(run.omega[0, 2] - 1.5) < 1e-12
+    energy = 0.5 * 2.0 * 1.5**2
+    off = abs(float(present(run.work)[0]) - energy) / energy
+    assert 1e-6 < off <= run.error
+
+
+# Statuses
+
+
+def test_no_sample_speaks_for_the_others() -> None:
+    """Body 7 is chaotic; the 32 of 200 that are run again are fast tops."""
+    top = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
+    omega = np.tile([0.1, 0.2, 40.0], (200, 1)) + np.linspace(0.0, 0.1, 200)[:, None]
+    omega[7] = [0.1, 0.0, 0.2]
+    run = rigid.simulate(top, omega, tilted(0.3), t=[400.0], method="taylor16")
+    assert np.sum(run.status == Status.OK) == np.sum(~np.isnan(run.error)) == 32
+    assert run.status[7] == Status.UNCHECKED
+    assert np.isnan(run.lost_from[7])
+    assert not run.flagged[7]
+    assert run.reasons()[7] == (
+        "unchecked: its error was not estimated; ask for an accuracy, or simulate this body alone "
+        "with check=True"
+    )
+    alone = rigid.simulate(top, omega[7], tilted(0.3), t=[400.0], method="taylor16")
+    assert alone.status == Status.FLAGGED
+
+
+def test_without_a_check_a_run_is_not_called_ok() -> None:
+    run = rigid.simulate(TOP, [0.1, 0.2, 2.0], t=[1.0], check=False)
+    assert run.status == Status.UNCHECKED
+    assert np.isnan(run.error)
+
+
+def test_a_coarse_run_is_not_called_ok() -> None:
+    run = rigid.simulate(TOP, [0.1, 0.2, 2.0], t=[20.0], method="rk4", step=0.3)
+    assert 1e-3 < run.error < 1.0
+    assert run.status == Status.COARSE
+    assert run.reasons() == (
+        f"coarse: the estimated error is {float(run.error):.1e}; end the run earlier or ask for an "
+        "accuracy",
+    )
+    finer = rigid.simulate(TOP, [0.1, 0.2, 2.0], t=[20.0], method="rk4", step=0.05)
+    assert finer.status == Status.OK
+    asked = rigid.simulate(TOP, [0.1, 0.2, 2.0], t=[20.0], accuracy=1e-2)
+    assert asked.status == Status.OK
