@@ -224,7 +224,12 @@ def choose_method(problem: Problem) -> tuple[Plan, Floats | None]:
             problem.rates(method),
             span,
             steps if problem.step is None else problem.step,
+            _damping_rate(scene),
         )
+    error = estimate.error
+    if error is not None and problem.accuracy is not None:
+        # The steps of the run are shortened until it is met.
+        error = min(error, problem.accuracy)
     chosen = Plan(
         scene=scene.words(),
         question=question_words(question),
@@ -236,9 +241,15 @@ def choose_method(problem: Problem) -> tuple[Plan, Floats | None]:
         step=estimate.step,
         steps=estimate.steps,
         cost=estimate.cost,
-        error=estimate.error,
+        error=error,
     )
     return chosen, steps
+
+
+def _damping_rate(scene: Scene) -> float:
+    """The largest rate at which damping slows the body (1/s)."""
+    forcing = scene.forcing
+    return 0.0 if forcing is None else float(forcing.damping_rates(scene.body.moments)[-1])
 
 
 def _known_closed_forms(problem: Problem) -> NDArray[np.str_]:
@@ -286,10 +297,9 @@ def _preferred(problem: Problem, forms: NDArray[np.str_]) -> tuple[str, list[str
 
 def _scheme(problem: Problem, why: list[str]) -> tuple[str, list[str]]:
     """The scheme of bodies without a closed form: the one for strong damping where it is needed."""
-    forcing = problem.scene.forcing
-    if forcing is None:
+    slowing = _damping_rate(problem.scene)
+    if slowing == 0.0:
         return FALLBACK, why
-    slowing = float(forcing.damping_rates(problem.scene.body.moments)[-1])  # 1/s
     turning = problem.rates()
     if problem.step is not None:
         # An explicit scheme would have the error of the damping, not of the motion.

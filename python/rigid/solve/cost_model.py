@@ -18,7 +18,7 @@ from ..model.scene import Scene
 from .arrays import time_range, time_span
 from .batch import Batch
 from .closed_form import lagrange_axis_of
-from .methods import order_of
+from .methods import is_processed, order_of, stiff_methods
 
 __all__ = [
     "ROUNDING",
@@ -39,6 +39,16 @@ Floats = NDArray[np.float64]
 
 ROUNDING = 1e-15
 """Error of an attitude per radian turned that float64 leaves even to a closed form (rad)."""
+
+
+MARGIN = 5.0
+"""The error of the model is that of a body in the middle of many; a plan states this times it."""
+
+PROCESSOR = 1e-12
+"""Rounding (rad) of the change of variables before and after the steps of a processed scheme."""
+
+LAYER = 0.1
+"""Steps longer than this share of the damping time do not resolve how damping forgets a start."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -214,8 +224,11 @@ def steps_estimate(
     rates: Floats | None,
     span: float | None,
     steps: Floats | float | None,
+    damping: float = 0.0,
 ) -> Estimate:
     """Cost and error of a scheme.
+
+    The error is that of the model times a margin.
 
     Parameters
     ----------
@@ -228,6 +241,9 @@ def steps_estimate(
         How much time is covered (s).
     steps : ndarray, shape (n,), float or None
         The longest step of each body or of all (s); None leaves them to the method.
+    damping : float
+        The largest damping rate (1/s). The error of a stiff scheme is not known unless its steps
+        follow the damping: the model does not contain the layer in which the start is forgotten.
     """
     if rates is None:
         return Estimate(steps if isinstance(steps, float) else None, None, None, None)
@@ -239,10 +255,12 @@ def steps_estimate(
     counted = taken < 2.0**63
     scheme = schemes()[method, kind]
     error = None
-    if span is not None:
+    layer = method in stiff_methods() and bool(np.any(steps * damping > LAYER))
+    if span is not None and not layer:
         angles = rates * span
         turn = np.where(rates > 0.0, rates * steps, 0.0)
-        error = ROUNDING * (1.0 + angles) + angles * scheme.factor * turn**scheme.order
+        error = ROUNDING * (1.0 + angles) + PROCESSOR * is_processed(method)
+        error += MARGIN * angles * scheme.factor * turn**scheme.order
     return Estimate(
         step=shortest if shortest < np.inf else None,
         steps=math.ceil(taken) if counted else None,

@@ -116,7 +116,7 @@ def estimate_error(
     The states were made with these longest steps (s) and this :meth:`refinement <Request.states>`.
     """
     batch, times, method = request.batch, request.times, request.method
-    ended = ~np.isin(states["status"], (Status.STEP_LIMIT, Status.NOT_FINITE))
+    ended = states["status"] != Status.STEP_LIMIT
     if not ended.all():
         estimate, some = unknown_error(len(batch)), np.flatnonzero(ended)
         if len(some):

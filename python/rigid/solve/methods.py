@@ -16,6 +16,7 @@ __all__ = [
     "Method",
     "check_method",
     "driven_methods",
+    "is_processed",
     "map_methods",
     "methods",
     "order_of",
@@ -111,6 +112,11 @@ def methods() -> tuple[Method, ...]:
 def order_of(name: str) -> int:
     """The order of a scheme."""
     return _named(name).order
+
+
+def is_processed(name: str) -> bool:
+    """Whether a scheme has states only before and after many steps."""
+    return not _named(name).maps
 
 
 def rotations(name: str) -> int:

@@ -51,7 +51,9 @@ class Plan:
         Estimate of the processor time of a body, ns; of the costliest of many.
     error : float or None
         Estimate of the error of the attitude at the end, rad: ``1e-15`` per radian turned, and for
-        a scheme the phase error of its order. Saddles and chaos multiply it.
+        a scheme five times the phase error of its order, at most a requested accuracy. Saddles and
+        chaos multiply it. None if it is not known: the rates or the horizon are missing, or damping
+        is stronger than the steps of a stiff scheme resolve.
     """
 
     scene: str

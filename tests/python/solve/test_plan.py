@@ -410,3 +410,39 @@ def test_wrong_kinds_are_refused() -> None:
         rigid.plan(FREE, rigid.tilt_below(0.5, reference="vertical"))
     with pytest.raises(TypeError):
         rigid.plan(FREE, "rates", acuracy=1e-3)  # type: ignore[call-arg]
+
+
+# Errors that a plan cannot know
+
+
+@pytest.mark.parametrize("method", [None, "etd4", "splitting", "midpoint"])
+def test_under_strong_damping_the_error_of_a_plan_is_unknown(method: str | None) -> None:
+    """Its steps do not resolve how the start is forgotten: the error is 1e6 times the model's."""
+    scene = rigid.FreeBody(rigid.Body((1.0, 1.3, 0.6)), damping=(1e4, 1.0, 1e-2))
+    options: dict[str, Any] = {"omega": [3.0, -2.0, 4.0], "t_end": 4.0, "method": method}
+    plan = rigid.plan(scene, "attitude", **options)
+    assert plan.method == (method or "etd4")
+    assert plan.error is None
+    assert str(plan).splitlines()[-1] == "error       unknown"
+    followed = rigid.plan(scene, "attitude", **{**options, "method": "rk4"})
+    assert followed.error is not None
+
+
+def test_the_error_of_a_plan_is_seldom_too_small_by_ten() -> None:
+    """Random bodies at the default steps, where neither a saddle nor chaos multiplies the error."""
+    rng = np.random.default_rng(12)
+    small = []
+    for _ in range(60):
+        parts = 10.0 ** rng.uniform(-1.5, 0.0, 3)
+        body = rigid.Body(parts.sum() - parts)
+        com = rng.normal(size=3)
+        scene = rigid.HeavyTop(body, mgl=1.0, com=tuple(com / np.linalg.norm(com)))
+        omega = rng.normal(size=3) * 10.0 ** rng.uniform(-0.5, 1.0)
+        method = str(rng.choice(["rk4", "dop853", "splitting4", "taylor12", "pmlf6"]))
+        run = rigid.simulate(scene, omega, t=[5.0], method=method, check=False)
+        truth = rigid.simulate(scene, omega, t=[5.0], method="taylor20", step=0.02, check=False)
+        if rigid.condition(scene, omega, t=[5.0])[0] < 100.0:
+            error = rotation_angle(present(run.attitude), present(truth.attitude))[0]
+            small.append(error > 10.0 * present_float(run.plan.error))
+    assert len(small) >= 50
+    assert np.mean(small) <= 0.02
