@@ -290,6 +290,15 @@ class _Sums:
     about: Floats
 
 
+def _in_own_unit(vectors: Floats) -> tuple[Floats, NDArray[np.int32]]:
+    """The vectors of each system over a power of two near their largest, and its exponent.
+
+    Shapes (..., N, 3) and (...).
+    """
+    exponent = np.frexp(np.abs(vectors).max(axis=(-2, -1), initial=0.0))[1]
+    return np.ldexp(vectors, -exponent[..., np.newaxis, np.newaxis]), exponent
+
+
 def _sums(forces: ArrayLike, points: ArrayLike, about: ArrayLike, rtol: float) -> _Sums:
     f, r = shaped("forces", forces, None, 3), shaped("points", points, None, 3)
     if f.shape[-2] != r.shape[-2]:
@@ -299,13 +308,16 @@ def _sums(forces: ArrayLike, points: ArrayLike, about: ArrayLike, rtol: float) -
     f, r, origin = together(forces=f, points=r, about=point)
     arm = r - origin
     force, torque = f.sum(axis=-2), np.cross(arm, f).sum(axis=-2)
-    sizes, arms = np.linalg.norm(f, axis=-1), np.linalg.norm(arm, axis=-1)
-    size = np.linalg.norm(force, axis=-1)
+    # In units of the largest force and of the longest arm no square leaves the range of doubles.
+    (unit_f, exponent), (unit_arm, _) = _in_own_unit(f), _in_own_unit(arm)
+    sizes, arms = np.linalg.norm(unit_f, axis=-1), np.linalg.norm(unit_arm, axis=-1)
+    unit_torque = np.cross(unit_arm, unit_f).sum(axis=-2)
+    size = np.linalg.norm(unit_f.sum(axis=-2), axis=-1)
     return _Sums(
         force=force,
         torque=torque,
         some_force=size > share * sizes.sum(axis=-1),
-        some_torque=np.linalg.norm(torque, axis=-1) > share * (arms * sizes).sum(axis=-1),
-        size=size[..., np.newaxis],
+        some_torque=np.linalg.norm(unit_torque, axis=-1) > share * (arms * sizes).sum(axis=-1),
+        size=np.ldexp(size, exponent)[..., np.newaxis],
         about=np.broadcast_to(point[..., 0, :], force.shape),
     )

@@ -172,6 +172,19 @@ def test_the_equilibrant_makes_both_sums_vanish(about: list[float]) -> None:
     assert whole.balanced
 
 
+@pytest.mark.parametrize("unit", [2.0**-1000, 1.0, 2.0**900])
+def test_units_do_not_decide_what_balances(unit: float) -> None:
+    """Squares of such forces and arms leave the range of doubles."""
+    up, apart = [0.0, 0.0, unit], [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]]
+    assert not statics.equilibrium([up], [[0.0, 0.0, 0.0]]).balanced
+    assert statics.equilibrium([up, [0.0, 0.0, -unit]], [[0.0, 0.0, 0.0]] * 2).balanced
+    assert not statics.equilibrium([up, [0.0, 0.0, -unit]], apart).balanced
+    long = (np.array(apart) * 2.0**-600).tolist()
+    assert not statics.equilibrium([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]], long).balanced
+    pair = statics.wrench([up, up], apart)
+    assert pair.pitch == 0.0
+
+
 def test_which_of_the_two_is_needed() -> None:
     through = statics.equilibrant([[0, 0, 2], [0, 1, 0]], [[1, 1, 4], [1, 3, 1]], about=[1, 1, 1])
     assert (bool(through.needs_force), bool(through.needs_couple)) == (True, False)

@@ -54,6 +54,9 @@ ROTATION = 1.6e-17
 
 Equal rotations err in both runs alike, all in one direction."""
 
+RINGING = "midpoint"
+"""Under strong damping its rates change sign each step and hardly decay: it is not L-stable."""
+
 PART_OF_A_TURN = 0.5
 """Phase (rad) by which two runs may part between two compared times; a whole turn would not show"""
 
@@ -134,6 +137,8 @@ def estimate_error(
         batch, states, _second_run(request, steps, refinement), rates
     )
     error += floor[:, None] + departure(batch, times)
+    if method == RINGING and batch.forcing is not None:
+        error += _ringing(batch, states, times)
     # What is not a number is not known.
     error = np.where(np.isfinite(error), error, np.inf)
     if is_damped_stiffly(request) and request.tolerance is None:
@@ -158,6 +163,24 @@ def _distances_of_runs(
     work = np.abs(states["work"] - again["work"]) / np.where(energy > 0.0, energy, 1.0)[:, None]
     largest: Floats = np.maximum(apart, work)
     return largest
+
+
+def _ringing(batch: Batch, states: Mapping[str, Any], times: Floats) -> Floats:
+    """What is left of the rates of the start where damping should have ended them, shape (n, m).
+
+    After an even number of steps it has its first sign again: two runs may agree in it.
+    """
+    assert batch.forcing is not None
+    rate = batch.forcing.damping_rates(batch.moments[0].tolist())[-1]
+    taken = states["steps"][:, None] * np.maximum(times, 0.0) / time_span(times)
+    damped = 0.5 * rate * time_span(times) / states["steps"][:, None]
+    left = np.where(damped > 1.0, ((damped - 1.0) / (damped + 1.0)) ** taken, 0.0)
+    size = np.linalg.norm(states["omega"], axis=-1).max(axis=1)
+    start = np.linalg.norm(batch.omega, axis=1)
+    ratio: Floats = np.where(size > 0.0, start / size, 0.0)
+    # At the start itself nothing should have ended.
+    rings: Floats = np.where(times > 0.0, left * ratio[:, None], 0.0)
+    return rings
 
 
 def _second_run(request: Request, steps: Floats | None, refinement: float) -> dict[str, Any]:

@@ -49,6 +49,16 @@ def test_wanted_times_closer_than_a_step_do_not_hide_its_error(method: str | Non
     assert true.max() <= run.error
 
 
+def test_rates_that_ring_instead_of_decaying_are_flagged() -> None:
+    """Damping ends the rates in 1e-6 s; 44 and 88 steps of the midpoint rule both keep them."""
+    scene = rigid.FreeBody(rigid.Body((0.12, 0.1, 0.15)), damping=1e5)
+    run = rigid.simulate(scene, [-1.8, -3.0, -0.7], t=[2.5], method="midpoint", step=0.057)
+    assert np.linalg.norm(run.omega) > 1.0
+    assert run.status == Status.FLAGGED
+    fine = rigid.simulate(scene, [-1.8, -3.0, -0.7], t=[1e-5], method="midpoint", step=1e-7)
+    assert fine.error < 1e-2
+
+
 @pytest.mark.parametrize("t", [EARLY, np.geomspace(1e-4, 0.3, 8)], ids=["decades", "geometric"])
 def test_the_whole_record_keeps_an_accuracy(t: Any) -> None:
     """The largest error is that of an early time."""
