@@ -18,7 +18,7 @@ from ..model.scene import Scene
 from .arrays import time_range, time_span
 from .batch import Batch
 from .closed_form import lagrange_axis_of
-from .methods import is_processed, order_of, stiff_methods
+from .methods import is_processed, is_stiff, order_of
 
 __all__ = [
     "ROUNDING",
@@ -255,7 +255,7 @@ def steps_estimate(
     counted = taken < 2.0**63
     scheme = schemes()[method, kind]
     error = None
-    layer = method in stiff_methods() and bool(np.any(steps * damping > LAYER))
+    layer = is_stiff(method) and bool(np.any(steps * damping > LAYER))
     if span is not None and not layer:
         angles = rates * span
         turn = np.where(rates > 0.0, rates * steps, 0.0)

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from .arrays import time_range, time_span
 from .batch import Batch
 from .cost_model import ROUNDING, phase_error
-from .methods import order_of, rotations, series_methods, stiff_methods
+from .methods import is_stiff, order_of, rotations, series_methods
 from .request import Request, select_states
 from .saddle import departure, separatrices
 from .status import Status
@@ -229,7 +229,7 @@ def _count_turns(request: Request, taken: Floats, estimate: ErrorEstimate) -> No
 
 def is_damped_stiffly(request: Request) -> bool:
     """Whether a method for strong damping integrates forced bodies."""
-    return request.batch.forcing is not None and request.method in stiff_methods()
+    return request.batch.forcing is not None and is_stiff(request.method)
 
 
 def _lost_from(error: Floats, times: Floats) -> Floats:

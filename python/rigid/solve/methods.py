@@ -17,6 +17,7 @@ __all__ = [
     "check_method",
     "driven_methods",
     "is_processed",
+    "is_stiff",
     "map_methods",
     "methods",
     "order_of",
@@ -24,7 +25,6 @@ __all__ = [
     "rotations",
     "run_methods",
     "series_methods",
-    "stiff_methods",
 ]
 
 EXACT = "exact"
@@ -166,6 +166,6 @@ def check_method(name: str, kind: str, *, watched: bool, driven: bool = False) -
             )
 
 
-def stiff_methods() -> list[str]:
-    """The schemes that strong damping does not force to short steps."""
-    return [method.name for method in methods() if method.stiff]
+def is_stiff(name: str) -> bool:
+    """Whether strong damping does not force a scheme to short steps."""
+    return _named(name).stiff

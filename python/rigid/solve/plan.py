@@ -48,7 +48,8 @@ class Plan:
     why, left_out : tuple of str
         The reasons, and the parts that the scene or the question does not need.
     cost : float or None
-        Estimate of the processor time of a body, ns; of the costliest of many.
+        Estimate of the processor time of a body, ns; of the costliest of many. It is that of one of
+        many bodies: a body alone takes a group of 32 for itself, hence up to 32 times as long.
     error : float or None
         Estimate of the error of the attitude at the end, rad: ``1e-15`` per radian turned, and for
         a scheme five times the phase error of its order, at most a requested accuracy. Saddles and

@@ -54,11 +54,11 @@ def departure(batch: Batch, times: Floats) -> Floats:
     moments = np.broadcast_to(batch.moments, (len(batch), 3))
     weight = np.broadcast_to(batch.weight, (len(batch), 3))
     vertical, omega = _verticals(batch), batch.omega
-    torque = np.cross(moments * omega, omega) + np.cross(vertical, weight) - omega @ damping
+    torque = _cross(moments * omega, omega) + _cross(vertical, weight) - omega @ damping
     rate = np.sqrt(np.sum(omega**2, axis=1) + np.linalg.norm(weight, axis=1) / moments.min(axis=1))
     away = np.maximum(
         np.linalg.norm(torque / moments, axis=1) / rate**2,
-        np.linalg.norm(np.cross(vertical, omega), axis=1) / rate,
+        np.linalg.norm(_cross(vertical, omega), axis=1) / rate,
     )
     since = np.abs(times) if batch.forcing is None else np.maximum(times, 0.0)
     for body in np.flatnonzero((away > 0.0) & (away < NEAR)):
@@ -85,6 +85,12 @@ def _damping_matrix(forcing: _core.Forcing) -> Floats | None:
         return None
     d11, d22, d33, d23, d31, d12 = entries
     return np.array([[d11, d12, d31], [d12, d22, d23], [d31, d23, d33]])
+
+
+def _cross(a: Floats, b: Floats) -> Floats:
+    """The products ``a x b``, shape (n, 3); for a single body faster than that of NumPy."""
+    (a1, a2, a3), (b1, b2, b3) = a.T, b.T
+    return np.stack([a2 * b3 - a3 * b2, a3 * b1 - a1 * b3, a1 * b2 - a2 * b1], axis=-1)
 
 
 def _cross_matrix(v: Floats) -> Floats:
