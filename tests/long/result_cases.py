@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 import rigid
 from rigid import cli
+from rigid.solve.status import ARRIVED
 
 Floats = NDArray[np.float64]
 Case = tuple[str, Callable[[], Any]]
@@ -161,7 +162,7 @@ def _answered(compute: Callable[[], Any]) -> Any:
 
 def _states(run: rigid.Run) -> dict[str, Any]:
     """Everything that the core computes of a run, without what the estimate of the error says."""
-    status = np.where(run.status == rigid.Status.FLAGGED, rigid.Status.OK, run.status)
+    status = np.where(np.isin(run.status, ARRIVED), rigid.Status.OK, run.status)
     names = ("t", "omega", "gamma", "attitude", "work", "steps")
     drifts = ("energy_drift", "momentum_drift", "unit_drift")
     return {name: getattr(run, name) for name in (*names, *drifts)} | {
