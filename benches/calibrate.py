@@ -68,7 +68,7 @@ def ends(table: dict[str, Any], method: str, record: str, steps: Any, time_: flo
         step=steps,
         max_steps=10**9,
         threads=1,
-        times=[time_],
+        times=np.array([time_]),
     )
 
 

@@ -1,8 +1,8 @@
-//! Errors of requests. A run raises no error: each body has a status.
+//! Errors of requests, and why a run did not end. The bodies of a run raise no error: each has a status.
 
 use thiserror::Error;
 
-/// An invalid request: the argument, its value and the rule that it breaks.
+/// An invalid request: the argument, its value and the rule that it breaks; or a run that did not end.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum Error {
     /// `RIGID_ISA` names a path that does not exist or that the CPU lacks.
@@ -108,5 +108,30 @@ pub enum Error {
         pixel: usize,
         /// Which bodies have one.
         rule: &'static str,
+    },
+    /// What a request needs does not fit into memory.
+    #[error(
+        "{what}: {bytes} bytes of memory are needed, {}; divide the request into several smaller ones",
+        match limit {
+            Some(limit) => format!("more than the {limit} bytes that this machine or its control group has"),
+            None => "which the system refuses".into(),
+        }
+    )]
+    Memory {
+        /// What the memory is for.
+        what: String,
+        /// Its size.
+        bytes: u128,
+        /// The memory of the machine, if that is what is exceeded.
+        limit: Option<u64>,
+    },
+    /// The request was stopped from outside.
+    #[error("interrupted")]
+    Stopped,
+    /// A fault of the library itself.
+    #[error("a fault of rigid itself, please report it with the call that led here: {words}")]
+    Fault {
+        /// What the library noticed.
+        words: String,
     },
 }

@@ -5,7 +5,7 @@
 //! ```text
 //! real ← simd        real ← special ← kinematics        body, kinematics ← forcing ← start
 //! {kinematics, forcing} ← scene ← scheme ← observe ← kernel        {special, start} ← exact
-//! special ← sample        {kernel, exact, sample, parallel} ← trajectory ← map ← python
+//! special ← sample        memory ← parallel        {kernel, exact, sample, parallel} ← trajectory ← map ← python
 //! ```
 
 pub mod body;
@@ -15,6 +15,7 @@ pub mod forcing;
 pub mod kernel;
 pub mod kinematics;
 pub mod map;
+pub mod memory;
 pub mod observe;
 pub mod parallel;
 #[cfg(feature = "python")]

@@ -1,38 +1,72 @@
 //! Work over threads, and the processor time that it takes.
-//!
-//! No pool and nothing shared: the results are returned in the order of the blocks.
 
+use crate::error::Error;
+use crate::memory;
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
 
-/// Does `work` for each block 0 .. `blocks` on `threads` threads, the caller's among them.
+/// Address space of a thread: its stack, the arena of its allocator, and what it allocates for a block.
+const BYTES_OF_A_THREAD: usize = 80 << 20;
+
+/// Does `work` for each block on at most `threads` threads, the caller's among them.
 ///
-/// Stops before the next block once `stop` is set; the blocks not done are then `None`.
-pub fn over_blocks<T: Send>(
-    blocks: usize,
+/// A thread that cannot be started is done without. Blocks are never listed: there may be any number of them.
+///
+/// # Errors
+/// The first error of a block, and `Stopped` if `stop` is set before the last block: no further block is begun then.
+pub fn over_blocks<B>(
+    blocks: impl Iterator<Item = B> + Send,
     threads: usize,
     stop: &AtomicBool,
-    work: impl Fn(usize) -> T + Sync,
-) -> Vec<Option<T>> {
-    let next = AtomicUsize::new(0);
-    let results: Mutex<Vec<Option<T>>> = Mutex::new((0..blocks).map(|_| None).collect());
-    let worker = || {
-        while !stop.load(Ordering::Relaxed) {
-            let block = next.fetch_add(1, Ordering::Relaxed);
-            if block >= blocks {
-                break;
+    work: impl Fn(B) -> Result<(), Error> + Sync,
+) -> Result<(), Error> {
+    let threads = threads.min(blocks.size_hint().0);
+    let blocks = Mutex::new(blocks);
+    let failed = AtomicBool::new(false);
+    let failure = Mutex::new(None);
+    let each = || {
+        while !failed.load(Ordering::Relaxed) {
+            let next = blocks.lock().expect("the iterator does not panic").next();
+            let Some(block) = next else { break };
+            if stop.load(Ordering::Relaxed) {
+                return Err(Error::Stopped);
             }
-            let result = work(block);
-            results.lock().expect("no thread panics while it holds the results")[block] = Some(result);
+            work(block)?;
+        }
+        Ok(())
+    };
+    let worker = || {
+        if let Err(error) = caught(each) {
+            failed.store(true, Ordering::Relaxed);
+            failure.lock().expect("nothing panics here").get_or_insert(error);
         }
     };
-    std::thread::scope(|scope| {
-        for _ in 1..threads.min(blocks) {
-            scope.spawn(worker);
+    thread::scope(|scope| {
+        for _ in 1..threads {
+            if !memory::has_room(BYTES_OF_A_THREAD)
+                || thread::Builder::new().spawn_scoped(scope, worker).is_err()
+            {
+                break;
+            }
         }
         worker();
     });
-    results.into_inner().expect("no thread panics while it holds the results")
+    failure.into_inner().expect("nothing panics there").map_or(Ok(()), Err)
+}
+
+/// The result of `work`; a panic becomes an error.
+pub fn caught<T>(work: impl FnOnce() -> Result<T, Error>) -> Result<T, Error> {
+    catch_unwind(AssertUnwindSafe(work))
+        .unwrap_or_else(|panic| Err(Error::Fault { words: words_of(&*panic) }))
+}
+
+/// What a panic says.
+fn words_of(panic: &(dyn Any + Send)) -> String {
+    let fixed = panic.downcast_ref::<&str>().map(|words| words.to_string());
+    fixed.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_default()
 }
 
 /// Nanoseconds of processor time of the calling thread (of wall time where the system has no such clock).
@@ -42,7 +76,7 @@ pub fn thread_nanoseconds() -> u64 {
     #[cfg(unix)]
     {
         let mut now = libc::timespec { tv_sec: 0, tv_nsec: 0 };
-        // Safety: `now` is a valid timespec; on failure it stays zero.
+        // SAFETY: `now` is a valid timespec; on failure it stays zero.
         unsafe { libc::clock_gettime(libc::CLOCK_THREAD_CPUTIME_ID, &mut now) };
         now.tv_sec as u64 * 1_000_000_000 + now.tv_nsec as u64
     }
@@ -60,18 +94,42 @@ mod tests {
     use super::*;
 
     #[test]
-    fn results_are_in_the_order_of_the_blocks() {
+    fn every_block_is_done_once() {
         let go = AtomicBool::new(false);
         for threads in [1, 2, 7, 100] {
-            let squares = over_blocks(50, threads, &go, |block| block * block);
-            assert!(squares.into_iter().enumerate().all(|(block, square)| square == Some(block * block)));
+            let mut squares = [0; 50];
+            let blocks = squares.iter_mut().enumerate();
+            let square = |(block, place): (usize, &mut usize)| {
+                *place += block * block;
+                Ok(())
+            };
+            over_blocks(blocks, threads, &go, square).unwrap();
+            assert!(squares.iter().enumerate().all(|(block, &square)| square == block * block));
         }
     }
 
     #[test]
     fn blocks_after_a_stop_are_not_done() {
         let stop = AtomicBool::new(false);
-        let done = over_blocks(5, 1, &stop, |block| stop.store(block == 1, Ordering::Relaxed));
-        assert_eq!(done, [Some(()), Some(()), None, None, None]);
+        let done = Mutex::new(0);
+        let ended = over_blocks(0..5, 1, &stop, |block| {
+            *done.lock().unwrap() += 1;
+            stop.store(block == 1, Ordering::Relaxed);
+            Ok(())
+        });
+        assert_eq!((ended, done.into_inner().unwrap()), (Err(Error::Stopped), 2));
+    }
+
+    #[test]
+    fn a_panic_in_a_thread_ends_the_work_as_an_error() {
+        let go = AtomicBool::new(false);
+        for threads in [1, 3] {
+            // Far too many blocks to do: the others end too.
+            let ended = over_blocks(0..u64::MAX, threads, &go, |block| match block {
+                7 => panic!("block {block} is bad"),
+                _ => Ok(()),
+            });
+            assert_eq!(ended, Err(Error::Fault { words: "block 7 is bad".into() }));
+        }
     }
 }

@@ -12,6 +12,7 @@ __all__ = [
     "MapJob",
     "MapStatistics",
     "__version__",
+    "available_threads",
     "build_info",
     "check_method",
     "check_moments",
@@ -40,6 +41,7 @@ __all__ = [
 DRIFT_LIMIT: float
 __version__: str
 
+def available_threads() -> int: ...
 def build_info() -> dict[str, Any]: ...
 def methods() -> list[dict[str, Any]]: ...
 def chosen_methods() -> dict[str, str]: ...
@@ -64,7 +66,7 @@ def simulate(
     step: NDArray[np.float64] | None,
     max_steps: int,
     threads: int,
-    times: Sequence[float] | None = None,
+    times: NDArray[np.float64] | None = None,
     strides: Sequence[int] | None = None,
     refinement: float = 1.0,
     tolerance: float | None = None,

@@ -62,12 +62,10 @@ impl TopQuantities {
     }
 }
 
-/// Times of the first `count` sign changes of a component (0 to 2) after the start, infinite from the first that does
-/// not come; `None` if the motion has no closed form for them.
-pub fn sign_change_times(isa: Isa, body: &Body, axis: usize, count: usize) -> Option<Vec<f64>> {
-    let [first, interval] = sign_changes(isa, body, axis)?;
+/// Time of sign change number `k`, from 0, of a component with these `sign_changes`.
+pub fn sign_change_time([first, interval]: [f64; 2], k: usize) -> f64 {
     let never = first == f64::INFINITY;
-    Some((0..count).map(|k| if never || k == 0 { first } else { first + k as f64 * interval }).collect())
+    if never || k == 0 { first } else { first + k as f64 * interval }
 }
 
 /// Runs scalar code with the FMA instruction where there is one: same bits, ten times faster.

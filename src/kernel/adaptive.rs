@@ -1,6 +1,8 @@
 //! Adaptive steps of a group: the length of each step from the series of the body, and states inside the step.
 
 use super::group::{Group, MAX_STATE};
+use crate::error::Error;
+use crate::memory;
 use crate::real::{Pack, Real};
 use crate::scene::{Layout, Model, Parameters};
 use crate::scheme::{Coefficients, MAX_ORDER, Stepper, two_sum};
@@ -32,10 +34,10 @@ pub struct AdaptiveSteps {
 
 impl AdaptiveSteps {
     /// Inactive lanes.
-    pub fn waiting(tolerance: f64) -> AdaptiveSteps {
+    pub fn waiting(tolerance: f64) -> Result<AdaptiveSteps, Error> {
         let nothing = Row([0.0; LANES]);
-        AdaptiveSteps {
-            powers: vec![[nothing; MAX_STATE]; MAX_ORDER + 1],
+        Ok(AdaptiveSteps {
+            powers: memory::filled("series of a group", MAX_ORDER + 1, [nothing; MAX_STATE])?,
             unit: nothing,
             begin: [nothing; 2],
             now: [nothing; 2],
@@ -44,7 +46,7 @@ impl AdaptiveSteps {
             direction: Row([1.0; LANES]),
             inverse_rate: nothing,
             tolerance,
-        }
+        })
     }
 }
 

@@ -79,7 +79,7 @@ struct Waiting {
 pub(super) struct ClosedFormClassifier<'a> {
     map: &'a Map,
     isa: Isa,
-    waiting: [Option<Box<Waiting>>; 3],
+    waiting: [Option<Waiting>; 3],
 }
 
 impl<'a> ClosedFormClassifier<'a> {
@@ -99,13 +99,13 @@ impl<'a> ClosedFormClassifier<'a> {
         let isa = self.isa;
         let waiting = self.waiting[kind as usize].get_or_insert_with(|| {
             let nothing = Row([0.0; LANES]);
-            Box::new(Waiting {
+            Waiting {
                 evaluator: Evaluator::new(kind, isa),
                 starts: StartRows::filled(&query.form.to_canonical(body)),
                 exits: ExitRows { axis: nothing, limit: nothing, direction: nothing },
                 indices: [0; LANES],
                 filled: 0,
-            })
+            }
         });
         let lane = waiting.filled;
         match kind {

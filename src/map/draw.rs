@@ -1,6 +1,8 @@
 //! The starts of samples, drawn side by side: each a pure function of seed, pixel and sample.
 
 use super::{Map, Pixel};
+use crate::error::Error;
+use crate::memory;
 use crate::real::Pack;
 use crate::sample::{self, Law};
 use crate::simd::Isa;
@@ -91,10 +93,13 @@ compiled!(attitudes_of, attitudes);
 
 impl Map {
     /// The starts of a range of samples in pixel-major order; the nominal ones where the pixel has no body.
-    pub fn draw(&self, isa: Isa, range: Range<u64>) -> Vec<Body> {
-        let places: Vec<(u64, u64)> = self.pixels_and_samples(range).collect();
+    pub fn draw(&self, isa: Isa, range: Range<u64>) -> Result<Vec<Body>, Error> {
+        // As many as a block has at most.
+        let count = (range.end - range.start) as usize;
+        let places = memory::collected("starts of a block", count, self.pixels_and_samples(range))?;
         let pixel = |place: &(u64, u64)| &self.pixels[place.0 as usize];
-        let mut bodies: Vec<Body> = places.iter().map(|place| pixel(place).body).collect();
+        let bodies = places.iter().map(|place| pixel(place).body);
+        let mut bodies = memory::collected("starts of a block", count, bodies)?;
         let mut draws = Draws { uniforms: [NOTHING; 4], sizes: [NOTHING; 4], start: [NOTHING; 4] };
         for (bodies, places) in bodies.chunks_mut(LANES).zip(places.chunks(LANES)) {
             if self.omega_law != Law::None {
@@ -130,6 +135,6 @@ impl Map {
                 }
             }
         }
-        bodies
+        Ok(bodies)
     }
 }

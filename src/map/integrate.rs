@@ -1,6 +1,7 @@
 //! Integrates samples side by side: a lane whose sample is finished gets the next sample.
 
 use super::{Class, Map, Outcome, STEP_BLOCK};
+use crate::error::Error;
 use crate::kernel::{Compiled, Kernel};
 use crate::kernel::{Entry, load};
 use crate::kernel::{ForcingRows, Group};
@@ -27,8 +28,8 @@ struct LaneTask {
 }
 
 impl Map {
-    /// Integrates the tasks of one kernel and calls `finish` with each outcome; `None` if interrupted. The bodies are
-    /// those of the samples from `first` on.
+    /// Integrates the tasks of one kernel and calls `finish` with each outcome. The bodies are those of the samples
+    /// from `first` on.
     #[allow(clippy::too_many_arguments)] // Samples, solver, and the callback of outcomes.
     pub(super) fn integrate_batch(
         &self,
@@ -38,7 +39,7 @@ impl Map {
         isa: Isa,
         interrupt: &AtomicBool,
         mut finish: impl FnMut(Task, Outcome),
-    ) -> Option<()> {
+    ) -> Result<(), Error> {
         let compiled = Compiled::new(kernel, isa);
         let (mut group, mut forcing_rows) = (Group::waiting(), ForcingRows::NONE);
         let mut lanes: [Option<LaneTask>; LANES] = [None; LANES];
@@ -73,11 +74,11 @@ impl Map {
                 }
             }
             if active == 0 {
-                return Some(());
+                return Ok(());
             }
             loop {
                 if interrupt.load(Ordering::Relaxed) {
-                    return None;
+                    return Err(Error::Stopped);
                 }
                 compiled.advance(&mut group, &forcing_rows, STEP_BLOCK as usize);
                 if any_done(&group, &target) {

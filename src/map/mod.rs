@@ -11,8 +11,10 @@ pub use criterion::Criterion;
 pub use request::{Map, MethodChoice, Pixel};
 pub use statistics::{Class, Column, Field, Outcome, Statistics};
 
+use crate::error::Error;
 use crate::forcing::Forcing;
 use crate::kernel::{Kernel, KernelAssignment, Needs, System};
+use crate::memory;
 use crate::parallel::{over_blocks, thread_nanoseconds};
 use crate::scheme::{Scheme, Step};
 use crate::simd::Isa;
@@ -22,6 +24,7 @@ use classify::ClosedFormClassifier;
 use integrate::Task;
 use statistics::Sample;
 use std::ops::Range;
+use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;
 
 /// A sample takes whole blocks of this many steps and may stop after each. What is observed at the ends of blocks then
@@ -34,8 +37,11 @@ const EXACT_AS_STEPS: u64 = 20;
 /// Samples of a block: a millisecond of work or more.
 const BLOCK: u64 = 1024;
 
+/// What the lists of runs of a block are called if they do not fit into memory.
+const TASKS: &str = "runs of a block";
+
 impl Map {
-    /// Samples of the whole map.
+    /// Samples of the whole map; `checked` has seen that the product fits.
     pub fn len(&self) -> u64 {
         self.pixels.len() as u64 * self.samples
     }
@@ -116,8 +122,10 @@ impl Map {
         }
     }
 
-    /// Statistics of the samples `start .. stop` in pixel-major order, for the pixels that they touch; `None` if
-    /// interrupted.
+    /// Statistics of the samples `start .. stop` in pixel-major order, for the pixels that they touch.
+    ///
+    /// # Errors
+    /// If the statistics do not fit into memory, or `interrupt` is set.
     pub fn run(
         &self,
         start: u64,
@@ -125,35 +133,37 @@ impl Map {
         threads: usize,
         isa: Isa,
         interrupt: &AtomicBool,
-    ) -> Option<(u64, Vec<Statistics>)> {
+    ) -> Result<(u64, Vec<Statistics>), Error> {
         let first = start / self.samples;
-        let last = stop.div_ceil(self.samples);
-        let mut all = vec![Statistics::NONE; (last - first) as usize];
+        // As many as there are pixels at most, which are in memory.
+        let pixels = (stop.div_ceil(self.samples) - first) as usize;
+        let all = Mutex::new(memory::filled("statistics of the pixels", pixels, Statistics::NONE)?);
         let block = BLOCK.min((stop - start).div_ceil(threads as u64)).max(1);
-        let blocks = (stop - start).div_ceil(block) as usize;
-        let parts = over_blocks(blocks, threads, interrupt, |b| {
-            let begin = start + b as u64 * block;
-            self.block(begin, stop.min(begin + block), isa, interrupt)
-        });
-        for part in parts {
-            for (pixel, statistics) in part?? {
+        let blocks = 0..(stop - start).div_ceil(block);
+        over_blocks(blocks, threads, interrupt, |b| {
+            let begin = start + b * block;
+            let pixels = self.block(begin, stop.min(begin + block), isa, interrupt)?;
+            let mut all = all.lock().expect("merging does not panic");
+            for (pixel, statistics) in pixels {
                 all[(pixel - first) as usize].merge(&statistics);
             }
-        }
-        Some((first, all))
+            Ok(())
+        })?;
+        Ok((first, all.into_inner().expect("merging does not panic")))
     }
 
-    /// The statistics of one block, by pixel; `None` if interrupted.
+    /// The statistics of one block, by pixel.
     fn block(
         &self,
         start: u64,
         stop: u64,
         isa: Isa,
         interrupt: &AtomicBool,
-    ) -> Option<Vec<(u64, Statistics)>> {
+    ) -> Result<Vec<(u64, Statistics)>, Error> {
         let begin = thread_nanoseconds();
-        let bodies = self.draw(isa, start..stop);
-        let mut outcomes: [Vec<Option<Outcome>>; 2] = [vec![None; bodies.len()], Vec::new()];
+        let bodies = self.draw(isa, start..stop)?;
+        let unknown = || memory::filled("outcomes of a block", bodies.len(), None::<Outcome>);
+        let mut outcomes = [unknown()?, Vec::new()];
         let mut classifier = ClosedFormClassifier::new(self, isa);
         let mut tasks: Vec<(Step, Vec<Task>)> = Vec::new();
         for (index, (pixel, sample)) in self.pixels_and_samples(start..stop).enumerate() {
@@ -169,16 +179,18 @@ impl Map {
                 {
                     let step = self.assignment(&bodies[index], cross_check).step;
                     let task = Task { index, cross_check };
-                    match tasks.iter_mut().find(|tasks| tasks.0 == step) {
-                        Some((_, tasks)) => tasks.push(task),
-                        None => tasks.push((step, vec![task])),
+                    let known = tasks.iter().position(|tasks| tasks.0 == step);
+                    if known.is_none() {
+                        memory::push(TASKS, &mut tasks, (step, Vec::new()))?;
                     }
+                    let at = known.unwrap_or(tasks.len() - 1);
+                    memory::push(TASKS, &mut tasks[at].1, task)?;
                 }
             }
         }
         classifier.finish(&mut outcomes[0]);
         if tasks.iter().flat_map(|(_, tasks)| tasks).any(|task| task.cross_check) {
-            outcomes[1] = vec![None; bodies.len()];
+            outcomes[1] = unknown()?;
         }
         for (step, tasks) in &tasks {
             let kernel = self.kernel(*step);
@@ -190,7 +202,7 @@ impl Map {
         let mut pixels: Vec<(u64, Statistics)> = Vec::new();
         for (index, (pixel, _)) in self.pixels_and_samples(start..stop).enumerate() {
             if pixels.last().is_none_or(|&(last, _)| last != pixel) {
-                pixels.push((pixel, Statistics::NONE));
+                memory::push("statistics of a block", &mut pixels, (pixel, Statistics::NONE))?;
             }
             let statistics = &mut pixels.last_mut().expect("pushed above").1;
             if let Some(first) = &outcomes[0][index] {
@@ -205,22 +217,24 @@ impl Map {
         for (_, statistics) in &mut pixels {
             statistics.nanoseconds = elapsed * work(statistics) / total.max(1.0);
         }
-        Some(pixels)
+        Ok(pixels)
     }
 
     /// One sample alone: its start, its classification and the outcome of its first run, with the bits of the map.
-    /// `None` if interrupted.
+    ///
+    /// # Errors
+    /// If `interrupt` is set.
     pub fn sample(
         &self,
         pixel: u64,
         sample: u64,
         isa: Isa,
         interrupt: &AtomicBool,
-    ) -> Option<(Body, Class, Outcome)> {
+    ) -> Result<(Body, Class, Outcome), Error> {
         let flat = pixel * self.samples + sample;
-        let body = self.draw(isa, flat..flat + 1)[0];
+        let body = self.draw(isa, flat..flat + 1)?[0];
         if !self.pixels[pixel as usize].possible {
-            return Some((body, Class::Failed, Outcome::refused()));
+            return Ok((body, Class::Failed, Outcome::refused()));
         }
         if !self.is_forced() && self.method.exact() {
             let mut outcome = [None];
@@ -228,7 +242,7 @@ impl Map {
             classifier.take(0, &body, &mut outcome);
             classifier.finish(&mut outcome);
             if let [Some(outcome)] = outcome {
-                return Some((body, outcome.class, outcome));
+                return Ok((body, outcome.class, outcome));
             }
         }
         let mut outcomes = [None, None];
@@ -242,6 +256,6 @@ impl Map {
             })?;
         }
         let first = outcomes[0].expect("every task is finished");
-        Some((body, Map::classification(&first, outcomes[1].as_ref()), first))
+        Ok((body, Map::classification(&first, outcomes[1].as_ref()), first))
     }
 }

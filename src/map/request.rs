@@ -105,6 +105,11 @@ impl Map {
         if self.samples == 0 {
             return refuse("samples", self.samples.to_string(), "must be at least 1");
         }
+        let all = (self.pixels.len() as u64).checked_mul(self.samples);
+        if all.is_none_or(|all| all >= 1 << 63) {
+            let value = format!("{} in each of {} pixels", self.samples, self.pixels.len());
+            return refuse("samples", value, "a map must have fewer than 2**63");
+        }
         if !(self.t_end.is_finite() && self.t_end > 0.0) {
             return refuse("t_end", self.t_end.to_string(), "must be positive and finite");
         }

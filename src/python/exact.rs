@@ -1,11 +1,13 @@
 //! The derived quantities of closed forms and the elliptic functions, array by array.
 
-use super::convert::{bodies, rows, same_length};
+use super::convert::{bodies, column, copied, evaluated, rows, same_length};
 use crate::error::Error;
 use crate::exact::derived::{
-    FreeQuantities, TopQuantities, free_quantities, saddle, sign_change_times, tilt_time, top_quantities,
+    FreeQuantities, TopQuantities, free_quantities, saddle, sign_change_time, sign_changes, tilt_time,
+    top_quantities,
 };
 use crate::exact::{CanonicalForm, ClosedForm, Question, lagrange_axis};
+use crate::memory;
 use crate::scene::Scene;
 use crate::simd::Isa;
 use crate::special::{agm, carlson_rc, carlson_rd, carlson_rf, carlson_rj};
@@ -33,6 +35,7 @@ fn bodies_of(
 #[pyfunction]
 #[pyo3(signature = (*, scene, moments, weight, omega, attitude))]
 pub fn closed_forms(
+    py: Python<'_>,
     scene: &str,
     moments: PyReadonlyArray2<'_, f64>,
     weight: PyReadonlyArray2<'_, f64>,
@@ -46,7 +49,9 @@ pub fn closed_forms(
         rows::<3>("omega", &omega)?,
         rows::<4>("attitude", &attitude)?,
     )?;
-    Ok(bodies.iter().map(|body| CanonicalForm::of(body).map_or("", |form| form.closed_form.name())).collect())
+    let name =
+        |index: usize| Ok(CanonicalForm::of(&bodies[index]).map_or("", |form| form.closed_form.name()));
+    evaluated(py, "closed forms", bodies.len(), name)
 }
 
 /// The name of the closed form that applies to a question for each body from any start, empty if there is none. The
@@ -83,7 +88,7 @@ pub fn closed_forms_for(
     same_length("weight", moments.len(), weight.len())?;
     let name =
         |(&moments, &weight)| ClosedForm::answering(question, moments, weight).map_or("", ClosedForm::name);
-    Ok(moments.iter().zip(weight).map(name).collect())
+    Ok(memory::collected("closed forms", moments.len(), moments.iter().zip(weight).map(name))?)
 }
 
 /// The symmetry axis 1, 2 or 3 of each Lagrange top, 0 for any other body.
@@ -96,7 +101,8 @@ pub fn lagrange_axes<'py>(
     let (moments, weight) = (rows::<3>("moments", &moments)?, rows::<3>("weight", &weight)?);
     same_length("weight", moments.len(), weight.len())?;
     let axis = |(&moments, &weight)| lagrange_axis(moments, weight).map_or(0, |axis| axis as i64 + 1);
-    Ok(moments.iter().zip(weight).map(axis).collect::<Vec<i64>>().into_pyarray(py))
+    let axes = memory::collected("axes", moments.len(), moments.iter().zip(weight).map(axis))?;
+    Ok(axes.into_pyarray(py))
 }
 
 /// Periods, amplitudes and precession of free bodies.
@@ -114,20 +120,19 @@ pub fn free_quantities_of<'py>(
         rows::<3>("omega", &omega)?,
         &[[1.0, 0.0, 0.0, 0.0]],
     )?;
-    let all: Vec<_> = bodies.iter().map(|body| free_quantities(isa, body)).collect();
+    let quantities = |index: usize| Ok(free_quantities(isa, &bodies[index]));
+    let all = evaluated(py, "quantities of free bodies", bodies.len(), quantities)?;
     let dict = PyDict::new(py);
-    let column = |of: fn(&FreeQuantities) -> f64| -> Bound<'py, PyArray1<f64>> {
-        all.iter().map(of).collect::<Vec<f64>>().into_pyarray(py)
-    };
-    dict.set_item("axis", all.iter().map(|q| q.axis).collect::<Vec<i8>>().into_pyarray(py))?;
-    dict.set_item("m", column(|q| q.parameter[0]))?;
-    dict.set_item("mc", column(|q| q.parameter[1]))?;
-    dict.set_item("period", column(FreeQuantities::period))?;
-    dict.set_item("flip_time", column(|q| q.flip_time))?;
-    dict.set_item("precession", column(|q| q.precession))?;
-    dict.set_item("turn", column(FreeQuantities::turn))?;
-    let amplitude: Vec<f64> = all.iter().flat_map(|q| q.amplitude).collect();
-    dict.set_item("amplitude", amplitude.into_pyarray(py).reshape([all.len(), 3])?)?;
+    let number = |of: fn(&FreeQuantities) -> f64| column(py, &all, of);
+    dict.set_item("axis", column(py, &all, |q| q.axis)?)?;
+    dict.set_item("m", number(|q| q.parameter[0])?)?;
+    dict.set_item("mc", number(|q| q.parameter[1])?)?;
+    dict.set_item("period", number(FreeQuantities::period)?)?;
+    dict.set_item("flip_time", number(|q| q.flip_time)?)?;
+    dict.set_item("precession", number(|q| q.precession)?)?;
+    dict.set_item("turn", number(FreeQuantities::turn)?)?;
+    let amplitude = memory::collected("amplitudes", all.len(), all.iter().map(|q| q.amplitude))?;
+    dict.set_item("amplitude", amplitude.into_flattened().into_pyarray(py).reshape([all.len(), 3])?)?;
     Ok(dict)
 }
 
@@ -152,14 +157,17 @@ pub fn flip_times<'py>(
     }
     let isa = Isa::current()?;
     let bodies = bodies_of(&moments, &weight, &omega, &attitude)?;
-    let mut times = Vec::with_capacity(bodies.len() * count);
-    for (index, body) in bodies.iter().enumerate() {
-        let changes = sign_change_times(isa, body, axis - 1, count);
-        times.extend(
-            changes.ok_or(Error::NoClosedClassification { pixel: index, rule: Question::RULE_OF_CLASSES })?,
-        );
-    }
-    times.into_pyarray(py).reshape([bodies.len(), count])
+    let what = "flip times";
+    let bytes = (bodies.len() as u128).saturating_mul(count as u128).saturating_mul(8);
+    let length = bodies.len().checked_mul(count);
+    let length = length.ok_or_else(|| Error::Memory { what: what.into(), bytes, limit: None })?;
+    memory::check(what, bytes)?;
+    let changes = evaluated(py, what, bodies.len(), |pixel| {
+        let none = Error::NoClosedClassification { pixel, rule: Question::RULE_OF_CLASSES };
+        sign_changes(isa, &bodies[pixel], axis - 1).ok_or(none)
+    })?;
+    let time = |index| Ok(sign_change_time(changes[index / count], index % count));
+    evaluated(py, what, length, time)?.into_pyarray(py).reshape([bodies.len(), count])
 }
 
 /// How near each body is to the separatrix of its closed form: complementary parameter, and the rate of the saddle.
@@ -190,24 +198,23 @@ pub fn top_quantities_of<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let isa = Isa::current()?;
     let bodies = bodies_of(&moments, &weight, &omega, &attitude)?;
-    let quantities = |(index, body)| {
-        top_quantities(isa, body).ok_or(Error::NoClosedForm { index, rule: Question::RULE_OF_STATES })
+    let quantities = |index: usize| {
+        let none = Error::NoClosedForm { index, rule: Question::RULE_OF_STATES };
+        top_quantities(isa, &bodies[index]).ok_or(none)
     };
-    let all: Vec<TopQuantities> = bodies.iter().enumerate().map(quantities).collect::<Result<_, _>>()?;
+    let all = evaluated(py, "quantities of tops", bodies.len(), quantities)?;
     let dict = PyDict::new(py);
-    let column = |of: fn(&TopQuantities) -> f64| -> Bound<'py, PyArray1<f64>> {
-        all.iter().map(of).collect::<Vec<f64>>().into_pyarray(py)
-    };
-    dict.set_item("tilt_min", column(|q| q.tilt[0]))?;
-    dict.set_item("tilt_max", column(|q| q.tilt[1]))?;
-    dict.set_item("period", column(|q| q.period))?;
-    dict.set_item("precession_advance", column(|q| q.advance[0]))?;
-    dict.set_item("spin_advance", column(|q| q.advance[1]))?;
-    dict.set_item("precession", column(TopQuantities::precession))?;
-    dict.set_item("mc", column(|q| q.mc))?;
-    dict.set_item("kind", all.iter().map(|q| q.kind).collect::<Vec<_>>())?;
-    let retrograde: Vec<bool> = all.iter().zip(&bodies).map(|(q, body)| q.is_retrograde(body)).collect();
-    dict.set_item("retrograde", retrograde.into_pyarray(py))?;
+    let number = |of: fn(&TopQuantities) -> f64| column(py, &all, of);
+    dict.set_item("tilt_min", number(|q| q.tilt[0])?)?;
+    dict.set_item("tilt_max", number(|q| q.tilt[1])?)?;
+    dict.set_item("period", number(|q| q.period)?)?;
+    dict.set_item("precession_advance", number(|q| q.advance[0])?)?;
+    dict.set_item("spin_advance", number(|q| q.advance[1])?)?;
+    dict.set_item("precession", number(TopQuantities::precession)?)?;
+    dict.set_item("mc", number(|q| q.mc)?)?;
+    dict.set_item("kind", memory::collected("kinds", all.len(), all.iter().map(|q| q.kind))?)?;
+    let retrograde = |index: usize| Ok(all[index].is_retrograde(&bodies[index]));
+    dict.set_item("retrograde", evaluated(py, "tops", all.len(), retrograde)?.into_pyarray(py))?;
     Ok(dict)
 }
 
@@ -224,11 +231,11 @@ pub fn tilt_times<'py>(
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let isa = Isa::current()?;
     let bodies = bodies_of(&moments, &weight, &omega, &attitude)?;
-    let time = |(index, body)| {
-        tilt_time(isa, body, limit).ok_or(Error::NoClosedForm { index, rule: Question::RULE_OF_STATES })
+    let time = |index: usize| {
+        let none = Error::NoClosedForm { index, rule: Question::RULE_OF_STATES };
+        tilt_time(isa, &bodies[index], limit).ok_or(none)
     };
-    let times: Vec<f64> = bodies.iter().enumerate().map(time).collect::<Result<_, _>>()?;
-    Ok(times.into_pyarray(py))
+    Ok(evaluated(py, "tilt times", bodies.len(), time)?.into_pyarray(py))
 }
 
 /// An elliptic function of arrays of equal length; `jacobi` gives three arrays, the others one.
@@ -238,10 +245,9 @@ pub fn elliptic<'py>(
     name: &str,
     arguments: Vec<PyReadonlyArray1<'py, f64>>,
 ) -> PyResult<Vec<Bound<'py, PyArray1<f64>>>> {
-    let columns: Vec<_> = arguments.iter().map(|column| column.as_array()).collect();
-    let n = columns.first().map_or(0, |column| column.len());
-    for column in &columns {
-        same_length("arguments", n, column.len())?;
+    let n = arguments.first().map_or(0, |argument| argument.as_array().len());
+    for argument in &arguments {
+        same_length("arguments", n, argument.as_array().len())?;
     }
     let wanted = match name {
         "complete_k" => 1,
@@ -253,10 +259,17 @@ pub fn elliptic<'py>(
             return Err(Error::Unknown { argument: "name", value: name.into(), known }.into());
         }
     };
-    same_length("arguments", wanted, columns.len())?;
+    same_length("arguments", wanted, arguments.len())?;
+    // Copies: without the lock other threads may write to the arrays.
+    let mut columns = Vec::with_capacity(wanted);
+    for argument in &arguments {
+        columns.push(copied("arguments", argument)?);
+    }
     let x = |k: usize, i: usize| columns[k][i];
-    let one = |of: &dyn Fn(usize) -> f64| vec![(0..n).map(of).collect::<Vec<f64>>().into_pyarray(py)];
-    Ok(match name {
+    let one = |of: &(dyn Fn(usize) -> f64 + Sync)| {
+        PyResult::Ok(vec![evaluated(py, "values", n, |i| Ok(of(i)))?.into_pyarray(py)])
+    };
+    match name {
         "rf" => one(&|i| carlson_rf(x(0, i), x(1, i), x(2, i))),
         "rc" => one(&|i| carlson_rc(x(0, i), x(1, i))),
         "rd" => one(&|i| carlson_rd(x(0, i), x(1, i), x(2, i))),
@@ -264,11 +277,8 @@ pub fn elliptic<'py>(
         "agm" => one(&|i| agm(x(0, i), x(1, i))),
         "complete_k" => one(&|i| crate::special::complete_k(x(0, i))),
         _ => {
-            let all: Vec<(f64, f64, f64)> =
-                (0..n).map(|i| crate::special::jacobi(x(0, i), x(1, i))).collect();
-            let part =
-                |of: fn(&(f64, f64, f64)) -> f64| all.iter().map(of).collect::<Vec<f64>>().into_pyarray(py);
-            vec![part(|s| s.0), part(|s| s.1), part(|s| s.2)]
+            let all = evaluated(py, "values", n, |i| Ok(crate::special::jacobi(x(0, i), x(1, i))))?;
+            Ok(vec![column(py, &all, |s| s.0)?, column(py, &all, |s| s.1)?, column(py, &all, |s| s.2)?])
         }
-    })
+    }
 }

@@ -1,11 +1,12 @@
 //! Stability maps.
 
-use super::convert::{bodies, interruptible, rows, same_length, stopped};
+use super::convert::{self, bodies, interruptible, rows, same_length};
 use super::forcing::PyForcing;
 use crate::body::MomentStatus;
 use crate::error::Error;
 use crate::forcing::Forcing;
 use crate::map::{Column, Criterion, Field, Map, MethodChoice, Outcome, Pixel, Statistics};
+use crate::memory;
 use crate::sample::Law;
 use crate::scene::Scene;
 use crate::simd::Isa;
@@ -16,6 +17,9 @@ use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::sync::Mutex;
+
+/// What the columns of a map are called if they do not fit into memory.
+const PIXELS: &str = "pixels of the map";
 
 /// A checked request for a map; its samples are run in ranges and one by one.
 #[pyclass(frozen, module = "rigid._core")]
@@ -51,12 +55,12 @@ fn write_columns(py: Python<'_>, dict: &Bound<'_, PyDict>, pixels: &[Statistics]
     for column in Statistics::COLUMNS {
         match column.field {
             Field::Count(of) => {
-                let values: Vec<i64> = pixels.iter().map(|&(mut pixel)| *of(&mut pixel) as i64).collect();
-                dict.set_item(column.name, values.into_pyarray(py))?;
+                let values = convert::column(py, pixels, |&(mut pixel)| *of(&mut pixel) as i64)?;
+                dict.set_item(column.name, values)?;
             }
             Field::Number(of) => {
-                let values: Vec<f64> = pixels.iter().map(|&(mut pixel)| *of(&mut pixel)).collect();
-                dict.set_item(column.name, values.into_pyarray(py))?;
+                let values = convert::column(py, pixels, |&(mut pixel)| *of(&mut pixel))?;
+                dict.set_item(column.name, values)?;
             }
         }
     }
@@ -70,7 +74,7 @@ fn read_columns(dict: &Bound<'_, PyDict>) -> PyResult<Vec<Statistics>> {
         let values = dict.as_any().get_item(column.name)?;
         let mut fit = |length: usize| {
             if pixels.is_empty() {
-                pixels = vec![Statistics::NONE; length];
+                pixels = memory::filled(PIXELS, length, Statistics::NONE)?;
             }
             same_length(column.name, pixels.len(), length)
         };
@@ -101,8 +105,8 @@ pub struct MapStatistics(Mutex<Vec<Statistics>>);
 impl MapStatistics {
     /// The statistics of no samples.
     #[new]
-    fn new(pixels: usize) -> Self {
-        MapStatistics(Mutex::new(vec![Statistics::NONE; pixels]))
+    fn new(pixels: usize) -> PyResult<Self> {
+        Ok(MapStatistics(Mutex::new(memory::filled(PIXELS, pixels, Statistics::NONE)?)))
     }
 
     /// Merges a part in, by the reduction of each column. The order of the parts has no effect.
@@ -175,7 +179,8 @@ impl MapRequest<'_> {
     fn map(self) -> PyResult<(Map, Vec<u8>)> {
         let moments = rows::<3>("moments", &self.moments)?;
         let pixels = moments.len();
-        let status: Vec<u8> = moments.iter().map(|&m| MomentStatus::of(m) as u8).collect();
+        let status = moments.iter().map(|&m| MomentStatus::of(m) as u8);
+        let status = memory::collected(PIXELS, pixels, status)?;
         let omega_size = rows::<3>("omega_size", &self.omega_size)?;
         same_length("omega_size", pixels, omega_size.len())?;
         let attitude_size = self.attitude_size.as_array();
@@ -187,7 +192,7 @@ impl MapRequest<'_> {
         let forcing: Vec<Forcing> = match self.forcing {
             Some(all) => {
                 same_length("forcing", pixels, all.len())?;
-                all.iter().map(|one| one.0.clone()).collect()
+                memory::collected(PIXELS, pixels, all.iter().map(|one| one.0.clone()))?
             }
             None => Vec::new(),
         };
@@ -201,7 +206,7 @@ impl MapRequest<'_> {
             scene: Scene::parse(&self.scene)?,
             forcing,
             method: MethodChoice::parse(&self.method)?,
-            pixels: (0..pixels).map(pixel).collect(),
+            pixels: memory::collected(PIXELS, pixels, (0..pixels).map(pixel))?,
             omega_law: Law::parse("omega_noise", &self.omega_noise)?,
             attitude_law: Law::parse("attitude_noise", &self.attitude_noise)?,
             criterion: Criterion::parse(&self.criterion, self.limit)?,
@@ -239,8 +244,8 @@ impl MapJob {
 
     /// Status of the moments of each pixel: 0 possible, 1 not finite, 2 not positive, 3 triangle inequality.
     #[getter]
-    fn status<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u8>> {
-        self.status.clone().into_pyarray(py)
+    fn status<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<u8>>> {
+        convert::column(py, &self.status, |&status| status)
     }
 
     /// Statistics of the samples start .. stop (pixel-major) for the pixels that they touch; None if
@@ -262,7 +267,10 @@ impl MapJob {
         let result = interruptible(py, interrupted, |interrupt| {
             self.map.run(start, stop, threads.max(1), self.isa, interrupt)
         })?;
-        let Some((first, statistics)) = result else { return Ok(None) };
+        let (first, statistics) = match result {
+            Err(Error::Stopped) => return Ok(None),
+            result => result?,
+        };
         let dict = PyDict::new(py);
         dict.set_item("first", first)?;
         write_columns(py, &dict, &statistics)?;
@@ -280,8 +288,7 @@ impl MapJob {
             }
         }
         let (body, class, outcome) =
-            interruptible(py, None, |interrupt| self.map.sample(pixel, sample, self.isa, interrupt))?
-                .ok_or_else(stopped)?;
+            interruptible(py, None, |interrupt| self.map.sample(pixel, sample, self.isa, interrupt))??;
         let Outcome { status, flips, left, tilt, energy_drift, momentum_drift, step, steps, exact, .. } =
             outcome;
         let dict = PyDict::new(py);

@@ -8,20 +8,25 @@ mod simulate;
 
 use crate::body::{Inertia, MomentStatus, principal_axes as axes_of};
 use crate::error::Error;
+use crate::memory;
 use crate::scene::Scene;
 use crate::scheme::{self, Scheme};
 use crate::simd::Isa;
 use crate::start::unit_quaternion;
-use convert::rows;
+use convert::{column, rows};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
-use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::exceptions::{PyMemoryError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::sync::OnceLock;
 
 impl From<Error> for PyErr {
     fn from(error: Error) -> PyErr {
         match error {
-            Error::Isa { .. } => PyRuntimeError::new_err(error.to_string()),
+            Error::Memory { .. } => PyMemoryError::new_err(error.to_string()),
+            Error::Isa { .. } | Error::Stopped | Error::Fault { .. } => {
+                PyRuntimeError::new_err(error.to_string())
+            }
             _ => PyValueError::new_err(error.to_string()),
         }
     }
@@ -42,8 +47,8 @@ mod _core {
     use super::simulate::{default_steps, fastest_rates, simulate, status_names};
     #[pymodule_export]
     use super::{
-        build_info, check_method, check_moments, chosen_methods, methods, moment_status, moment_status_names,
-        principal_axes, unit_quaternions,
+        available_threads, build_info, check_method, check_moments, chosen_methods, methods, moment_status,
+        moment_status_names, principal_axes, unit_quaternions,
     };
     /// Largest relative error of energy, momentum or unit lengths of a motion that has not drifted.
     #[pymodule_export]
@@ -53,6 +58,14 @@ mod _core {
     #[pymodule_export]
     #[allow(non_upper_case_globals)]
     const __version__: &str = env!("CARGO_PKG_VERSION");
+}
+
+/// Number of threads that can run at once: the processors that the affinity and the control group of this process allow.
+/// Read once: to read the limits of control groups takes as long as a short run.
+#[pyfunction]
+fn available_threads() -> usize {
+    static AVAILABLE: OnceLock<usize> = OnceLock::new();
+    *AVAILABLE.get_or_init(|| std::thread::available_parallelism().map_or(1, usize::from))
 }
 
 /// The build of this library and its instruction set.
@@ -127,8 +140,7 @@ fn moment_status<'py>(
     py: Python<'py>,
     moments: PyReadonlyArray2<'py, f64>,
 ) -> PyResult<Bound<'py, PyArray1<u8>>> {
-    let status = rows::<3>("moments", &moments)?.iter().map(|&moments| MomentStatus::of(moments) as u8);
-    Ok(status.collect::<Vec<u8>>().into_pyarray(py))
+    column(py, rows::<3>("moments", &moments)?, |&moments| MomentStatus::of(moments) as u8)
 }
 
 /// Descriptions of the codes of `moment_status`, in the order of the codes.
@@ -144,11 +156,11 @@ fn unit_quaternions<'py>(
     quaternions: PyReadonlyArray2<'py, f64>,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let quaternions = rows::<4>("attitude", &quaternions)?;
-    let mut units = Vec::with_capacity(4 * quaternions.len());
+    let mut units: Vec<[f64; 4]> = memory::reserved("unit quaternions", quaternions.len())?;
     for (index, &quaternion) in quaternions.iter().enumerate() {
-        units.extend(unit_quaternion(quaternion).ok_or(Error::ZeroQuaternion { index })?);
+        units.push(unit_quaternion(quaternion).ok_or(Error::ZeroQuaternion { index })?);
     }
-    units.into_pyarray(py).reshape([quaternions.len(), 4])
+    units.into_flattened().into_pyarray(py).reshape([quaternions.len(), 4])
 }
 
 /// Principal moments, ascending, and axes (columns) of a tensor of inertia.

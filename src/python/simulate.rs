@@ -1,8 +1,9 @@
 //! States at given times, and the rates that determine steps.
 
-use super::convert::{bodies, interruptible, parse_record, rows, same_length, stopped};
+use super::convert::{bodies, column, copied, evaluated, interruptible, parse_record, rows, same_length};
 use super::forcing::PyForcing;
 use crate::forcing::Forcing;
+use crate::memory;
 use crate::scene::Scene;
 use crate::scheme::Scheme;
 use crate::simd::Isa;
@@ -30,7 +31,7 @@ pub fn simulate<'py>(
     step: Option<PyReadonlyArray1<'py, f64>>,
     max_steps: u64,
     threads: usize,
-    times: Option<Vec<f64>>,
+    times: Option<PyReadonlyArray1<'py, f64>>,
     strides: Option<Vec<u64>>,
     refinement: f64,
     tolerance: Option<f64>,
@@ -47,14 +48,16 @@ pub fn simulate<'py>(
         rows::<4>("attitude", &attitude)?,
     )?;
     let forcing = forcing.as_ref().map_or(Forcing::NONE, |forcing| &forcing.0);
+    // Copies: without the lock other threads may write to the arrays.
+    let times = times.map(|times| copied("times", &times)).transpose()?;
     let span = times.as_deref().map_or([0.0; 2], time_range);
     let steps = match (step, solver) {
-        (Some(step), _) => step.as_array().to_vec(),
+        (Some(step), _) => copied("steps", &step)?,
         (None, Solver::Steps(method)) => {
             let step = |body: &Body| default_step(method, body.step_rate(method, forcing, span));
-            bodies.iter().map(step).collect()
+            memory::collected("steps", n, bodies.iter().map(step))?
         }
-        (None, Solver::Exact) => vec![f64::INFINITY; n],
+        (None, Solver::Exact) => memory::filled("steps", n, f64::INFINITY)?,
     };
     same_length("step", n, steps.len())?;
     let schedule = match (&times, &strides) {
@@ -66,9 +69,7 @@ pub fn simulate<'py>(
     let bodies = &bodies;
     let request =
         Request { bodies, scene, forcing, solver, record, schedule, steps, refinement, tolerance, max_steps };
-    let states =
-        interruptible(py, None, |stop| trajectory::simulate(&request, threads, isa, stop).transpose())?
-            .ok_or_else(stopped)??;
+    let states = interruptible(py, None, |stop| trajectory::simulate(&request, threads, isa, stop))??;
     states_to_dict(py, states, n, request.schedule.len())
 }
 
@@ -101,7 +102,7 @@ pub fn fastest_rates<'py>(
         None => body.fastest_rate(forcing, span),
         Some(method) => body.step_rate(method, forcing, span),
     };
-    Ok(bodies.iter().map(rate).collect::<Vec<f64>>().into_pyarray(py))
+    Ok(evaluated(py, "rates", bodies.len(), |index| Ok(rate(&bodies[index])))?.into_pyarray(py))
 }
 
 /// The default steps of a method at these rates; infinite for a rate of zero.
@@ -112,8 +113,8 @@ pub fn default_steps<'py>(
     rates: PyReadonlyArray1<'py, f64>,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let method = Scheme::parse(method)?;
-    let steps: Vec<f64> = rates.as_array().iter().map(|&rate| default_step(method, rate)).collect();
-    Ok(steps.into_pyarray(py))
+    let rates = copied("rates", &rates)?;
+    column(py, &rates, |&rate| default_step(method, rate))
 }
 
 /// Names of the status codes of a run, in the order of the codes.
@@ -126,8 +127,8 @@ pub fn status_names() -> Vec<&'static str> {
 fn states_to_dict(py: Python<'_>, states: States, n: usize, times: usize) -> PyResult<Bound<'_, PyDict>> {
     let dict = PyDict::new(py);
     dict.set_item("nanoseconds", states.nanoseconds)?;
-    for (name, column) in states.into_columns() {
-        match column {
+    for (name, values) in states.into_columns() {
+        match values {
             Column::Series(_, None) => dict.set_item(name, py.None())?,
             Column::Series(1, Some(values)) => {
                 dict.set_item(name, values.into_pyarray(py).reshape([n, times])?)?;
@@ -138,8 +139,7 @@ fn states_to_dict(py: Python<'_>, states: States, n: usize, times: usize) -> PyR
             Column::Numbers(values) => dict.set_item(name, values.into_pyarray(py))?,
             Column::Counts(values) => dict.set_item(name, values.into_pyarray(py))?,
             Column::Statuses(values) => {
-                let codes: Vec<u8> = values.iter().map(|&status| status as u8).collect();
-                dict.set_item(name, codes.into_pyarray(py))?;
+                dict.set_item(name, column(py, &values, |&status| status as u8)?)?;
             }
         }
     }

@@ -70,6 +70,7 @@ impl Isa {
     /// The path of this process: `RIGID_ISA` if it is set, else the widest. Read once.
     pub fn current() -> Result<Isa, Error> {
         static CURRENT: OnceLock<Result<Isa, Error>> = OnceLock::new();
-        CURRENT.get_or_init(|| Isa::parse(std::env::var(ENVIRONMENT).ok().as_deref())).clone()
+        let set = || std::env::var_os(ENVIRONMENT).map(|value| value.to_string_lossy().into_owned());
+        CURRENT.get_or_init(|| Isa::parse(set().as_deref())).clone()
     }
 }

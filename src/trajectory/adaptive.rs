@@ -1,13 +1,14 @@
 //! States by Taylor series with adaptive steps: states at given times are evaluated from the polynomial of a step, and
 //! a lane whose body is finished gets the next body.
 
-use super::{Request, Schedule, States, invariants_at_start, system_of, time_range};
+use super::states::StatesPart;
+use super::{Request, Schedule, States, groups, invariants_at_start, over_groups, system_of, time_range};
 use crate::error::Error;
 use crate::forcing::Forcing;
 use crate::kernel::{AdaptiveSteps, Compiled, ForcingRows, Group, Kernel};
 use crate::kernel::{Entry, KernelAssignment, State, load, read, start_clock, unload};
+use crate::memory;
 use crate::observe::Observed;
-use crate::parallel::over_blocks;
 use crate::scheme::Scheme;
 use crate::simd::{Isa, LANES};
 use crate::start::Body;
@@ -21,14 +22,14 @@ const BLOCK: usize = 1024;
 /// Largest number of steps between two checks of the stop flag.
 const STEPS_BETWEEN_STOPS: u64 = 1 << 14;
 
-/// Runs the request; `None` if it was stopped.
+/// Runs the request.
 pub fn simulate(
     request: &Request,
     scheme: &Scheme,
     threads: usize,
     isa: Isa,
     stop: &AtomicBool,
-) -> Result<Option<States>, Error> {
+) -> Result<States, Error> {
     let refused = |rule| {
         let value = request.tolerance.map_or(String::new(), |tolerance| format!("{tolerance:e}"));
         Error::Value { argument: "tolerance", value, rule }
@@ -41,26 +42,17 @@ pub fn simulate(
     if !scheme.is_series() {
         return Err(refused("only the Taylor methods choose their steps"));
     }
-    let blocks: Vec<Range<usize>> = (0..request.bodies.len())
-        .step_by(BLOCK)
-        .map(|first| first..request.bodies.len().min(first + BLOCK))
-        .collect();
-    let parts = over_blocks(blocks.len(), threads, stop, |b| {
-        States::timed(|| {
-            let mut states = States::unknown(request, blocks[b].len());
-            for reduced in [false, true] {
-                AdaptiveBatch::new(request, times, scheme, blocks[b].clone(), reduced, isa, tolerance)
-                    .map_or(Some(()), |batch| batch.run(&mut states, stop))?;
+    let blocks = groups(request.bodies, BLOCK, |_, _| true)?;
+    over_groups(request, &blocks, threads, stop, |block, mut states| {
+        let mut lane_steps = 0;
+        for reduced in [false, true] {
+            let batch = AdaptiveBatch::new(request, times, scheme, block.clone(), reduced, isa, tolerance)?;
+            if let Some(batch) = batch {
+                lane_steps += batch.run(&mut states, stop)?;
             }
-            Some(states)
-        })
-    });
-    let mut all = States::with_capacity(request);
-    for part in parts {
-        let Some(Some(part)) = part else { return Ok(None) };
-        all.append(part);
-    }
-    Ok(Some(all))
+        }
+        Ok(lane_steps)
+    })
 }
 
 /// The body of an active lane. It moves forward through the times >= 0, then from its start backward through the others.
@@ -87,7 +79,8 @@ struct AdaptiveBatch<'a> {
     split: usize,
     bodies: &'a [Body],
     first_steps: &'a [f64],
-    queue: Vec<(usize, KernelAssignment)>,
+    /// Rate, index and assignment of the bodies that wait.
+    queue: Vec<(u64, usize, KernelAssignment)>,
     kernel: Compiled,
     group: Group,
     adaptive: AdaptiveSteps,
@@ -105,23 +98,27 @@ impl<'a> AdaptiveBatch<'a> {
         reduced: bool,
         isa: Isa,
         tolerance: f64,
-    ) -> Option<Self> {
+    ) -> Result<Option<Self>, Error> {
         let bodies = &request.bodies[block.clone()];
         let forced = !request.forcing.is_none();
         let assignment_of = |body| match forced {
             true => KernelAssignment::of_forced(scheme, body),
             false => KernelAssignment::of_path(scheme, body, request.scene),
         };
-        let assignments = bodies.iter().map(assignment_of).enumerate();
-        let mut queue: Vec<(usize, KernelAssignment)> =
-            assignments.filter(|(_, assignment)| assignment.is_reduced() == reduced).collect();
-        let assignment = queue.first()?.1;
+        let mut queue = memory::reserved("bodies of a block", bodies.len())?;
+        for (index, body) in bodies.iter().enumerate() {
+            let assignment = assignment_of(body);
+            if assignment.is_reduced() == reduced {
+                // Rates are not negative: their bits are ordered as they are.
+                queue.push((body.fastest_rate(Forcing::NONE, [0.0; 2]).to_bits(), index, assignment));
+            }
+        }
+        let Some(&(.., assignment)) = queue.first() else { return Ok(None) };
         // The fastest bodies first (the queue is emptied from its end): at the end no lane is inactive for long.
-        // Rates are not negative: their bits are ordered as they are.
-        queue.sort_by_cached_key(|&(body, _)| bodies[body].fastest_rate(Forcing::NONE, [0.0; 2]).to_bits());
+        queue.sort_unstable_by_key(|&(rate, body, _)| (rate, body));
         let system = system_of(request, assignment);
         let kernel = Kernel { system, step: assignment.step, observed: Observed::Nothing };
-        Some(AdaptiveBatch {
+        Ok(Some(AdaptiveBatch {
             request,
             times,
             split: times.partition_point(|&t| t < 0.0),
@@ -130,17 +127,19 @@ impl<'a> AdaptiveBatch<'a> {
             queue,
             kernel: Compiled::new(kernel, isa),
             group: Group::waiting(),
-            adaptive: AdaptiveSteps::waiting(tolerance),
+            adaptive: AdaptiveSteps::waiting(tolerance)?,
             forcing_rows: ForcingRows::NONE,
-        })
+        }))
     }
 
-    fn run(mut self, states: &mut States, stop: &AtomicBool) -> Option<()> {
+    /// Moves all bodies; returns the steps of all lanes.
+    fn run(mut self, states: &mut StatesPart, stop: &AtomicBool) -> Result<u64, Error> {
+        let mut lane_steps = 0;
         let mut lanes: [Option<LaneTask>; LANES] = [None; LANES];
         loop {
             for lane in 0..LANES {
                 while lanes[lane].is_none() {
-                    let Some((body, assignment)) = self.queue.pop() else { break };
+                    let Some((_, body, assignment)) = self.queue.pop() else { break };
                     let task = LaneTask {
                         body,
                         assignment,
@@ -150,9 +149,7 @@ impl<'a> AdaptiveBatch<'a> {
                         last: [0.0; 4],
                         knot: f64::INFINITY,
                     };
-                    for drift in
-                        [&mut states.energy_drift, &mut states.momentum_drift, &mut states.unit_drift]
-                    {
+                    for drift in states.drifts() {
                         drift[body] = 0.0;
                     }
                     lanes[lane] = self.enter(lane, task, states);
@@ -160,16 +157,16 @@ impl<'a> AdaptiveBatch<'a> {
             }
             let active = lanes.iter().flatten();
             let Some(left) = active.map(|task| self.request.max_steps - task.steps).min() else {
-                return Some(());
+                return Ok(lane_steps);
             };
             if stop.load(Ordering::Relaxed) {
-                return None;
+                return Err(Error::Stopped);
             }
             let most = left.min(STEPS_BETWEEN_STOPS) as usize;
             let made =
                 self.kernel.advance_adaptive(&mut self.group, &self.forcing_rows, &mut self.adaptive, most)
                     as u64;
-            states.lane_steps += made * LANES as u64;
+            lane_steps += made * LANES as u64;
             for lane in 0..LANES {
                 if let Some(mut task) = lanes[lane] {
                     task.steps += made;
@@ -180,7 +177,7 @@ impl<'a> AdaptiveBatch<'a> {
     }
 
     /// Loads a body into a lane, at its start; `None` if no requested time is left.
-    fn enter(&mut self, lane: usize, mut task: LaneTask, states: &mut States) -> Option<LaneTask> {
+    fn enter(&mut self, lane: usize, mut task: LaneTask, states: &mut StatesPart) -> Option<LaneTask> {
         let body = &self.bodies[task.body];
         let first = self.first_steps[task.body];
         let span =
@@ -224,7 +221,12 @@ impl<'a> AdaptiveBatch<'a> {
     }
 
     /// Records the requested states that a lane has reached; `None` if its body is finished.
-    fn record_reached(&mut self, lane: usize, mut task: LaneTask, states: &mut States) -> Option<LaneTask> {
+    fn record_reached(
+        &mut self,
+        lane: usize,
+        mut task: LaneTask,
+        states: &mut StatesPart,
+    ) -> Option<LaneTask> {
         let adaptive = &self.adaptive;
         let [begin, lost] = [adaptive.begin[0].0[lane], adaptive.begin[1].0[lane]];
         let (now, unit, direction) =
@@ -242,7 +244,7 @@ impl<'a> AdaptiveBatch<'a> {
         if !now.is_finite() {
             let body = task.body;
             states.status[body] = Status::NotFinite;
-            for drift in [&mut states.energy_drift, &mut states.momentum_drift, &mut states.unit_drift] {
+            for drift in states.drifts() {
                 drift[body] = f64::NAN;
             }
             return self.leave(lane, task, states);
@@ -262,7 +264,7 @@ impl<'a> AdaptiveBatch<'a> {
     }
 
     /// Sets the next requested time of the lane, or starts the body backward, or removes it from the lane.
-    fn aim(&mut self, lane: usize, task: LaneTask, states: &mut States) -> Option<LaneTask> {
+    fn aim(&mut self, lane: usize, task: LaneTask, states: &mut StatesPart) -> Option<LaneTask> {
         let Some(time) = self.next_time(&task) else {
             if self.split == 0 {
                 return self.leave(lane, task, states);
@@ -284,7 +286,7 @@ impl<'a> AdaptiveBatch<'a> {
         Some(task)
     }
 
-    fn leave(&mut self, lane: usize, task: LaneTask, states: &mut States) -> Option<LaneTask> {
+    fn leave(&mut self, lane: usize, task: LaneTask, states: &mut StatesPart) -> Option<LaneTask> {
         states.steps[task.body] = task.steps;
         self.group.wait(lane);
         self.adaptive.next.0[lane] = f64::INFINITY;
@@ -296,7 +298,7 @@ impl<'a> AdaptiveBatch<'a> {
         None
     }
 
-    fn record(&self, lane: usize, task: &mut LaneTask, state: State, states: &mut States) {
+    fn record(&self, lane: usize, task: &mut LaneTask, state: State, states: &mut StatesPart) {
         let at = task.body * self.times.len() + task.wanted;
         let known = (invariants_at_start(&self.group, lane), &mut task.last);
         states.record(task.body, at, state, known);

@@ -1,9 +1,10 @@
 //! States in closed form: many bodies side by side, or many times of one.
 
-use super::states::{norm, worse};
-use super::{Record, Request, States};
+use super::states::{StatesPart, norm, worse};
+use super::{Record, Request, States, groups, over_groups};
+use crate::error::Error;
 use crate::exact::{CanonicalForm, Evaluator, StartRows, StateRows};
-use crate::parallel::over_blocks;
+use crate::memory;
 use crate::scene::Scene;
 use crate::simd::{Isa, LANES, Row};
 use crate::start::Body;
@@ -14,7 +15,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Rows of times evaluated between two looks at the stop flag.
 const ROWS_BETWEEN_STOPS: usize = 256;
 
-/// Runs the request; `None` if it was stopped.
+/// Runs the request.
 pub fn simulate(
     request: &Request,
     times: &[f64],
@@ -22,31 +23,16 @@ pub fn simulate(
     threads: usize,
     isa: Isa,
     stop: &AtomicBool,
-) -> Option<States> {
-    let groups = groups(forms);
-    let parts = over_blocks(groups.len(), threads, stop, |g| {
-        let group = groups[g].clone();
-        let known = request.bodies[group.clone()].iter().map(|b| Invariants::new(b, request.scene)).collect();
-        let batch = ClosedFormBatch { request, times, forms: &forms[group.clone()], group, isa, known };
-        States::timed(|| batch.run(stop))
-    });
-    let mut all = States::with_capacity(request);
-    for part in parts {
-        all.append(part??);
-    }
-    Some(all)
-}
-
-/// Runs of neighbours with the same kind of closed form.
-fn groups(forms: &[CanonicalForm]) -> Vec<Range<usize>> {
-    let mut groups = Vec::with_capacity(forms.len().div_ceil(LANES));
-    let mut first = 0;
-    for run in forms.chunk_by(|a, b| a.kind() == b.kind()) {
-        let end = first + run.len();
-        groups.extend((first..end).step_by(LANES).map(|begin| begin..end.min(begin + LANES)));
-        first = end;
-    }
-    groups
+) -> Result<States, Error> {
+    let groups = groups(forms, LANES, |a, b| a.kind() == b.kind())?;
+    over_groups(request, &groups, threads, stop, |group, states| {
+        let bodies = request.bodies[group.clone()].iter();
+        let known = bodies.map(|body| Invariants::new(body, request.scene));
+        let known = memory::collected("invariants of a group", group.len(), known)?;
+        let forms = &forms[group.clone()];
+        ClosedFormBatch { request, times, forms, group, isa, known }.run(states, stop)?;
+        Ok(0)
+    })
 }
 
 /// The bodies of one group.
@@ -61,14 +47,16 @@ struct ClosedFormBatch<'a> {
 }
 
 impl ClosedFormBatch<'_> {
-    fn run(&self, stop: &AtomicBool) -> Option<States> {
+    fn run(&self, mut states: StatesPart, stop: &AtomicBool) -> Result<(), Error> {
         let evaluator = Evaluator::new(self.forms[0].kind(), self.isa);
         let canonical = |index: usize| self.forms[index].to_canonical(self.body(index));
-        let mut states = States::unknown(self.request, self.forms.len());
-        for drift in [&mut states.energy_drift, &mut states.momentum_drift, &mut states.unit_drift] {
+        for drift in states.drifts() {
             drift.fill(0.0);
         }
-        let mut out = vec![StateRows::ZERO; ROWS_BETWEEN_STOPS.min(self.times.len())];
+        let [length, times] = [self.forms.len(), self.times.len()];
+        let room = ROWS_BETWEEN_STOPS.min(times);
+        let mut out = memory::filled("states of a group", room, StateRows::ZERO)?;
+        let mut rows = memory::reserved("times of a group", room)?;
         let evaluate = |starts: &StartRows, rows: &[Row], out: &mut [StateRows]| {
             if self.with_attitude() {
                 evaluator.states(starts, rows, out);
@@ -77,36 +65,38 @@ impl ClosedFormBatch<'_> {
             }
         };
         // One body a lane, or one time a lane: the choice that leaves fewer lanes empty changes no bit.
-        if self.times.len() <= self.forms.len() * self.times.len().div_ceil(LANES) {
+        if times <= length * times.div_ceil(LANES) {
             let mut starts = StartRows::filled(&canonical(0));
-            for lane in 1..self.forms.len() {
+            for lane in 1..length {
                 starts.set(lane, &canonical(lane));
             }
-            let rows: Vec<Row> = self.times.iter().map(|&t| Row([t; LANES])).collect();
-            for (first, rows) in rows.chunks(ROWS_BETWEEN_STOPS).enumerate() {
+            for (first, times) in self.times.chunks(ROWS_BETWEEN_STOPS).enumerate() {
                 if stop.load(Ordering::Relaxed) {
-                    return None;
+                    return Err(Error::Stopped);
                 }
-                evaluate(&starts, rows, &mut out);
+                rows.clear();
+                rows.extend(times.iter().map(|&t| Row([t; LANES])));
+                evaluate(&starts, &rows, &mut out);
                 for (k, state) in out[..rows.len()].iter().enumerate() {
-                    for lane in 0..self.forms.len() {
+                    for lane in 0..length {
                         self.record(&mut states, lane, first * ROWS_BETWEEN_STOPS + k, state, lane);
                     }
                 }
             }
         } else {
-            for body in 0..self.forms.len() {
+            for body in 0..length {
                 let starts = StartRows::filled(&canonical(body));
                 for (first, times) in self.times.chunks(ROWS_BETWEEN_STOPS * LANES).enumerate() {
                     if stop.load(Ordering::Relaxed) {
-                        return None;
+                        return Err(Error::Stopped);
                     }
                     let row = |part: &[f64]| {
                         let mut row = Row([part[0]; LANES]);
                         row.0[..part.len()].copy_from_slice(part);
                         row
                     };
-                    let rows: Vec<Row> = times.chunks(LANES).map(row).collect();
+                    rows.clear();
+                    rows.extend(times.chunks(LANES).map(row));
                     evaluate(&starts, &rows, &mut out);
                     for k in 0..times.len() {
                         let time = first * ROWS_BETWEEN_STOPS * LANES + k;
@@ -115,11 +105,11 @@ impl ClosedFormBatch<'_> {
                 }
             }
         }
-        Some(states)
+        Ok(())
     }
 
     /// Writes the state of a body and updates its drifts.
-    fn record(&self, states: &mut States, index: usize, time: usize, rows: &StateRows, lane: usize) {
+    fn record(&self, states: &mut StatesPart, index: usize, time: usize, rows: &StateRows, lane: usize) {
         let body = self.body(index);
         let mut omega = [0, 1, 2].map(|k| rows.omega[k].0[lane]);
         let mut attitude = [0, 1, 2, 3].map(|k| rows.attitude[k].0[lane]);
@@ -129,7 +119,9 @@ impl ClosedFormBatch<'_> {
             (omega, attitude) = (body.omega, body.attitude);
         }
         let at = index * self.times.len() + time;
-        states.omega[3 * at..][..3].copy_from_slice(&omega);
+        if let Some(column) = &mut states.omega {
+            column[3 * at..][..3].copy_from_slice(&omega);
+        }
         let mut vertical = [0.0; 3];
         if self.with_attitude() {
             vertical = vertical_of(attitude);

@@ -1,16 +1,18 @@
 //! States by steps of a scheme.
 
-use super::{Request, Schedule, States, invariants_at_start, system_of, time_range};
+use super::states::StatesPart;
+use super::{Request, Schedule, States, groups, invariants_at_start, over_groups, system_of, time_range};
+use crate::error::Error;
+use crate::forcing::Forcing;
 use crate::kernel::{Compiled, ForcingRows, Group, Kernel};
 use crate::kernel::{Entry, KernelAssignment, load, start_clock, unload};
+use crate::memory;
 use crate::observe::Observed;
-use crate::parallel::over_blocks;
 use crate::scheme::Scheme;
 use crate::simd::{Isa, LANES};
 use crate::start::Body;
 use crate::status::Status;
 use std::ops::Range;
-use std::rc::Rc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Largest number of steps between two checks of the stop flag: a tenth of a second
@@ -23,18 +25,6 @@ struct Leg {
     steps: u64,
     step: f64,
 }
-
-/// A leg, the time at its begin, and the requested state at its end if there is one.
-#[derive(Clone, Copy)]
-struct Stop {
-    from: f64,
-    leg: Leg,
-    state: Option<usize>,
-}
-
-/// The legs of one body in the order they are made: forward from 0 through the times >= 0, and backward from 0 through
-/// the times < 0.
-type Plan = [Vec<Stop>; 2];
 
 /// Steps no longer than `largest` that end exactly at `to`, their number times the refinement.
 fn leg(from: f64, to: f64, largest: f64, refinement: f64) -> Leg {
@@ -50,55 +40,100 @@ fn leg(from: f64, to: f64, largest: f64, refinement: f64) -> Leg {
     Leg { steps: steps as u64, step: span / steps }
 }
 
-/// The plan of a body with that largest step. Legs end at the knots of the forcing: a step across a knot would lose
-/// the order of any scheme.
-fn legs(request: &Request, largest: f64) -> Plan {
-    let forcing = request.forcing;
-    let leg = |from, to| leg(from, to, largest, request.refinement);
-    match &request.schedule {
-        Schedule::Times(times) => {
-            let split = times.partition_point(|&t| t < 0.0);
-            let pass = |indices: &mut dyn Iterator<Item = usize>, backward: bool| {
-                let (mut from, mut stops) = (0.0, Vec::new());
-                for k in indices {
-                    while let Some(knot) = forcing.next_knot(from, backward) {
-                        if if backward { knot <= times[k] } else { times[k] <= knot } {
-                            break;
-                        }
-                        stops.push(Stop { from, leg: leg(from, knot), state: None });
-                        from = knot;
-                    }
-                    stops.push(Stop { from, leg: leg(from, times[k]), state: Some(k) });
-                    from = times[k];
-                }
-                stops
-            };
-            [pass(&mut (split..times.len()), false), pass(&mut (0..split).rev(), true)]
-        }
-        Schedule::Strides(strides) => {
-            let stop = |(k, &steps)| Stop { from: 0.0, leg: Leg { steps, step: largest }, state: Some(k) };
-            [strides.iter().enumerate().map(stop).collect(), Vec::new()]
+/// The end of a leg: a time, or a number of steps.
+#[derive(Clone, Copy)]
+enum End {
+    At(f64),
+    After(u64),
+}
+
+/// The begin and the end of a leg, and the requested state at its end if there is one.
+#[derive(Clone, Copy)]
+struct Stop {
+    from: f64,
+    end: End,
+    state: Option<usize>,
+}
+
+impl Stop {
+    /// The leg of a body with that largest step and that refinement.
+    fn leg(&self, largest: f64, refinement: f64) -> Leg {
+        match self.end {
+            End::At(to) => leg(self.from, to, largest, refinement),
+            End::After(steps) => Leg { steps, step: largest },
         }
     }
 }
 
-/// Runs the request; `None` if it was stopped.
+/// The stops of all bodies in the order they are made: forward from 0 through the times >= 0, or backward from 0 through
+/// the times < 0. Legs end at the knots of the forcing: a step across a knot would lose the order of any scheme.
+struct Stops<'a> {
+    schedule: &'a Schedule<'a>,
+    forcing: &'a Forcing,
+    backward: bool,
+    from: f64,
+    /// The states that are left.
+    left: Range<usize>,
+}
+
+impl<'a> Stops<'a> {
+    fn new(request: &'a Request, backward: bool) -> Self {
+        let (schedule, forcing) = (&request.schedule, request.forcing);
+        let split = match schedule {
+            Schedule::Times(times) => times.partition_point(|&t| t < 0.0),
+            Schedule::Strides(_) => 0,
+        };
+        let left = if backward { 0..split } else { split..schedule.len() };
+        Stops { schedule, forcing, backward, from: 0.0, left }
+    }
+}
+
+impl Iterator for Stops<'_> {
+    type Item = Stop;
+
+    fn next(&mut self) -> Option<Stop> {
+        let mut left = self.left.clone();
+        let state = if self.backward { left.next_back() } else { left.next() }?;
+        let to = match self.schedule {
+            Schedule::Times(times) => times[state],
+            Schedule::Strides(strides) => {
+                self.left = left;
+                return Some(Stop { from: 0.0, end: End::After(strides[state]), state: Some(state) });
+            }
+        };
+        let from = self.from;
+        let is_before = |&knot: &f64| if self.backward { knot > to } else { knot < to };
+        match self.forcing.next_knot(from, self.backward).filter(is_before) {
+            Some(knot) => {
+                self.from = knot;
+                Some(Stop { from, end: End::At(knot), state: None })
+            }
+            None => {
+                (self.from, self.left) = (to, left);
+                Some(Stop { from, end: End::At(to), state: Some(state) })
+            }
+        }
+    }
+}
+
+/// Runs the request.
 pub fn simulate(
     request: &Request,
     scheme: &Scheme,
     threads: usize,
     isa: Isa,
     stop: &AtomicBool,
-) -> Option<States> {
-    let groups = groups(request, scheme);
-    let parts = over_blocks(groups.len(), threads, stop, |g| {
-        States::timed(|| FixedBatch::new(request, scheme, groups[g].clone(), isa).run(stop))
-    });
-    let mut all = States::with_capacity(request);
-    for part in parts {
-        all.append(part??);
-    }
-    Some(all)
+) -> Result<States, Error> {
+    let engine = |body: &Body| {
+        let assignment = assignment_of(request, scheme, body);
+        (assignment.step, assignment.is_reduced())
+    };
+    // The bits of a body do not depend on the others of its group.
+    let groups = groups(request.bodies, LANES, |a, b| engine(a) == engine(b))?;
+    over_groups(request, &groups, threads, stop, |group, states| {
+        FixedBatch::new(request, scheme, group, isa, states)?.run(stop)?;
+        Ok(0)
+    })
 }
 
 /// The assignment of a body. Strides repeat the steps of a map, which are made in the frame of the body.
@@ -110,22 +145,6 @@ fn assignment_of(request: &Request, scheme: &Scheme, body: &Body) -> KernelAssig
     }
 }
 
-/// Runs of neighbours that one kernel integrates. The bits of a body do not depend on the others of its group.
-fn groups(request: &Request, scheme: &Scheme) -> Vec<Range<usize>> {
-    let engine = |body: &Body| {
-        let assignment = assignment_of(request, scheme, body);
-        (assignment.step, assignment.is_reduced())
-    };
-    let mut groups = Vec::with_capacity(request.bodies.len().div_ceil(LANES));
-    let mut first = 0;
-    for run in request.bodies.chunk_by(|a, b| engine(a) == engine(b)) {
-        let end = first + run.len();
-        groups.extend((first..end).step_by(LANES).map(|begin| begin..end.min(begin + LANES)));
-        first = end;
-    }
-    groups
-}
-
 /// The bodies of one group.
 struct FixedBatch<'a> {
     request: &'a Request<'a>,
@@ -133,52 +152,65 @@ struct FixedBatch<'a> {
     steps: &'a [f64],
     assignments: Vec<KernelAssignment>,
     compiled: Compiled,
-    states: States,
+    states: StatesPart<'a>,
     /// The attitude of each lane at its last recorded state.
-    last: Vec<[f64; 4]>,
+    last: [[f64; 4]; LANES],
 }
 
 impl<'a> FixedBatch<'a> {
-    fn new(request: &'a Request<'a>, scheme: &Scheme, group: Range<usize>, isa: Isa) -> Self {
+    fn new(
+        request: &'a Request<'a>,
+        scheme: &Scheme,
+        group: Range<usize>,
+        isa: Isa,
+        states: StatesPart<'a>,
+    ) -> Result<Self, Error> {
         let bodies = &request.bodies[group.clone()];
-        let assignments: Vec<KernelAssignment> =
-            bodies.iter().map(|body| assignment_of(request, scheme, body)).collect();
+        let assignments = bodies.iter().map(|body| assignment_of(request, scheme, body));
+        let assignments = memory::collected("bodies of a group", bodies.len(), assignments)?;
         let system = system_of(request, assignments[0]);
         let kernel = Kernel { system, step: assignments[0].step, observed: Observed::Nothing };
-        FixedBatch {
-            request,
-            bodies,
-            steps: &request.steps[group],
-            assignments,
-            compiled: Compiled::new(kernel, isa),
-            states: States::unknown(request, bodies.len()),
-            last: bodies.iter().map(|body| body.attitude).collect(),
-        }
+        let (steps, compiled) = (&request.steps[group], Compiled::new(kernel, isa));
+        Ok(FixedBatch { request, bodies, steps, assignments, compiled, states, last: [[0.0; 4]; LANES] })
     }
 
-    fn run(mut self, stop: &AtomicBool) -> Option<States> {
-        let forcing = self.request.forcing;
-        // Neighbours mostly have the same step, hence the same plan.
-        let mut plans: Vec<Rc<Plan>> = Vec::with_capacity(self.bodies.len());
+    /// The legs of all lanes to that stop.
+    fn legs(&self, stop: &Stop) -> [Leg; LANES] {
+        let mut legs = [Leg { steps: 0, step: 0.0 }; LANES];
         for (lane, &step) in self.steps.iter().enumerate() {
-            let plan = match plans.last() {
-                Some(last) if self.steps[lane - 1] == step => last.clone(),
-                _ => Rc::new(legs(self.request, step)),
-            };
-            plans.push(plan);
+            // Neighbours mostly have the same step.
+            let same = lane > 0 && self.steps[lane - 1] == step;
+            legs[lane] = if same { legs[lane - 1] } else { stop.leg(step, self.request.refinement) };
         }
-        for (lane, plan) in plans.iter().enumerate() {
-            let total = plan.iter().flatten().fold(0_u64, |sum, stop| sum.saturating_add(stop.leg.steps));
-            if total > self.request.max_steps {
-                self.states.status[lane] = Status::StepLimit;
-            } else {
-                self.states.steps[lane] = total;
-                self.states.energy_drift[lane] = 0.0;
-                self.states.momentum_drift[lane] = 0.0;
-                self.states.unit_drift[lane] = 0.0;
+        legs
+    }
+
+    fn run(mut self, stop: &AtomicBool) -> Result<(), Error> {
+        let forcing = self.request.forcing;
+        let mut totals = [0_u64; LANES];
+        for next in [false, true].into_iter().flat_map(|backward| Stops::new(self.request, backward)) {
+            if stop.load(Ordering::Relaxed) {
+                return Err(Error::Stopped);
+            }
+            for (total, leg) in totals.iter_mut().zip(&self.legs(&next)).take(self.bodies.len()) {
+                *total = total.saturating_add(leg.steps);
             }
         }
-        for pass in (0..2).filter(|&pass| !plans[0][pass].is_empty()) {
+        for lane in 0..self.bodies.len() {
+            if totals[lane] > self.request.max_steps {
+                self.states.status[lane] = Status::StepLimit;
+            } else {
+                self.states.steps[lane] = totals[lane];
+                for drift in self.states.drifts() {
+                    drift[lane] = 0.0;
+                }
+            }
+        }
+        for backward in [false, true] {
+            let stops = Stops::new(self.request, backward);
+            if stops.left.is_empty() {
+                continue;
+            }
             let mut group = Group::waiting();
             for (lane, body) in self.bodies.iter().enumerate() {
                 self.last[lane] = body.attitude;
@@ -193,31 +225,30 @@ impl<'a> FixedBatch<'a> {
             }
             let mut moved = [false; LANES];
             let mut forcing_rows = ForcingRows::NONE;
-            for k in 0..plans[0][pass].len() {
-                let of_lane: Vec<Leg> = (0..self.bodies.len())
-                    .map(|lane| match self.states.status[lane] {
-                        Status::StepLimit => Leg { steps: 0, step: 0.0 },
-                        _ => plans[lane][pass][k].leg,
-                    })
-                    .collect();
-                // All bodies of the group have equal begins and ends of legs.
-                let Stop { from, state, .. } = plans[0][pass][k];
+            for Stop { from, end, state } in stops {
+                let mut legs = self.legs(&Stop { from, end, state });
+                for (leg, status) in legs.iter_mut().zip(&*self.states.status) {
+                    if *status == Status::StepLimit {
+                        *leg = Leg { steps: 0, step: 0.0 };
+                    }
+                }
+                let legs = &legs[..self.bodies.len()];
                 if !forcing.is_none() {
                     for (lane, body) in self.bodies.iter().enumerate() {
-                        forcing_rows.set(lane, &forcing.interval(from, pass == 1, body.moments));
+                        forcing_rows.set(lane, &forcing.interval(from, backward, body.moments));
                         start_clock(&mut group, self.compiled.kernel().system, lane);
                     }
                 }
-                advance(&mut group, &forcing_rows, self.compiled, &of_lane, stop)?;
+                advance(&mut group, &forcing_rows, self.compiled, legs, stop)?;
                 for lane in 0..self.bodies.len() {
-                    moved[lane] |= of_lane[lane].steps > 0;
+                    moved[lane] |= legs[lane].steps > 0;
                     if let Some(state) = state.filter(|_| self.states.status[lane] != Status::StepLimit) {
                         self.record(&group, lane, state, moved[lane]);
                     }
                 }
             }
         }
-        Some(self.states)
+        Ok(())
     }
 
     /// Writes the state of a lane and updates the drifts.
@@ -243,20 +274,25 @@ fn advance(
     compiled: Compiled,
     legs: &[Leg],
     stop: &AtomicBool,
-) -> Option<()> {
-    let mut ends: Vec<u64> = legs.iter().map(|leg| leg.steps).filter(|&steps| steps > 0).collect();
+) -> Result<(), Error> {
+    let mut ends = [0; LANES];
+    let ends = &mut ends[..legs.len()];
+    ends.iter_mut().zip(legs).for_each(|(end, leg)| *end = leg.steps);
     ends.sort_unstable();
-    ends.dedup();
     if compiled.is_processed() {
         step_where(group, legs, |leg| leg.steps > 0);
         compiled.enter(group);
     }
     let mut done = 0;
-    for end in ends {
+    for &mut end in ends {
+        // Of equal ends only the first.
+        if end == done {
+            continue;
+        }
         step_where(group, legs, |leg| leg.steps > done);
         while done < end {
             if stop.load(Ordering::Relaxed) {
-                return None;
+                return Err(Error::Stopped);
             }
             let count = (end - done).min(STEPS_BETWEEN_STOPS as u64);
             compiled.advance(group, forcing_rows, count as usize);
@@ -267,7 +303,7 @@ fn advance(
             compiled.leave(group);
         }
     }
-    Some(())
+    Ok(())
 }
 
 /// Sets the steps of some lanes, and makes the others inactive.

@@ -8,28 +8,27 @@ mod request;
 mod states;
 
 pub use request::{Record, Request, Schedule, time_range};
+use states::StatesPart;
 pub use states::{Column, States};
 
 use crate::error::Error;
 use crate::exact::{CanonicalForm, Question};
 use crate::kernel::{Group, KernelAssignment, Needs, System};
+use crate::memory;
+use crate::parallel::{over_blocks, thread_nanoseconds};
 use crate::scheme::Scheme;
 use crate::simd::Isa;
 use crate::solver::Solver;
-use std::sync::atomic::AtomicBool;
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-/// Runs the request; `None` if it was stopped.
+/// Runs the request.
 ///
 /// # Errors
-/// If a closed form is wanted and a body has none; if the method does not move tops or forced bodies; if a step is
+/// If the states do not fit into memory, or the request was stopped; if a closed form is wanted and a body has none; if the method does not move tops or forced bodies; if a step is
 /// beyond the stability of the method, or a wanted time beyond the table of a torque; if a tolerance is given to a
 /// method that is no series.
-pub fn simulate(
-    request: &Request,
-    threads: usize,
-    isa: Isa,
-    stop: &AtomicBool,
-) -> Result<Option<States>, Error> {
+pub fn simulate(request: &Request, threads: usize, isa: Isa, stop: &AtomicBool) -> Result<States, Error> {
     match request.solver {
         Solver::Steps(scheme) => {
             scheme.check(request.scene, false)?;
@@ -38,7 +37,7 @@ pub fn simulate(
             }
             match request.tolerance {
                 Some(_) => adaptive::simulate(request, scheme, threads, isa, stop),
-                None => Ok(fixed::simulate(request, scheme, threads, isa, stop)),
+                None => fixed::simulate(request, scheme, threads, isa, stop),
             }
         }
         Solver::Exact => {
@@ -48,13 +47,15 @@ pub fn simulate(
             let form = |(index, body)| {
                 CanonicalForm::of(body).ok_or(Error::NoClosedForm { index, rule: Question::RULE_OF_STATES })
             };
-            let forms: Result<Vec<CanonicalForm>, Error> =
-                request.bodies.iter().enumerate().map(form).collect();
+            let mut forms = memory::reserved("closed forms of the bodies", request.bodies.len())?;
+            for body in request.bodies.iter().enumerate() {
+                forms.push(form(body)?);
+            }
             let Schedule::Times(times) = request.schedule else {
                 let value = Solver::EXACT.to_string();
                 return Err(Error::Value { argument: "method", value, rule: "a closed form takes no steps" });
             };
-            Ok(closed::simulate(request, times, &forms?, threads, isa, stop))
+            closed::simulate(request, times, &forms, threads, isa, stop)
         }
     }
 }
@@ -96,6 +97,41 @@ fn check_forced(request: &Request, scheme: &Scheme) -> Result<(), Error> {
         }
     }
     Ok(())
+}
+
+/// Neighbours that are alike, in groups of at most `most`.
+fn groups<T>(items: &[T], most: usize, alike: impl Fn(&T, &T) -> bool) -> Result<Vec<Range<usize>>, Error> {
+    let mut groups = Vec::new();
+    let mut first = 0;
+    for run in items.chunk_by(alike) {
+        let end = first + run.len();
+        for begin in (first..end).step_by(most) {
+            memory::push("groups of the bodies", &mut groups, begin..end.min(begin + most))?;
+        }
+        first = end;
+    }
+    Ok(groups)
+}
+
+/// The states of all groups. `work` writes those of one group and returns the steps of its lanes.
+fn over_groups(
+    request: &Request,
+    groups: &[Range<usize>],
+    threads: usize,
+    stop: &AtomicBool,
+    work: impl Fn(Range<usize>, StatesPart) -> Result<u64, Error> + Sync,
+) -> Result<States, Error> {
+    let mut states = States::unknown(request)?;
+    let [nanoseconds, lane_steps] = [const { AtomicU64::new(0) }; 2];
+    let parts = states.parts(request.schedule.len(), groups.iter().map(ExactSizeIterator::len));
+    over_blocks(groups.iter().cloned().zip(parts), threads, stop, |(group, part)| {
+        let begin = thread_nanoseconds();
+        lane_steps.fetch_add(work(group, part)?, Ordering::Relaxed);
+        nanoseconds.fetch_add(thread_nanoseconds() - begin, Ordering::Relaxed);
+        Ok(())
+    })?;
+    (states.nanoseconds, states.lane_steps) = (nanoseconds.into_inner(), lane_steps.into_inner());
+    Ok(states)
 }
 
 /// The system that carries what is recorded and no more.

@@ -1,35 +1,10 @@
 //! The states that a request returns, and the errors of their invariants.
 
 use super::request::{Record, Request};
+use crate::error::Error;
 use crate::kernel::State;
-use crate::parallel::thread_nanoseconds;
+use crate::memory;
 use crate::status::{DRIFT_LIMIT, Status};
-
-/// A column with rows of each wanted time, which may not be recorded.
-pub trait Series {
-    /// The column that `values` returns, if it is recorded.
-    fn new(recorded: bool, values: impl FnOnce() -> Vec<f64>) -> Self;
-    /// The values, if they are recorded.
-    fn values(&mut self) -> Option<&mut Vec<f64>>;
-}
-
-impl Series for Vec<f64> {
-    fn new(_: bool, values: impl FnOnce() -> Vec<f64>) -> Self {
-        values()
-    }
-    fn values(&mut self) -> Option<&mut Vec<f64>> {
-        Some(self)
-    }
-}
-
-impl Series for Option<Vec<f64>> {
-    fn new(recorded: bool, values: impl FnOnce() -> Vec<f64>) -> Self {
-        recorded.then(values)
-    }
-    fn values(&mut self) -> Option<&mut Vec<f64>> {
-        self.as_mut()
-    }
-}
 
 /// The values of a column.
 pub enum Column {
@@ -61,16 +36,16 @@ impl From<Vec<Status>> for Column {
     }
 }
 
-/// Writes `States` and all that follows from its columns: `times` have a name, a type, the numbers in a row and whether
-/// a request records them; `bodies` have a name, a type and the value of a body that was not moved.
+/// Writes `States`, `StatesPart` and all that follows from their columns: `times` have a name, the numbers in a row and
+/// whether a request records them; `bodies` have a name, a type and the value of a body that was not moved.
 macro_rules! states {
     (
-        times { $($(#[$time_doc:meta])* $time:ident: $series:ty, $width:literal, |$request:pat_param| $recorded:expr;)* }
+        times { $($(#[$time_doc:meta])* $time:ident: $width:literal, |$request:pat_param| $recorded:expr;)* }
         bodies { $($(#[$body_doc:meta])* $body:ident: $type:ty, $unknown:expr;)* }
     ) => {
         /// States and the errors of their invariants, body first.
         pub struct States {
-            $($(#[$time_doc])* pub $time: $series,)*
+            $($(#[$time_doc])* pub $time: Option<Vec<f64>>,)*
             $($(#[$body_doc])* pub $body: Vec<$type>,)*
             /// Processor time of all threads, ns.
             pub nanoseconds: u64,
@@ -78,77 +53,98 @@ macro_rules! states {
             pub lane_steps: u64,
         }
 
+        /// The states of some neighbouring bodies.
+        pub(super) struct StatesPart<'a> {
+            $(pub(super) $time: Option<&'a mut [f64]>,)*
+            $(pub(super) $body: &'a mut [$type],)*
+        }
+
         impl States {
-            /// No bodies yet, with room for those of the request.
-            pub(super) fn with_capacity(request: &Request) -> States {
+            /// The states of bodies that have not moved; all memory that the result takes.
+            pub(super) fn unknown(request: &Request) -> Result<States, Error> {
                 let (n, times) = (request.bodies.len(), request.schedule.len());
-                States {
+                let what = format!("states of {n} bodies at {times} times");
+                // Beyond any number of bytes the product does not matter.
+                let states = (n as u128).saturating_mul(times as u128);
+                let mut bytes = 0_u128;
+                $({
+                    let $request = request;
+                    let width = if $recorded { $width * size_of::<f64>() as u128 } else { 0 };
+                    bytes = bytes.saturating_add(states.saturating_mul(width));
+                })*
+                $(bytes = bytes.saturating_add(n as u128 * size_of::<$type>() as u128);)*
+                memory::check(&what, bytes)?;
+                let refused = || Error::Memory { what: what.clone(), bytes, limit: None };
+                Ok(States {
                     $($time: {
                         let $request = request;
-                        Series::new($recorded, || Vec::with_capacity($width * n * times))
+                        let length = n.checked_mul(times).and_then(|states| states.checked_mul($width));
+                        $recorded
+                            .then(|| memory::filled(&what, length.ok_or_else(refused)?, f64::NAN))
+                            .transpose()
+                            .map_err(|_| refused())?
                     },)*
-                    $($body: Vec::with_capacity(n),)*
+                    $($body: memory::filled(&what, n, $unknown).map_err(|_| refused())?,)*
                     nanoseconds: 0,
                     lane_steps: 0,
-                }
+                })
             }
 
-            /// `n` bodies that have not moved.
-            pub(super) fn unknown(request: &Request, n: usize) -> States {
-                let times = request.schedule.len();
-                States {
-                    $($time: {
-                        let $request = request;
-                        Series::new($recorded, || vec![f64::NAN; $width * n * times])
-                    },)*
-                    $($body: vec![$unknown; n],)*
-                    nanoseconds: 0,
-                    lane_steps: 0,
-                }
-            }
-
-            /// Appends the bodies of `other`.
-            pub(super) fn append(&mut self, mut other: States) {
-                $(if let (Some(here), Some(there)) = (self.$time.values(), other.$time.values()) {
-                    here.append(there);
-                })*
-                $(self.$body.append(&mut other.$body);)*
-                self.nanoseconds += other.nanoseconds;
-                self.lane_steps += other.lane_steps;
-            }
-
-            /// Changes each recorded number of state number `at` of all.
-            fn change_each(&mut self, at: usize, mut change: impl FnMut(&mut f64)) {
-                $(if let Some(values) = self.$time.values() {
-                    values[$width * at..][..$width].iter_mut().for_each(&mut change);
-                })*
+            /// The states of the first bodies, of those after them and so on, each part of that many.
+            pub(super) fn parts<'a>(
+                &'a mut self,
+                times: usize,
+                lengths: impl Iterator<Item = usize>,
+            ) -> impl Iterator<Item = StatesPart<'a>> {
+                let mut rest = StatesPart {
+                    $($time: self.$time.as_deref_mut(),)*
+                    $($body: &mut self.$body,)*
+                };
+                lengths.map(move |bodies| StatesPart {
+                    $($time: rest.$time.as_mut().map(|values| first(values, $width * times * bodies)),)*
+                    $($body: first(&mut rest.$body, bodies),)*
+                })
             }
 
             /// The columns by their names.
-            pub fn into_columns(mut self) -> Vec<(&'static str, Column)> {
+            pub fn into_columns(self) -> Vec<(&'static str, Column)> {
                 vec![
-                    $((stringify!($time), Column::Series($width, self.$time.values().map(std::mem::take))),)*
+                    $((stringify!($time), Column::Series($width, self.$time)),)*
                     $((stringify!($body), self.$body.into()),)*
                 ]
+            }
+        }
+
+        impl StatesPart<'_> {
+            /// Changes each recorded number of state number `at` of all.
+            fn change_each(&mut self, at: usize, mut change: impl FnMut(&mut f64)) {
+                $(if let Some(values) = &mut self.$time {
+                    values[$width * at..][..$width].iter_mut().for_each(&mut change);
+                })*
             }
         }
     };
 }
 
+/// Splits the first elements off.
+fn first<'a, T>(rest: &mut &'a mut [T], count: usize) -> &'a mut [T] {
+    rest.split_off_mut(..count).expect("the parts are as long as the whole")
+}
+
 states! {
     times {
         /// Rates, (n, times, 3).
-        omega: Vec<f64>, 3, |_| true;
+        omega: 3, |_| true;
         /// The vertical seen from the body, (n, times, 3), if recorded.
-        vertical: Option<Vec<f64>>, 3, |request| match request.record {
+        vertical: 3, |request| match request.record {
             Record::Rates => false,
             Record::Axis => true,
             Record::Attitude => request.scene.has_weight,
         };
         /// Attitude, (n, times, 4), if recorded.
-        attitude: Option<Vec<f64>>, 4, |request| request.record == Record::Attitude;
+        attitude: 4, |request| request.record == Record::Attitude;
         /// Work of torque and damping since the start, (n, times), of forced bodies.
-        work: Option<Vec<f64>>, 1, |request| !request.forcing.is_none();
+        work: 1, |request| !request.forcing.is_none();
     }
     bodies {
         /// Largest energy error at a wanted time, relative. For a forced body: the error of the energy less the work,
@@ -165,13 +161,10 @@ states! {
     }
 }
 
-impl States {
-    /// The states that `work` returns, with the processor time that it took.
-    pub(super) fn timed(work: impl FnOnce() -> Option<States>) -> Option<States> {
-        let begin = thread_nanoseconds();
-        let mut states = work()?;
-        states.nanoseconds = thread_nanoseconds() - begin;
-        Some(states)
+impl StatesPart<'_> {
+    /// The drifts of energy, momentum and unit lengths.
+    pub(super) fn drifts(&mut self) -> [&mut [f64]; 3] {
+        [self.energy_drift, self.momentum_drift, self.unit_drift]
     }
 
     /// Writes the state of a body, number `at` of all, and updates its drifts, given start and inverse scale of energy
@@ -183,7 +176,9 @@ impl States {
         mut now: State,
         (invariants, last): ([[f64; 2]; 2], &mut [f64; 4]),
     ) {
-        self.omega[3 * at..][..3].copy_from_slice(&now.omega);
+        if let Some(omega) = &mut self.omega {
+            omega[3 * at..][..3].copy_from_slice(&now.omega);
+        }
         let mut units = 0.0_f64;
         if let Some(direction) = &now.direction {
             units = worse(units, (norm(direction) - 1.0).abs());
@@ -224,7 +219,7 @@ impl States {
             // The sign of a NaN is that of the instruction that made it.
             let one_nan = |x: &mut f64| *x = if x.is_nan() { f64::NAN } else { *x };
             self.change_each(at, one_nan);
-            for drift in [&mut self.energy_drift, &mut self.momentum_drift, &mut self.unit_drift] {
+            for drift in self.drifts() {
                 one_nan(&mut drift[body]);
             }
         } else if self.status[body] == Status::Finished {
@@ -255,13 +250,16 @@ pub(super) fn norm<const N: usize>(v: &[f64; N]) -> f64 {
 mod tests {
     use super::*;
     use crate::forcing::Forcing;
-    use crate::scene::{FREE, TOP};
+    use crate::scene::{FREE, Scene, TOP};
     use crate::solver::Solver;
+    use crate::start::Body;
     use crate::trajectory::Schedule;
 
-    #[test]
-    fn what_is_recorded_follows_from_the_request() {
-        let request = |scene, record| Request {
+    const AT_REST: Body =
+        Body { moments: [1.0; 3], weight: [0.0; 3], omega: [0.0; 3], attitude: [1.0, 0.0, 0.0, 0.0] };
+
+    fn request<'a>(scene: &'static Scene, record: Record) -> Request<'a> {
+        Request {
             bodies: &[],
             scene,
             forcing: Forcing::NONE,
@@ -272,19 +270,38 @@ mod tests {
             tolerance: None,
             refinement: 1.0,
             max_steps: 1,
-        };
+        }
+    }
+
+    #[test]
+    fn what_is_recorded_follows_from_the_request() {
         for (scene, record, vertical, attitude) in [
             (&FREE, Record::Rates, false, false),
             (&TOP, Record::Axis, true, false),
             (&FREE, Record::Attitude, false, true),
             (&TOP, Record::Attitude, true, true),
         ] {
-            let mut all = States::with_capacity(&request(scene, record));
-            all.append(States::unknown(&request(scene, record), 3));
+            let bodies = [AT_REST; 3];
+            let request = Request { bodies: &bodies, ..request(scene, record) };
+            let all = States::unknown(&request).unwrap();
             assert_eq!((all.vertical.is_some(), all.attitude.is_some()), (vertical, attitude));
             assert!(all.work.is_none());
-            assert_eq!((all.omega.len(), all.energy_drift.len(), all.status.len()), (18, 3, 3));
+            assert_eq!((all.omega.unwrap().len(), all.energy_drift.len(), all.status.len()), (18, 3, 3));
         }
+    }
+
+    #[test]
+    fn parts_are_the_states_of_neighbours() {
+        let bodies = [AT_REST; 3];
+        let request = Request { bodies: &bodies, ..request(&FREE, Record::Attitude) };
+        let mut all = States::unknown(&request).unwrap();
+        for (value, mut part) in all.parts(2, [1, 2].into_iter()).enumerate() {
+            part.energy_drift.fill(value as f64);
+            part.attitude.as_mut().unwrap().fill(value as f64);
+            assert!(part.vertical.is_none());
+        }
+        assert_eq!(all.energy_drift, [0.0, 1.0, 1.0]);
+        assert_eq!(all.attitude.unwrap(), [[0.0; 8], [1.0; 8], [1.0; 8]].concat());
     }
 
     #[test]

@@ -58,13 +58,13 @@ impl Question<'_> {
             |body: &Body| self.method.facts.angle_per_step / body.fastest_rate(Forcing::NONE, [0.0; 2]);
         let steps: Vec<f64> = self.bodies.iter().map(first).collect();
         let request = self.request(Solver::Steps(self.method), &steps, Some(self.tolerance));
-        simulate(&request, self.threads, self.isa, &AtomicBool::new(false)).unwrap().unwrap()
+        simulate(&request, self.threads, self.isa, &AtomicBool::new(false)).unwrap()
     }
 
     fn exactly(&self) -> States {
         let steps = vec![f64::INFINITY; self.bodies.len()];
         let request = self.request(Solver::Exact, &steps, None);
-        simulate(&request, self.threads, self.isa, &AtomicBool::new(false)).unwrap().unwrap()
+        simulate(&request, self.threads, self.isa, &AtomicBool::new(false)).unwrap()
     }
 }
 
@@ -88,7 +88,7 @@ fn body(number: u64, is_top: bool, symmetric: bool, spin: f64) -> Body {
 
 fn numbers(states: &States, i: usize) -> (Vec<u64>, Status, u64) {
     let n = states.status.len();
-    let fields = [Some(&states.omega), states.vertical.as_ref(), states.attitude.as_ref()];
+    let fields = [&states.omega, &states.vertical, &states.attitude];
     let of_field = |field: &Vec<f64>| field[i * (field.len() / n)..][..field.len() / n].to_vec();
     let mut all: Vec<f64> = fields.into_iter().flatten().flat_map(of_field).collect();
     all.extend([states.energy_drift[i], states.momentum_drift[i], states.unit_drift[i]]);

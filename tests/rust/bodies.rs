@@ -233,9 +233,9 @@ fn the_unit_of_inertia_does_not_matter() {
                 refinement: 1.0,
                 max_steps: 1000,
             };
-            let states = simulate(&request, 1, Isa::Scalar, &AtomicBool::new(false)).unwrap().unwrap();
+            let states = simulate(&request, 1, Isa::Scalar, &AtomicBool::new(false)).unwrap();
             assert_eq!(states.status[0], Status::Finished);
-            states.omega
+            states.omega.unwrap()
         };
         scheme::ALL.iter().copied().map(of_method).collect()
     };

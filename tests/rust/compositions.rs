@@ -52,7 +52,7 @@ fn ask(scene: &Scene, solver: Solver, times: &[f64], step: f64) -> States {
         refinement: 1.0,
         max_steps: u64::MAX,
     };
-    simulate(&request, 1, Isa::available()[0], &AtomicBool::new(false)).unwrap().unwrap()
+    simulate(&request, 1, Isa::available()[0], &AtomicBool::new(false)).unwrap()
 }
 
 /// Sum of the differences of rates and attitudes, whose signs are free.

@@ -304,7 +304,7 @@ fn run(bodies: &[Body], is_top: bool, method: &'static Scheme) -> States {
         refinement: 1.0,
         max_steps: 1000,
     };
-    simulate(&request, 1, Isa::available()[0], &AtomicBool::new(false)).unwrap().unwrap()
+    simulate(&request, 1, Isa::available()[0], &AtomicBool::new(false)).unwrap()
 }
 
 /// The body with its axes renamed: new axis i is old axis i + 1. The quaternion of the renaming is
@@ -353,7 +353,7 @@ fn renamed_motion(is_top: bool, method: &'static Scheme, bodies: [Body; 2], turn
     // 200 steps, of so many flows or evaluations, of some ten roundings each.
     let roundings = (200.0 * 10.0 * method.facts.stages as f64).sqrt() * EPS / 2.0;
     for time in 0..2 {
-        let [old, new] = [0, 1].map(|body| &states.omega[3 * (2 * body + time)..][..3]);
+        let [old, new] = [0, 1].map(|body| &states.omega.as_ref().unwrap()[3 * (2 * body + time)..][..3]);
         for i in 0..3 {
             let (a, b) = (old[(i + turns) % 3], new[i]);
             // A free body: the same operations on the same numbers. A top starts with another rounding of its

@@ -68,7 +68,7 @@ class Scenes:
             step=None if method == "exact" else np.full(len(self), step),
             max_steps=10**6,
             threads=threads,
-            times=times.tolist(),
+            times=times,
         )
         return states["omega"], states["attitude"]
 

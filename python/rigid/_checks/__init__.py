@@ -1,5 +1,5 @@
 """Checks of arguments, and progress of long calls: the lowest layer.
 
-Every error message names the argument, its value and the rule. The package uses NumPy only and
-contains no physics; all other packages use it.
+Every error message names the argument, its value and the rule. The package uses NumPy and the
+core only, and contains no physics; all other packages use it.
 """

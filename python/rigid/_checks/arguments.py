@@ -12,7 +12,10 @@ from numbers import Real
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .. import _core
+
 __all__ = [
+    "brief",
     "finite_float",
     "first_place",
     "nearest",
@@ -46,9 +49,12 @@ def nearest(name: object, known: Iterable[str]) -> str:
     return f"; did you mean {spelt[close[0]]!r}?" if close else ""
 
 
-def _brief(value: object) -> str:
+def brief(value: object) -> str:
     """``value`` on one line of moderate length."""
-    text = " ".join(repr(value).split())
+    try:
+        text = " ".join(repr(value).split())
+    except ValueError:  # Python writes no whole numbers of more than 4300 digits
+        return "a whole number of more than 4300 digits"
     return text if len(text) <= 80 else f"{text[:77]}..."
 
 
@@ -65,7 +71,7 @@ def one_of(argument: str, value: object, known: Iterable[str]) -> str:
         return value
     known_names = ", ".join(map(repr, names))
     raise ValueError(
-        f"{argument} = {_brief(value)}: must be one of {known_names}{nearest(value, names)}"
+        f"{argument} = {brief(value)}: must be one of {known_names}{nearest(value, names)}"
     )
 
 
@@ -76,8 +82,11 @@ def finite_float(
     if isinstance(value, np.ndarray) and value.ndim == 0:
         value = value[()]
     if isinstance(value, bool) or not isinstance(value, Real):
-        raise TypeError(f"{name} = {_brief(value)}: must be a real number")
-    number = float(value)
+        raise TypeError(f"{name} = {brief(value)}: must be a real number")
+    try:
+        number = float(value)
+    except OverflowError:
+        raise ValueError(f"{name} = {brief(value)}: must be below 1.8e308 in size") from None
     if not np.isfinite(number):
         raise ValueError(f"{name} = {number}: must be finite")
     if positive and number <= 0.0:
@@ -90,22 +99,37 @@ def finite_float(
 def positive_int(name: str, value: object, *, minimum: int = 1) -> int:
     """``value`` as a whole number of at least ``minimum``."""
     if isinstance(value, bool) or not isinstance(value, (int, np.integer)):
-        raise TypeError(f"{name} = {value!r}: must be a whole number")
+        raise TypeError(f"{name} = {brief(value)}: must be a whole number")
     if value < minimum:
-        raise ValueError(f"{name} = {value}: must be at least {minimum}")
+        raise ValueError(f"{name} = {brief(value)}: must be at least {minimum}")
     if value >= 2**63:
-        raise ValueError(f"{name} = {value}: must be below 2**63")
+        raise ValueError(f"{name} = {brief(value)}: must be below 2**63")
     return int(value)
 
 
 def numbers(name: str, value: ArrayLike) -> NDArray[np.float64]:
+    """``value`` as contiguous and aligned floats; those beyond 1.8e308 become infinite."""
+    _refuse_masked(name, value)
     try:
         array = np.asarray(value)
     except ValueError:
-        raise ValueError(f"{name} = {_brief(value)}: must be an array of real numbers") from None
+        raise ValueError(f"{name} = {brief(value)}: must be an array of real numbers") from None
     if array.dtype.kind not in "iuf":
-        raise TypeError(f"{name} = {_brief(value)}: must be real numbers, got {array.dtype}")
-    return np.ascontiguousarray(array, dtype=np.float64).reshape(array.shape)
+        raise TypeError(f"{name} = {brief(value)}: must be real numbers, got {array.dtype}")
+    if array.dtype.itemsize > 8:
+        with np.errstate(over="ignore"):
+            array = array.astype(np.float64)
+    floats = np.ascontiguousarray(array, dtype=np.float64).reshape(array.shape)
+    return floats if floats.flags.aligned else floats.copy()
+
+
+def _refuse_masked(name: str, value: object) -> None:
+    """Raise ValueError for a masked array with masked elements."""
+    masked = sys.modules.get("numpy.ma")  # there is no masked array before it is imported
+    if masked is not None and masked.is_masked(value):
+        raise ValueError(
+            f"{name}: {masked.count_masked(value)} elements are masked; fill them or leave them out"
+        )
 
 
 def _finite(name: str, array: NDArray[np.float64]) -> None:
@@ -201,7 +225,7 @@ def sorted_times(name: str, value: ArrayLike) -> NDArray[np.float64]:
     if array.ndim != 1:
         raise ValueError(f"{name}: expected shape (m,), got {array.shape}")
     _finite(name, array)
-    late = np.flatnonzero(np.diff(array) < 0.0)
+    late = np.flatnonzero(array[1:] < array[:-1])
     if len(late):
         k = int(late[0])
         raise ValueError(
@@ -211,7 +235,10 @@ def sorted_times(name: str, value: ArrayLike) -> NDArray[np.float64]:
 
 
 def resolve_threads(threads: int | None) -> int:
-    """Number of threads: the argument, else ``RIGID_NUM_THREADS``, else the cores we may use."""
+    """Number of threads: the argument, else ``RIGID_NUM_THREADS``, else the cores we may use.
+
+    These are the cores that the affinity of the process and its control group allow.
+    """
     if threads is not None:
         threads = positive_int("threads", threads)
         if threads > MOST_THREADS:
@@ -219,13 +246,17 @@ def resolve_threads(threads: int | None) -> int:
         return threads
     variable = os.environ.get("RIGID_NUM_THREADS", "")
     if variable:
-        if not variable.isdecimal() or int(variable) < 1:
+        digits = variable.lstrip("0")
+        if not (variable.isascii() and variable.isdecimal() and digits):
             raise ValueError(
-                f"RIGID_NUM_THREADS = {variable!r}: must be a whole number of at least 1"
+                f"RIGID_NUM_THREADS = {brief(variable)}: must be a whole number of at least 1"
             )
-        if int(variable) > MOST_THREADS:
-            raise ValueError(f"RIGID_NUM_THREADS = {variable!r}: must be at most {MOST_THREADS}")
-        return int(variable)
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
+        if len(digits) > len(str(MOST_THREADS)) or int(digits) > MOST_THREADS:
+            raise ValueError(
+                f"RIGID_NUM_THREADS = {brief(variable)}: must be at most {MOST_THREADS}"
+            )
+        return int(digits)
+    threads = min(_core.available_threads(), MOST_THREADS)
+    if hasattr(os, "sched_getaffinity"):  # it may have changed since the core looked
+        threads = min(threads, len(os.sched_getaffinity(0)))
+    return threads

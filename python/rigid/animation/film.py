@@ -13,9 +13,9 @@ from .._checks.arguments import finite_float, one_of
 from .._checks.arrays import attitudes
 from ..drawing import colours
 from ..drawing.shapes import STEM, box_faces, cone_faces, ellipsoid_faces, plane_face, top_faces
-from ..model.scene import FreeBody, HeavyTop, Scene, check_heavy_top, scene_from_dict
+from ..model.scene import FreeBody, HeavyTop, Scene, check_heavy_top
 from ..rotations.apply import to_space
-from .states import require_unforced, states_of
+from .states import require_unforced, scene_of, states_of
 
 if TYPE_CHECKING:
     from ..solve.run import Run
@@ -137,7 +137,7 @@ def film_of(
     speed = finite_float("speed", speed, positive=True)
     if len(run.t) < 2:
         raise ValueError(f"t of shape {run.t.shape}: an animation needs two times or more")
-    scene = scene_from_dict(run.spec["scene"])
+    scene = scene_of(run)
     view = _chosen(scene, view)
     momentum = to_space(attitude, np.array(scene.body.moments) * omega)
     size = float(np.linalg.norm(momentum[0]))

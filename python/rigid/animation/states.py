@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model.scene import Scene
+from .._checks.arguments import brief
+from ..model.scene import Scene, scene_from_dict
+from ..solve.run import Run
 
-if TYPE_CHECKING:
-    from ..solve.run import Run
-
-__all__ = ["require_unforced", "states_of"]
+__all__ = ["require_unforced", "scene_of", "states_of"]
 
 Floats = NDArray[np.float64]
+
+
+def scene_of(run: object) -> Scene:
+    """The scene of a run; TypeError if it is none."""
+    if not isinstance(run, Run):
+        raise TypeError(f"run = {brief(run)}: must be a rigid.Run, which rigid.simulate returns")
+    return scene_from_dict(run.spec["scene"])
 
 
 def states_of(run: Run, body: int | None = None) -> tuple[Floats, Floats]:

@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import free
-from ..animation.states import require_unforced, states_of
+from ..animation.states import require_unforced, scene_of, states_of
 from ..drawing import colours
 from ..drawing.axes3d import arrow, curve, fit, in_space, label
 from ..drawing.shapes import across, ellipsoid_faces, plane_face
 from ..drawing.sides import eye, sides, surface
-from ..model.scene import FreeBody, scene_from_dict
+from ..model.scene import FreeBody
 from ..rotations.apply import to_space
 from ..solve.run import Run
 
@@ -129,7 +129,7 @@ def poinsot_data(run: Run, *, frame: int = 0) -> PoinsotPicture:
     >>> bool(abs(data.contact[2] - data.distance) < 1e-14)
     True
     """
-    scene = scene_from_dict(run.spec["scene"])
+    scene = scene_of(run)
     if not isinstance(scene, FreeBody):
         raise TypeError(f"scene = {scene!r}: Poinsot's picture is that of a rigid.FreeBody")
     require_unforced(scene, "Poinsot's picture")

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from .. import free
 from ..drawing import colours
 from ..drawing.axes3d import in_plane, label, panels
-from ..model.scene import HeavyTop, scene_from_dict
+from ..animation.states import scene_of
+from ..model.scene import HeavyTop
 from ..solve.run import Run
 from ..top.constants import symmetry_of
 
@@ -216,7 +217,7 @@ def invariants_data(run: Run) -> Drift:
         raise ValueError(
             f"omega of shape {run.omega.shape}: needs one body at two times or more, (m, 3)"
         )
-    scene = scene_from_dict(run.spec["scene"])
+    scene = scene_of(run)
     kept = free.invariants(run)
     energy, momentum = float(kept.kinetic[0]), float(kept.L[0])
     constants = {"energy": kept.energy}

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._checks.arguments import first_place, shaped
+from .._checks.arguments import brief, first_place, shaped
 from ..rotations.so3 import rotation_matrices
 
 __all__ = [
@@ -208,6 +208,8 @@ def compose(parts: Iterable[MassProperties]) -> MassProperties:
 
     Raises
     ------
+    TypeError
+        If a part is no :class:`MassProperties`.
     ValueError
         If there are no parts.
 
@@ -222,6 +224,9 @@ def compose(parts: Iterable[MassProperties]) -> MassProperties:
     pieces = list(parts)
     if not pieces:
         raise ValueError("parts: a body needs at least one")
+    for k, part in enumerate(pieces):
+        if not isinstance(part, MassProperties):
+            raise TypeError(f"parts[{k}] = {brief(part)}: must be rigid.inertia.MassProperties")
     leading = np.broadcast_shapes(*(part.mass.shape for part in pieces))
     mass = np.stack([np.broadcast_to(part.mass, leading) for part in pieces], axis=-1)
     centre = np.stack([np.broadcast_to(part.centre, (*leading, 3)) for part in pieces], axis=-2)

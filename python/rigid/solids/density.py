@@ -9,7 +9,7 @@ from math import pi
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._checks.arguments import finite_float, shaped, vector
+from .._checks.arguments import brief, finite_float, shaped, vector
 from ..inertia.mass_properties import MassProperties, point_masses
 
 __all__ = [
@@ -200,6 +200,8 @@ def density_integral(
 
     Raises
     ------
+    TypeError
+        If the region is none.
     ValueError
         If the density is negative, not finite or has the wrong shape, or there is no mass.
 
@@ -210,6 +212,8 @@ def density_integral(
     >>> float((ball.properties.tensor[0, 0] / ball.properties.mass).round(9)), ball.converged
     (0.4, True)
     """
+    if not isinstance(region, Region):
+        raise TypeError(f"region = {brief(region)}: must be a rigid.solids.Region")
     tolerance = finite_float("tolerance", tolerance, positive=True)
     function = density if callable(density) else _constant(finite_float("density", density))
     points: list[int] = []

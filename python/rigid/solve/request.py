@@ -56,7 +56,7 @@ class Request:
             step=steps,
             max_steps=self.max_steps,
             threads=self.threads,
-            times=self.times.tolist(),
+            times=self.times,
             refinement=refinement,
             tolerance=self.tolerance,
         )

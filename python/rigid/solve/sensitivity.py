@@ -132,7 +132,7 @@ def _factors(batch: Batch, times: Floats, threads: int) -> Floats:
         step=None if exact else np.repeat(_steps(batch, times), 13),
         max_steps=10**9,
         threads=threads,
-        times=times.tolist(),
+        times=times,
     )
     omega = states["omega"].reshape(count, 13, len(times), 3) / scale[:, None, None, None]
     attitude = states["attitude"].reshape(count, 13, len(times), 4)

@@ -131,7 +131,8 @@ def effective_minimum(scene: HeavyTop, *, a: ArrayLike, b: ArrayLike) -> Floats:
     """
     from scipy.optimize.elementwise import find_root
 
-    weight = scene.mgl / symmetric(scene).across
+    across = symmetric(scene).across
+    weight = scene.mgl / across
     first, second = np.broadcast_arrays(finite_array("a", a), finite_array("b", b))
     if weight == 0.0 and ((first == 0.0) & (second == 0.0)).any():
         raise ValueError("mgl = 0, a = 0, b = 0: the effective potential is constant")

@@ -309,20 +309,20 @@ def test_unknown_options_are_no_options() -> None:
 
 
 def test_the_variable_for_threads(monkeypatch: pytest.MonkeyPatch) -> None:
-    for value in ("0", "-1", "two", "1.5", "²"):
+    for value in ("0", "-1", "two", "1.5", "²", "٣"):
         monkeypatch.setenv("RIGID_NUM_THREADS", value)
         message = refusal(small_map, ValueError)
         expected = f"RIGID_NUM_THREADS = {value!r}: must be a whole number of at least 1"
         assert message == expected
-    monkeypatch.setenv("RIGID_NUM_THREADS", "3")
+    monkeypatch.setenv("RIGID_NUM_THREADS", "003")
     assert small_map().threads == 3
     assert small_map(threads=2).threads == 2
 
 
 def test_threads_are_those_that_the_process_may_use(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("RIGID_NUM_THREADS", raising=False)
-    monkeypatch.setattr("os.sched_getaffinity", lambda pid: {0, 1, 2, 5, 7}, raising=False)
-    assert small_map().threads == 5
+    monkeypatch.setattr("os.sched_getaffinity", lambda pid: {5}, raising=False)
+    assert small_map().threads == 1
 
 
 def test_times_of_a_replay() -> None:

@@ -42,14 +42,14 @@ fn solved(body: &Body, times: &[f64]) -> States {
         refinement: 1.0,
         max_steps: 0,
     };
-    simulate(&request, 1, Isa::available()[0], &AtomicBool::new(false)).unwrap().unwrap()
+    simulate(&request, 1, Isa::available()[0], &AtomicBool::new(false)).unwrap()
 }
 
 /// Rates and attitude at each time.
 fn motion(body: &Body, times: &[f64]) -> Vec<([f64; 3], [f64; 4])> {
     let states = solved(body, times);
-    let attitude = states.attitude.unwrap();
-    let omegas = states.omega.chunks(3).map(|w| w.try_into().unwrap());
+    let (omega, attitude) = (states.omega.unwrap(), states.attitude.unwrap());
+    let omegas = omega.chunks(3).map(|w| w.try_into().unwrap());
     omegas.zip(attitude.chunks(4).map(|q| q.try_into().unwrap())).collect()
 }
 

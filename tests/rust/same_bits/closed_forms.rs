@@ -181,7 +181,7 @@ fn ask_exactly(
         refinement: 1.0,
         max_steps: 0,
     };
-    simulate(&request, threads, isa, &GO).unwrap().unwrap()
+    simulate(&request, threads, isa, &GO).unwrap()
 }
 
 /// A body alone has its times in the lanes, a crowd has bodies in them.

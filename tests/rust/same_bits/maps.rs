@@ -169,7 +169,7 @@ fn a_sample_alone_is_the_sample_of_the_map() {
             }
             // As text, in which a NaN equals itself.
             assert_eq!(format!("{:?}", timeless(statistics)), format!("{expected:?}"), "sample {flat}");
-            assert_eq!(body, map.draw(isa, flat..flat + 1)[0]);
+            assert_eq!(body, map.draw(isa, flat..flat + 1).unwrap()[0]);
         }
     }
 }
@@ -183,12 +183,12 @@ fn draws_on_every_instruction_set() {
             let map = Map { omega_law, attitude_law, ..maps().swap_remove(2) };
             // From the last samples of a pixel to the first of the next but one.
             let range = 2 * SAMPLES - 40..3 * SAMPLES + 45;
-            let alone = |flat: u64| numbers(map.draw(Isa::Scalar, flat..flat + 1)[0]);
+            let alone = |flat: u64| numbers(map.draw(Isa::Scalar, flat..flat + 1).unwrap()[0]);
             let scalar: Vec<_> = range.clone().map(alone).collect();
             for isa in Isa::available() {
                 // Other cuts put a sample into other lanes.
                 for offset in [0, 1, 7, 33] {
-                    let drawn = map.draw(isa, range.start + offset..range.end);
+                    let drawn = map.draw(isa, range.start + offset..range.end).unwrap();
                     let drawn: Vec<_> = drawn.into_iter().map(numbers).collect();
                     assert_eq!(drawn, scalar[offset as usize..], "{isa:?} {omega_law:?} {attitude_law:?}");
                 }

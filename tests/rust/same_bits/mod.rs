@@ -335,7 +335,7 @@ impl Question {
             refinement: 1.0,
             max_steps: 500,
         };
-        simulate(&request, threads, isa, &GO).unwrap().unwrap()
+        simulate(&request, threads, isa, &GO).unwrap()
     }
 }
 
@@ -371,9 +371,7 @@ fn questions() -> Vec<Question> {
 fn of_body(states: &States, i: usize) -> (Vec<u64>, Status, u64) {
     let n = states.status.len();
     let mut numbers = Vec::new();
-    for field in
-        [Some(&states.omega), states.vertical.as_ref(), states.attitude.as_ref()].into_iter().flatten()
-    {
+    for field in [&states.omega, &states.vertical, &states.attitude].into_iter().flatten() {
         let width = field.len() / n;
         numbers.extend_from_slice(&field[i * width..][..width]);
     }
