@@ -91,7 +91,7 @@ fn fma_peak(isa: Isa) -> f64 {
                 black_box(sums);
                 (LOOPS * 12 * $lanes * 2) as f64 / elapsed as f64
             }
-            // Safety: the caller names an available instruction set.
+            // SAFETY: the caller names an available instruction set.
             unsafe { $name() }
         }};
     }

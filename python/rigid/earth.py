@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._checks.arrays import finite_array, require
+from ._checks.overflow import refuses_overflow
 from .free import symmetric_free_top
 
 __all__ = [
@@ -64,6 +65,7 @@ def rotation_rate(day: ArrayLike = SIDEREAL_DAY) -> Floats:
     return np.asarray(2.0 * pi / days)[()]
 
 
+@refuses_overflow
 def ellipsoid_moments(polar_radius: float, equatorial_radius: float, mass: float = 1.0) -> Floats:
     """Moments of a homogeneous ellipsoid of revolution: ``m (Rp² + Re²)/5`` and ``2 m Re²/5``.
 
@@ -99,6 +101,7 @@ def ellipsoid_moments(polar_radius: float, equatorial_radius: float, mass: float
     return np.array([across, across, 2.0 * fifth * equator**2])
 
 
+@refuses_overflow
 def ellipticity(polar_radius: ArrayLike, equatorial_radius: ArrayLike) -> Floats:
     """``(I3 - I) / I`` of a homogeneous ellipsoid of revolution, from its radii.
 
@@ -131,6 +134,7 @@ def ellipticity(polar_radius: ArrayLike, equatorial_radius: ArrayLike) -> Floats
     return flat
 
 
+@refuses_overflow
 def euler_period(ellipticity: ArrayLike, rate: ArrayLike) -> Floats:
     """Euler's period, ``2 pi / (|ellipticity| rate)``: the period of the free polar motion.
 
@@ -198,6 +202,7 @@ class Wobble:
     space_circle: Floats
 
 
+@refuses_overflow
 def wobble(
     ellipticity: ArrayLike,
     rate: ArrayLike,

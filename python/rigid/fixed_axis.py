@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._checks.arguments import finite_float, shaped, together, vector
+from ._checks.overflow import refuses_overflow
 
 __all__ = [
     "Analogy",
@@ -179,6 +180,7 @@ def bearing_torques(
     )
 
 
+@refuses_overflow
 def bearing_forces(
     mass: ArrayLike,
     com: ArrayLike,

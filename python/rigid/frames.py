@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._checks.arguments import finite_float, shaped, together, vectors
+from ._checks.overflow import refuses_overflow
 
 __all__ = [
     "EarthFrame",
@@ -253,6 +254,7 @@ def transport(vector: ArrayLike, rate: ArrayLike, omega: ArrayLike) -> Floats:
     return np.asarray(dq + np.cross(w, q))
 
 
+@refuses_overflow
 def fictitious_forces(
     mass: ArrayLike,
     position: ArrayLike = _ZERO,

@@ -56,6 +56,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._checks.arguments import finite_float, shaped, together
+from ._checks.overflow import refuses_overflow
 
 __all__ = ["Equilibrant", "Equilibrium", "Wrench", "equilibrant", "equilibrium", "wrench"]
 
@@ -138,6 +139,7 @@ class Wrench:
     pitch: Floats
 
 
+@refuses_overflow
 def equilibrium(
     forces: ArrayLike,
     points: ArrayLike,
@@ -185,6 +187,7 @@ def equilibrium(
     )
 
 
+@refuses_overflow
 def equilibrant(
     forces: ArrayLike,
     points: ArrayLike,
@@ -227,6 +230,7 @@ def equilibrant(
     )
 
 
+@refuses_overflow
 def wrench(
     forces: ArrayLike,
     points: ArrayLike,

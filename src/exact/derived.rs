@@ -86,7 +86,7 @@ macro_rules! with_fma {
                 #[cfg(target_arch = "x86_64")]
                 Isa::Avx512 | Isa::Avx2 => {
                     assert!(isa.is_available());
-                    // Safety: the line before checks the feature.
+                    // SAFETY: the line before checks the feature.
                     unsafe { fma(isa, $($argument),*) }
                 }
                 _ => $generic(isa, $($argument),*),

@@ -205,19 +205,19 @@ impl Evaluator {
 
     /// The rates of all lanes at each row of times.
     pub fn rates(self, starts: &StartRows, times: &[Row], out: &mut [StateRows]) {
-        // Safety: `new` has seen the features that the entry point needs.
+        // SAFETY: `new` has seen the features that the entry point needs.
         unsafe { (self.states)(starts, times, false, out) }
     }
 
     /// The states of all lanes at each row of times.
     pub fn states(self, starts: &StartRows, times: &[Row], out: &mut [StateRows]) {
-        // Safety: as above.
+        // SAFETY: as above.
         unsafe { (self.states)(starts, times, true, out) }
     }
 
     /// The exit times of the lanes.
     pub fn exits(self, starts: &StartRows, questions: &ExitRows, out: &mut Row) {
-        // Safety: as above.
+        // SAFETY: as above.
         unsafe { (self.exits)(starts, questions, out) }
     }
 }

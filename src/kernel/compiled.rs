@@ -32,7 +32,7 @@ impl Compiled {
 
     /// Advances every lane of the group; only forced systems use the forcing.
     pub fn advance(self, group: &mut Group, forcing: &ForcingRows, steps: usize) {
-        // Safety: `new` has seen the features that the entry point needs.
+        // SAFETY: `new` has seen the features that the entry point needs.
         unsafe { (self.code.advance)(group, forcing, steps, self.kernel.observed, self.kernel.step.numbers) }
     }
 
@@ -53,7 +53,7 @@ impl Compiled {
 
     fn process(self, group: &mut Group, leaving: bool) {
         let process = self.code.process.expect("only some steps are processed");
-        // Safety: as above.
+        // SAFETY: as above.
         unsafe { process(group, leaving, self.kernel.step.numbers) }
     }
 
@@ -66,20 +66,20 @@ impl Compiled {
         most: usize,
     ) -> usize {
         let adaptive = self.code.adaptive.expect("only series choose their steps");
-        // Safety: as above.
+        // SAFETY: as above.
         unsafe { adaptive(group, forcing, lanes, most, self.kernel.step.numbers) }
     }
 
     /// The state of a lane inside its last step, at a time after the begin of the step in units of the lane.
     pub fn dense_output(self, lanes: &AdaptiveSteps, lane: usize, units: f64) -> [f64; MAX_STATE] {
         let dense = self.code.dense.expect("only series are known inside a step");
-        // Safety: as above.
+        // SAFETY: as above.
         unsafe { dense(lanes, lane, units, self.kernel.step.numbers) }
     }
 
     /// Energy and conserved momentum of one body.
     pub fn invariants(self, p: &Parameters<f64>, y: &[f64; MAX_STATE]) -> [f64; 2] {
-        // Safety: as above.
+        // SAFETY: as above.
         unsafe { (self.code.invariants)(p, y) }
     }
 }

@@ -77,10 +77,10 @@ macro_rules! compiled {
             }
             assert!(isa.is_available());
             match isa {
-                // Safety: the line before checks the feature.
+                // SAFETY: the line before checks the feature.
                 #[cfg(target_arch = "x86_64")]
                 Isa::Avx512 => unsafe { avx512(law, draws) },
-                // Safety: as above.
+                // SAFETY: as above.
                 #[cfg(target_arch = "x86_64")]
                 Isa::Avx2 => unsafe { avx2(law, draws) },
                 _ => $generic::<f64>(law, draws),

@@ -97,7 +97,7 @@ impl<R: Real, const D: usize> Coefficients<R, D> {
     #[inline(always)]
     pub fn order(&self, k: usize) -> &[R; D] {
         assert!(k < self.known);
-        // Safety: `push` has written all rows below `known`.
+        // SAFETY: `push` has written all rows below `known`.
         unsafe { self.rows[k].assume_init_ref() }
     }
 }
@@ -251,15 +251,15 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
             }
             self.applied.torque_of_order::<L, D>(c.order(0), c.order(k), &before)
         };
-        torques.rows[k].write(newest);
+        torques.push(k, newest);
         let change = self.applied.over_moments(&newest);
         for i in 0..3 {
             next[i] = factor.fma(change[i], next[i]);
         }
         let mut balance = [R::splat(0.0); 2];
         for j in 0..=k {
-            // Safety: rows up to this order are written, one a call.
-            let torque = unsafe { torques.rows[j].assume_init_ref() };
+            // SAFETY: the calls for the orders 0 to k, one each and ascending, have pushed the rows 0 to k.
+            let torque = unsafe { torques.order(j) };
             let [power, impulse] = self.applied.balance::<L, D>(torque, c.order(k - j));
             balance = [balance[0] + power, balance[1] + impulse];
         }
@@ -270,14 +270,45 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
 }
 
 /// Coefficients of the applied torque, in memory that nobody has to clear.
+///
+/// Without the counter of `Coefficients`, which would cost time here: only builds with debug assertions count.
 struct Torques<R> {
     rows: [MaybeUninit<[R; 3]>; MAX_ORDER + 1],
+    #[cfg(debug_assertions)]
+    known: usize,
 }
 
 impl<R: Real> Torques<R> {
     #[inline(always)]
     fn new() -> Self {
-        Torques { rows: [const { MaybeUninit::uninit() }; MAX_ORDER + 1] }
+        Torques {
+            rows: [const { MaybeUninit::uninit() }; MAX_ORDER + 1],
+            #[cfg(debug_assertions)]
+            known: 0,
+        }
+    }
+
+    /// Writes the row of order k, the one after those that are known.
+    #[inline(always)]
+    fn push(&mut self, k: usize, row: [R; 3]) {
+        #[cfg(debug_assertions)]
+        {
+            assert_eq!(k, self.known, "one call an order, ascending");
+            self.known += 1;
+        }
+        self.rows[k].write(row);
+    }
+
+    /// The row of one order.
+    ///
+    /// # Safety
+    /// The row has been pushed.
+    #[inline(always)]
+    unsafe fn order(&self, k: usize) -> &[R; 3] {
+        #[cfg(debug_assertions)]
+        assert!(k < self.known, "order {k} is not known");
+        // SAFETY: the caller's promise.
+        unsafe { self.rows[k].assume_init_ref() }
     }
 }
 

@@ -1,7 +1,8 @@
 //! Explicit AVX-512 and AVX2+FMA registers.
 //!
-//! Safety: the methods execute instructions of their set. The types are private to the crate and are only
-//! named by the entry points of `kernel.rs`, which `Isa` enters after it has seen the CPU's feature bits.
+//! The methods execute instructions of their set. The types are private to the crate. Only entry points with the
+//! features of their set name the types, and each is entered after `Isa::is_available` has seen the CPU's feature bits:
+//! those of `kernel`, of `exact::Evaluator` and of the draws of `map`.
 
 use crate::real::{INTEGER_SHIFT, Pack, Real};
 use std::arch::x86_64::*;
@@ -23,6 +24,7 @@ macro_rules! operators {
             type Output = Self;
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
+                // SAFETY: the CPU has the instructions; see the module.
                 unsafe { Self($intrinsic(self.0, other.0)) }
             }
         }
@@ -35,6 +37,7 @@ impl Neg for V8 {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
+        // SAFETY: the CPU has the instructions; see the module.
         unsafe { V8(_mm512_xor_pd(self.0, _mm512_set1_pd(-0.0))) }
     }
 }
@@ -43,6 +46,7 @@ impl Neg for V4 {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
+        // SAFETY: the CPU has the instructions; see the module.
         unsafe { V4(_mm256_xor_pd(self.0, _mm256_set1_pd(-0.0))) }
     }
 }
@@ -52,6 +56,7 @@ macro_rules! intrinsics {
     ($($method:ident($($arg:ident),*) $intrinsic:ident;)*) => {$(
         #[inline(always)]
         fn $method(self $(, $arg: Self)*) -> Self {
+            // SAFETY: the CPU has the instructions; see the module.
             unsafe { Self($intrinsic(self.0 $(, $arg.0)*)) }
         }
     )*};
@@ -70,18 +75,22 @@ impl Real for V8 {
     }
     #[inline(always)]
     fn splat(x: f64) -> Self {
+        // SAFETY: the CPU has the instructions; see the module.
         unsafe { V8(_mm512_set1_pd(x)) }
     }
     #[inline(always)]
     fn round(self) -> Self {
+        // SAFETY: the CPU has the instructions; see the module.
         unsafe { V8(_mm512_roundscale_pd::<_MM_FROUND_TO_NEAREST_INT>(self.0)) }
     }
     #[inline(always)]
     fn lt(self, other: Self) -> __mmask8 {
+        // SAFETY: the CPU has the instructions; see the module.
         unsafe { _mm512_cmp_pd_mask::<_CMP_LT_OQ>(self.0, other.0) }
     }
     #[inline(always)]
     fn select(mask: __mmask8, a: Self, b: Self) -> Self {
+        // SAFETY: the CPU has the instructions; see the module.
         unsafe { V8(_mm512_mask_blend_pd(mask, b.0, a.0)) }
     }
     #[inline(always)]
@@ -90,6 +99,7 @@ impl Real for V8 {
     }
     #[inline(always)]
     fn exp2i(self) -> Self {
+        // SAFETY: the CPU has the instructions; see the module.
         unsafe {
             let shifted = _mm512_add_pd(self.0, _mm512_set1_pd(INTEGER_SHIFT + 1023.0));
             V8(_mm512_castsi512_pd(_mm512_slli_epi64::<52>(_mm512_castpd_si512(shifted))))
@@ -97,6 +107,7 @@ impl Real for V8 {
     }
     #[inline(always)]
     fn frexp(self) -> (Self, Self) {
+        // SAFETY: the CPU has the instructions; see the module.
         unsafe {
             let mantissa = _mm512_getmant_pd::<_MM_MANT_NORM_1_2, _MM_MANT_SIGN_ZERO>(self.0);
             (V8(mantissa), V8(_mm512_getexp_pd(self.0)))
@@ -104,6 +115,7 @@ impl Real for V8 {
     }
     #[inline(always)]
     fn neg_if_odd(self, n: Self) -> Self {
+        // SAFETY: the CPU has the instructions; see the module.
         unsafe {
             let shifted = _mm512_castpd_si512(_mm512_add_pd(n.0, _mm512_set1_pd(INTEGER_SHIFT)));
             V8(_mm512_xor_pd(self.0, _mm512_castsi512_pd(_mm512_slli_epi64::<63>(shifted))))
@@ -111,6 +123,7 @@ impl Real for V8 {
     }
     #[inline(always)]
     fn odd(n: Self) -> __mmask8 {
+        // SAFETY: the CPU has the instructions; see the module.
         unsafe {
             let shifted = _mm512_castpd_si512(_mm512_add_pd(n.0, _mm512_set1_pd(INTEGER_SHIFT)));
             _mm512_test_epi64_mask(shifted, _mm512_set1_epi64(1))
@@ -123,11 +136,13 @@ impl Pack for V8 {
     #[inline(always)]
     fn load(from: &[f64]) -> Self {
         assert!(from.len() >= 8);
+        // SAFETY: the CPU has the instructions (see the module); the slice is as long as the register.
         unsafe { V8(_mm512_loadu_pd(from.as_ptr())) }
     }
     #[inline(always)]
     fn store(self, to: &mut [f64]) {
         assert!(to.len() >= 8);
+        // SAFETY: the CPU has the instructions (see the module); the slice is as long as the register.
         unsafe { _mm512_storeu_pd(to.as_mut_ptr(), self.0) }
     }
 }
@@ -144,30 +159,37 @@ impl Real for V4 {
     }
     #[inline(always)]
     fn splat(x: f64) -> Self {
+        // SAFETY: the CPU has the instructions; see the module.
         unsafe { V4(_mm256_set1_pd(x)) }
     }
     #[inline(always)]
     fn abs(self) -> Self {
+        // SAFETY: the CPU has the instructions; see the module.
         unsafe { V4(_mm256_andnot_pd(_mm256_set1_pd(-0.0), self.0)) }
     }
     #[inline(always)]
     fn round(self) -> Self {
+        // SAFETY: the CPU has the instructions; see the module.
         unsafe { V4(_mm256_round_pd::<{ _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC }>(self.0)) }
     }
     #[inline(always)]
     fn lt(self, other: Self) -> __m256d {
+        // SAFETY: the CPU has the instructions; see the module.
         unsafe { _mm256_cmp_pd::<_CMP_LT_OQ>(self.0, other.0) }
     }
     #[inline(always)]
     fn select(mask: __m256d, a: Self, b: Self) -> Self {
+        // SAFETY: the CPU has the instructions; see the module.
         unsafe { V4(_mm256_blendv_pd(b.0, a.0, mask)) }
     }
     #[inline(always)]
     fn any(mask: __m256d) -> bool {
+        // SAFETY: the CPU has the instructions; see the module.
         unsafe { _mm256_movemask_pd(mask) != 0 }
     }
     #[inline(always)]
     fn exp2i(self) -> Self {
+        // SAFETY: the CPU has the instructions; see the module.
         unsafe {
             let shifted = _mm256_add_pd(self.0, _mm256_set1_pd(INTEGER_SHIFT + 1023.0));
             V4(_mm256_castsi256_pd(_mm256_slli_epi64::<52>(_mm256_castpd_si256(shifted))))
@@ -177,6 +199,7 @@ impl Real for V4 {
     fn frexp(self) -> (Self, Self) {
         // 2^52 as bits: an exponent field or-ed into it reads as 2^52 + field.
         const TWO52: f64 = 4_503_599_627_370_496.0;
+        // SAFETY: the CPU has the instructions; see the module.
         unsafe {
             let bits = _mm256_castpd_si256(self.0);
             let mantissa = _mm256_or_si256(
@@ -191,6 +214,7 @@ impl Real for V4 {
     }
     #[inline(always)]
     fn neg_if_odd(self, n: Self) -> Self {
+        // SAFETY: the CPU has the instructions; see the module.
         unsafe {
             let shifted = _mm256_castpd_si256(_mm256_add_pd(n.0, _mm256_set1_pd(INTEGER_SHIFT)));
             V4(_mm256_xor_pd(self.0, _mm256_castsi256_pd(_mm256_slli_epi64::<63>(shifted))))
@@ -198,6 +222,7 @@ impl Real for V4 {
     }
     #[inline(always)]
     fn odd(n: Self) -> __m256d {
+        // SAFETY: the CPU has the instructions; see the module.
         unsafe {
             let shifted = _mm256_castpd_si256(_mm256_add_pd(n.0, _mm256_set1_pd(INTEGER_SHIFT)));
             // blendv and movemask read the sign bit only.
@@ -211,11 +236,13 @@ impl Pack for V4 {
     #[inline(always)]
     fn load(from: &[f64]) -> Self {
         assert!(from.len() >= 4);
+        // SAFETY: the CPU has the instructions (see the module); the slice is as long as the register.
         unsafe { V4(_mm256_loadu_pd(from.as_ptr())) }
     }
     #[inline(always)]
     fn store(self, to: &mut [f64]) {
         assert!(to.len() >= 4);
+        // SAFETY: the CPU has the instructions (see the module); the slice is as long as the register.
         unsafe { _mm256_storeu_pd(to.as_mut_ptr(), self.0) }
     }
 }

@@ -81,7 +81,7 @@ fn elliptic_functions_have_the_same_bits_in_every_register() {
     #[cfg(target_arch = "x86_64")]
     for isa in Isa::available() {
         let tables = match isa {
-            // Safety: the features have just been seen.
+            // SAFETY: the features have just been seen.
             Isa::Avx512 => unsafe { avx512(&arguments) },
             Isa::Avx2 => unsafe { avx2(&arguments) },
             Isa::Scalar => continue,

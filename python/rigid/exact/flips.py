@@ -53,6 +53,8 @@ def flip_times(
 
     Raises
     ------
+    MemoryError
+        If the times do not fit into memory.
     ValueError
         If there is no closed form, or if ``axis`` is not given and two rates are the largest.
 
@@ -68,16 +70,22 @@ def flip_times(
     number = positive_int("count", count)
     batch, single = Batch.from_input(scene, omega, attitude)
     axes = _largest(batch.omega) if axis is None else body_axis(axis)
-    times = np.empty((len(batch), number))
+    parts: list[tuple[NDArray[np.intp], Floats]] = []
     for chosen in np.unique(axes).tolist():
         if "" in closed_forms(NoFlip(chosen), batch.moments, batch.weight):
             raise ValueError(
                 f"axis = {chosen}: no closed form for the {scene.words()}; there is one for a "
                 "free body, and for the symmetry axis of a Lagrange top"
             )
-        mine = np.flatnonzero(np.broadcast_to(axes == chosen, len(times)))
+        mine = np.flatnonzero(np.broadcast_to(axes == chosen, len(batch)))
         some = batch.select(mine).full_columns()
-        times[mine] = _core.flip_times(**some, axis=int(chosen), count=number)
+        parts.append((mine, _core.flip_times(**some, axis=int(chosen), count=number)))
+    if len(parts) == 1:
+        times = parts[0][1]
+    else:
+        times = np.empty((len(batch), number))
+        for mine, found in parts:
+            times[mine] = found
     return times[0] if single else times
 
 

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from .. import _core
 from .._checks.arguments import finite_float
 from .._checks.arrays import finite_array, require
+from .._checks.overflow import refuses_overflow
 from ..model.scene import HeavyTop, check_heavy_top
 from ..model.start import body_axis
 from ..solve.batch import Batch
@@ -195,6 +196,7 @@ class SteadyPrecession:
         return iter((self.slow, self.fast))
 
 
+@refuses_overflow
 def steady_precession(scene: HeavyTop, tilt: ArrayLike, spin: ArrayLike) -> SteadyPrecession:
     """Slow and fast steady precession of a Lagrange top, and the least spin that has them.
 
@@ -264,6 +266,7 @@ def steady_precession(scene: HeavyTop, tilt: ArrayLike, spin: ArrayLike) -> Stea
     )
 
 
+@refuses_overflow
 def sleeping_spin(scene: HeavyTop) -> float:
     """The least spin (rad/s) at which an upright Lagrange top sleeps: ``2 sqrt(mgl I1) / I3``.
 

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import free
+from ..animation.states import scene_of
 from ..drawing import colours
 from ..drawing.axes3d import in_plane, label, panels
-from ..animation.states import scene_of
 from ..model.scene import HeavyTop
 from ..solve.run import Run
 from ..top.constants import symmetry_of

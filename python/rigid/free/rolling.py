@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import positive_int
 from .._checks.arrays import attitudes, require, vectors
+from .._checks.overflow import refuses_overflow
 from ..model.body_like import BodyLike, moments_of
 from ..rotations.apply import to_space
 from .tops import symmetric_free_top
@@ -48,6 +49,7 @@ class Cones:
     space_curve: Floats
 
 
+@refuses_overflow
 def cones(
     body: BodyLike,
     omega: ArrayLike,
@@ -163,6 +165,7 @@ class Poinsot:
     slip: Floats | None
 
 
+@refuses_overflow
 def poinsot(
     body: BodyLike, omega: ArrayLike, attitude: ArrayLike | Rotation | None = None
 ) -> Poinsot:

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from .. import exact
 from .._checks.arguments import positive_int
 from .._checks.arrays import finite_array, vectors
+from .._checks.overflow import refuses_overflow
 from ..model.body import Body
 from ..model.body_like import BodyLike, moments_of
 from ..model.scene import FreeBody
@@ -137,6 +138,7 @@ def gammas(body: BodyLike) -> Floats:
     return factors
 
 
+@refuses_overflow
 def gamma_residual(factors: ArrayLike) -> Floats:
     """``gamma1 + gamma2 + gamma3 + gamma1 gamma2 gamma3``, zero for the factors of any body.
 
@@ -262,6 +264,7 @@ class Circulation:
     separatrix: Floats
 
 
+@refuses_overflow
 def circulation(body: BodyLike, omega: ArrayLike) -> Circulation:
     """The axis about which the angular velocity of a free body circulates, without integration.
 

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from .. import _core
 from .._checks.arguments import resolve_threads, sorted_times
 from .._checks.arrays import attitudes, finite_array, require, vectors
+from .._checks.overflow import refuses_overflow
 from ..exact import FreeMotion
 from ..model.body_like import BodyLike, moments_of
 from ..model.scene import FreeBody
@@ -90,6 +91,7 @@ class SymmetricTop:
     attitude: Floats | None
 
 
+@refuses_overflow
 def symmetric_free_top(
     body: BodyLike,
     omega: ArrayLike,
@@ -209,6 +211,7 @@ class AsymmetricTop(FreeMotion):
     attitude: Floats | None
 
 
+@refuses_overflow
 def asymmetric_free_top(
     body: BodyLike,
     omega: ArrayLike,

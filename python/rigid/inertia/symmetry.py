@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import finite_float, shaped
+from .._checks.overflow import refuses_overflow
 from ..rotations.quaternions import log_so3
 from .mass_properties import point_masses
 
@@ -54,6 +55,7 @@ class Symmetry:
     size: int
 
 
+@refuses_overflow
 def symmetry_check(
     points: ArrayLike, masses: ArrayLike | None = None, *, tolerance: float = 1e-9
 ) -> Symmetry:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import shaped, together, vectors
+from .._checks.overflow import refuses_overflow
 
 __all__ = [
     "Displacement",
@@ -290,6 +291,7 @@ def velocity_field(
     return np.asarray(v + np.cross(w, r - r0))
 
 
+@refuses_overflow
 def fit_omega(
     points: ArrayLike, velocities: ArrayLike, *, base: ArrayLike | None = None
 ) -> OmegaFit:

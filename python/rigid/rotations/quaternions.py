@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import numbers, shaped
 from .._checks.arrays import unit_quaternions
+from .._checks.overflow import refuses_overflow
 from .so3 import over, rodrigues, rotation_matrices, vee
 
 if TYPE_CHECKING:
@@ -167,6 +168,7 @@ def canonical_quaternion(quaternion: ArrayLike) -> Floats:
     return np.where(leading < 0.0, -q, q) + 0.0  # no negative zeros
 
 
+@refuses_overflow
 def exp_quaternion(vector: ArrayLike) -> Floats:
     """The unit quaternion of a rotation vector: ``(cos(x/2), sin(x/2) v/x)``, ``x = |v|``.
 

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import first_place, shaped
+from .._checks.overflow import refuses_overflow
 
 __all__ = [
     "Orthogonality",
@@ -100,6 +101,7 @@ def vee(matrix: ArrayLike) -> Floats:
     return 0.5 * np.stack(pairs, axis=-1)
 
 
+@refuses_overflow
 def exp_so3(vector: ArrayLike) -> Floats:
     """The active rotation of a rotation vector: ``exp(hat(v))``, a turn by ``|v|`` about ``v``.
 

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import first_place, shaped
+from .._checks.overflow import refuses_overflow
 from .._moments import box_moments
 from ..inertia.mass_properties import MassProperties
 from .density import (
@@ -49,6 +50,7 @@ __all__ = [
 Floats = NDArray[np.float64]
 
 
+@refuses_overflow
 def box(a: ArrayLike, b: ArrayLike, c: ArrayLike, *, mass: ArrayLike = 1.0) -> MassProperties:
     """A box with sides ``a, b, c``: moments ``M/12 (b² + c², a² + c², a² + b²)``.
 
@@ -78,6 +80,7 @@ def box(a: ArrayLike, b: ArrayLike, c: ArrayLike, *, mass: ArrayLike = 1.0) -> M
     return _centred(mass, box_moments(a, b, c, 1.0))
 
 
+@refuses_overflow
 def ellipsoid(a: ArrayLike, b: ArrayLike, c: ArrayLike, *, mass: ArrayLike = 1.0) -> MassProperties:
     """An ellipsoid with semi-axes ``a, b, c``: moments ``M/5 (b² + c², a² + c², a² + b²)``.
 
@@ -93,6 +96,7 @@ def ellipsoid(a: ArrayLike, b: ArrayLike, c: ArrayLike, *, mass: ArrayLike = 1.0
     return _centred(mass, box_moments(a, b, c, 12.0) / 5.0)
 
 
+@refuses_overflow
 def sphere(radius: ArrayLike, *, inner: ArrayLike = 0.0, mass: ArrayLike = 1.0) -> MassProperties:
     """A ball, ``2/5 M R²``, hollow up to the radius ``inner``; with ``inner = radius`` a shell.
 
@@ -195,6 +199,7 @@ def rod(length: ArrayLike, *, mass: ArrayLike = 1.0) -> MassProperties:
     return box(0.0, 0.0, _size("length", length), mass=mass)
 
 
+@refuses_overflow
 def cylinder(
     radius: ArrayLike, height: ArrayLike, *, inner: ArrayLike = 0.0, mass: ArrayLike = 1.0
 ) -> MassProperties:
@@ -232,6 +237,7 @@ def cylinder(
     return _centred(mass, np.stack(np.broadcast_arrays(across, across, 2.0 * square), axis=-1))
 
 
+@refuses_overflow
 def cone(radius: ArrayLike, height: ArrayLike, *, mass: ArrayLike = 1.0) -> MassProperties:
     """A solid cone along axis 3 with its tip at the origin.
 
@@ -268,8 +274,7 @@ def _centred(
 ) -> MassProperties:
     """Mass properties from the moments for unit mass."""
     m = shaped("mass", mass)
-    with np.errstate(over="ignore"):  # the check of moments reports an overflow
-        tensor = (m[..., None] * moments)[..., None] * np.eye(3)
+    tensor = (m[..., None] * moments)[..., None] * np.eye(3)
     return MassProperties(mass=m, centre=centre, tensor=tensor)
 
 

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import one_of
 from .._checks.arrays import attitudes, finite_array, require
+from .._checks.overflow import refuses_overflow
 from ..free import invariants
 from ..model.scene import HeavyTop, check_heavy_top
 from ..rotations.apply import to_body, to_space
@@ -171,6 +172,7 @@ def heavy_constants(
     )
 
 
+@refuses_overflow
 def precession_spin_rates(
     scene: HeavyTop, tilt: ArrayLike, *, a: ArrayLike, b: ArrayLike
 ) -> tuple[Floats, Floats]:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arrays import finite_array, require
+from .._checks.overflow import refuses_overflow
 from ..exact import agm, carlson_rf, jacobi
 
 __all__ = ["Roots", "f_roots", "f_u", "nutation_period", "time_of", "u_of"]
@@ -43,6 +44,7 @@ class Roots:
     theta_lower: Floats
 
 
+@refuses_overflow
 def f_u(u: ArrayLike, *, a: ArrayLike, b: ArrayLike, alpha: ArrayLike, beta: ArrayLike) -> Floats:
     """``f(u) = (alpha - beta u)(1 - u²) - (a - b u)²``, the square of ``u' = -theta' sin(theta)``.
 
@@ -77,6 +79,7 @@ def f_u(u: ArrayLike, *, a: ArrayLike, b: ArrayLike, alpha: ArrayLike, beta: Arr
     return square
 
 
+@refuses_overflow
 def f_roots(*, a: ArrayLike, b: ArrayLike, alpha: ArrayLike, beta: ArrayLike) -> Roots:
     """The three roots of f, by Newton's method from above and a deflation without cancellation.
 
@@ -114,6 +117,7 @@ def f_roots(*, a: ArrayLike, b: ArrayLike, alpha: ArrayLike, beta: ArrayLike) ->
     )
 
 
+@refuses_overflow
 def nutation_period(*, a: ArrayLike, b: ArrayLike, alpha: ArrayLike, beta: ArrayLike) -> Floats:
     """Period of the nutation, ``4 K(m) / sqrt(beta (u3 - u1))`` with ``m = (u2-u1)/(u3-u1)``.
 
@@ -144,6 +148,7 @@ def nutation_period(*, a: ArrayLike, b: ArrayLike, alpha: ArrayLike, beta: Array
         return np.asarray(pi / (agm(1.0, np.sqrt(complement)) * rate))[()]
 
 
+@refuses_overflow
 def time_of(
     u: ArrayLike, *, a: ArrayLike, b: ArrayLike, alpha: ArrayLike, beta: ArrayLike
 ) -> Floats:
@@ -194,6 +199,7 @@ def time_of(
     return np.where(never & moving, np.inf, integral / still)[()]
 
 
+@refuses_overflow
 def u_of(t: ArrayLike, *, a: ArrayLike, b: ArrayLike, alpha: ArrayLike, beta: ArrayLike) -> Floats:
     """Height ``cos(tilt)`` at a time after the lower circle: the inverse of :func:`time_of`.
 

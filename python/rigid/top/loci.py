@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import exact
 from .._checks.arrays import attitudes, finite_array, require, vectors
+from .._checks.overflow import refuses_overflow
 from ..model.scene import HeavyTop, check_heavy_top
 from ..rotations.apply import to_space
 from ..solve.simulate import simulate
@@ -253,6 +254,7 @@ class FastTop:
     error: Floats | None
 
 
+@refuses_overflow
 def fast_top_approx(
     scene: HeavyTop,
     tilt: ArrayLike,

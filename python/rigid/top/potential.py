@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arrays import finite_array
+from .._checks.overflow import refuses_overflow
 from ..model.scene import HeavyTop
 from .constants import symmetric, tilts
 from .cubic import f_roots
@@ -38,6 +39,7 @@ class EffectivePotential:
     slope: Floats
 
 
+@refuses_overflow
 def effective_potential(
     scene: HeavyTop, tilt: ArrayLike, *, a: ArrayLike, b: ArrayLike
 ) -> EffectivePotential:
@@ -156,6 +158,7 @@ def effective_minimum(scene: HeavyTop, *, a: ArrayLike, b: ArrayLike) -> Floats:
     return tilt[()]
 
 
+@refuses_overflow
 def turning_angles(
     scene: HeavyTop, *, a: ArrayLike, b: ArrayLike, E_prime: ArrayLike
 ) -> tuple[Floats, Floats]:

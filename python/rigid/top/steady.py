@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from .. import exact
 from .._checks.arguments import finite_float
 from .._checks.arrays import finite_array
+from .._checks.overflow import refuses_overflow
 from ..model.scene import HeavyTop
 from .constants import symmetric
 
@@ -78,6 +79,7 @@ def sleeping_top(scene: HeavyTop, spin: ArrayLike) -> SleepingTop:
     return SleepingTop(stable=size >= bound, margin=size / bound - 1.0, spin_min=bound)
 
 
+@refuses_overflow
 def upright_f(scene: HeavyTop, spin: ArrayLike, u: ArrayLike) -> tuple[Floats, Floats]:
     """The cubic f of an upright top, and its approximation near ``u = 1``.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import threading
 import time
 from typing import Any
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 
 import rigid
+from rigid import _core
 
 FREE = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
 
@@ -40,7 +42,12 @@ def test_other_threads_run_while_bodies_move() -> None:
         rigid.simulate(FREE, [1.0, 2.0, 3.0], t=[1000.0], method="rk4", step=1e-4, check=False)
         ended.set()
 
-    thread = threading.Thread(target=move)
+    assert rounds_while(move, began, ended) > 20
+
+
+def rounds_while(work: Any, began: threading.Event, ended: threading.Event) -> int:
+    """Rounds of this thread, each of a millisecond or more, while another is at work."""
+    thread = threading.Thread(target=work)
     thread.start()
     began.wait()
     count = 0
@@ -48,4 +55,45 @@ def test_other_threads_run_while_bodies_move() -> None:
         count += 1
         time.sleep(1e-3)
     thread.join()
-    assert count > 20
+    return count
+
+
+ARGUMENTS = np.linspace(0.0, 1.0, 3_000_000)
+
+
+def elliptic_functions() -> None:
+    """Half a second or more in the core, in closed form."""
+    _core.elliptic("jacobi", [ARGUMENTS, ARGUMENTS])
+
+
+def test_other_threads_run_while_closed_forms_are_evaluated() -> None:
+    began, ended = threading.Event(), threading.Event()
+
+    def evaluate() -> None:
+        began.set()
+        elliptic_functions()
+        ended.set()
+
+    assert rounds_while(evaluate, began, ended) > 20
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="no timer of signals")
+def test_signals_are_handled_while_closed_forms_are_evaluated() -> None:
+    """The handler of the signal ends the call: with a list of numbers left, not at its end."""
+
+    def handler(*_: Any) -> None:
+        raise TimeoutError
+
+    begun = time.perf_counter()
+    elliptic_functions()
+    whole = time.perf_counter() - begun
+    previous = signal.signal(signal.SIGALRM, handler)
+    try:
+        begun = time.perf_counter()
+        signal.setitimer(signal.ITIMER_REAL, 0.05 * whole)
+        with pytest.raises(TimeoutError):
+            elliptic_functions()
+        assert time.perf_counter() - begun < 0.7 * whole
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, previous)

@@ -235,6 +235,49 @@ def test_whole_numbers_beyond_a_machine_word_are_refused(name: str, value: int) 
         run(**{name: value})()
 
 
+MASKED = np.ma.masked_array(RATES, mask=[False, True, False])
+HUGE = [10**309, -(10**400), 10**5000]
+
+
+@pytest.mark.parametrize("value", HUGE, ids=["309 digits", "400 digits", "5000 digits"])
+def test_whole_numbers_beyond_doubles_are_refused(value: int) -> None:
+    calls: list[Callable[[], Any]] = [box(value, 0.2, 0.3), top(mgl=value), run(step=value)]
+    for name, call in zip(("a", "mgl", "step"), calls, strict=True):
+        rule = r"(1|-1|a whole number of more).*: must be below 1\.8e308 in size"
+        with pytest.raises(ValueError, match=f"^{name} = {rule}$"):
+            call()
+
+
+def test_whole_numbers_that_python_does_not_write_are_refused() -> None:
+    with pytest.raises(ValueError, match=r"^threads = a whole number of more than 4300 digits: "):
+        run(threads=10**5000)()
+
+
+@pytest.mark.skipif(np.finfo(np.longdouble).maxexp < 2000, reason="has no wider floats")
+def test_wide_floats_beyond_doubles_are_not_finite() -> None:
+    wide = np.longdouble("1e400")
+    with pytest.raises(ValueError, match=r"^omega\[1\] = inf: must be finite$"):
+        run(np.array([0.0, wide, 1.0], dtype=np.longdouble))()
+
+
+@pytest.mark.parametrize(
+    ("name", "call"),
+    [
+        ("omega", run(MASKED)),
+        ("t", run(t=np.ma.masked_less([0.5, 1.0], 0.7))),
+        ("moments", lambda: rigid.Body(np.ma.masked_array([1.0, 1.5, 2.0], mask=[0, 0, 1]))),
+    ],
+)
+def test_masked_elements_are_not_data(name: str, call: Callable[[], Any]) -> None:
+    with pytest.raises(ValueError, match=f"^{name}: 1 elements are masked; fill them or leave"):
+        call()
+
+
+def test_times_of_any_size_are_times() -> None:
+    for t in ([1e308], [-1e308, 1e308]):
+        assert run(t=t)().status in (rigid.Status.FINISHED, rigid.Status.FLAGGED, 3)
+
+
 def test_boxes_too_small_or_large_for_float64_are_impossible_bodies() -> None:
     for size in (1e-200, 1e200):
         with pytest.raises(ValueError, match=r"^moments = .*: every moment of inertia must be"):
@@ -262,6 +305,15 @@ def test_flat_bodies_are_bodies() -> None:
 def test_moments_of_any_size_are_moments() -> None:
     for size in (5e-324, 1e-300, 1e300, 1.7e308):
         assert rigid.Body((size, size, size)).moments == (size, size, size)
+
+
+def unaligned(array: Any) -> Any:
+    """The array at an odd address, as a field of a packed record has it."""
+    record = np.zeros(array.shape[0], dtype=[("", np.int8), ("omega", np.float64, array.shape[1:])])
+    record["omega"] = array
+    field = record["omega"]
+    assert not field.flags.aligned
+    return field
 
 
 @pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
@@ -295,6 +347,7 @@ def test_arrays_in_any_dress_are_the_same_arrays(method: rigid.Method) -> None:
         frozen,
         swapped,
         np.ma.masked_array(omega),
+        unaligned(omega),
     ]
     for value in dressed:
         assert bits(value, attitude) == expected

@@ -88,6 +88,13 @@ def test_an_unknown_instruction_set_is_refused(call: str) -> None:
     assert done.stderr.strip().endswith(message)
 
 
+def test_a_variable_that_is_no_text_is_no_instruction_set() -> None:
+    # A byte that no UTF-8 has, as Python names it.
+    done = python_process("import rigid; rigid.build_info()", RIGID_ISA="\udcff", check=False)
+    assert done.returncode == 1
+    assert "RuntimeError: RIGID_ISA = '\ufffd' is not available here" in done.stderr
+
+
 def test_an_empty_variable_is_no_choice() -> None:
     done = python_process("import rigid; print(rigid.build_info()['isa'])", RIGID_ISA="")
     assert done.stdout.strip() == rigid.build_info()["isa_available"][0]

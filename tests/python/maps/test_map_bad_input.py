@@ -314,6 +314,11 @@ def test_the_variable_for_threads(monkeypatch: pytest.MonkeyPatch) -> None:
         message = refusal(small_map, ValueError)
         expected = f"RIGID_NUM_THREADS = {value!r}: must be a whole number of at least 1"
         assert message == expected
+    for value in ("1025", "9" * 5000):
+        monkeypatch.setenv("RIGID_NUM_THREADS", value)
+        message = refusal(small_map, ValueError)
+        assert message.endswith(": must be at most 1024")
+        assert len(message) < 130
     monkeypatch.setenv("RIGID_NUM_THREADS", "003")
     assert small_map().threads == 3
     assert small_map(threads=2).threads == 2

@@ -1,0 +1,140 @@
+"""What does not fit into memory is refused with its bytes, and the interpreter lives."""
+
+from __future__ import annotations
+
+import sys
+
+import numpy as np
+import pytest
+
+import rigid
+from processes import python_process
+from rigid import _core
+
+FREE = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)))
+
+#: Runs a statement in a process with that many more bytes of address space than it has.
+LIMITED = """
+import resource, sys
+import numpy as np, rigid
+from rigid import _core
+
+free = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)))
+top = rigid.HeavyTop(rigid.Body((1.0, 1.5, 2.0)), mgl=3.0, com=(0.6, 0.0, 0.8))
+rigid.simulate(top, [1.0, 2.0, 3.0], t=[1.0])
+{before}
+pages = int(open("/proc/self/statm").read().split()[0])
+resource.setrlimit(resource.RLIMIT_AS, (pages * resource.getpagesize() + int(sys.argv[1]),) * 2)
+try:
+    {statement}
+    print("done")
+except MemoryError as error:
+    print(error)
+assert rigid.simulate(free, [1.0, 2.0, 3.0], t=[1.0]).status == 0
+"""
+
+MEGABYTE = 1 << 20
+
+limited = pytest.mark.skipif(sys.platform != "linux", reason="limits the address space")
+
+
+def outcome(statement: str, megabytes: int, before: str = "") -> str:
+    """What the statement says in a process that has so much memory, which must survive."""
+    code = LIMITED.format(statement=statement, before=before)
+    return python_process(code, str(megabytes * MEGABYTE)).stdout.strip()
+
+
+def test_states_beyond_any_memory_are_refused_before_the_start() -> None:
+    # 10^6 bodies at 10^6 times: rates and attitudes of 56 bytes, and of each body 33 bytes more.
+    with pytest.raises(MemoryError) as error:
+        rigid.simulate(FREE, np.ones((10**6, 3)), t=np.linspace(0.0, 1.0, 10**6))
+    message = str(error.value)
+    assert "states of 1000000 bodies at 1000000 times: 56000033000000 bytes" in message
+    assert "divide the request" in message
+
+
+def test_numbers_of_flips_beyond_any_memory_are_refused() -> None:
+    with pytest.raises(MemoryError, match="flip times: 8000000000000000 bytes"):
+        rigid.exact.flip_times(FREE, [1.0, 2.0, 3.0], axis=2, count=10**15)
+    # More than there are addresses: the product with the bytes of a number does not wrap around.
+    with pytest.raises(MemoryError, match=f"flip times: {2 * 8 * 2**63} bytes"):
+        _core.flip_times(
+            scene="free",
+            moments=np.array([[1.0, 2.0, 3.0]]),
+            weight=np.zeros((1, 3)),
+            omega=np.ones((2, 3)),
+            attitude=np.array([[1.0, 0.0, 0.0, 0.0]]),
+            axis=2,
+            count=2**63,
+        )
+
+
+@limited
+@pytest.mark.parametrize(
+    ("statement", "words"),
+    [
+        (
+            "rigid.simulate(free, np.ones((10**6, 3)), t=[0.0, 1.0], check=False)",
+            "states of 1000000",
+        ),
+        ("rigid.simulate(free, [1.0, 2.0, 3.0], t=times, check=False)", "states of 1 bodies"),
+        ("rigid.simulate(top, np.ones((10**4, 3)), t=some, method='rk4')", "states of 10000"),
+        ("rigid.exact.jacobi(times, 0.5)", ""),
+        ("_core.MapStatistics(10**8)", "pixels of the map: 11200000000 bytes"),
+    ],
+)
+def test_a_limit_of_the_address_space_is_a_memory_error(statement: str, words: str) -> None:
+    before = "times, some = np.linspace(0.0, 1.0, 3 * 10**6), np.linspace(0.0, 1.0, 300)"
+    message = outcome(statement, 150, before)
+    assert message != "done"
+    assert words in message
+
+
+@limited
+@pytest.mark.parametrize("megabytes", [1, 3, 10, 30, 60, 100, 200])
+def test_the_interpreter_survives_any_limit(megabytes: int) -> None:
+    """Wherever the memory ends, in Python or in the core, it is an exception."""
+    statement = (
+        "rigid.simulate(top, omega, t=[0.5, 1.0], method='taylor16', tolerance=1e-9, threads=64)"
+    )
+    message = outcome(statement, megabytes, "omega = np.ones((3000, 3))")
+    assert message
+
+
+@limited
+def test_a_chunk_of_any_size_needs_no_memory() -> None:
+    """A list of its blocks took 24 bytes for each 1024 bodies: 24 petabytes of this map."""
+    before = """
+import signal
+def alarm(*_):
+    raise TimeoutError
+signal.signal(signal.SIGALRM, alarm)
+signal.setitimer(signal.ITIMER_REAL, 0.5)
+"""
+    statement = """
+    try:
+        rigid.stability_map(
+            rigid.FreeBody, axes={"spin": [1.0]}, samples=10**18, chunk=10**18, t_end=5.0,
+            stable=rigid.no_flip(), rng=1, threads=2, progress=False,
+        )
+    except TimeoutError:
+        print("still at work, then", end=" ")"""
+    assert outcome(statement.strip(), 300, before) == "still at work, then done"
+
+
+@limited
+def test_threads_that_cannot_start_are_done_without() -> None:
+    """The stacks of 1023 more threads need 2 GB: the bodies are moved by those that start."""
+    before = """
+omega = np.random.default_rng(1).normal(size=(40000, 3))
+def states(threads):
+    return rigid.simulate(top, omega, t=[0.1], method="rk4", check=False, threads=threads).omega
+def shares(threads):
+    return rigid.stability_map(
+        rigid.FreeBody, axes={"spin": [1.0, 2.0]}, samples=10000, t_end=3.0, method="rk4", rng=1,
+        stable=rigid.no_flip(), progress=False, chunk=20000, threads=threads,
+    ).share
+alone = states(1), shares(1)
+"""
+    statement = "assert (states(1024) == alone[0]).all() and (shares(1024) == alone[1]).all()"
+    assert outcome(statement, 600, before) == "done"
