@@ -23,13 +23,18 @@ free = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)))
 top = rigid.HeavyTop(rigid.Body((1.0, 1.5, 2.0)), mgl=3.0, com=(0.6, 0.0, 0.8))
 rigid.simulate(top, [1.0, 2.0, 3.0], t=[1.0])
 {before}
-pages = int(open("/proc/self/statm").read().split()[0])
-resource.setrlimit(resource.RLIMIT_AS, (pages * resource.getpagesize() + int(sys.argv[1]),) * 2)
+with open("/proc/self/statm") as file:
+    pages = int(file.read().split()[0])
+before = resource.getrlimit(resource.RLIMIT_AS)
+limit = pages * resource.getpagesize() + int(sys.argv[1])
+resource.setrlimit(resource.RLIMIT_AS, (limit, before[1]))
+said = "done"
 try:
     {statement}
-    print("done")
 except MemoryError as error:
-    print(error)
+    said = error
+resource.setrlimit(resource.RLIMIT_AS, before)
+print(said)
 assert rigid.simulate(free, [1.0, 2.0, 3.0], t=[1.0]).status == 0
 """
 
@@ -75,7 +80,7 @@ def test_numbers_of_flips_beyond_any_memory_are_refused() -> None:
     [
         (
             "rigid.simulate(free, np.ones((10**6, 3)), t=[0.0, 1.0], check=False)",
-            "states of 1000000",
+            "divide the request",
         ),
         ("rigid.simulate(free, [1.0, 2.0, 3.0], t=times, check=False)", "states of 1 bodies"),
         ("rigid.simulate(top, np.ones((10**4, 3)), t=some, method='rk4')", "states of 10000"),

@@ -32,7 +32,7 @@ OVERFLOWS: dict[str, tuple[str, Callable[[], Any]]] = {
     "roots": ("a", lambda: top.f_roots(**{**CUBIC, "a": HUGE})),
     "period of nutation": ("b", lambda: top.nutation_period(**{**CUBIC, "b": HUGE})),
     "effective potential": ("b", lambda: top.effective_potential(TOP, 1.0, a=1.0, b=HUGE)),
-    "ellipticity": ("polar_radius", lambda: earth.ellipticity(1.0, HUGE)),
+    "ellipticity": ("polar_radius", lambda: earth.ellipticity(HUGE, 1.0)),
     "rotation vector": ("vector", lambda: rotations.exp_so3(FAST)),
 }
 
