@@ -102,6 +102,9 @@ def simulate(
 
     Raises
     ------
+    MemoryError
+        If the states do not fit into the memory of this machine or what the system grants: before
+        the start, with the number of bytes.
     ValueError
         Naming the argument, its value and the rule: not finite, wrong shape, zero quaternion,
         unsorted times, unknown method or record, step, accuracy or tolerance not positive, a
