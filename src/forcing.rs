@@ -1,8 +1,12 @@
 //! `Forcing`: applied torque over time, and linear damping.
 
 use crate::error::Error;
+use crate::memory;
 use crate::real::Real;
 use crate::special::exp;
+
+/// What the table of a torque is called if it does not fit into memory.
+const TABLE: &str = "table of the torque";
 
 /// Applied torque and damping of one body on an interval of time in which the torque is linear.
 #[derive(Clone, Copy)]
@@ -86,8 +90,12 @@ impl Forcing {
         if !damping.iter().all(|x| x.is_finite()) {
             return refuse("damping", format!("{damping:?}"), "must be finite");
         }
-        let values = body.iter().zip(space).map(|(&body, &space)| [body, space]).collect();
-        let made = Forcing { times: times.to_vec(), values, damping };
+        let values = body.iter().zip(space).map(|(&body, &space)| [body, space]);
+        let made = Forcing {
+            times: memory::collected(TABLE, times.len(), times.iter().copied())?,
+            values: memory::collected(TABLE, wanted, values)?,
+            damping,
+        };
         let [least, .., largest] = made.damping_rates([1.0; 3]);
         // Eigenvalues are found to a few roundings of the largest.
         if least < -8.0 * f64::EPSILON * largest.abs().max(least.abs()) {
@@ -97,6 +105,18 @@ impl Forcing {
             return refuse("damping", format!("{matrix:?}"), rule);
         }
         Ok(made)
+    }
+
+    /// The same forcing.
+    ///
+    /// # Errors
+    /// If its table does not fit into memory once more.
+    pub fn copied(&self) -> Result<Forcing, Error> {
+        Ok(Forcing {
+            times: memory::collected(TABLE, self.times.len(), self.times.iter().copied())?,
+            values: memory::collected(TABLE, self.values.len(), self.values.iter().copied())?,
+            damping: self.damping,
+        })
     }
 
     /// Whether there is no forcing.
@@ -207,9 +227,12 @@ impl Forcing {
             size(moments, [body[0], space[0]])
         };
         let inner = self.times.iter().copied().filter(|&knot| from < knot && knot < to);
-        let mut stops: Vec<f64> = std::iter::once(from).chain(inner).collect();
-        stops.push(to);
-        stops.windows(2).map(|w| 0.5 * (at(w[0], false) + at(w[1], true)) * (w[1] - w[0])).sum()
+        let mut last = from;
+        let area = |next: f64| {
+            let begin = std::mem::replace(&mut last, next);
+            0.5 * (at(begin, false) + at(next, true)) * (next - begin)
+        };
+        inner.chain(std::iter::once(to)).map(area).sum()
     }
 
     /// Entries 11, 22, 33, 23, 31, 12 of the damping matrix, if no torque is applied at any time.

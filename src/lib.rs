@@ -5,7 +5,8 @@
 //! ```text
 //! real ← simd        real ← special ← kinematics        body, kinematics ← forcing ← start
 //! {kinematics, forcing} ← scene ← scheme ← observe ← kernel        {special, start} ← exact
-//! special ← sample        memory ← parallel        {kernel, exact, sample, parallel} ← trajectory ← map ← python
+//! special ← sample        memory ← {forcing, kernel, parallel}
+//! {kernel, exact, sample, parallel} ← trajectory ← map ← python
 //! ```
 
 pub mod body;

@@ -145,7 +145,7 @@ class Forcing:
     def __new__(
         cls,
         *,
-        times: Sequence[float],
+        times: NDArray[np.float64],
         body: NDArray[np.float64],
         space: NDArray[np.float64],
         damping: Sequence[float],

@@ -1,8 +1,8 @@
 //! Torque and damping from Python.
 
-use super::convert::rows;
+use super::convert::{copied, rows};
 use crate::forcing::Forcing;
-use numpy::PyReadonlyArray2;
+use numpy::{PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 
 /// Forcing of all bodies of a request: a torque in the body and in space at some times, linear between them (no times:
@@ -15,12 +15,13 @@ impl PyForcing {
     #[new]
     #[pyo3(signature = (*, times, body, space, damping))]
     fn new(
-        times: Vec<f64>,
+        times: PyReadonlyArray1<'_, f64>,
         body: PyReadonlyArray2<'_, f64>,
         space: PyReadonlyArray2<'_, f64>,
         damping: [f64; 6],
     ) -> PyResult<Self> {
         let (body, space) = (rows::<3>("torque", &body)?, rows::<3>("torque", &space)?);
+        let times = copied("torque times", &times)?;
         Ok(PyForcing(Forcing::new(&times, body, space, damping)?))
     }
 

@@ -192,7 +192,11 @@ impl MapRequest<'_> {
         let forcing: Vec<Forcing> = match self.forcing {
             Some(all) => {
                 same_length("forcing", pixels, all.len())?;
-                memory::collected(PIXELS, pixels, all.iter().map(|one| one.0.clone()))?
+                let mut copies = memory::reserved(PIXELS, pixels)?;
+                for one in &all {
+                    copies.push(one.0.copied()?);
+                }
+                copies
             }
             None => Vec::new(),
         };

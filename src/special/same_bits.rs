@@ -83,6 +83,7 @@ fn elliptic_functions_have_the_same_bits_in_every_register() {
         let tables = match isa {
             // SAFETY: the features have just been seen.
             Isa::Avx512 => unsafe { avx512(&arguments) },
+            // SAFETY: as above.
             Isa::Avx2 => unsafe { avx2(&arguments) },
             Isa::Scalar => continue,
         };

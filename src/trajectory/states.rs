@@ -161,6 +161,13 @@ states! {
     }
 }
 
+impl States {
+    /// The rates, which are always recorded.
+    pub fn rates(&self) -> &[f64] {
+        self.omega.as_deref().expect("rates are always recorded")
+    }
+}
+
 impl StatesPart<'_> {
     /// The drifts of energy, momentum and unit lengths.
     pub(super) fn drifts(&mut self) -> [&mut [f64]; 3] {

@@ -143,7 +143,7 @@ fn states_in_between_are_free() {
     for i in 0..bodies.len() {
         for (of_few, of_many) in [(0, 7), (1, 500), (2, 999)] {
             let [a, b] =
-                [&few.omega[3 * (3 * i + of_few)..][..3], &many.omega[3 * (1000 * i + of_many)..][..3]];
+                [&few.rates()[3 * (3 * i + of_few)..][..3], &many.rates()[3 * (1000 * i + of_many)..][..3]];
             assert_eq!(a, b);
         }
     }

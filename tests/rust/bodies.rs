@@ -235,7 +235,7 @@ fn the_unit_of_inertia_does_not_matter() {
             };
             let states = simulate(&request, 1, Isa::Scalar, &AtomicBool::new(false)).unwrap();
             assert_eq!(states.status[0], Status::Finished);
-            states.omega.unwrap()
+            states.rates().to_vec()
         };
         scheme::ALL.iter().copied().map(of_method).collect()
     };

@@ -60,7 +60,7 @@ fn miss(a: &States, b: &States) -> f64 {
     let sum = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(p, q)| (p - q).abs()).sum::<f64>();
     let (p, q) = (a.attitude.as_ref().unwrap(), b.attitude.as_ref().unwrap());
     let turned = |(p, q): (&[f64], &[f64])| sum(p, q).min(p.iter().zip(q).map(|(x, y)| (x + y).abs()).sum());
-    sum(&a.omega, &b.omega) + p.chunks(4).zip(q.chunks(4)).map(turned).sum::<f64>()
+    sum(a.rates(), b.rates()) + p.chunks(4).zip(q.chunks(4)).map(turned).sum::<f64>()
 }
 
 fn all_finished(states: &States) -> bool {
@@ -132,7 +132,7 @@ fn there_and_back() {
             let there = ask(&scene, Solver::Steps(method), &[5.0], 0.025);
             let attitudes = there.attitude.as_ref().unwrap();
             let arrived = |(i, body): (usize, &Body)| Body {
-                omega: there.omega[3 * i..][..3].try_into().unwrap(),
+                omega: there.rates()[3 * i..][..3].try_into().unwrap(),
                 attitude: attitudes[4 * i..][..4].try_into().unwrap(),
                 ..*body
             };

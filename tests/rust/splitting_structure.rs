@@ -349,11 +349,11 @@ fn axes_may_be_renamed() {
 
 fn renamed_motion(is_top: bool, method: &'static Scheme, bodies: [Body; 2], turns: usize) {
     let states = run(&bodies, is_top, method);
-    let attitudes = states.attitude.unwrap();
+    let attitudes = states.attitude.as_ref().unwrap();
     // 200 steps, of so many flows or evaluations, of some ten roundings each.
     let roundings = (200.0 * 10.0 * method.facts.stages as f64).sqrt() * EPS / 2.0;
     for time in 0..2 {
-        let [old, new] = [0, 1].map(|body| &states.omega.as_ref().unwrap()[3 * (2 * body + time)..][..3]);
+        let [old, new] = [0, 1].map(|body| &states.rates()[3 * (2 * body + time)..][..3]);
         for i in 0..3 {
             let (a, b) = (old[(i + turns) % 3], new[i]);
             // A free body: the same operations on the same numbers. A top starts with another rounding of its

@@ -180,9 +180,9 @@ fn one_step_has_the_stated_order() {
                 let times = [-h, h];
                 let odd = |s: States| {
                     // Of a top the vertical: its attitude is made of rows, where part of the error cancels.
-                    let other = s.vertical.or(s.attitude).unwrap();
+                    let other = s.vertical.as_ref().or(s.attitude.as_ref()).unwrap();
                     let n = other.len() / 2;
-                    let of_rates = (0..3).map(|i| s.omega[3 + i] - s.omega[i]);
+                    let of_rates = (0..3).map(|i| s.rates()[3 + i] - s.rates()[i]);
                     of_rates.chain((0..n).map(|i| other[n + i] - other[i])).collect::<Vec<_>>()
                 };
                 let error = distance(
@@ -252,7 +252,7 @@ fn energy_after_a_hundred_thousand_steps() {
         let start = kinetic(&body.omega) + potential(&body.vertical());
         for k in 0..4 {
             let at = 3 * (4 * i + k);
-            let omega = &states.omega.as_ref().unwrap()[at..at + 3];
+            let omega = &states.rates()[at..at + 3];
             let vertical = &states.vertical.as_ref().unwrap()[at..at + 3];
             let error = (kinetic(omega) + potential(vertical) - start) / scale;
             squares[k] += error * error / bodies.len() as f64;

@@ -174,7 +174,10 @@ class Torque:
             if not all(np.isfinite(part).all() for part in array):
                 raise ValueError(f"{name}: must be below 1e308 times the largest moment")
         return _core.Forcing(
-            times=list(self.times), body=scaled[0], space=scaled[1], damping=scaled[2].tolist()
+            times=np.array(self.times, dtype=np.float64),
+            body=scaled[0],
+            space=scaled[1],
+            damping=scaled[2].tolist(),
         )
 
 

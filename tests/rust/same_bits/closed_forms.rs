@@ -224,7 +224,8 @@ fn closed_forms_at_any_number_of_times() {
     for is_top in [false, true] {
         let bodies = &exact_crowd(is_top)[..2];
         let isa = Isa::available()[0];
-        let omega = |times: &[f64]| ask_exactly((is_top, bodies), times, Record::Rates, 1, isa).omega;
+        let omega =
+            |times: &[f64]| ask_exactly((is_top, bodies), times, Record::Rates, 1, isa).rates().to_vec();
         let all = omega(&times);
         for at in [0, 1, 31, 8191, 8192, 16383, 16384, 16388] {
             let single = omega(&times[at..=at]);
@@ -242,7 +243,7 @@ fn less_asked_of_closed_forms_is_the_same() {
     for is_top in [false, true] {
         let bodies = exact_crowd(is_top);
         let isa = Isa::available()[0];
-        let ask = |record| ask_exactly((is_top, &bodies), &TIMES, record, 2, isa).omega;
+        let ask = |record| ask_exactly((is_top, &bodies), &TIMES, record, 2, isa).rates().to_vec();
         let attitude = ask(Record::Attitude);
         for record in [Record::Rates, Record::Axis] {
             let less = ask(record);

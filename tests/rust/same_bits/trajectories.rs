@@ -62,8 +62,8 @@ fn less_asked_is_the_same() {
             for record in [Record::Rates, Record::Axis] {
                 let less = ask(record);
                 assert_eq!(
-                    all_bits(&less.omega),
-                    all_bits(&attitude.omega),
+                    all_bits(less.rates()),
+                    all_bits(attitude.rates()),
                     "{record:?} {method:?} {is_top}"
                 );
                 if is_top && record == Record::Axis {
