@@ -48,7 +48,9 @@ def bodies(kind: str, count: int) -> dict[str, Any]:
     attitude = rng.normal(size=(count, 4))
     attitude /= np.linalg.norm(attitude, axis=1, keepdims=True)
     zero = np.zeros((1, 3))
-    damped = _core.Forcing(times=np.array([]), body=zero, space=zero, damping=[0.1, 0.1, 0.1, 0.0, 0.0, 0.0])
+    damped = _core.Forcing(
+        times=np.array([]), body=zero, space=zero, damping=[0.1, 0.1, 0.1, 0.0, 0.0, 0.0]
+    )
     return {
         **({"forcing": damped} if kind == "driven" else {}),
         "scene": "free" if kind == "free" else "top",

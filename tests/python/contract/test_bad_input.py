@@ -265,7 +265,10 @@ def test_wide_floats_beyond_doubles_are_not_finite() -> None:
     [
         ("omega", run(MASKED)),
         ("t", run(t=np.ma.masked_less([0.5, 1.0], 0.7))),
-        ("moments", lambda: rigid.Body(np.ma.masked_array([1.0, 1.5, 2.0], mask=[0, 0, 1]))),
+        (
+            "moments",
+            lambda: rigid.Body(np.ma.masked_array([1.0, 1.5, 2.0], mask=[False, False, True])),
+        ),
     ],
 )
 def test_masked_elements_are_not_data(name: str, call: Callable[[], Any]) -> None:

@@ -44,13 +44,16 @@ def test_an_overflow_is_refused_by_the_argument_that_is_out_of_range(name: str) 
         call()
 
 
+OTHERS: list[Any] = [rigid.FreeBody(BODY), 0.2, [1.0], np.ones(3)]
+
+
 @pytest.mark.parametrize(
     ("words", "call"),
     [
-        ("scene = ", lambda: top.effective_minimum(rigid.FreeBody(BODY), a=1.0, b=2.0)),
-        ("region = 0.2: must be a rigid.solids.Region", lambda: solids.density_integral(1.0, 0.2)),
-        (r"parts\[0\] = 1.0: must be rigid.inertia.", lambda: inertia.compose([1.0])),
-        ("run = array.*: must be a rigid.Run", lambda: figures.poinsot(np.ones(3))),
+        ("scene = ", lambda: top.effective_minimum(OTHERS[0], a=1.0, b=2.0)),
+        ("region = 0.2: must be a rigid.solids.", lambda: solids.density_integral(1.0, OTHERS[1])),
+        (r"parts\[0\] = 1.0: must be rigid.inertia.", lambda: inertia.compose(OTHERS[2])),
+        ("run = array.*: must be a rigid.Run", lambda: figures.poinsot(OTHERS[3])),
     ],
 )
 def test_other_objects_are_refused_as_what_they_are(words: str, call: Callable[[], Any]) -> None:
