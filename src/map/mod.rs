@@ -4,10 +4,12 @@ mod classify;
 mod criterion;
 mod draw;
 mod integrate;
+mod interval;
 mod request;
 mod statistics;
 
 pub use criterion::Criterion;
+pub use interval::{clopper_pearson, clopper_pearson_of_each};
 pub use request::{Map, MethodChoice, Pixel};
 pub use statistics::{Class, Column, Field, Outcome, Statistics};
 

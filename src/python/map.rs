@@ -5,7 +5,9 @@ use super::forcing::PyForcing;
 use crate::body::MomentStatus;
 use crate::error::Error;
 use crate::forcing::Forcing;
-use crate::map::{Column, Criterion, Field, Map, MethodChoice, Outcome, Pixel, Statistics};
+use crate::map::{
+    Column, Criterion, Field, Map, MethodChoice, Outcome, Pixel, Statistics, clopper_pearson_of_each,
+};
 use crate::memory;
 use crate::sample::Law;
 use crate::scene::Scene;
@@ -48,6 +50,31 @@ pub fn map_columns(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
         Ok(entry)
     };
     Statistics::COLUMNS.iter().map(describe).collect()
+}
+
+/// Lower and upper ends of the Clopper-Pearson intervals of shares; NaN without trials.
+#[pyfunction]
+pub fn clopper_pearson<'py>(
+    py: Python<'py>,
+    successes: PyReadonlyArray1<'py, i64>,
+    trials: PyReadonlyArray1<'py, i64>,
+    confidence: f64,
+) -> PyResult<[Bound<'py, PyArray1<f64>>; 2]> {
+    let (successes, trials) = (successes.as_array(), trials.as_array());
+    same_length("trials", successes.len(), trials.len())?;
+    let counts: Vec<[u64; 2]> = successes
+        .iter()
+        .zip(trials)
+        .map(|(&successes, &trials)| Ok([count("successes", successes)?, count("trials", trials)?]))
+        .collect::<Result<_, Error>>()?;
+    let intervals = clopper_pearson_of_each(counts.into_iter(), confidence)?;
+    Ok([0, 1].map(|end| intervals.iter().map(|ends| ends[end]).collect::<Vec<f64>>().into_pyarray(py)))
+}
+
+/// A number that counts.
+fn count(argument: &'static str, value: i64) -> Result<u64, Error> {
+    let wrong = |_| Error::Value { argument, value: value.to_string(), rule: "must not be negative" };
+    u64::try_from(value).map_err(wrong)
 }
 
 /// Writes the statistics of pixels as one array a column.

@@ -42,7 +42,7 @@ mod _core {
     #[pymodule_export]
     use super::forcing::PyForcing;
     #[pymodule_export]
-    use super::map::{MapJob, MapStatistics, map_columns};
+    use super::map::{MapJob, MapStatistics, clopper_pearson, map_columns};
     #[pymodule_export]
     use super::simulate::{default_steps, fastest_rates, simulate, status_names};
     #[pymodule_export]

@@ -1,7 +1,9 @@
-//! Elementary and elliptic functions over `Real`, of our own: no libm in any result path.
+//! Elementary and elliptic functions over `Real`, and the inverse of the incomplete beta function, of our own: no libm in
+//! any result path.
 
 mod carlson;
 mod elementary;
+mod incomplete_beta;
 mod jacobi;
 #[cfg(test)]
 mod same_bits;
@@ -9,4 +11,5 @@ pub mod theta;
 
 pub use carlson::{agm, carlson_rc, carlson_rd, carlson_rf, carlson_rj};
 pub use elementary::{atan2, exp, ln, rodrigues, sincos, sincos_of_sum};
+pub use incomplete_beta::inverse_incomplete_beta;
 pub use jacobi::{complete_e, complete_k, complete_pi, jacobi};

@@ -9,6 +9,7 @@ mod elementary_functions;
 mod elliptic_functions;
 mod events_of_series;
 mod flips;
+mod incomplete_beta;
 mod random_starts;
 mod same_bits;
 mod splitting_structure;

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from .. import _core
 from .spec import MapSpec
 
-__all__ = ["CLASSES", "COLUMNS", "FAILURES", "STATUS", "STORED", "Column", "MapData", "wilson"]
+__all__ = ["CLASSES", "COLUMNS", "FAILURES", "STATUS", "STORED", "Column", "MapData", "interval"]
 
 STATUS = tuple(_core.moment_status_names())
 """The meaning of each ``status``."""
@@ -66,26 +66,20 @@ STORED: Mapping[str, np.dtype[Any]] = {
 }
 """The arrays of a saved map that all others follow from, with their types."""
 
-_Z95 = 1.959963984540054
+CONFIDENCE = 0.95
+"""Chance with which the interval of a pixel holds its true share, or more."""
 
 
-def wilson(
+def interval(
     successes: NDArray[np.int64], trials: NDArray[np.int64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """95 % Wilson interval of a share; NaN without trials.
+    """The 95 % Clopper-Pearson interval of each share; NaN without trials.
 
-    E. B. Wilson, *J. Am. Stat. Assoc.* 22 (1927) 209.
+    Whatever the true share, its own interval holds it with a chance of 95 % or more. C. J. Clopper
+    and E. S. Pearson, *Biometrika* 26 (1934) 404.
     """
-    n = np.where(trials > 0, trials, np.nan)
-    share = successes / n
-    square = _Z95 * _Z95
-    centre = share + square / (2.0 * n)
-    half = _Z95 * np.sqrt(share * (1.0 - share) / n + square / (4.0 * n * n))
-    scale = 1.0 + square / n
-    # Exactly 0 and 1 at the ends: rounding would exclude a predicted share of exactly 0 or 1.
-    lower = np.where(successes == 0, 0.0 * n, (centre - half) / scale)
-    upper = np.where(successes == trials, 1.0 + 0.0 * n, (centre + half) / scale)
-    return lower, upper
+    lower, upper = _core.clopper_pearson(successes.ravel(), trials.ravel(), CONFIDENCE)
+    return lower.reshape(successes.shape), upper.reshape(successes.shape)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -105,7 +99,7 @@ class MapData:
     samples : ndarray of int64
         Bodies done, the sum of the four classes.
     share, lower, upper : ndarray
-        Share of stable bodies with its 95 % interval.
+        Share of stable bodies with its 95 % interval, each pixel's own.
     elapsed : float
         Wall time in s; NaN in a loaded map.
     threads : int
@@ -161,8 +155,8 @@ class MapData:
             status=arrays["status"].reshape(spec.shape),
             samples=classified + failed,
             share=share,
-            lower=wilson(stable, classified)[0],
-            upper=wilson(stable + undecided, classified)[1],
+            lower=interval(stable, classified)[0],
+            upper=interval(stable + undecided, classified)[1],
             elapsed=elapsed,
             threads=threads,
         )

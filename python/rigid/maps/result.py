@@ -57,11 +57,15 @@ class StabilityMap(MapData):
     share : ndarray
         ``stable / (stable + unstable)``, NaN if there are none.
     lower, upper : ndarray
-        95 % Wilson interval of the share, widened by the undecided: they count as unstable for
-        ``lower`` and as stable for ``upper``.
-    energy_drift, momentum_drift : ndarray
-        Worst relative drift of the conserved quantities in each pixel, failed bodies included; NaN
-        where nothing was integrated, because closed forms do not drift.
+        95 % Clopper-Pearson interval of the share, widened by the undecided: they count as unstable
+        for ``lower`` and as stable for ``upper``. Whatever the true share of a pixel is, the
+        interval of this pixel holds it with a chance of 95 % or more. That is said of each pixel
+        alone: of 1000 intervals, up to 50 miss on average.
+    energy_drift, momentum_drift, unit_drift : ndarray
+        Worst relative drift of the energy and of the conserved momentum, and worst deviation of the
+        length of a direction from one, in each pixel, failed bodies included; a drift above 0.1 is
+        why a body counts as ``drifted``. NaN where nothing was integrated, because closed forms do
+        not drift, and ``unit_drift`` in a loaded map of format 3, which has no such array.
     earliest : ndarray
         First time at which a body left stability, s; inf if none did.
     steps : ndarray of int64
@@ -90,7 +94,8 @@ class StabilityMap(MapData):
     def disagreement(self, theory: Theory | None = None) -> NDArray[np.bool_]:
         """Pixels whose predicted share lies outside [lower, upper].
 
-        A 95 % interval misses a true prediction in up to one pixel of twenty by chance.
+        Each interval misses a true prediction with a chance of up to 5 %, each pixel's own: so up
+        to one pixel of twenty disagrees by chance. True shares of 0 and 1 are never missed.
 
         Parameters
         ----------

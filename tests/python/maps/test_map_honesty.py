@@ -6,9 +6,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.stats import binom
 
 import rigid
-from rigid.maps.data import wilson
+from rigid.maps.data import interval
 
 SIDE = 80
 
@@ -100,18 +101,6 @@ def test_reasons_of_failure_sum_up() -> None:
         np.testing.assert_array_equal(one.failed, one.step_limit + one.not_finite + one.drifted)
 
 
-def test_intervals_cover_as_often_as_they_say() -> None:
-    """Over shares spread evenly, Wilson's 95 % interval covers 95 % (Brown, Cai, DasGupta 2001)."""
-    random = np.random.default_rng(2026)
-    for samples in (16, 64, 256):
-        share = random.uniform(size=10_000)
-        stable = random.binomial(samples, share).astype(np.int64)
-        lower, upper = wilson(stable, np.full(stable.shape, samples))
-        covered = ((lower <= share) & (share <= upper)).mean()
-        # 10^4 pixels: the standard error is 0.2 %.
-        assert 0.94 <= covered <= 0.97, (samples, covered)
-
-
 def test_intervals_of_neighbouring_pixels_cover_their_common_share() -> None:
     """Tops that start near the limit of their tilt: the draw decides whether they pass it."""
     pixels, samples = 2_000, 64
@@ -129,7 +118,13 @@ def test_intervals_of_neighbouring_pixels_cover_their_common_share() -> None:
     probability = result.stable.sum() / result.samples.sum()
     assert 0.05 < probability < 0.95
     covered = ((result.lower <= probability) & (probability <= result.upper)).mean()
-    assert 0.93 <= covered <= 0.98, (probability, covered)
+    counts = np.arange(samples + 1)
+    lower, upper = interval(counts, np.full_like(counts, samples))
+    holds = (lower <= probability) & (probability <= upper)
+    exact = float(binom.pmf(counts[holds], samples, probability).sum())
+    assert exact >= 0.95
+    # Four standard deviations of the pixels that cover.
+    assert covered == pytest.approx(exact, abs=4.0 * np.sqrt(exact * (1.0 - exact) / pixels))
 
 
 @pytest.mark.parametrize("method", ["taylor16", "taylor26"])

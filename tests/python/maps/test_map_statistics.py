@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy.special import ellipk, ellipkinc
-from scipy.stats import binomtest, norm
 
 import rigid
 from rigid.maps.data import FAILURES
@@ -29,45 +28,7 @@ def counted(**counts: list[int]) -> rigid.StabilityMap:
     return rigid.StabilityMap.from_arrays(spec, arrays)
 
 
-# The interval
-
-
-@pytest.mark.parametrize(
-    ("successes", "trials", "lower", "upper"),
-    [
-        # R. G. Newcombe, Statistics in Medicine 17 (1998) 857, table I, method 3.
-        (81, 263, 0.2553, 0.3662),
-        (15, 148, 0.0624, 0.1605),
-        (0, 20, 0.0, 0.1611),
-        (1, 29, 0.0061, 0.1718),
-    ],
-)
-def test_wilson_interval_has_the_published_values(
-    successes: int, trials: int, lower: float, upper: float
-) -> None:
-    result = counted(stable=[successes, 0], unstable=[trials - successes, 0])
-    assert result.lower[0] == pytest.approx(lower, abs=5e-5)
-    assert result.upper[0] == pytest.approx(upper, abs=5e-5)
-
-
-def test_wilson_interval_inverts_the_score_test() -> None:
-    # Its ends are the shares p from which the observed one lies 1.96 standard deviations away.
-    trials = 64
-    k = np.arange(trials + 1)
-    result = counted(stable=k.tolist(), unstable=(trials - k).tolist())
-    z = norm.ppf(0.975)
-    for end, where in ((result.lower, slice(1, None)), (result.upper, slice(None, -1))):
-        p = end[where]
-        deviation = abs(k[where] / trials - p) / np.sqrt(p * (1.0 - p) / trials)
-        np.testing.assert_allclose(deviation, z, rtol=1e-9)
-    assert (result.lower[1:] < result.share[1:]).all()
-    assert (result.upper[:-1] > result.share[:-1]).all()
-    assert result.lower[0] == 0.0  # exactly, or a certain prediction would lie outside
-    assert result.upper[-1] == 1.0
-    for successes in (0, 1, 7, 32, 63, 64):
-        expected = binomtest(successes, trials).proportion_ci(0.95, method="wilson")
-        assert result.lower[successes] == pytest.approx(expected.low, abs=1e-12)
-        assert result.upper[successes] == pytest.approx(expected.high, abs=1e-12)
+# The share
 
 
 def test_share_is_that_of_the_decided() -> None:

@@ -1,0 +1,58 @@
+//! Confidence intervals of shares.
+
+use crate::error::Error;
+use crate::special::inverse_incomplete_beta;
+use std::collections::HashMap;
+
+/// Most trials of an interval: above, a share next to 1 rounds to 1.
+const MOST_TRIALS: u64 = 1 << 50;
+
+/// The interval of C. J. Clopper and E. S. Pearson, Biometrika 26 (1934) 404; NaN without trials.
+///
+/// Each end is the share that gives a result at least as extreme as the one seen with a chance of half of
+/// 1 - confidence. Whatever the true share, the interval holds it with at least the chance `confidence`.
+///
+/// # Errors
+/// Naming the argument.
+pub fn clopper_pearson(successes: u64, trials: u64, confidence: f64) -> Result<[f64; 2], Error> {
+    let refuse = |argument, value, rule| Err(Error::Value { argument, value, rule });
+    if !(confidence > 0.0 && confidence < 1.0) {
+        return refuse("confidence", confidence.to_string(), "must lie between 0 and 1");
+    }
+    if trials > MOST_TRIALS {
+        return refuse("trials", trials.to_string(), "must be at most 2^50");
+    }
+    if successes > trials {
+        return refuse("successes", format!("{successes} of {trials}"), "must be at most the trials");
+    }
+    if trials == 0 {
+        return Ok([f64::NAN; 2]);
+    }
+    let level = 0.5 * (1.0 - confidence);
+    let lower = |successes: u64| match successes {
+        // Exactly 0, and 1 for the upper end: rounding would exclude a certain prediction.
+        0 => 0.0,
+        _ => inverse_incomplete_beta(successes as f64, (trials - successes + 1) as f64, level),
+    };
+    Ok([lower(successes), 1.0 - lower(trials - successes)])
+}
+
+/// The intervals of successes and trials; those of equal counts, as most pixels have, are computed once.
+///
+/// # Errors
+/// As [`clopper_pearson`].
+pub fn clopper_pearson_of_each(
+    counts: impl Iterator<Item = [u64; 2]>,
+    confidence: f64,
+) -> Result<Vec<[f64; 2]>, Error> {
+    let mut known = HashMap::new();
+    let mut interval = |count: [u64; 2]| {
+        if let Some(&ends) = known.get(&count) {
+            return Ok(ends);
+        }
+        let ends = clopper_pearson(count[0], count[1], confidence)?;
+        known.insert(count, ends);
+        Ok(ends)
+    };
+    counts.map(&mut interval).collect()
+}
