@@ -159,6 +159,7 @@ fn outcome(map: &Map, left: f64) -> Outcome {
         tilt: f64::NAN,
         energy_drift: f64::NAN,
         momentum_drift: f64::NAN,
+        unit_drift: f64::NAN,
         step: f64::NAN,
         steps: 0,
         exact: true,

@@ -102,14 +102,15 @@ impl Map {
     fn outcome(group: &Group, lane: usize, observed: Observed, lane_task: LaneTask) -> Outcome {
         let energy_drift = group.energy.worst.0[lane];
         let momentum_drift = group.momentum.worst.0[lane];
+        let unit_drift = group.unit.0[lane];
         let steps = group.count.0[lane];
         let rows = group.observed_in(lane);
         let left = rows[EXIT_TIME];
         let value = observed.outcome(&rows);
-        let finite = energy_drift.is_finite() && momentum_drift.is_finite() && group.unit.0[lane].is_finite();
+        let finite = energy_drift.is_finite() && momentum_drift.is_finite() && unit_drift.is_finite();
         let (class, status) = if !finite {
             (Class::Failed, Status::NotFinite)
-        } else if energy_drift.max(momentum_drift).max(group.unit.0[lane]) > DRIFT_LIMIT {
+        } else if energy_drift.max(momentum_drift).max(unit_drift) > DRIFT_LIMIT {
             (Class::Failed, Status::Drifted)
         } else if left < f64::INFINITY {
             (Class::Unstable, Status::Stopped)
@@ -124,6 +125,7 @@ impl Map {
             tilt: if observed == Observed::Tilt { value } else { f64::NAN },
             energy_drift,
             momentum_drift,
+            unit_drift,
             step: lane_task.step,
             steps: steps as u64,
             exact: false,

@@ -44,6 +44,8 @@ pub struct Outcome {
     pub energy_drift: f64,
     /// Largest relative error of the conserved momentum at the ends of blocks of steps.
     pub momentum_drift: f64,
+    /// Largest error of the length of a direction at the ends of blocks of steps; 0 if no direction is carried.
+    pub unit_drift: f64,
     /// Step.
     pub step: f64,
     /// Steps made.
@@ -72,6 +74,7 @@ impl Outcome {
             tilt: f64::NAN,
             energy_drift: f64::NAN,
             momentum_drift: f64::NAN,
+            unit_drift: f64::NAN,
             step: f64::NAN,
             steps: 0,
             exact: false,
@@ -237,6 +240,8 @@ columns! {
     energy_drift: f64 Max, "1", "worst relative drift of the energy", true, |s| s.first.lost(s.first.energy_drift);
     /// Largest momentum drift, NaN if nothing was integrated.
     momentum_drift: f64 Max, "1", "worst relative drift of the momentum", true, |s| s.first.lost(s.first.momentum_drift);
+    /// Largest drift of the length of a direction, NaN if nothing was integrated.
+    unit_drift: f64 Max, "1", "worst drift of unit lengths", true, |s| s.first.lost(s.first.unit_drift);
     /// Earliest loss of stability; infinite if none.
     earliest: f64 Min, "s", "first time of leaving stability", true,
         |s| if s.class == Class::Unstable { s.first.left } else { f64::INFINITY };

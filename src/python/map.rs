@@ -320,8 +320,7 @@ impl MapJob {
         }
         let (body, class, outcome) =
             interruptible(py, None, |interrupt| self.map.sample(pixel, sample, self.isa, interrupt))??;
-        let Outcome { status, flips, left, tilt, energy_drift, momentum_drift, step, steps, exact, .. } =
-            outcome;
+        let Outcome { status, flips, left, tilt, step, steps, exact, .. } = outcome;
         let dict = PyDict::new(py);
         dict.set_item("omega", body.omega.to_vec().into_pyarray(py))?;
         dict.set_item("attitude", body.attitude.to_vec().into_pyarray(py))?;
@@ -330,8 +329,9 @@ impl MapJob {
         dict.set_item("flips", flips)?;
         dict.set_item("left", if left < f64::INFINITY { left } else { f64::NAN })?;
         dict.set_item("tilt", tilt)?;
-        dict.set_item("energy_drift", energy_drift)?;
-        dict.set_item("momentum_drift", momentum_drift)?;
+        dict.set_item("energy_drift", outcome.energy_drift)?;
+        dict.set_item("momentum_drift", outcome.momentum_drift)?;
+        dict.set_item("unit_drift", outcome.unit_drift)?;
         dict.set_item("step", step)?;
         dict.set_item("steps", steps)?;
         dict.set_item("method", if exact { Solver::EXACT } else { self.map.method.scheme().facts.name })?;

@@ -359,7 +359,7 @@ MAP_ARRAYS = (
     *("status", "stable", "unstable", "undecided", "failed"),
     *("step_limit", "not_finite", "drifted", "checked"),
     *("samples", "share", "lower", "upper"),
-    *("energy_drift", "momentum_drift", "earliest", "steps", "exact"),
+    *("energy_drift", "momentum_drift", "unit_drift", "earliest", "steps", "exact"),
 )
 """The arrays of a map that are hashed; a further output of maps changes no hash."""
 

@@ -140,7 +140,7 @@ class MapData:
         unknown = np.full(spec.shape, np.nan)
         columns = {
             column.name: arrays[column.name].reshape(spec.shape)
-            if column.reproducible or column.name in arrays
+            if column.name in arrays
             else unknown
             for column in COLUMNS
         }

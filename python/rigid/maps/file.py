@@ -29,7 +29,10 @@ if TYPE_CHECKING:
 __all__ = ["file_size", "read_map", "write_map"]
 
 FORMAT = "rigid stability map"
-FORMAT_VERSION = 3
+FORMAT_VERSION = 4
+MISSING_IN: Mapping[int, frozenset[str]] = {3: frozenset({"unit_drift"}), 4: frozenset()}
+"""The formats that are read, and the arrays of :data:`STORED` that their files do not have."""
+
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 _SPEC = "spec.json"
 
@@ -84,7 +87,10 @@ def _header(spec: MapSpec) -> bytes:
 
 
 def read_map(path: str | os.PathLike[str]) -> tuple[MapSpec, dict[str, NDArray[Any]]]:
-    """Specification and :data:`STORED` arrays of a saved map; see :func:`rigid.load_map`."""
+    """Specification and :data:`STORED` arrays of a saved map; see :func:`rigid.load_map`.
+
+    Arrays that the format of the file does not have are left out.
+    """
     from pathlib import Path
 
     source = Path(path)
@@ -119,14 +125,15 @@ def _read(file: BinaryIO) -> tuple[MapSpec, dict[str, NDArray[Any]]]:
         header = json.loads(_read_array(archive, _SPEC, np.dtype(np.uint8)).tobytes().decode())
         if not isinstance(header, dict) or header.get("format") != FORMAT:
             raise _FileError("is not a stability map: its header is not that of one")
-        if header.get("format_version") != FORMAT_VERSION:
-            raise _FileError(
-                f"has format version {header.get('format_version')}, "
-                f"this version of rigid reads {FORMAT_VERSION}"
-            )
+        version: Any = header.get("format_version")
+        if version not in MISSING_IN:
+            known = " and ".join(map(str, MISSING_IN))
+            raise _FileError(f"has format version {version}, this version of rigid reads {known}")
         spec = _specification(header.get("spec"), archive.getinfo("status.npy").file_size)
         arrays = {
-            name: _read_array(archive, name, dtype, spec.shape) for name, dtype in STORED.items()
+            name: _read_array(archive, name, dtype, spec.shape)
+            for name, dtype in STORED.items()
+            if name not in MISSING_IN[version]
         }
     _check_counts(spec, arrays)
     return spec, arrays

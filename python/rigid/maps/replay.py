@@ -53,8 +53,9 @@ class Replay:
         Time at which it left stability, s; NaN if it did not.
     tilt : float
         Largest observed tilt (rad), NaN if the criterion is not a tilt limit.
-    energy_drift, momentum_drift : float
-        NaN by closed form, which conserves both.
+    energy_drift, momentum_drift, unit_drift : float
+        Worst drift of the energy, of the conserved momentum (relative) and of the length of the
+        directions that were integrated; NaN by closed form, which conserves them.
     step : float
         Time step in s; NaN by closed form.
     steps : int
@@ -76,6 +77,7 @@ class Replay:
     tilt: float
     energy_drift: float
     momentum_drift: float
+    unit_drift: float
     step: float
     steps: int
     run: Run

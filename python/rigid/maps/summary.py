@@ -79,8 +79,12 @@ def _classes(data: MapData) -> str:
 def _drift(data: MapData) -> str:
     if 0 < int(data.samples.sum()) == data.exact.sum():
         return "none: closed form"
-    worst = f"energy {_worst(data.energy_drift)}, momentum {_worst(data.momentum_drift)}"
-    return f"{worst} (relative)"
+    drifts = {
+        "energy": data.energy_drift,
+        "momentum": data.momentum_drift,
+        "unit lengths": data.unit_drift,
+    }
+    return ", ".join(f"{name} {_worst(values)}" for name, values in drifts.items()) + " (relative)"
 
 
 def _worst(drifts: NDArray[np.float64]) -> str:

@@ -131,6 +131,7 @@ def test_a_scheme_is_told_with_its_steps_and_drifts(
     result = rigid.load_map("steps.npz")
     assert f"energy {np.nanmax(result.energy_drift):.1e}" in facts["worst"]
     assert f"momentum {np.nanmax(result.momentum_drift):.1e}" in facts["worst"]
+    assert f"unit lengths {np.nanmax(result.unit_drift):.1e}" in facts["worst"]
 
 
 def test_the_map_is_that_of_python(capsys: pytest.CaptureFixture[str]) -> None:

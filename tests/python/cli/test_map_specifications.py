@@ -399,6 +399,7 @@ def test_built_in_maps_run_and_nothing_fails(built_in: tuple[str, rigid.Stabilit
     assert result.steps.sum() == result.checked.sum() == 0
     assert np.isnan(result.energy_drift).all()
     assert np.isnan(result.momentum_drift).all()
+    assert np.isnan(result.unit_drift).all()
     assert result.stable.sum() > 0.1 * result.samples.sum()
     assert result.unstable.sum() > 0.1 * result.samples.sum()
     assert result.spec.title

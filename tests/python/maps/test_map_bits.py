@@ -169,6 +169,7 @@ def test_the_counts_of_a_pixel_are_those_of_its_bodies_replayed(case: str) -> No
             assert getattr(result, name)[index] == outcomes[name]
         assert result.energy_drift[index] == max(body.energy_drift for body in bodies)
         assert result.momentum_drift[index] == max(body.momentum_drift for body in bodies)
+        assert result.unit_drift[index] == max(body.unit_drift for body in bodies)
         left = [body.left for body in bodies]
         assert result.earliest[index] == np.nanmin(left)
         assert np.isnan(left).sum() == sum(body.status == "finished" for body in bodies)

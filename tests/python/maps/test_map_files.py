@@ -266,7 +266,7 @@ def with_header(arrays: dict[str, Any], header: object, path: Path) -> Path:
     ("change", "complaint"),
     [
         ({"format": "something else"}, "its header is not that of one"),
-        ({"format_version": 1}, "has format version 1, this version of rigid reads 3"),
+        ({"format_version": 1}, "has format version 1, this version of rigid reads 3 and 4"),
         ({"format_version": None}, "has format version None"),
         ({"spec": {}}, "holds a broken specification"),
         ({"spec": 3}, "holds a broken specification"),
@@ -313,6 +313,28 @@ def test_arrays_of_another_shape_or_type_are_refused(
     assert "stable has type float64" in refused(path)
     np.savez(path, **{name: array for name, array in arrays.items() if name != "unstable"})
     assert "unstable" in refused(path)
+
+
+def test_a_map_of_format_3_is_read_without_unit_drift(
+    arrays: dict[str, Any], tmp_path: Path
+) -> None:
+    """Format 3 had no `unit_drift` and other intervals: the first is unknown, the others follow."""
+    whole = small_map(**REQUESTS["free"])
+    old = {name: array for name, array in arrays.items() if name != "unit_drift"}
+    old |= {"lower": old["lower"] - 0.01, "upper": old["upper"] + 0.01}
+    header = {**header_of(arrays), "format_version": 3}
+    loaded = rigid.load_map(with_header(old, header, tmp_path / "old.npz"))
+    for name in set(NAMED) - {"unit_drift"}:
+        np.testing.assert_array_equal(getattr(loaded, name), getattr(whole, name), err_msg=name)
+    assert np.isnan(loaded.unit_drift).all()
+    assert "unit lengths unknown" in loaded.summary()
+    again = rigid.load_map(loaded.save(tmp_path / "new.npz"))
+    assert_same_map(again, loaded)
+    pixel = int(np.argmin(whole.status))
+    for one in (loaded, again):
+        assert one.replay(pixel, 1).left == whole.replay(pixel, 1).left
+    # A file of format 4 has it.
+    assert "unit_drift" in refused(with_header(old, header_of(arrays), tmp_path / "bad.npz"))
 
 
 def test_arrays_of_the_other_byte_order_are_read(arrays: dict[str, Any], tmp_path: Path) -> None:
@@ -570,7 +592,7 @@ def test_dataset_has_named_dimensions_units_and_the_specification() -> None:
     assert dataset["I2_over_I1"].attrs["units"] == "1"
     assert dataset["I2_over_I1"].attrs["long_name"] == "I2/I1"
     assert dataset["earliest"].attrs["units"] == "s"
-    for name in ("share", "lower", "upper", "energy_drift", "momentum_drift"):
+    for name in ("share", "lower", "upper", "energy_drift", "momentum_drift", "unit_drift"):
         assert dataset[name].attrs["units"] == "1"
     for name in ("share", "lower", "upper"):
         assert "no flip about axis 2 until t = 20 s" in dataset[name].attrs["long_name"]

@@ -34,9 +34,8 @@ def pretended(spec: rigid.MapSpec, **changes: Any) -> rigid.StabilityMap:
     }
     arrays["stable"] = np.full(spec.shape, 20)
     arrays["status"] = np.zeros(spec.shape, dtype=np.uint8)
-    arrays |= {
-        name: np.zeros(spec.shape) for name in ("energy_drift", "momentum_drift", "earliest")
-    }
+    numbers = ("energy_drift", "momentum_drift", "unit_drift", "earliest")
+    arrays |= {name: np.zeros(spec.shape) for name in numbers}
     for name, cells in changes.items():
         for index, value in cells.items():
             arrays[name][index] = value

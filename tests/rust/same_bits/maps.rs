@@ -78,6 +78,7 @@ fn merged(a: Statistics, b: Statistics) -> Statistics {
         checked: a.checked + b.checked,
         energy_drift: a.energy_drift.max(b.energy_drift),
         momentum_drift: a.momentum_drift.max(b.momentum_drift),
+        unit_drift: a.unit_drift.max(b.unit_drift),
         earliest: a.earliest.min(b.earliest),
         steps: a.steps + b.steps,
         nanoseconds: 0.0,
@@ -86,7 +87,7 @@ fn merged(a: Statistics, b: Statistics) -> Statistics {
 
 /// The whole map in pieces of `cut` samples.
 fn in_pieces(map: &Map, cut: u64, threads: usize, isa: Isa) -> Vec<Statistics> {
-    let none = Statistics { energy_drift: 0.0, momentum_drift: 0.0, ..Statistics::NONE };
+    let none = Statistics { energy_drift: 0.0, momentum_drift: 0.0, unit_drift: 0.0, ..Statistics::NONE };
     let mut all = vec![none; map.pixels.len()];
     for start in (0..map.len()).step_by(cut as usize) {
         let (first, part) = map.run(start, map.len().min(start + cut), threads, isa, &GO).unwrap();
@@ -162,6 +163,7 @@ fn a_sample_alone_is_the_sample_of_the_map() {
                     let lost = |drift: f64| if drift.is_nan() { f64::INFINITY } else { drift };
                     expected.energy_drift = lost(outcome.energy_drift);
                     expected.momentum_drift = lost(outcome.momentum_drift);
+                    expected.unit_drift = lost(outcome.unit_drift);
                 }
                 if class == Class::Unstable {
                     expected.earliest = outcome.left;
