@@ -20,11 +20,12 @@ __all__ = ["plot_map"]
 UNDECIDED = 0.05
 """Cells with more than this share of undecided (or of failed) bodies are hatched."""
 
-# Okabe and Ito's vermilion and sky blue contrast with both ends of the colour scale.
+# Only the strokes of failed and undecided cover the colour of the share. Red and vermilion contrast
+# with both ends of the colour scale, and the shapes tell them apart.
 _HATCHED: tuple[tuple[str, dict[str, Any]], ...] = (
     ("impossible body", {"facecolor": "0.88", "edgecolor": "0.62", "hatch": "xx"}),
     ("not computed", {"facecolor": "white", "edgecolor": "0.75", "hatch": "\\\\\\"}),
-    ("failed > 5 %", {"facecolor": "white", "edgecolor": "#cc3311", "hatch": "oo"}),
+    ("failed > 5 %", {"facecolor": "none", "edgecolor": "#cc3311", "hatch": "oo"}),
     ("undecided > 5 %", {"facecolor": "none", "edgecolor": "#d55e00", "hatch": "////"}),
 )
 _DASHES: tuple[Literal["solid", "dashed"], ...] = ("solid", "dashed")

@@ -180,6 +180,30 @@ def test_cells_without_a_true_share_are_hatched_with_a_legend(label: str) -> Non
         assert np.ma.getmaskarray(data).sum() == 3  # no colour, not even that of 0
 
 
+def test_failed_and_undecided_pixels_keep_the_colour_of_their_share() -> None:
+    """Rendered: more than half of a hatched pixel has the colour of its share."""
+    spec = spec_of(axes={"omega1": [1.0, 2.0], "omega3": [1.0, 2.0]}, start=RATES, rng=1)
+    marked = {"failed": {(0, 0): 4}, "undecided": {(1, 1): 4}}
+    result = pretended(spec, **marked, unstable={(0, 1): 20})
+    figure = Figure(figsize=(8, 8), dpi=100)
+    ax = result.plot(ax=figure.add_axes((0.1, 0.1, 0.7, 0.7)))
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()  # type: ignore[no-untyped-call]
+    image = np.asarray(canvas.buffer_rgba())[::-1, :, :3]  # type: ignore[no-untyped-call]
+    for row, column in np.ndindex(2, 2):
+        (left, low), (right, high) = (
+            ax.transData.transform((column + 1 + side, row + 1 + side)).astype(int)
+            for side in (-0.4, 0.4)
+        )
+        cell = image[low:high, left:right].reshape(-1, 3).astype(int)
+        share = 255.0 * np.array(mpl.colormaps["cividis"](result.share[row, column])[:3])
+        kept = float((abs(cell - share).max(axis=1) <= 2).mean())
+        if any((row, column) in cells for cells in marked.values()):
+            assert 0.5 < kept < 0.99, (row, column)
+        else:
+            assert kept == 1.0
+
+
 def test_hatches_differ_and_there_are_none_without_need() -> None:
     spec = spec_of(**PLANE)
     everything: dict[str, Any] = {}
