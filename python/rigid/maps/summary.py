@@ -98,4 +98,7 @@ def _theory(data: MapData, theory: Theory | None) -> str:
     compared = int((~np.isnan(theory.share) & ~np.isnan(data.lower)).sum())
     disagree = int(disagreement(data, theory).sum())
     text = f"{theory.label}: {disagree:,} of {compared:,} pixels outside their 95 % interval"
-    return text + (f" ({disagree / compared:.1%}; up to 5 % by chance)" if compared else "")
+    if compared:
+        text += f" ({disagree / compared:.1%}; up to 5 % by chance)"
+    unknown = int((np.isnan(theory.share) & ~np.isnan(data.lower)).sum())
+    return f"{text}; no prediction for {unknown:,} pixels" if unknown else text

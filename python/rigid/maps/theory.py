@@ -32,8 +32,10 @@ Symmetric heavy top, damped only about its symmetry axis
     ``t_b = (I3 / c) ln(I3 w / (2 sqrt(mgl I1)))``. From there on a tilt grows at the rate
     ``g = sqrt(4 mgl I1 - (I3 w)²) / (2 I1)``, which increases as the root of the time:
     ``ln(limit / tilt) = (2/3) sqrt(2 c mgl / (I1 I3)) (t - t_b)^(3/2)``. The lag is to the time of
-    the spin-down as ``c^(2/3)``: the bound is exact in the limit of slow damping. The prediction is
-    1 before ``t_b`` and 0 after twice the lag of the smallest tilts; between them it is not made.
+    the spin-down as ``c^(2/3)``: the bound is exact in the limit of slow damping. So the bound is
+    the onset of the fall, and the border of the criterion lies about one lag later. The prediction
+    is 1 before the onset and 0 after twice the lag of the smallest tilts; between them it is not
+    made.
 
 Landau and Lifshitz, *Mechanics*, §§ 35, 37; Goldstein, *Classical Mechanics*, §§ 5.6, 5.7.
 """
@@ -326,10 +328,14 @@ def _falling_top(spec: MapSpec) -> Theory | None:
     share = np.where(spec.t_end > np.maximum(bound, 0.0) + 2.0 * lag, 0.0, share)
     # Nutation before the bound: the noise must be far below the limit.
     share = np.where(known & (6.0 * grid.attitude_size < stable.angle), share, np.nan)
+    half = falling_lag(mgl, cross, axial, c, stable.angle / (_RAYLEIGH_HALF * grid.attitude_size))
+    until = f"t = {spec.t_end:g} s"
     curves = {
-        "quasi-static bound $\\omega_3(t) = 2\\sqrt{mgl\\,I_1}/I_3$": bound / spec.t_end - 1.0
+        "onset of the fall $\\omega_3(t) = 2\\sqrt{mgl\\,I_1}/I_3$": bound / spec.t_end - 1.0,
+        f"about half pass {stable.angle:g} rad by {until}": (bound + half) / spec.t_end - 1.0,
     }
-    label = f"quasi-static spin-down of a sleeping top, until t = {spec.t_end:g} s"
+    words = "no fall before the onset, all fallen two lags later"
+    label = f"quasi-static spin-down until {until} ({words})"
     return _theory(spec, label, share, curves)
 
 

@@ -13,6 +13,7 @@ import rigid
 from physics import present
 from processes import python_process
 from rigid.cli.toml_map import parse_spec, read_spec
+from rigid.maps.data import STORED
 from rigid.maps.spec import MapSpec
 from rigid.maps.theory import falling_lag, predict
 
@@ -82,7 +83,51 @@ def test_the_built_in_map_agrees_with_the_theory() -> None:
     assert {0.0, 1.0} == set(theory.share[known].tolist())
     assert not result.failed.any()
     assert np.array_equal(share[known], theory.share[known])
-    assert len(theory.curves) == 1
+    assert [curve.label.split("$")[0] for curve in theory.curves] == [
+        "onset of the fall ",
+        "about half pass 0.5 rad by t = 100 s",
+    ]
+
+
+def test_the_lines_of_the_falling_top_are_its_onset_and_its_border() -> None:
+    """Before the onset all stand; half have fallen where the second line says, within a pixel.
+
+    The rows are those of three dampings of the built-in map, its spins about the lines.
+    """
+    pixel = 9.0 / 89.0
+    for damping, spins in ((2e-3, (5.3, 6.2)), (3e-3, (6.3, 7.6)), (5e-3, (9.2, 11.1))):
+        spin = np.arange(spins[0], spins[1], 0.5 * pixel)
+        result = small(
+            axes={"spin": spin, "damping3": [0.999 * damping, damping]},
+            samples=32,
+            t_end=100.0,
+            check=0.0,
+            method="taylor16",
+        )
+        theory = present_theory(result.spec)
+        onset, border = (curve.field[1] for curve in theory.curves)
+        assert onset.min() < border.min() < 0.0 < onset.max() < border.max()
+        share = result.share[1]
+        assert share[onset > 0.0].min() == 1.0
+        # Falling begins after the onset: there is no prediction between the onset and two lags.
+        fallen = share < 1.0
+        assert fallen.any()
+        np.testing.assert_array_equal(np.isnan(theory.share[1]), onset <= 0.0)
+        assert not result.disagreement().any()
+        half = np.interp(0.5, share, spin)
+        assert abs(half - np.interp(0.0, border, spin)) < pixel
+
+
+def test_a_fall_before_the_onset_disagrees_and_one_after_it_does_not() -> None:
+    result = small(axes={"spin": [4.5, 5.0, 5.5, 6.0], "damping3": [1e-3, 2e-3]}, samples=1)
+    (onset, _) = present_theory(result.spec).curves
+    zero = np.zeros(result.spec.shape, dtype=np.int64)
+    fell = dict.fromkeys(STORED, zero) | {"unstable": zero + 64}
+    everywhere = rigid.StabilityMap.from_arrays(result.spec, fell)
+    np.testing.assert_array_equal(everywhere.disagreement(), onset.field > 0.0)
+    assert 0 < everywhere.disagreement().sum() < zero.size
+    unknown = int((onset.field <= 0.0).sum())
+    assert f"; no prediction for {unknown} pixels" in everywhere.summary()
 
 
 def present_theory(spec: MapSpec) -> Any:
