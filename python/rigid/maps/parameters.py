@@ -175,6 +175,8 @@ def _noise(pixels: PixelValues, values: Floats) -> None:
 
 # Where each parameter applies
 
+_ATTITUDE_UNFELT = "the attitude of a free body without a torque in space has no effect"
+
 
 def _needs_box(scene: Scene, _start: Start) -> str:
     if scene.body.sides is None:
@@ -220,8 +222,8 @@ def _needs_noise(_scene: Scene, start: Start) -> str:
 
 
 def _needs_attitude_noise(scene: Scene, start: Start) -> str:
-    if not scene.directions:
-        return "the attitude of a free body has no effect; use noise"
+    if not scene.rates_need_attitude:
+        return f"{_ATTITUDE_UNFELT}; use noise"
     if start.attitude_noise is None:
         return (
             "the start has no attitude noise; say its kind, "
@@ -421,8 +423,8 @@ def _axis(name: str, values: ArrayLike) -> Axis:
 
 def check_applicable(scene: Scene, start: Start, axes: Iterable[Axis]) -> None:
     """Raise ValueError, saying why, if an axis or a part of the start has no meaning here."""
-    if not scene.directions and start.attitude_noise is not None:
-        raise ValueError("attitude_noise has no effect on a free body: only its rates matter")
+    if not scene.rates_need_attitude and start.attitude_noise is not None:
+        raise ValueError(f"attitude_noise = {start.attitude_noise.describe()}: {_ATTITUDE_UNFELT}")
     if not scene.directions and start.omega is not None and start.tilt != 0.0:
         raise ValueError("tilt has no effect on a free body started by omega; use Start(spin=...)")
     moments, boxes = [], []

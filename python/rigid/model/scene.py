@@ -67,8 +67,7 @@ class Scene(ABC):
         The scene's own numbers: attributes and keyword arguments of the class.
     directions : tuple of str
         Directions fixed in space that the equations of motion contain, by their name in
-        :attr:`rigid.Plan.carried`: ``"gamma"`` is the upward vertical. Without directions, the
-        rates do not depend on the attitude.
+        :attr:`rigid.Plan.carried`: ``"gamma"`` is the upward vertical.
     body : Body
     torque : Torque or None
     damping : 3 tuples of 3 floats, or None
@@ -108,6 +107,12 @@ class Scene(ABC):
     def is_driven(self) -> bool:
         """Whether a torque, or damping that is not zero, was given."""
         return self.torque is not None or self.damping is not None
+
+    @property
+    def rates_need_attitude(self) -> bool:
+        """Whether the rates depend on the attitude: by the weight or by a torque in space."""
+        in_space = self.torque is not None and self.torque.acts_in_space
+        return bool(self.directions) or in_space
 
     @property
     def forcing(self) -> _core.Forcing | None:

@@ -160,8 +160,7 @@ def carried(scene: Scene, question: Question, method: str) -> tuple[str, ...]:
     watched = not isinstance(question, str)
     record = question if isinstance(question, str) else question.record
     if scene.is_driven and (watched or not exact):
-        in_space = scene.torque is not None and scene.torque.acts_in_space
-        bare = record == "rates" and not scene.directions and not in_space
+        bare = record == "rates" and not scene.rates_need_attitude
         variables = ("omega",) if bare else ("omega", "gamma", "attitude")
         return variables if watched else (*variables, "work")
     if watched and exact:

@@ -207,7 +207,8 @@ def test_axes(axes: Any, kind: type[Exception], message: str) -> None:
             FREE,
             ["attitude_noise"],
             SPIN,
-            "'attitude_noise' does not apply: the attitude of a free body has no effect; use noise",
+            "'attitude_noise' does not apply: the attitude of a free body without a torque in "
+            "space has no effect; use noise",
         ),
         (TOP, ["attitude_noise"], SPIN, "does not apply: the start has no attitude noise"),
         (
@@ -220,7 +221,15 @@ def test_axes(axes: Any, kind: type[Exception], message: str) -> None:
             FREE,
             ["I1"],
             rigid.Start(spin=1.0, attitude_noise=rigid.normal(0.1)),
-            "attitude_noise has no effect on a free body: only its rates matter",
+            "attitude_noise = normal(0.1): the attitude of a free body without a torque in space "
+            "has no effect",
+        ),
+        (
+            rigid.FreeBody(FREE.body, torque=rigid.Torque.body((0.3, 0.0, 0.0)), damping=0.1),
+            ["I1"],
+            rigid.Start(spin=1.0, attitude_noise=rigid.normal(0.1)),
+            "attitude_noise = normal(0.1): the attitude of a free body without a torque in space "
+            "has no effect",
         ),
         (
             FREE,
