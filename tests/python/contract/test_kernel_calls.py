@@ -14,7 +14,7 @@ kernel_calls = importlib.util.module_from_spec(_SPEC)
 sys.modules["kernel_calls"] = kernel_calls
 _SPEC.loader.exec_module(kernel_calls)
 
-KERNEL = "rigid::kernel::registry::avx2::advance"
+KERNEL = "rigid::kernel::registry::kernels_of::Taylor::avx2::advance"
 TABLE = {0x9000: "memcpy@GLIBC_2.14", 0x9008: "fma@GLIBC_2.2.5", 0x9010: "rigid::scheme::only"}
 
 
@@ -50,7 +50,7 @@ def test_a_call_to_an_address_that_is_computed_is_refused() -> None:
 def test_a_call_of_a_register_is_one_of_what_is_loaded_there() -> None:
     fma = "mov    0x8f08(%rip),%rbx        # 9008 <_GLOBAL_OFFSET_TABLE_+0x8>"
     other = "mov    0x8f10(%rip),%r12        # 9010 <_GLOBAL_OFFSET_TABLE_+0x10>"
-    plain = "rigid::kernel::registry::scalar::advance"
+    plain = "rigid::kernel::registry::kernels_of::Taylor::scalar::advance"
     assert not refused(fma, "call   *%rbx", name=plain)
     assert refused(fma, other, "call   *%r12", name=plain) == [
         ("rigid::scheme::only", "not inlined")
@@ -59,20 +59,20 @@ def test_a_call_of_a_register_is_one_of_what_is_loaded_there() -> None:
 
 def test_jumps_within_a_kernel_and_refused_indices_are_no_calls() -> None:
     assert not refused(
-        "je     10c <rigid::kernel::registry::avx2::advance+0xc>",
-        "jmp    100 <rigid::kernel::registry::avx2::advance>",
+        "je     10c <rigid::kernel::registry::kernels_of::Taylor::avx2::advance+0xc>",
+        "jmp    100 <rigid::kernel::registry::kernels_of::Taylor::avx2::advance>",
         "call   300 <core::panicking::panic_bounds_check>",
         "call   400 <core::slice::index::slice_end_index_len_fail>",
     )
 
 
 def test_a_kernel_may_be_the_code_of_another() -> None:
-    assert not refused("jmp    200 <rigid::kernel::registry::avx2::advance>")
+    assert not refused("jmp    200 <rigid::kernel::registry::kernels_of::Taylor::avx2::advance>")
 
 
 def test_a_copy_is_refused_in_every_step_only() -> None:
     copy = "call   *0x8f00(%rip)        # 9000 <_GLOBAL_OFFSET_TABLE_>"
-    loop = "jne    104 <rigid::kernel::registry::avx2::advance+0x4>"
+    loop = "jne    104 <rigid::kernel::registry::kernels_of::Taylor::avx2::advance+0x4>"
     assert refused("push   %rbp", copy, loop, loop) == [("memcpy@GLIBC_2.14", "in every step")]
     assert not refused("push   %rbp", copy, loop)
     assert not refused(copy, "push   %rbp", loop, loop)
@@ -82,4 +82,8 @@ def test_only_the_plain_path_rounds_with_the_c_library() -> None:
     call = "call   *0x8f08(%rip)        # 9008 <_GLOBAL_OFFSET_TABLE_+0x8>"
     fused = "vfmadd231pd %ymm0,%ymm1,%ymm2"
     assert refused(fused, call) == [("fma@GLIBC_2.2.5", "although it has FMA")]
-    assert not refused("mulsd  %xmm0,%xmm1", call, name="rigid::kernel::registry::scalar::advance")
+    assert not refused(
+        "mulsd  %xmm0,%xmm1",
+        call,
+        name="rigid::kernel::registry::kernels_of::Taylor::scalar::advance",
+    )
