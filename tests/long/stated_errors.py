@@ -1,0 +1,94 @@
+"""Is what a run says of its error true? Random runs that are hard on it, against 128-bit numbers.
+
+    python tests/long/stated_errors.py [--scenes 7000] [--seed 1] [--from 0]
+
+A run is right if its true error is at most the larger of the error asked for and the error stated.
+It is also right if its status is not ``ok``, or if a few roundings of the inputs change the motion
+as much. All else is SILENT: it is listed with its number, and the script fails if there is more
+of it than one run in 2000, or if a true error is more than three times the larger.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "shared"))
+
+from verdicts import VERDICTS, Finding, judge
+
+MOST_SILENT, MOST_EXCESS = 1 / 2000, 3.0
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--scenes", type=int, default=7000)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--from", type=int, default=0, dest="first", help="number of the first")
+    chosen = parser.parse_args()
+    numbers = range(chosen.first, chosen.first + chosen.scenes)
+    findings: list[Finding] = []
+    begin = time.perf_counter()
+    with ProcessPoolExecutor() as pool:
+        for finding in pool.map(partial(judge, seed=chosen.seed), numbers, chunksize=8):
+            findings.append(finding)
+            silent = sum(one.verdict == "SILENT" for one in findings)
+            seconds = time.perf_counter() - begin
+            line = f"{len(findings)} of {chosen.scenes} runs, {seconds:.0f} s, {silent} silent"
+            print(f"\r{line}", end="", file=sys.stderr, flush=True)
+    print(file=sys.stderr)
+
+    print_table("kind", lambda one: one.case.kind, findings)
+    print_table("method", lambda one: one.method, findings)
+    print_estimates(findings)
+    silent_ones = [one for one in findings if one.verdict == "SILENT"]
+    for one in silent_ones:
+        words = f"{one.number}: {one.case.kind}, {one.method}, true {one.true:.2e}"
+        print(f"{words}, stated {one.stated:.2e}, asked {one.asked:.1e}, 4uκ {one.within:.1e}")
+        print(f"    {one.case.code()}")
+    worst = max((one.excess for one in silent_ones), default=0.0)
+    return int(len(silent_ones) > MOST_SILENT * len(findings) or worst > MOST_EXCESS)
+
+
+def print_table(name: str, of: Callable[[Finding], str], findings: list[Finding]) -> None:
+    print(f"{name:22} {'runs':>6}", *(f"{verdict:>10}" for verdict in VERDICTS), " worst excess")
+    for key in [*sorted({of(one) for one in findings}), "all"]:
+        rows = [one for one in findings if key in ("all", of(one))]
+        counts = [sum(one.verdict == verdict for one in rows) for verdict in VERDICTS]
+        worst = max((one.excess for one in rows if one.verdict == "SILENT"), default=0.0)
+        print(f"{key:22} {len(rows):6}", *(f"{count:10}" for count in counts), f"{worst:13.2g}")
+    print()
+
+
+def print_estimates(findings: list[Finding]) -> None:
+    """How close the stated errors are, and those of the plans."""
+    stated = [one.true / one.stated for one in findings if one.verdict == "right"]
+    at = np.quantile(stated, [0.05, 0.5, 0.95])
+    print(
+        "true error / stated error of the right ones, quantiles 5, 50, 95 %:", at.round(4).tolist()
+    )
+    planned = [
+        one for one in findings if one.verdict in ("right", "flagged", "SILENT") and one.planned > 0
+    ]
+    for factor in (10.0, 1000.0):
+        below = sum(one.true > factor * one.planned for one in planned)
+        print(f"plans whose error is too small by more than {factor:g}: {below} of {len(planned)}")
+    missed = [one for one in findings if one.verdict == "within 4uκ" and one.true > one.asked > 0]
+    loose = [one for one in findings if one.loose]
+    for words, rows in (
+        ("accuracy missed by what rounding of the inputs explains, not flagged", missed),
+        ("ok beside an error above 1e-3, nothing asked", loose),
+    ):
+        print(f"{words}: {len(rows)}", *(one.number for one in rows[:9]))
+    print()
+
+
+if __name__ == "__main__":
+    sys.exit(main())

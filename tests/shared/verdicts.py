@@ -1,0 +1,177 @@
+"""Is what a run says of its error true? One of :data:`VERDICTS` for each random run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+import quad_motion
+import rigid
+from adversarial import Case, random_case
+from physics import ROUNDOFF, Floats
+from quad_motion import Motion
+from rigid.solve.arrays import time_range
+from rigid.solve.batch import Batch
+
+VERDICTS = ("right", "within 4uκ", "flagged", "refused", "status", "no truth", "SILENT")
+
+#: A body whose rates are all below this share of what it could reach is at rest. It is twice that
+#: of :attr:`rigid.Run.error`: the run knows only its own rates.
+REST = 2e-13
+
+#: How a run ended whose stated error is to be believed.
+JUDGED = tuple(status for status in rigid.Status if status.name in ("OK", "COARSE"))
+
+#: Most steps of the truth; a body that needs more has none.
+LIMIT = 2000
+
+#: Relative roundings of all inputs that a right answer may be off by.
+ROUNDINGS = 4.0
+
+#: An error above this is not "ok" where no accuracy was asked.
+LOOSE = 1e-3
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What was said of a run and what was true."""
+
+    number: int
+    case: Case
+    verdict: str
+    method: str
+    true: float = np.nan
+    stated: float = np.nan
+    asked: float = 0.0
+    planned: float = np.nan
+    within: float = np.nan
+    status: int = 0
+
+    @property
+    def excess(self) -> float:
+        """The true error over the larger of what was asked and what was stated."""
+        return self.true / max(self.asked, self.stated)
+
+    @property
+    def loose(self) -> bool:
+        """Whether ``ok`` stands beside an error above 1e-3, and nothing was asked."""
+        ok = self.status == rigid.Status.OK and self.verdict in ("right", "within 4uκ")
+        return ok and not self.asked and self.true > LOOSE
+
+
+def reach(case: Case) -> float:
+    """The fastest rate that the body can reach, as :attr:`rigid.Run.error` counts it."""
+    batch, _ = Batch.from_input(case.scene, case.omega, case.attitude)
+    rate = float(batch.fastest_rates(time_range(case.t))[0])
+    return max(rate, np.finfo(np.float64).tiny)
+
+
+def fastest(case: Case, truth: Motion) -> float:
+    """The fastest rate at the wanted times; of a body at rest a rate that it could reach."""
+    swing = np.linalg.norm(case.scene.weight) / min(case.scene.body.moments)
+    largest = max(reach(case), float(np.sqrt(swing)))
+    rate = float(np.linalg.norm(truth.omega, axis=-1).max())
+    return rate if rate > REST * largest else largest
+
+
+def true_error(case: Case, run: rigid.Run, row: int | None, truth: Motion) -> float:
+    """The largest error over all wanted times.
+
+    Of the rates relative to the fastest of them, of the vertical and the attitude in rad, of the
+    work relative to the largest kinetic energy that the body can reach.
+    """
+
+    def of_body(values: Floats) -> Floats:
+        return values if row is None else values[row]
+
+    worst = [truth.rates_off(of_body(run.omega)) / fastest(case, truth)]
+    if run.gamma is not None:
+        worst.append(truth.vertical_off(of_body(run.gamma)))
+    if run.attitude is not None:
+        worst.append(truth.attitude_off(of_body(run.attitude)))
+    if run.work is not None:
+        energy = 0.5 * min(case.scene.body.moments) * reach(case) ** 2
+        worst.append(truth.work_off(of_body(run.work)) / energy)
+    return float(np.max(worst))
+
+
+def _truth(case: Case, **changes: Floats | float) -> Motion | None:
+    given = {"omega": case.omega, "attitude": case.attitude, **changes}
+    return quad_motion.motion(case.scene, times=case.t, limit=LIMIT, **given)  # type: ignore[arg-type]
+
+
+def rounding(case: Case, truth: Motion, run: rigid.Run) -> float:
+    """What one rounding of each input changes at most: rates, attitude, moments and weight."""
+    body, weight = np.array(case.scene.body.moments), case.scene.weight
+    swing = np.linalg.norm(weight) / body.min()
+    size = float(np.sqrt(case.omega @ case.omega + swing))
+    changes: list[dict[str, Floats | float]] = []
+    for step in np.eye(3) * size * ROUNDOFF:
+        changes.append({"omega": case.omega + step})
+    unit = case.attitude / np.linalg.norm(case.attitude)
+    for turn in np.eye(4) * 2.0 * ROUNDOFF:
+        changes.append({"attitude": unit + turn})
+    for moment in np.unique(body):
+        changes.append({"moments": np.where(body == moment, np.nextafter(moment, np.inf), body)})
+    if weight.any():
+        changes += [
+            {"weight": np.where(np.eye(3)[k] > 0.0, np.nextafter(weight, np.inf), weight)}
+            for k in np.flatnonzero(weight)
+        ]
+    shifts = []
+    for change in changes:
+        origin = _truth(case, attitude=unit) if "attitude" in change else truth
+        other = _truth(case, **change)
+        if other is None or origin is None:
+            return np.inf
+        shifts.append(_apart(case, other, origin, run))
+    return float(np.linalg.norm(shifts))
+
+
+def _apart(case: Case, one: Motion, other: Motion, run: rigid.Run) -> float:
+    """Distance of two motions, in the quantities that a run recorded."""
+    off = Motion(other.high - one.low, other.low)
+    worst = [off.rates_off(one.omega) / fastest(case, other)]
+    if run.gamma is not None:
+        worst.append(off.vertical_off(one.high[:, 7:10]))
+    if run.attitude is not None:
+        worst.append(off.attitude_off(one.high[:, 3:7]))
+    return float(np.max(worst))
+
+
+def judge(number: int, seed: int) -> Finding:
+    """The verdict of one random run; the same for the same numbers."""
+    case = random_case(np.random.default_rng([seed, number]))
+    method = str(case.options.get("method", "default"))
+    try:
+        run, row = case.run()
+    except ValueError:
+        return Finding(number, case, "refused", method)
+    if "method" not in case.options:
+        method = f"default: {run.plan.method}"
+    stated = float(np.max(run.error if row is None else run.error[row]))
+    asked = float(case.options.get("accuracy", 0.0))
+    planned = np.nan if run.plan.error is None else float(run.plan.error)
+    status = int(run.status if row is None else run.status[row])
+    truth = _truth(case)
+    if truth is None or not np.isfinite(truth.high).all():
+        return Finding(number, case, "no truth", method)
+    true = true_error(case, run, row, truth)
+    within = np.nan
+    if status == rigid.Status.FLAGGED:
+        verdict = "flagged"
+    elif status not in JUDGED:
+        verdict = "status"
+    elif true <= max(asked, stated):
+        verdict = "right"
+    else:
+        within = ROUNDINGS * rounding(case, truth, run)
+        verdict = "SILENT"
+        if true <= within:
+            verdict = "within 4uκ"
+        else:
+            again = _truth(case, tolerance=1e-4 * quad_motion.TOLERANCE)
+            if again is None or not _apart(case, again, truth, run) < 0.1 * true:
+                verdict = "no truth"
+    return Finding(number, case, verdict, method, true, stated, asked, planned, within, status)
