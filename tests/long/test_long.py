@@ -18,8 +18,13 @@ SCRIPTS = (
     "any_scene",
     "closed_forms_against_rk4",
     "error_estimates",
+    "fuzz",
+    "growth",
+    "killed_writers",
     "principal_axes",
     "result_hashes",
+    "stated_errors",
+    "there_and_back",
 )
 
 
