@@ -1,9 +1,9 @@
 //! Torque and damping, applied to any scene: I omega' = … + torque - D omega.
 //!
-//! For a torque in the body the rates are the whole state; for a torque in space the state needs all rows of the
-//! rotation matrix, in which the torque is linear. Work and impulse are integrated with the motion: energy minus work
-//! and momentum minus impulse are constant, so a drift measures the error of forced motions too. The exponential scheme
-//! computes work and impulse from the gains of energy and momentum, so its drifts do not measure the error.
+//! A torque in the body needs only the rates as state; a torque in space is linear in the rows of the rotation matrix,
+//! so the state contains all rows. Work and impulse are integrated with the motion: energy minus work and momentum
+//! minus impulse are constant, so a drift measures the error of forced motions too. The exponential scheme computes
+//! work and impulse from the gains of energy and momentum, so its drifts do not measure the error.
 //!
 //! A forced body has a layout with a balance; the models contain no forcing.
 
@@ -20,10 +20,10 @@ pub struct Applied<R> {
     forcing: ForcingInterval<R>,
 }
 
-/// sum += a torque in space, in body components.
+/// Adds a torque in space, in body components, to `sum`.
 #[inline(always)]
-fn add_seen<R: Real, const D: usize>(torque: &[R; 3], y: &[R; D], sum: &mut [R; 3]) {
-    // The third row of the matrix comes first in the state: it is the vertical.
+fn add_space_torque<R: Real, const D: usize>(torque: &[R; 3], y: &[R; D], sum: &mut [R; 3]) {
+    // The third row of the matrix, the vertical, comes first in the state.
     for (part, row) in [(torque[2], 0), (torque[0], 1), (torque[1], 2)] {
         let row = direction(y, row);
         for i in 0..3 {
@@ -41,7 +41,7 @@ impl<R: Real> Applied<R> {
         Applied { moments: p.moments, inverse: [one / i1, one / i2, one / i3], forcing: *forcing }
     }
 
-    /// The torque that does not depend on the motion: that in the body, and the components in space along the rows.
+    /// The torque in the body and the torque in space at a time.
     #[inline(always)]
     fn torques_at(&self, time: R) -> [[R; 3]; 2] {
         let mut at = [self.forcing.body[0], self.forcing.space[0]];
@@ -52,7 +52,7 @@ impl<R: Real> Applied<R> {
         at
     }
 
-    /// sum -= D omega.
+    /// Subtracts `D omega` from `sum`.
     #[inline(always)]
     fn damp<const D: usize>(&self, y: &[R; D], sum: &mut [R; 3]) {
         let [d11, d22, d33, d23, d31, d12] = self.forcing.damping;
@@ -69,7 +69,7 @@ impl<R: Real> Applied<R> {
     pub fn undamped<L: Layout, const D: usize>(&self, y: &[R; D]) -> [R; 3] {
         let [mut sum, space] = self.torques_at(y[L::TIME_AT]);
         if L::VECTORS > 0 {
-            add_seen(&space, y, &mut sum);
+            add_space_torque(&space, y, &mut sum);
         }
         sum
     }
@@ -82,8 +82,8 @@ impl<R: Real> Applied<R> {
         sum
     }
 
-    /// One order of the series of the torque, after order 0, from the coefficients of the state of this order and of the
-    /// one before, the latter times the step; `start` is the state.
+    /// The coefficient of the torque at an order k > 0: `now` holds the coefficients of the state of order k, `before`
+    /// those of order k - 1 times the step, `start` the state.
     #[inline(always)]
     pub fn torque_of_order<L: Layout, const D: usize>(
         &self,
@@ -91,16 +91,16 @@ impl<R: Real> Applied<R> {
         now: &[R; D],
         before: &[R; D],
     ) -> [R; 3] {
-        // The series of the time ends after order 1; so does that of a torque in the body.
+        // Time is linear in the step, so the series of a torque in the body ends after order 1.
         let mut sum = self.forcing.body[1];
         for i in 0..3 {
             sum[i] = sum[i] * now[L::TIME_AT];
         }
         if L::VECTORS > 0 {
-            // (a + b t) times the row: a row[k] + b row[k - 1] step; the row before is given times the step.
+            // The coefficient of (a + b t) row is a row[k] + b step row[k - 1]; `before` contains the step.
             let space = self.torques_at(start[L::TIME_AT])[1];
-            add_seen(&space, now, &mut sum);
-            add_seen(&self.forcing.space[1], before, &mut sum);
+            add_space_torque(&space, now, &mut sum);
+            add_space_torque(&self.forcing.space[1], before, &mut sum);
         }
         self.damp(now, &mut sum);
         sum

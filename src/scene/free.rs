@@ -4,12 +4,12 @@ use super::{ConservedMomentum, Model, Parameters, Scene, TOP};
 use crate::kinematics::dot;
 use crate::real::Real;
 
-/// The scene of a free body, which is a top without weight.
+/// The scene of a free body: a top without weight.
 pub const FREE: Scene = Scene {
     kind: "free",
     has_weight: false,
     conserved: ConservedMomentum::Square,
-    // `2 L.L` for `L.L`, so that the number is that of |L|.
+    // The scale `2 L.L` makes the relative drift of `L.L` that of |L|.
     invariant_scales: |body| [body.kinetic_energy(), 2.0 * body.squared_momentum()],
     special_case_of: Some(&TOP),
 };

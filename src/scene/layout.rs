@@ -1,8 +1,8 @@
 //! The variables that are integrated.
 //!
-//! A state is a flat array `[R; D]`: three rates (or momenta, as the method likes), then `VECTORS` directions
-//! that are fixed in space, in body components, then a quaternion if the attitude is requested, then the balance of
-//! a forced body: work, impulse and time.
+//! A state is a flat array `[R; D]`: three rates or momenta (the scheme decides which), then `VECTORS` directions that
+//! are fixed in space, in body components, then a quaternion if the attitude is requested, then the balance of a forced
+//! body: work, impulse and time.
 
 /// The variables that are integrated with the rates.
 pub trait Layout: Copy {
@@ -12,7 +12,7 @@ pub trait Layout: Copy {
     const QUATERNION: bool;
     /// Whether work, impulse and time are integrated.
     const BALANCE: bool = false;
-    /// The direction from which a tilt is measured: the last one, or the vertical of a frame.
+    /// The direction from which a tilt is measured: the last direction, or the vertical of a frame.
     const OBSERVED: usize = if Self::BALANCE { 0 } else { Self::VECTORS.saturating_sub(1) };
     /// Length of the state.
     const LEN: usize = Self::BALANCE_AT + 3 * Self::BALANCE as usize;
@@ -47,10 +47,10 @@ layouts! {
     TwoAxes: 2, false, false;
     /// Rates and attitude.
     Attitude: 0, true, false;
-    /// Rates, vertical and attitude: the rates are those of `Axis` to the bit.
+    /// Rates, vertical and attitude; the rates are equal to those of `Axis` to the bit.
     AxisAttitude: 1, true, false;
     /// Rates and balance.
     ForcedRates: 0, false, true;
-    /// Rates, the vertical, the first and the second direction of space, and the balance.
+    /// Rates, the space axes z, x and y, and the balance.
     ForcedFrame: 3, false, true;
 }

@@ -1,4 +1,4 @@
-//! What moves: the scenes, and the layouts of their states.
+//! Scenes, and the layouts of their states.
 
 mod forced;
 mod free;
@@ -19,22 +19,22 @@ use crate::start::Body;
 /// All scenes, in the order in which they are listed to users.
 pub const ALL: &[&Scene] = &[&FREE, &TOP];
 
-/// What tells one scene from another outside the kernels. The systems of a scene are its rows in `kernels!`.
+/// Properties of a scene outside the kernels. The systems of a scene are its rows in `kernels!`.
 #[derive(Debug)]
 pub struct Scene {
     /// The name, as in Python.
     pub kind: &'static str,
-    /// Whether there may be weight; the vertical is then carried with the rates.
+    /// Whether there may be weight; the vertical is then integrated with the rates.
     pub has_weight: bool,
     /// The conserved momentum.
     pub conserved: ConservedMomentum,
-    /// Scales of the energy and of the conserved momentum of a body: what a drift is relative to.
+    /// Scales of the energy and of the conserved momentum of a body, for relative drifts.
     pub invariant_scales: fn(&Body) -> [f64; 2],
-    /// The scene whose systems move these bodies too, where this scene has no system that carries what is wanted.
+    /// The scene whose systems integrate these bodies too, if this scene has no system with the needed variables.
     pub special_case_of: Option<&'static Scene>,
 }
 
-/// Scenes are the same if their kinds are.
+/// Scenes are equal if their kinds are equal.
 impl PartialEq for Scene {
     fn eq(&self, other: &Scene) -> bool {
         self.kind == other.kind
@@ -45,7 +45,7 @@ impl Scene {
     /// The scene of that kind.
     ///
     /// # Errors
-    /// If there is none.
+    /// If no scene has this kind.
     pub fn parse(kind: &str) -> Result<&'static Scene, Error> {
         ALL.iter().copied().find(|scene| scene.kind == kind).ok_or_else(|| Error::Unknown {
             argument: "scene",
@@ -74,8 +74,8 @@ impl ConservedMomentum {
         }
     }
 
-    /// The scale that belongs to an angular momentum of this length. A drift of `L.L` relative to `2 L.L` is that of
-    /// |L|.
+    /// The scale for an angular momentum of this length. A drift of `L.L` relative to `2 L.L` equals the relative drift
+    /// of |L|.
     pub fn scale(self, length: f64) -> f64 {
         match self {
             ConservedMomentum::Square => 2.0 * length * length,
@@ -95,20 +95,20 @@ pub struct Parameters<R> {
     pub step: R,
 }
 
-/// The equations of a scene: the torque and the conserved quantities. `y[3..6]` is the vertical wherever there is weight.
+/// The equations of a scene: the torque and the conserved quantities. If there is weight, `y[3..6]` is the vertical.
 pub trait Model<R: Real>: Copy {
-    /// Whether all moments are the same, and no torque acts along axis 3.
+    /// Whether all moments are equal, and no torque acts along axis 3.
     const REDUCED: bool = false;
     /// Whether there may be weight.
     const HEAVY: bool = true;
-    /// Constants of the equations of motion from those of the body.
+    /// Constants of the equations of motion from the constants of the body.
     fn new(p: &Parameters<R>) -> Self;
-    /// Euler's equations from the products `w2 w3`, `w3 w1`, `w1 w2`. They are linear in these and in the vertical,
-    /// so the Cauchy products of two series and the vertical of one order give the rate of change of that order.
+    /// Euler's equations from the products `w2 w3`, `w3 w1`, `w1 w2`. The equations are linear in the products and in
+    /// the vertical, so Cauchy products and one order of the vertical give the same order of the rate of change.
     fn euler<const D: usize>(&self, products: &[R; 3], y: &[R; D]) -> [R; 3];
     /// Exact flow of the potential alone over the time `h`.
     fn kick<const D: usize>(p: &Parameters<R>, h: R, momentum: &mut [R; 3], y: &[R; D]);
-    /// Exact flow over `h` of the potential `V - (weight / h) torque.torque / I`: with the gradient of the force.
+    /// Exact flow over `h` of the potential `V - (weight / h) torque.torque / I`, which contains the force gradient.
     fn gradient_kick<const D: usize>(p: &Parameters<R>, h: R, weight: R, momentum: &mut [R; 3], y: &[R; D]);
     /// Torque of the potential in the body.
     fn torque<const D: usize>(p: &Parameters<R>, y: &[R; D]) -> [R; 3];

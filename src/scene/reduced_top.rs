@@ -1,7 +1,7 @@
 //! The reduced top: a Lagrange top in the frame that rotates with L / I1, where the top is a sphere without spin.
 //!
-//! The torque has no component along the symmetry axis, so L3 is constant, and the body turns in this frame about
-//! axis 3 at the constant rate (1/I3 - 1/I1) L3. `moments` are (I1, I1, I1), the weight lies on axis 3.
+//! The torque has no component along the symmetry axis, so L3 is constant, and the body turns about axis 3 of this
+//! frame at the constant rate (1/I3 - 1/I1) L3. `moments` are (I1, I1, I1), the weight lies on axis 3.
 
 use super::{Model, Parameters};
 use crate::kinematics::{direction, dot};
@@ -35,7 +35,7 @@ impl<R: Real> Model<R> for ReducedTop<R> {
     }
     #[inline(always)]
     fn gradient_kick<const D: usize>(p: &Parameters<R>, h: R, weight: R, momentum: &mut [R; 3], y: &[R; D]) {
-        // The force gradient of a sphere lies along the kick: its weight is a little larger where the top is upright.
+        // The force gradient of a sphere is parallel to the kick, so it changes only the size of the kick.
         let [g1, g2, g3] = direction(y, 0);
         let lever = (p.weight[2] * p.weight[2]) / p.moments[0];
         let impulse = (weight + weight).fma(lever * g3, h * p.weight[2]);

@@ -63,11 +63,11 @@ impl<R: Real> Model<R> for Top<R> {
     fn gradient_kick<const D: usize>(p: &Parameters<R>, h: R, weight: R, momentum: &mut [R; 3], y: &[R; D]) {
         // A kick by the weight h c - 2 w c x (torque / I).
         let torque = Self::torque(p, y);
-        let mut turned = torque;
+        let mut acceleration = torque;
         for i in 0..3 {
-            turned[i] = torque[i] / p.moments[i];
+            acceleration[i] = torque[i] / p.moments[i];
         }
-        let lever = cross(&p.weight, &turned);
+        let lever = cross(&p.weight, &acceleration);
         let twice = weight + weight;
         let mut impulse = p.weight;
         for i in 0..3 {
