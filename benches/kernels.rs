@@ -17,7 +17,7 @@ const REPEATS: usize = 15;
 
 /// A group of slightly different tumbling bodies.
 fn bodies(kernel: Kernel) -> Group {
-    let mut group = Group::waiting();
+    let mut group = Group::inactive();
     for lane in 0..LANES {
         let moments = if kernel.step.engine == Engine::KickRotor { [1.0, 1.0, 0.7] } else { [1.0, 1.6, 0.7] };
         let start = [0.31 * (1.0 + 1e-3 * lane as f64), -0.42, 0.93, 0.36, 0.48, 0.8, 0.8, -0.6, 0.0, 0.1];

@@ -87,7 +87,7 @@ pub fn quaternion_product<R: Real>(a: &[R; 4], b: &[R; 4]) -> [R; 4] {
 
 /// `R.T e` for the attitude `q` (of any length): the body components of the space direction `e`.
 #[inline(always)]
-pub fn seen_from_body<R: Real>(q: &[R; 4], e: &[R; 3]) -> [R; 3] {
+pub fn to_body_frame<R: Real>(q: &[R; 4], e: &[R; 3]) -> [R; 3] {
     let u = [q[1], q[2], q[3]];
     let t = cross(e, &u);
     let t = [t[0] + t[0], t[1] + t[1], t[2] + t[2]];

@@ -1,7 +1,7 @@
 //! A body at its start: moments, weight, rates and attitude, a bound of its rates, and the scales of its drifts.
 
 use crate::forcing::{Forcing, ForcingInterval};
-use crate::kinematics::{dot, seen_from_body};
+use crate::kinematics::{dot, to_body_frame};
 
 /// One body with its start.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,7 +23,7 @@ impl Body {
     /// The vertical in body components at the start.
     #[inline(always)]
     pub fn vertical(&self) -> [f64; 3] {
-        seen_from_body(&self.attitude, &VERTICAL)
+        to_body_frame(&self.attitude, &VERTICAL)
     }
 
     /// The kinetic energy at the start.
@@ -143,7 +143,7 @@ pub(crate) fn rates_soon(body: &Body, interval: &ForcingInterval<f64>, rate: f64
     w[0] = body.omega.map(|rate| rate * time);
     n[0] = body.vertical();
     // Torques in space have body components that turn like those of the vertical.
-    let seen = |torque: &[f64; 3]| seen_from_body(&body.attitude, torque).map(|x| x * time * time);
+    let seen = |torque: &[f64; 3]| to_body_frame(&body.attitude, torque).map(|x| x * time * time);
     let (mut steady, mut rising) = ([[0.0; 3]; TERMS], [[0.0; 3]; TERMS]);
     (steady[0], rising[0]) = (seen(&interval.space[0]), seen(&interval.space[1]).map(|x| x * time));
     let own = [interval.body[0].map(|x| x * time * time), interval.body[1].map(|x| x * time * time * time)];

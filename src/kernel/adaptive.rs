@@ -14,13 +14,13 @@ use crate::special::{exp, ln};
 pub struct AdaptiveSteps {
     /// Coefficients of the last step, in powers of the time since its begin over `unit`.
     pub powers: Vec<[Row; MAX_STATE]>,
-    /// See `powers`.
+    /// The time unit of `powers`.
     pub unit: Row,
     /// Begin of the last step, and its rounding error.
     pub begin: [Row; 2],
     /// End of the last step.
     pub now: [Row; 2],
-    /// Time at which the lane needs attention; infinite for inactive lanes.
+    /// Time at which a block ends for the lane; infinite for inactive lanes.
     pub next: Row,
     /// The next knot of the forcing: no step goes beyond it.
     pub end: Row,
@@ -50,8 +50,8 @@ impl AdaptiveSteps {
     }
 }
 
-/// Advances every lane by adaptive steps until one lane needs attention; returns the number of steps, at most `most`.
-/// A lane whose state is not a number needs attention too: its time is then NaN.
+/// Advances every lane by adaptive steps until one lane reaches its `next` time; returns the number of steps, at most
+/// `most`. A block also ends if the state of a lane is not a number: the time of the lane is then NaN.
 #[inline(always)]
 pub fn adaptive_block<P: Pack, const PACKS: usize, M, L, S, const D: usize>(
     g: &mut Group,
@@ -65,7 +65,7 @@ where
     S: Stepper<P, M, L, D>,
 {
     for done in 1..=most {
-        let mut look = false;
+        let mut reached = false;
         for b in 0..PACKS {
             let at = b * P::LANES;
             let unit = P::load(&g.step.0[at..]);
@@ -81,19 +81,19 @@ where
             let mut bound = step_bound::<P, L, D>(&c, order, inverse_rate, P::splat(l.tolerance));
             if L::BALANCE {
                 let now = P::load(&l.now[0].0[at..]) + P::load(&l.now[1].0[at..]);
-                // The result is the second argument if one is NaN.
+                // `min` returns its second argument if an argument is NaN.
                 bound = ((P::load(&l.end.0[at..]) - now) / unit).min(bound);
             }
-            let mut rise = *c.order(order);
+            let mut increment = *c.order(order);
             for k in (1..order).rev() {
                 for d in 0..D {
-                    rise[d] = rise[d].fma(bound, c.order(k)[d]);
+                    increment[d] = increment[d].fma(bound, c.order(k)[d]);
                 }
             }
-            let mut health = P::splat(0.0);
+            let mut zero_or_nan = P::splat(0.0);
             for d in 0..D {
-                (y[d], compensation[d]) = two_sum(y[d], rise[d].fma(bound, compensation[d]));
-                health = y[d].fma(P::splat(0.0), health);
+                (y[d], compensation[d]) = two_sum(y[d], increment[d].fma(bound, compensation[d]));
+                zero_or_nan = y[d].fma(P::splat(0.0), zero_or_nan);
                 y[d].store(&mut g.state[d].0[at..]);
                 compensation[d].store(&mut g.compensation[d].0[at..]);
             }
@@ -102,30 +102,30 @@ where
                     c.order(k)[d].store(&mut l.powers[k][d].0[at..]);
                 }
             }
-            let step = unit.fma(bound, health);
+            let step = unit.fma(bound, zero_or_nan);
             unit.store(&mut l.unit.0[at..]);
             step.store(&mut g.step.0[at..]);
 
             let begin = [P::load(&l.now[0].0[at..]), P::load(&l.now[1].0[at..])];
-            let (time, lost) = two_sum(begin[0], step + begin[1]);
+            let (time, residue) = two_sum(begin[0], step + begin[1]);
             begin[0].store(&mut l.begin[0].0[at..]);
             begin[1].store(&mut l.begin[1].0[at..]);
             time.store(&mut l.now[0].0[at..]);
-            lost.store(&mut l.now[1].0[at..]);
+            residue.store(&mut l.now[1].0[at..]);
             let ahead = (P::load(&l.next.0[at..]) - time) * P::load(&l.direction.0[at..]);
             let (zero, one) = (P::splat(0.0), P::splat(1.0));
-            // Not ahead, or NaN.
-            look |= P::any(zero.lt(P::select(zero.lt(ahead), zero, one)));
+            // True if the time is reached, or NaN.
+            reached |= P::any(zero.lt(P::select(zero.lt(ahead), zero, one)));
         }
-        if look {
+        if reached {
             return done;
         }
     }
     most
 }
 
-/// Length of the step in units: up to it the last two terms of the series are below the tolerance, with the
-/// margin of Jorba & Zou 2005, eq. (3-8) (doi 10.1080/10586458.2005.10128904).
+/// The longest step, in units, for which the last two terms of the series are below the tolerance, with the safety
+/// factor of Jorba & Zou 2005, eq. (3-8) (doi 10.1080/10586458.2005.10128904).
 #[inline(always)]
 fn step_bound<R: Real, L: Layout, const D: usize>(
     c: &Coefficients<R, D>,
@@ -142,7 +142,8 @@ fn step_bound<R: Real, L: Layout, const D: usize>(
     exp((last.min(before) - margin).min(growth).max(-growth))
 }
 
-/// ln of the tolerance over the largest number of a term. The balance follows from the motion and is ignored.
+/// ln of the tolerance over the largest number of a term. The balance follows from the motion, so the balance is
+/// ignored.
 #[inline(always)]
 fn log_margin<R: Real, L: Layout, const D: usize>(term: &[R; D], inverse_rate: R, tolerance: R) -> R {
     let mut largest = R::splat(f64::MIN_POSITIVE);

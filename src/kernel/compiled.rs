@@ -15,7 +15,8 @@ pub struct Compiled {
 }
 
 impl Compiled {
-    /// The kernel for that instruction set; panics if the CPU lacks it, if the step does not move the system, or if the observable does not fit it.
+    /// The kernel for an instruction set. Panics if the CPU lacks the set, if the step does not integrate the system,
+    /// or if the observable does not fit the system.
     pub fn new(kernel: Kernel, isa: Isa) -> Compiled {
         assert!(isa.is_available(), "{} is not available on this CPU", isa.name());
         let Kernel { system, step, observed } = kernel;
@@ -36,17 +37,17 @@ impl Compiled {
         unsafe { (self.code.advance)(group, forcing, steps, self.kernel.observed, self.kernel.step.numbers) }
     }
 
-    /// Whether the steps are made in other variables than the state.
+    /// Whether the steps use other variables than the state.
     pub fn is_processed(self) -> bool {
         self.kernel.step.is_processed()
     }
 
-    /// Transforms every lane with a step to the variables of its steps, before the first of a run of equal steps.
+    /// Transforms every active lane to the variables of its steps, before the first of equal steps.
     pub fn enter(self, group: &mut Group) {
         self.process(group, false);
     }
 
-    /// Transforms every lane with a step back, after the last of a run of equal steps.
+    /// Transforms every active lane back, after the last of equal steps.
     pub fn leave(self, group: &mut Group) {
         self.process(group, true);
     }
@@ -57,7 +58,8 @@ impl Compiled {
         unsafe { process(group, leaving, self.kernel.step.numbers) }
     }
 
-    /// Advances every lane by adaptive steps, at most `most`, until one needs attention; only for Taylor series.
+    /// Advances every lane by at most `most` adaptive steps, until one lane reaches its `next` time; only for Taylor
+    /// series.
     pub fn advance_adaptive(
         self,
         group: &mut Group,

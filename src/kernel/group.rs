@@ -1,7 +1,7 @@
 //! Bodies side by side: one row of numbers for each variable, one lane for each body.
 
 use crate::forcing::ForcingInterval;
-use crate::observe::{MAX_ROWS, Rows, WAITING};
+use crate::observe::{MAX_ROWS, Rows, UNOBSERVED};
 use crate::real::Pack;
 use crate::simd::{LANES, Row};
 use std::sync::OnceLock;
@@ -9,12 +9,12 @@ use std::sync::OnceLock;
 /// Longest state: rates, three directions, and the balance of work, impulse and time.
 pub const MAX_STATE: usize = 15;
 
-/// The invariants at the start and the largest deviation from them seen at the ends of blocks of steps.
+/// The invariants at the start, and the largest deviation from them at the ends of blocks of steps.
 #[derive(Clone, Copy)]
 pub struct DriftRows {
     /// Value at the start.
     pub start: Row,
-    /// One over the scale that the deviation is measured in.
+    /// One over the scale of the deviation.
     pub inverse_scale: Row,
     /// Largest deviation.
     pub worst: Row,
@@ -114,12 +114,12 @@ impl ForcingRows {
 
 impl Group {
     /// Inactive lanes.
-    pub fn waiting() -> Group {
-        static WAITING: OnceLock<Group> = OnceLock::new();
-        WAITING.get_or_init(Group::all_waiting).clone()
+    pub fn inactive() -> Group {
+        static INACTIVE: OnceLock<Group> = OnceLock::new();
+        INACTIVE.get_or_init(Group::all_inactive).clone()
     }
 
-    fn all_waiting() -> Group {
+    fn all_inactive() -> Group {
         let drift = DriftRows { start: Row::ZERO, inverse_scale: Row::ZERO, worst: Row::ZERO };
         let mut group = Group {
             state: [Row::ZERO; MAX_STATE],
@@ -134,7 +134,7 @@ impl Group {
             unit: Row::ZERO,
         };
         for lane in 0..LANES {
-            group.wait(lane);
+            group.deactivate(lane);
         }
         group
     }
@@ -152,7 +152,7 @@ impl Group {
     }
 
     /// Makes a lane inactive: a unit sphere at rest that is not observed, and a step of 0.
-    pub fn wait(&mut self, lane: usize) {
+    pub fn deactivate(&mut self, lane: usize) {
         for row in self.state.iter_mut().chain(&mut self.compensation) {
             row.0[lane] = 0.0;
         }
@@ -164,7 +164,7 @@ impl Group {
             self.weight[k].0[lane] = 0.0;
         }
         self.step.0[lane] = 0.0;
-        self.set_observed(lane, &WAITING);
+        self.set_observed(lane, &UNOBSERVED);
         self.unit.0[lane] = 0.0;
         for drift in [&mut self.energy, &mut self.momentum] {
             drift.start.0[lane] = 0.0;

@@ -1,10 +1,10 @@
-//! A body's way into a lane of a group and back.
+//! Loading a body into a lane of a group, and reading a lane.
 
 use super::group::{Group, MAX_STATE};
 use super::{Compiled, System};
 use crate::body::Inertia;
 use crate::forcing::{Forcing, ForcingInterval};
-use crate::kinematics::{cross, dot, quaternion_product, seen_from_body};
+use crate::kinematics::{cross, dot, quaternion_product, to_body_frame};
 use crate::observe;
 use crate::scene::{Parameters, Scene};
 use crate::scheme::{Scheme, Step, Variables};
@@ -14,8 +14,8 @@ use crate::start::{Body, VERTICAL};
 use std::sync::OnceLock;
 
 impl Body {
-    /// The rate that the steps of a scheme follow: how fast the body turns, and, if it is explicit, how fast damping
-    /// slows it.
+    /// The rate that determines the steps of a scheme: the fastest rate of the body, and the fastest damping rate if
+    /// the scheme is stable only for short steps.
     pub fn step_rate(&self, scheme: &Scheme, forcing: &Forcing, span: [f64; 2]) -> f64 {
         let turning = self.fastest_rate(forcing, span);
         if forcing.is_none() || scheme.is_stiff() {
@@ -26,12 +26,12 @@ impl Body {
     }
 }
 
-/// How a kernel integrates a body: the step, and the cyclic permutation of the body axes that the step wants.
+/// How a kernel integrates a body: the step, and the cyclic permutation of the body axes that the step needs.
 ///
 /// A cyclic permutation is exact. Kernel axis i is body axis (i + shift) mod 3.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KernelAssignment {
-    /// Which step moves it.
+    /// The step of the scheme for this body.
     pub step: Step,
     /// The permutation.
     shift: usize,
@@ -42,9 +42,9 @@ pub struct KernelAssignment {
 impl KernelAssignment {
     /// The assignment of a body, in its own frame.
     ///
-    /// The rotor wants the symmetry axis third; the planar rotations want the smallest moment first: in the
-    /// middle of the sequence it costs a factor of four to eight in the error. Steps along the equations of motion take
-    /// the axes of the user.
+    /// The rotor needs the symmetry axis third. The error of planar rotations is four to eight times smaller with the
+    /// smallest moment first than with the smallest moment in the middle. Steps that evaluate the equations of motion
+    /// use the axes of the user.
     pub fn of(scheme: &Scheme, body: &Body, scene: &Scene) -> KernelAssignment {
         let (step, shift) = match Inertia::new(body.moments).ok().and_then(Inertia::symmetry_axis) {
             Some(axis) => (scheme.symmetric, (axis + 1) % 3),
@@ -55,14 +55,13 @@ impl KernelAssignment {
         KernelAssignment { step, shift, spin_moment: None }
     }
 
-    /// The assignment of a forced body: in the axes of the user. Panics if the scheme does not
-    /// move forced bodies.
+    /// The assignment of a forced body, in the axes of the user. Panics if the scheme does not integrate forced bodies.
     pub fn of_forced(scheme: &Scheme, _body: &Body) -> KernelAssignment {
         let forced = scheme.forced.expect("checked where the request came in");
         KernelAssignment { step: forced.step, shift: 0, spin_moment: None }
     }
 
-    /// The assignment of a body whose path alone is wanted: a Lagrange top leaves its spin out, if the scheme can.
+    /// The assignment of a body without its spin: a Lagrange top is integrated as a reduced top, if the scheme can.
     pub fn of_path(scheme: &Scheme, body: &Body, scene: &Scene) -> KernelAssignment {
         let assignment = KernelAssignment::of(scheme, body, scene);
         let can = scene.has_weight && scheme.reduced && System::ReducedTopAxis.is_moved_by(assignment.step);
@@ -76,7 +75,7 @@ impl KernelAssignment {
         }
     }
 
-    /// Whether the body is integrated as a reduced top: its spin is left out.
+    /// Whether the body is integrated as a reduced top.
     pub fn is_reduced(self) -> bool {
         self.spin_moment.is_some()
     }
@@ -109,32 +108,32 @@ impl KernelAssignment {
     }
 }
 
-/// A state read back from a lane, in the user's axes.
+/// A state in the user's axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct State {
     /// Rates in the body.
     pub omega: [f64; 3],
-    /// The first direction carried, if there is one.
+    /// The first direction of the state, if there is one.
     pub direction: Option<[f64; 3]>,
-    /// Attitude, if it is carried.
+    /// Attitude, if it is integrated.
     pub attitude: Option<[f64; 4]>,
-    /// Whether the attitude could as well have the other sign: it was made from rows of its matrix.
+    /// Whether the sign of the quaternion is arbitrary, because the quaternion is computed from rows of the matrix.
     pub sign_is_free: bool,
     /// Energy and conserved momentum, with the arithmetic of the kernel.
     pub invariants: [f64; 2],
-    /// Energy and conserved momentum of a top with the vertical that its attitude says, where the state has both: they
-    /// may differ.
+    /// Energy and conserved momentum of a top with the vertical that follows from its attitude; this vertical may
+    /// differ from the integrated one.
     pub invariants_of_attitude: Option<[f64; 2]>,
     /// Work and scales of a forced body.
     pub balance: Option<Balance>,
 }
 
-/// What the forcing has done.
+/// Work of the forcing, and scales of the invariants.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Balance {
     /// Work of torque and damping since the start.
     pub work: f64,
-    /// What the energy and the conserved momentum have grown to: added to their scales.
+    /// Scales of the present energy and conserved momentum, to be added to the scales at the start.
     pub scales: [f64; 2],
 }
 
@@ -153,15 +152,15 @@ fn kernel_state(
             Variables::Momenta => moments[k] * omega[k],
         };
     }
-    let seen = |axis: [f64; 3]| assignment.to_kernel_axes(seen_from_body(&body.attitude, &axis));
+    let in_kernel_axes = |axis: [f64; 3]| assignment.to_kernel_axes(to_body_frame(&body.attitude, &axis));
     let is_observed = observed_axis != [0.0; 3];
     for v in 0..system.vectors() {
         let direction = match v {
             0 if is_observed && !system.scene().has_weight => observed_axis,
             0 => assignment.to_kernel_axes(body.vertical()),
             1 if is_observed && !system.is_forced() => observed_axis,
-            1 => seen([1.0, 0.0, 0.0]),
-            _ => seen([0.0, 1.0, 0.0]),
+            1 => in_kernel_axes([1.0, 0.0, 0.0]),
+            _ => in_kernel_axes([0.0, 1.0, 0.0]),
         };
         y[3 + 3 * v..6 + 3 * v].copy_from_slice(&direction);
     }
@@ -173,16 +172,16 @@ fn kernel_state(
     y
 }
 
-/// A body at the door of a lane.
+/// A body to be loaded into a lane.
 pub struct Entry<'a> {
     /// The body.
     pub body: &'a Body,
     /// The forcing from the start on, and a bound of |omega| under it; `None` without forcing.
     pub forcing: Option<(&'a ForcingInterval<f64>, f64)>,
-    /// The observed body axis: 1, 2, 3 or -1, -2, -3; 0 for none. The direction that a free body carries is where this
-    /// axis starts, or the vertical.
+    /// The observed body axis: 1, 2, 3 or -1, -2, -3; 0 for none. The direction integrated with a free body is the
+    /// initial direction of this axis, or the vertical.
     pub axis: i32,
-    /// The largest angle that the observed axis may tilt.
+    /// The largest allowed tilt of the observed axis.
     pub limit: f64,
     /// Time step.
     pub step: f64,
@@ -197,7 +196,7 @@ impl<'a> Entry<'a> {
     }
 }
 
-/// Puts a body into a lane, ready for its first step.
+/// Loads a body into a lane.
 pub fn load(group: &mut Group, lane: usize, compiled: Compiled, assignment: KernelAssignment, entry: &Entry) {
     let &Entry { body, forcing, axis, limit, step } = entry;
     let kernel = compiled.kernel();
@@ -230,7 +229,7 @@ pub fn load(group: &mut Group, lane: usize, compiled: Compiled, assignment: Kern
         [(&mut group.energy, energy, energy_scale), (&mut group.momentum, momentum, momentum_scale)]
     {
         rows.start.0[lane] = start;
-        // Of a body that cannot move nothing can drift; a scale that underflowed leaves the drift a NaN.
+        // A body that cannot move has no drift. If a scale underflows, the drift becomes NaN.
         rows.inverse_scale.0[lane] = if moves { 1.0 / scale } else { 0.0 };
         rows.worst.0[lane] = 0.0;
     }
@@ -245,8 +244,9 @@ pub fn load(group: &mut Group, lane: usize, compiled: Compiled, assignment: Kern
     group.set_observed(lane, &kernel.observed.start(&start));
 }
 
-/// Sets the time of a forced body, in which its torque is given, to zero.
-pub fn start_clock(group: &mut Group, system: System, lane: usize) {
+/// Sets the time of a forced body to zero: the torque is given as a function of the time since the begin of an
+/// interval.
+pub fn reset_time(group: &mut Group, system: System, lane: usize) {
     let time = system.len() - 1;
     group.state[time].0[lane] = 0.0;
     group.compensation[time].0[lane] = 0.0;
@@ -264,7 +264,7 @@ fn widen_scales(group: &mut Group, lane: usize, system: System, body: &Body, rat
     }
 }
 
-/// Reads a lane back, `time` after its start.
+/// The state of the body in a lane, `time` after its start.
 pub fn unload(
     group: &Group,
     lane: usize,
@@ -279,7 +279,7 @@ pub fn unload(
     read(group, lane, compiled, assignment, y, time)
 }
 
-/// Reads `y`, a state of the body in that lane `time` after its start.
+/// The state in the user's axes of the body in a lane, `time` after its start, from the state `y` of the kernel.
 pub fn read(
     group: &Group,
     lane: usize,
@@ -296,17 +296,18 @@ pub fn read(
     let quaternion = kernel.system.quaternion_at();
     let in_rows = kernel.system.has_rows();
     let row = |y: &[f64; MAX_STATE], at: usize| [y[at], y[at + 1], y[at + 2]];
-    // Of a quaternion the axes of space are renamed with those of the body.
-    let carried = match quaternion {
+    // With a quaternion, the space axes are permuted like the body axes.
+    let attitude_and_vertical = match quaternion {
         Some(at) => Some(([y[at], y[at + 1], y[at + 2], y[at + 3]], assignment.to_kernel_axes(VERTICAL))),
         None => in_rows.then(|| (attitude_of_rows(&row(&y, 6), &row(&y, 3)), VERTICAL)),
     };
-    let invariants_of_attitude = carried.filter(|_| kernel.system.scene().has_weight).map(|(q, vertical)| {
-        let length = q.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let mut of_attitude = y;
-        of_attitude[3..6].copy_from_slice(&seen_from_body(&q.map(|x| x / length), &vertical));
-        compiled.invariants(&parameters, &of_attitude)
-    });
+    let invariants_of_attitude =
+        attitude_and_vertical.filter(|_| kernel.system.scene().has_weight).map(|(q, vertical)| {
+            let length = q.iter().map(|x| x * x).sum::<f64>().sqrt();
+            let mut of_attitude = y;
+            of_attitude[3..6].copy_from_slice(&to_body_frame(&q.map(|x| x / length), &vertical));
+            compiled.invariants(&parameters, &of_attitude)
+        });
     if assignment.step.engine.variables() == Variables::Momenta {
         for k in 0..3 {
             y[k] /= moments[k];
@@ -342,8 +343,8 @@ pub fn read(
     }
 }
 
-/// The quaternion of the rotation matrix whose first and third row these are, up to its sign (Shepperd 1978: the
-/// largest component comes from a square root, the others from differences over it).
+/// The quaternion, up to its sign, of the rotation matrix with this first and third row (Shepperd 1978: the largest
+/// component is computed from a square root, the others from differences over the largest).
 fn attitude_of_rows(first: &[f64; 3], third: &[f64; 3]) -> [f64; 4] {
     let second = cross(third, first);
     let [r0, r1, r2] = [first, &second, third];
@@ -366,7 +367,7 @@ fn attitude_of_rows(first: &[f64; 3], third: &[f64; 3]) -> [f64; 4] {
     q.map(|x| x * scale)
 }
 
-/// From the frame of a reduced top into the body: `ratio` is I1 / I3.
+/// Transforms a state from the frame of a reduced top to the body; `ratio` is I1 / I3.
 fn add_spin(y: &mut [f64; MAX_STATE], quaternion: Option<usize>, ratio: f64, time: f64) {
     // (1/I3 - 1/I1) L3, with L3 = I1 y3.
     let angle = (ratio - 1.0) * y[2] * time;

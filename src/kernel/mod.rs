@@ -11,5 +11,5 @@ mod step;
 pub use adaptive::AdaptiveSteps;
 pub use compiled::Compiled;
 pub use group::{DriftRows, ForcingRows, Group, MAX_STATE};
-pub use load::{Balance, Entry, KernelAssignment, State, load, read, start_clock, unload};
+pub use load::{Balance, Entry, KernelAssignment, State, load, read, reset_time, unload};
 pub use registry::{Kernel, Needs, System};

@@ -1,4 +1,4 @@
-//! Which kernels there are: systems and engines, and the code of each pair that can be asked for.
+//! The list of kernels: systems and engines, and the code of each pair that a scheme can request.
 
 use super::adaptive::{AdaptiveSteps, adaptive_block, dense_output};
 use super::group::{ForcingRows, Group, MAX_STATE};
@@ -20,26 +20,26 @@ use crate::simd::{Isa, LANES};
 /// A kernel: system, step and observable.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Kernel {
-    /// What moves.
+    /// Model and layout.
     pub system: System,
-    /// How.
+    /// The step of a scheme.
     pub step: Step,
-    /// What is observed.
+    /// The observable.
     pub observed: Observed,
 }
 
 /// Advances all lanes of a group by some steps.
 type Advance = unsafe fn(&mut Group, &ForcingRows, usize, Observed, &'static Numbers);
-/// Takes all lanes of a group into the variables of their steps, or back.
+/// Transforms all lanes of a group to the variables of their steps, or back.
 type Process = unsafe fn(&mut Group, bool, &'static Numbers);
 /// Energy and conserved momentum of one body, with the arithmetic of the kernel.
 type Invariants = unsafe fn(&Parameters<f64>, &[f64; MAX_STATE]) -> [f64; 2];
-/// Advances all lanes by steps of their own; see `adaptive_block`.
+/// Advances all lanes by adaptive steps; see `adaptive_block`.
 type Adaptive = unsafe fn(&mut Group, &ForcingRows, &mut AdaptiveSteps, usize, &'static Numbers) -> usize;
 /// A state of one lane inside its last step; see `dense_output`.
 type Dense = unsafe fn(&AdaptiveSteps, usize, f64, &'static Numbers) -> [f64; MAX_STATE];
 
-/// The code of a kernel for an instruction set. Code that cannot be asked for is not made.
+/// The code of a kernel for an instruction set. Code that no scheme can request is not compiled.
 pub(super) struct Code {
     pub(super) advance: Advance,
     pub(super) process: Option<Process>,
@@ -57,7 +57,7 @@ struct Codes {
     scalar: Option<Code>,
 }
 
-/// The functions of kernels for an instruction set. `S` steps the packs, `T` a body alone.
+/// The functions of kernels for an instruction set. `S` makes the steps of packs, `T` the steps of a single body.
 macro_rules! entry_points {
     ($($isa:ident [$($feature:tt)*];)*) => {$(
         #[allow(clippy::extra_unused_type_parameters)] // A kernel is its types.
@@ -162,13 +162,13 @@ macro_rules! entry_points {
         }
     )*};
 }
-/// The kernels: each engine with each system that it moves. `R` and `M` stand for the pack and the model in it; the
-/// packs are those that the engine runs best with: a long chain of rotations wants two packs in flight inside the step,
-/// the others leave it to the interleaving of packs (benches/README.md). Of the systems that carry what is wanted the
-/// first is taken, so a system that carries less stands before one that carries more.
+/// The kernels: each engine with each system that the engine integrates. `R` stands for the pack and `M` for the model
+/// in this pack. Engines with long chains of rotations are fastest with two packs side by side inside the step (`Arr`),
+/// other engines with one (benches/README.md). The first system with the needed variables is taken, so a system with
+/// fewer variables stands before a system with more.
 macro_rules! kernels {
     (systems { $($system:ident: $scene:ident, $model:ident, $layout:ident;)* } engines $engines:tt) => {
-        /// Which model moves and what is carried beside the rates.
+        /// A model, and the variables that are integrated with the rates.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         #[allow(missing_docs)] // The names are those of `scene`.
         pub enum System {
@@ -178,21 +178,21 @@ macro_rules! kernels {
         impl System {
             const ALL: &[System] = &[$(System::$system,)*];
 
-            /// The scene whose bodies it moves; those of the special cases of this scene are moved too.
+            /// The scene of the system. The system integrates the bodies of this scene and of its special cases.
             pub const fn scene(self) -> &'static Scene {
                 match self {
                     $(System::$system => &$scene,)*
                 }
             }
 
-            /// What the model and the layout say of it.
+            /// Properties of the model and the layout.
             const fn traits(self) -> Traits {
                 match self {
                     $(System::$system => Traits::of::<$model<f64>, $layout>(),)*
                 }
             }
 
-            /// Whether that can be observed on it.
+            /// Whether the observable fits the system.
             pub const fn can_observe(self, observed: Observed) -> bool {
                 match self {
                     $(System::$system => observed.fits::<$model<f64>, $layout, { <$layout as Layout>::LEN }>(),)*
@@ -213,7 +213,7 @@ macro_rules! kernels {
             }
         }
     };
-    // The compiler works by modules: a module for each engine, so that a change of one engine compiles its kernels only.
+    // The compiler works by modules. Each engine has its own module, so a change of one engine compiles only its kernels.
     (@modules { $($engine:ident: $stepper:ty, $avx512:ty, $avx2:ty;)* }) => {
         mod kernels_of {$(
             #[allow(non_snake_case)]
@@ -288,7 +288,7 @@ kernels! {
     }
 }
 
-/// The code of a system and an engine for an instruction set; `None` if the engine does not move the system.
+/// The code of a system and an engine for an instruction set; `None` if the engine does not integrate the system.
 pub(super) fn code(system: System, engine: Engine, isa: Isa) -> Option<&'static Code> {
     let codes = codes(system, engine);
     match isa {
@@ -300,20 +300,20 @@ pub(super) fn code(system: System, engine: Engine, isa: Isa) -> Option<&'static 
     }
 }
 
-/// What a system must carry beside the rates.
+/// The variables that a system must integrate with the rates.
 #[derive(Clone, Copy, Debug)]
 pub struct Needs {
-    /// Work, impulse and time: torque or damping is applied.
+    /// Whether torque or damping is applied; work, impulse and time are then integrated.
     pub is_forced: bool,
-    /// Whether the spin is left out.
+    /// Whether the body is integrated as a reduced top.
     pub is_reduced: bool,
     /// The least number of directions.
     pub directions: usize,
-    /// Whether the attitude is carried, as a quaternion or as rows of its matrix.
+    /// Whether the attitude is needed, as a quaternion or as rows of its matrix.
     pub attitude: bool,
 }
 
-/// What a model and a layout say of their system.
+/// Properties of a system from its model and its layout.
 struct Traits {
     len: usize,
     vectors: usize,
@@ -337,8 +337,9 @@ impl Traits {
 }
 
 impl System {
-    /// The first system of a scene, or of that which it is a special case of, that carries what is needed and is moved
-    /// by that step. Panics if there is none; schemes are checked where a request comes in.
+    /// The first system of a scene, or of the scene that contains this one as a special case, that has the needed
+    /// variables and that the step integrates. Panics if there is no such system; schemes are checked when a request is
+    /// made.
     pub fn carrying(scene: &Scene, step: Step, needs: Needs) -> System {
         let carries = |system: System| {
             let traits = system.traits();
@@ -356,38 +357,38 @@ impl System {
         }
     }
 
-    /// Numbers in the state.
+    /// Length of the state.
     #[allow(clippy::len_without_is_empty)] // No state is empty.
     pub fn len(self) -> usize {
         self.traits().len
     }
 
-    /// Whether it is forced; work, impulse and time are then the last numbers of the state.
+    /// Whether the system is forced; work, impulse and time are then the last numbers of the state.
     pub fn is_forced(self) -> bool {
         self.traits().is_forced
     }
 
-    /// Directions in the state.
+    /// Number of directions in the state.
     pub(super) fn vectors(self) -> usize {
         self.traits().vectors
     }
 
-    /// Whether the attitude is carried as rows of its matrix: the third, which is the vertical, then the first.
+    /// Whether the attitude is integrated as rows of its matrix: the third row, which is the vertical, then the first.
     pub fn has_rows(self) -> bool {
         self.vectors() > 1
     }
 
-    /// Where the direction begins from which a tilt is measured, if one is carried.
+    /// Index in the state of the direction from which a tilt is measured.
     pub(super) fn observed_at(self) -> usize {
         self.traits().observed_at
     }
 
-    /// Where the quaternion begins, if one is carried.
+    /// Index of the quaternion in the state; `None` without a quaternion.
     pub fn quaternion_at(self) -> Option<usize> {
         self.traits().quaternion_at
     }
 
-    /// Whether that step moves it. A system without weight is moved by what is left of a step there.
+    /// Whether the step integrates the system. A system without weight is integrated by the torque-free part of a step.
     pub fn is_moved_by(self, step: Step) -> bool {
         let Some(code) = code(self, step.engine, Isa::Scalar) else { return false };
         let suits = if self.scene().has_weight { step.moves_weight() } else { step == step.torque_free() };
@@ -407,7 +408,7 @@ mod tests {
             |directions, attitude| Needs { is_forced: false, is_reduced: false, directions, attitude };
         let reduced = |needs| Needs { is_reduced: true, ..needs };
         let forced = |needs| Needs { is_forced: true, ..needs };
-        // A step of a series does not move a top with a quaternion.
+        // A series does not integrate a top with a quaternion.
         let (rotations, series) = (scheme::SPLITTING4.any, scheme::TAYLOR8.any);
         for (scene, step, needs, system) in [
             (&FREE, series, needs(0, false), FreeRates),

@@ -1,7 +1,7 @@
 //! Blocks of steps of a group.
 //!
-//! A block advances all bodies of a `Group` by some steps; the code that fills and empties lanes around it is ordinary
-//! scalar code. No lane depends on another.
+//! A block advances all bodies of a `Group` by some steps. Lanes are loaded and read by scalar code. No lane depends on
+//! another.
 
 use super::group::{DriftRows, ForcingRows, Group};
 use crate::forcing::ForcingInterval;
@@ -62,7 +62,7 @@ where
     bodies
 }
 
-/// Advances all lanes by `steps`, the packs side by side, and compares the invariants at the end.
+/// Advances all lanes by `steps`, with interleaved packs, and updates the drifts at the end.
 #[inline(always)]
 pub(super) fn step_block<P, const PACKS: usize, M, L, S, const D: usize>(
     g: &mut Group,
@@ -132,7 +132,7 @@ pub(super) fn step_block<P, const PACKS: usize, M, L, S, const D: usize>(
     }
 }
 
-/// Transforms the lanes with a step to the variables of their steps, or back; the others keep every bit.
+/// Transforms active lanes to the variables of their steps, or back; inactive lanes keep every bit.
 #[inline(always)]
 pub(super) fn process<P, const PACKS: usize, M, L, S, const D: usize>(
     g: &mut Group,
@@ -164,7 +164,7 @@ pub(super) fn process<P, const PACKS: usize, M, L, S, const D: usize>(
     }
 }
 
-/// Energy and conserved momentum of a state; of a forced body less the work and the impulse of the forcing.
+/// Energy and conserved momentum of a state, minus work and impulse if the body is forced.
 #[inline(always)]
 pub(super) fn invariants<R: Real, M: Model<R>, L: Layout, S: Stepper<R, M, L, D>, const D: usize>(
     p: &Parameters<R>,

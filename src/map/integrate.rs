@@ -41,7 +41,7 @@ impl Map {
         mut finish: impl FnMut(Task, Outcome),
     ) -> Result<(), Error> {
         let compiled = Compiled::new(kernel, isa);
-        let (mut group, mut forcing_rows) = (Group::waiting(), ForcingRows::NONE);
+        let (mut group, mut forcing_rows) = (Group::inactive(), ForcingRows::NONE);
         let mut lanes: [Option<LaneTask>; LANES] = [None; LANES];
         // Steps after which each lane is at its horizon; an inactive lane never is.
         let mut target = [f64::INFINITY; LANES];
@@ -92,7 +92,7 @@ impl Map {
                     lanes[lane] = None;
                     target[lane] = f64::INFINITY;
                     active -= 1;
-                    group.wait(lane);
+                    group.deactivate(lane);
                 }
             }
         }

@@ -1,9 +1,9 @@
-//! The polynomial of a step, and where it vanishes.
+//! The polynomial of a step, and its zeros.
 
 use crate::real::Real;
 use crate::scheme::Coefficients;
 
-/// Three neighbouring numbers of a state from the `first` on, a fraction of the step after its begin, and their slopes.
+/// Three neighbouring numbers of a state from the `first` on, inside a step, and their slopes.
 #[inline(always)]
 pub(super) fn interpolate<R: Real, const D: usize>(
     dense: &Coefficients<R, D>,
@@ -30,13 +30,13 @@ pub(super) fn newton<R: Real>(fraction: R, value: R, slope: R) -> R {
     (fraction - value / slope).max(R::splat(0.0)).min(R::splat(1.0))
 }
 
-/// Zero in [0, 1] of the cubic with these values and slopes at both ends, where the values have opposite signs: regula
-/// falsi for a start, then Newton steps kept inside.
+/// Zero in [0, 1] of the cubic with these values and slopes at both ends, where the values have opposite signs: one
+/// step of regula falsi, then Newton steps limited to [0, 1].
 #[inline(always)]
 pub(super) fn hermite_root<R: Real>(begin: R, begin_rate: R, end: R, end_rate: R) -> R {
-    let rise = end - begin;
-    let c2 = (rise * R::splat(3.0) - begin_rate) - (begin_rate + end_rate);
-    let c3 = (begin_rate + end_rate) - (rise + rise);
+    let difference = end - begin;
+    let c2 = (difference * R::splat(3.0) - begin_rate) - (begin_rate + end_rate);
+    let c3 = (begin_rate + end_rate) - (difference + difference);
     let mut s = begin / (begin - end);
     for _ in 0..4 {
         let value = c3.fma(s, c2).fma(s, begin_rate).fma(s, begin);
@@ -46,8 +46,8 @@ pub(super) fn hermite_root<R: Real>(begin: R, begin_rate: R, end: R, end_rate: R
     s
 }
 
-/// Fraction of a step at which the component along an axis of three numbers, from the `first` on, has an extremum. The
-/// slopes at both ends have opposite signs.
+/// Fraction of a step at which a component of three neighbouring numbers of a state has an extremum, if the slopes at
+/// both ends have opposite signs.
 #[inline(always)]
 pub(super) fn turning_point<R: Real, const D: usize>(
     dense: &Coefficients<R, D>,
@@ -57,14 +57,14 @@ pub(super) fn turning_point<R: Real, const D: usize>(
 ) -> R {
     let mut fraction = begin_slope / (begin_slope - end_slope);
     for _ in 0..5 {
-        let (mut slope, mut bend) = (R::splat(0.0), R::splat(0.0));
+        let (mut slope, mut curvature) = (R::splat(0.0), R::splat(0.0));
         for k in (1..=dense.highest()).rev() {
-            bend = bend.fma(fraction, slope);
+            curvature = curvature.fma(fraction, slope);
             let row = dense.order(k);
             let along = super::along(axis, &[row[first], row[first + 1], row[first + 2]]);
             slope = slope.fma(fraction, along * R::splat(k as f64));
         }
-        fraction = newton(fraction, slope, bend);
+        fraction = newton(fraction, slope, curvature);
     }
     fraction
 }

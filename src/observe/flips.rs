@@ -1,7 +1,7 @@
 //! Sign changes of a component of the rates.
 
 use super::dense::{hermite_root, interpolate, newton, turning_point};
-use super::{EXIT_TIME, Follow, Observable, Rows, Segment, Start, along, first_time, three};
+use super::{EXIT_TIME, Observable, Rows, Segment, Start, Update, along, first_time, three};
 use crate::forcing::{Forcing, ForcingInterval};
 use crate::real::Real;
 use crate::scene::{Layout, Model, Parameters};
@@ -16,13 +16,13 @@ impl Flips {
     pub const SIGN: usize = 1;
     /// Sign changes.
     pub const COUNT: usize = 2;
-    /// The observed body axis: a unit vector along a principal axis, either way.
+    /// The observed body axis: a unit vector along a principal axis, in either direction.
     pub const AXIS: usize = 3;
 
-    /// In a long step a component may pass zero and come back: towards zero at the begin, away from it at the end, and
-    /// beyond it between.
+    /// Two sign changes inside one long step: the component moves towards zero at the begin, away from zero at the end,
+    /// and has the other sign between.
     #[inline(always)]
-    fn twice_in_a_step<R: Real, M: Model<R>, L: Layout, S: Stepper<R, M, L, D>, const D: usize>(
+    fn two_flips_in_a_step<R: Real, M: Model<R>, L: Layout, S: Stepper<R, M, L, D>, const D: usize>(
         stepper: &S,
         p: &Parameters<R>,
         rows: &mut Rows<R>,
@@ -35,21 +35,22 @@ impl Flips {
         let first = dense.order(1);
         let begin_slope = along(&axis, &[first[0], first[1], first[2]]) * sign;
         let end_slope = along(&axis, &stepper.velocity(p, after)) * p.step * sign;
-        let dips = R::select(zero.lt(end_slope), begin_slope, zero).lt(zero);
-        if R::any(dips) {
-            let turn = turning_point(dense, 0, &axis, [begin_slope, end_slope]);
-            let (omega, _) = interpolate(dense, 0, turn);
+        let has_minimum = R::select(zero.lt(end_slope), begin_slope, zero).lt(zero);
+        if R::any(has_minimum) {
+            let extremum = turning_point(dense, 0, &axis, [begin_slope, end_slope]);
+            let (omega, _) = interpolate(dense, 0, extremum);
             let begin = along(&axis, &[before[0], before[1], before[2]]) * sign;
-            let deepest = along(&axis, &omega) * sign;
-            // Not of a step that ends on the other side: that is one flip, and `sign` is the new one by now.
-            let twice = R::select(zero.lt(begin), R::select(dips, deepest, zero), zero).lt(zero);
+            let minimum = along(&axis, &omega) * sign;
+            // A step that ends with the other sign contains one flip. `sign` is the new sign then, so `begin` is
+            // negative.
+            let twice = R::select(zero.lt(begin), R::select(has_minimum, minimum, zero), zero).lt(zero);
             if R::any(twice) {
-                let mut fraction = turn * (begin / (begin - deepest));
+                let mut fraction = extremum * (begin / (begin - minimum));
                 for _ in 0..6 {
                     let (omega, rate) = interpolate(dense, 0, fraction);
                     let (value, slope) = (along(&axis, &omega), along(&axis, &rate));
-                    // The first of the two lies before the turn.
-                    fraction = newton(fraction, value, slope).min(turn);
+                    // The first zero lies before the extremum.
+                    fraction = newton(fraction, value, slope).min(extremum);
                 }
                 let at = p.step.fma(fraction, time);
                 rows[EXIT_TIME] = R::select(twice, first_time(rows[EXIT_TIME], at), rows[EXIT_TIME]);
@@ -65,7 +66,7 @@ impl Observable for Flips {
 
     /// The sign of the component at the start; for a component that is zero, the sign just after the start.
     fn start(start: &Start) -> Rows<f64> {
-        let mut rows = super::WAITING;
+        let mut rows = super::UNOBSERVED;
         let k = start.axis.unsigned_abs() as usize - 1;
         let value = match (start.body.omega[k], start.forcing) {
             (0.0, Some((interval, rate))) => rates_soon(start.body, interval, rate)[k],
@@ -86,8 +87,8 @@ impl Observable for Flips {
     }
 }
 
-impl<R: Real, M: Model<R>, L: Layout, const D: usize> Follow<R, M, L, D> for Flips {
-    /// True if the rates are those of the body and the layout contains only variables that the rates need.
+impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Flips {
+    /// True for the rates of the body in the layout that contains only variables that the rates need.
     const FITS: bool = !M::REDUCED && !L::QUATERNION && (L::BALANCE || L::VECTORS == M::HEAVY as usize);
 
     #[inline(always)]
@@ -102,7 +103,7 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Follow<R, M, L, D> for Fli
         let sign = rows[Flips::SIGN];
         let zero = R::splat(0.0);
         let end = along(&axis, &[after[0], after[1], after[2]]);
-        // An exact zero keeps the sign of the component before it.
+        // An exact zero keeps the sign before the zero.
         let flipped = (end * sign).lt(zero);
         if R::any(flipped) {
             let begin = along(&axis, &[before[0], before[1], before[2]]);
@@ -110,7 +111,7 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Follow<R, M, L, D> for Fli
             let end_rate = along(&axis, &stepper.velocity(p, after)) * p.step;
             let mut fraction = hermite_root(begin, begin_rate, end, end_rate);
             if const { S::IS_SERIES } {
-                // The cubic is off by a hundredth at most; Newton squares that.
+                // The cubic is wrong by at most a hundredth of the step; each Newton step squares this error.
                 for _ in 0..3 {
                     let (omega, rate) = interpolate(dense, 0, fraction);
                     fraction = newton(fraction, along(&axis, &omega), along(&axis, &rate));
@@ -122,7 +123,7 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Follow<R, M, L, D> for Fli
             rows[Flips::SIGN] = R::select(flipped, -sign, sign);
         }
         if const { S::IS_SERIES } {
-            Self::twice_in_a_step(stepper, p, rows, segment);
+            Self::two_flips_in_a_step(stepper, p, rows, segment);
         }
     }
 }

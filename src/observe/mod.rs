@@ -1,7 +1,7 @@
 //! Observables: a few numbers of a motion that are updated during the integration. Nothing is stored per step.
 //!
-//! An observable is one type, listed in `observables!`. It keeps a few rows of numbers of each body, which it changes after
-//! each step and after each block of steps. Code is made for the systems that it fits.
+//! An observable is one type, listed in `observables!`. Each body has a few rows of numbers, which the observable
+//! updates after each step and after each block of steps. Code is compiled only for systems that the observable fits.
 
 mod dense;
 mod flips;
@@ -17,7 +17,7 @@ use crate::scheme::{Coefficients, Stepper};
 use crate::simd::Row;
 use crate::start::Body;
 
-/// The row of the time at which stability was lost, of every observable; infinite before.
+/// The row of the time at which stability was lost, the same for every observable; infinite before.
 pub const EXIT_TIME: usize = 0;
 
 /// The rows of one body.
@@ -36,8 +36,8 @@ pub trait Observable {
 }
 
 /// Updates of an observable by the steps of a model in a layout.
-pub trait Follow<R: Real, M: Model<R>, L: Layout, const D: usize>: Observable {
-    /// Whether the observable fits the model and the layout. Code is made only if it does.
+pub trait Update<R: Real, M: Model<R>, L: Layout, const D: usize>: Observable {
+    /// Whether the observable fits the model and the layout. Code is compiled only if the observable fits.
     const FITS: bool;
     /// Updates the rows after a step.
     fn after_step<S: Stepper<R, M, L, D>>(
@@ -73,7 +73,7 @@ pub struct Start<'a> {
     pub limit: f64,
 }
 
-/// A step that was made.
+/// A completed step.
 pub struct Segment<'a, R, const D: usize> {
     /// Time at the begin of the step.
     pub begin: R,
@@ -81,7 +81,7 @@ pub struct Segment<'a, R, const D: usize> {
     pub before: &'a [R; D],
     /// The state after the step.
     pub after: &'a [R; D],
-    /// The coefficients of the motion in between, in powers of the fraction of the step, if a series made it.
+    /// The coefficients of the motion in powers of the fraction of the step; empty unless the scheme is a series.
     pub dense: &'a Coefficients<R, D>,
 }
 
@@ -96,7 +96,7 @@ macro_rules! observables {
             $($name,)*
         }
 
-        /// Most rows of any observable.
+        /// The largest number of rows of an observable.
         pub const MAX_ROWS: usize = {
             let mut most = 1;
             $(most = if $name::ROWS > most { $name::ROWS } else { most };)*
@@ -104,18 +104,18 @@ macro_rules! observables {
         };
 
         impl Observed {
-            /// Whether it can be observed on a model in a layout.
+            /// Whether the observable fits a model in a layout.
             pub const fn fits<M: Model<f64>, L: Layout, const D: usize>(self) -> bool {
                 match self {
                     Observed::Nothing => true,
-                    $(Observed::$name => <$name as Follow<f64, M, L, D>>::FITS,)*
+                    $(Observed::$name => <$name as Update<f64, M, L, D>>::FITS,)*
                 }
             }
 
             /// The numbers at the start.
             pub fn start(self, start: &Start) -> Rows<f64> {
                 match self {
-                    Observed::Nothing => WAITING,
+                    Observed::Nothing => UNOBSERVED,
                     $(Observed::$name => $name::start(start),)*
                 }
             }
@@ -138,10 +138,10 @@ macro_rules! observables {
                 at: usize,
                 segment: &Segment<P, D>,
             ) {
-                $(if const { <$name as Follow<P, M, L, D>>::FITS } && self == Observed::$name {
-                    let mut kept = load::<P, $name>(rows, at);
-                    <$name as Follow<P, M, L, D>>::after_step(stepper, p, &mut kept, segment);
-                    store::<P, $name>(rows, at, &kept);
+                $(if const { <$name as Update<P, M, L, D>>::FITS } && self == Observed::$name {
+                    let mut values = load::<P, $name>(rows, at);
+                    <$name as Update<P, M, L, D>>::after_step(stepper, p, &mut values, segment);
+                    store::<P, $name>(rows, at, &values);
                 })*
             }
 
@@ -155,10 +155,10 @@ macro_rules! observables {
                 at: usize,
                 y: &[P; D],
             ) {
-                $(if const { <$name as Follow<P, M, L, D>>::FITS } && self == Observed::$name {
-                    let mut kept = load::<P, $name>(rows, at);
-                    <$name as Follow<P, M, L, D>>::after_block(stepper, p, &mut kept, y);
-                    store::<P, $name>(rows, at, &kept);
+                $(if const { <$name as Update<P, M, L, D>>::FITS } && self == Observed::$name {
+                    let mut values = load::<P, $name>(rows, at);
+                    <$name as Update<P, M, L, D>>::after_block(stepper, p, &mut values, y);
+                    store::<P, $name>(rows, at, &values);
                 })*
             }
         }
@@ -167,7 +167,7 @@ macro_rules! observables {
 observables! { Flips Tilt }
 
 /// The rows of a body that is not observed.
-pub const WAITING: Rows<f64> = {
+pub const UNOBSERVED: Rows<f64> = {
     let mut rows = [0.0; MAX_ROWS];
     rows[EXIT_TIME] = f64::INFINITY;
     rows
@@ -175,17 +175,17 @@ pub const WAITING: Rows<f64> = {
 
 #[inline(always)]
 fn load<P: Pack, O: Observable>(rows: &[Row; MAX_ROWS], at: usize) -> Rows<P> {
-    let mut kept = [P::splat(0.0); MAX_ROWS];
+    let mut values = [P::splat(0.0); MAX_ROWS];
     for r in 0..O::ROWS {
-        kept[r] = P::load(&rows[r].0[at..]);
+        values[r] = P::load(&rows[r].0[at..]);
     }
-    kept
+    values
 }
 
 #[inline(always)]
-fn store<P: Pack, O: Observable>(rows: &mut [Row; MAX_ROWS], at: usize, kept: &Rows<P>) {
+fn store<P: Pack, O: Observable>(rows: &mut [Row; MAX_ROWS], at: usize, values: &Rows<P>) {
     for r in 0..O::CHANGING {
-        kept[r].store(&mut rows[r].0[at..]);
+        values[r].store(&mut rows[r].0[at..]);
     }
 }
 
@@ -195,7 +195,7 @@ fn three<R: Real>(rows: &Rows<R>, first: usize) -> [R; 3] {
     [rows[first], rows[first + 1], rows[first + 2]]
 }
 
-/// The component along an axis, a unit vector of the frame, so that the sum is exact.
+/// The component of a vector along a frame axis; the sum is exact, because two components of `axis` are zero.
 #[inline(always)]
 fn along<R: Real>(axis: &[R; 3], v: &[R; 3]) -> R {
     axis[0].fma(v[0], axis[1].fma(v[1], axis[2] * v[2]))

@@ -1,14 +1,14 @@
 //! The tilt of a body axis.
 
 use super::dense::{interpolate, turning_point};
-use super::{EXIT_TIME, Follow, Observable, Rows, Segment, Start, along, three};
+use super::{EXIT_TIME, Observable, Rows, Segment, Start, Update, along, three};
 use crate::kinematics::{cross, direction, direction_rate, dot};
 use crate::real::Real;
 use crate::scene::{Layout, Model, Parameters};
 use crate::scheme::{Coefficients, Stepper};
 use crate::special::{atan2, sincos};
 
-/// Largest angle between a body axis and a space-fixed direction (the last one of the layout; the vertical of a frame).
+/// Largest angle between a body axis and the space-fixed direction `Layout::OBSERVED`.
 pub struct Tilt;
 
 impl Tilt {
@@ -16,14 +16,14 @@ impl Tilt {
     pub const COSINE: usize = 1;
     /// Largest squared sine of the tilt.
     pub const SINE2: usize = 2;
-    /// The observed body axis: a unit vector along a principal axis, either way.
+    /// The observed body axis: a unit vector along a principal axis, in either direction.
     pub const AXIS: usize = 3;
-    /// The limit of the tilt, as a cosine and a squared sine: a tilt with a smaller cosine or a larger squared sine is
-    /// beyond it. Below 60 degrees the squared sine is compared, which is accurate for small angles, above it the
-    /// cosine, which determines the quadrant; the cosine 1/2 separates the two cases.
+    /// The limit of the tilt, as a cosine and a squared sine; a smaller cosine or a larger squared sine exceeds the
+    /// limit. Below 60 degrees the squared sine is compared, which is accurate for small angles; above 60 degrees the
+    /// cosine is compared, which determines the quadrant. The cosine 1/2 separates the two cases.
     pub const LIMIT: usize = 6;
 
-    /// The limit at an angle; nothing is beyond an infinite one.
+    /// The limit at an angle; no tilt exceeds an infinite limit.
     fn limit(angle: f64) -> [f64; 2] {
         if angle == f64::INFINITY {
             return [f64::NEG_INFINITY, f64::INFINITY];
@@ -38,7 +38,7 @@ impl Observable for Tilt {
     const CHANGING: usize = 3;
 
     fn start(start: &Start) -> Rows<f64> {
-        let mut rows = super::WAITING;
+        let mut rows = super::UNOBSERVED;
         let [cosine, sine2] = tilt(&start.unit, &start.direction);
         let limit = Tilt::limit(start.limit);
         if cosine < limit[0] || sine2 > limit[1] {
@@ -56,7 +56,7 @@ impl Observable for Tilt {
     }
 }
 
-impl<R: Real, M: Model<R>, L: Layout, const D: usize> Follow<R, M, L, D> for Tilt {
+impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Tilt {
     /// True if the layout contains a direction in body components.
     const FITS: bool = !M::REDUCED && !L::QUATERNION && L::VECTORS > 0;
 
@@ -81,40 +81,41 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Follow<R, M, L, D> for Til
             let begin_slope = along(&axis, &direction(first_rate, L::OBSERVED));
             let omega = [after[0], after[1], after[2]];
             let end_slope = along(&axis, &direction_rate(&at_end, &omega)) * p.step;
-            // The cosine falls, then rises.
-            let turns = R::select(zero.lt(end_slope), begin_slope, zero).lt(zero);
-            if R::any(turns) {
+            // The cosine has a minimum inside the step.
+            let has_minimum = R::select(zero.lt(end_slope), begin_slope, zero).lt(zero);
+            if R::any(has_minimum) {
                 let first = 3 + 3 * L::OBSERVED;
-                let turn = turning_point(dense, first, &axis, [begin_slope, end_slope]);
-                let (n, _) = interpolate(dense, 3 + 3 * L::OBSERVED, turn);
+                let minimum = turning_point(dense, first, &axis, [begin_slope, end_slope]);
+                let (n, _) = interpolate(dense, 3 + 3 * L::OBSERVED, minimum);
                 let [cosine_there, sine2_there] = tilt(&axis, &n);
-                fraction = R::select(turns, turn, fraction);
-                cosine = R::select(turns, cosine_there, cosine);
-                sine2 = R::select(turns, sine2_there, sine2);
+                fraction = R::select(has_minimum, minimum, fraction);
+                cosine = R::select(has_minimum, cosine_there, cosine);
+                sine2 = R::select(has_minimum, sine2_there, sine2);
             }
         }
         rows[Tilt::COSINE] = rows[Tilt::COSINE].min(cosine);
         rows[Tilt::SINE2] = rows[Tilt::SINE2].max(sine2);
         let end = margin(&limit, [cosine, sine2]);
-        let lost = R::select(rows[EXIT_TIME].lt(R::splat(f64::INFINITY)), zero, end).lt(zero);
-        if R::any(lost) {
+        let exceeded = R::select(rows[EXIT_TIME].lt(R::splat(f64::INFINITY)), zero, end).lt(zero);
+        if R::any(exceeded) {
             let begin = tilt(&axis, &direction(before, L::OBSERVED));
-            // At once if the limit was exceeded before.
+            // The time is the begin of the step if the limit was exceeded there.
             let begin = margin(&limit, begin).max(zero);
             let fraction = if const { S::IS_SERIES } {
                 crossing::<R, L, D>(dense, &axis, &limit, [begin, end], fraction)
             } else {
-                // To first order.
+                // Linear interpolation.
                 begin / (begin - end)
             };
             let at = p.step.fma(fraction, time);
-            rows[EXIT_TIME] = R::select(lost, at, rows[EXIT_TIME]);
+            rows[EXIT_TIME] = R::select(exceeded, at, rows[EXIT_TIME]);
         }
     }
 }
 
-/// Fraction of a step at which the limit is reached, between margins that are not negative and negative: regula falsi
-/// with half the margin of an end that stays again (the Illinois rule; Dowell & Jarratt 1971, doi 10.1007/BF01934364).
+/// Fraction of a step at which the limit is reached. `inner`, the margin at the begin, is not negative; `outer`, the
+/// margin at `last`, is negative. Regula falsi with half the margin of an end that remains twice (the Illinois rule;
+/// Dowell & Jarratt 1971, doi 10.1007/BF01934364).
 #[inline(always)]
 fn crossing<R: Real, L: Layout, const D: usize>(
     dense: &Coefficients<R, D>,
@@ -125,17 +126,18 @@ fn crossing<R: Real, L: Layout, const D: usize>(
 ) -> R {
     let (zero, half, one) = (R::splat(0.0), R::splat(0.5), R::splat(1.0));
     let (mut low, mut high) = (zero, last);
-    let mut moved = zero;
+    let mut last_side = zero;
     for _ in 0..16 {
         let fraction = (high - low).fma(inner / (inner - outer), low);
         let (n, _) = interpolate(dense, 3 + 3 * L::OBSERVED, fraction);
         let margin = margin(limit, tilt(axis, &n));
-        let gone = margin.lt(zero);
-        let moves = R::select(gone, one, -one);
-        let stays = R::select(zero.lt(moves * moved), half, one);
-        moved = moves;
-        (low, high) = (R::select(gone, low, fraction), R::select(gone, fraction, high));
-        (inner, outer) = (R::select(gone, inner * stays, margin), R::select(gone, margin, outer * stays));
+        let beyond = margin.lt(zero);
+        let side = R::select(beyond, one, -one);
+        let weight = R::select(zero.lt(side * last_side), half, one);
+        last_side = side;
+        (low, high) = (R::select(beyond, low, fraction), R::select(beyond, fraction, high));
+        (inner, outer) =
+            (R::select(beyond, inner * weight, margin), R::select(beyond, margin, outer * weight));
     }
     (high - low).fma(inner / (inner - outer), low)
 }

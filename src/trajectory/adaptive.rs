@@ -214,7 +214,7 @@ impl<'a> AdaptiveBatch<'a> {
         let backward = task.backward;
         let moments = self.bodies[task.body].moments;
         self.forcing_rows.set(lane, &forcing.interval(knot, backward, moments));
-        start_clock(&mut self.group, self.kernel.kernel().system, lane);
+        reset_time(&mut self.group, self.kernel.kernel().system, lane);
         let never = if backward { f64::NEG_INFINITY } else { f64::INFINITY };
         task.knot = forcing.next_knot(knot, backward).unwrap_or(never);
         self.adaptive.end.0[lane] = task.knot;
@@ -288,7 +288,7 @@ impl<'a> AdaptiveBatch<'a> {
 
     fn leave(&mut self, lane: usize, task: LaneTask, states: &mut StatesPart) -> Option<LaneTask> {
         states.steps[task.body] = task.steps;
-        self.group.wait(lane);
+        self.group.deactivate(lane);
         self.adaptive.next.0[lane] = f64::INFINITY;
         self.adaptive.end.0[lane] = f64::INFINITY;
         self.adaptive.direction.0[lane] = 1.0;

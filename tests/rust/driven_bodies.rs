@@ -75,7 +75,7 @@ fn every_kernel_on_every_instruction_set_and_in_every_lane() {
                 };
             let whole = |isa| {
                 let compiled = Compiled::new(kernel, isa);
-                let (mut group, mut forcing_rows) = (Group::waiting(), ForcingRows::NONE);
+                let (mut group, mut forcing_rows) = (Group::inactive(), ForcingRows::NONE);
                 for lane in 0..LANES {
                     put(&mut group, &mut forcing_rows, lane, lane, compiled);
                 }
@@ -99,7 +99,7 @@ fn every_kernel_on_every_instruction_set_and_in_every_lane() {
                 }
                 let compiled = Compiled::new(kernel, isa);
                 for number in [0, 3, 12, 31] {
-                    let (mut group, mut forcing_rows) = (Group::waiting(), ForcingRows::NONE);
+                    let (mut group, mut forcing_rows) = (Group::inactive(), ForcingRows::NONE);
                     let lane = (number + 17) % LANES;
                     put(&mut group, &mut forcing_rows, lane, number, compiled);
                     for steps in [1, 5, 14] {

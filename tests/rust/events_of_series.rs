@@ -32,7 +32,7 @@ impl Run {
         let kernel =
             Kernel { system, step: KernelAssignment::of(method, body, system.scene()).step, observed };
         let compiled = Compiled::new(kernel, Isa::available()[0]);
-        let mut group = Group::waiting();
+        let mut group = Group::inactive();
         let step = method.facts.angle_per_step / body.fastest_rate(Forcing::NONE, [0.0; 2]);
         let entry = Entry { body, forcing: None, axis, limit, step };
         load(&mut group, 0, compiled, KernelAssignment::of(method, body, system.scene()), &entry);

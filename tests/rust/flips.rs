@@ -5,7 +5,7 @@ use rigid::forcing::ForcingInterval;
 use rigid::kernel::Group;
 use rigid::kernel::{Compiled, ForcingRows, Kernel, System};
 use rigid::kernel::{Entry, KernelAssignment, load};
-use rigid::observe::{EXIT_TIME, Flips, Follow, MAX_ROWS, Observed, Rows, Segment};
+use rigid::observe::{EXIT_TIME, Flips, MAX_ROWS, Observed, Rows, Segment, Update};
 use rigid::scene::FREE;
 use rigid::scene::{Free, Parameters, Rates};
 use rigid::scheme::{self, Coefficients, Numbers, Rk4Tableau, RungeKutta, Scheme, Stepper};
@@ -37,7 +37,7 @@ impl Watched {
         let system = if is_top { System::TopAxis } else { System::FreeRates };
         let kernel = Kernel { system, step: assignment.step, observed: Observed::Flips };
         let compiled = Compiled::new(kernel, Isa::available()[0]);
-        let mut group = Group::waiting();
+        let mut group = Group::inactive();
         let entry = Entry { body, forcing: None, axis, limit: f64::INFINITY, step };
         load(&mut group, 0, compiled, assignment, &entry);
         Watched { group, compiled }
@@ -185,7 +185,7 @@ fn look(watched: &mut Rows<f64>, begin: f64, before: [f64; 3], after: [f64; 3]) 
         <Engine as Stepper<f64, Free<f64>, Rates, 3>>::new(&BODY, &ForcingInterval::none(), &Numbers::NONE);
     let nothing = Coefficients::new();
     let segment = Segment { begin, before: &before, after: &after, dense: &nothing };
-    <Flips as Follow<f64, Free<f64>, Rates, 3>>::after_step(&engine, &BODY, watched, &segment);
+    <Flips as Update<f64, Free<f64>, Rates, 3>>::after_step(&engine, &BODY, watched, &segment);
 }
 
 /// A step that ends exactly on zero has not yet flipped, whatever the sign of the zero.
@@ -319,7 +319,7 @@ fn stable_spin_for_a_million_steps() {
                 observed: Observed::Flips,
             };
             let compiled = Compiled::new(kernel, Isa::available()[0]);
-            let mut group = Group::waiting();
+            let mut group = Group::inactive();
             for lane in 0..LANES {
                 // Noise of 1e-3 in all directions; the spin a little different in every lane.
                 let angle = lane as f64 + 1.0;

@@ -14,7 +14,7 @@ use rigid::body::Inertia;
 use rigid::exact::derived::{free_quantities, sign_changes, tilt_time, top_quantities};
 use rigid::exact::{CanonicalForm, ClosedForm, EvaluatorKind};
 use rigid::forcing::Forcing;
-use rigid::kinematics::seen_from_body;
+use rigid::kinematics::to_body_frame;
 use rigid::simd::Isa;
 use rigid::solver::Solver;
 use rigid::special::theta::{Phase, Torus};
@@ -281,7 +281,7 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
 
 /// Space components from body components.
 fn to_space(&[w, x, y, z]: &[f64; 4], v: [f64; 3]) -> [f64; 3] {
-    seen_from_body(&[w, -x, -y, -z], &v)
+    to_body_frame(&[w, -x, -y, -z], &v)
 }
 
 /// Two directions that make a right-handed set with a third.

@@ -5,7 +5,7 @@ use super::*;
 /// The vertical in axes of which the third points to the centre of mass, and that axis in space.
 fn poles(body: &Body, attitude: &[f64; 4]) -> ([f64; 3], [f64; 3]) {
     let frame = Frame::of(weight_axis(body));
-    let vertical = seen_from_body(attitude, &[0.0, 0.0, 1.0]);
+    let vertical = to_body_frame(attitude, &[0.0, 0.0, 1.0]);
     (frame.apply(vertical), to_space(attitude, frame.back([0.0, 0.0, 1.0])))
 }
 

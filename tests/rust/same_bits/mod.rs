@@ -187,7 +187,7 @@ fn run(group: &mut Group, kernel: Kernel, compiled: Compiled) {
 }
 
 fn full_group(kernel: Kernel, compiled: Compiled) -> Group {
-    let mut group = Group::waiting();
+    let mut group = Group::inactive();
     for (lane, it) in loads(kernel).iter().enumerate() {
         place(&mut group, lane, kernel, compiled, it);
     }
@@ -262,7 +262,7 @@ fn every_lane_is_alone() {
             run(&mut company, kernel, compiled);
             for (lane, it) in loads(kernel).iter().enumerate() {
                 let elsewhere = (lane + 17) % LANES;
-                let mut group = Group::waiting();
+                let mut group = Group::inactive();
                 place(&mut group, elsewhere, kernel, compiled, it);
                 run(&mut group, kernel, compiled);
                 assert_eq!(
