@@ -21,8 +21,8 @@ impl Compiled {
         assert!(isa.is_available(), "{} is not available on this CPU", isa.name());
         let Kernel { system, step, observed } = kernel;
         assert!(system.can_observe(observed), "{observed:?} cannot be observed on {system:?}");
-        assert!(system.is_moved_by(step), "{step:?} does not move {system:?}");
-        let code = code(system, step.engine, isa).expect("asked the line before");
+        assert!(system.is_moved_by(step), "{step:?} does not integrate {system:?}");
+        let code = code(system, step.engine, isa).expect("checked in the line before");
         Compiled { code, kernel }
     }
 

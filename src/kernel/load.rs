@@ -57,7 +57,7 @@ impl KernelAssignment {
 
     /// The assignment of a forced body, in the axes of the user. Panics if the scheme does not integrate forced bodies.
     pub fn of_forced(scheme: &Scheme, _body: &Body) -> KernelAssignment {
-        let forced = scheme.forced.expect("checked where the request came in");
+        let forced = scheme.forced.expect("checked when the request was made");
         KernelAssignment { step: forced.step, shift: 0, spin_moment: None }
     }
 

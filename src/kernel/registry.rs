@@ -353,7 +353,7 @@ impl System {
         match (System::ALL.iter().copied().find(|&system| carries(system)), scene.special_case_of) {
             (Some(system), _) => system,
             (None, Some(general)) => System::carrying(general, step, needs),
-            (None, None) => panic!("{step:?} moves no system with {needs:?}"),
+            (None, None) => panic!("{step:?} integrates no system with {needs:?}"),
         }
     }
 

@@ -1,10 +1,10 @@
 //! The splittings. Only halves of palindromes are listed; the other fractions follow from sums.
 
-use super::splitting::slot;
-use super::{Engine, Facts, ForcedStep, Numbers, Processor, Scheme, Step, Way};
+use super::splitting::flow_code;
+use super::{Composition, Engine, Facts, ForcedStep, Numbers, Processor, Scheme, Step};
 
-/// Fractions of kicks and drifts in turn, a palindrome that begins with a kick (perhaps of 0). The lists omit the last
-/// fractions of kicks and drifts, because each kind sums to one.
+/// Alternating fractions of kicks and drifts: a palindrome that begins with a kick, which may be 0. The lists omit the
+/// last fractions of kicks and drifts, because each kind sums to one.
 const fn alternating<const N: usize>(kicks: &[f64], drifts: &[f64]) -> [f64; N] {
     let lists = [kicks, drifts];
     let mut sums = [0.0; 2];
@@ -27,7 +27,8 @@ const fn alternating<const N: usize>(kicks: &[f64], drifts: &[f64]) -> [f64; N] 
     all
 }
 
-/// Fractions of kicks and drifts in turn, of a symmetric composition of steps `kick/2, drift, kick/2`; the middle one follows from the sum.
+/// Alternating fractions of kicks and drifts of a symmetric composition of steps `kick/2, drift, kick/2`; the fraction
+/// of the middle step follows from the sum.
 const fn composed<const N: usize>(steps: &[f64]) -> [f64; N] {
     let mut all = [0.0; N];
     let (mut last, mut sum) = (0.0, 0.0);
@@ -47,35 +48,35 @@ const fn composed<const N: usize>(steps: &[f64]) -> [f64; N] {
     all
 }
 
-/// A splitting into two parts, for the four parts of `PLANAR`: in turn forwards and backwards through them, each way
-/// over its share of the step (McLachlan, SIAM J. Sci. Comput. 16 (1995) 151). Where two ways meet, the outermost
-/// part takes the fraction of the kick, the innermost that of the drift.
+/// Fractions for the four parts of `PLANAR` from a splitting into two parts: sweeps through the parts, forwards and
+/// backwards in turn (McLachlan, SIAM J. Sci. Comput. 16 (1995) 151). Between two sweeps, the outermost part has the
+/// fraction of a kick and the innermost part that of a drift.
 const fn in_four_parts<const N: usize, const M: usize>(two: &[f64; N]) -> [f64; M] {
     assert!(M == 3 * (N - 1) + 1);
-    let mut ways = [0.0; N];
-    ways[0] = two[0];
+    let mut sweeps = [0.0; N];
+    sweeps[0] = two[0];
     let mut i = 1;
     while i < N / 2 {
-        ways[i] = two[i] - ways[i - 1];
+        sweeps[i] = two[i] - sweeps[i - 1];
         i += 1;
     }
     let mut all = [0.0; M];
     let mut i = 0;
     while i < N - 1 {
-        let way = if i < N / 2 { ways[i] } else { ways[N - 2 - i] };
-        // Turn about axis 1, then the kick; backwards in reverse order, with equal fractions.
+        let sweep = if i < N / 2 { sweeps[i] } else { sweeps[N - 2 - i] };
+        // Rotation about axis 1, then the kick; a backward sweep has the reverse order and equal fractions.
         let at = 3 * i;
         all[at] = two[i];
-        all[at + 1] = way;
-        all[at + 2] = way;
+        all[at + 1] = sweep;
+        all[at + 2] = sweep;
         i += 1;
     }
     all[M - 1] = two[N - 1];
     all
 }
 
-/// Planar rotations about the principal axes of any body, the exact rotor of a symmetric one. Its planar step has code of
-/// its own. It is kept in the frame of the body, as it was published.
+/// Planar rotations about the principal axes of any body; the exact rotor of a symmetric body. The code of the planar
+/// step is specialised. The scheme is used in the frame of the body, as published.
 pub const SPLITTING: Scheme = Scheme {
     facts: Facts {
         name: "splitting",
@@ -186,7 +187,7 @@ const SRKN_11B: [f64; 23] = alternating(
     &[0.0414649985182624, 0.198128671918067, -0.0400061921041533, 0.0752539843015807, -0.0115113874206879],
     &[0.123229775946271, 0.290553797799558, -0.127049212625417, -0.246331761062075, 0.357208872795928],
 );
-/// Opens with a drift: its outer kicks are 0.
+/// Begins with a drift: the outer kicks are 0.
 const SRKN_14A: [f64; 31] = alternating(
     &[
         0.0,
@@ -208,8 +209,8 @@ const SRKN_14A: [f64; 31] = alternating(
     ],
 );
 
-/// Takahashi and Imada's kernel: half a drift, the kick with its gradient, half a drift. Here the halves of
-/// neighbouring steps meet in one, and the processor takes the two that are left over.
+/// Takahashi and Imada's kernel: half a drift, the kick with its gradient, half a drift. Here the half drifts of
+/// neighbouring steps are one drift, and the processor contains the first and the last half.
 const PMLF_4: [f64; 2] = [1.0, 1.0];
 const PMLF_4_ENTER: [f64; 6] = [
     0.1859353996846055,
@@ -220,13 +221,13 @@ const PMLF_4_ENTER: [f64; 6] = [
     -0.5363539829039128 + 0.5,
 ];
 
-/// The kernel's outer drifts meet in the same way.
+/// The outer drifts of this kernel are joined in the same way.
 const PMLF_6: [f64; 6] = {
     const DRIFT: f64 = -0.0682610383918630;
     const KICK: f64 = 0.2621129352517028;
     [KICK, 0.5 - DRIFT, 1.0 - 2.0 * KICK, 0.5 - DRIFT, KICK, 2.0 * DRIFT]
 };
-/// Opens with a drift, and closes with the outer drift of the kernel.
+/// Begins with a drift, and ends with the outer drift of the kernel.
 const PMLF_6_ENTER: [f64; 14] = [
     0.0,
     0.07943288242455420,
@@ -253,30 +254,30 @@ const PMLF_6_ENTER_GRADIENTS: [f64; 7] = [
     -0.005,
 ];
 
-/// The flows of a processor backwards, between a kick and a drift of 0.
-const fn backwards<const N: usize>(way: &[f64]) -> [f64; N] {
-    assert!(N == way.len() + 2);
+/// The flows of a processor backwards, between a kick of 0 and a drift of 0.
+const fn backwards<const N: usize>(fractions: &[f64]) -> [f64; N] {
+    assert!(N == fractions.len() + 2);
     let mut all = [0.0; N];
     let mut i = 0;
-    while i < way.len() {
-        all[way.len() - i] = -way[i];
+    while i < fractions.len() {
+        all[fractions.len() - i] = -fractions[i];
         i += 1;
     }
     all
 }
-const fn backwards_gradients<const N: usize>(way: &[f64]) -> [f64; N] {
-    assert!(N == way.len() + 1);
+const fn backwards_gradients<const N: usize>(gradients: &[f64]) -> [f64; N] {
+    assert!(N == gradients.len() + 1);
     let mut all = [0.0; N];
     let mut i = 0;
-    while i < way.len() {
-        all[way.len() - i] = -way[i];
+    while i < gradients.len() {
+        all[gradients.len() - i] = -gradients[i];
         i += 1;
     }
     all
 }
 
-/// Kicks and drifts: for a body symmetric about an axis with the exact rotor, for any other with a discrete
-/// Moser-Veselov drift of an order that its own errors hide.
+/// Kicks and drifts. The drift of a symmetric body is the exact rotor; the drift of any other body is a discrete
+/// Moser-Veselov drift, whose order is so high that its error is negligible.
 const fn kicks_and_drifts(facts: Facts, numbers: &'static Numbers) -> Scheme {
     Scheme {
         facts,
@@ -288,7 +289,7 @@ const fn kicks_and_drifts(facts: Facts, numbers: &'static Numbers) -> Scheme {
 }
 const DRIFTS: Numbers = Numbers { drift_order: 10, ..Numbers::NONE };
 
-/// Properties of all schemes of this kind.
+/// Properties of all schemes of kicks and drifts.
 const EXACT_DRIFT: Facts =
     Facts { title: "symplectic splitting of free motion and kicks", ..SPLITTING.facts };
 
@@ -357,8 +358,8 @@ pub const PMLF4: Scheme = kicks_and_drifts(
         fractions: &PMLF_4,
         gradients: &[1.0 / 24.0],
         processor: Some(Processor {
-            enter: Way { fractions: &PMLF_4_ENTER, gradients: &[0.0; 3] },
-            leave: Way { fractions: &backwards::<8>(&PMLF_4_ENTER), gradients: &[0.0; 4] },
+            enter: Composition { fractions: &PMLF_4_ENTER, gradients: &[0.0; 3] },
+            leave: Composition { fractions: &backwards::<8>(&PMLF_4_ENTER), gradients: &[0.0; 4] },
         }),
         ..DRIFTS
     },
@@ -381,8 +382,8 @@ pub const PMLF6: Scheme = kicks_and_drifts(
         fractions: &PMLF_6,
         gradients: &[0.0, 0.0164011128160783, 0.0],
         processor: Some(Processor {
-            enter: Way { fractions: &PMLF_6_ENTER, gradients: &PMLF_6_ENTER_GRADIENTS },
-            leave: Way {
+            enter: Composition { fractions: &PMLF_6_ENTER, gradients: &PMLF_6_ENTER_GRADIENTS },
+            leave: Composition {
                 fractions: &backwards::<16>(&PMLF_6_ENTER),
                 gradients: &backwards_gradients::<8>(&PMLF_6_ENTER_GRADIENTS),
             },
@@ -395,7 +396,7 @@ const BLANES_MOAN: &str = "S. Blanes, P. C. Moan, Practical symplectic partition
      J. Comput. Appl. Math. 142 (2002) 313-330";
 const BLANES_MOAN_DOI: &str = "10.1016/S0377-0427(01)00492-7";
 
-/// Free motion without kicks: drifts of any body, the exact rotor of a symmetric one.
+/// Free motion without kicks: Moser-Veselov drifts of any body, the exact rotor of a symmetric body.
 const fn drift(name: &'static str, order: u32, numbers: &'static Numbers) -> Scheme {
     let facts = Facts {
         name,
@@ -431,12 +432,13 @@ pub const DMV8: Scheme = drift("dmv8", 8, &Numbers { drift_order: 8, ..DRIFT });
 pub const DMV10: Scheme = drift("dmv10", 10, &Numbers { drift_order: 10, ..DRIFT });
 
 const fn is_near(a: f64, b: f64) -> bool {
-    // Sums of up to 35 numbers of size one, given to 16 digits.
+    // The rounding error of a sum of up to 35 numbers of size one with 16 digits.
     a - b < 2e-14 && b - a < 2e-14
 }
 
-/// The fractions of each flow sum to one; a palindrome, hence reversible and of even order; kicks and drifts meet the
-/// quadrature conditions of their order. A processed kernel is a palindrome once its last drift is cut in two.
+/// Checks a composition. The fractions of each flow sum to one; the fractions are a palindrome, so the scheme is
+/// reversible and of even order; kicks and drifts satisfy the quadrature conditions of the order. The last drift of a
+/// processed kernel is split in two for the palindrome.
 pub(super) const fn check_composition(step: Step, facts: Facts) {
     let Some(flows) = step.engine.flows() else { panic!("composes no flows") };
     let all = step.numbers.fractions;
@@ -448,10 +450,10 @@ pub(super) const fn check_composition(step: Step, facts: Facts) {
     let palindrome = if processed { n - 1 } else { n };
     let mut i = 0;
     while i < n {
-        let flow = slot(flows[i % flows.len()]);
+        let flow = flow_code(flows[i % flows.len()]);
         if i < palindrome {
             let mirror = palindrome - 1 - i;
-            assert!(flow == slot(flows[mirror % flows.len()]) && all[i] == all[mirror]);
+            assert!(flow == flow_code(flows[mirror % flows.len()]) && all[i] == all[mirror]);
         }
         sums[flow] += all[i];
         i += 1;
@@ -465,8 +467,8 @@ pub(super) const fn check_composition(step: Step, facts: Facts) {
     }
 }
 
-/// `sum b c^k = 1/(k+1)` below the order, with the time `c` of each kick; and above order 2
-/// `sum a d^2 - 2 sum gradients = 1/3`, with the weight `d` that has acted before each drift.
+/// Checks `sum b c^k = 1/(k+1)` below the order, where `c` is the time of each kick; above order 2 also
+/// `sum a d^2 - 2 sum gradients = 1/3`, where `d` is the sum of the kicks before each drift.
 const fn check_order(numbers: &Numbers, order: u32) {
     let mut k = 0;
     while k < order as i32 {

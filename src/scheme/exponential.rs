@@ -1,7 +1,8 @@
-//! Schemes for damping of any strength, which use the exponential of the damping for any step.
+//! Schemes for damping of any strength: every step contains the exponential of the damping.
 //!
-//! In the modes of the damping, `v = G L` with `G = V^T I^(-1/2)`, `v' = -rates v + G torque`. The splitting solves this
-//! for a torque that is frozen with the attitude; the exponential Runge-Kutta method corrects for its change.
+//! The modes of the damping are `v = G L` with `G = V^T I^(-1/2)`, and `v' = -rates v + G torque`. The splitting solves
+//! this equation with a torque that is constant during the step; the exponential Runge-Kutta method corrects for the
+//! change of the torque.
 
 use super::acceleration;
 use super::splitting::turn;
@@ -12,8 +13,7 @@ use crate::real::Real;
 use crate::scene::{Applied, Layout, Model, Parameters};
 use crate::special::{exp, rodrigues};
 
-/// Exponential Runge-Kutta of stiff order 4. Without damping nothing is stiff, and the scheme is the classical one of its
-/// order.
+/// Exponential Runge-Kutta method of stiff order 4. Without damping the scheme is the classical Runge-Kutta method.
 pub const ETD4: Scheme = Scheme {
     facts: Facts {
         name: "etd4",
@@ -36,7 +36,8 @@ pub const ETD4: Scheme = Scheme {
 /// phi_0 = exp, ..., phi_4, with `phi_(k+1)(z) = (phi_k(z) - 1/k!) / z`.
 #[inline(always)]
 pub fn phi<R: Real>(z: R) -> [R; 5] {
-    // Below 2 the series of phi_4 and the recurrence downward: upward the differences would cancel.
+    // Below 2: the series of phi_4 and the downward recurrence, because the differences of the upward recurrence
+    // cancel.
     const SERIES: [f64; 22] = {
         let (mut all, mut factorial, mut k) = ([0.0; 22], 24.0, 0);
         while k < 22 {
@@ -55,7 +56,7 @@ pub fn phi<R: Real>(z: R) -> [R; 5] {
     for k in (0..21).rev() {
         below[4] = below[4].fma(near, R::splat(SERIES[k]));
     }
-    // A NaN stays a NaN: `max` and `min` return the second argument.
+    // A NaN remains: `max` and `min` return the second argument.
     let mut above = [exp(bound.min((-bound).max(far))); 5];
     for k in (0..4).rev() {
         below[k] = below[k + 1].fma(near, R::splat(INVERSE[k]));
@@ -75,7 +76,7 @@ pub fn phi<R: Real>(z: R) -> [R; 5] {
 struct Modes<R> {
     moments: [R; 3],
     rates: [R; 3],
-    /// G, row by row.
+    /// G, one row for each mode.
     to: [[R; 3]; 3],
 }
 
@@ -111,7 +112,7 @@ impl<R: Real> Modes<R> {
     }
 }
 
-/// All torques but damping, of a state of rates: gyroscopic, of the scene, applied.
+/// The sum of gyroscopic torque, torque of the scene and applied torque, without damping, from a state of rates.
 #[inline(always)]
 fn without_damping<R: Real, M: Model<R>, L: Layout, const D: usize>(
     applied: &Applied<R>,
@@ -137,7 +138,8 @@ fn without_damping<R: Real, M: Model<R>, L: Layout, const D: usize>(
     sum
 }
 
-/// Half a turn about each axis, an exact kick by torques and damping together, and the turns backwards.
+/// Rotations about the three axes over half the step, an exact kick by torque and damping together, and the rotations
+/// in reverse order.
 #[derive(Clone, Copy)]
 pub struct AffineSplitting<R> {
     applied: Applied<R>,
@@ -182,33 +184,34 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, L, D> for Af
         }
         y[D - 1] = p.step.fma(half, y[D - 1]);
         let mut weight = M::torque(p, y);
-        let outside = self.applied.undamped::<L, D>(y);
+        let applied = self.applied.undamped::<L, D>(y);
         let mut torque = weight;
         for i in 0..3 {
-            torque[i] = weight[i] + outside[i];
+            torque[i] = weight[i] + applied[i];
         }
         let before = [y[0], y[1], y[2]];
         let (v, force) = (self.modes.of(&before), self.modes.of(&torque));
-        // v grows by phi_1 h (force - rates v); its integral is phi_1 h v + phi_2 h^2 force.
-        let (mut rise, mut way) = (v, v);
+        // The increment of v is phi_1 h (force - rates v); the integral of v is phi_1 h v + phi_2 h^2 force.
+        let (mut increment, mut rotation) = (v, v);
         for m in 0..3 {
-            rise[m] = self.gain[m] * self.modes.rates[m].fnma(v[m], force[m]);
-            way[m] = self.gain[m].fma(v[m], self.shift[m] * force[m]);
+            increment[m] = self.gain[m] * self.modes.rates[m].fnma(v[m], force[m]);
+            rotation[m] = self.gain[m].fma(v[m], self.shift[m] * force[m]);
         }
-        let change = self.modes.momentum(&self.modes.omega(&rise));
-        let way = self.modes.omega(&way);
+        let change = self.modes.momentum(&self.modes.omega(&increment));
+        let rotation = self.modes.omega(&rotation);
         let mut twice = before;
         for i in 0..3 {
             y[i] = before[i] + change[i];
             twice[i] = before[i] + y[i];
-            weight[i] = weight[i] * way[i];
+            weight[i] = weight[i] * rotation[i];
         }
-        // The gain of kinetic energy is work; the work of the weight is in the potential already.
+        // The gain of kinetic energy is work; the work of the weight is subtracted, because the potential energy
+        // contains it.
         let mut twice_v = v;
         for m in 0..3 {
-            twice_v[m] = v[m] + (v[m] + rise[m]);
+            twice_v[m] = v[m] + (v[m] + increment[m]);
         }
-        let gained = half * dot(&rise, &twice_v);
+        let gained = half * dot(&increment, &twice_v);
         y[D - 3] = y[D - 3] + (gained - (weight[0] + weight[1] + weight[2]));
         let impulse = if L::VECTORS == 0 { dot(&change, &twice) } else { dot(&change, &direction(y, 0)) };
         y[D - 2] = y[D - 2] + impulse;
@@ -225,22 +228,22 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, L, D> for Af
             rates[i] = y[i] / p.moments[i];
         }
         let forcing = without_damping::<R, M, L, D>(&self.applied, p, &rates);
-        let outside = self.applied.torque::<L, D>(&rates);
+        let applied = self.applied.torque::<L, D>(&rates);
         let undamped = self.applied.undamped::<L, D>(&rates);
         let mut sum = forcing;
         for i in 0..3 {
-            sum[i] = forcing[i] + (outside[i] - undamped[i]);
+            sum[i] = forcing[i] + (applied[i] - undamped[i]);
         }
         sum
     }
 }
 
-/// Entries of the table: for the modes, and for the rotation during the stage.
+/// The coefficient of a torque: for the increment of the modes, and for the rotation during the stage.
 #[derive(Clone, Copy)]
 struct Entry<R> {
     gain: [R; 3],
-    way: [R; 3],
-    /// The gain of a rotation vector, which is not damped.
+    rotation: [R; 3],
+    /// For a rotation vector, which is not damped.
     free: R,
 }
 
@@ -256,7 +259,8 @@ const B1: usize = 8;
 const B4: usize = 9;
 const B5: usize = 10;
 
-/// Entries of each stage and of the result, each with its stage; Hochbruck & Ostermann 2005, (5.19).
+/// The coefficients of each stage and of the result, each with the stage of its torque; Hochbruck & Ostermann 2005,
+/// (5.19).
 const STAGES: [&[(usize, usize)]; 5] = [
     &[(A21, 0)],
     &[(A31, 0), (A32, 1)],
@@ -269,22 +273,23 @@ const FREE: [f64; 11] = [0.5, 0.0, 0.5, 0.0, 0.5, 0.25, 0.125, 0.0, 1.0 / 6.0, 1
 /// Times of the stages.
 const TIMES: [f64; 5] = [0.5, 0.5, 1.0, 0.5, 1.0];
 
-/// The exponential Runge-Kutta method. The rates and a rotation vector from the attitude at the begin of the step are
-/// one linear system, damped rates that turn the body, and its exponential is known: a step that adaptive over the time in
-/// which strong damping stops a body turns it as far as it turned. The attitude is composed from rotations.
+/// The exponential Runge-Kutta method. The damped rates and the rotation vector since the begin of the step form a
+/// linear system with a known exponential, so the rotation is accurate even if strong damping stops the body within a
+/// small part of the step. The attitude is composed from rotations.
 #[derive(Clone, Copy)]
 pub struct Exponential<R, M> {
     model: M,
     applied: Applied<R>,
     modes: Modes<R>,
     table: [Entry<R>; 11],
-    /// (phi_0 - 1) and time times phi_1, for half a step and a step: change and rotation from the rates at the begin.
+    /// phi_0 - 1 and time times phi_1, for half a step and a step: the change of the rates and the rotation that follow
+    /// from the rates at the begin.
     linear: [[[R; 3]; 2]; 2],
 }
 
-/// theta' of a rotation vector in a body that turns at `omega`, less `omega`.
+/// theta' - omega for a rotation vector of a body with the rates `omega` (the inverse of the derivative of exp).
 #[inline(always)]
-fn bend<R: Real>(theta: &[R; 3], omega: &[R; 3]) -> [R; 3] {
+fn dexpinv_correction<R: Real>(theta: &[R; 3], omega: &[R; 3]) -> [R; 3] {
     let q = dot(theta, theta);
     // (1 - (a/2) cot(a/2)) / a^2.
     let c = [1.0 / 1_209_600.0, 1.0 / 30_240.0, 1.0 / 720.0, 1.0 / 12.0];
@@ -314,52 +319,58 @@ fn turned<R: Real>(n: &[R; 3], theta: &[R; 3], (a, b): (R, R)) -> [R; 3] {
 }
 
 impl<R: Real, M: Model<R>> Exponential<R, M> {
-    /// Sums of the torques so far with the entries of a stage: the rise of v, the rotation of the body, and the part of
-    /// the rotation that follows from the rates at the begin.
+    /// For a stage, from the torques so far: the increment of v, the rotation vector, and the rotation vector without
+    /// the corrections of `dexpinv_correction`.
     #[inline(always)]
     fn stage(
         &self,
         stage: usize,
         v: &[R; 3],
         torques: &[[R; 3]; 5],
-        bends: &[[R; 3]; 5],
+        corrections: &[[R; 3]; 5],
     ) -> ([R; 3], [R; 3], [R; 3]) {
         let [decay, time] = &self.linear[if TIMES[stage] == 0.5 { 0 } else { 1 }];
-        let (mut rise, mut way) = (*v, *v);
+        let (mut increment, mut rotation) = (*v, *v);
         let mut free = [R::splat(0.0); 3];
         for m in 0..3 {
-            rise[m] = decay[m] * v[m];
-            way[m] = time[m] * v[m];
+            increment[m] = decay[m] * v[m];
+            rotation[m] = time[m] * v[m];
         }
         for &(entry, from) in STAGES[stage] {
-            let Entry { gain, way: turns, free: share } = &self.table[entry];
+            let Entry { gain, rotation: turns, free: share } = &self.table[entry];
             for m in 0..3 {
-                rise[m] = gain[m].fma(torques[from][m], rise[m]);
-                way[m] = turns[m].fma(torques[from][m], way[m]);
-                free[m] = share.fma(bends[from][m], free[m]);
+                increment[m] = gain[m].fma(torques[from][m], increment[m]);
+                rotation[m] = turns[m].fma(torques[from][m], rotation[m]);
+                free[m] = share.fma(corrections[from][m], free[m]);
             }
         }
-        let alone = self.modes.omega(&way);
+        let alone = self.modes.omega(&rotation);
         let mut theta = alone;
         for i in 0..3 {
             theta[i] = alone[i] + free[i];
         }
-        (rise, theta, alone)
+        (increment, theta, alone)
     }
 
-    /// The state after a rise of v and a turn.
+    /// The state after an increment of v and a rotation.
     #[inline(always)]
-    fn moved<L: Layout, const D: usize>(&self, y: &[R; D], rise: &[R; 3], theta: &[R; 3], time: R) -> [R; D] {
+    fn moved<L: Layout, const D: usize>(
+        &self,
+        y: &[R; D],
+        increment: &[R; 3],
+        theta: &[R; 3],
+        time: R,
+    ) -> [R; D] {
         let mut at = *y;
-        let change = self.modes.omega(rise);
+        let change = self.modes.omega(increment);
         for i in 0..3 {
             at[i] = y[i] + change[i];
         }
         if L::VECTORS > 0 {
             let coefficients = rodrigues(dot(theta, theta));
             for v in 0..L::VECTORS {
-                let seen = turned(&direction(y, v), theta, coefficients);
-                put(&mut at, 3 + 3 * v, seen);
+                let in_body = turned(&direction(y, v), theta, coefficients);
+                put(&mut at, 3 + 3 * v, in_body);
             }
         }
         at[D - 1] = y[D - 1] + time;
@@ -376,7 +387,7 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, L, D> for Ex
         let modes = Modes::new(p, interval);
         let (h, half) = (p.step, p.step * R::splat(0.5));
         let zero = R::splat(0.0);
-        let mut table = [Entry { gain: [zero; 3], way: [zero; 3], free: zero }; 11];
+        let mut table = [Entry { gain: [zero; 3], rotation: [zero; 3], free: zero }; 11];
         for e in 0..11 {
             table[e].free = h * R::splat(FREE[e]);
         }
@@ -388,7 +399,7 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, L, D> for Ex
             linear[0][1][m] = half * part[1];
             linear[1][0][m] = -(h * modes.rates[m]) * whole[1];
             linear[1][1][m] = h * whole[1];
-            // Once for the change of the rates, once for the rotation, for which phi_k becomes time times phi_(k+1).
+            // First for the rates, then for the rotation, for which phi_k becomes time times phi_(k+1).
             for turning in [false, true] {
                 let (mut f, mut g) = (part, whole);
                 if turning {
@@ -414,7 +425,7 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, L, D> for Ex
                 row[B5] = c(4.0) * g[2] - c(8.0) * g[3];
                 for e in 0..11 {
                     if turning {
-                        table[e].way[m] = h * row[e];
+                        table[e].rotation[m] = h * row[e];
                     } else {
                         table[e].gain[m] = h * row[e];
                     }
@@ -435,36 +446,36 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, L, D> for Ex
         let zero = [R::splat(0.0); 3];
         let omega = [y[0], y[1], y[2]];
         let v = self.modes.of(&self.modes.momentum(&omega));
-        let (mut torques, mut bends) = ([zero; 5], [zero; 5]);
+        let (mut torques, mut corrections) = ([zero; 5], [zero; 5]);
         torques[0] = self.modes.of(&without_damping::<R, M, L, D>(&self.applied, p, y));
         let weight = M::torque(p, y);
-        // Work of the weight beside what follows from the whole turn: where a rate may have decayed within the step its
-        // weight in the sum is zero.
+        // The work of the change of the weight torque since the begin. Stages at which a rate may already have decayed
+        // have the coefficient zero in this sum.
         let mut worked = R::splat(0.0);
         for stage in 0..4 {
-            let (rise, theta, _) = self.stage(stage, &v, &torques, &bends);
-            let at = self.moved::<L, D>(y, &rise, &theta, p.step * R::splat(TIMES[stage]));
+            let (increment, theta, _) = self.stage(stage, &v, &torques, &corrections);
+            let at = self.moved::<L, D>(y, &increment, &theta, p.step * R::splat(TIMES[stage]));
             torques[stage + 1] = self.modes.of(&without_damping::<R, M, L, D>(&self.applied, p, &at));
             if L::VECTORS > 0 {
                 let omega = [at[0], at[1], at[2]];
-                bends[stage + 1] = bend(&theta, &omega);
+                corrections[stage + 1] = dexpinv_correction(&theta, &omega);
                 if stage >= 2 {
                     let share = self.table[if stage == 2 { B4 } else { B5 }].free;
-                    let mut heavier = M::torque(p, &at);
+                    let mut change_of_torque = M::torque(p, &at);
                     for i in 0..3 {
-                        heavier[i] = heavier[i] - weight[i];
+                        change_of_torque[i] = change_of_torque[i] - weight[i];
                     }
-                    worked = share.fma(dot(&heavier, &omega), worked);
+                    worked = share.fma(dot(&change_of_torque, &omega), worked);
                 }
             }
         }
-        let (rise, theta, alone) = self.stage(4, &v, &torques, &bends);
-        let mut at = self.moved::<L, D>(y, &rise, &theta, p.step);
+        let (increment, theta, alone) = self.stage(4, &v, &torques, &corrections);
+        let mut at = self.moved::<L, D>(y, &increment, &theta, p.step);
         let mut twice = v;
         for m in 0..3 {
-            twice[m] = v[m] + (v[m] + rise[m]);
+            twice[m] = v[m] + (v[m] + increment[m]);
         }
-        let gained = R::splat(0.5) * dot(&rise, &twice);
+        let gained = R::splat(0.5) * dot(&increment, &twice);
         if L::VECTORS > 0 {
             worked = worked + dot(&weight, &alone);
         }

@@ -1,9 +1,9 @@
-//! The implicit midpoint rule: every quadratic invariant, at any step.
+//! The implicit midpoint rule, which conserves every quadratic invariant with steps of any length.
 //!
-//! Momenta and directions obey `m' = m x omega + torque`, `n' = n x omega`, and energy, `m.m` or `m.n` and `n.n` are
-//! quadratic in them: the rule keeps all of them as they are, however long the step is. With the rate in the middle,
-//! `omega = I^(-1) (m0 + m1) / 2`, directions turn by the Cayley transform of `h omega`, so that only
-//! `u = h omega / 2` has to be found, by Newton's steps.
+//! Momenta and directions obey `m' = m x omega + torque`, `n' = n x omega`. Energy, `m.m` or `m.n`, and `n.n` are
+//! quadratic in momenta and directions, so the rule conserves these invariants. Directions turn by the Cayley transform
+//! of `h omega` with the rate in the middle, `omega = I^(-1) (m0 + m1) / 2`. The only unknown is `u = h omega / 2`,
+//! which is found by Newton's method.
 
 use super::{Coefficients, Engine, Facts, Numbers, Scheme, Step, Stepper, Variables};
 use crate::forcing::ForcingInterval;
@@ -11,11 +11,11 @@ use crate::kinematics::{cross, direction, dot, put, quaternion_product};
 use crate::real::Real;
 use crate::scene::{Applied, Layout, Model, Parameters};
 
-/// The implicit midpoint rule. It is kept in the frame of the body, as it was published.
+/// The implicit midpoint rule. The scheme is used in the frame of the body, as published.
 pub const MIDPOINT: Scheme = Scheme::direct(
     Facts {
         name: "midpoint",
-        title: "implicit midpoint rule: energy and momentum stay as they are whatever the step",
+        title: "implicit midpoint rule: conserves energy and momentum with steps of any length",
         order: 2,
         stages: 4,
         symplectic: false,
@@ -34,16 +34,16 @@ pub const MIDPOINT: Scheme = Scheme::direct(
     f64::INFINITY,
 );
 
-/// Newton's steps: 3 or 4 in steps up to a radian, 5 up to two; beyond, up to this many are tried.
+/// Largest number of Newton steps. Steps of up to one radian need 3 or 4, steps of up to two radians 5.
 const NEWTON_STEPS: usize = 8;
-/// A correction of u after which Newton's iteration ends: the remaining error is about its square.
+/// The correction of u below which Newton's method ends: the remaining error is about the square of the correction.
 const SMALL_CORRECTION: f64 = 1e-9;
-/// A last correction from which on the solution is rejected.
+/// The last correction from which on a solution is rejected.
 const LARGEST_CORRECTION: f64 = 1e-6;
-/// Numbers of equal substeps of a step whose equation is not solved, which begins at some three radians.
+/// Numbers of equal substeps if Newton's method does not solve the equation of a step (from about three radians on).
 const PARTS: [usize; 3] = [4, 16, 64];
 
-/// The rule.
+/// The engine.
 #[derive(Clone, Copy)]
 pub struct ImplicitMidpoint<R> {
     applied: Applied<R>,
@@ -53,24 +53,24 @@ pub struct ImplicitMidpoint<R> {
     inverse_ratios: [R; 3],
     /// One over the first moment.
     inverse: R,
-    whole: Share<R>,
+    whole: StepConstants<R>,
 }
 
-/// Constants of the step. In units of the first moment, so that nothing in the equation has a dimension.
+/// Constants of a step or substep, in units of the first moment, so that the equation is dimensionless.
 #[derive(Clone, Copy)]
-struct Share<R> {
+struct StepConstants<R> {
     step: R,
     half: R,
-    /// Half the step squared, over the first moment: of a torque.
-    lift: R,
-    /// The weight times that, and times half the step.
+    /// The factor of a torque: half the step squared, over the first moment.
+    torque_factor: R,
+    /// The weight times `torque_factor`, and the weight times half the step.
     lever: [R; 3],
     kick: [R; 3],
     /// The damping times half the step over the first moment.
     damping: [R; 6],
 }
 
-/// The equation of the turn of a step: the terms that do not depend on the turn.
+/// The terms of the equation for the rotation of a step that do not depend on the rotation.
 #[derive(Clone, Copy)]
 struct Equation<R> {
     /// The constant term.
@@ -88,7 +88,7 @@ fn matrix<R: Real>(d: &[R; 6]) -> [[R; 3]; 3] {
     [[d[0], d[5], d[4]], [d[5], d[1], d[3]], [d[4], d[3], d[2]]]
 }
 
-/// The turn of a step.
+/// The rotation of a step.
 #[derive(Clone, Copy)]
 struct Turn<R> {
     u: [R; 3],
@@ -113,7 +113,7 @@ impl<R: Real> Turn<R> {
         }
         all
     }
-    /// The direction in the middle: the mean of those at both ends.
+    /// The direction in the middle: the mean of the directions at both ends.
     #[inline(always)]
     fn middle(&self, n: &[R; 3]) -> [R; 3] {
         let gain = self.gain(n);
@@ -141,7 +141,7 @@ impl<R: Real> ImplicitMidpoint<R> {
         let [i1, i2, i3] = p.moments;
         let inverse = one / i1;
         let (ratios, inverse_ratios) = ([one, i2 / i1, i3 / i1], [one, i1 / i2, i1 / i3]);
-        let whole = Self::share(p, interval, inverse, one);
+        let whole = Self::constants(p, interval, inverse, one);
         ImplicitMidpoint {
             applied: Applied::new(p, interval),
             interval: *interval,
@@ -152,9 +152,9 @@ impl<R: Real> ImplicitMidpoint<R> {
         }
     }
 
-    /// The constants of a part of a step.
+    /// The constants of a step or substep.
     #[inline(always)]
-    fn share(p: &Parameters<R>, interval: &ForcingInterval<R>, inverse: R, part: R) -> Share<R> {
+    fn constants(p: &Parameters<R>, interval: &ForcingInterval<R>, inverse: R, part: R) -> StepConstants<R> {
         let step = p.step * part;
         let half = step * R::splat(0.5);
         let (mut lever, mut kick, mut damping) = (p.weight, p.weight, interval.damping);
@@ -165,30 +165,30 @@ impl<R: Real> ImplicitMidpoint<R> {
         for i in 0..6 {
             damping[i] = (interval.damping[i] * inverse) * half;
         }
-        Share { step, half, lift: inverse * (half * half), lever, kick, damping }
+        StepConstants { step, half, torque_factor: inverse * (half * half), lever, kick, damping }
     }
 
-    /// The state after a step, and the last correction of its turn.
+    /// The state after a step, and the last correction of its rotation.
     #[inline(always)]
     fn moved<M: Model<R>, L: Layout, const D: usize>(
         &self,
         p: &Parameters<R>,
-        share: &Share<R>,
+        constants: &StepConstants<R>,
         y: &[R; D],
     ) -> ([R; D], R) {
-        let (equation, guess) = self.equation::<M, L, D>(share, y);
-        let (u, correction) = self.solution::<M, L>(share, &equation, guess);
-        (self.state_after::<M, L, D>(p, share, y, &u, &equation.gamma), correction)
+        let (equation, guess) = self.equation::<M, L, D>(constants, y);
+        let (u, correction) = self.solution::<M, L>(constants, &equation, guess);
+        (self.state_after::<M, L, D>(p, constants, y, &u, &equation.gamma), correction)
     }
 
-    /// The equation of the turn of a step, and a first guess of its solution.
+    /// The equation for the rotation of a step, and a first guess of its solution.
     #[inline(always)]
     fn equation<M: Model<R>, L: Layout, const D: usize>(
         &self,
-        share: &Share<R>,
+        constants: &StepConstants<R>,
         y: &[R; D],
     ) -> (Equation<R>, [R; 3]) {
-        let half = share.half;
+        let half = constants.half;
         let zeros = [R::splat(0.0); 3];
         let momentum = [y[0], y[1], y[2]];
         // The constant term, and the torque in space in body components at the begin.
@@ -204,13 +204,13 @@ impl<R: Real> ImplicitMidpoint<R> {
             let middle = y[D - 1] + half;
             for i in 0..3 {
                 torque[i] = middle.fma(self.interval.body[1][i], self.interval.body[0][i]);
-                start[i] = share.lift.fma(torque[i], start[i]);
+                start[i] = constants.torque_factor.fma(torque[i], start[i]);
             }
             if L::VECTORS > 2 {
                 for (row, axis) in [(0, 2), (1, 0), (2, 1)] {
                     let n = direction(y, row);
-                    let part =
-                        middle.fma(self.interval.space[1][axis], self.interval.space[0][axis]) * share.lift;
+                    let part = middle.fma(self.interval.space[1][axis], self.interval.space[0][axis])
+                        * constants.torque_factor;
                     for i in 0..3 {
                         space[i] = part.fma(n[i], space[i]);
                     }
@@ -218,76 +218,76 @@ impl<R: Real> ImplicitMidpoint<R> {
             }
         }
         let gamma = if const { M::HEAVY && L::VECTORS > 0 } { direction(y, 0) } else { zeros };
-        (Equation { start, space, gamma, damping: matrix(&share.damping) }, u)
+        (Equation { start, space, gamma, damping: matrix(&constants.damping) }, u)
     }
 
     /// The residual of an equation at `u`, and the columns of its derivative.
     #[inline(always)]
     fn residual<M: Model<R>, L: Layout>(
         &self,
-        share: &Share<R>,
+        constants: &StepConstants<R>,
         equation: &Equation<R>,
         u: &[R; 3],
     ) -> ([R; 3], [[R; 3]; 3]) {
         let j = &self.ratios;
         let Equation { start, space, gamma, damping } = equation;
         let turn = Turn::of(u);
-        let held = [j[0] * u[0], j[1] * u[1], j[2] * u[2]];
-        let bent = cross(u, &held);
-        let mut miss = held;
+        let momentum = [j[0] * u[0], j[1] * u[1], j[2] * u[2]];
+        let term = cross(u, &momentum);
+        let mut residual = momentum;
         for i in 0..3 {
-            miss[i] = (held[i] - start[i]) + bent[i];
+            residual[i] = (momentum[i] - start[i]) + term[i];
         }
-        // The columns of the derivative; `e x held` is minus `held x e`.
-        let (mut a, of_held, of_u) = (columns(u), columns(&held), columns(u));
+        // The columns of the derivative; `e x momentum` is minus `momentum x e`.
+        let (mut a, of_momentum, of_u) = (columns(u), columns(&momentum), columns(u));
         for k in 0..3 {
             for i in 0..3 {
-                a[k][i] = j[k].fms(of_u[k][i], of_held[k][i]);
+                a[k][i] = j[k].fms(of_u[k][i], of_momentum[k][i]);
             }
             a[k][k] = a[k][k] + j[k];
         }
         if L::BALANCE {
             for k in 0..3 {
                 for i in 0..3 {
-                    miss[i] = damping[k][i].fma(u[k], miss[i]);
+                    residual[i] = damping[k][i].fma(u[k], residual[i]);
                     a[k][i] = a[k][i] + damping[k][i];
                 }
             }
         }
         if const { M::HEAVY && L::VECTORS > 0 } {
             let middle = turn.middle(gamma);
-            let pull = cross(&middle, &share.lever);
+            let torque = cross(&middle, &constants.lever);
             for i in 0..3 {
-                miss[i] = miss[i] - pull[i];
+                residual[i] = residual[i] - torque[i];
             }
-            // The direction in the middle changes by that of `middle x e` in the middle.
+            // A change e of u changes the direction in the middle by `middle x e`, itself taken in the middle.
             let of_middle = columns(&middle);
             for k in 0..3 {
-                let bent = cross(&turn.middle(&of_middle[k]), &share.lever);
+                let term = cross(&turn.middle(&of_middle[k]), &constants.lever);
                 for i in 0..3 {
-                    a[k][i] = a[k][i] - bent[i];
+                    a[k][i] = a[k][i] - term[i];
                 }
             }
             if L::BALANCE {
                 let middle = turn.middle(space);
                 let of_middle = columns(&middle);
                 for k in 0..3 {
-                    miss[k] = miss[k] - middle[k];
-                    let bent = turn.middle(&of_middle[k]);
+                    residual[k] = residual[k] - middle[k];
+                    let term = turn.middle(&of_middle[k]);
                     for i in 0..3 {
-                        a[k][i] = a[k][i] - bent[i];
+                        a[k][i] = a[k][i] - term[i];
                     }
                 }
             }
         }
-        (miss, a)
+        (residual, a)
     }
 
-    /// The solution of an equation by Newton's steps, and its last correction.
+    /// The solution of an equation by Newton's method, and the last correction.
     #[inline(always)]
     fn solution<M: Model<R>, L: Layout>(
         &self,
-        share: &Share<R>,
+        constants: &StepConstants<R>,
         equation: &Equation<R>,
         mut u: [R; 3],
     ) -> ([R; 3], R) {
@@ -295,19 +295,19 @@ impl<R: Real> ImplicitMidpoint<R> {
         let mut correction = one;
         let small = R::splat(SMALL_CORRECTION);
         for _ in 0..NEWTON_STEPS {
-            let (miss, a) = self.residual::<M, L>(share, equation, &u);
+            let (residual, a) = self.residual::<M, L>(constants, equation, &u);
             // Cramer's rule: the rows of the inverse are cross products of columns.
             let rows = [cross(&a[1], &a[2]), cross(&a[2], &a[0]), cross(&a[0], &a[1])];
             let inverse = one / dot(&a[0], &rows[0]);
             // A lane that has converged or failed keeps every bit.
-            let open = small.lt(correction);
+            let active = small.lt(correction);
             let mut sum = R::splat(0.0);
             for i in 0..3 {
-                let by = inverse * dot(&rows[i], &miss);
-                u[i] = R::select(open, u[i] - by, u[i]);
+                let by = inverse * dot(&rows[i], &residual);
+                u[i] = R::select(active, u[i] - by, u[i]);
                 sum = sum + by.abs();
             }
-            correction = R::select(open, sum, correction);
+            correction = R::select(active, sum, correction);
             if !R::any(small.lt(correction)) {
                 break;
             }
@@ -320,12 +320,12 @@ impl<R: Real> ImplicitMidpoint<R> {
     fn state_after<M: Model<R>, L: Layout, const D: usize>(
         &self,
         p: &Parameters<R>,
-        share: &Share<R>,
+        constants: &StepConstants<R>,
         y: &[R; D],
         u: &[R; 3],
         gamma: &[R; 3],
     ) -> [R; D] {
-        let (one, two, half) = (R::splat(1.0), R::splat(2.0), share.half);
+        let (one, two, half) = (R::splat(1.0), R::splat(2.0), constants.half);
         let heavy = const { M::HEAVY && L::VECTORS > 0 };
         let momentum = [y[0], y[1], y[2]];
         let turn = Turn::of(u);
@@ -346,7 +346,7 @@ impl<R: Real> ImplicitMidpoint<R> {
             put(&mut z, at, quaternion_product(&q, &by));
         }
         if L::BALANCE {
-            // The momentum in the middle is the mean: under strong damping torques are far larger than what they leave.
+            // The momentum at the end follows from the mean momentum: a sum of large damping torques would cancel.
             let moves = R::splat(0.0).lt(half.abs());
             let inverse_half = one / half;
             for i in 0..3 {
@@ -357,14 +357,14 @@ impl<R: Real> ImplicitMidpoint<R> {
             middle[D - 1] = y[D - 1] + half;
             let torque = self.applied.torque::<L, D>(&middle);
             let [power, impulse] = self.applied.balance::<L, D>(&torque, &middle);
-            z[D - 3] = share.step.fma(power, y[D - 3]);
-            z[D - 2] = share.step.fma(impulse, y[D - 2]);
-            z[D - 1] = y[D - 1] + share.step;
+            z[D - 3] = constants.step.fma(power, y[D - 3]);
+            z[D - 2] = constants.step.fma(impulse, y[D - 2]);
+            z[D - 1] = y[D - 1] + constants.step;
         } else {
-            // Turned, so that its length is kept even of a turn that is not yet exact; half of the kick on either side.
+            // The momentum is turned between two half kicks, so its length is conserved even if `u` is not exact.
             let mut kick = [R::splat(0.0); 3];
             if heavy {
-                kick = cross(&turn.middle(gamma), &share.kick);
+                kick = cross(&turn.middle(gamma), &constants.kick);
             }
             let mut before = momentum;
             if heavy {
@@ -401,13 +401,13 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, L, D> for Im
         let (zero, one, half) = (R::splat(0.0), R::splat(1.0), R::splat(0.5));
         let largest = R::splat(LARGEST_CORRECTION);
         let (mut next, correction) = self.moved::<M, L, D>(p, &self.whole, y);
-        // 1 where the step is complete; a NaN is not tried again.
+        // 1 in lanes with a solution; a lane with a NaN is not tried again.
         let mut done = R::select(correction.lt(largest), one, zero);
-        let none = (y[0] * zero + y[1] * zero) + y[2] * zero;
-        done = R::select(none.abs().lt(half), done, one);
+        let zero_or_nan = (y[0] * zero + y[1] * zero) + y[2] * zero;
+        done = R::select(zero_or_nan.abs().lt(half), done, one);
         if R::any(done.lt(half)) {
             for parts in PARTS {
-                let part = Self::share(p, &self.interval, self.inverse, R::splat(1.0 / parts as f64));
+                let part = Self::constants(p, &self.interval, self.inverse, R::splat(1.0 / parts as f64));
                 let mut z = *y;
                 let mut all = one;
                 for _ in 0..parts {
@@ -415,19 +415,19 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, L, D> for Im
                     z = after;
                     all = R::select(correction.lt(largest), all, zero);
                 }
-                let open = done.lt(half);
+                let active = done.lt(half);
                 for d in 0..D {
-                    next[d] = R::select(open, z[d], next[d]);
+                    next[d] = R::select(active, z[d], next[d]);
                 }
-                done = R::select(open, all, done);
+                done = R::select(active, all, done);
                 if !R::any(done.lt(half)) {
                     break;
                 }
             }
             // A rejected solution becomes NaN.
-            let lost = done.lt(half);
+            let failed = done.lt(half);
             for d in 0..D {
-                next[d] = R::select(lost, R::splat(f64::NAN), next[d]);
+                next[d] = R::select(failed, R::splat(f64::NAN), next[d]);
             }
         }
         *y = next;

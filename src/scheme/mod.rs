@@ -18,8 +18,8 @@ pub use midpoint::ImplicitMidpoint;
 pub use moser_veselov::MoserVeselov;
 pub use runge_kutta::{Dop853Tableau, Rk4Tableau, RungeKutta, Tableau};
 pub use splitting::{
-    ComposedPlanar, Drift, ExactRotor, Flow, KickMoserVeselov, KickRotor, Planar, Processor, Round,
-    Splitting, Way,
+    ComposedPlanar, Composition, Drift, ExactRotor, Flow, KickMoserVeselov, KickRotor, Planar, Processor,
+    Round, Splitting,
 };
 pub(crate) use taylor::two_sum;
 pub use taylor::{Coefficients, Taylor};
@@ -51,9 +51,9 @@ schemes! {
 /// The default scheme of bodies without a closed form.
 pub const DEFAULT: &Scheme = &RK4;
 
-/// The scheme that cross-checks the samples of a map. It has a high order, so that it is right where the other scheme
-/// is wrong: a run of the first scheme with half the step would have a similar error, and at order 2 one wrong
-/// classification in four would not be found.
+/// The scheme that cross-checks the samples of a map. The order is high, so that its errors differ from those of the
+/// first scheme. A second run of the first scheme with half the step would have similar errors: at order 2 such a
+/// check would not find one wrong classification in four.
 pub const SECOND: &Scheme = &TAYLOR16;
 
 /// The scheme for strong damping; without damping it is the default scheme.
@@ -64,7 +64,7 @@ pub const STIFF: &Scheme = &ETD4;
 pub struct Facts {
     /// The name that users pass as the method.
     pub name: &'static str,
-    /// One line.
+    /// A description in one line.
     pub title: &'static str,
     /// Error of a run ~ step^order.
     pub order: u32,
@@ -75,11 +75,11 @@ pub struct Facts {
     pub symplectic: bool,
     /// A step forward and a step back is the identity.
     pub reversible: bool,
-    /// |L| of the free body, |gamma| and |q| stay as they are, up to rounding.
+    /// |L| of the free body, |gamma| and |q| are constant up to rounding.
     pub group_preserving: bool,
     /// Largest angle that the body turns in a default step.
     pub angle_per_step: f64,
-    /// Paper.
+    /// The paper.
     pub citation: &'static str,
     /// DOI of the paper, if there is one.
     pub doi: &'static str,
@@ -94,8 +94,8 @@ pub struct Scheme {
     pub any: Step,
     /// The step of a body whose moments about two axes are equal.
     pub symmetric: Step,
-    /// Whether the path of a Lagrange top is integrated as that of a reduced top. The oldest schemes are kept in the
-    /// frame of the body, as they were published.
+    /// Whether a Lagrange top is integrated as a reduced top. The oldest schemes are used in the frame of the body, as
+    /// published.
     pub reduced: bool,
     /// The step under torque and damping; `None` if the scheme does not integrate forced bodies.
     pub forced: Option<ForcedStep>,
@@ -106,16 +106,17 @@ pub struct Scheme {
 pub struct ForcedStep {
     /// The step.
     pub step: Step,
-    /// The largest product of step and damping rate with which the scheme is stable; infinite if every product is. For an
-    /// explicit scheme: where its stability function, on the negative real axis, first leaves -1 .. 1, rounded down; for
-    /// a series half of that, because higher powers of the rates decay faster by their exponent.
+    /// The largest product of step and damping rate for which the scheme is stable; infinite if the scheme is stable
+    /// for every product. The limit of an explicit scheme is where its stability function, on the negative real axis,
+    /// first leaves -1 .. 1, rounded down. The limit of a series is half of this value, because higher powers of the
+    /// rates decay faster by their exponent.
     pub damping_limit: f64,
 }
 
 /// A step: an engine and its numbers.
 #[derive(Clone, Copy)]
 pub struct Step {
-    /// The code.
+    /// The code of the step.
     pub engine: Engine,
     /// The numbers that the code reads.
     pub numbers: &'static Numbers,
@@ -162,7 +163,7 @@ pub enum Variables {
 pub struct Numbers {
     /// Order of a Taylor series.
     pub order: usize,
-    /// Fractions of the step, flow after flow, round after round; the last round may break off after one flow.
+    /// Fractions of the step, flow after flow, round after round; the last round may contain only its first flow.
     pub fractions: &'static [f64],
     /// Weight of the force gradient in the kicks of each round: `c` adds `-c h^3 tau.tau/I` to `b h V`.
     pub gradients: &'static [f64],
@@ -183,7 +184,7 @@ impl Numbers {
 }
 
 impl Engine {
-    /// The variables that it integrates.
+    /// The variables that the engine integrates.
     pub const fn variables(self) -> Variables {
         use Engine::*;
         match self {
@@ -192,7 +193,7 @@ impl Engine {
         }
     }
 
-    /// The flows of a round, if it composes exact flows of parts of the motion.
+    /// The flows of a round, if the engine composes exact flows of parts of the motion.
     const fn flows(self) -> Option<&'static [Flow]> {
         match self {
             Engine::Planar => Some(Planar::FLOWS),
@@ -220,22 +221,22 @@ impl PartialEq for Step {
 }
 
 impl Step {
-    /// A step of an engine that has no numbers, or has them as literals.
+    /// A step of an engine without numbers, or with numbers that are literals in the code.
     const fn plain(engine: Engine) -> Step {
         Step { engine, numbers: &Numbers::NONE }
     }
 
-    /// Whether it leaves the polynomial of the motion behind, and may choose its size by a tolerance.
+    /// Whether the step is a Taylor series, which has dense output and may be adaptive.
     pub const fn is_series(self) -> bool {
         matches!(self.engine, Engine::Taylor | Engine::CompensatedTaylor)
     }
 
-    /// Whether it is made in other variables than the state, so that nothing can be observed between steps.
+    /// Whether the step uses other variables than the state, so that nothing can be observed between steps.
     pub const fn is_processed(self) -> bool {
         self.numbers.processor.is_some()
     }
 
-    /// Whether it integrates bodies that have weight: a composition without kicks is a free motion.
+    /// Whether the step integrates bodies with weight: a composition without kicks is a free motion.
     pub const fn moves_weight(self) -> bool {
         let Some(flows) = self.engine.flows() else { return true };
         let mut i = 0;
@@ -248,7 +249,7 @@ impl Step {
         false
     }
 
-    /// The step of a body without weight: kicks and drifts become one drift that is exact, or of the highest order.
+    /// The step for a body without weight: kicks and drifts become one drift, exact or of the highest order.
     pub const fn torque_free(self) -> Step {
         match self.engine {
             Engine::KickRotor => SPLITTING.symmetric,
@@ -273,8 +274,7 @@ impl std::fmt::Debug for Scheme {
 }
 
 impl Scheme {
-    /// A scheme that makes one step for all bodies, stable under torque and damping up to that product of step and
-    /// damping rate.
+    /// A scheme with one step for all bodies, stable under torque and damping up to a product of step and damping rate.
     const fn direct(facts: Facts, step: Step, reduced: bool, damping_limit: f64) -> Scheme {
         Scheme {
             facts,
@@ -285,15 +285,15 @@ impl Scheme {
         }
     }
 
-    /// The steps that it makes, of some body.
+    /// The steps of the scheme; a step may occur more than once.
     pub fn steps(&self) -> Vec<Step> {
         [self.any, self.symmetric].into_iter().chain(self.forced.map(|forced| forced.step)).collect()
     }
 
-    /// The scheme of that name.
+    /// The scheme of this name.
     ///
     /// # Errors
-    /// If there is none: the message lists all names.
+    /// If no scheme has this name; the message lists all names.
     pub fn parse(name: &str) -> Result<&'static Scheme, Error> {
         ALL.iter().copied().find(|scheme| scheme.facts.name == name).ok_or_else(|| Error::Unknown {
             argument: "method",
@@ -302,27 +302,27 @@ impl Scheme {
         })
     }
 
-    /// Whether it is a series, and so chooses its steps where it is given a tolerance.
+    /// Whether the scheme is a series, whose steps are adaptive if a tolerance is given.
     pub const fn is_series(&self) -> bool {
         self.any.is_series()
     }
 
-    /// Whether its steps are made in other variables than the states between them, so that nothing can be observed.
+    /// Whether the steps use other variables than the state, so that nothing can be observed between steps.
     pub const fn is_processed(&self) -> bool {
         self.any.is_processed()
     }
 
-    /// Whether it integrates bodies that have weight.
+    /// Whether the scheme integrates bodies with weight.
     pub const fn moves_tops(&self) -> bool {
         self.any.moves_weight()
     }
 
-    /// See [`ForcedStep::damping_limit`]; `None` if it does not integrate bodies under torque and damping.
+    /// See [`ForcedStep::damping_limit`]; `None` if the scheme does not integrate bodies under torque and damping.
     pub fn damping_limit(&self) -> Option<f64> {
         self.forced.map(|forced| forced.damping_limit)
     }
 
-    /// Whether it is stable under damping of any strength.
+    /// Whether the scheme is stable under damping of any strength.
     pub fn is_stiff(&self) -> bool {
         self.damping_limit() == Some(f64::INFINITY)
     }
@@ -333,7 +333,8 @@ impl Scheme {
         if is_forced && self.is_stiff() { STIFF } else { SECOND }
     }
 
-    /// Raises an error for a scene that it does not integrate, and for observation of variables that are not the state.
+    /// Raises an error for a scene that the scheme does not integrate, and for an observable between steps that use
+    /// other variables than the state.
     ///
     /// # Errors
     /// Naming the scheme and the rule.
@@ -341,10 +342,12 @@ impl Scheme {
         let refuse =
             |rule| Err(Error::Value { argument: "method", value: format!("'{}'", self.facts.name), rule });
         if scene.has_weight && !self.moves_tops() {
-            return refuse("moves free bodies only, a top has weight");
+            return refuse("integrates free bodies only, and a top has weight");
         }
         if is_observed && self.is_processed() {
-            return refuse("a processed method has states only at wanted times, a map watches every step");
+            return refuse(
+                "a processed method has states only at requested times, but a map needs the state after every step",
+            );
         }
         Ok(())
     }
@@ -379,7 +382,7 @@ const _: () = {
     }
 };
 
-/// Euler's equations: the rate of change of the rates, of a state of rates.
+/// Euler's equations: the rate of change of the rates, from a state of rates.
 #[inline(always)]
 fn acceleration<R: Real, M: Model<R>, L: Layout, const D: usize>(
     model: &M,
@@ -399,23 +402,23 @@ fn acceleration<R: Real, M: Model<R>, L: Layout, const D: usize>(
 
 /// The step of an engine for one pack of bodies. `R` is the pack; a state of the layout `L` has `D` numbers.
 pub trait Stepper<R: Real, M: Model<R>, L: Layout, const D: usize>: Copy {
-    /// The variables that it integrates: those of its engine.
+    /// The variables that the engine integrates.
     const VARIABLES: Variables;
-    /// Whether it integrates that model with that layout. Code is made where it does.
+    /// Whether the engine integrates the model in the layout. Code is compiled only then.
     const MOVES: bool;
-    /// Whether it compensates the rounding error of the state in the next step.
+    /// Whether the engine compensates the rounding error of the state in the next step.
     const COMPENSATED: bool = false;
-    /// Whether a step leaves the coefficients of its polynomial behind.
+    /// Whether a step provides the coefficients of its polynomial.
     const IS_SERIES: bool = false;
-    /// Whether it can make its steps in other variables than the state.
+    /// Whether the steps can use other variables than the state.
     const PROCESSED: bool = false;
     /// Prepares the constants of the step.
     fn new(p: &Parameters<R>, forcing: &ForcingInterval<R>, numbers: &'static Numbers) -> Self;
-    /// Into the variables of the steps, before the first of a run of equal steps; or back, after the last.
+    /// Transforms a state to the variables of the steps, before the first of equal steps; or back, after the last.
     #[inline(always)]
     fn process(&self, _p: &Parameters<R>, _y: &mut [R; D], _leaving: bool) {}
-    /// Advances the state by one step. A compensated sum keeps in `compensation` the rounding error of the state so
-    /// far, and a series leaves its coefficients in `dense`, in powers of the fraction of the step.
+    /// Advances the state by one step. An engine with compensation keeps the rounding error of the state in
+    /// `compensation`. A series stores its coefficients in `dense`, in powers of the fraction of the step.
     fn step(
         &self,
         p: &Parameters<R>,
@@ -423,8 +426,8 @@ pub trait Stepper<R: Real, M: Model<R>, L: Layout, const D: usize>: Copy {
         compensation: &mut [R; D],
         dense: &mut Coefficients<R, D>,
     );
-    /// The coefficients of the motion from `y` on, in powers of the time over `unit`; of a series. Written in place,
-    /// because moving the coefficients would cost a tenth of their computation.
+    /// The coefficients of a series for the motion from `y` on, in powers of the time over `unit`. The coefficients are
+    /// written in place, because a move would cost a tenth of their computation.
     #[inline(always)]
     fn expand(&self, _unit: R, _y: &[R; D], _dense: &mut Coefficients<R, D>) {
         unreachable!("only series have coefficients")

@@ -9,8 +9,8 @@ use crate::kinematics;
 use crate::real::Real;
 use crate::scene::{Layout, Model, Parameters};
 
-/// Power of H, factor, powers of the elementary symmetric functions of 1/I. The power of `C = L.L/2` is what is
-/// missing to k + 1.
+/// Power of H, factor, powers of the elementary symmetric functions of 1/I. The powers of H and `C = L.L/2` have the
+/// sum k + 1.
 type Monomial = (usize, f64, [usize; 3]);
 
 #[rustfmt::skip]
@@ -115,8 +115,8 @@ const SHIFT: [&[Monomial]; 4] = [
     ],
 ];
 
-/// The dimension of every term, and steady rotations: about a principal axis `(1/I) (1 + s) + d = sin(w h) / (I w h)`,
-/// for every axis of any body.
+/// Checks the dimension of every term, and steady rotations: about each principal axis
+/// `(1/I) (1 + s) + d = sin(w h) / (I w h)`.
 const _: () = {
     let j = [1.0, 0.625, 0.5];
     let e = symmetric_functions(j);
@@ -160,10 +160,10 @@ const fn power(x: f64, n: usize) -> f64 {
     if n == 0 { 1.0 } else { x * power(x, n - 1) }
 }
 
-/// The map of an order from 2 to 10. Moments in units of the first, so that nothing has a dimension but the step.
+/// The map of an order from 2 to 10. Moments are in units of the first moment, so that only the step has a dimension.
 #[derive(Clone, Copy)]
 pub struct MoserVeselov<R> {
-    /// Step over the first moment: times L, an angle.
+    /// Step over the first moment; the product with L is an angle.
     angle: R,
     /// Inverse moments.
     j: [R; 3],
@@ -174,12 +174,12 @@ pub struct MoserVeselov<R> {
     d: [[R; 5]; 4],
 }
 
-/// Largest angle of a step. The equation of the map has a solution up to a right angle or so; close to it Newton's
-/// steps fail, and beyond it they find another motion.
+/// Largest angle of a step. The equation of the map has a solution up to about a right angle. Close to this limit
+/// Newton's method fails, and beyond it Newton's method finds another motion.
 const LARGEST_ANGLE: f64 = 1.25;
-/// Largest last correction of Newton's steps: the error left is its square.
+/// Largest last correction of Newton's method; the remaining error is about the square of the correction.
 const LARGEST_CORRECTION: f64 = 1e-5;
-/// Fixed-point sweeps and Newton steps: to rounding for angles up to a half.
+/// Numbers of fixed-point iterations and Newton steps: enough for rounding accuracy at angles up to 0.5.
 const SWEEPS: usize = 2;
 const NEWTON_STEPS: usize = 2;
 
@@ -282,7 +282,7 @@ impl<R: Real> Drift<R> for MoserVeselov<R> {
     }
 }
 
-/// The solution e of `e_i + ratio_i e_j e_k = b_i (1 + e.e)` that is small with b, and the last correction to it.
+/// The solution e of `e_i + ratio_i e_j e_k = b_i (1 + e.e)` that vanishes with b, and its last correction.
 #[inline(always)]
 fn rotation<R: Real>(b: &[R; 3], ratio: &[R; 3]) -> ([R; 3], R) {
     let one = R::splat(1.0);
@@ -324,7 +324,7 @@ fn rotation<R: Real>(b: &[R; 3], ratio: &[R; 3]) -> ([R; 3], R) {
             let sum = columns[0][i].fma(miss[0], columns[1][i].fma(miss[1], columns[2][i] * miss[2]));
             let step = inverse * sum;
             e[i] = e[i] - step;
-            // A NaN stays.
+            // A NaN remains.
             correction = correction + step.abs();
         }
     }

@@ -13,19 +13,19 @@ use std::marker::PhantomData;
 pub trait Tableau: Copy {
     /// Order of the method.
     const ORDER: usize;
-    /// Whether it integrates reduced tops, and the attitude of tops as rows of its matrix only.
+    /// Whether the scheme integrates reduced tops, and the attitude of tops as rows of its matrix only.
     const REDUCES: bool;
     /// Rows 1, 2, … of the matrix a; row i has i entries.
     const A: &'static [&'static [f64]];
     /// Weights over the common divisor: whole numbers where they can be.
     const WEIGHTS: &'static [f64];
-    /// Their common divisor.
+    /// Common divisor of the weights.
     const DIVISOR: f64;
     /// Number of stages.
     const STAGES: usize = Self::WEIGHTS.len();
 }
 
-/// Classical Runge-Kutta of order 4. It is kept in the frame of the body, as it was published.
+/// Classical Runge-Kutta of order 4. The scheme is used in the frame of the body, as published.
 pub const RK4: Scheme = Scheme::direct(
     Facts {
         name: "rk4",
@@ -165,7 +165,8 @@ impl Tableau for Dop853Tableau {
     const DIVISOR: f64 = 1.0;
 }
 
-/// Quadrature conditions of the stated order; all order conditions up to 4 (Hairer, Nørsett, Wanner, Solving ODEs I, table II.2.1).
+/// Checks the quadrature conditions of the stated order, and all order conditions up to 4 (Hairer, Nørsett, Wanner,
+/// Solving ODEs I, table II.2.1).
 const fn check<T: Tableau>(facts: Facts) {
     let s = T::STAGES;
     assert!(T::A.len() + 1 == s && facts.stages == s && facts.order as usize == T::ORDER && s <= MAX_STAGES);
@@ -229,14 +230,14 @@ const _: () = check::<Dop853Tableau>(DOP853.facts);
 pub struct RungeKutta<T, R, M> {
     model: M,
     applied: Applied<R>,
-    /// The step times the coefficient of each stage that has only one.
+    /// The step times the coefficient of each stage with a single coefficient.
     single: [R; MAX_STAGES],
     /// The step over the divisor of the weights.
     weight_unit: R,
     tableau: PhantomData<T>,
 }
 
-/// Most stages of any table here.
+/// Largest number of stages of any tableau.
 const MAX_STAGES: usize = 12;
 
 /// a_ij of the table, 0 outside its triangle.
@@ -319,7 +320,7 @@ fn add_weighted<T: Tableau, const I: usize, R: Real, const D: usize>(sum: &mut [
             (0, weight) => k[d] * R::splat(weight),
             (_, 0.0) => sum[d],
             (_, 1.0) => sum[d] + k[d],
-            // Two additions for one fused product: the same bits, and adders are idle here.
+            // Two additions have the same bits as one fused product, and adders are idle here.
             (_, 2.0) => sum[d] + (k[d] + k[d]),
             (_, weight) => R::splat(weight).fma(k[d], sum[d]),
         };
@@ -383,7 +384,7 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, 
     ) {
         let mut k = [*y; MAX_STAGES];
         let mut sum = *y;
-        // Written out, so that each number of the table is a literal and its zeros and ones cost nothing.
+        // Unrolled, so that each number of the table is a literal, and zeros and ones cost nothing.
         macro_rules! stages {
             ($($i:literal)*) => {$(
                 if const { $i < T::STAGES } {

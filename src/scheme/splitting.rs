@@ -1,7 +1,7 @@
 //! Splittings into exact partial flows: one engine, any composition.
 //!
-//! The flow of `L_k^2 / 2 I_k` is a rotation about body axis k; the flow of the potential is a kick of the
-//! momentum; between kicks the body drifts freely. Each keeps the Poisson structure, so their composition does.
+//! The flow of `L_k^2 / 2 I_k` is a rotation about body axis k; the flow of the potential is a kick of the momentum;
+//! between kicks the body drifts freely. Each flow preserves the Poisson structure, so a composition of flows does too.
 
 use super::{Coefficients, Numbers, Stepper, Variables};
 use crate::forcing::ForcingInterval;
@@ -17,11 +17,11 @@ pub enum Flow {
     Turn(usize),
     /// Free motion.
     Drift,
-    /// The potential, perhaps with its force gradient.
+    /// The potential, with or without its force gradient.
     Kick,
 }
 
-/// Free motion over fractions of a step, as exact as a table needs it.
+/// Free motion over fractions of a step, exact or of the order in the numbers of a scheme.
 pub trait Drift<R: Real>: Copy {
     /// Prepares the constants of the step.
     fn new(p: &Parameters<R>, numbers: &Numbers) -> Self;
@@ -35,15 +35,15 @@ pub trait Round: Copy {
     type Drift<R: Real>: Drift<R>;
     /// The flows of a round, in order.
     const FLOWS: &'static [Flow];
-    /// The numbers that the code is specialised for, if it is: a single round is then faster by a tenth.
+    /// The numbers for which the code is specialised, if any: a step of one round is then faster by a tenth.
     const SPECIALISED: Option<&'static Numbers> = None;
-    /// Whether it integrates reduced tops.
+    /// Whether the composition integrates reduced tops.
     const REDUCES: bool = false;
-    /// Whether its steps may be processed.
+    /// Whether the composition may have a processor.
     const PROCESSED: bool = false;
 }
 
-/// The kick inside the first two rotations has the smallest error of the orders tried on three bodies.
+/// This order of the flows has the smallest error of all orders tried on three bodies.
 const PLANAR: &[Flow] = &[Flow::Turn(0), Flow::Turn(1), Flow::Kick, Flow::Turn(2), Flow::Kick, Flow::Turn(1)];
 const KICK_DRIFT: &[Flow] = &[Flow::Kick, Flow::Drift];
 
@@ -83,22 +83,22 @@ impl Round for KickMoserVeselov {
     const PROCESSED: bool = true;
 }
 
-/// A change of variables in rounds of a kick and a drift. A kernel of low order between it and its inverse is a
-/// method of higher order (Butcher 1969; Blanes, Casas, Ros 1999).
+/// A change of variables by rounds of a kick and a drift. A kernel of low order between a processor and its inverse is
+/// a method of higher order (Butcher 1969; Blanes, Casas, Ros 1999).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Processor {
     /// Before the first step.
-    pub enter: Way,
-    /// After the last: the same flows backwards.
-    pub leave: Way,
+    pub enter: Composition,
+    /// After the last step: the inverse.
+    pub leave: Composition,
 }
 
-/// One way through a processor.
+/// Rounds of a kick and a drift.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Way {
+pub struct Composition {
     /// Fractions of the step, kick and drift in turn.
     pub fractions: &'static [f64],
-    /// One for each kick, as in `Numbers`.
+    /// Weight of the force gradient in each kick, as in `Numbers`.
     pub gradients: &'static [f64],
 }
 
@@ -120,7 +120,7 @@ fn turn_vector<R: Real>(v: &mut [R], axis: usize, (sin, cos): (R, R)) {
     v[k] = cos.fms(b, sin * a);
 }
 
-/// The body turns about a principal axis by `angle`.
+/// Turns the body about a principal axis by `angle`.
 #[inline(always)]
 pub(super) fn turn<R: Real, L: Layout, const D: usize>(y: &mut [R; D], axis: usize, angle: R) {
     let rotation = sincos(angle);
@@ -145,7 +145,7 @@ pub(super) fn turn<R: Real, L: Layout, const D: usize>(y: &mut [R; D], axis: usi
 #[derive(Clone, Copy)]
 pub struct ExactRotor<R> {
     h_over_i1: R,
-    /// Step times (1/I3 - 1/I1): the spin of the rotor relative to its turning as a whole.
+    /// Step times (1/I3 - 1/I1), the factor of L3 in the spin about axis 3.
     spin: R,
 }
 
@@ -157,8 +157,8 @@ impl<R: Real> Drift<R> for ExactRotor<R> {
         ExactRotor { h_over_i1: p.step / i1, spin: p.step * (one / i3 - one / i1) }
     }
 
-    /// The body turns about L by |L| h / I1, then the body spins about its axis 3 by (1/I3 - 1/I1) L3 h; L itself
-    /// is fixed in space. A sphere does not spin.
+    /// The body turns about L by |L| h / I1, then the body spins about its axis 3 by (1/I3 - 1/I1) L3 h; L is constant
+    /// in space. A sphere has no second rotation.
     #[inline(always)]
     fn flow<M: Model<R>, L: Layout, const D: usize>(&self, fraction: R, y: &mut [R; D]) {
         let h_over_i1 = fraction * self.h_over_i1;
@@ -187,11 +187,11 @@ impl<R: Real> Drift<R> for ExactRotor<R> {
     }
 }
 
-/// The flow with index `i` of a round: an axis, or one of these.
-const fn place<C: Round>(i: usize) -> usize {
-    if i < C::FLOWS.len() { slot(C::FLOWS[i]) } else { NONE }
+/// The code of flow `i` of a round; `NONE` beyond the round.
+const fn flow_code_at<C: Round>(i: usize) -> usize {
+    if i < C::FLOWS.len() { flow_code(C::FLOWS[i]) } else { NONE }
 }
-pub(super) const fn slot(flow: Flow) -> usize {
+pub(super) const fn flow_code(flow: Flow) -> usize {
     match flow {
         Flow::Turn(axis) => axis,
         Flow::Drift => DRIFT,
@@ -250,16 +250,16 @@ impl<C: Round, R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, L,
             None => self.numbers,
         };
         let Numbers { fractions, gradients, .. } = own;
-        // Written out within a round only: a table of many rounds is no longer in code than one.
+        // Only the flows of one round are unrolled, so the length of the code does not depend on the number of rounds.
         macro_rules! flows {
             ($round:expr; $($i:literal)*) => {$(
-                if const { place::<C>($i) != NONE } {
+                if const { flow_code_at::<C>($i) != NONE } {
                     let fraction = fractions[$round * width + $i];
-                    if const { place::<C>($i) < DRIFT } {
-                        let axis = const { place::<C>($i) % DRIFT };
+                    if const { flow_code_at::<C>($i) < DRIFT } {
+                        let axis = const { flow_code_at::<C>($i) % DRIFT };
                         let angle = (R::splat(fraction) * self.turn[axis]) * y[axis];
                         turn::<R, L, D>(y, axis, angle);
-                    } else if const { place::<C>($i) == DRIFT } {
+                    } else if const { flow_code_at::<C>($i) == DRIFT } {
                         self.drift.flow::<M, L, D>(R::splat(fraction), y);
                     } else {
                         let gradient = if gradients.is_empty() { 0.0 } else { gradients[$round] };
@@ -272,7 +272,7 @@ impl<C: Round, R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, L,
         for round in 0..rounds {
             flows!(round; 0 1 2 3 4 5);
         }
-        // A palindrome closes with the flow that it opens with.
+        // A palindrome ends with its first flow.
         if fractions.len() > rounds * width {
             flows!(rounds; 0);
         }
@@ -281,10 +281,10 @@ impl<C: Round, R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, L,
     #[inline(always)]
     fn process(&self, p: &Parameters<R>, y: &mut [R; D], leaving: bool) {
         if let Some(Processor { enter, leave }) = self.numbers.processor {
-            let way = if leaving { leave } else { enter };
-            for round in 0..way.gradients.len() {
-                kick::<R, M, D>(p, y, way.fractions[2 * round], way.gradients[round]);
-                self.drift.flow::<M, L, D>(R::splat(way.fractions[2 * round + 1]), y);
+            let composition = if leaving { leave } else { enter };
+            for round in 0..composition.gradients.len() {
+                kick::<R, M, D>(p, y, composition.fractions[2 * round], composition.gradients[round]);
+                self.drift.flow::<M, L, D>(R::splat(composition.fractions[2 * round + 1]), y);
             }
         }
     }

@@ -12,7 +12,7 @@ use crate::scene::{Applied, Layout, Model, Parameters};
 use std::mem::MaybeUninit;
 
 /// The order from which on the rounding error of the state is compensated. Compensation costs 4 % of a step of order
-/// 16, and 13 % of a step of order 8, whose steps are seldom short enough for rounding to matter.
+/// 16, and 13 % of a step of order 8; steps of order 8 are seldom so short that rounding matters.
 const COMPENSATED_FROM: usize = 16;
 
 /// A series of an even order, with the largest angle of a step and the damping limit.
@@ -44,7 +44,8 @@ macro_rules! series {
     };
 }
 
-// Angles a step at which the attitudes of 600 random bodies and tops were off by 4e-14 rad a radian turned at worst.
+// With these angles per step, the attitudes of 600 random bodies and tops were off by at most 4e-14 rad per radian
+// turned.
 /// Taylor series of order 8.
 pub const TAYLOR8: Scheme = series!(8, 1.0 / 8.0, 2.15);
 /// Taylor series of order 12.
@@ -67,7 +68,7 @@ const INVERSE: [f64; MAX_ORDER + 1] = {
     inverse
 };
 
-/// Coefficients of a state, lowest order first, in memory that nobody has to clear.
+/// Coefficients of a state, lowest order first, in uninitialised memory.
 pub struct Coefficients<R, const D: usize> {
     rows: [MaybeUninit<[R; D]>; MAX_ORDER + 1],
     known: usize,
@@ -117,7 +118,7 @@ impl<R: Real> Products<R> {
         Products { rates: [zero; 3], directions: [[zero; 3]; 3], quaternion: [zero; 4] }
     }
 
-    /// Adds the products of the rates of one order with everything of another.
+    /// Adds the products of the rates of one order with the rates, directions and quaternion of another order.
     #[inline(always)]
     fn add<M: Model<R>, L: Layout, const D: usize>(&mut self, a: &[R; D], b: &[R; D]) {
         let [w1, w2, w3] = [a[0], a[1], a[2]];
@@ -135,8 +136,8 @@ impl<R: Real> Products<R> {
         }
     }
 
-    /// The products with the rate about axis 3. In a reduced top this rate is constant: its series has one
-    /// term, and no sum over orders is needed.
+    /// Adds the products with the rate about axis 3 of a reduced top. This rate is constant: its series has one term,
+    /// and no sum over orders is needed.
     #[inline(always)]
     fn add_spin<L: Layout, const D: usize>(&mut self, w3: R, b: &[R; D]) {
         for v in 0..L::VECTORS {
@@ -164,8 +165,8 @@ pub struct Taylor<const COMPENSATED: bool, R, M> {
 }
 
 impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
-    /// All coefficients of the motion that starts at `y`. Two orders are summed side by side: what is loaded serves
-    /// both, and the newest rows come last, so that their sums may still be under way.
+    /// All coefficients of the motion that starts at `y`. Two orders are summed side by side, because both need the
+    /// same rows. The newest rows are summed last, so that the first sums need not wait.
     #[inline(always)]
     fn coefficients<L: Layout, const D: usize>(&self, unit: R, y: &[R; D], c: &mut Coefficients<R, D>) {
         c.known = 0;
@@ -324,15 +325,15 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>, L: Layout, const D: usize> S
     for Taylor<COMPENSATED, R, M>
 {
     const VARIABLES: Variables = Variables::Rates;
-    // The attitude of a top is carried as rows of its matrix: the vertical, which the torque needs anyway, and another
-    // direction cost less than the vertical and a quaternion.
+    // The attitude of a top is integrated as rows of its matrix: the vertical, which the torque needs anyway, and
+    // another direction cost less than the vertical and a quaternion.
     const MOVES: bool = !(M::HEAVY && L::QUATERNION);
     const COMPENSATED: bool = COMPENSATED;
     const IS_SERIES: bool = true;
 
     #[inline(always)]
     fn new(p: &Parameters<R>, forcing: &ForcingInterval<R>, numbers: &'static Numbers) -> Self {
-        // The bound lets the compiler see that no row lies outside the table.
+        // The bound shows the compiler that no index lies outside the table.
         let (model, applied) = (M::new(p), Applied::new(p, forcing));
         Taylor { model, applied, step: p.step, order: numbers.order.min(MAX_ORDER) }
     }
@@ -346,18 +347,18 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>, L: Layout, const D: usize> S
         c: &mut Coefficients<R, D>,
     ) {
         self.coefficients::<L, D>(self.step, y, c);
-        // Small terms first; the state, the largest, last.
-        let mut rise = *c.order(self.order);
+        // Small terms first, the state last.
+        let mut increment = *c.order(self.order);
         for k in (1..self.order).rev() {
             for d in 0..D {
-                rise[d] = rise[d] + c.order(k)[d];
+                increment[d] = increment[d] + c.order(k)[d];
             }
         }
         for d in 0..D {
             if COMPENSATED {
-                (y[d], compensation[d]) = two_sum(y[d], rise[d] + compensation[d]);
+                (y[d], compensation[d]) = two_sum(y[d], increment[d] + compensation[d]);
             } else {
-                y[d] = y[d] + rise[d];
+                y[d] = y[d] + increment[d];
             }
         }
     }
