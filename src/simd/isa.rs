@@ -10,15 +10,15 @@ pub enum Isa {
     Avx512,
     /// Four doubles a register, with FMA.
     Avx2,
-    /// One double; `fma` from the C library where the target has no instruction for it. Same bits, slow.
+    /// One double. Without a hardware instruction `fma` is a function of the C library: slow, with the same bits.
     Scalar,
 }
 
-/// The environment variable that forces a path.
+/// The environment variable that selects the instruction set.
 pub const ENVIRONMENT: &str = "RIGID_ISA";
 
 impl Isa {
-    /// All paths, widest first.
+    /// All instruction sets, widest first.
     pub const ALL: [Isa; 3] = [Isa::Avx512, Isa::Avx2, Isa::Scalar];
 
     /// The name used by `RIGID_ISA`.
@@ -30,7 +30,7 @@ impl Isa {
         }
     }
 
-    /// Whether this CPU can run the path.
+    /// Whether this CPU has the instruction set.
     pub fn is_available(self) -> bool {
         match self {
             #[cfg(target_arch = "x86_64")]
@@ -50,12 +50,12 @@ impl Isa {
         }
     }
 
-    /// The paths of this CPU, widest first.
+    /// The instruction sets of this CPU, widest first.
     pub fn available() -> Vec<Isa> {
         Isa::ALL.into_iter().filter(|isa| isa.is_available()).collect()
     }
 
-    /// The path named by `value`, or the widest if there is none.
+    /// The instruction set with the name `value`, or the widest without a name.
     pub fn parse(value: Option<&str>) -> Result<Isa, Error> {
         let available = Isa::available();
         match value {
@@ -67,7 +67,7 @@ impl Isa {
         }
     }
 
-    /// The path of this process: `RIGID_ISA` if it is set, else the widest. Read once.
+    /// The instruction set of this process: that of `RIGID_ISA` if set, else the widest. The variable is read once.
     pub fn current() -> Result<Isa, Error> {
         static CURRENT: OnceLock<Result<Isa, Error>> = OnceLock::new();
         let set = || std::env::var_os(ENVIRONMENT).map(|value| value.to_string_lossy().into_owned());

@@ -1,4 +1,4 @@
-//! Registers and the choice of the instruction set. The kernels and `map/draw.rs` enter the chosen path.
+//! Registers and the choice of the instruction set, which the kernels and `map/draw.rs` use.
 
 mod arr;
 mod isa;

@@ -1,4 +1,4 @@
-//! Numbers of bodies side by side.
+//! Rows of numbers, one for each body of a group.
 
 /// Bodies in a group: four AVX-512 registers, so that each hides the latency of the others.
 pub const LANES: usize = 32;

@@ -1,14 +1,14 @@
 //! Carlson's symmetric elliptic integrals over `Real`, by duplication (Carlson 1995, "Numerical computation of
 //! real or complex elliptic integrals", Numer. Algorithms 10).
 //!
-//! A lane that has converged is frozen: its numbers do not depend on how long its neighbours take. Roots and
-//! divisions are the cost, so the series are long and the duplications few.
+//! A converged lane is frozen, so the numbers of a lane do not depend on other lanes. Roots and divisions are
+//! expensive, so the series are long and the duplications few.
 
 use super::elementary::{atan2, ln, polynomial};
 use crate::real::Real;
 
-/// Duplications after which arguments anywhere in the range of doubles have come together: the logarithm of
-/// their ratio, below 2100 bits, halves at each until it is of order one, then the distance is quartered.
+/// Number of duplications that is enough for all arguments in the range of doubles. A duplication halves the logarithm
+/// of the ratio of two arguments (below 2100 bits) until the ratio is of order one, and then quarters the distance.
 const DUPLICATIONS: usize = 20;
 
 /// n! of a small n, as a double.
@@ -42,7 +42,8 @@ const ARCTANGENT: [f64; 22] = {
     row
 };
 
-/// Coefficients of E3^n E2^0, E3^n E2^1, … in the series of R_F about equal arguments, less its 1 (DLMF 19.19.7).
+/// Coefficients of E3^n E2^0, E3^n E2^1, … in the series of R_F about equal arguments, without the leading 1 (DLMF
+/// 19.19.7).
 const fn rf_series<const N: usize>(n: u32) -> [f64; N] {
     let mut row = [0.0; N];
     let mut m = 0;
@@ -56,7 +57,7 @@ const fn rf_series<const N: usize>(n: u32) -> [f64; N] {
     row
 }
 
-/// Which lanes still have an argument farther than `spread` times the mean from the mean.
+/// Lanes in which an argument is farther from the mean than `spread` times the mean.
 #[inline(always)]
 fn apart<R: Real, const N: usize>(mean: R, spread: f64, arguments: [R; N]) -> R::Mask {
     let mut farthest = (mean - arguments[0]).abs();
@@ -102,14 +103,14 @@ pub fn carlson_rf<R: Real>(x: R, y: R, z: R) -> R {
     let (e2, e3) = (dz.fnma(dz, product), -(product * dz));
     let first = e3.fma(polynomial(e2, SERIES_3), polynomial(e2, SERIES_2));
     let series = e3.fma(e3.fma(first, polynomial(e2, SERIES_1)), polynomial(e2, SERIES));
-    // The root and its reciprocal are off by half an ulp each: one step of Newton's, with an exact residual.
+    // The root and its reciprocal have errors of half an ulp each, so one Newton step with an exact residual follows.
     let product = mean * root;
     let rest = product.fnma(root, one) - mean.fms(root, product) * root;
     let value = root.fma(rest.fma(R::splat(0.5), series), root);
     R::select(wide, R::splat(f64::INFINITY), value)
 }
 
-/// R_C(x, y) for x >= 0, y > 0, of which the difference y - x is known better than their roundings.
+/// R_C(x, y) for x >= 0, y > 0, from a difference y - x that is more accurate than x and y.
 #[inline(always)]
 fn rc_of_difference<R: Real>(x: R, y: R, difference: R) -> R {
     // The first term left out is below NEAR^22 / 45 < 1e-17. Closer to 1 the logarithm would lose digits.
@@ -145,8 +146,8 @@ pub fn carlson_rc<R: Real>(x: R, y: R) -> R {
     }
 }
 
-/// The series of R_J and R_D about equal arguments (DLMF 19.36.2), its 1 left out, from the symmetric functions
-/// E2 to E5 of the five relative distances. Terms through degree 7.
+/// The series of R_J and R_D about equal arguments (DLMF 19.36.2) through degree 7, without the leading 1, from the
+/// symmetric functions E2 to E5 of the five relative distances.
 #[inline(always)]
 fn rj_series<R: Real>(e2: R, e3: R, e4: R, e5: R) -> R {
     const C2: f64 = -3.0 / 14.0;
@@ -166,8 +167,8 @@ fn rj_series<R: Real>(e2: R, e3: R, e4: R, e5: R) -> R {
     e2.fma(polynomial(e2, [C2, C22, C222]), e3.fma(of_e3, e4.fma(of_e4, e5 * of_e5)))
 }
 
-/// Distance from the mean, in units of the mean, at which the first terms left out of `rj_series` are below
-/// 1.4 SPREAD^8 < 1e-17.
+/// Distance from the mean, in units of the mean, at which the first omitted terms of `rj_series` are below 1.4 SPREAD^8
+/// < 1e-17.
 const RJ_SPREAD: f64 = 0.007;
 
 /// R_D(x, y, z) = R_J(x, y, z, z): arguments >= 0, z > 0, at most one of x and y 0.
@@ -209,11 +210,11 @@ pub fn carlson_rd<R: Real>(x: R, y: R, z: R) -> R {
 /// R_J(x, y, z, p): 3/2 of the integral of 1 / ((t + p) sqrt((t + x)(t + y)(t + z))) over t > 0; x, y, z >= 0,
 /// at most one of them 0, p > 0.
 ///
-/// Within 8 ulp for arguments 0 and 1e-100 to 1e100 (measured: 7.1). Slow where p is far above the others: it
-/// only quarters at each duplication.
+/// Within 8 ulp for arguments 0 and 1e-100 to 1e100 (measured: 7.1). Slow if p is far above the other arguments,
+/// because a duplication then only quarters the distance.
 #[inline(always)]
 pub fn carlson_rj<R: Real>(x: R, y: R, z: R, p: R) -> R {
-    // A quotient p / max(x, y, z) anywhere in the range of doubles.
+    // Enough for any quotient p / max(x, y, z) in the range of doubles.
     const QUARTERINGS: usize = 1024;
     let (mut x, mut y, mut z, mut p) = (x, y, z, p);
     let (fifth, quarter, two, one) = (R::splat(0.2), R::splat(0.25), R::splat(2.0), R::splat(1.0));
@@ -254,7 +255,7 @@ pub fn carlson_rj<R: Real>(x: R, y: R, z: R, p: R) -> R {
 
 /// Gauss's arithmetic-geometric mean of two numbers >= 0.
 ///
-/// Within 4 ulp where their product and the square of the larger are normal numbers (measured: 3.3); 0 of a 0.
+/// Within 4 ulp if the product and the square of the larger number are normal (measured: 3.3); 0 if a number is 0.
 #[inline(always)]
 pub fn agm<R: Real>(a: R, b: R) -> R {
     // The relative error of the last mean is SPREAD^2 / 16.

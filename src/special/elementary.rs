@@ -1,4 +1,4 @@
-//! Elementary functions over `Real`: polynomials of our own, no libm, no table.
+//! Elementary functions over `Real`, by polynomials; no libm, no tables.
 //!
 //! Kernel coefficients of sin, cos and ln: FreeBSD msun (`k_sin.c`, `k_cos.c`, `e_log.c`), Sun Microsystems 1993.
 
@@ -59,7 +59,8 @@ pub(crate) fn sincos_kernel_with_tail<R: Real>(x: R, tail: R) -> (R, R) {
     (sin, cos)
 }
 
-/// Multiples of pi/2 in x and what is left, |r| <= pi/4 as an unevaluated sum, with pi/2 in three parts (159 bits).
+/// The number of multiples of pi/2 in x, and the remainder as an unevaluated sum, |r| <= pi/4; pi/2 has three parts
+/// (159 bits).
 #[inline(always)]
 fn reduced<R: Real>(x: R) -> (R, R, R) {
     const P1: f64 = std::f64::consts::FRAC_PI_2;
@@ -71,7 +72,7 @@ fn reduced<R: Real>(x: R) -> (R, R, R) {
     let a = x - high;
     let b = a - low;
     let b_error = (a - b) - low;
-    // Close to a multiple of pi/2, b and n P2 cancel, whichever is larger: Knuth's exact difference.
+    // Close to a multiple of pi/2, b and n P2 cancel and either may be larger, so the difference is Knuth's exact one.
     let c = n * R::splat(P2);
     let c_low = n.fms(R::splat(P2), c);
     let r = b - c;
@@ -123,7 +124,7 @@ pub fn sincos<R: Real>(x: R) -> (R, R) {
 #[inline(always)]
 pub fn sincos_of_sum<R: Real>(x: R, tail: R) -> (R, R) {
     let (n, r, e) = reduced(x);
-    // An ulp of x may be many of r: their sum again in two parts.
+    // An ulp of x may be many ulp of r, so the sum is split into two parts again.
     let e = e + tail;
     let sum = r + e;
     let back = sum - r;
@@ -235,7 +236,7 @@ pub fn ln<R: Real>(x: R) -> R {
 
 /// The angle of the point (x, y) from the x axis, in [-pi, pi], within 2 ulp; 0 at the origin.
 ///
-/// Reduced to |t| <= tan(pi/8) by the diagonals; kernel coefficients of msun `s_atan.c`.
+/// The argument is reduced to |t| <= tan(pi/8) at the diagonals; kernel coefficients of msun `s_atan.c`.
 #[inline(always)]
 pub fn atan2<R: Real>(y: R, x: R) -> R {
     const AT: [f64; 11] = [
@@ -252,7 +253,7 @@ pub fn atan2<R: Real>(y: R, x: R) -> R {
         1.628_582_011_536_578_236_23e-2,
     ];
     const TAN_PI_8: f64 = 0.414_213_562_373_095_048_80;
-    // Rounding of pi/4, pi/2 and pi: the low parts complete them to 106 bits.
+    // The low parts of pi/4, pi/2 and pi, which complete the rounded numbers to 106 bits.
     const PI_4_LOW: f64 = 3.061_616_997_868_383_017_93e-17;
     let (zero, one) = (R::splat(0.0), R::splat(1.0));
     let (a, b) = (y.abs(), x.abs());
@@ -264,7 +265,7 @@ pub fn atan2<R: Real>(y: R, x: R) -> R {
     let t = R::select(diagonal, small - large, small) / R::select(diagonal, small + large, large);
     let z = t * t;
     let correction = (t * z) * polynomial(z, AT);
-    // The octant, as a multiple of pi/4 to which the reduced angle is added, or from which it is taken.
+    // The multiple of pi/4 to which the reduced angle is added, or from which the angle is subtracted.
     let base = R::select(diagonal, one, zero);
     let (base, sign) = (R::select(steep, R::splat(2.0) - base, base), R::select(steep, -one, one));
     let behind = x.lt(zero);

@@ -1,16 +1,16 @@
 //! Jacobi's elliptic functions and Legendre's complete integrals, from the complementary parameter mc = 1 - m.
 //!
-//! Everything is a function of mc: near the separatrix it is what is known, 1 - m is not.
+//! The functions depend on mc, because near the separatrix mc is known and 1 - m is not.
 
 use super::carlson::{agm, carlson_rd, carlson_rf, carlson_rj};
 use super::elementary::{ln, sincos, sinhcosh};
 use crate::real::Real;
 use std::f64::consts::FRAC_PI_2;
 
-/// The nome of the parameter `small` <= 1/2, relative accuracy also where it is tiny; `large` = 1 - `small`.
+/// The nome of the parameter `small` <= 1/2, with relative accuracy even for a tiny parameter; `large` = 1 - `small`.
 ///
-/// DLMF 19.5.6 and 19.5.7, 1 - sqrt(k') written without cancellation; the first term left out
-/// is 1707 e^17 < 3e-19 e.
+/// DLMF 19.5.6 and 19.5.7, with 1 - sqrt(k') written without cancellation; the first omitted term is 1707 e^17 < 3e-19
+/// e.
 #[inline(always)]
 fn nome<R: Real>(small: R, large: R) -> R {
     let (one, half) = (R::splat(1.0), R::splat(0.5));
@@ -26,8 +26,8 @@ fn nome<R: Real>(small: R, large: R) -> R {
 /// theta1(z) / (2 q^(1/4) sin z), theta2(z) / (2 q^(1/4) cos z), theta3(z) and theta4(z), from q and
 /// d = 2 q cos 2z.
 ///
-/// The powers of q that cos 4z and cos 6z bring are spent on d, so that no imaginary z overflows. Good to 1e-17
-/// for q <= exp(-pi) and z real, or imaginary up to a quarter of the period.
+/// The powers of q that multiply cos 4z and cos 6z are contained in d, so that no imaginary z overflows. The error is
+/// 1e-17 for q <= exp(-pi) and z real, or imaginary up to a quarter of the period.
 #[inline(always)]
 fn thetas<R: Real>(q: R, d: R) -> [R; 4] {
     let (one, two, three) = (R::splat(1.0), R::splat(2.0), R::splat(3.0));
@@ -43,51 +43,52 @@ fn thetas<R: Real>(q: R, d: R) -> [R; 4] {
 
 /// (sn, cn, dn) at `u`, for mc in 0 ..= 1; an mc below 2^-1018 counts as 0.
 ///
-/// Each is within 5 ulp of its value at an argument within 4 roundings (2^-53) of `u`, also close to a zero. For
-/// mc = 0 nothing is told beyond sech(350) = 2e-152. NaN from 2^50 (quarter periods, if m > 1/2) on.
+/// Each is within 5 ulp of its value at an argument within 4 roundings (2^-53) of `u`, also close to a zero. For mc =
+/// 0, values below sech(350) = 2e-152 have no correct digits. NaN from 2^50 (quarter periods, if m > 1/2) on.
 #[inline(always)]
 pub fn jacobi<R: Real>(u: R, mc: R) -> (R, R, R) {
     let (zero, half, one, four) = (R::splat(0.0), R::splat(0.5), R::splat(1.0), R::splat(4.0));
     // Jacobi's imaginary transformation where the complementary nome is the smaller.
-    let steep = mc.lt(half);
+    let hyperbolic = mc.lt(half);
     let m = one - mc;
-    let q = nome(R::select(steep, mc, m), R::select(steep, m, mc));
+    let q = nome(R::select(hyperbolic, mc, m), R::select(hyperbolic, m, mc));
     let [_, null2, null3, null4] = thetas(q, q + q);
-    // u / theta3^2, rounded as if theta3 were exact: only its distance from 1 is not.
+    // u / theta3^2 with the rounding of an exact theta3: only the distance of theta3 from 1 is rounded.
     let shrink = ((null3 - one) * (null3 + one)) / (null3 * null3);
     let z = shrink.fnma(u, u);
-    // A steep one loses its quarter periods here, a circular one in its sine; on the separatrix there are none.
+    // Whole quarter periods are removed here if the series are hyperbolic, in the sine if the series are circular; on
+    // the separatrix there are none.
     let least = R::splat(f64::MIN_POSITIVE);
     let periodic = R::select(least.lt(q), one, zero);
-    let counted = R::select(steep, periodic, zero);
+    let counted = R::select(hyperbolic, periodic, zero);
     let quarter = ln(R::select(least.lt(q), q, half)) * R::splat(-0.5);
     let turns = counted * (z / quarter).round();
     let known = turns.abs().lt(R::splat(1_125_899_906_842_624.0));
     let rest = R::select(known, turns.fnma(quarter, z), R::splat(f64::NAN));
-    let (mut s, mut c) = sincos(R::select(steep, zero, z));
+    let (mut s, mut c) = sincos(R::select(hyperbolic, zero, z));
     let mut square = s * s;
-    if R::any(steep) {
+    if R::any(hyperbolic) {
         let limit = R::splat(350.0);
-        let (sinh, cosh) = sinhcosh((-limit).max(limit.min(R::select(steep, rest, zero))));
-        s = R::select(steep, sinh, s);
-        c = R::select(steep, cosh, c);
-        square = R::select(steep, -(sinh * sinh), square);
+        let (sinh, cosh) = sinhcosh((-limit).max(limit.min(R::select(hyperbolic, rest, zero))));
+        s = R::select(hyperbolic, sinh, s);
+        c = R::select(hyperbolic, cosh, c);
+        square = R::select(hyperbolic, -(sinh * sinh), square);
     }
     let [t1, t2, t3, t4] = thetas(q, q * four.fnma(square, R::splat(2.0)));
     let (t1, t2) = (s * t1, c * t2);
-    // DLMF 22.2.4 to 22.2.6, and K further on: k' divided by theta2^2 leaves 4 sqrt(q).
-    let past = R::odd(turns);
+    // DLMF 22.2.4 to 22.2.6, and the same functions shifted by K, where k' over theta2^2 is replaced by 4 sqrt(q).
+    let after_odd = R::odd(turns);
     let root = four * q.sqrt();
-    let (upper, lower) = (R::select(steep, null2, null4), R::select(steep, null4, null2));
-    let under = R::select(past, t3, R::select(steep, t2, t4));
-    let sn = R::select(past, t4, t1);
-    let cn = R::select(past, -(root * t1), R::select(steep, t4, t2));
-    let dn = R::select(past, root * t2, t3);
+    let (upper, lower) = (R::select(hyperbolic, null2, null4), R::select(hyperbolic, null4, null2));
+    let denominator = R::select(after_odd, t3, R::select(hyperbolic, t2, t4));
+    let sn = R::select(after_odd, t4, t1);
+    let cn = R::select(after_odd, -(root * t1), R::select(hyperbolic, t4, t2));
+    let dn = R::select(after_odd, root * t2, t3);
     let half_turns = turns.fms(half, R::splat(0.25)).round();
     (
-        ((null3 * sn) / (lower * under)).neg_if_odd(half_turns),
-        ((upper * cn) / (lower * under)).neg_if_odd(half_turns),
-        (upper * dn) / (null3 * under),
+        ((null3 * sn) / (lower * denominator)).neg_if_odd(half_turns),
+        ((upper * cn) / (lower * denominator)).neg_if_odd(half_turns),
+        (upper * dn) / (null3 * denominator),
     )
 }
 

@@ -1,5 +1,5 @@
-//! Duplications stop in a lane when that lane has converged: the bits are equal with any neighbours and in
-//! every register.
+//! Duplications end in each lane when the lane has converged, so the bits depend neither on the other lanes nor on the
+//! register.
 
 use super::{agm, carlson_rc, carlson_rd, carlson_rf, carlson_rj};
 use super::{complete_e, complete_k, complete_pi, exp, jacobi};
@@ -9,22 +9,22 @@ use crate::simd::{Arr, Isa};
 const ROWS: usize = 4096;
 const ARGUMENTS: usize = 4;
 
-/// The n-th number of the k-th of a few sequences that fill 0 to 1 evenly, neighbours far apart.
-fn even(n: usize, k: usize) -> f64 {
+/// The n-th number of the k-th of a few low-discrepancy sequences in 0 to 1.
+fn low_discrepancy(n: usize, k: usize) -> f64 {
     (n as f64 * [0.754_877_666, 0.569_840_291, 0.618_033_989, 0.414_213_562][k]).fract()
 }
 
-/// One sequence after another: positive numbers in ranges of all widths, a first one that may be 0, the last a
-/// complementary parameter: of every size, 0 and 1.
+/// The arguments, one vector each: positive numbers in ranges of all widths; the first number may be 0; the last is a
+/// complementary parameter of any size, including 0 and 1.
 fn arguments() -> Vec<Vec<f64>> {
     let of_row = |n: usize, k: usize| {
         let width = [0.05, 1.0, 10.0, 60.0, 200.0][n % 5];
         match (n % 7, k) {
             (0, 0) | (3, 3) => 0.0,
             (5, 3) => 1.0,
-            (_, 3) if n.is_multiple_of(2) => even(n, k),
-            (_, 3) => exp(-width * even(n, k)),
-            _ => exp(width * (2.0 * even(n, k) - 1.0)),
+            (_, 3) if n.is_multiple_of(2) => low_discrepancy(n, k),
+            (_, 3) => exp(-width * low_discrepancy(n, k)),
+            _ => exp(width * (2.0 * low_discrepancy(n, k) - 1.0)),
         }
     };
     (0..ARGUMENTS).map(|k| (0..ROWS).map(|n| of_row(n, k)).collect()).collect()
@@ -46,7 +46,7 @@ fn results<P: Pack>(arguments: &[Vec<f64>]) -> Vec<[u64; ROWS]> {
             let mut lanes = [0.0; 64];
             value.store(&mut lanes);
             for lane in 0..P::LANES {
-                // A NaN equals any NaN: its payload is no number.
+                // All NaN are equal: the payload of a NaN is no result.
                 let x = lanes[lane];
                 row[start + lane] = if x.is_nan() { f64::NAN.to_bits() } else { x.to_bits() };
             }

@@ -1,10 +1,10 @@
 //! Theta series on the rectangular torus of an elliptic motion.
 //!
 //! A motion with parameter `m` and complement `mc = 1 - m` is a quotient of theta functions of the phase `u`.
-//! For `m <= 1/2` they are trigonometric series with the nome `q`; for `m > 1/2` Jacobi's imaginary
-//! transformation turns them into hyperbolic series with the complementary nome. Either nome is at most
-//! `exp(-pi)`, and the phase is reduced to half a quarter period: the first term left out of any series here
-//! is below `q^14 < 1e-19` of the first. Sources: Whittaker & Watson, ch. 21; DLMF §20.2, 20.7, 20.11.
+//! For `m <= 1/2` the theta functions are trigonometric series with the nome `q`; for `m > 1/2` Jacobi's imaginary
+//! transformation gives hyperbolic series with the complementary nome. Either nome is at most `exp(-pi)`, and the phase
+//! is reduced to half a quarter period, so the first omitted term of any series is below `q^14 < 1e-19` of the first
+//! term. Sources: Whittaker & Watson, ch. 21; DLMF §20.2, 20.7, 20.11.
 
 use super::carlson::carlson_rf;
 use super::elementary::{ln, sincos, sincos_kernel_with_tail, sinhcosh};
@@ -38,8 +38,8 @@ impl<R: Real> Multiples<R> {
         x
     }
 
-    /// `d_k cosh(k x)` and `d_k sinh(k x)` with the powers of the nome that go with them in a theta series:
-    /// `q^(k^2/4)` for even k, `q^((k^2-1)/4)` for odd k. The products stay small where the factors overflow.
+    /// `d_k cosh(k x)` and `d_k sinh(k x)` with their powers of the nome in a theta series: `q^(k^2/4)` for even k,
+    /// `q^((k^2-1)/4)` for odd k. The products are small even if the factors overflow.
     #[inline(always)]
     fn hyperbolic(nome: R, x: R) -> Self {
         let (one, zero) = (R::splat(1.0), R::splat(0.0));
@@ -127,7 +127,7 @@ impl<R: Real> Torus<R> {
             R::select(hyperbolic, null2, null4) / R::select(hyperbolic, null4, null2),
             R::select(hyperbolic, null2, null4) / null3,
         ];
-        // On the separatrix the quarter period is infinite: every phase is its own rest.
+        // On the separatrix the quarter period is infinite, so no quarter period is subtracted from a phase.
         let finite = zero.lt(nome);
         let logarithm = ln(R::select(finite, nome, one)) * R::splat(-0.5);
         let endless = R::select(finite, logarithm, R::splat(f64::INFINITY));
@@ -154,8 +154,8 @@ impl<R: Real> Torus<R> {
         self.quarter
     }
 
-    /// The phase with these sn, cn >= 0 and dn, measured from its nearer end, 0 or K: both small distances keep
-    /// their relative accuracy.
+    /// The phase with these sn, cn >= 0 and dn, measured from the nearer end, 0 or K, so that a small distance from
+    /// either end keeps its relative accuracy.
     #[inline(always)]
     pub fn phase(&self, sn: R, cn: R, dn: R) -> Phase<R> {
         let (zero, one) = (R::splat(0.0), R::splat(1.0));
@@ -174,8 +174,8 @@ impl<R: Real> Torus<R> {
         Phase { quarters: R::select(back, -quarters, quarters), rest: R::select(back, -rest, rest) }
     }
 
-    /// The phase after the time `t` at this rate of the series argument; the product is not rounded before the
-    /// whole quarter periods are taken off.
+    /// The phase after the time `t` at this rate of the series argument; the product is not rounded before the whole
+    /// quarter periods are subtracted.
     #[inline(always)]
     pub fn advance(&self, start: &Phase<R>, rate: R, t: R) -> Phase<R> {
         let product = rate * t;
@@ -189,7 +189,7 @@ impl<R: Real> Torus<R> {
         let whole_low =
             R::select(turns.abs().lt(R::splat(0.5)), R::splat(0.0), turns.fms(self.quarter, whole));
         let rest = (high - whole) + (low - turns.fma(self.quarter_low, whole_low));
-        // From 2^50 quarter periods on, a phase in doubles is no phase.
+        // From 2^50 quarter periods on, a phase in doubles is undetermined.
         let known = turns.abs().lt(R::splat(1_125_899_906_842_624.0));
         Phase { quarters: start.quarters + turns, rest: R::select(known, rest, R::splat(f64::NAN)) }
     }
@@ -226,14 +226,14 @@ impl<R: Real> Torus<R> {
     /// sn, cn and dn.
     #[inline(always)]
     pub fn jacobi(&self, phase: &Phase<R>, x: &Multiples<R>) -> [R; 3] {
-        let (numerators, under) = self.series(phase, x);
-        let inverse = R::splat(1.0) / under;
+        let (numerators, denominator) = self.series(phase, x);
+        let inverse = R::splat(1.0) / denominator;
         let [sn, cn, dn] = numerators;
         let [s, c, d] = self.quotient;
         [(s * sn) * inverse, (c * cn) * inverse, (d * dn) * inverse]
     }
 
-    /// sn, cn and dn over their constants, as numerators and the positive series under them.
+    /// sn, cn and dn over their constants: three numerators, and a common positive denominator.
     #[inline(always)]
     pub fn series(&self, phase: &Phase<R>, x: &Multiples<R>) -> ([R; 3], R) {
         let (one, zero, two) = (R::splat(1.0), R::splat(0.0), R::splat(2.0));
@@ -246,7 +246,7 @@ impl<R: Real> Torus<R> {
         if !R::any(self.hyperbolic) {
             return ([th1, th2, th3], th4);
         }
-        // A hyperbolic series past an odd number of quarter periods: K + u in terms of u.
+        // A hyperbolic series after an odd number of quarter periods: functions of K + u in terms of u.
         let odd = R::odd(phase.quarters);
         let half_turns = phase.quarters.fms(R::splat(0.5), R::splat(0.25)).round();
         let half_turns = R::select(self.hyperbolic, half_turns, zero);
@@ -254,17 +254,20 @@ impl<R: Real> Torus<R> {
         let sn = R::select(odd, th4, th1).neg_if_odd(half_turns);
         let cn = R::select(odd, -(small * th1), th4).neg_if_odd(half_turns);
         let dn = R::select(odd, small * th2, th3);
-        let under = R::select(odd, th3, th2);
+        let denominator = R::select(odd, th3, th2);
         let h = self.hyperbolic;
-        ([R::select(h, sn, th1), R::select(h, cn, th2), R::select(h, dn, th3)], R::select(h, under, th4))
+        (
+            [R::select(h, sn, th1), R::select(h, cn, th2), R::select(h, dn, th3)],
+            R::select(h, denominator, th4),
+        )
     }
 
-    /// The theta function in the denominators of sn, cn and dn, and its derivative; the hyperbolic one at the rest.
+    /// The common denominator of sn, cn and dn, and its derivative.
     #[inline(always)]
     fn denominator(&self, phase: &Phase<R>, x: &Multiples<R>) -> (R, R) {
         let (one, two) = (R::splat(1.0), R::splat(2.0));
         let p = &self.power;
-        // Circular: theta4. Hyperbolic: theta2 / q^(1/4), or theta3 past an odd number of quarter periods.
+        // Circular: theta4. Hyperbolic: theta2 / q^(1/4), or theta3 after an odd number of quarter periods.
         let sign = R::select(self.hyperbolic, two, -two);
         let even =
             (p[2] * sign).fma(x.even[2], (p[4] * two).fma(x.even[4], (p[6] * sign).fma(x.even[6], one)));
@@ -282,9 +285,10 @@ impl<R: Real> Torus<R> {
     }
 }
 
-/// A theta function of `x + iy` along real `x`, `A + iB`: what turns the phase of a closed form.
+/// A theta function of `x + iy` for real `x`, `A + iB`: its argument is an angle of rotation of a closed form.
 ///
-/// `theta4` and `theta3` are even, `theta2` and `theta1` odd multiples; `theta4` and `theta1` alternate in sign.
+/// `theta4` and `theta3` have even multiples, `theta2` and `theta1` odd multiples; `theta4` and `theta1` alternate in
+/// sign.
 #[derive(Clone, Copy)]
 pub struct Shifted<R: Real> {
     real: [R; TOP],
@@ -296,8 +300,8 @@ pub struct Shifted<R: Real> {
 }
 
 impl<R: Real> Shifted<R> {
-    /// The function at the imaginary elliptic argument `eta <= K'/2`: `odd` chooses theta1 over theta4 (ALTERNATE)
-    /// or theta2 over theta3. A constant factor of modulus one is omitted.
+    /// The function at the imaginary elliptic argument `eta <= K'/2`: `odd` selects theta1 instead of theta4
+    /// (ALTERNATE), or theta2 instead of theta3. A constant factor of modulus one is omitted.
     #[inline(always)]
     pub fn new<const ALTERNATE: bool>(torus: &Torus<R>, eta: R, odd: R::Mask) -> Self {
         let (zero, one) = (R::splat(0.0), R::splat(1.0));
@@ -307,7 +311,8 @@ impl<R: Real> Shifted<R> {
         let mut real = [one; TOP];
         let mut imaginary = [zero; TOP];
         if R::any(torus.hyperbolic) {
-            // theta(x + iy) is a theta function of Y - iX; the odd ones of Y - pi/2 - iX, by exact quarter turns.
+            // theta(x + iy) is a theta function of Y - iX; an odd one is a theta function of Y - pi/2 - iX, by exact
+            // quarter turns.
             let x = Multiples::circular(sincos(R::select(torus.hyperbolic, y, zero)));
             for k in 1..TOP {
                 let negative = (k / 2) % 2 == 1;
@@ -333,12 +338,12 @@ impl<R: Real> Shifted<R> {
     /// Angle by which the function turns in half a period.
     #[inline(always)]
     pub fn winding(&self, torus: &Torus<R>) -> R {
-        // The odd circular series goes with exp(-ix).
+        // The odd circular series contains exp(-ix).
         let circular = R::select(self.odd, R::splat(-PI), R::splat(0.0));
         R::select(torus.hyperbolic, self.turn + self.turn, circular)
     }
 
-    /// Whether the odd multiples count at this phase.
+    /// Whether the series has odd multiples at this phase.
     #[inline(always)]
     fn odd_at<const ALTERNATE: bool>(&self, torus: &Torus<R>, phase: &Phase<R>) -> R::Mask {
         let (zero, one) = (R::splat(0.0), R::splat(1.0));
@@ -347,7 +352,7 @@ impl<R: Real> Shifted<R> {
         zero.lt(R::select(torus.hyperbolic, hyperbolic, R::select(self.odd, one, zero)))
     }
 
-    /// Whether odd multiples count in some lane; only to skip work that no lane needs.
+    /// Whether the series has odd multiples in some lane; used only to skip work that no lane needs.
     #[inline(always)]
     fn any_odd(&self, torus: &Torus<R>) -> bool {
         R::any(torus.hyperbolic) || R::any(self.odd)
@@ -399,7 +404,7 @@ impl<R: Real> Shifted<R> {
         db.fms(a, da * b) / a.fma(a, b * b)
     }
 
-    /// The function over the denominator of sn, cn and dn, and the derivative of that quotient.
+    /// The function over the denominator of sn, cn and dn, and the derivative of this quotient.
     #[inline(always)]
     pub fn quotient<const ALTERNATE: bool>(
         &self,
@@ -409,14 +414,14 @@ impl<R: Real> Shifted<R> {
     ) -> ([R; 2], [R; 2]) {
         let value = self.value::<ALTERNATE>(torus, phase, x);
         let slope = self.slope::<ALTERNATE>(torus, phase, x);
-        let (under, under_slope) = torus.denominator(phase, x);
+        let (denominator, denominator_slope) = torus.denominator(phase, x);
         let one = R::splat(1.0);
-        let mut inverse = one / under;
-        let decay = under_slope * inverse;
+        let mut inverse = one / denominator;
+        let decay = denominator_slope * inverse;
         if !ALTERNATE {
-            // theta2 / theta3 has twice the fourth root of the nome more than theta4 / theta2 has less.
-            let past = R::select(R::odd(phase.quarters), torus.root, one);
-            inverse = inverse * R::select(torus.hyperbolic, past, one);
+            // After an odd number of quarter periods the quotient contains the square root of the nome.
+            let factor = R::select(R::odd(phase.quarters), torus.root, one);
+            inverse = inverse * R::select(torus.hyperbolic, factor, one);
         }
         let quotient = [value[0] * inverse, value[1] * inverse];
         let rate = [quotient[0].fnma(decay, slope[0] * inverse), quotient[1].fnma(decay, slope[1] * inverse)];
