@@ -162,6 +162,7 @@ macro_rules! entry_points {
         }
     )*};
 }
+
 /// The kernels: each engine with each system that the engine integrates. `R` stands for the pack and `M` for the model
 /// in this pack. Engines with long chains of rotations are fastest with two packs side by side inside the step (`Arr`),
 /// other engines with one (benches/README.md). The first system with the needed variables is taken, so a system with
@@ -213,7 +214,8 @@ macro_rules! kernels {
             }
         }
     };
-    // The compiler works by modules. Each engine has its own module, so a change of one engine compiles only its kernels.
+    // The compiler works by modules. Each engine has its own module, so a change of one engine compiles only the
+    // kernels of this engine.
     (@modules { $($engine:ident: $stepper:ty, $avx512:ty, $avx2:ty;)* }) => {
         mod kernels_of {$(
             #[allow(non_snake_case)]

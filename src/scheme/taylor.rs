@@ -231,8 +231,8 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
         next
     }
 
-    /// The part of the applied torque in the coefficients of order k + 1, and the balance: the coefficient of the torque
-    /// of order k is linear in the states of orders k and k - 1, and the power is one more Cauchy product.
+    /// Adds the applied torque to the coefficients of order k + 1, and computes those of the balance. The coefficient
+    /// of the torque of order k is linear in the states of orders k and k - 1; the power is one more Cauchy product.
     #[inline(always)]
     fn add_applied<L: Layout, const D: usize>(
         &self,
