@@ -3,13 +3,14 @@
 use crate::error::Error;
 use nalgebra::{Matrix3, SymmetricEigen};
 
-/// Relative slack of the triangle inequality: moments of a flat body, rounded to doubles, may break it by this much.
+/// Relative slack of the triangle inequality: the moments of a flat body, rounded to doubles, may break the inequality
+/// by this much.
 const FLATNESS: f64 = 4.0 * f64::EPSILON;
 
 /// Relative error of an eigenvalue of a tensor of inertia.
 const EIGENVALUE_ROUNDING: f64 = 16.0 * f64::EPSILON;
 
-/// Whether a rigid body has three principal moments, or the first rule that they break.
+/// Whether three principal moments are possible, or the first rule that they break.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum MomentStatus {
@@ -31,7 +32,7 @@ impl MomentStatus {
     /// The status of three moments.
     pub fn of(moments: [f64; 3]) -> MomentStatus {
         let [a, b, c] = moments;
-        // As a difference: the sum of two huge moments could overflow, the half of a subnormal one rounds.
+        // A difference, because the sum of two huge moments could overflow and the half of a subnormal moment rounds.
         let exceeds = |big: f64, x: f64, y: f64| big - x > y + FLATNESS * big;
         if moments.iter().any(|m| !m.is_finite()) {
             MomentStatus::NotFinite
@@ -55,8 +56,8 @@ impl MomentStatus {
     }
 }
 
-/// Principal moments about the body axes 1, 2, 3, in the user's order: finite, positive, no one above the
-/// sum of the other two.
+/// Principal moments about the body axes 1, 2, 3, in the user's order: finite, positive, none above the sum of the
+/// other two.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Inertia([f64; 3]);
 
@@ -101,7 +102,7 @@ pub fn principal_axes(tensor: [[f64; 3]; 3]) -> Result<(Inertia, [[f64; 3]; 3]),
     let mut order = [0, 1, 2];
     order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
     let [a, b, c] = order.map(|k| eigen.eigenvalues[k]);
-    // The eigenvalues of a flat body are rounded: an excess of some ulp is taken for equality.
+    // The eigenvalues of a flat body are rounded, so an excess of a few ulp counts as equality.
     let c = if c - b > a && c - b <= a + EIGENVALUE_ROUNDING * c { a + b } else { c };
     let inertia = Inertia::new([a, b, c])?;
     let column = |k: usize| {

@@ -43,7 +43,7 @@ impl<R: Real> ForcingInterval<R> {
 pub struct Forcing {
     /// Times of the values, ascending; two equal times are a jump. Empty for a constant torque.
     times: Vec<f64>,
-    /// Torque in the body, and in space, at each time; one pair for a constant torque; none without forcing.
+    /// Torque in the body and torque in space at each time; one pair for a constant torque; empty without forcing.
     values: Vec<[[f64; 3]; 2]>,
     /// Entries 11, 22, 33, 23, 31, 12 of the damping matrix `D`: the damping torque is `-D omega`.
     damping: [f64; 6],
@@ -53,11 +53,11 @@ impl Forcing {
     /// No applied torque and no damping.
     pub const NONE: &'static Forcing = &Forcing { times: Vec::new(), values: Vec::new(), damping: [0.0; 6] };
 
-    /// A torque given in the body and in space at some times (none: constant), and damping.
+    /// A torque in the body and in space, given at some times (without times: a constant torque), and damping.
     ///
     /// # Errors
-    /// Naming the argument: numbers that are not finite, times that descend or that are not as many as the values,
-    /// damping that would add energy.
+    /// If a number is not finite, if the times descend, if there is not one value for each time, or if damping would
+    /// add energy.
     pub fn new(
         times: &[f64],
         body: &[[f64; 3]],
@@ -97,7 +97,7 @@ impl Forcing {
             damping,
         };
         let [least, .., largest] = made.damping_rates([1.0; 3]);
-        // Eigenvalues are found to a few roundings of the largest.
+        // The error of an eigenvalue is a few roundings of the largest one.
         if least < -8.0 * f64::EPSILON * largest.abs().max(least.abs()) {
             let rule = "must be positive semi-definite, so that damping cannot add energy";
             let [d11, d22, d33, d23, d31, d12] = damping;
@@ -195,8 +195,7 @@ impl Forcing {
         }
     }
 
-    /// Damping rates of a body with these moments without torque, ascending: the eigenvalues of
-    /// `I^(-1/2) D I^(-1/2)`.
+    /// Damping rates of a body with these moments without torque, ascending: the eigenvalues of `I^(-1/2) D I^(-1/2)`.
     pub fn damping_rates(&self, moments: [f64; 3]) -> [f64; 3] {
         let mut rates = self.damping_modes(moments).0;
         rates.sort_by(f64::total_cmp);
@@ -209,15 +208,15 @@ impl Forcing {
         let mut scaled = [[d11, d12, d31], [d12, d22, d23], [d31, d23, d33]];
         for i in 0..3 {
             for k in 0..3 {
-                // The root of a square would round.
+                // The root of a square would be rounded.
                 scaled[i][k] /= if i == k { moments[i] } else { moments[i].sqrt() * moments[k].sqrt() };
             }
         }
         eigen(scaled)
     }
 
-    /// A bound of the integral of `|I^(-1/2) torque|` between two times, which bounds the gain of the root of twice the
-    /// energy. The size of a linear function is convex, so the sum of trapezoids is a bound.
+    /// A bound of the integral of `|I^(-1/2) torque|` between two times, which bounds the increase of the root of twice
+    /// the energy. The size of a linear function is convex, so the sum of trapezoids is a bound.
     fn gain(&self, moments: [f64; 3], from: f64, to: f64) -> f64 {
         if self.times.is_empty() {
             return size(moments, self.values[0]) * (to - from).abs();
@@ -251,13 +250,13 @@ impl Forcing {
         (0..3).map(|i| own[i] / moments[i]).find(fits).filter(|_| diagonal)
     }
 
-    /// The largest `|I^(-1/2) torque|`, at any time.
+    /// The largest `|I^(-1/2) torque|` of all times.
     fn strength(&self, moments: [f64; 3]) -> f64 {
         self.values.iter().map(|&value| size(moments, value)).fold(0.0, f64::max)
     }
 
-    /// A bound of |omega| between two times around 0, from the power balance. Twice the kinetic energy at the start,
-    /// the weight `mgl`, and the energy that the body can gain by falling.
+    /// A bound of |omega| between two times around 0, from the power balance. `twice_kinetic` is taken at the start,
+    /// `mgl` is the weight, `fall` the energy that the body can gain by falling.
     ///
     /// With `u = |I^(1/2) omega|`, `u' <= |I^(-1/2) torque| - d u`, and `|omega| <= u / sqrt(I_min)`; `d` is the least
     /// damping rate. Backward in time damping adds energy at the largest rate.
@@ -297,7 +296,7 @@ fn size(moments: [f64; 3], [body, space]: [[f64; 3]; 2]) -> f64 {
 /// and roots are used, so that the bits are equal on all machines.
 fn eigen(mut a: [[f64; 3]; 3]) -> ([f64; 3], [[f64; 3]; 3]) {
     let mut vectors = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    // Convergence is quadratic: the off-diagonal part of any matrix is gone after five or six sweeps.
+    // Convergence is quadratic: the off-diagonal part of any matrix vanishes after five or six sweeps.
     for _ in 0..12 {
         for (p, q) in [(0, 1), (0, 2), (1, 2)] {
             if a[p][q] == 0.0 {

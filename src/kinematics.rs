@@ -41,21 +41,21 @@ pub fn attitude_rate<R: Real>(q: &[R; 4], omega: &[R; 3]) -> [R; 4] {
     ]
 }
 
-/// `sum` and `n x omega`, from the rates across axis 3.
+/// Adds the part of `n x omega` from the rates across axis 3 to `sum`.
 #[inline(always)]
 pub fn add_turn_across<R: Real>(n: &[R; 3], [w1, w2]: [R; 2], sum: &mut [R; 3]) {
     let [n1, n2, n3] = *n;
     *sum = [n3.fnma(w2, sum[0]), n3.fma(w1, sum[1]), n2.fnma(w1, n1.fma(w2, sum[2]))];
 }
 
-/// `sum` and `n x omega`, from the rate about axis 3.
+/// Adds the part of `n x omega` from the rate about axis 3 to `sum`.
 #[inline(always)]
 pub fn add_turn_along<R: Real>(n: &[R; 3], w3: R, sum: &mut [R; 3]) {
     let [n1, n2, _] = *n;
     (sum[0], sum[1]) = (n2.fma(w3, sum[0]), n1.fnma(w3, sum[1]));
 }
 
-/// `sum` and `q (0, omega)`, from the rates across axis 3.
+/// Adds the part of `q (0, omega)` from the rates across axis 3 to `sum`.
 #[inline(always)]
 pub fn add_roll_across<R: Real>(q: &[R; 4], [w1, w2]: [R; 2], sum: &mut [R; 4]) {
     let [q0, q1, q2, q3] = *q;
@@ -67,7 +67,7 @@ pub fn add_roll_across<R: Real>(q: &[R; 4], [w1, w2]: [R; 2], sum: &mut [R; 4]) 
     ];
 }
 
-/// `sum` and `q (0, omega)`, from the rate about axis 3.
+/// Adds the part of `q (0, omega)` from the rate about axis 3 to `sum`.
 #[inline(always)]
 pub fn add_roll_along<R: Real>(q: &[R; 4], w3: R, sum: &mut [R; 4]) {
     let [q0, q1, q2, q3] = *q;
@@ -104,8 +104,7 @@ pub fn rotation_by<R: Real>(v: &[R; 3]) -> [R; 4] {
     [quarter.fnma(b, R::splat(1.0)), s * v[0], s * v[1], s * v[2]]
 }
 
-/// Writes a part of a state, from the component `at` on. `copy_from_slice` is a call wherever the compiler does not
-/// happen to inline it.
+/// Writes a part of a state, from the component `at` on. The compiler does not always inline `copy_from_slice`.
 #[inline(always)]
 #[allow(clippy::manual_memcpy)]
 pub fn put<R: Copy, const D: usize, const N: usize>(y: &mut [R; D], at: usize, part: [R; N]) {

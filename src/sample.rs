@@ -59,7 +59,7 @@ impl Law {
         ("uniform_attitude", Law::UniformAttitude),
     ];
 
-    /// The distribution of that name.
+    /// The distribution of this name.
     pub fn parse(argument: &'static str, name: &str) -> Result<Law, Error> {
         Law::NAMES.iter().find(|(known, _)| *known == name).map(|&(_, law)| law).ok_or_else(|| {
             Error::Unknown {

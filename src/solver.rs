@@ -6,9 +6,9 @@ use crate::scheme::Scheme;
 /// The solver of a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Solver {
-    /// By its closed form.
+    /// The closed form.
     Exact,
-    /// By a scheme.
+    /// A scheme.
     Steps(&'static Scheme),
 }
 
@@ -16,14 +16,14 @@ impl Solver {
     /// The name of the closed forms among the methods.
     pub const EXACT: &str = "exact";
 
-    /// The solver of that name.
+    /// The solver of this name.
     pub fn parse(name: &str) -> Result<Solver, Error> {
         if name == Solver::EXACT { Ok(Solver::Exact) } else { Scheme::parse(name).map(Solver::Steps) }
     }
 }
 
-/// The default step of a scheme at a rate, in which the motion turns by its `angle_per_step`. Infinite for a body that
-/// does not turn.
+/// The default step of a scheme at a rate: the motion turns by the `angle_per_step` of the scheme. Infinite for a body
+/// that does not turn.
 pub fn default_step(scheme: &Scheme, rate: f64) -> f64 {
     scheme.facts.angle_per_step / rate
 }

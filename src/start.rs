@@ -47,7 +47,7 @@ impl Body {
         self.moments[(axis + 1) % 3] == self.moments[(axis + 2) % 3]
     }
 
-    /// 1 - cos of the angle between the upward vertical and the centre of mass on this axis.
+    /// 1 - cos of the angle between the upward vertical and the centre of mass, which lies on this axis.
     pub fn depth(&self, axis: usize) -> f64 {
         let vertical = self.vertical()[axis];
         1.0 - if self.weight[axis] < 0.0 { -vertical } else { vertical }
@@ -55,9 +55,9 @@ impl Body {
 
     /// A bound of |omega| between two times around 0; without forcing, over the whole motion.
     ///
-    /// Each component is bounded by the energy, `omega_k^2 <= 2 T / I_k`, where a top can gain the fall from
-    /// upright. The polhode gives a closer bound for a free body, the constant spin for a symmetric top, and the
-    /// power balance a bound for a forced body.
+    /// Each component is bounded by the energy, `omega_k^2 <= 2 T / I_k`, where a top can gain the energy of a fall
+    /// from the upright position. The polhode gives a closer bound for a free body, the constant spin a closer bound
+    /// for a symmetric top, and the power balance a bound for a forced body.
     pub fn fastest_rate(&self, forcing: &Forcing, span: [f64; 2]) -> f64 {
         let twice_kinetic: f64 = (0..3).map(|k| self.moments[k] * self.omega[k] * self.omega[k]).sum();
         let mgl = self.weight.iter().map(|c| c * c).sum::<f64>().sqrt();
@@ -78,7 +78,7 @@ impl Body {
             }
             None => (0..3).map(|k| reach / self.moments[k]).sum(),
         };
-        // A top also swings: the pendulum frequency is a rate even if nothing turns yet.
+        // A top also swings, so its rate is at least the pendulum frequency, even for a top at rest.
         let smallest = self.moments.iter().fold(f64::INFINITY, |a, &b| a.min(b));
         squares.max(mgl / smallest).sqrt()
     }
@@ -88,7 +88,7 @@ impl Body {
         (1..3).fold(0, |s, k| if self.moments[k] < self.moments[s] { k } else { s })
     }
 
-    /// The axis about which a top is symmetric with its centre of mass on it: its spin is then constant.
+    /// The symmetry axis of a Lagrange top, about which the spin is constant.
     pub(crate) fn lagrange_axis(&self) -> Option<usize> {
         (0..3).find(|&k| {
             let (i, j) = ((k + 1) % 3, (k + 2) % 3);
@@ -123,7 +123,7 @@ impl Body {
 pub fn unit_quaternion(q: [f64; 4]) -> Option<[f64; 4]> {
     let square = |[w, x, y, z]: [f64; 4]| (w * w + y * y) + (x * x + z * z);
     let (mut q, mut squares) = (q, square(q));
-    // So that no square leaves the range of doubles; a power of two changes no digit.
+    // A power of two changes no digit and keeps the squares in the range of doubles.
     let range = 1e-200..1e200;
     if !range.contains(&squares) {
         let power: u64 = if squares < 1.0 { 1023 + 600 } else { 1023 - 600 };
@@ -133,20 +133,21 @@ pub fn unit_quaternion(q: [f64; 4]) -> Option<[f64; 4]> {
     (squares > 0.0).then(|| q.map(|x| x / squares.sqrt()))
 }
 
-/// The rates, times a time in which a body as fast as `rate` turns by a thousandth of a radian, after that time: by
-/// their Taylor series, since the first derivatives may vanish too (a top released at rest).
-pub(crate) fn rates_soon(body: &Body, interval: &ForcingInterval<f64>, rate: f64) -> [f64; 3] {
+/// The rates after a short time, times this time, in which a body with the rate `rate` turns by 1e-3 rad. The rates
+/// follow from a Taylor series, because the first derivatives may vanish too (a top released at rest).
+pub(crate) fn rates_after_start(body: &Body, interval: &ForcingInterval<f64>, rate: f64) -> [f64; 3] {
     const TERMS: usize = 6;
     let time = 1e-3 / rate;
     let (i, c) = (body.moments, body.weight.map(|c| c * time * time));
     let (mut w, mut n) = ([[0.0; 3]; TERMS], [[0.0; 3]; TERMS]);
     w[0] = body.omega.map(|rate| rate * time);
     n[0] = body.vertical();
-    // Torques in space have body components that turn like those of the vertical.
-    let seen = |torque: &[f64; 3]| to_body_frame(&body.attitude, torque).map(|x| x * time * time);
+    // The body components of a torque in space turn like those of the vertical.
+    let in_body = |torque: &[f64; 3]| to_body_frame(&body.attitude, torque).map(|x| x * time * time);
     let (mut steady, mut rising) = ([[0.0; 3]; TERMS], [[0.0; 3]; TERMS]);
-    (steady[0], rising[0]) = (seen(&interval.space[0]), seen(&interval.space[1]).map(|x| x * time));
-    let own = [interval.body[0].map(|x| x * time * time), interval.body[1].map(|x| x * time * time * time)];
+    (steady[0], rising[0]) = (in_body(&interval.space[0]), in_body(&interval.space[1]).map(|x| x * time));
+    let body_torque =
+        [interval.body[0].map(|x| x * time * time), interval.body[1].map(|x| x * time * time * time)];
     let [d11, d22, d33, d23, d31, d12] = interval.damping.map(|d| d * time);
     let damping = [[d11, d12, d31], [d12, d22, d23], [d31, d23, d33]];
     let mut sum = w[0];
@@ -155,7 +156,7 @@ pub(crate) fn rates_soon(body: &Body, interval: &ForcingInterval<f64>, rate: f64
         for x in 0..3 {
             let (y, z) = ((x + 1) % 3, (x + 2) % 3);
             let mut torque = n[m][y] * c[z] - n[m][z] * c[y] + steady[m][x] - dot(&damping[x], &w[m]);
-            torque += if m < 2 { own[m][x] } else { 0.0 };
+            torque += if m < 2 { body_torque[m][x] } else { 0.0 };
             torque += if m > 0 { rising[m - 1][x] } else { 0.0 };
             for a in 0..=m {
                 torque += (i[y] - i[z]) * w[a][y] * w[m - a][z];

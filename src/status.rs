@@ -8,16 +8,17 @@ pub enum Status {
     Finished = 0,
     /// The integration stopped when the body was classified.
     Stopped = 1,
-    /// The body needs more steps than allowed: it was not integrated, or, with adaptive steps, only to the limit.
+    /// The body needs more steps than allowed. A body with fixed steps is not integrated; a body with adaptive steps is
+    /// integrated up to the limit.
     StepLimit = 2,
     /// A number overflowed or became NaN.
     NotFinite = 3,
-    /// The energy, the conserved momentum or the length of a direction or quaternion was lost: the step is too
-    /// long for the motion to mean anything.
+    /// The error of the energy, of the conserved momentum or of the length of a direction or quaternion exceeds
+    /// `DRIFT_LIMIT`: the step is too long for meaningful states.
     Drifted = 4,
 }
 
-/// Relative error of an invariant from which on a motion counts as drifted.
+/// Relative error of an invariant above which a motion counts as drifted.
 pub const DRIFT_LIMIT: f64 = 0.1;
 
 impl Status {

@@ -6,7 +6,7 @@ use crate::forcing::{Forcing, ForcingInterval};
 use crate::real::Real;
 use crate::scene::{Layout, Model, Parameters};
 use crate::scheme::Stepper;
-use crate::start::rates_soon;
+use crate::start::rates_after_start;
 
 /// Sign changes of one component of the rates, located inside the step.
 pub struct Flips;
@@ -69,10 +69,10 @@ impl Observable for Flips {
         let mut rows = super::UNOBSERVED;
         let k = start.axis.unsigned_abs() as usize - 1;
         let value = match (start.body.omega[k], start.forcing) {
-            (0.0, Some((interval, rate))) => rates_soon(start.body, interval, rate)[k],
+            (0.0, Some((interval, rate))) => rates_after_start(start.body, interval, rate)[k],
             (0.0, None) => {
                 let rate = start.body.fastest_rate(Forcing::NONE, [0.0; 2]);
-                rates_soon(start.body, &ForcingInterval::none(), rate)[k]
+                rates_after_start(start.body, &ForcingInterval::none(), rate)[k]
             }
             (omega, _) => omega,
         };
