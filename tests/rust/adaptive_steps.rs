@@ -1,5 +1,5 @@
-//! Taylor series that choose their steps: as exact as asked, the same bits in any company, states in between for
-//! nothing, and hardly a lane that waits.
+//! Adaptive steps of Taylor series: the error follows the tolerance, the bits do not depend on the batch, dense output
+//! takes no steps, and few lanes are inactive.
 
 use crate::tests::scene_of;
 use rigid::forcing::Forcing;
@@ -12,7 +12,7 @@ use rigid::status::Status;
 use rigid::trajectory::{Record, Request, Schedule, States, simulate};
 use std::sync::atomic::AtomicBool;
 
-struct Question<'a> {
+struct Case<'a> {
     bodies: &'a [Body],
     method: &'static Scheme,
     tolerance: f64,
@@ -23,21 +23,12 @@ struct Question<'a> {
     isa: Isa,
 }
 
-fn asked<'a>(bodies: &'a [Body], method: &'static Scheme, tolerance: f64, times: &'a [f64]) -> Question<'a> {
+fn case<'a>(bodies: &'a [Body], method: &'static Scheme, tolerance: f64, times: &'a [f64]) -> Case<'a> {
     let isa = Isa::available()[0];
-    Question {
-        bodies,
-        method,
-        tolerance,
-        record: Record::Attitude,
-        times,
-        max_steps: 1 << 40,
-        threads: 1,
-        isa,
-    }
+    Case { bodies, method, tolerance, record: Record::Attitude, times, max_steps: 1 << 40, threads: 1, isa }
 }
 
-impl Question<'_> {
+impl Case<'_> {
     fn request<'a>(&'a self, solver: Solver, steps: &'a [f64], tolerance: Option<f64>) -> Request<'a> {
         Request {
             bodies: self.bodies,
@@ -53,7 +44,7 @@ impl Question<'_> {
         }
     }
 
-    fn answer(&self) -> States {
+    fn adaptive_states(&self) -> States {
         let first =
             |body: &Body| self.method.facts.angle_per_step / body.fastest_rate(Forcing::NONE, [0.0; 2]);
         let steps: Vec<f64> = self.bodies.iter().map(first).collect();
@@ -61,7 +52,7 @@ impl Question<'_> {
         simulate(&request, self.threads, self.isa, &AtomicBool::new(false)).unwrap()
     }
 
-    fn exactly(&self) -> States {
+    fn exact_states(&self) -> States {
         let steps = vec![f64::INFINITY; self.bodies.len()];
         let request = self.request(Solver::Exact, &steps, None);
         simulate(&request, self.threads, self.isa, &AtomicBool::new(false)).unwrap()
@@ -72,7 +63,7 @@ fn series() -> impl Iterator<Item = &'static Scheme> {
     scheme::ALL.iter().copied().filter(|method| method.is_series())
 }
 
-/// Any body, symmetric about its axis 3 with its centre of mass there if asked; rates of one size times `spin`.
+/// A random body, with its centre of mass on the symmetry axis 3 if `symmetric`; rates of one size times `spin`.
 fn body(number: u64, is_top: bool, symmetric: bool, spin: f64) -> Body {
     let u = |block| uniforms([1, 2], block, number, 0);
     let [a, b, c, _] = u(0).map(|x| 0.2 + x);
@@ -100,10 +91,11 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(x, y)| (x - y).powi(2)).sum::<f64>().sqrt()
 }
 
-// --- As exact as asked ----------------------------------------------------------------------------------------
+// --- Accuracy --------------------------------------------------------------------------------------------------
 
-/// A step leaves out terms no larger than about the tolerance, and a body turns by a few tenths of a radian in it: the
-/// attitude is off by less than the tolerance a radian, or by rounding. Both ways in time, at times of every step.
+/// The omitted terms of a step are about as large as the tolerance, and a body turns by a few tenths of a radian in a
+/// step. So the error of the attitude is less than the tolerance per radian, plus rounding. Forward and backward in
+/// time, at times inside every step.
 #[test]
 fn the_error_follows_the_tolerance() {
     let times: Vec<f64> = (-40..=40).map(|k| 0.37 * f64::from(k)).collect();
@@ -111,8 +103,8 @@ fn the_error_follows_the_tolerance() {
         let bodies: Vec<Body> = (0..64).map(|i| body(i, is_top, is_top, 2.0)).collect();
         for method in series() {
             for tolerance in [1e-6, 1e-9, 1e-12, 1e-15] {
-                let question = asked(&bodies, method, tolerance, &times);
-                let (got, exact) = (question.answer(), question.exactly());
+                let case = case(&bodies, method, tolerance, &times);
+                let (got, exact) = (case.adaptive_states(), case.exact_states());
                 let mut worst = 0.0_f64;
                 for (i, body) in bodies.iter().enumerate() {
                     assert_eq!(got.status[i], Status::Finished);
@@ -132,13 +124,14 @@ fn the_error_follows_the_tolerance() {
     }
 }
 
-/// More wanted times take no further steps and change no state.
+/// More requested times need no more steps and change no state.
 #[test]
-fn states_in_between_are_free() {
+fn dense_output_changes_no_step() {
     let bodies: Vec<Body> = (0..40).map(|i| body(i, true, false, 2.0)).collect();
     let many: Vec<f64> = (0..1000).map(|k| 0.02 * f64::from(k)).collect();
     let few = [many[7], many[500], many[999]];
-    let [many, few] = [&many[..], &few].map(|times| asked(&bodies, &scheme::TAYLOR16, 1e-14, times).answer());
+    let [many, few] =
+        [&many[..], &few].map(|times| case(&bodies, &scheme::TAYLOR16, 1e-14, times).adaptive_states());
     assert_eq!(many.steps, few.steps);
     for i in 0..bodies.len() {
         for (of_few, of_many) in [(0, 7), (1, 500), (2, 999)] {
@@ -151,8 +144,8 @@ fn states_in_between_are_free() {
 
 // --- The same bits --------------------------------------------------------------------------------------------
 
-/// Bodies of both frames, one that overflows, one at rest, one too fast for the steps allowed.
-fn crowd(is_top: bool) -> Vec<Body> {
+/// Free bodies or tops: one overflows, one is at rest, one needs more steps than allowed.
+fn batch(is_top: bool) -> Vec<Body> {
     let mut bodies: Vec<Body> =
         (0..203).map(|i| body(i, is_top, i % 3 == 0, 1.0 + 3.0 * (i % 7) as f64 / 6.0)).collect();
     bodies[100].omega = [1e200, 1e200, 1.0];
@@ -162,30 +155,30 @@ fn crowd(is_top: bool) -> Vec<Body> {
 }
 
 #[test]
-fn the_same_bits_in_any_company() {
+fn the_bits_of_a_body_do_not_depend_on_the_batch() {
     let times = [-0.7, 0.0, 0.3, 0.31, 20.0];
     for is_top in [false, true] {
-        let bodies = crowd(is_top);
+        let bodies = batch(is_top);
         for (method, record) in
             series().zip([Record::Rates, Record::Axis, Record::Attitude].into_iter().cycle())
         {
-            let ask = |bodies: &[Body], threads, isa| {
-                Question { record, max_steps: 3000, threads, isa, ..asked(bodies, method, 1e-12, &times) }
-                    .answer()
+            let run = |bodies: &[Body], threads, isa| {
+                Case { record, max_steps: 3000, threads, isa, ..case(bodies, method, 1e-12, &times) }
+                    .adaptive_states()
             };
             let isa = Isa::available()[0];
             let everything =
                 |states: &States| (0..bodies.len()).map(|i| numbers(states, i)).collect::<Vec<_>>();
-            let together = ask(&bodies, 1, isa);
+            let together = run(&bodies, 1, isa);
             let once = everything(&together);
             for isa in Isa::available() {
-                assert_eq!(everything(&ask(&bodies, 2, isa)), once, "{method:?} {isa:?}");
+                assert_eq!(everything(&run(&bodies, 2, isa)), once, "{method:?} {isa:?}");
             }
             for i in 0..bodies.len() {
-                assert_eq!(numbers(&ask(&bodies[i..=i], 1, isa), 0), once[i], "{method:?} body {i}");
+                assert_eq!(numbers(&run(&bodies[i..=i], 1, isa), 0), once[i], "{method:?} body {i}");
             }
             let mirrored: Vec<Body> = bodies.iter().rev().copied().collect();
-            let mut mirrored = everything(&ask(&mirrored, 3, isa));
+            let mut mirrored = everything(&run(&mirrored, 3, isa));
             mirrored.reverse();
             assert_eq!(mirrored, once, "{method:?}");
 
@@ -198,28 +191,28 @@ fn the_same_bits_in_any_company() {
     }
 }
 
-// --- Hardly a lane waits --------------------------------------------------------------------------------------
+// --- Active lanes ----------------------------------------------------------------------------------------------
 
-/// Bodies whose work spreads fourfold: of the steps of all lanes, those of bodies.
+/// The share of active lanes in all steps, for bodies whose numbers of steps differ by a factor of four.
 #[test]
-fn lanes_are_used() {
+fn few_lanes_are_inactive() {
     let bodies: Vec<Body> =
         (0..1024).map(|i| body(i, true, false, 8.0 * (1.0 + 3.0 * (i % 16) as f64 / 15.0))).collect();
-    let states = asked(&bodies, &scheme::TAYLOR16, 1e-13, &[100.0]).answer();
+    let states = case(&bodies, &scheme::TAYLOR16, 1e-13, &[100.0]).adaptive_states();
     let (least, most) = (states.steps.iter().min().unwrap(), states.steps.iter().max().unwrap());
-    let useful = states.steps.iter().sum::<u64>() as f64 / states.lane_steps as f64;
-    println!("{least} to {most} steps, useful {useful:.3}");
-    assert!(most >= &(4 * least) && useful >= 0.95, "{least} to {most}: {useful}");
+    let utilisation = states.steps.iter().sum::<u64>() as f64 / states.lane_steps as f64;
+    println!("{least} to {most} steps, utilisation {utilisation:.3}");
+    assert!(most >= &(4 * least) && utilisation >= 0.95, "{least} to {most}: {utilisation}");
 }
 
-// --- What is refused ------------------------------------------------------------------------------------------
+// --- Refused requests ------------------------------------------------------------------------------------------
 
 #[test]
-fn a_tolerance_that_says_nothing() {
+fn refused_tolerances() {
     let bodies = [body(1, false, false, 1.0)];
     let refusal = |method: &'static Scheme, tolerance: f64| {
-        let question = asked(&bodies, method, tolerance, &[1.0]);
-        let request = question.request(Solver::Steps(method), &[0.1], Some(tolerance));
+        let case = case(&bodies, method, tolerance, &[1.0]);
+        let request = case.request(Solver::Steps(method), &[0.1], Some(tolerance));
         simulate(&request, 1, Isa::Scalar, &AtomicBool::new(false)).err().expect("refused").to_string()
     };
     for method in [&scheme::RK4, &scheme::SPLITTING] {

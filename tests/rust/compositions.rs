@@ -1,5 +1,5 @@
-//! What the compositions promise: their order, on a free body, on a Lagrange top and on a top without symmetry, against
-//! the closed form or a converged run; the way back; lengths; and no drift of the energy.
+//! Properties of the compositions: their order for a free body, a Lagrange top and a top without symmetry, against the
+//! closed form or a converged run; reversibility; lengths; and an energy without drift.
 
 use crate::tests::scene_of;
 use rigid::error::Error;
@@ -23,7 +23,7 @@ struct Scene {
 
 fn scenes() -> [Scene; 4] {
     let attitude = [0.8, 0.4, -0.4, 0.2];
-    // Several starts: of a single one the leading error may nearly vanish.
+    // Several starts, because the leading error of one start may nearly vanish.
     let omegas = [[0.9, -0.4, 1.1], [-0.5, 1.2, 0.3], [0.2, 0.7, -1.3], [1.4, 0.3, 0.5]];
     let length = (0.3_f64 * 0.3 + 0.2 * 0.2 + 0.93 * 0.93).sqrt();
     let scene = |name, moments, weight: [f64; 3]| {
@@ -39,7 +39,7 @@ fn scenes() -> [Scene; 4] {
     ]
 }
 
-fn ask(scene: &Scene, solver: Solver, times: &[f64], step: f64) -> States {
+fn integrate(scene: &Scene, solver: Solver, times: &[f64], step: f64) -> States {
     let request = Request {
         bodies: &scene.bodies,
         scene: scene_of(scene.is_top),
@@ -55,8 +55,8 @@ fn ask(scene: &Scene, solver: Solver, times: &[f64], step: f64) -> States {
     simulate(&request, 1, Isa::available()[0], &AtomicBool::new(false)).unwrap()
 }
 
-/// Sum of the differences of rates and attitudes, whose signs are free.
-fn miss(a: &States, b: &States) -> f64 {
+/// Sum of the differences of rates and attitudes; the sign of an attitude is arbitrary.
+fn difference(a: &States, b: &States) -> f64 {
     let sum = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(p, q)| (p - q).abs()).sum::<f64>();
     let (p, q) = (a.attitude.as_ref().unwrap(), b.attitude.as_ref().unwrap());
     let turned = |(p, q): (&[f64], &[f64])| sum(p, q).min(p.iter().zip(q).map(|(x, y)| (x + y).abs()).sum());
@@ -67,16 +67,16 @@ fn all_finished(states: &States) -> bool {
     states.status.iter().all(|&status| status == Status::Finished)
 }
 
-/// Of a scene with a closed form that, else the composition of the highest order with tiny steps.
-fn truth(scene: &Scene, time: f64) -> States {
+/// The closed form, or the composition of the highest order with tiny steps for a scene without a closed form.
+fn reference(scene: &Scene, time: f64) -> States {
     if scene.name == "asymmetric" {
-        ask(scene, Solver::Steps(&scheme::SPLITTING8), &[time], 0.01)
+        integrate(scene, Solver::Steps(&scheme::SPLITTING8), &[time], 0.01)
     } else {
-        ask(scene, Solver::Exact, &[time], 0.01)
+        integrate(scene, Solver::Exact, &[time], 0.01)
     }
 }
 
-fn new_methods(scene: &Scene) -> impl Iterator<Item = &'static Scheme> {
+fn geometric_methods(scene: &Scene) -> impl Iterator<Item = &'static Scheme> {
     let is_top = scene.is_top;
     scheme::ALL
         .iter()
@@ -84,28 +84,28 @@ fn new_methods(scene: &Scene) -> impl Iterator<Item = &'static Scheme> {
         .filter(move |m| m.facts.group_preserving && m.check(scene_of(is_top), false).is_ok())
 }
 
-/// The order of what is left: a body without weight only drifts.
-fn nominal(method: &'static Scheme, scene: &Scene) -> f64 {
+/// The order of the remaining error: a body without weight only drifts.
+fn nominal_order(method: &'static Scheme, scene: &Scene) -> f64 {
     let kicks = [scheme::CHIN4A, scheme::SRKN6, scheme::SRKN11, scheme::SRKN14, scheme::PMLF4, scheme::PMLF6];
     f64::from(if !scene.is_top && kicks.contains(method) { 10 } else { method.facts.order })
 }
 
-/// The slope between the finest steps whose error, of four bodies, is above rounding, and above that of the converged
-/// run where there is no closed form. It misses the order by what the next even power of the step adds: most where
-/// the leading error is small, as srkn14 is made to have it; and next to nothing of the error of order 6 is left by
-/// the processor of pmlf6, which looks like 7.
+/// The slope between the finest steps for which the error of four bodies is above rounding, and above the error of the
+/// converged run if there is no closed form. The slope differs from the order by the effect of the next even power of
+/// the step. The effect is large where the leading error is small: srkn14 is constructed so, and the processor of pmlf6
+/// removes nearly all of the error of order 6, which looks like order 7.
 #[test]
 fn orders() {
     const TIME: f64 = 6.0;
     for scene in scenes() {
-        let truth = truth(&scene, TIME);
-        for method in new_methods(&scene) {
-            let order = nominal(method, &scene);
+        let reference = reference(&scene, TIME);
+        for method in geometric_methods(&scene) {
+            let order = nominal_order(method, &scene);
             let mut slope = f64::NAN;
             let mut last = (f64::NAN, 1.0);
             for n in [12, 16, 20, 24, 32, 40, 48, 64, 96, 128, 192, 256, 512, 1024, 2048] {
-                let states = ask(&scene, Solver::Steps(method), &[TIME], TIME / f64::from(n));
-                let error = if all_finished(&states) { miss(&states, &truth) } else { f64::NAN };
+                let states = integrate(&scene, Solver::Steps(method), &[TIME], TIME / f64::from(n));
+                let error = if all_finished(&states) { difference(&states, &reference) } else { f64::NAN };
                 if error < if scene.name == "asymmetric" { 2e-11 } else { 4.5e-12 } {
                     break;
                 }
@@ -123,40 +123,40 @@ fn orders() {
     }
 }
 
-/// A palindrome forwards and then backwards is the identity, up to rounding: 200 steps of at most 103 flows there and
-/// back, ten roundings each, that the motion magnifies by less than thirty; four bodies.
+/// A palindrome forwards and then backwards is the identity, up to rounding: 200 steps of at most 103 flows in each
+/// direction with ten roundings each, magnified by the motion by less than thirty; four bodies.
 #[test]
-fn there_and_back() {
+fn a_palindrome_is_reversible() {
     for scene in scenes() {
-        for method in new_methods(&scene).filter(|m| m.facts.reversible) {
-            let there = ask(&scene, Solver::Steps(method), &[5.0], 0.025);
+        for method in geometric_methods(&scene).filter(|m| m.facts.reversible) {
+            let there = integrate(&scene, Solver::Steps(method), &[5.0], 0.025);
             let attitudes = there.attitude.as_ref().unwrap();
             let arrived = |(i, body): (usize, &Body)| Body {
                 omega: there.rates()[3 * i..][..3].try_into().unwrap(),
                 attitude: attitudes[4 * i..][..4].try_into().unwrap(),
                 ..*body
             };
-            let bodies = scene.bodies.iter().enumerate().map(arrived).collect();
-            let back = ask(&Scene { bodies, ..scene }, Solver::Steps(method), &[-5.0], 0.025);
-            let home = ask(&scene, Solver::Steps(method), &[0.0], 0.025);
-            let miss = miss(&back, &home);
+            let bodies = scene.bodies.iter().enumerate().map(at_end).collect();
+            let back = integrate(&Scene { bodies, ..scene }, Solver::Steps(method), &[-5.0], 0.025);
+            let home = integrate(&scene, Solver::Steps(method), &[0.0], 0.025);
+            let difference = difference(&back, &home);
             let roundings = (2.0 * 200.0 * 10.0 * method.facts.stages.max(7) as f64).sqrt() * EPS / 2.0;
-            println!("{:22} {:11} {miss:.1e} {:.1e}", scene.name, method.facts.name, 120.0 * roundings);
-            assert!(miss <= 120.0 * roundings, "{} {method:?}: {miss:e}", scene.name);
+            println!("{:22} {:11} {difference:.1e} {:.1e}", scene.name, method.facts.name, 120.0 * roundings);
+            assert!(difference <= 120.0 * roundings, "{} {method:?}: {difference:e}", scene.name);
         }
     }
 }
 
-/// Over 1e5 steps the lengths of the quaternion and of the vertical (of a free body: of L) stay at rounding, eps a turn
-/// at most, and the error of the energy is as large in the last nine tenths as in the first.
+/// During 1e5 steps the lengths of the quaternion and of the vertical, or of L of a free body, change only by rounding,
+/// at most eps a turn; and the error of the energy does not grow after the first tenth.
 #[test]
-fn nothing_drifts() {
+fn lengths_and_energy_do_not_drift() {
     const STEP: f64 = 0.05;
     for scene in scenes() {
-        for method in new_methods(&scene) {
+        for method in geometric_methods(&scene) {
             let run = |steps: f64| {
                 let times: Vec<f64> = (1..=500).map(|k| f64::from(k) * STEP * steps / 500.0).collect();
-                ask(&scene, Solver::Steps(method), &times, STEP)
+                integrate(&scene, Solver::Steps(method), &times, STEP)
             };
             let [early, all] = [run(1e4), run(1e5)];
             assert!(all_finished(&all), "{} {method:?}", scene.name);
@@ -174,14 +174,15 @@ fn nothing_drifts() {
     }
 }
 
-/// Too long a step of a discrete Moser-Veselov drift has no state: its equation has no solution, or another one.
+/// Too long a step of a discrete Moser-Veselov drift gives no state, because the equation of the step has no solution,
+/// or a wrong one.
 #[test]
-fn no_plausible_wrong_state() {
+fn too_long_a_drift_gives_no_state() {
     let (mut refused, mut finished) = (0, 0);
     for number in 0..3000 {
         let [a, b, c, h] = uniforms([7, 8], 0, number, 0);
         let [x, y, z, flat] = uniforms([7, 8], 1, number, 0).map(|u| 2.0 * u - 1.0);
-        // Any body, down to needles and discs of one in a hundred.
+        // Random bodies, down to needles and discs with a ratio of one in a hundred.
         let thin = if flat > 0.0 { 1.0 } else { 0.01 };
         let body = Body {
             moments: [b * thin + c, c + a, a + b * thin],
@@ -192,12 +193,12 @@ fn no_plausible_wrong_state() {
         let scene = Scene { name: "free", is_top: false, bodies: vec![body] };
         let rate = (x * x + y * y + z * z).sqrt();
         let step = 4.0 * h / rate;
-        let truth = ask(&scene, Solver::Exact, &[step], step);
+        let reference = integrate(&scene, Solver::Exact, &[step], step);
         for (method, bound) in [(&scheme::DMV6, 2e-2), (&scheme::DMV8, 1e-2), (&scheme::DMV10, 1e-2)] {
-            let states = ask(&scene, Solver::Steps(method), &[step], step);
+            let states = integrate(&scene, Solver::Steps(method), &[step], step);
             if states.status[0] == Status::Finished {
                 finished += 1;
-                let error = miss(&states, &truth) / rate.max(1.0);
+                let error = difference(&states, &reference) / rate.max(1.0);
                 assert!(error < bound, "{method:?} turning by {}: {error:e}, {body:?}", rate * step);
             } else {
                 refused += 1;
@@ -209,11 +210,11 @@ fn no_plausible_wrong_state() {
     assert!(finished > 500 && refused > 500);
 }
 
-/// A method that cannot do what is asked says so.
+/// A method refuses scenes and observables that it does not support.
 #[test]
-fn refusals() {
+fn refused_scenes_and_observables() {
     let refused =
-        |method: &'static Scheme, is_top, is_watched| match method.check(scene_of(is_top), is_watched) {
+        |method: &'static Scheme, is_top, is_observed| match method.check(scene_of(is_top), is_observed) {
             Ok(()) => false,
             Err(Error::Value { argument, value, .. }) => {
                 assert_eq!((argument, value), ("method", format!("'{}'", method.facts.name)));

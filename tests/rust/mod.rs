@@ -4,7 +4,6 @@ mod adaptive_steps;
 mod bodies;
 mod closed_forms;
 mod compositions;
-mod driven_bodies;
 mod elementary_functions;
 mod elliptic_functions;
 mod events_of_series;

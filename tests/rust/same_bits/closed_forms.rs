@@ -3,9 +3,9 @@
 use super::*;
 use crate::tests::scene_of;
 
-/// Bodies of a closed form in its variables: ordinary ones, and beside them in the same registers those at every
-/// border of its code: separatrices, near and met exactly, poles, turning points, stable axes, extreme units.
-fn placed(kind: EvaluatorKind) -> Vec<Body> {
+/// Bodies of a closed form in canonical variables. Ordinary bodies are in the same registers as special ones: near and
+/// exactly on separatrices, at poles and turning points, on stable axes, with extreme units.
+fn canonical_bodies(kind: EvaluatorKind) -> Vec<Body> {
     let special = |number: u64| -> Body {
         let ordinary = body(number, kind == EvaluatorKind::Lagrange, kind != EvaluatorKind::Free);
         let tiny = 10.0_f64.powi(-((number / 14) as i32) - 4);
@@ -34,7 +34,7 @@ fn placed(kind: EvaluatorKind) -> Vec<Body> {
             (EvaluatorKind::Lagrange, 6) => top(1.2, [2.0, 0.0, 0.0], 4.0),
             (EvaluatorKind::Lagrange, 7) => top(1.2, [0.0, 0.7, 0.0], 4.0),
             (EvaluatorKind::Lagrange, 8) => top(1.2, [0.3, 0.7, 6.0], -4.0),
-            // Through the bottom at the speed that just reaches the top.
+            // Through the bottom, with the speed at which the body just reaches the top.
             (EvaluatorKind::Lagrange, 9) => {
                 Body { attitude: [0.0, 1.0, 0.0, 0.0], ..top(0.0, [4.0, 0.0, 0.0], 4.0) }
             }
@@ -49,60 +49,62 @@ fn placed(kind: EvaluatorKind) -> Vec<Body> {
     bodies
 }
 
-const MOMENTS_OF_TIME: [f64; 6] = [2.0, -3.7, 0.0, 0.3, 41.3, 1e4];
+const EVALUATION_TIMES: [f64; 6] = [2.0, -3.7, 0.0, 0.3, 41.3, 1e4];
 
-/// What each lane is asked; see `Exit`.
-fn asked(number: usize) -> [f64; 3] {
+/// The exit that is computed for a lane; see `ExitRows`.
+fn exit_of(number: usize) -> [f64; 3] {
     [(number % 3) as f64, [0.05, 0.6, 1.0, 1.9][number % 4], [1.0, -1.0][number / 2 % 2]]
 }
 
-/// States, rates and exit of each lane: numbered bodies, the lanes at different times.
+/// States, rates and exit of each lane; the times differ between lanes.
 fn evaluated(kind: EvaluatorKind, isa: Isa, lanes: &[(usize, Body)]) -> Vec<Vec<u64>> {
     let mut starts = StartRows::filled(&lanes[0].1);
     let nothing = Row([0.0; LANES]);
     let mut exits = ExitRows { axis: nothing, limit: nothing, direction: nothing };
-    let mut times = [nothing; MOMENTS_OF_TIME.len()];
+    let mut times = [nothing; EVALUATION_TIMES.len()];
     for (lane, (number, body)) in lanes.iter().enumerate() {
         starts.set(lane, body);
-        let [axis, limit, direction] = asked(*number);
+        let [axis, limit, direction] = exit_of(*number);
         (exits.axis.0[lane], exits.limit.0[lane], exits.direction.0[lane]) = (axis, limit, direction);
         for (k, row) in times.iter_mut().enumerate() {
-            row.0[lane] = MOMENTS_OF_TIME[(k + number) % MOMENTS_OF_TIME.len()];
+            row.0[lane] = EVALUATION_TIMES[(k + number) % EVALUATION_TIMES.len()];
         }
     }
     let evaluator = Evaluator::new(kind, isa);
-    let mut states = [StateRows::ZERO; MOMENTS_OF_TIME.len()];
+    let mut states = [StateRows::ZERO; EVALUATION_TIMES.len()];
     let mut rates = states;
-    let mut left = nothing;
+    let mut exit_times = nothing;
     evaluator.states(&starts, &times, &mut states);
     evaluator.rates(&starts, &times, &mut rates);
-    evaluator.exits(&starts, &exits, &mut left);
+    evaluator.exits(&starts, &exits, &mut exit_times);
     let of_lane = |lane: usize| {
         let of_state = |state: &StateRows| {
             let rows = state.omega.iter().chain(&state.attitude);
             rows.map(|row| bits(row.0[lane])).collect::<Vec<u64>>()
         };
         let mut numbers: Vec<u64> = states.iter().chain(&rates).flat_map(of_state).collect();
-        numbers.push(bits(left.0[lane]));
+        numbers.push(bits(exit_times.0[lane]));
         numbers
     };
     (0..lanes.len()).map(of_lane).collect()
 }
 
-/// A body in all lanes at once, and among others in every lane, has the same bits.
+/// A body in all lanes, and a body in any lane with other bodies, have the same bits.
 #[test]
 fn closed_forms_on_every_instruction_set_and_in_every_lane() {
     for kind in [EvaluatorKind::Symmetric, EvaluatorKind::Free, EvaluatorKind::Lagrange] {
-        let bodies: Vec<(usize, Body)> = placed(kind).into_iter().enumerate().collect();
-        let alone = |it: &(usize, Body)| evaluated(kind, Isa::Scalar, &[*it; LANES]).swap_remove(0);
+        let bodies: Vec<(usize, Body)> = canonical_bodies(kind).into_iter().enumerate().collect();
+        let alone = |numbered_body: &(usize, Body)| {
+            evaluated(kind, Isa::Scalar, &[*numbered_body; LANES]).swap_remove(0)
+        };
         let once: Vec<Vec<u64>> = bodies.iter().map(alone).collect();
-        // A start that is no number would compare equal to anything that is none.
+        // A NaN would compare equal to any NaN.
         let unknown = once.iter().flatten().filter(|&&x| x == f64::NAN.to_bits()).count();
         assert_eq!(unknown, 0, "{kind:?}");
         for isa in Isa::available() {
-            for (it, expected) in bodies.iter().zip(&once) {
-                for (lane, got) in evaluated(kind, isa, &[*it; LANES]).iter().enumerate() {
-                    assert_eq!(got, expected, "{kind:?} {isa:?} lane {lane}: {it:?}");
+            for (numbered_body, expected) in bodies.iter().zip(&once) {
+                for (lane, got) in evaluated(kind, isa, &[*numbered_body; LANES]).iter().enumerate() {
+                    assert_eq!(got, expected, "{kind:?} {isa:?} lane {lane}: {numbered_body:?}");
                 }
             }
             for shift in 0..LANES {
@@ -118,32 +120,32 @@ fn closed_forms_on_every_instruction_set_and_in_every_lane() {
     }
 }
 
-/// What is said of a whole motion.
+/// Derived quantities of a motion.
 #[test]
 fn derived_quantities_on_every_instruction_set() {
     for is_top in [false, true] {
-        for body in exact_crowd(is_top) {
-            // As text, which shows every bit of a number and in which a NaN equals itself.
-            let told = |isa| {
+        for body in exact_batch(is_top) {
+            // As text, which shows every bit of a number, and in which all NaN are equal.
+            let quantities_as_text = |isa| {
                 let changes: Vec<_> = (0..3).map(|axis| sign_changes(isa, &body, axis)).collect();
                 let times: Vec<_> = [0.1, 1.0, 2.0].map(|limit| tilt_time(isa, &body, limit)).into();
                 let quantities = (free_quantities(isa, &body), top_quantities(isa, &body));
                 format!("{changes:?} {times:?} {quantities:?}")
             };
-            let scalar = told(Isa::Scalar);
+            let scalar = quantities_as_text(Isa::Scalar);
             for isa in Isa::available() {
-                assert_eq!(told(isa), scalar, "{isa:?} {body:?}");
+                assert_eq!(quantities_as_text(isa), scalar, "{isa:?} {body:?}");
             }
         }
     }
 }
 
-/// Bodies with every closed form in turn, those of one code side by side and not.
-fn exact_crowd(is_top: bool) -> Vec<Body> {
+/// Bodies with every closed form in turn, some with the same evaluator side by side.
+fn exact_batch(is_top: bool) -> Vec<Body> {
     let bodies = |i: u64| {
         let mut body = body(i, is_top, is_top || i.is_multiple_of(3) || i > 150);
         match i % 11 {
-            // A spin, an upright top, a hanging one, a swing in a plane.
+            // A permanent rotation, an upright top, a hanging top, a planar pendulum.
             3 if !is_top => body.omega = [0.0, 0.7, 0.0],
             3 => {
                 body = Body { weight: [0.0, 0.0, 1.5], moments: [1.0, 1.0, 1.2], ..body };
@@ -160,7 +162,7 @@ fn exact_crowd(is_top: bool) -> Vec<Body> {
     (0..203).map(bodies).collect()
 }
 
-fn ask_exactly(
+fn closed_form(
     (is_top, bodies): (bool, &[Body]),
     times: &[f64],
     record: Record,
@@ -184,21 +186,21 @@ fn ask_exactly(
     simulate(&request, threads, isa, &GO).unwrap()
 }
 
-/// A body alone has its times in the lanes, a crowd has bodies in them.
+/// The lanes contain the times of a single body, or the bodies of a batch.
 #[test]
 fn closed_forms_with_times_or_bodies_in_the_lanes() {
     let few = TIMES.to_vec();
-    // More than are evaluated between two looks at the stop flag.
+    // More times than are evaluated between two checks of the stop flag.
     let many: Vec<f64> = (0..300).map(|k| 0.37 * f64::from(k) - 40.0).collect();
     for is_top in [false, true] {
-        let bodies = exact_crowd(is_top);
+        let bodies = exact_batch(is_top);
         for record in [Record::Rates, Record::Axis, Record::Attitude] {
             for times in [&few, &many] {
-                let ask = |bodies: &[Body], threads, isa| {
-                    ask_exactly((is_top, bodies), times, record, threads, isa)
+                let solve = |bodies: &[Body], threads, isa| {
+                    closed_form((is_top, bodies), times, record, threads, isa)
                 };
                 let everything = |threads, isa| {
-                    let states = ask(&bodies, threads, isa);
+                    let states = solve(&bodies, threads, isa);
                     (0..bodies.len()).map(|i| of_body(&states, i)).collect::<Vec<_>>()
                 };
                 let once = everything(1, Isa::Scalar);
@@ -208,7 +210,7 @@ fn closed_forms_with_times_or_bodies_in_the_lanes() {
                         assert_eq!(everything(threads, isa), once, "{threads} threads, {isa:?}");
                     }
                     for i in 0..bodies.len() {
-                        let alone = ask(&bodies[i..=i], 1, isa);
+                        let alone = solve(&bodies[i..=i], 1, isa);
                         assert_eq!(of_body(&alone, 0), once[i], "body {i}, {isa:?}");
                     }
                 }
@@ -217,12 +219,12 @@ fn closed_forms_with_times_or_bodies_in_the_lanes() {
     }
 }
 
-/// The state at a time does not depend on the other times, however many.
+/// The state at a time does not depend on the other times.
 #[test]
 fn closed_forms_at_any_number_of_times() {
     let times: Vec<f64> = (0..2 * 8192 + 5).map(|k| 0.01 * f64::from(k)).collect();
     for is_top in [false, true] {
-        let bodies = &exact_crowd(is_top)[..2];
+        let bodies = &exact_batch(is_top)[..2];
         let isa = Isa::available()[0];
         let omega =
             |times: &[f64]| ask_exactly((is_top, bodies), times, Record::Rates, 1, isa).rates().to_vec();
@@ -237,16 +239,16 @@ fn closed_forms_at_any_number_of_times() {
     }
 }
 
-/// What else is recorded does not touch the rates.
+/// Records do not change the rates.
 #[test]
-fn less_asked_of_closed_forms_is_the_same() {
+fn records_change_no_rates_of_closed_forms() {
     for is_top in [false, true] {
-        let bodies = exact_crowd(is_top);
+        let bodies = exact_batch(is_top);
         let isa = Isa::available()[0];
         let ask = |record| ask_exactly((is_top, &bodies), &TIMES, record, 2, isa).rates().to_vec();
         let attitude = ask(Record::Attitude);
         for record in [Record::Rates, Record::Axis] {
-            let less = ask(record);
+            let less = solve(record);
             for (i, body) in bodies.iter().enumerate() {
                 let [a, b] =
                     [&less, &attitude].map(|w| all_bits(&w[3 * TIMES.len() * i..][..3 * TIMES.len()]));

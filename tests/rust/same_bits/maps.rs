@@ -1,10 +1,10 @@
-//! Maps, however they are cut and shared out.
+//! Maps, for any division of the work.
 
 use super::*;
 
 const SAMPLES: u64 = 1000;
 
-/// Pixels of both tables of a splitting, one impossible, one that overflows or needs too many steps.
+/// Pixels with and without symmetry; one has impossible moments, one overflows or needs too many steps.
 fn map(is_top: bool, method: MethodChoice, criterion: Criterion, step: Option<f64>) -> Map {
     let pixel = |number, symmetric| Pixel {
         body: body(number, is_top, symmetric),
@@ -45,7 +45,8 @@ fn maps() -> Vec<Map> {
     ]
 }
 
-/// Free bodies all in closed form; tops of one pixel in closed form, of the others stepped, in the same blocks.
+/// Free bodies all have closed forms. The tops of one pixel have a closed form, the tops of the others are integrated,
+/// in the same blocks.
 fn maps_in_closed_form() -> Vec<Map> {
     let mut maps = vec![
         map(false, MethodChoice::Auto, Criterion::NoFlip, None),
@@ -53,14 +54,14 @@ fn maps_in_closed_form() -> Vec<Map> {
         map(true, MethodChoice::Auto, Criterion::TiltFromVertical(2.2), None),
     ];
     for map in &mut maps {
-        // Symmetric about the watched axis, a top's centre of mass on it.
+        // Symmetric about the observed axis, with the centre of mass of a top on this axis.
         map.pixels[0].body = body(4, map.scene.has_weight, true);
     }
     maps
 }
 
-/// Everything but the time that it took.
-fn timeless(mut statistics: Statistics) -> Statistics {
+/// Statistics without the time of the computation.
+fn without_time(mut statistics: Statistics) -> Statistics {
     statistics.nanoseconds = 0.0;
     statistics
 }
@@ -89,24 +90,24 @@ fn merged(a: Statistics, b: Statistics) -> Statistics {
 fn in_pieces(map: &Map, cut: u64, threads: usize, isa: Isa) -> Vec<Statistics> {
     let none = Statistics { energy_drift: 0.0, momentum_drift: 0.0, unit_drift: 0.0, ..Statistics::NONE };
     let mut all = vec![none; map.pixels.len()];
-    for start in (0..map.len()).step_by(cut as usize) {
-        let (first, part) = map.run(start, map.len().min(start + cut), threads, isa, &GO).unwrap();
+    for start in (0..map.len()).step_by(size as usize) {
+        let (first, part) = map.run(start, map.len().min(start + size), threads, isa, &GO).unwrap();
         for (pixel, statistics) in (first as usize..).zip(part) {
-            all[pixel] = merged(all[pixel], timeless(statistics));
+            all[pixel] = merged(all[pixel], without_time(statistics));
         }
     }
     all
 }
 
-/// The statistics of all samples of a map, after they were compared however it is cut and shared out.
+/// The statistics of all samples of a map, after a comparison of several divisions of the work.
 fn compared(map: &Map) -> Statistics {
     let widest = Isa::available()[0];
     let whole = in_pieces(map, map.len(), 1, widest);
     for threads in [2, 3, 7] {
         assert_eq!(in_pieces(map, map.len(), threads, widest), whole, "{threads} threads");
     }
-    for cut in [1, 13, 4096] {
-        assert_eq!(in_pieces(map, cut, 1, widest), whole, "pieces of {cut}");
+    for size in [1, 13, 4096] {
+        assert_eq!(in_pieces(map, size, 1, widest), whole, "pieces of {size}");
     }
     assert_eq!(in_pieces(map, 13, 3, widest), whole);
     for isa in Isa::available() {
@@ -116,9 +117,9 @@ fn compared(map: &Map) -> Statistics {
 }
 
 #[test]
-fn a_map_however_it_is_cut_and_shared_out() {
+fn a_map_does_not_depend_on_the_division_of_the_work() {
     for map in maps() {
-        // The case is worth comparing.
+        // The comparison is meaningful.
         let total = compared(&map);
         assert!(total.stable > 0 && total.unstable > 0 && total.failed >= SAMPLES, "{total:?}");
         assert_eq!(total.stable + total.unstable + total.undecided + total.failed, 4 * SAMPLES);
@@ -135,7 +136,7 @@ fn a_map_however_it_is_cut_and_shared_out() {
 #[test]
 fn a_sample_alone_is_the_sample_of_the_map() {
     for mut map in maps().into_iter().chain(maps_in_closed_form()) {
-        // Counted once: the steps of a statistic are those of both runs.
+        // Without a second method: the steps in the statistics would be those of both methods.
         map.checked = 0;
         let isa = Isa::available()[0];
         for flat in (0..map.len()).step_by(37) {
@@ -183,12 +184,12 @@ fn draws_on_every_instruction_set() {
     for omega_law in laws {
         for attitude_law in laws {
             let map = Map { omega_law, attitude_law, ..maps().swap_remove(2) };
-            // From the last samples of a pixel to the first of the next but one.
+            // From the last samples of a pixel to the first samples of the next but one.
             let range = 2 * SAMPLES - 40..3 * SAMPLES + 45;
             let alone = |flat: u64| numbers(map.draw(Isa::Scalar, flat..flat + 1).unwrap()[0]);
             let scalar: Vec<_> = range.clone().map(alone).collect();
             for isa in Isa::available() {
-                // Other cuts put a sample into other lanes.
+                // Another start puts a sample into another lane.
                 for offset in [0, 1, 7, 33] {
                     let drawn = map.draw(isa, range.start + offset..range.end).unwrap();
                     let drawn: Vec<_> = drawn.into_iter().map(numbers).collect();

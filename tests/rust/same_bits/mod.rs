@@ -1,7 +1,7 @@
-//! The same request gives the same bits: on every instruction set, in every lane, beside any neighbours, on any
-//! number of threads, however the work is cut, and whatever else is recorded.
+//! The same request gives the same bits: on every instruction set, in every lane, with any other bodies, on any number
+//! of threads, with any division of the work, and with any other records.
 //!
-//! No tolerance appears here. A NaN equals any NaN: its payload is no number.
+//! No tolerance appears here. All NaN are equal: the payload of a NaN is no number.
 
 mod closed_forms;
 mod maps;
@@ -59,7 +59,7 @@ fn steps() -> Vec<Step> {
     all
 }
 
-/// The assignment that some scheme gives a body in a kernel.
+/// The assignment with which some scheme integrates a body in a kernel.
 fn assignment(kernel: Kernel, body: &Body) -> Option<KernelAssignment> {
     let reduced = is_reduced(kernel.system);
     let of_method = |method: &&Scheme| {
@@ -68,25 +68,25 @@ fn assignment(kernel: Kernel, body: &Body) -> Option<KernelAssignment> {
     };
     let fits =
         |assignment: &KernelAssignment| assignment.step == kernel.step && assignment.is_reduced() == reduced;
-    let able =
+    let schemes =
         scheme::ALL.iter().copied().filter(|scheme| !kernel.system.scene().has_weight || scheme.moves_tops());
-    able.map(|scheme| of_method(&scheme)).find(fits)
+    schemes.map(|scheme| of_method(&scheme)).find(fits)
 }
 
-/// Every kernel that some scheme asks for.
+/// Every kernel that some scheme needs.
 fn kernels() -> Vec<Kernel> {
-    let of_system = |(system, watches): (System, &'static [Observed])| {
-        let of_watch = move |&observed| {
+    let of_system = |(system, observables): (System, &'static [Observed])| {
+        let of_observable = move |&observed| {
             let moving = steps().into_iter().filter(move |&step| system.is_moved_by(step));
             let kernels = moving.map(move |step| Kernel { system, step, observed });
-            kernels.filter(|&kernel| assignment(kernel, &loads(kernel)[0].body).is_some())
+            kernels.filter(|&kernel| assignment(kernel, &lane_starts(kernel)[0].body).is_some())
         };
-        watches.iter().flat_map(of_watch)
+        observables.iter().flat_map(of_observable)
     };
     SYSTEMS.into_iter().flat_map(of_system).collect()
 }
 
-/// Of the kernels that share code, the one with the longest table.
+/// One kernel for each code: the one with the longest table.
 fn codes() -> Vec<Kernel> {
     let all = kernels();
     let shared = |a: &Kernel, b: &Kernel| {
@@ -98,21 +98,21 @@ fn codes() -> Vec<Kernel> {
 
 #[test]
 fn the_list_of_kernels_is_complete() {
-    for (system, watches) in SYSTEMS {
+    for (system, observables) in SYSTEMS {
         let step = steps().into_iter().find(|&step| system.is_moved_by(step)).unwrap();
         for observed in [Observed::Nothing, Observed::Flips, Observed::Tilt] {
             let kernel = Kernel { system, step, observed };
             let exists = std::panic::catch_unwind(|| Compiled::new(kernel, Isa::Scalar)).is_ok();
-            assert_eq!(exists, watches.contains(&observed), "{kernel:?}");
+            assert_eq!(exists, observables.contains(&observed), "{kernel:?}");
         }
     }
 }
 
-/// A tumbling body, another for every number; a top if asked; symmetric about one of its axes if asked.
+/// A random tumbling body, determined by `number`; a top if `is_top`; symmetric about an axis if `symmetric`.
 fn body(number: u64, is_top: bool, symmetric: bool) -> Body {
     let u = |block| uniforms([1, 2], block, number, 0);
     let [a, b, c, _] = u(0).map(|x| 0.2 + x);
-    // Moments of three masses on the axes: any real body.
+    // Moments of three masses on the axes: those of any rigid body.
     let mut moments = [b + c, c + a, a + b];
     let axis = (number % 3) as usize;
     if symmetric {
@@ -129,40 +129,40 @@ fn body(number: u64, is_top: bool, symmetric: bool) -> Body {
     Body { moments, weight, omega: [x, y, z], attitude }
 }
 
-/// What a lane of the test group carries.
-struct Load {
+/// The start of a lane of the test group.
+struct LaneStart {
     body: Body,
-    watched: i32,
+    observed_axis: i32,
     step: f64,
-    /// Of the tilt, small ones compared by the sine, large ones by the cosine.
+    /// The limit of the tilt: small ones are compared by the sine, large ones by the cosine.
     limit: f64,
 }
 
-/// The lane that overflows within a few steps, and one whose body turns by radians a step.
-const WILD: usize = 7;
+/// The lane that overflows within a few steps, and the lane whose body turns by radians a step.
+const OVERFLOWING: usize = 7;
 const FAST: usize = 12;
 
-fn loads(kernel: Kernel) -> Vec<Load> {
+fn lane_starts(kernel: Kernel) -> Vec<LaneStart> {
     let of_lane = |lane: usize| {
         let symmetric = kernel.step.engine == Engine::KickRotor || is_reduced(kernel.system);
         let mut body = body(lane as u64, kernel.system.scene().has_weight, symmetric);
-        // Turns of 0.1 to 0.7 in a step: of such angles up to one in a hundred has another sine by the code for
-        // large angles, of smaller ones hardly any, and a lane that took the wrong code would not be seen.
+        // Angles of 0.1 to 0.7 in a step. The code for large angles gives another sine for up to one in a hundred of
+        // these angles, but for hardly any smaller angle, so smaller angles would not show a lane with the wrong code.
         let mut step = 0.1 + 0.01 * lane as f64;
         if kernel.step.engine == Engine::KickMoserVeselov {
-            // The equation of these drifts has no solution beyond a turn of one: not a number, half of the lanes.
+            // At angles above one the equation of these drifts has no solution, and half of the lanes would be NaN.
             step *= 0.25;
         }
         match lane {
-            WILD => body.omega = [1e18; 3],
+            OVERFLOWING => body.omega = [1e18; 3],
             FAST => step = 1.7,
             3 | 20 => step = 0.0,
             _ => {}
         }
-        // Not the axis of symmetry, about which nothing ever flips.
-        let watched = [2, 3, 1, -2, -3, -1][lane % 6];
+        // Not the symmetry axis: the rate about this axis never changes sign.
+        let observed_axis = [2, 3, 1, -2, -3, -1][lane % 6];
         let limit = [0.3, 0.9, 1.6, 3.1][lane % 4];
-        Load { body, watched, step, limit }
+        LaneStart { body, observed_axis, step, limit }
     };
     (0..LANES).map(of_lane).collect()
 }
@@ -171,13 +171,19 @@ fn is_reduced(system: System) -> bool {
     matches!(system, System::ReducedTopAxis | System::ReducedTopTwoAxes | System::ReducedTopAttitude)
 }
 
-fn place(group: &mut Group, lane: usize, kernel: Kernel, compiled: Compiled, it: &Load) {
-    let assignment = assignment(kernel, &it.body).expect("some scheme asks for every kernel");
-    let entry = Entry { body: &it.body, forcing: None, axis: it.watched, limit: it.limit, step: it.step };
+fn load_lane(group: &mut Group, lane: usize, kernel: Kernel, compiled: Compiled, lane_start: &LaneStart) {
+    let assignment = assignment(kernel, &lane_start.body).expect("some scheme asks for every kernel");
+    let entry = Entry {
+        body: &lane_start.body,
+        forcing: None,
+        axis: lane_start.observed_axis,
+        limit: lane_start.limit,
+        step: lane_start.step,
+    };
     load(group, lane, compiled, assignment, &entry);
 }
 
-/// Steps in bursts of several lengths: 200, or 40 of those that are long and dear.
+/// Blocks of several lengths: 200 steps, or 40 steps of expensive schemes.
 fn run(group: &mut Group, kernel: Kernel, compiled: Compiled) {
     let splitting = [scheme::SPLITTING.any, scheme::SPLITTING.symmetric].contains(&kernel.step);
     let short = splitting || matches!(kernel.step.engine, Engine::Rk4 | Engine::KickMoserVeselov);
@@ -188,8 +194,8 @@ fn run(group: &mut Group, kernel: Kernel, compiled: Compiled) {
 
 fn full_group(kernel: Kernel, compiled: Compiled) -> Group {
     let mut group = Group::inactive();
-    for (lane, it) in loads(kernel).iter().enumerate() {
-        place(&mut group, lane, kernel, compiled, it);
+    for (lane, lane_start) in lane_starts(kernel).iter().enumerate() {
+        load_lane(&mut group, lane, kernel, compiled, lane_start);
     }
     group
 }
@@ -200,7 +206,7 @@ fn rows(g: &Group) -> Vec<&Row> {
     let vectors = g.moments.iter().chain(&g.weight).chain(&g.observed);
     let rows: Vec<_> =
         g.state.iter().chain(&g.compensation).chain(vectors).chain(singles).chain(drifts).collect();
-    // Nothing of a group is left out.
+    // The list contains every row of a group.
     assert_eq!(size_of::<Group>(), rows.len() * size_of::<Row>());
     rows
 }
@@ -234,40 +240,40 @@ fn every_kernel_on_every_instruction_set() {
             }
         }
 
-        // The case is worth comparing: the wild body overflowed, it alone (an explicit method may lose the fast
-        // one too), and something was seen.
+        // The comparison is meaningful: only one body overflowed (an explicit method may lose the fast body too), and
+        // the observable changed.
         for lane in 0..LANES {
             let finite = state(&scalar, lane).iter().all(|x| x.is_finite());
-            assert!(finite != (lane == WILD) || lane == FAST, "{kernel:?} lane {lane}");
+            assert!(finite != (lane == OVERFLOWING) || lane == FAST, "{kernel:?} lane {lane}");
             assert_eq!(scalar.energy.worst.0[lane].is_finite(), finite, "{kernel:?} lane {lane}");
         }
         if kernel.observed == Observed::Flips {
             assert!(scalar.observed[Flips::COUNT].0.iter().sum::<f64>() >= 10.0, "{kernel:?}");
         }
         if kernel.observed == Observed::Tilt {
-            let lost = scalar.observed[EXIT_TIME].0.iter().filter(|t| t.is_finite()).count();
-            assert!(scalar.observed[Tilt::SINE2].0[0] > 0.01 && (5..LANES).contains(&lost), "{kernel:?}");
+            let exits = scalar.observed[EXIT_TIME].0.iter().filter(|t| t.is_finite()).count();
+            assert!(scalar.observed[Tilt::SINE2].0[0] > 0.01 && (5..LANES).contains(&exits), "{kernel:?}");
         }
     }
 }
 
-/// A body alone in a group of waiting lanes, 17 lanes further, has the bits that it has in company: of bodies
-/// with other steps, of one that overflows, and of one that sends the others through the code for large angles.
+/// A body in a group of inactive lanes, 17 lanes further, has the same bits as with other bodies: bodies with other
+/// steps, a body that overflows, and a body for which all lanes compute the code for large angles.
 #[test]
-fn every_lane_is_alone() {
+fn no_lane_depends_on_another_lane() {
     for kernel in codes() {
         for isa in Isa::available() {
             let compiled = Compiled::new(kernel, isa);
-            let mut company = full_group(kernel, compiled);
-            run(&mut company, kernel, compiled);
-            for (lane, it) in loads(kernel).iter().enumerate() {
+            let mut full = full_group(kernel, compiled);
+            run(&mut full, kernel, compiled);
+            for (lane, lane_start) in lane_starts(kernel).iter().enumerate() {
                 let elsewhere = (lane + 17) % LANES;
                 let mut group = Group::inactive();
-                place(&mut group, elsewhere, kernel, compiled, it);
+                load_lane(&mut group, elsewhere, kernel, compiled, lane_start);
                 run(&mut group, kernel, compiled);
                 assert_eq!(
                     lane_bits(&group, elsewhere),
-                    lane_bits(&company, lane),
+                    lane_bits(&full, lane),
                     "{kernel:?} {isa:?} lane {lane}"
                 );
             }
@@ -275,9 +281,9 @@ fn every_lane_is_alone() {
     }
 }
 
-/// A step of 0 leaves every number of the state as it is.
+/// A step of 0 changes no number of the state.
 #[test]
-fn a_waiting_lane_stays() {
+fn an_inactive_lane_keeps_its_state() {
     for kernel in kernels() {
         for isa in Isa::available() {
             let compiled = Compiled::new(kernel, isa);
@@ -289,7 +295,7 @@ fn a_waiting_lane_stays() {
             let lane = |row: Row| row.0[20];
             assert_eq!(lane(group.energy.worst), 0.0);
             assert_eq!(lane(group.momentum.worst), 0.0);
-            // Under a tilt the row holds another number.
+            // For a tilt this row contains another number.
             assert!(kernel.observed == Observed::Tilt || lane(group.observed[Flips::COUNT]) == 0.0);
         }
     }
@@ -297,31 +303,31 @@ fn a_waiting_lane_stays() {
 
 const TIMES: [f64; 5] = [-0.7, 0.0, 0.3, 0.31, 2.0];
 
-/// A body for each table in turn, one in between that overflows.
-fn crowd(is_top: bool) -> Vec<Body> {
+/// A body for each table in turn; one of them overflows.
+fn batch(is_top: bool) -> Vec<Body> {
     let mut bodies: Vec<_> = (0..203).map(|i| body(i, is_top, i % 3 == 0)).collect();
     bodies[100].omega = [1e18, 1e18, 1.0];
     bodies
 }
 
-fn own_steps(n: usize) -> Vec<f64> {
+fn step_lengths(n: usize) -> Vec<f64> {
     (0..n).map(|i| [0.03, 0.25, 0.003, 0.9][i % 4]).collect()
 }
 
 const STRIDES: [u64; 4] = [0, 1, 40, 7];
 
 #[derive(Clone, Copy)]
-struct Question {
+struct Case {
     is_top: bool,
     method: &'static Scheme,
     record: Record,
     at_times: bool,
 }
 
-impl Question {
-    fn ask(self, bodies: &[Body], steps: &[f64], threads: usize, isa: Isa) -> States {
+impl Case {
+    fn integrate(self, bodies: &[Body], steps: &[f64], threads: usize, isa: Isa) -> States {
         let schedule = if self.at_times { Schedule::Times(&TIMES) } else { Schedule::Strides(&STRIDES) };
-        let Question { is_top, method, record, .. } = self;
+        let Case { is_top, method, record, .. } = self;
         let solver = Solver::Steps(method);
         let request = Request {
             bodies,
@@ -339,7 +345,7 @@ impl Question {
     }
 }
 
-/// Of the methods that share code for all bodies, the last: it has the longest table.
+/// The last of the methods that share all code, which has the longest table.
 fn methods(is_top: bool) -> Vec<&'static Scheme> {
     let all: Vec<_> =
         scheme::ALL.iter().copied().filter(|method| method.check(scene_of(is_top), false).is_ok()).collect();
@@ -353,13 +359,13 @@ fn methods(is_top: bool) -> Vec<&'static Scheme> {
     (0..all.len()).filter(last).map(|i| all[i]).collect()
 }
 
-fn questions() -> Vec<Question> {
+fn cases() -> Vec<Case> {
     let mut all = Vec::new();
     for is_top in [false, true] {
         for method in methods(is_top) {
             for record in [Record::Rates, Record::Axis, Record::Attitude] {
                 for at_times in [true, false] {
-                    all.push(Question { is_top, method, record, at_times });
+                    all.push(Case { is_top, method, record, at_times });
                 }
             }
         }
@@ -367,7 +373,7 @@ fn questions() -> Vec<Question> {
     all
 }
 
-/// Everything that is known of a body.
+/// All results of a body.
 fn of_body(states: &States, i: usize) -> (Vec<u64>, Status, u64) {
     let n = states.status.len();
     let mut numbers = Vec::new();

@@ -1,41 +1,41 @@
-//! Trajectories: alone and in a crowd, on any number of threads and instruction set.
+//! Trajectories: alone and in a batch, on any number of threads and instruction set.
 
 use super::*;
 
 #[test]
-fn a_body_alone_and_in_a_crowd() {
+fn a_body_alone_and_in_a_batch() {
     let isa = Isa::available()[0];
-    for question in questions() {
-        let bodies = crowd(question.is_top);
-        let steps = own_steps(bodies.len());
-        let crowd = question.ask(&bodies, &steps, 1, isa);
+    for case in cases() {
+        let bodies = batch(case.is_top);
+        let steps = step_lengths(bodies.len());
+        let together = case.integrate(&bodies, &steps, 1, isa);
         for i in 0..bodies.len() {
-            let alone = question.ask(&bodies[i..=i], &steps[i..=i], 1, isa);
-            assert_eq!(of_body(&alone, 0), of_body(&crowd, i), "body {i}");
+            let alone = case.integrate(&bodies[i..=i], &steps[i..=i], 1, isa);
+            assert_eq!(of_body(&alone, 0), of_body(&together, i), "body {i}");
         }
 
         let mut mirrored = (bodies.clone(), steps.clone());
         mirrored.0.reverse();
         mirrored.1.reverse();
-        let mirrored = question.ask(&mirrored.0, &mirrored.1, 1, isa);
+        let mirrored = case.integrate(&mirrored.0, &mirrored.1, 1, isa);
         for i in 0..bodies.len() {
-            assert_eq!(of_body(&mirrored, bodies.len() - 1 - i), of_body(&crowd, i), "body {i}");
+            assert_eq!(of_body(&mirrored, bodies.len() - 1 - i), of_body(&together, i), "body {i}");
         }
 
-        // Every way to end is among them: 0.003 needs 900 steps for the times.
-        let count = |status| crowd.status.iter().filter(|&&s| s == status).count();
+        // Every status occurs: a step of 0.003 needs 900 steps for these times.
+        let count = |status| together.status.iter().filter(|&&s| s == status).count();
         assert!(count(Status::NotFinite) >= 1 && count(Status::Finished) > 100);
-        assert_eq!(count(Status::StepLimit), if question.at_times { 51 } else { 0 });
+        assert_eq!(count(Status::StepLimit), if case.at_times { 51 } else { 0 });
     }
 }
 
 #[test]
 fn trajectories_on_any_number_of_threads_and_instruction_set() {
-    for question in questions() {
-        let bodies = crowd(question.is_top);
-        let steps = own_steps(bodies.len());
+    for case in cases() {
+        let bodies = batch(case.is_top);
+        let steps = step_lengths(bodies.len());
         let everything = |threads, isa| {
-            let states = question.ask(&bodies, &steps, threads, isa);
+            let states = case.integrate(&bodies, &steps, threads, isa);
             (0..bodies.len()).map(|i| of_body(&states, i)).collect::<Vec<_>>()
         };
         let once = everything(1, Isa::Scalar);
@@ -48,19 +48,19 @@ fn trajectories_on_any_number_of_threads_and_instruction_set() {
     }
 }
 
-/// What else is recorded does not touch the rates, nor the vertical of a top.
+/// Records change neither the rates nor the vertical of a top.
 #[test]
-fn less_asked_is_the_same() {
+fn records_change_no_rates() {
     let isa = Isa::available()[0];
     for is_top in [false, true] {
         for method in methods(is_top) {
-            let bodies = crowd(is_top);
-            let steps = own_steps(bodies.len());
-            let ask =
-                |record| Question { is_top, method, record, at_times: true }.ask(&bodies, &steps, 2, isa);
-            let attitude = ask(Record::Attitude);
+            let bodies = batch(is_top);
+            let steps = step_lengths(bodies.len());
+            let integrate =
+                |record| Case { is_top, method, record, at_times: true }.integrate(&bodies, &steps, 2, isa);
+            let attitude = integrate(Record::Attitude);
             for record in [Record::Rates, Record::Axis] {
-                let less = ask(record);
+                let less = integrate(record);
                 assert_eq!(
                     all_bits(less.rates()),
                     all_bits(attitude.rates()),

@@ -1,5 +1,5 @@
-//! Bodies under torque and damping: the same bits on every instruction set, in every lane and on any number of
-//! threads, and what must be refused.
+//! Bodies under torque and damping: the same bits on every instruction set, in every lane and on any number of threads;
+//! and refused requests.
 
 use crate::tests::scene_of;
 use rigid::forcing::Forcing;
@@ -24,7 +24,7 @@ fn bits(numbers: &[f64]) -> Vec<u64> {
     numbers.iter().map(|x| if x.is_nan() { f64::NAN.to_bits() } else { x.to_bits() }).collect()
 }
 
-/// A tumbling body, another for every number.
+/// A random tumbling body, determined by `number`.
 fn body(number: u64, is_top: bool) -> Body {
     let u = |block| uniforms([5, 6], block, number, 0);
     let [a, b, c, _] = u(0).map(|x| 0.2 + x);
@@ -34,7 +34,7 @@ fn body(number: u64, is_top: bool) -> Body {
     Body { moments: [b + c, c + a, a + b], weight, omega: [x, y, z], attitude }
 }
 
-/// A torque that changes and jumps, and damping about axes of its own.
+/// A torque that changes and jumps, and damping whose axes are not the body axes.
 fn table(in_space: bool) -> Forcing {
     let times = [-3.0, -0.5, 0.25, 0.25, 1.1, 4.0];
     let values: Vec<[f64; 3]> =
@@ -44,19 +44,19 @@ fn table(in_space: bool) -> Forcing {
     Forcing::new(&times, &values, space, [0.3, 0.2, 0.4, 0.05, -0.1, 0.02]).unwrap()
 }
 
-fn driven_methods() -> Vec<&'static Scheme> {
+fn forced_methods() -> Vec<&'static Scheme> {
     scheme::ALL.iter().copied().filter(|method| method.damping_limit().is_some()).collect()
 }
 
 #[test]
 fn every_kernel_on_every_instruction_set_and_in_every_lane() {
     for system in [System::ForcedRates, System::ForcedFrame] {
-        let forced: Vec<Step> = driven_methods().iter().map(|scheme| scheme.forced.unwrap().step).collect();
+        let forced: Vec<Step> = forced_methods().iter().map(|scheme| scheme.forced.unwrap().step).collect();
         for step in forced.into_iter().filter(|&step| system.is_moved_by(step)) {
             let kernel = Kernel { system, step, observed: Observed::Nothing };
             let assignment_of = |body: &Body| {
                 let assignments =
-                    driven_methods().into_iter().map(|method| KernelAssignment::of_forced(method, body));
+                    forced_methods().into_iter().map(|method| KernelAssignment::of_forced(method, body));
                 assignments
                     .into_iter()
                     .find(|assignment| assignment.step == step)
@@ -73,7 +73,7 @@ fn every_kernel_on_every_instruction_set_and_in_every_lane() {
                     let forcing = table(number.is_multiple_of(2));
                     forcing_rows.set(lane, &forcing.interval(0.01 * number as f64, false, body.moments));
                 };
-            let whole = |isa| {
+            let full_group = |isa| {
                 let compiled = Compiled::new(kernel, isa);
                 let (mut group, mut forcing_rows) = (Group::inactive(), ForcingRows::NONE);
                 for lane in 0..LANES {
@@ -89,9 +89,9 @@ fn every_kernel_on_every_instruction_set_and_in_every_lane() {
                     &group.state.iter().chain(&group.compensation).map(|row| row.0[lane]).collect::<Vec<_>>(),
                 )
             };
-            let scalar = whole(Isa::Scalar);
+            let scalar = full_group(Isa::Scalar);
             for isa in Isa::available() {
-                let group = whole(isa);
+                let group = full_group(isa);
                 for lane in 0..LANES {
                     assert_eq!(of_lane(&group, lane), of_lane(&scalar, lane), "{kernel:?} {isa:?} {lane}");
                     let finite = group.state[..system.len()].iter().all(|row| row.0[lane].is_finite());
@@ -114,7 +114,7 @@ fn every_kernel_on_every_instruction_set_and_in_every_lane() {
 
 const TIMES: [f64; 6] = [-2.9, -0.7, 0.0, 0.25, 0.31, 3.9];
 
-fn ask(
+fn integrate(
     method: &'static Scheme,
     record: Record,
     tolerance: Option<f64>,
@@ -154,18 +154,18 @@ fn all_bits(states: &States) -> Vec<u64> {
 fn trajectories_have_the_same_bits_everywhere_and_alone() {
     for is_top in [false, true] {
         let bodies: Vec<_> = (0..40).map(|i| body(i, is_top)).collect();
-        for method in driven_methods() {
+        for method in forced_methods() {
             for record in [Record::Rates, Record::Axis, Record::Attitude] {
                 let adaptive = method.is_series().then_some(Some(1e-12));
                 for tolerance in [Some(None), adaptive].into_iter().flatten() {
-                    let first = ask(method, record, tolerance, (&bodies, is_top), 1, Isa::Scalar);
+                    let first = integrate(method, record, tolerance, (&bodies, is_top), 1, Isa::Scalar);
                     assert!(
                         first.status.iter().all(|&s| s == Status::Finished),
                         "{method:?} {:?}",
                         first.status
                     );
                     for isa in Isa::available() {
-                        let again = ask(method, record, tolerance, (&bodies, is_top), 3, isa);
+                        let again = integrate(method, record, tolerance, (&bodies, is_top), 3, isa);
                         assert_eq!(all_bits(&first), all_bits(&again), "{method:?} {isa:?}");
                     }
                     let alone = ask(method, record, tolerance, (&bodies[..1], is_top), 1, Isa::Scalar);
@@ -176,13 +176,14 @@ fn trajectories_have_the_same_bits_everywhere_and_alone() {
     }
 }
 
-/// A knot costs no order and no accuracy: steps that end there are as good as steps anywhere.
+/// Steps that end at a knot lose neither order nor accuracy.
 #[test]
-fn a_series_meets_knots_and_jumps_exactly() {
+fn steps_of_a_series_end_at_knots() {
     for is_top in [false, true] {
         let bodies: Vec<_> = (0..8).map(|i| body(i, is_top)).collect();
-        let at =
-            |method, tolerance| ask(method, Record::Attitude, tolerance, (&bodies, is_top), 1, Isa::Scalar);
+        let at = |method, tolerance| {
+            integrate(method, Record::Attitude, tolerance, (&bodies, is_top), 1, Isa::Scalar)
+        };
         let fixed = at(&scheme::TAYLOR26, None);
         for method in scheme::ALL.iter().copied().filter(|method| method.is_series()) {
             let own = at(method, Some(1e-16));
@@ -219,25 +220,25 @@ fn a_torque_table_is_read_from_both_sides_of_a_jump() {
     assert!(forcing.check_reaches(3.0).is_ok() && forcing.check_reaches(3.1).is_err());
 }
 
-/// The eigenvalues of `I^(-1) D` against those of matrices with known ones.
+/// The eigenvalues of `I^(-1) D` against those of matrices with known eigenvalues.
 #[test]
 fn damping_rates_of_known_matrices() {
     let rates = |damping, moments| {
         Forcing::new(&[], &[[0.0; 3]], &[[0.0; 3]], damping).unwrap().damping_rates(moments)
     };
     assert_eq!(rates([1.0, 3.0, 2.0, 0.0, 0.0, 0.0], [1.0, 2.0, 4.0]), [0.5, 1.0, 1.5]);
-    // ((2, -1, 0), (-1, 2, -1), (0, -1, 2)) has 2 and 2 -+ sqrt 2.
+    // ((2, -1, 0), (-1, 2, -1), (0, -1, 2)) has the eigenvalues 2 and 2 -+ sqrt 2.
     let [a, b, c] = rates([2.0, 2.0, 2.0, -1.0, 0.0, -1.0], [1.0; 3]);
     for (rate, known) in [(a, 2.0 - 2.0_f64.sqrt()), (b, 2.0), (c, 2.0 + 2.0_f64.sqrt())] {
         assert!((rate - known).abs() < 1e-15 * 4.0, "{rate} {known}");
     }
-    // A dyad: one rate, the others zero to rounding.
+    // A dyad has one rate that is not zero.
     let [a, b, c] = rates([1.0, 4.0, 9.0, 6.0, 3.0, 2.0], [1.0; 3]);
     assert!(a.abs() < 1e-14 && b.abs() < 1e-14 && (c - 14.0).abs() < 1e-14 * 14.0);
 }
 
 #[test]
-fn what_would_feed_a_motion_or_blow_up_is_refused() {
+fn damping_that_adds_energy_and_unstable_steps_are_refused() {
     let make = |damping| Forcing::new(&[], &[[0.0; 3]], &[[0.0; 3]], damping);
     assert!(make([1.0, 1.0, 1.0, 2.0, 0.0, 0.0]).unwrap_err().to_string().contains("positive semi-definite"));
     assert!(make([1.0, f64::NAN, 1.0, 0.0, 0.0, 0.0]).unwrap_err().to_string().contains("finite"));
