@@ -1,9 +1,9 @@
-//! What a closed form costs: set-up, rates, one state with attitude, one verdict.
+//! Costs of closed forms: set-up, rates, one state with attitude, one classification.
 //!
-//! The unit beside them is one full-range sincos of a long phase in the same registers: the rates of a symmetric
-//! body, which are that and nine operations more.
+//! The unit is one sincos of a long phase in the same registers. The rates of a symmetric body cost this and nine more
+//! operations.
 //!
-//! `cargo bench --bench closed_forms`. Thread CPU time, the parts in turn, medians.
+//! `cargo bench --bench closed_forms`. Thread CPU time, the parts one after the other, medians.
 
 use rigid::exact::{Evaluator, EvaluatorKind, ExitRows, StartRows, StateRows};
 use rigid::parallel::thread_nanoseconds;
@@ -15,7 +15,7 @@ use std::hint::black_box;
 const REPEATS: usize = 31;
 const ROUNDS: usize = 100;
 
-/// Bodies of one kind: away from all limits, or close to a separatrix, or both mixed in a register.
+/// Bodies of one kind: away from all limits, or close to a separatrix, or both in one register.
 fn starts(kind: EvaluatorKind, tame: bool, mixed: bool) -> StartRows {
     let body = |lane: usize| {
         let x = 1e-3 * lane as f64;
@@ -61,7 +61,7 @@ fn main() {
     let mut out = vec![StateRows::ZERO; TIMES];
     println!(
         "{:32} {:>7} {:>9} {:>9} {:>9} {:>9} {:>8} {:>8}",
-        "ns per body", "path", "set-up", "rates", "state", "verdict", "sincos", "state/sc"
+        "ns per body", "path", "set-up", "rates", "state", "exit", "sincos", "state/sc"
     );
     for isa in Isa::available() {
         if isa == Isa::Scalar {
@@ -75,7 +75,7 @@ fn main() {
             {
                 let starts = starts(kind, tame, mixed);
                 let evaluator = Evaluator::new(kind, isa);
-                let questions = ExitRows {
+                let limits = ExitRows {
                     axis: Row([1.0; LANES]),
                     limit: Row([0.3; LANES]),
                     direction: Row([1.0; LANES]),
@@ -88,20 +88,20 @@ fn main() {
                     let all = timed(|| evaluator.states(starts, black_box(&times), &mut out));
                     let rates = timed(|| evaluator.rates(starts, black_box(&times), &mut out));
                     let rate = timed(|| evaluator.rates(starts, black_box(&times[..1]), &mut out[..1]));
-                    let verdict = timed(|| evaluator.exits(starts, black_box(&questions), &mut exits));
+                    let exit = timed(|| evaluator.exits(starts, black_box(&limits), &mut exits));
                     let sincos = timed(|| symmetric.rates(&spinning, black_box(&times), &mut out));
                     let first = timed(|| symmetric.rates(&spinning, black_box(&times[..1]), &mut out[..1]));
                     let sc = (sincos - first) / (TIMES - 1) as f64;
                     let state = (all - one) / (TIMES - 1) as f64;
                     let values =
-                        [one - state, (rates - rate) / (TIMES - 1) as f64, state, verdict, sc, state / sc];
+                        [one - state, (rates - rate) / (TIMES - 1) as f64, state, exit, sc, state / sc];
                     for (column, value) in columns.iter_mut().zip(values) {
                         column.push(value);
                     }
                 }
-                let [setup, rates, state, verdict, sc, ratio] = columns.map(median);
+                let [setup, rates, state, exit, sc, ratio] = columns.map(median);
                 println!(
-                    "{:32} {:>7} {setup:>9.1} {rates:>9.2} {state:>9.2} {verdict:>9.1} {sc:>8.3} {ratio:>8.1}",
+                    "{:32} {:>7} {setup:>9.1} {rates:>9.2} {state:>9.2} {exit:>9.1} {sc:>8.3} {ratio:>8.1}",
                     format!("{kind:?} {name}"),
                     isa.name()
                 );

@@ -1,6 +1,6 @@
 //! Body-steps per second of every kernel as a share of the FMA peak measured in the same process.
 //!
-//! `cargo bench --bench kernels`. Thread CPU time, best of several repeats, the two sides interleaved.
+//! `cargo bench --bench kernels`. Thread CPU time, best of several repeats, kernel and peak interleaved.
 
 use rigid::kernel::Group;
 use rigid::kernel::{Compiled, ForcingRows, Kernel, System};
@@ -69,7 +69,7 @@ fn once(compiled: Compiled, start: &Group) -> f64 {
     elapsed as f64 / (STEPS * LANES) as f64
 }
 
-/// Floating-point operations a nanosecond of a loop of nothing but independent FMAs.
+/// Floating-point operations per nanosecond of a loop of independent FMAs.
 #[cfg(target_arch = "x86_64")]
 fn fma_peak(isa: Isa) -> f64 {
     use std::arch::x86_64::*;

@@ -1,4 +1,4 @@
-//! Which moments of inertia a real body can have, and its principal axes.
+//! Possible moments of inertia, and principal axes.
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use proptest::prelude::*;
@@ -14,7 +14,7 @@ use rigid::status::Status;
 use rigid::trajectory::{Record, Request, Schedule, simulate};
 use std::sync::atomic::AtomicBool;
 
-/// The refusal of these moments, in any order.
+/// The error message for these moments, in any order.
 fn refusal(moments: [f64; 3]) -> String {
     let [a, b, c] = moments;
     let orders = [[a, b, c], [b, c, a], [c, a, b], [a, c, b], [c, b, a], [b, a, c]];
@@ -75,7 +75,7 @@ fn axis_of_symmetry() {
     assert_eq!(axis([1.0, 2.0, 1.0]), Some(1));
     assert_eq!(axis([1.0, 1.0, 2.0]), Some(2));
     assert_eq!(axis([1.0, 1.0, 1.0]), Some(2));
-    // Equal to the bit, not nearly: a nearly symmetric body moves differently after a long time.
+    // Equal to the bit: a nearly symmetric body moves differently after a long time.
     assert_eq!(axis([1.0, 1.0_f64.next_up(), 2.0]), None);
 }
 
@@ -91,9 +91,9 @@ fn matrix_of(tensor: Tensor) -> Matrix3<f64> {
     Matrix3::from_fn(|i, j| tensor[i][j])
 }
 
-/// Principal axes of a tensor that has them: ascending moments, right-handed orthonormal columns, the sign rule,
-/// and the tensor again. The eigensolver is backward stable: a dozen plane rotations, each an eps of the norm,
-/// 12 * 2.2e-16 < 1e-14.
+/// Checks principal axes of a tensor: ascending moments, right-handed orthonormal columns, the sign rule, and the
+/// tensor itself. The eigensolver is backward stable: a dozen plane rotations with an error of eps of the norm each, 12
+/// * 2.2e-16 < 1e-14.
 fn check_axes(tensor: Tensor) -> (Inertia, Tensor) {
     let (inertia, axes) = principal_axes(tensor).unwrap();
     let (moments, axes_matrix) = (inertia.moments(), matrix_of(axes));
@@ -104,13 +104,13 @@ fn check_axes(tensor: Tensor) -> (Inertia, Tensor) {
         let column = axes_matrix.column(k);
         assert!(column[column.iamax()] > 0.0, "{axes:?}");
     }
-    // Over the largest entry first: a product of huge moments would overflow.
+    // Divided by the largest entry first, because a product of huge moments would overflow.
     let scale = matrix_of(tensor).amax();
     let diagonal = Matrix3::from_diagonal(&(Vector3::from(moments) / scale));
     let rebuilt = axes_matrix * diagonal * axes_matrix.transpose();
     let error = (rebuilt - matrix_of(tensor) / scale).norm();
     assert!(error < 1e-14, "{error:e}: {tensor:?}");
-    // A pure function.
+    // Equal arguments give equal bits.
     assert_eq!(principal_axes(tensor).unwrap(), (inertia, axes));
     (inertia, axes)
 }
@@ -143,7 +143,7 @@ proptest! {
         check_axes(tensor_of_masses(&masses).map(|row| row.map(|x| x * scale)));
     }
 
-    /// Two equal moments, or nearly: the axes are not unique, the tensor is.
+    /// Two moments are equal, or nearly: the axes are not unique, the tensor is.
     #[test]
     fn axes_of_a_nearly_symmetric_body(
         angles in prop::array::uniform3(-3.0..3.0),
@@ -156,8 +156,8 @@ proptest! {
         }
     }
 
-    /// The known axes are found: the axis of the largest moment is the direction that was put there. It is as
-    /// sharp as the gap to its neighbour allows: 1e-14 / gap, gap >= 0.1.
+    /// The axis of the largest moment is the direction from which the tensor was made. Its error is 1e-14 over the gap
+    /// to the next moment, which is at least 0.1.
     #[test]
     fn axes_are_where_they_were_put(angles in prop::array::uniform3(-3.0..3.0)) {
         let (tensor, turn) = turned([1.0, 1.2, 1.3], angles);
@@ -208,13 +208,13 @@ fn tensors_that_are_none() {
         tensor[k][k] = 9.0;
         assert!(matches!(principal_axes(tensor), Err(Error::MomentTriangle(..))));
     }
-    // What rounding does to a rotated tensor is forgiven.
+    // The rounding of a rotated tensor is accepted.
     let mut nearly = base;
     nearly[0][1] *= 1.0 + 1e-13;
     check_axes(nearly);
 }
 
-/// A body that was accepted moves: tiny and huge moments reach the rates of an ordinary body of the same shape.
+/// Tiny and huge moments give the rates of an ordinary body of the same shape.
 #[test]
 fn the_unit_of_inertia_does_not_matter() {
     let rates = |unit: f64| -> Vec<Vec<f64>> {
@@ -239,13 +239,13 @@ fn the_unit_of_inertia_does_not_matter() {
         };
         scheme::ALL.iter().copied().map(of_method).collect()
     };
-    // Powers of two: the same bits. Squares of the momenta must not overflow.
+    // Powers of two give the same bits. Squares of the momenta must not overflow.
     for exponent in [-500, -30, 30, 500] {
         assert_eq!(rates(2.0_f64.powi(exponent)), rates(1.0), "2^{exponent}");
     }
 }
 
-/// A flat body turned any way is still a body: the eigenvalues of its tensor are rounded.
+/// A flat body remains possible after any rotation, although the eigenvalues of its tensor are rounded.
 #[test]
 fn flat_bodies_come_back_from_their_tensors() {
     let axes = Vector3::new(1.0, 2.0, 3.0);

@@ -5,7 +5,7 @@ use rigid::special::{atan2, exp, ln, rodrigues, sincos, sincos_of_sum};
 use serde_json::Value;
 use std::f64::consts::{FRAC_PI_4, TAU};
 
-/// A value known beyond a double: the nearest double, and what it misses in units of its last place.
+/// A value with more digits than a double: the nearest double, and the difference in ulp.
 #[derive(Clone, Copy)]
 struct Golden {
     near: f64,
@@ -54,7 +54,7 @@ fn within_ulps<const N: usize>(bound: f64, table: &str, function: impl Fn([f64; 
 
 #[test]
 fn the_table_is_read_exactly() {
-    // A reader of decimal numbers that is an ulp off would be seen as an error of the functions.
+    // An error of an ulp in the decimal reader would look like an error of the functions.
     let ln_of_two = golden("ln").into_iter().find(|(x, _)| *x == [2.0]).unwrap().1[0];
     assert_eq!(ln_of_two.near, std::f64::consts::LN_2);
     // ln 2 = 0.693147180559945309417232121458..., 0.208881 ulp above its double.
@@ -70,10 +70,10 @@ fn sine_and_cosine() {
     });
 }
 
-/// A long phase in two parts: what is left of it after the quarter turns is of the size of its tail, or below.
+/// A long phase in two parts: after the reduction the remainder is as small as its tail, or smaller.
 ///
-/// The tail is at most half an ulp of the phase. sin and cos of either part are off by an ulp at most, their products
-/// and the sum by three roundings, the function itself by an ulp: 2 + 3/2 + 1 ulp of 1, each at most eps.
+/// The tail is at most half an ulp of the phase. The error of sin and cos of either part is at most an ulp, that of
+/// their products and the sum three roundings, that of the function an ulp: 2 + 3/2 + 1 ulp of 1, each at most eps.
 #[test]
 fn sine_of_a_sum() {
     for phase in [1.0, 22.0, 355.0, 1e4, 1e6, 833_719.5, 1e8, 3e10, 1e12, 1e14_f64] {
@@ -117,7 +117,7 @@ fn zeros() {
     assert_eq!(atan2(0.0, 0.0), 0.0);
 }
 
-/// Both branches, and the border between them, have the symmetry of the functions to the bit.
+/// Both branches, and the limit between them, have the symmetry of the functions to the bit.
 #[test]
 fn sine_is_odd_and_cosine_even() {
     for ([x], _) in golden("sincos") {
@@ -134,7 +134,7 @@ fn out_of_range() {
         assert!(sin.is_nan() && cos.is_nan(), "sincos({x:e}) = ({sin}, {cos})");
     }
     let (sin, cos) = sincos(limit.next_down());
-    // s^2 + c^2 of two values that are good to an ulp: 1 within 2 (|s| + |c|) ulp(1)/2 <= 2 sqrt(2) eps / 2.
+    // The error of s^2 + c^2 from two values with an error of an ulp: 2 (|s| + |c|) ulp(1)/2 <= 2 sqrt(2) eps / 2.
     assert!((sin * sin + cos * cos - 1.0).abs() < 2.0 * f64::EPSILON);
 
     for x in [-745.2, -800.0, -1e300, f64::NEG_INFINITY] {
@@ -148,14 +148,15 @@ fn out_of_range() {
 
 /// sin a / a and (1 - cos a) / a^2 on both sides of the limit between series and division.
 ///
-/// Below it both are 1 + z p(z) or 1/2 - z q(z) with a correction below half the sum: one rounding of the sum, a
-/// tenth of it from the polynomial; 1 ulp holds. Above it the angle is a rounded root, off by half an ulp, which
-/// moves sin a by |a cos a| eps/2 and so the quotients by at most eps/2 and 2 eps/2 /a <= 1.3 eps; an ulp of the
-/// sines, the product and the quotient: 2.5 eps absolute (sin a / a vanishes at pi, so no relative bound holds).
+/// Below the limit both functions are 1 + z p(z) or 1/2 - z q(z) with a correction below half the sum: one rounding of
+/// the sum, and a tenth of a rounding from the polynomial, so 1 ulp. Above the limit the angle is a rounded root with
+/// an error of half an ulp, which changes sin a by |a cos a| eps/2 and the quotients by at most eps/2 and 2 eps/2 /a <=
+/// 1.3 eps. With an ulp each of the sines, the product and the quotient the bound is 2.5 eps absolute (sin a / a
+/// vanishes at pi, so there is no relative bound).
 #[test]
 fn rodrigues_on_both_sides_of_its_limit() {
     let limit = FRAC_PI_4 * FRAC_PI_4;
-    let mut seen = [0; 2];
+    let mut counts = [0; 2];
     for ([z], values) in golden("rodrigues") {
         let (first, second) = rodrigues(z);
         for (value, got) in values.iter().zip([first, second]) {
@@ -166,11 +167,11 @@ fn rodrigues_on_both_sides_of_its_limit() {
                 assert!(error <= 2.5 * f64::EPSILON, "rodrigues({z:e}): {:.2} eps", error / f64::EPSILON);
             }
         }
-        seen[usize::from(z > limit)] += 1;
+        counts[usize::from(z > limit)] += 1;
     }
-    assert!(seen[0] >= 90 && seen[1] >= 90, "{seen:?} points below and above the limit");
-    // An angle whose square overflows is unknown, not wrong.
+    assert!(counts[0] >= 90 && counts[1] >= 90, "{counts:?} points below and above the limit");
+    // An angle whose square overflows is undetermined.
     assert!(rodrigues(f64::INFINITY).0.is_nan());
-    // A full turn, known to half an ulp of the angle: its sine is as small as that.
+    // A full turn with an error of half an ulp of the angle: its sine is as small as this error.
     assert!(rodrigues(TAU * TAU).0.abs() <= 2.5 * f64::EPSILON);
 }

@@ -1,8 +1,8 @@
 //! Carlson's integrals, the arithmetic-geometric mean, Jacobi's functions and Legendre's complete integrals
 //! against values of far more than 40 digits (tests/golden/make_elliptic.py), and against their relations.
 //!
-//! Bounds in ulp are the worst that was measured over some 1e4 random points of each function, rounded up; the
-//! table has those points.
+//! The bounds in ulp are the largest errors of some 1e4 random points of each function, rounded up; the table contains
+//! these points.
 
 use rigid::special::{
     agm, carlson_rc, carlson_rd, carlson_rf, carlson_rj, complete_e, complete_k, complete_pi, jacobi,
@@ -10,7 +10,7 @@ use rigid::special::{
 use serde_json::Value;
 use std::f64::consts::{FRAC_PI_2, SQRT_2};
 
-/// A value known beyond a double: the nearest double, and what it misses in units of its last place.
+/// A value with more digits than a double: the nearest double, and the difference in ulp.
 #[derive(Clone, Copy)]
 struct Golden {
     near: f64,
@@ -56,7 +56,7 @@ fn within_ulps<const N: usize>(bound: f64, table: &str, function: impl Fn([f64; 
     assert!(worst.0 <= bound, "{table}: {} ulp at {:?}", worst.0, worst.1);
 }
 
-/// Asserts that two results agree within so many ulp, the sum of what each may be off.
+/// Asserts that two results agree within a number of ulp, the sum of the bounds of both.
 fn close(a: f64, b: f64, ulps: f64, what: &str) {
     assert!((a - b).abs() <= ulps * ulp(b), "{what}: {a:e} and {b:e}, {} ulp", (a - b).abs() / ulp(b));
 }
@@ -93,7 +93,7 @@ fn complete_integrals() {
     within_ulps(6.0, "complete_pi", |[n, mc]| complete_pi(n, mc));
 }
 
-/// sn, cn and dn: 5 ulp, and 4 roundings of the argument times the derivative: the period is no better.
+/// sn, cn and dn: 5 ulp, and 4 roundings of the argument times the derivative, because the period has this error.
 #[test]
 fn elliptic_sine_cosine_and_delta() {
     let mut worst = [(0.0, [f64::NAN; 2]); 3];
@@ -115,7 +115,7 @@ fn elliptic_sine_cosine_and_delta() {
     assert!(worst.iter().all(|w| w.0 <= 1.0), "{worst:?}");
 }
 
-/// The separatrix and the pendulum that hardly swings.
+/// The separatrix, and a pendulum of small amplitude.
 #[test]
 fn circular_and_hyperbolic_limits() {
     assert_eq!(jacobi(0.0, 0.3), (0.0, 1.0, 1.0));
@@ -143,7 +143,7 @@ fn symmetries_to_the_bit() {
         let ((sn, cn, dn), (minus_sn, minus_cn, minus_dn)) = (jacobi(u, mc), jacobi(-u, mc));
         assert_eq!((minus_sn, minus_cn, minus_dn), (-sn, cn, dn), "at {u:e}, {mc:e}");
     }
-    // Powers of four move nothing but exponents: degrees -1/2, -1/2 and -3/2.
+    // Powers of four change only exponents: the degrees are -1/2, -1/2 and -3/2.
     let four = 4.0_f64.powi(20);
     let two = 2.0_f64.powi(20);
     for ([x, y, z], _) in golden("rd") {
@@ -188,8 +188,8 @@ fn equal_arguments_degenerate() {
     close(1.0 / agm(1.0, SQRT_2), 0.834_626_841_674_073_2, 4.0, "Gauss's constant");
 }
 
-/// Legendre's relation, E K' + E' K - K K' = pi/2: three products, each of two factors off by 5 ulp at most and
-/// rounded once, and two sums. An ulp is at most 2^-52 of the value.
+/// Legendre's relation, E K' + E' K - K K' = pi/2: three products, each of two factors with errors of at most 5 ulp and
+/// one rounding, and two sums. An ulp is at most 2^-52 of the value.
 #[test]
 fn legendre_relation() {
     for ([mc], _) in golden::<1>("complete_k") {
@@ -208,9 +208,9 @@ fn legendre_relation() {
 
 /// u = sn R_F(cn^2, dn^2, 1) up to half the quarter period.
 ///
-/// The shift of the argument, 4 2^-53 |u|, is common to the three functions and comes back as it is: 2 eps.
-/// Their own 5 eps: sn's counts once; cn^2 and dn^2 are off by 2 5 + 1/2, and R_F, of degree -1/2 and falling in
-/// each argument, by at most half of that. R_F itself 4, the product 1/2.
+/// The shift of the argument, 4 2^-53 |u|, is common to the three functions and returns unchanged: 2 eps. The errors of
+/// the functions are 5 eps each: that of sn counts once; cn^2 and dn^2 have errors of 2 5 + 1/2, of which R_F (of
+/// degree -1/2 and decreasing in each argument) keeps at most half. R_F itself has 4, the product 1/2.
 #[test]
 fn the_integral_inverts_the_functions() {
     for ([u, mc], _) in golden("jacobi") {

@@ -1,4 +1,5 @@
-//! Events inside the long steps of a Taylor series: found on its polynomial, so as exactly as the states are.
+//! Events inside the long steps of a Taylor series, located on the polynomial of the step with the accuracy of the
+//! states.
 
 use rigid::exact::derived::{sign_changes, tilt_time, top_quantities};
 use rigid::forcing::Forcing;
@@ -14,7 +15,8 @@ fn series() -> impl Iterator<Item = &'static Scheme> {
     scheme::ALL.iter().copied().filter(|method| method.is_series())
 }
 
-/// A body in a lane of its own, in the longest steps that keep the attitude to 4e-14 a radian (`angle_per_step`).
+/// A body in a group without other bodies, with the longest steps that keep the attitude to 4e-14 a radian
+/// (`angle_per_step`).
 struct Run {
     group: Group,
     compiled: Compiled,
@@ -44,13 +46,13 @@ impl Run {
         self
     }
 
-    fn lost_at(&self) -> f64 {
+    fn exit_time(&self) -> f64 {
         self.group.observed[EXIT_TIME].0[0]
     }
 }
 
-/// The first flip of a body that tumbles. Its rates are good to 4e-14 of the fastest a radian turned; about 15 radians
-/// lie before the flip, at which the rate of change is a third of that rate or more.
+/// The first flip of a tumbling body. The error of the rates is 4e-14 of the fastest rate per radian turned. The body
+/// turns by about 15 radians before the flip, at which the rate of change is at least a third of the fastest rate.
 #[test]
 fn the_flip_of_a_tumbler() {
     let isa = Isa::available()[0];
@@ -64,7 +66,7 @@ fn the_flip_of_a_tumbler() {
             for method in series() {
                 let run = Run::new(&body, method, System::FreeRates, Observed::Flips, (axis, f64::INFINITY))
                     .until(first + 1.0);
-                let off = (run.lost_at() - first).abs();
+                let off = (run.exit_time() - first).abs();
                 assert!(off < 3.0 * 4e-14 * 15.0, "{method:?}, axis {axis} of {omega:?}: {off:e} at {first}");
             }
         }
@@ -77,8 +79,8 @@ fn top(omega: [f64; 3]) -> Body {
     Body { moments: [1.0, 1.0, 0.6], weight: [0.0, 0.0, 1.5], omega, attitude: [cos, sin, 0.0, 0.0] }
 }
 
-/// The largest tilt lies inside a step, and is seen there. It is where the tilt is flat, so only its own error counts:
-/// 4e-14 a radian of the ten or so that are turned in a period, and that of an arc cosine at 1e-16.
+/// The largest tilt lies inside a step. The derivative of the tilt vanishes there, so only the error of the tilt
+/// counts: 4e-14 per radian of the ten or so radians in a period, and the error of an arc cosine at 1e-16.
 #[test]
 fn the_largest_tilt_of_a_top() {
     for omega in [[0.3, 0.2, 4.0], [-0.5, 0.1, 5.5], [0.0, 0.0, 3.5]] {
@@ -87,16 +89,17 @@ fn the_largest_tilt_of_a_top() {
         for method in series() {
             let run = Run::new(&body, method, System::TopAxis, Observed::Tilt, (3, f64::INFINITY))
                 .until(1.2 * quantities.period);
-            let seen =
+            let observed_tilt =
                 largest_tilt(run.group.observed[Tilt::COSINE].0[0], run.group.observed[Tilt::SINE2].0[0]);
-            let off = (seen - quantities.tilt[1]).abs();
+            let off = (observed_tilt - quantities.tilt[1]).abs();
             assert!(off < 1e-12, "{method:?} of {omega:?}: {off:e}");
         }
     }
 }
 
-/// A limit of the tilt is met when the closed form meets it, also where the top stays beyond it for less than a step.
-/// The time is the error of the tilt over its slope, which vanishes towards the turning point like a root.
+/// The limit of the tilt is reached at the time of the closed form, also if the top stays beyond the limit for less
+/// than a step. The error of the time is the error of the tilt over its slope, which vanishes like a root at the
+/// turning point.
 #[test]
 fn the_limit_of_the_tilt_of_a_top() {
     let isa = Isa::available()[0];
@@ -110,7 +113,7 @@ fn the_limit_of_the_tilt_of_a_top() {
             for method in series() {
                 let run = Run::new(&body, method, System::TopAxis, Observed::Tilt, (3, limit));
                 let run = run.until(1.2 * quantities.period);
-                let off = (run.lost_at() - expected).abs();
+                let off = (run.exit_time() - expected).abs();
                 let bound = 1e-12 / (1.0 - part).sqrt();
                 assert!(off < bound, "{method:?} of {omega:?}, {part}: {off:e} of {bound:e} at {expected}");
             }

@@ -1,7 +1,7 @@
-//! Random starts: the generator is Philox4x64-10, the laws are what they are called, and a draw depends on its
-//! seed, pixel and sample alone.
+//! Random starts: the generator is Philox4x64-10, the distributions have their moments, and a draw depends only on its
+//! seed, pixel and sample.
 //!
-//! The draws are fixed, so the tests are: a mean of n draws is held to 4 of its standard errors.
+//! The draws are fixed, so the tests are deterministic: the mean of n draws has at most 4 of its standard errors.
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use rigid::map::{Criterion, Map, MethodChoice, Pixel};
@@ -43,11 +43,11 @@ fn uniforms_are_those_of_numpy() {
     let of_numpy = [0x19e373d6c41ef9_u64, 0x1ac9d305f6153a, 0x1c986f422f78aa, 0x103c2a0b56cfd0]
         .map(|digits| digits as f64 * 2.0_f64.powi(-53));
     let [a, b, c, d] = uniforms([2026, 0], 1, 5, 7);
-    // The last is written with the exponent -3 instead of -1.
+    // The last number is written with the exponent -3 instead of -1.
     assert_eq!([a, b, c, 4.0 * d], of_numpy);
 }
 
-/// Mean and standard error of a number that has this mean and variance.
+/// The mean of draws, compared with a known mean and variance.
 struct Mean {
     name: String,
     sum: f64,
@@ -67,7 +67,7 @@ impl Mean {
     }
 }
 
-/// Draws N vectors of a law and holds first, second, mixed and fourth moments to those of its components:
+/// Draws N vectors of a distribution and compares first, second, mixed and fourth moments with those of its components:
 /// `m2` = <x^2>, `m4` = <x^4>, `m22` = <x^2 y^2>, `m8` = <x^8>, `m44` = <x^4 y^4>; odd moments vanish.
 fn check_moments(law: Law, [m2, m22, m4, m8, m44]: [f64; 5]) {
     let mut means = Vec::new();
@@ -93,7 +93,7 @@ fn check_moments(law: Law, [m2, m22, m4, m8, m44]: [f64; 5]) {
 
 #[test]
 fn uniform_numbers() {
-    // In [0, 1): mean 1/2, variance 1/12; and the four of a block are independent.
+    // In [0, 1): mean 1/2, variance 1/12; the four numbers of a block are independent.
     let mut means: Vec<_> = (0..4).map(|i| Mean::new(format!("u{i}"), 0.5, 1.0 / 12.0)).collect();
     means.extend((0..4).map(|i| Mean::new(format!("u{i} u{}", (i + 1) % 4), 0.25, 1.0 / 9.0 - 1.0 / 16.0)));
     let (mut least, mut most) = (1.0_f64, 0.0_f64);
@@ -106,13 +106,14 @@ fn uniform_numbers() {
         }
     }
     means.iter().for_each(Mean::check);
-    // Of 4e5 numbers the extreme ones lie 2.5e-6 from the ends on average; beyond ten times that, one in e^10.
+    // The extreme ones of 4e5 numbers lie 2.5e-6 from the ends on average; ten times this distance has a probability of
+    // e^-10.
     assert!((0.0..2.5e-5).contains(&least) && (1.0 - 2.5e-5..1.0).contains(&most), "{least:e} {most}");
 }
 
 #[test]
 fn the_ends_of_the_uniforms() {
-    // The largest is 1 - 2^-53 and still below one; both ends are harmless to every law.
+    // The largest number is 1 - 2^-53, below one; every distribution is finite at both ends.
     let most = 1.0 - 2.0_f64.powi(-53);
     for law in [Law::Normal, Law::Uniform, Law::Direction] {
         for u in [[0.0; 4], [most; 4], [0.0, most, most, 0.0], [most, 0.0, 0.0, most]] {
@@ -120,7 +121,7 @@ fn the_ends_of_the_uniforms() {
             assert!(v.iter().all(|x| x.is_finite() && x.abs() < 9.0), "{law:?}({u:?}) = {v:?}");
         }
     }
-    // Never ln 0: the longest normal is sqrt(-2 ln 2^-53).
+    // ln 0 does not occur: the longest normal is sqrt(-2 ln 2^-53).
     let [x, ..] = vector(Law::Normal, [most, 0.0, 0.0, 0.0]);
     assert!((x - (106.0 * std::f64::consts::LN_2).sqrt()).abs() < 4.0 * f64::EPSILON * x);
 }
@@ -180,7 +181,7 @@ fn attitudes_are_uniform() {
     trace.check();
 }
 
-/// A small perturbation turns the body about a vector of the law, in its own axes: q exp(size v).
+/// A small perturbation turns the body about a vector of the distribution, in body axes: q exp(size v).
 #[test]
 fn a_perturbed_attitude() {
     let q = [0.8, 0.4, -0.4, 0.2];
@@ -191,14 +192,15 @@ fn a_perturbed_attitude() {
             let by = UnitQuaternion::from_scaled_axis(Vector3::from(vector(law, u)) * size);
             let wanted = Quaternion::new(q[0], q[1], q[2], q[3]) * by.into_inner();
             let miss = (Quaternion::new(got[0], got[1], got[2], got[3]) - wanted).norm();
-            // Half the angle, 4 at most, with two roundings, and a product of four terms.
+            // Half the angle, at most 4, with two roundings, and a product of four terms.
             assert!(miss < 6.0 * f64::EPSILON, "{law:?} {size}: {miss:e}");
         }
     }
     assert_eq!(attitude(Law::None, 0.3, q, [0.1; 4]), q);
 }
 
-/// Each law takes one block of four numbers and no more: what one part of a start draws does not move another.
+/// Each distribution takes one block of four numbers, so the draws of one part of a start do not change those of
+/// another.
 #[test]
 fn draws_do_not_shift_each_other() {
     let body = Body {
@@ -233,7 +235,7 @@ fn draws_do_not_shift_each_other() {
         let alone = draw(law, Law::None, 10, 1, 6);
         assert_eq!(alone.attitude, body.attitude);
         assert_ne!(alone.omega, body.omega);
-        // Block 0 of the sample, whatever else is drawn and however many samples there are.
+        // Block 0 of the sample, for any other draws and any number of samples.
         let v = vector(law, uniforms(KEY, 0, 6, 1));
         for k in 0..3 {
             assert_eq!(alone.omega[k], [0.5_f64, 0.25, 2.0][k].mul_add(v[k], body.omega[k]));
@@ -248,7 +250,7 @@ fn draws_do_not_shift_each_other() {
         for other in laws {
             assert_eq!(draw(other, law, 1000, 1, 6).attitude, turned.attitude);
         }
-        // Rates and attitude of a sample, samples, pixels: nothing repeats.
+        // Rates and attitude of a sample, samples, and pixels have different draws.
         assert_ne!(vector(law, uniforms(KEY, 1, 6, 1)), v);
         for (pixel, sample) in [(1, 5), (0, 6), (2, 6)] {
             assert_ne!(draw(law, Law::None, 10, pixel, sample).omega, alone.omega);

@@ -1,5 +1,5 @@
-//! What a splitting keeps besides its order: the way back, the lengths, the energy, the exact motion of a symmetric
-//! body, and the names of the axes. And that one step of each scheme is what its table says, written out naively.
+//! Properties of splittings beside their order: reversibility, lengths, energy, the exact motion of a symmetric body,
+//! and renamed axes. And one step of each scheme equals its table, written out naively.
 
 use crate::tests::scene_of;
 use nalgebra::{Quaternion, SVector, Unit, UnitQuaternion, Vector3};
@@ -19,24 +19,24 @@ use std::sync::atomic::AtomicBool;
 
 const EPS: f64 = f64::EPSILON;
 
-/// A body with weight, moving in general; its state is momenta (or rates), vertical, quaternion.
+/// A body with weight in a general motion; its state is momenta (or rates), vertical, quaternion.
 fn general() -> (Parameters<f64>, [f64; 10]) {
     let p = Parameters { moments: [1.0, 1.6, 0.7], weight: [0.2, -0.1, 0.3], step: 0.02 };
     (p, start([0.9, -0.4, 1.1]))
 }
 
-/// The same with an axis of symmetry; the centre of mass need not lie on it.
+/// A symmetric body in a general motion; the centre of mass need not lie on the symmetry axis.
 fn symmetric() -> (Parameters<f64>, [f64; 10]) {
     let p = Parameters { moments: [1.0, 1.0, 0.7], weight: [0.2, -0.1, 0.3], step: 0.02 };
     (p, start([0.9, -0.4, 1.1]))
 }
 
 fn start([l1, l2, l3]: [f64; 3]) -> [f64; 10] {
-    // The vertical is what the attitude says, third row of R.
+    // The vertical of this attitude, the third row of R.
     [l1, l2, l3, 0.8, 0.48, 0.36, 0.8, 0.4, -0.4, 0.2]
 }
 
-/// The numbers of a free body among those of a top: no vertical.
+/// The state of a free body from that of a top: without the vertical.
 fn without_vertical(y: [f64; 10]) -> [f64; 7] {
     [y[0], y[1], y[2], y[6], y[7], y[8], y[9]]
 }
@@ -92,15 +92,15 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(x, y)| (x - y).powi(2)).sum::<f64>().sqrt()
 }
 
-// --- The way back ---------------------------------------------------------------------------------------------
+// --- Reversibility ---------------------------------------------------------------------------------------------
 
 const ROUND_TRIP: usize = 2000;
 
-/// How far from its start a state is after 2000 steps there and back, and how far rounding may have brought it.
+/// The distance of a state from its start after 2000 steps forward and back, and the bound of its rounding error.
 ///
-/// A step rounds each number about ten times (five turns, two roundings each), eps/2 at most. What the motion
-/// makes of an error on the way back, a factor, is seen on neighbours at the far end. Roundings are as good as
-/// independent: 4 standard deviations of 2 x 2000 steps of them.
+/// A step rounds each number about ten times (five rotations, two roundings each), eps/2 at most. The factor by which
+/// the motion magnifies an error on the way back is measured with neighbours at the far end. Roundings are taken as
+/// independent: 4 standard deviations of 2 x 2000 steps.
 fn round_trip<S, M, L, const D: usize>(p: Parameters<f64>, start: [f64; D]) -> (f64, f64)
 where
     M: Model<f64>,
@@ -139,11 +139,12 @@ fn there_and_back() {
         assert!(trip <= bound && bound < 1e-9, "{trip:e}, bound {bound:e}");
     }
 
-    // The same flows without the palindrome, and the classical scheme, do not find the way back.
-    let (lost, _) = round_trip::<Splitting<OneWay, f64>, Top<f64>, AxisAttitude, 10>(p, y);
-    assert!(lost > 1e-3, "{lost:e}");
-    let (lost, bound) = round_trip::<RungeKutta<Rk4Tableau, f64, Top<f64>>, Top<f64>, AxisAttitude, 10>(p, y);
-    assert!(lost > 100.0 * bound, "{lost:e}, bound {bound:e}");
+    // The same flows in an order that is no palindrome, and the classical scheme, are not reversible.
+    let (change, _) = round_trip::<Splitting<OneWay, f64>, Top<f64>, AxisAttitude, 10>(p, y);
+    assert!(change > 1e-3, "{change:e}");
+    let (change, bound) =
+        round_trip::<RungeKutta<Rk4Tableau, f64, Top<f64>>, Top<f64>, AxisAttitude, 10>(p, y);
+    assert!(change > 100.0 * bound, "{change:e}, bound {bound:e}");
 }
 
 /// A composition of order 1: the flows one after the other.
@@ -158,11 +159,11 @@ impl Tested for Splitting<OneWay, f64> {
     const NUMBERS: &'static Numbers = &Numbers::of(&[1.0; 4]);
 }
 
-// --- Lengths and energy ---------------------------------------------------------------------------------------
+// --- Lengths and energy ----------------------------------------------------------------------------------------
 
 const LONG: usize = 100_000;
 
-/// Relative change of the three lengths over 1e5 steps: momentum, vertical (if carried), quaternion.
+/// Relative change of three lengths during 1e5 steps: momentum, vertical (if integrated), quaternion.
 fn lengths<S, M, L, const D: usize>(p: Parameters<f64>, start: [f64; D]) -> Vec<f64>
 where
     M: Model<f64>,
@@ -178,11 +179,11 @@ where
 
 #[test]
 fn lengths_at_rounding() {
-    // A turn multiplies a length by 1 + d, |d| <= eps: s^2 + c^2 misses 1 by 2 c ulp(c) <= eps where the angle is
-    // small, a length by half of that, and the two fused sums add a half. The angles change from step to step, so
-    // the d are as good as independent: 3 standard deviations of 5 turns a step.
+    // A rotation multiplies a length by 1 + d, |d| <= eps: s^2 + c^2 differs from 1 by 2 c ulp(c) <= eps for a small
+    // angle, a length by half of that, and the two fused sums add a half. The angles change from step to step, so the d
+    // are taken as independent: 3 standard deviations of 5 rotations a step.
     let changing = 3.0 * (5.0 * LONG as f64).sqrt() * EPS;
-    // A free symmetric body turns by the same two angles all its life, and their d add up: eps a step.
+    // A free symmetric body turns by the same two angles in each step, so their d add up: eps a step.
     let constant = LONG as f64 * EPS;
     let (p, y) = general();
     let (twist, free) = (symmetric().0, without_vertical(y));
@@ -202,9 +203,9 @@ fn lengths_at_rounding() {
         assert!(lengths.iter().all(|&d| d <= bound), "{lengths:?}, bound {bound:e}");
     }
 
-    // The classical scheme loses h^5 or so a step.
-    let lost = lengths::<RungeKutta<Rk4Tableau, f64, Top<f64>>, Top<f64>, AxisAttitude, 10>(p, y);
-    assert!(lost[1] > 1e3 * changing && lost[2] > 1e3 * changing, "{lost:?}");
+    // The error of the classical scheme is about h^5 a step.
+    let change = lengths::<RungeKutta<Rk4Tableau, f64, Top<f64>>, Top<f64>, AxisAttitude, 10>(p, y);
+    assert!(change[1] > 1e3 * changing && change[2] > 1e3 * changing, "{change:?}");
 }
 
 /// Largest energy error in the first tenth and in all of 1e5 steps.
@@ -251,8 +252,8 @@ fn energy_does_not_drift() {
     ];
     for ([early, worst], [_, half]) in cases {
         println!("{early:.3e} {worst:.3e} {half:.3e}");
-        // Bounded: a tenth of the time has seen nearly all of it (a drift would be ten times more, a random walk
-        // three times). Of order 2: half the step, a quarter of the error, up to terms of order h^2 beside it.
+        // Bounded: the error has nearly its maximum after a tenth of the time (a drift would grow ten times, a random
+        // walk three times). Of order 2: half the step has a quarter of the error, up to terms of order h^2.
         assert!(worst < 1.3 * early, "{early:e} then {worst:e}");
         assert!((worst / half - 4.0).abs() < 0.3, "{worst:e} and {half:e}");
     }
@@ -280,7 +281,7 @@ fn the_rotor_is_exact_for_any_step() {
         let l = spin.inverse() * l;
         let exact = [l.x, l.y, l.z, q.w, q.x, q.y, q.z];
 
-        // The two angles carry four roundings each, eps/2; a step adds two turns of 2.5 eps.
+        // The two angles have four roundings each, eps/2; a step adds two rotations of 2.5 eps.
         let angles = norm(&y[..3]) * h.abs() / p.moments[0] + angle.abs();
         let bound = |steps: f64| (2.0 * angles + 5.0 * steps) * EPS * norm(&y);
         assert!(distance(&once, &often) <= bound(64.0), "step {h}: {:e}", distance(&once, &often));
@@ -288,7 +289,7 @@ fn the_rotor_is_exact_for_any_step() {
     }
 }
 
-// --- The names of the axes ------------------------------------------------------------------------------------
+// --- Renamed axes ----------------------------------------------------------------------------------------------
 
 fn run(bodies: &[Body], is_top: bool, method: &'static Scheme) -> States {
     let steps = vec![0.02; bodies.len()];
@@ -327,7 +328,7 @@ fn the_renaming_is_one() {
     let [a, b, c] = body.vertical();
     let other = renamed(&body).vertical();
     assert!(distance(&other, &[b, c, a]) < 2.0 * EPS);
-    // And the vertical of the states above is that of their attitude.
+    // The vertical of the states above is that of their attitude.
     assert!(distance(&[a, b, c], &y[3..6]) < 2.0 * EPS, "{:?}", [a, b, c]);
 }
 
@@ -356,8 +357,8 @@ fn renamed_motion(is_top: bool, method: &'static Scheme, bodies: [Body; 2], turn
         let [old, new] = [0, 1].map(|body| &states.rates()[3 * (2 * body + time)..][..3]);
         for i in 0..3 {
             let (a, b) = (old[(i + turns) % 3], new[i]);
-            // A free body: the same operations on the same numbers. A top starts with another rounding of its
-            // vertical, an eps or two, and remembers it: 4 eps t, t = 4; from then on all is rounded otherwise.
+            // A free body has the same operations on the same numbers. The vertical of a top starts with another
+            // rounding, an eps or two, whose effect is 4 eps t, t = 4; all later roundings differ too.
             let slack = if is_top { 16.0 * EPS + roundings } else { 0.0 };
             assert!((a - b).abs() <= slack, "{method:?} {bodies:?}: {a:e} {b:e}");
         }
@@ -374,7 +375,7 @@ fn renamed_motion(is_top: bool, method: &'static Scheme, bodies: [Body; 2], turn
 
 // --- One step, naively ----------------------------------------------------------------------------------------
 
-/// A state in the words of nalgebra: momenta or rates, vertical, attitude.
+/// A state with the types of nalgebra: momenta or rates, vertical, attitude.
 #[derive(Clone, Copy)]
 struct Naive {
     first: Vector3<f64>,
@@ -396,7 +397,7 @@ impl Naive {
         [a.x, a.y, a.z, b.x, b.y, b.z, q.w, q.i, q.j, q.k]
     }
 
-    /// The body turns by this rotation, seen from itself.
+    /// The body turns by this rotation, given in the body.
     fn turn(&mut self, by: UnitQuaternion<f64>) {
         self.first = by.inverse() * self.first;
         self.vertical = by.inverse() * self.vertical;
@@ -426,7 +427,7 @@ fn naive_splitting<C: Round>(numbers: &Numbers, p: &Parameters<f64>, y: &[f64; 1
     state.numbers()
 }
 
-/// Euler's equations of a top as they stand in the books.
+/// Euler's equations of a top.
 fn naive_rate(p: &Parameters<f64>, y: &SVector<f64, 10>) -> SVector<f64, 10> {
     let state = Naive::of(&y.as_slice().try_into().unwrap());
     let (omega, moments) = (state.first, Vector3::from(p.moments));
@@ -475,8 +476,8 @@ fn one_step_as_its_table_says() {
         let mut rk4 = state;
         go::<RungeKutta<Rk4Tableau, f64, Top<f64>>, Top<f64>, AxisAttitude, 10>(&p, &mut rk4, 1);
 
-        // Numbers of size one, at most ten roundings of eps/2 on either side: no number is off by more than
-        // 10 eps, and in the mean square of ten numbers by less. Five times as many flows: the same.
+        // Numbers of size one, at most ten roundings of eps/2 on either side: no number has an error above 10 eps, and
+        // the mean square of ten numbers has less. Five times as many flows: the same.
         for (name, got, naive) in [
             ("planar", planar, naive_splitting::<Planar>(scheme::SPLITTING.any.numbers, &p, &state)),
             (

@@ -1,4 +1,4 @@
-//! Taylor series: their coefficients, their order, and what is left of their rounding after a long time.
+//! Taylor series: their coefficients, their order, and their rounding error after a long time.
 
 use crate::tests::scene_of;
 use nalgebra::{DMatrix, DVector};
@@ -49,7 +49,7 @@ fn lagrange() -> Body {
     Body { moments: [1.0, 1.0, 0.5], weight: [0.0, 0.0, 1.2], omega, attitude: tilted(1.4) }
 }
 
-/// No closed form.
+/// A top without a closed form.
 fn asymmetric() -> Body {
     let com = [0.3, 0.2, 0.93];
     let weight = com.map(|c| 1.2 * c / norm(&com));
@@ -66,7 +66,7 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
 
 // --- Coefficients ---------------------------------------------------------------------------------------------
 
-/// cos x + i sin x to that order.
+/// cos x + i sin x up to an order.
 fn truncated(x: f64, order: u32) -> [f64; 2] {
     let (mut sum, mut term) = ([0.0; 2], 1.0);
     for k in 0..=order {
@@ -86,8 +86,8 @@ where
 }
 
 /// The rates of a free symmetric body turn at a constant rate, and so do the directions and, at half the rate, the
-/// quaternion of a spin: sine and cosine, truncated. With an angle of 5 the truncation is 1e-10 of the
-/// numbers and more, so that no order may be missing nor one too many. Terms of up to 26, forty of them rounded.
+/// quaternion of a spin: truncated sine and cosine. With an angle of 5 the truncation error is at least 1e-10 of the
+/// numbers, so the test detects a missing order and an extra one. Terms are up to 26, with forty roundings.
 fn uniform_turn<S>(of: &Scheme)
 where
     S: Stepper<f64, Free<f64>, Attitude, 7> + Stepper<f64, Free<f64>, Axis, 6>,
@@ -123,7 +123,7 @@ fn of_a_uniform_turn_the_series_are_those_of_sine_and_cosine() {
     uniform_turn::<Taylor<true, f64, Free<f64>>>(&scheme::TAYLOR26);
 }
 
-/// A pendulum, theta'' = -k sin theta: its first four derivatives, by hand. What is left is of order 5.
+/// A pendulum, theta'' = -k sin theta: its first four derivatives, by hand. The remainder is of order 5.
 #[test]
 fn first_coefficients_of_a_pendulum() {
     let (k, theta, w): (f64, f64, f64) = (0.5 / 1.6, 2.0, 0.7);
@@ -135,7 +135,7 @@ fn first_coefficients_of_a_pendulum() {
         k * c * w.powi(3) + k * k * w * (c * c - 3.0 * s * s),
     ];
     let left = |h: f64| {
-        // Centre of mass on axis 3, theta from hanging; the vertical in the plane of axes 3 and 1.
+        // Centre of mass on axis 3, theta from the hanging position; the vertical in the plane of axes 3 and 1.
         let p = Parameters { moments: [1.0, 1.6, 0.7], weight: [0.0, 0.0, 0.5], step: h };
         let mut y = [0.0, w, 0.0, s, 0.0, -c];
         type Series = Taylor<true, f64, Top<f64>>;
@@ -153,7 +153,7 @@ fn first_coefficients_of_a_pendulum() {
 
 fn truth(body: &Body, times: &[f64]) -> States {
     if *body == asymmetric() {
-        // A fortieth of the radius of convergence or less: nothing is truncated.
+        // At most a fortieth of the radius of convergence, so the truncation error is negligible.
         run(&[*body], Solver::Steps(&scheme::TAYLOR26), 0.02, times)
     } else {
         run(&[*body], Solver::Exact, 1.0, times)
@@ -167,8 +167,8 @@ fn fit<const N: usize>(rows: &[[f64; N]], values: &[f64]) -> DVector<f64> {
 }
 
 /// The error of one step is c h^(p+1) and higher powers, of which the even ones (p + 1 is odd) cancel between a step
-/// forward and one backward. What is left is (p + 1) ln h + ln c + b h^2 + d h^4, from where rounding is a
-/// thousandth of it up to an error of 1e-3.
+/// forward and a step backward. The rest is (p + 1) ln h + ln c + b h^2 + d h^4, in the range from a thousand roundings
+/// to an error of 1e-3.
 #[test]
 fn one_step_has_the_stated_order() {
     for body in [free(), lagrange(), asymmetric()] {
@@ -202,7 +202,7 @@ fn one_step_has_the_stated_order() {
     }
 }
 
-/// Any body, and a top if asked.
+/// A random body, or a top if `is_top`.
 fn random_body(number: u64, is_top: bool) -> Body {
     let u = |block| uniforms([1, 2], block, number, 0);
     let [a, b, c, _] = u(0).map(|x| 0.2 + x);
@@ -212,10 +212,10 @@ fn random_body(number: u64, is_top: bool) -> Body {
     Body { moments: [b + c, c + a, a + b], weight: [c1, c2, c3], omega: [x, y, z], attitude }
 }
 
-/// With the step that is left to us the attitude is off by no more than 1e-13 a radian turned. (On these bodies the
-/// worst was 4e-14, the median below 1e-15.)
+/// With the default step the error of the attitude is at most 1e-13 per radian turned. (The largest error of these
+/// bodies was 4e-14, the median below 1e-15.)
 #[test]
-fn the_step_left_to_us_leaves_rounding() {
+fn the_default_step_leaves_only_rounding() {
     for number in 0..300 {
         let body = random_body(number, number % 2 == 1);
         let rate = body.fastest_rate(Forcing::NONE, [0.0; 2]);
@@ -233,8 +233,9 @@ fn the_step_left_to_us_leaves_rounding() {
 // --- A long time ----------------------------------------------------------------------------------------------
 
 /// Energy errors at t = 10, 100, 1000, 10^4, relative to the kinetic energy and mgl at the start: root mean squares
-/// over neighbours of the asymmetric top, and the largest. The carry leaves the rounding of each rise, some 1e-17
-/// as that is a tenth of the state; they are independent, so their sum grows with the root of the time.
+/// over neighbours of the asymmetric top, and the largest. With compensation only the rounding error of each increment
+/// remains, some 1e-17, because an increment is a tenth of the state. These errors are independent, so their sum grows
+/// like the root of the time.
 #[test]
 fn energy_after_a_hundred_thousand_steps() {
     let times = [1e1, 1e2, 1e3, 1e4];
@@ -262,7 +263,7 @@ fn energy_after_a_hundred_thousand_steps() {
     let errors = squares.map(f64::sqrt);
     println!("energy errors {errors:?}, worst {worst:e}");
     assert!(worst < 1e-14, "{worst:e}");
-    // Three standard errors of a root mean square of 32, times what the rounding of the energy itself adds early on.
+    // Three standard errors of a root mean square of 32, times the early rounding error of the energy itself.
     assert!(errors[3] < 1.4 * 10.0_f64.sqrt() * errors[2], "{errors:?}");
     assert!(errors[3] < 1.4 * 10.0 * errors[1].max(EPS / 2.0), "{errors:?}");
 }

@@ -1,8 +1,8 @@
-//! What every closed form keeps, for any body.
+//! Properties of every closed form, for any body.
 
 use super::*;
 
-/// A number over twelve decades of either sign, or exactly zero.
+/// A number in twelve decades of either sign, or exactly zero.
 fn wide() -> impl Strategy<Value = f64> {
     let number = (-12.0..0.0_f64, prop::bool::ANY)
         .prop_map(|(e, minus)| 10.0_f64.powf(e) * [1.0, -1.0][usize::from(minus)]);
@@ -13,14 +13,14 @@ fn wide3() -> impl Strategy<Value = [f64; 3]> {
     [wide(), wide(), wide()]
 }
 
-/// Moments of three masses on the axes, needles, plates and spheres among them.
+/// Moments of three masses on the axes, including needles, plates and spheres.
 fn moments() -> impl Strategy<Value = [f64; 3]> {
     let masses = wide3().prop_map(|m| m.map(f64::abs));
     let moments = masses.prop_map(|[a, b, c]| [b + c, c + a, a + b]);
     moments.prop_filter("a body", |&m| Inertia::new(m).is_ok())
 }
 
-/// Attitudes of any kind, upright and hanging ones to the bit among them, and those close to them.
+/// Any attitude, including exactly upright and hanging ones, and attitudes close to these.
 fn attitudes() -> impl Strategy<Value = [f64; 4]> {
     let some = prop::array::uniform4(-1.0..1.0_f64);
     let upright = (-PI..PI).prop_map(|a: f64| [a.cos(), 0.0, 0.0, a.sin()]);
@@ -35,8 +35,8 @@ fn attitudes() -> impl Strategy<Value = [f64; 4]> {
     )
 }
 
-/// At these times, in radians of the fastest rate there can be, nothing is lost: every number is finite, a unit
-/// stays a unit, energy and momentum stay within some eps of their scale.
+/// At these times, in radians of a bound of the rate, every number is finite, a unit quaternion has length one, and
+/// energy and momentum differ by some eps of their scale.
 fn stays_on_its_invariants(body: &Body) -> Result<(), TestCaseError> {
     let rate = body.fastest_rate(Forcing::NONE, [0.0; 2]);
     prop_assume!(rate > 0.0 && rate.is_finite());
@@ -49,9 +49,10 @@ fn stays_on_its_invariants(body: &Body) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// Free rates are three numbers of at most 5 ulp: 10 eps of a sum of squares. Those of a top come from a quotient
-/// of two such parameters, and its height from their squares: 10 eps of the kinetic energy and 10 of the other, by
-/// half as much again where both are of the size of the scale. Their sum is rounded, here and at the start.
+/// Free rates are three numbers with errors of at most 5 ulp: 10 eps of a sum of squares. The rates of a top come from
+/// a quotient of two such parameters, and its height from their squares: 10 eps of the kinetic energy and 10 eps of the
+/// potential energy, and half as much again where both energies are of the size of the scale. The sum is rounded, here
+/// and at the start.
 const INVARIANT: f64 = 32.0 * EPS;
 
 proptest! {
@@ -92,7 +93,7 @@ proptest! {
     ) {
         let mut body = top(axis, 10.0_f64.powf(weight), spin_moment, omega, [1.0, 0.0, 0.0, 0.0]);
         if axis.abs() == 3 {
-            // Upright and hanging to the bit.
+            // Exactly upright and hanging.
             body.attitude = attitude;
         } else {
             body = top(axis, 10.0_f64.powf(weight), spin_moment, omega, attitude);

@@ -1,4 +1,4 @@
-//! The way into a canonical form and back.
+//! Canonical forms: from a body to its canonical form and back.
 
 use super::*;
 use rigid::scene::TOP;
@@ -20,14 +20,14 @@ fn symmetric_to_the_bit_only() {
         assert_eq!(form(&body([1.0, 1.0, one_more], omega)), Some(ClosedForm::Symmetric));
         assert_eq!(form(&body([1.0, 1.3, 1.5], [0.0, 0.0, 0.5])), Some(ClosedForm::PermanentRotation));
         assert_eq!(form(&body([1.0, 1.3, 1.5], [0.0, 1e-140, 0.5])), Some(ClosedForm::Asymmetric));
-        // The square of this is no double.
+        // The square of this number underflows.
         assert_eq!(form(&body([1.0, 1.3, 1.5], [0.0, 5e-324, 0.5])), Some(ClosedForm::PermanentRotation));
 
         let weight = turned([0.0, 0.0, -2.0]);
         let heavy = |moments, omega| Body { weight, ..body(moments, omega) };
         assert_eq!(form(&heavy([1.0, 1.0, 1.5], omega)), Some(ClosedForm::Lagrange));
         assert_eq!(form(&heavy([1.0, 1.0, 1.0], omega)), Some(ClosedForm::Lagrange));
-        // What is nearly a Lagrange top has no closed form, and is given none.
+        // A body that is only nearly a Lagrange top has no closed form.
         assert_eq!(form(&heavy([1.0, one_more, 1.5], omega)), None);
         assert_eq!(
             form(&Body { weight: turned([0.0, 5e-324, -2.0]), ..heavy([1.0, 1.0, 1.5], omega) }),
@@ -43,7 +43,7 @@ fn upright_hanging_and_plane_swings() {
     assert_eq!(form(&body([1.5, 0.0, 0.0], level)), Some(ClosedForm::Pendulum));
     assert_eq!(form(&body([1.5, 0.0, 1e-300], level)), None);
     assert_eq!(form(&body([1.5, 0.0, 0.0], [0.8, 0.6, 1e-300, 0.0])), None);
-    // Off the principal axes too, as long as the axis of the swing is one.
+    // Also off the principal axes, as long as the axis of rotation is a principal axis.
     assert_eq!(
         form(&Body { weight: [0.0, 0.3, -0.7], ..body([1.5, 0.0, 0.0], level) }),
         Some(ClosedForm::Pendulum)
@@ -64,7 +64,8 @@ fn upright_hanging_and_plane_swings() {
             );
         }
     }
-    // A top without symmetry that stands or hangs at rest stays; so does one whose weight has no lever.
+    // A top without symmetry that stands or hangs at rest remains at rest; so does a top with its centre of mass on the
+    // vertical.
     for attitude in [[1.0, 0.0, 0.0, 0.0], [0.6, 0.0, 0.0, 0.8], [0.0, 1.0, 0.0, 0.0]] {
         let still = body([0.0; 3], attitude);
         assert_eq!(form(&still), Some(ClosedForm::PermanentRotation), "{attitude:?}");
@@ -77,8 +78,8 @@ fn upright_hanging_and_plane_swings() {
     }
 }
 
-/// The sign of 2 E I2 - L^2 is found without rounding: exactly on the separatrix no flip comes back, one rounding
-/// beside it the next flip is where 50 digits have it.
+/// The sign of 2 E I2 - L^2 is computed without rounding: exactly on the separatrix there is no flip; one rounding
+/// beside the separatrix the next flip is at the time of a computation with 50 digits.
 #[test]
 fn separatrix_to_the_last_bit() {
     let third = (1.0_f64 / 3.0).sqrt();
@@ -90,7 +91,7 @@ fn separatrix_to_the_last_bit() {
     }
 }
 
-/// A release at the limit leaves at once if it falls, a touch of the turning point counts as reaching it.
+/// A body released at the limit leaves at once if it falls; a turning point at the limit counts as reaching the limit.
 #[test]
 fn limits_at_the_turning_points() {
     let at = |tilt: f64, omega| {
@@ -105,12 +106,12 @@ fn limits_at_the_turning_points() {
     assert!((touched - 0.5 * nutation.period).abs() <= 4.0 * EPS * nutation.period, "{touched} {nutation:?}");
     let beyond = nutation.tilt[1] * (1.0 + 1e-12);
     assert_eq!(time(&release, beyond), f64::INFINITY);
-    // A swing through the top reaches it.
+    // A motion through the top reaches the limit.
     let over = at(0.5, [3.0, 0.0, 0.0]);
     assert!(time(&over, std::f64::consts::PI) < top_quantities(Isa::Scalar, &over).unwrap().period);
 }
 
-/// The start comes back to the bit at time 0, from every form, on every axis.
+/// The state at time 0 equals the start to the bit, for every form and every axis.
 #[test]
 fn the_start_is_the_state_at_time_zero() {
     let pendulum = Body {
@@ -129,10 +130,10 @@ fn the_start_is_the_state_at_time_zero() {
     }
 }
 
-/// A top whose centre of mass lies on another axis, or below, is the same top: the motion seen in its own axes.
+/// The motion of a top does not depend on the axis of its centre of mass, nor on the sign of its weight.
 ///
-/// Two or three roundings of the start more, and what the motion makes of them in 5 s: kappa of 200 for the fast
-/// tops, as the golden ones have.
+/// The start has two or three more roundings, which the motion magnifies in 5 s: kappa of 200 for the fast tops, as for
+/// the golden ones.
 #[test]
 fn every_axis_and_both_signs_of_the_weight() {
     let all = tops();

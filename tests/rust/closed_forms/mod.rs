@@ -1,5 +1,5 @@
-//! Closed forms against trajectories of 25 digits, Jacobi functions by other code, flip times by other formulas,
-//! and against themselves: a derived time or angle is one that the evaluated motion has.
+//! Closed forms against trajectories of 25 digits, Jacobi functions by other code, flip times by other formulas; and
+//! derived times and angles against the evaluated motion.
 
 mod any_body;
 mod canonical;
@@ -57,26 +57,26 @@ fn norm(v: &[f64]) -> f64 {
     v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-/// A free body with another attitude than the trivial one.
+/// A free body whose attitude is not the identity.
 fn free(moments: [f64; 3], omega: [f64; 3]) -> Body {
     Body { moments, weight: [0.0; 3], omega, attitude: [0.8, 0.36, -0.48, 0.0] }
 }
 
 /// A top symmetric about a signed body axis on which its centre of mass lies: moments 1 and `spin_moment`.
 ///
-/// Attitude and rates are given in axes of which the third points to the centre of mass, and renamed.
+/// Attitude and rates are given in axes whose third axis points to the centre of mass, and are then renamed.
 fn top(axis: i32, mgl: f64, spin_moment: f64, omega: [f64; 3], attitude: [f64; 4]) -> Body {
     let k = axis.unsigned_abs() as usize - 1;
     let (mut moments, mut weight) = ([1.0; 3], [0.0; 3]);
     moments[k] = spin_moment;
     weight[k] = f64::from(axis.signum()) * mgl;
     let frame = Frame::of(axis);
-    // Body to space is the given attitude after the turn of the body frame.
+    // The attitude from body to space is the given attitude after the rotation of the body frame.
     let attitude = rigid::kinematics::quaternion_product(&attitude, &frame.quaternion());
     Body { moments, weight, omega: frame.back(omega), attitude }
 }
 
-/// Body axes renamed so that the third is a given signed one: a right-handed set.
+/// Renamed body axes, right-handed; the third axis is a given signed axis.
 struct Frame {
     /// Body axis of each new axis, and its sign.
     axes: [(usize, f64); 3],
@@ -101,7 +101,7 @@ impl Frame {
         out
     }
 
-    /// The turn that takes body components to components along the new axes.
+    /// The rotation from body components to components along the new axes.
     fn quaternion(&self) -> [f64; 4] {
         let rows = [0, 1, 2].map(|i| {
             let mut row = [0.0; 3];
@@ -115,7 +115,7 @@ impl Frame {
     }
 }
 
-/// The attitude with these Euler angles z-x-z.
+/// The attitude with the Euler angles z-x-z.
 fn euler(phi: f64, theta: f64, psi: f64) -> [f64; 4] {
     let (sigma, delta) = (0.5 * (phi + psi), 0.5 * (phi - psi));
     let (c, s) = ((0.5 * theta).cos(), (0.5 * theta).sin());
@@ -176,16 +176,17 @@ fn free_bodies() -> Vec<Body> {
     asymmetric.into_iter().chain(symmetric).map(|(moments, omega)| free(moments, omega)).collect()
 }
 
-/// A component passes zero at the first change of its sign and at the next ones, and nowhere else.
+/// A component is zero at the first change of its sign and at the next ones, and at no other time.
 ///
-/// The time of a zero is as good as its phase: 8 roundings of the time and of the half period, from both sides.
+/// The error of the time of a zero is that of its phase: 8 roundings of the time and of the half period, from both
+/// sides.
 #[test]
 fn sign_changes_are_zeros_of_the_rates() {
     for body in free_bodies() {
         for axis in 0..3 {
             let [first, every] = sign_changes(Isa::available()[0], &body, axis).unwrap();
             if first == f64::INFINITY {
-                // It keeps its sign.
+                // This component keeps its sign.
                 let times: Vec<f64> = (0..400).map(|k| 0.37 * f64::from(k)).collect();
                 let sign = body.omega[axis].signum();
                 assert!(motion(&body, &times).iter().all(|(w, _)| w[axis] * sign > 0.0), "{body:?} {axis}");
@@ -214,7 +215,7 @@ fn sign_changes_are_zeros_of_the_rates() {
     }
 }
 
-/// The rates reach their amplitudes in half a period and never pass them; the encircled axis keeps its sign.
+/// The rates reach their amplitudes in half a period and never exceed them; the encircled axis keeps its sign.
 #[test]
 fn amplitudes_and_the_encircled_axis() {
     for body in free_bodies() {
@@ -225,10 +226,11 @@ fn amplitudes_and_the_encircled_axis() {
             let largest = states.iter().map(|(w, _)| w[k].abs()).fold(0.0, f64::max);
             let amplitude = quantities.amplitude[k];
             assert!(largest <= amplitude * (1.0 + 16.0 * EPS), "{body:?} axis {k}: {largest} {amplitude}");
-            // Half a sample off the top, with the curvature of sn in a period of few samples near a separatrix.
+            // The maximum is at most half a sample away; near a separatrix a period has few samples and sn a large
+            // curvature.
             let samples = 1000.0 / (1.0 - quantities.parameter[1].ln()).max(1.0);
-            let missed = (PI / samples) * (PI / samples);
-            assert!(largest >= amplitude * (1.0 - missed), "{body:?} axis {k}: {largest} {amplitude}");
+            let tolerance = (PI / samples) * (PI / samples);
+            assert!(largest >= amplitude * (1.0 - tolerance), "{body:?} axis {k}: {largest} {amplitude}");
         }
         let axis = quantities.axis;
         if axis != 0 {
@@ -240,7 +242,7 @@ fn amplitudes_and_the_encircled_axis() {
     }
 }
 
-/// The mean rate at which the encircled axis goes about L, from its azimuth along the motion.
+/// The mean rate of the encircled axis about L, from its azimuth along the motion.
 #[test]
 fn precession_is_the_mean_turn_about_l() {
     for body in free_bodies() {
@@ -262,7 +264,7 @@ fn precession_is_the_mean_turn_about_l() {
             dot(a, v).atan2(dot(a, u))
         });
         let mean = unwrapped(azimuths) / end;
-        // The azimuth is off by the angle turned, and a few eps where the axis is close to L.
+        // The error of the azimuth is that of the angle turned, and a few eps more if the axis is close to L.
         let angle = length / body.moments.into_iter().fold(f64::INFINITY, f64::min) * end;
         let slack = 4.0 * EPS * (angle + 100.0) / end + 8.0 * EPS * mean.abs();
         let near_l = 1.0 - dot(to_space(&body.attitude, axis), l) / length;
@@ -284,7 +286,7 @@ fn to_space(&[w, x, y, z]: &[f64; 4], v: [f64; 3]) -> [f64; 3] {
     to_body_frame(&[w, -x, -y, -z], &v)
 }
 
-/// Two directions that make a right-handed set with a third.
+/// Two directions that are right-handed with a third.
 fn across(c: [f64; 3]) -> [[f64; 3]; 2] {
     let cross = |a: [f64; 3], b: [f64; 3]| {
         [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
@@ -295,8 +297,8 @@ fn across(c: [f64; 3]) -> [[f64; 3]; 2] {
     [cross(v, c), v]
 }
 
-/// The change of an angle along samples that turn by less than half a turn each; turns are counted, so that
-/// nothing is rounded but the ends.
+/// The change of an angle along samples that turn by less than half a turn each; whole turns are counted, so only the
+/// ends are rounded.
 fn unwrapped(angles: impl Iterator<Item = f64>) -> f64 {
     let angles: Vec<f64> = angles.collect();
     let turns: f64 = angles.windows(2).map(|pair| ((pair[0] - pair[1]) / TAU).round()).sum();

@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// A number known to 25 digits, as the nearest double and the rest.
+/// A number with 25 digits: the nearest double, and the remainder.
 #[derive(Clone, Copy, Debug)]
 struct Golden {
     near: f64,
@@ -16,14 +16,14 @@ impl Golden {
         let (mantissa, exponent) = digits(&exact);
         let (known, known_exponent) = digits(text);
         let [a, b] = [(known, known_exponent), (mantissa, exponent)].map(|(digits, e)| {
-            // Either may have rounded up to the next power of ten.
+            // Either number may have been rounded up to the next power of ten.
             digits * 10_i128.pow((e - exponent.min(known_exponent)) as u32)
         });
         let rest = format!("{}e{}", a - b, exponent.min(known_exponent) - 35);
         Golden { near, low: rest.parse().unwrap() }
     }
 
-    /// What `got` is off.
+    /// The error of `got`.
     fn error(self, got: f64) -> f64 {
         (got - self.near) - self.low
     }
@@ -61,7 +61,7 @@ fn golden_numbers<const N: usize>(value: &Value) -> [Golden; N] {
     numbers.try_into().unwrap()
 }
 
-/// The body of a scene; `None` of one given by a tensor, whose axes are the subject of another test.
+/// The body of a scene; `None` for a body given by a tensor, whose axes are tested elsewhere.
 fn body_of(scene: &Value) -> Option<Body> {
     scene["inertia"][0].as_f64()?;
     let scale = scene["mass"].as_f64().unwrap() * scene["gravity"].as_f64().unwrap();
@@ -75,11 +75,11 @@ fn body_of(scene: &Value) -> Option<Body> {
     })
 }
 
-/// Every sample of every scene: the rates relative to the largest, the attitude in radians, within an ulp or three
-/// of the angle turned, or four times what rounding the inputs costs.
+/// Every sample of every scene: the rates relative to the largest rate, the attitude in radians, within three ulp of
+/// the angle turned, or four times the effect of the rounding of the inputs.
 #[test]
 fn golden_trajectories() {
-    let mut seen = Vec::new();
+    let mut forms = Vec::new();
     for name in ["free_asymmetric", "free_symmetric", "lab_box", "lagrange", "pendulum"] {
         let path = format!("{}/tests/golden/{name}.json", env!("CARGO_MANIFEST_DIR"));
         let file: Value = serde_json::from_reader(std::fs::File::open(path).unwrap()).unwrap();
@@ -99,7 +99,7 @@ fn golden_trajectories() {
                 let off = norm(&[0, 1, 2].map(|k| golden[k].error(omega[k])));
                 let [x, y, z, w] = golden_numbers(&sample["q"]);
                 let golden = [w, x, y, z];
-                // Either sign is the same attitude.
+                // Both signs are the same attitude.
                 let along: f64 = (0..4).map(|k| golden[k].near * attitude[k]).sum();
                 let turned = attitude.map(|c| c * along.signum());
                 let turn = 2.0 * norm(&[0, 1, 2, 3].map(|k| golden[k].error(turned[k])));
@@ -117,24 +117,24 @@ fn golden_trajectories() {
                 worst = [0, 1].map(|i| worst[i].max(parts[i]));
             }
             println!("{:40} {:16} parts {:.2} {:.2}", scene["id"], form.name(), worst[0], worst[1]);
-            seen.push(form);
+            forms.push(form);
         }
     }
-    let count = |form| seen.iter().filter(|&&f| f == form).count();
+    let count = |form| forms.iter().filter(|&&f| f == form).count();
     assert!(
         count(ClosedForm::Asymmetric) > 20
             && count(ClosedForm::Symmetric) >= 4
             && count(ClosedForm::Lagrange) > 15
     );
-    assert!(count(ClosedForm::PermanentRotation) >= 2 && count(ClosedForm::Pendulum) >= 1, "{seen:?}");
+    assert!(count(ClosedForm::PermanentRotation) >= 2 && count(ClosedForm::Pendulum) >= 1, "{forms:?}");
 }
 
-/// A start near the intermediate axis with equal perturbations, nine flips later, 25-digit arithmetic.
+/// A start near the intermediate axis with equal perturbations, after nine flips, with arithmetic of 25 digits.
 #[test]
 fn after_many_flips() {
     let (omega, _) = motion(&free([1.0, 2.0, 3.0], [1e-14, 1.0, 1e-14]), &[1000.0])[0];
     let [w1, w2, w3] = omega;
-    // The digits that are known; the last is twice as sensitive to the rounding of the start.
+    // The known digits; the last digit is twice as sensitive to the rounding of the start.
     assert!((w1 / -3.336_050_562_31e-5 - 1.0).abs() < 1e-11, "{w1:e}");
     assert!((w2 - -0.999_999_999_444).abs() < 1e-11, "{w2}");
     assert!((w3 / 1.926_069_69e-5 - 1.0).abs() < 1e-8, "{w3:e}");

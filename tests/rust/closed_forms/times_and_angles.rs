@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// The vertical in axes of which the third points to the centre of mass, and that axis in space.
+/// The vertical in axes whose third axis points to the centre of mass, and this axis in space.
 fn poles(body: &Body, attitude: &[f64; 4]) -> ([f64; 3], [f64; 3]) {
     let frame = Frame::of(weight_axis(body));
     let vertical = to_body_frame(attitude, &[0.0, 0.0, 1.0]);
@@ -15,10 +15,10 @@ fn tilt(body: &Body, attitude: &[f64; 4]) -> f64 {
     x.hypot(y).atan2(z)
 }
 
-/// Between its turning points, both reached in a period, after which the tilt is the same again while precession
-/// and spin have advanced.
+/// The tilt stays between its turning points and reaches both in a period. After a period the tilt is the same again,
+/// and precession and spin have advanced.
 ///
-/// Angles of a state are good to some eps of the angle turned, divided by the sine of the smallest tilt.
+/// The error of the angles of a state is some eps of the angle turned, divided by the sine of the smallest tilt.
 #[test]
 fn nutation_and_advance() {
     const SAMPLES: i32 = 4000;
@@ -34,12 +34,12 @@ fn nutation_and_advance() {
         let rate = states.iter().map(|(w, _)| norm(w)).fold(0.0, f64::max);
         let slack = 8.0 * EPS * (1.0 + rate * period) / low.sin().min(high.sin());
         assert!(smallest >= low - slack && largest <= high + slack, "{quantities:?} {smallest} {largest}");
-        // The cosine goes with sn^2 <= u^2; the nearest sample is half a step of the phase off.
+        // The cosine varies as sn^2 <= u^2; the nearest sample differs by half a step of the phase.
         let cosines = [low, smallest, largest, high].map(f64::cos);
         let missed = (cosines[0] - cosines[3]) * (complete_k(quantities.mc) / f64::from(SAMPLES)).powi(2);
         assert!(cosines[0] - cosines[1] <= missed + slack, "{quantities:?} {smallest}");
         assert!(cosines[2] - cosines[3] <= missed + slack, "{quantities:?} {largest}");
-        // The slope of the tilt is a rate.
+        // The slope of the tilt is at most a rate.
         let again = (tilts[SAMPLES as usize] - tilts[0]).abs();
         assert!(again <= slack, "{quantities:?}: {again:e}");
 
@@ -60,7 +60,7 @@ fn nutation_and_advance() {
     }
 }
 
-/// The tilt passes its limit at the time that is told, and not before.
+/// The tilt passes its limit at the computed time, and not before.
 #[test]
 fn tilt_time_is_when_the_limit_is_passed() {
     let isa = Isa::available()[0];
@@ -73,7 +73,7 @@ fn tilt_time_is_when_the_limit_is_passed() {
             if high - low < 1e-7 || (start - limit).abs() < 1e-9 {
                 continue;
             }
-            // The slope at the limit, from what is conserved of a swing between two turning points.
+            // The slope at the limit, from the invariants of a motion between two turning points.
             let period = top_quantities(isa, &body).unwrap().period;
             assert!(0.0 < t && t < period, "{body:?}: {limit} at {t}");
             let rate = body.fastest_rate(Forcing::NONE, [0.0; 2]);
@@ -89,15 +89,15 @@ fn tilt_time_is_when_the_limit_is_passed() {
                 assert!((tilt(&body, &q) - limit) * side > -slack, "{body:?}: {limit} before {t}");
             }
         }
-        // Never past the turning points.
+        // A tilt beyond the turning points is never reached.
         for limit in [0.5 * low, 0.5 * (high + PI)] {
             assert_eq!(tilt_time(isa, &body, limit), Some(f64::INFINITY), "{body:?} {limit}");
         }
     }
 }
 
-/// A swing from rest at an angle from hanging: 4 K(sin^2(angle/2)) sqrt(I / mgl), which is two nutations, whatever
-/// the other moments of a body that swings about a principal axis.
+/// The period of a pendulum released at rest at an angle from hanging: 4 K(sin^2(angle/2)) sqrt(I / mgl). The period is
+/// that of two nutations, and does not depend on the other moments of a body that swings about a principal axis.
 #[test]
 fn period_of_a_pendulum() {
     let isa = Isa::available()[0];
@@ -109,15 +109,15 @@ fn period_of_a_pendulum() {
             let body = Body { moments, weight: [0.0, 0.0, 2.5], omega: [0.0; 3], attitude };
             assert_eq!(CanonicalForm::of(&body).unwrap().closed_form, form);
             let quantities = top_quantities(isa, &body).unwrap();
-            // cos^2(angle/2) as the attitude has it.
+            // cos^2(angle/2) of the attitude.
             let mc = attitude[1] * attitude[1];
             let expected = 4.0 * complete_k(1.0 - attitude[0] * attitude[0]) * (1.2_f64 / 2.5).sqrt();
             let expected = if mc < 0.5 { 4.0 * complete_k(mc) * (1.2_f64 / 2.5).sqrt() } else { expected };
-            // K is within 5 ulp, and half as sensitive to mc as mc is uncertain.
+            // The error of K is at most 5 ulp, and half the relative error of mc.
             let miss = (2.0 * quantities.period / expected - 1.0).abs();
             assert!(miss <= 16.0 * EPS, "{angle}: {} {expected}, {miss:e}", 2.0 * quantities.period);
             assert_eq!(quantities.kind, "planar", "{quantities:?}");
-            // And the motion says so too: back at rest where it was released.
+            // In the motion the body is again at rest where it was released.
             let (omega, q) = motion(&body, &[2.0 * quantities.period])[0];
             let off = (tilt(&body, &q) - (PI - angle)).abs();
             assert!(norm(&omega) <= 1e-14 && off <= 1e-14, "{angle}: {omega:?} {off:e}");
@@ -125,8 +125,8 @@ fn period_of_a_pendulum() {
     }
 }
 
-/// Starts at a pole to the bit, slow and fast, across the speed that just reaches the other pole: a swing turns
-/// where its energy says, a spinning top somewhere, and every number is one.
+/// Starts exactly at a pole, slow and fast, with energies below and above that of the other pole: a pendulum turns
+/// where its energy is potential, a spinning top somewhere, and every number is finite.
 #[test]
 fn tops_that_start_at_a_pole() {
     let isa = Isa::available()[0];
@@ -134,7 +134,7 @@ fn tops_that_start_at_a_pole() {
         let hanging = attitude[0] == 0.0;
         for (spin_moment, spin) in [(0.1, 0.0), (0.1, 1e-6), (0.5, -0.3), (1e-9, 1.0), (2.0, 1.0)] {
             for k in 1..400 {
-                // The kinetic energy over that of a fall from top to bottom.
+                // The kinetic energy over the energy of a fall from top to bottom.
                 let ratio = 0.01 * f64::from(k);
                 let body = top(3, 1.0, spin_moment, [2.0 * ratio.sqrt(), 0.0, spin], attitude);
                 let quantities = top_quantities(isa, &body).unwrap();
@@ -144,8 +144,8 @@ fn tops_that_start_at_a_pole() {
                 let separatrix = hanging && spin == 0.0 && k == 100;
                 assert!(quantities.period.is_finite() != separatrix, "{body:?} {quantities:?}");
                 if spin == 0.0 {
-                    // 1 + cos at the other turning point, 2 for one that circulates: a few roundings, and as many
-                    // over the distance to the next root.
+                    // 1 + cos at the other turning point, 2 for a circulating body: a few roundings, and as many over
+                    // the distance to the next root.
                     let expected = if hanging { 2.0 * ratio.min(1.0) } else { 0.0 };
                     let turning = if hanging { 1.0 + low.cos() } else { 1.0 + high.cos() };
                     let allowed = 4.0 * EPS * (1.0 + 1.0 / (1.0 - ratio).abs());

@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// Up to either side of 1/2, where the nome is largest and the series change.
+/// On both sides of 1/2, where the nome is largest and the series change.
 const COMPLEMENTS: [f64; 18] = [
     1e-30,
     1e-20,
@@ -24,11 +24,12 @@ const COMPLEMENTS: [f64; 18] = [
     1.0,
 ];
 
-/// sn, cn and dn by quotients of theta series, the phase counted in quarter periods, against the functions of
-/// `special::jacobi`, which share no line with them.
+/// sn, cn and dn as quotients of theta series, with the phase counted in quarter periods, against `special::jacobi`,
+/// which shares no code with the series.
 ///
-/// Those are within 5 ulp, here twelve more operations on series of the first order give no more; either shifts its
-/// argument: by 4 roundings there, by 6 of the rate, the product and the quarter period here.
+/// The functions of `special::jacobi` are within 5 ulp; here twelve more operations on series of the first order give
+/// no larger error. Both shift the argument: by 4 roundings there, by 6 of the rate, the product and the quarter period
+/// here.
 #[test]
 fn theta_quotients_are_jacobi_functions() {
     let mut worst = 0.0_f64;
@@ -54,9 +55,9 @@ fn theta_quotients_are_jacobi_functions() {
     println!("part of the bound: {worst:.2}");
 }
 
-/// The phase of sn, cn and dn is the phase that they are of, close to either end of the quarter period too.
+/// The phase from sn, cn and dn equals the phase of these functions, also close to either end of the quarter period.
 ///
-/// Each function is within 5 ulp, the integral of the first kind turns that into 20 of the argument at most (see
+/// Each function is within 5 ulp, which the integral of the first kind turns into at most 20 ulp of the argument (see
 /// `the_integral_inverts_the_functions`), measured from the nearer end; the scale adds 4.
 #[test]
 fn the_phase_of_jacobi_functions() {
@@ -64,14 +65,14 @@ fn the_phase_of_jacobi_functions() {
         let torus = Torus::new(1.0 - mc, mc);
         for part in [0.0, 1e-12, 1e-3, 0.1, 0.3, 0.49, 0.51, 0.8, 0.999, 1.0 - 1e-12, 1.0] {
             for sign in [1.0, -1.0] {
-                // From the far end where that is nearer, so that its small distance is known as well.
+                // Measured from the far end if that is nearer, so that the small distance is known too.
                 let far = part > 0.5;
                 let rest = torus.quarter() * if far { part - 1.0 } else { part };
                 let at = Phase { quarters: if far { sign } else { 0.0 }, rest: sign * rest };
                 let [sn, cn, dn] = torus.jacobi(&at, &torus.multiples(&at));
                 let found = torus.phase(sn, cn, dn);
                 let apart = (found.quarters - at.quarters) * torus.quarter() + (found.rest - at.rest);
-                // Where the other end is taken at the middle, the distance from there is as long.
+                // In the middle the phase may be measured from the other end, at the same distance.
                 let length = at.rest.abs().max(found.rest.abs());
                 assert!(
                     apart.abs() <= 24.0 * EPS * length,
@@ -83,7 +84,7 @@ fn the_phase_of_jacobi_functions() {
     }
 }
 
-/// On the separatrix a phase is its own rest, and the functions are tanh and sech.
+/// On the separatrix a phase has no quarter periods, and the functions are tanh and sech.
 #[test]
 fn the_torus_of_the_separatrix() {
     let torus = Torus::new(1.0, 0.0);
@@ -94,7 +95,7 @@ fn the_torus_of_the_separatrix() {
         let got = torus.jacobi(&phase, &torus.multiples(&phase));
         let sech = 1.0 / u.cosh();
         for (got, expected) in got.into_iter().zip([u.tanh(), sech, sech]) {
-            // The argument of exp is rounded: |u| eps/2 here and there.
+            // The argument of exp is rounded: |u| eps/2 on both sides.
             assert!(
                 (got - expected).abs() <= (10.0 + u.abs()) * EPS * expected.abs(),
                 "{u}: {got} {expected}"
