@@ -26,9 +26,9 @@ pub trait Real:
     fn sqrt(self) -> Self;
     /// Absolute value.
     fn abs(self) -> Self;
-    /// The smaller; the second if they are equal or one is not a number.
+    /// The smaller number; `other` if the numbers are equal or one is NaN.
     fn min(self, other: Self) -> Self;
-    /// The larger; the second if they are equal or one is not a number.
+    /// The larger number; `other` if the numbers are equal or one is NaN.
     fn max(self, other: Self) -> Self;
     /// Nearest integer, ties to even.
     fn round(self) -> Self;
