@@ -34,7 +34,7 @@ pub struct AdaptiveSteps {
 
 impl AdaptiveSteps {
     /// Inactive lanes.
-    pub fn waiting(tolerance: f64) -> Result<AdaptiveSteps, Error> {
+    pub fn inactive(tolerance: f64) -> Result<AdaptiveSteps, Error> {
         let nothing = Row([0.0; LANES]);
         Ok(AdaptiveSteps {
             powers: memory::filled("series of a group", MAX_ORDER + 1, [nothing; MAX_STATE])?,

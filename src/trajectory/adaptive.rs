@@ -6,7 +6,7 @@ use super::{Request, Schedule, States, groups, invariants_at_start, over_groups,
 use crate::error::Error;
 use crate::forcing::Forcing;
 use crate::kernel::{AdaptiveSteps, Compiled, ForcingRows, Group, Kernel};
-use crate::kernel::{Entry, KernelAssignment, State, load, read, start_clock, unload};
+use crate::kernel::{Entry, KernelAssignment, State, load, read, reset_time, unload};
 use crate::memory;
 use crate::observe::Observed;
 use crate::scheme::Scheme;
@@ -126,8 +126,8 @@ impl<'a> AdaptiveBatch<'a> {
             first_steps: &request.steps[block],
             queue,
             kernel: Compiled::new(kernel, isa),
-            group: Group::waiting(),
-            adaptive: AdaptiveSteps::waiting(tolerance)?,
+            group: Group::inactive(),
+            adaptive: AdaptiveSteps::inactive(tolerance)?,
             forcing_rows: ForcingRows::NONE,
         }))
     }

@@ -5,7 +5,7 @@ use super::{Request, Schedule, States, groups, invariants_at_start, over_groups,
 use crate::error::Error;
 use crate::forcing::Forcing;
 use crate::kernel::{Compiled, ForcingRows, Group, Kernel};
-use crate::kernel::{Entry, KernelAssignment, load, start_clock, unload};
+use crate::kernel::{Entry, KernelAssignment, load, reset_time, unload};
 use crate::memory;
 use crate::observe::Observed;
 use crate::scheme::Scheme;
@@ -211,7 +211,7 @@ impl<'a> FixedBatch<'a> {
             if stops.left.is_empty() {
                 continue;
             }
-            let mut group = Group::waiting();
+            let mut group = Group::inactive();
             for (lane, body) in self.bodies.iter().enumerate() {
                 self.last[lane] = body.attitude;
                 let rate = match self.request.schedule {
@@ -236,7 +236,7 @@ impl<'a> FixedBatch<'a> {
                 if !forcing.is_none() {
                     for (lane, body) in self.bodies.iter().enumerate() {
                         forcing_rows.set(lane, &forcing.interval(from, backward, body.moments));
-                        start_clock(&mut group, self.compiled.kernel().system, lane);
+                        reset_time(&mut group, self.compiled.kernel().system, lane);
                     }
                 }
                 advance(&mut group, &forcing_rows, self.compiled, legs, stop)?;

@@ -131,7 +131,7 @@ fn a_palindrome_is_reversible() {
         for method in geometric_methods(&scene).filter(|m| m.facts.reversible) {
             let there = integrate(&scene, Solver::Steps(method), &[5.0], 0.025);
             let attitudes = there.attitude.as_ref().unwrap();
-            let arrived = |(i, body): (usize, &Body)| Body {
+            let at_end = |(i, body): (usize, &Body)| Body {
                 omega: there.rates()[3 * i..][..3].try_into().unwrap(),
                 attitude: attitudes[4 * i..][..4].try_into().unwrap(),
                 ..*body

@@ -227,7 +227,7 @@ fn closed_forms_at_any_number_of_times() {
         let bodies = &exact_batch(is_top)[..2];
         let isa = Isa::available()[0];
         let omega =
-            |times: &[f64]| ask_exactly((is_top, bodies), times, Record::Rates, 1, isa).rates().to_vec();
+            |times: &[f64]| closed_form((is_top, bodies), times, Record::Rates, 1, isa).rates().to_vec();
         let all = omega(&times);
         for at in [0, 1, 31, 8191, 8192, 16383, 16384, 16388] {
             let single = omega(&times[at..=at]);
@@ -245,8 +245,8 @@ fn records_change_no_rates_of_closed_forms() {
     for is_top in [false, true] {
         let bodies = exact_batch(is_top);
         let isa = Isa::available()[0];
-        let ask = |record| ask_exactly((is_top, &bodies), &TIMES, record, 2, isa).rates().to_vec();
-        let attitude = ask(Record::Attitude);
+        let solve = |record| closed_form((is_top, &bodies), &TIMES, record, 2, isa).rates().to_vec();
+        let attitude = solve(Record::Attitude);
         for record in [Record::Rates, Record::Axis] {
             let less = solve(record);
             for (i, body) in bodies.iter().enumerate() {

@@ -86,8 +86,8 @@ fn merged(a: Statistics, b: Statistics) -> Statistics {
     }
 }
 
-/// The whole map in pieces of `cut` samples.
-fn in_pieces(map: &Map, cut: u64, threads: usize, isa: Isa) -> Vec<Statistics> {
+/// The whole map in pieces of `size` samples.
+fn in_pieces(map: &Map, size: u64, threads: usize, isa: Isa) -> Vec<Statistics> {
     let none = Statistics { energy_drift: 0.0, momentum_drift: 0.0, unit_drift: 0.0, ..Statistics::NONE };
     let mut all = vec![none; map.pixels.len()];
     for start in (0..map.len()).step_by(size as usize) {
@@ -160,18 +160,18 @@ fn a_sample_alone_is_the_sample_of_the_map() {
                 expected.steps = outcome.steps;
                 expected.exact = u64::from(outcome.exact);
                 if outcome.status != Status::StepLimit && !outcome.exact {
-                    // What overflowed lost all.
-                    let lost = |drift: f64| if drift.is_nan() { f64::INFINITY } else { drift };
-                    expected.energy_drift = lost(outcome.energy_drift);
-                    expected.momentum_drift = lost(outcome.momentum_drift);
-                    expected.unit_drift = lost(outcome.unit_drift);
+                    // A drift that overflowed is infinite.
+                    let largest = |drift: f64| if drift.is_nan() { f64::INFINITY } else { drift };
+                    expected.energy_drift = largest(outcome.energy_drift);
+                    expected.momentum_drift = largest(outcome.momentum_drift);
+                    expected.unit_drift = largest(outcome.unit_drift);
                 }
                 if class == Class::Unstable {
                     expected.earliest = outcome.left;
                 }
             }
             // As text, in which a NaN equals itself.
-            assert_eq!(format!("{:?}", timeless(statistics)), format!("{expected:?}"), "sample {flat}");
+            assert_eq!(format!("{:?}", without_time(statistics)), format!("{expected:?}"), "sample {flat}");
             assert_eq!(body, map.draw(isa, flat..flat + 1).unwrap()[0]);
         }
     }
