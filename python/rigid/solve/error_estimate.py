@@ -247,12 +247,14 @@ def distances(
 ) -> Floats:
     """Relative distance of the states of two runs, shape (n, m).
 
-    The largest of ``|d omega|`` over the largest ``|omega|`` of the body, of the angle between the
+    The largest of ``|d omega|`` over the largest ``|omega|`` of the two, of the angle between the
     verticals and of the angle between the attitudes. Rates that are all below ``rest`` are compared
     with ``scale``.
     """
     rates, others = states["omega"], other["omega"]
-    size = np.linalg.norm(others, axis=-1).max(axis=1, initial=0.0)
+    size = np.max(
+        [np.linalg.norm(run, axis=-1).max(axis=1, initial=0.0) for run in (rates, others)], 0
+    )
     size = np.where(size > rest, size, np.where(np.asarray(scale) > 0.0, scale, 1.0))
     parts = [np.linalg.norm(rates - others, axis=-1) / size[:, None]]
     if states["vertical"] is not None:

@@ -229,6 +229,15 @@ def test_rates_that_have_decayed_to_rounding_are_those_of_a_body_at_rest() -> No
     assert run.status == Status.OK
 
 
+def test_rates_that_only_one_of_two_runs_has_lost_are_no_rest() -> None:
+    """Damping leaves 1e-15 of the rates; a few long steps leave 1e-11, with half the step less."""
+    scene = rigid.FreeBody(rigid.Body((0.47, 1.03, 0.7)), damping=(872.0, 3352.0, 13.7))
+    t = [1.77, 1.79, 1.81, 2.49, 2.79]
+    run = rigid.simulate(scene, [0.58, -0.29, 0.49], t=t, method="etd4", step=1.0)
+    assert np.abs(run.omega).max() > 1e-12
+    assert run.status == Status.FLAGGED
+
+
 def test_two_runs_that_part_by_a_whole_turn_do_not_look_equal() -> None:
     """The midpoint rule turns by `2 atan(h omega/2)` a step: 8.7 rad less than 419.5 in the end."""
     wheel = rigid.FreeBody(rigid.Body((1.0, 1.0, 2.0)))
