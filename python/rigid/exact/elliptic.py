@@ -16,6 +16,9 @@ __all__ = ["agm", "carlson_rc", "carlson_rd", "carlson_rf", "carlson_rj", "jacob
 
 Floats = NDArray[np.float64]
 
+LARGEST = 1e200
+"""Largest argument of R_D and R_J: their duplication multiplies three square roots."""
+
 
 def carlson_rf(x: ArrayLike, y: ArrayLike, z: ArrayLike) -> Floats:
     """Carlson's integral of the first kind: half that of ``1 / sqrt((t+x)(t+y)(t+z))`` over t > 0.
@@ -58,7 +61,7 @@ def carlson_rc(x: ArrayLike, y: ArrayLike) -> Floats:
 def carlson_rd(x: ArrayLike, y: ArrayLike, z: ArrayLike) -> Floats:
     """Carlson's integral of the second kind, ``R_J(x, y, z, z)``, for ``z > 0``.
 
-    DLMF 19.16.5. Arguments and errors are those of :func:`carlson_rf`.
+    DLMF 19.16.5. Arguments and errors are those of :func:`carlson_rf`; no argument is above 1e200.
 
     Examples
     --------
@@ -72,7 +75,7 @@ def carlson_rd(x: ArrayLike, y: ArrayLike, z: ArrayLike) -> Floats:
 def carlson_rj(x: ArrayLike, y: ArrayLike, z: ArrayLike, p: ArrayLike) -> Floats:
     """Carlson's integral of the third kind, for ``p > 0``.
 
-    DLMF 19.16.2. Arguments and errors are those of :func:`carlson_rf`.
+    DLMF 19.16.2. Arguments and errors are those of :func:`carlson_rf`; no argument is above 1e200.
 
     Examples
     --------
@@ -147,6 +150,8 @@ def _carlson(name: str, arguments: dict[str, ArrayLike], *, positive: tuple[str,
             require(key, array, array > 0.0, "must be positive")
         else:
             require(key, array, array >= 0.0, "must not be negative")
+        if positive:
+            require(key, array, array <= LARGEST, f"must be at most {LARGEST:g}")
     zeros = sum((array == 0.0).astype(np.int64) for array in arrays)
     names = ", ".join(arguments)
     require(f"number of zeros among {names}", zeros, zeros <= 1, "must be at most 1")
