@@ -49,8 +49,9 @@ class Motion:
         return self.high[row, :7].tolist(), self.low[row, :7].tolist()
 
     def rates_off(self, omega: Floats) -> Floats:
-        """``|omega - true|``, shape (m,)."""
-        distance: Floats = np.linalg.norm(omega - self.high[:, :3] - self.low[:, :3], axis=-1)
+        """``|omega - true|``, shape (m,); infinite where rates that diverged overflow."""
+        with np.errstate(over="ignore"):
+            distance: Floats = np.linalg.norm(omega - self.high[:, :3] - self.low[:, :3], axis=-1)
         return distance
 
     def vertical_off(self, gamma: Floats) -> Floats:
