@@ -54,7 +54,9 @@ def departure(batch: Batch, times: Floats) -> Floats:
     moments = np.broadcast_to(batch.moments, (len(batch), 3))
     weight = np.broadcast_to(batch.weight, (len(batch), 3))
     vertical, omega = _verticals(batch), batch.omega
-    torque = _cross(moments * omega, omega) + _cross(vertical, weight) - omega @ damping
+    # Not by `@`: OpenBLAS ends the process where its own memory cannot be had.
+    damped = np.einsum("ni,ij->nj", omega, damping)
+    torque = _cross(moments * omega, omega) + _cross(vertical, weight) - damped
     rate = np.sqrt(np.sum(omega**2, axis=1) + np.linalg.norm(weight, axis=1) / moments.min(axis=1))
     away = np.maximum(
         np.linalg.norm(torque / moments, axis=1) / rate**2,
