@@ -3,13 +3,16 @@
 A run of a scheme of order p with steps in which the body turns by theta errs by about
 ``factor theta^p`` per radian turned, as long as theta is below ``largest``. The factor is the upper
 quartile over random bodies of each class; what chaos and saddles multiply comes on top and is found
-by the run itself. Times are of the processor, median of five, a step of one of 512 bodies.
+by the run itself. Costs are parts of :class:`rigid.solve.work.Work`, in its unit: processor times
+over those of reference runs in between, medians of seven.
 
-    python benches/calibrate.py
+    python benches/calibrate.py            # errors and costs
+    python benches/calibrate.py --costs    # costs alone
 """
 
 from __future__ import annotations
 
+import argparse
 import json
 import platform
 from pathlib import Path
@@ -19,15 +22,27 @@ import numpy as np
 
 from rigid import _core, build_info, methods
 from rigid.solve.error_estimate import distances
+from rigid.solve.methods import EXACT
+from rigid.solve.work import LANES, reference_nanoseconds
 
 TARGET = Path(__file__).parents[1] / "python" / "rigid" / "calibration.json"
 KINDS = ("free", "lagrange", "top", "driven")
+CLOSED = ("free", "lagrange")
+"""Classes with a closed form."""
 RECORDS = ("rates", "axis", "attitude")
 BODIES = 48
 ANGLE = 30.0
 """Radians that the bodies turn at most."""
 TURNS = 2.0 ** (-0.5 * np.arange(-2, 22))
 """Radians turned in a step."""
+STABLE = {"hermite9": 0.15}
+"""Radians turned in a step beyond which a method is not stable, though 30 rad do not show it."""
+
+STEP = 0.007
+"""Step whose cost is measured (s): an implicit step costs the more the longer it is."""
+
+OTHER_DATA = np.ones(2**20)
+"""What a program does between two calls: the caches are not those of the last call."""
 
 
 def bodies(kind: str, count: int) -> dict[str, Any]:
@@ -47,10 +62,8 @@ def bodies(kind: str, count: int) -> dict[str, Any]:
         weight = size * direction / np.linalg.norm(direction, axis=1, keepdims=True)
     attitude = rng.normal(size=(count, 4))
     attitude /= np.linalg.norm(attitude, axis=1, keepdims=True)
-    zero = np.zeros((1, 3))
-    damped = _core.Forcing(
-        times=np.array([]), body=zero, space=zero, damping=[0.1, 0.1, 0.1, 0.0, 0.0, 0.0]
-    )
+    none, damping = np.empty((0, 3)), np.array([[0.1, 0.1, 0.1, 0.0, 0.0, 0.0]])
+    damped = _core.Forcing(times=np.array([]), body=none, space=none, damping=damping)
     return {
         **({"forcing": damped} if kind == "driven" else {}),
         "scene": "free" if kind == "free" else "top",
@@ -63,6 +76,11 @@ def bodies(kind: str, count: int) -> dict[str, Any]:
 
 def ends(table: dict[str, Any], method: str, record: str, steps: Any, time_: float) -> Any:
     """The states after a time."""
+    return simulate(table, method, record, steps, np.array([time_]))
+
+
+def simulate(table: dict[str, Any], method: str, record: str, steps: Any, times: Any) -> Any:
+    """The states at some times, by one thread."""
     return _core.simulate(
         **table,
         method=method,
@@ -70,7 +88,7 @@ def ends(table: dict[str, Any], method: str, record: str, steps: Any, time_: flo
         step=steps,
         max_steps=10**9,
         threads=1,
-        times=np.array([time_]),
+        times=times[np.newaxis],
     )
 
 
@@ -99,57 +117,101 @@ def errors(kind: str, name: str, order: int, truths: dict[str, Any]) -> tuple[fl
         usable = [int(np.argmin(found))]
     factor = float(np.median([factors[i] for i in usable]))
     fitting = [i for i in usable if factors[i] < 5.0 * factor]
-    return factor, float(TURNS[min(fitting)])
+    return factor, min(float(TURNS[min(fitting)]), STABLE.get(name, np.inf))
 
 
-def cost(kind: str, name: str, record: str) -> float:
-    """Nanoseconds a step."""
-    table = bodies(kind, 512)
-    if kind == "driven" and record == "rates":
-        # Of rates alone that need no directions.
-        table = {**table, "scene": "free", "weight": np.zeros((512, 3))}
-    count, samples = 64, []
-    for _ in range(5):
-        states = ends(table, name, record, np.full(512, 0.01 / count), 0.01)
-        samples.append(states["nanoseconds"] / float(states["steps"].sum()))
-        count = max(64, min(4096, int(2e6 / (samples[-1] * 512.0))))
-    return float(np.median(samples[1:]))
+def work(kind: str, name: str, record: str) -> list[float]:
+    """The parts of the work of a scheme or of the closed form."""
+    rates_alone = kind == "driven" and record == "rates"
+
+    def time_(count: int, states: int, steps: int) -> float:
+        table = bodies(kind, count)
+        if rates_alone:
+            # Of rates alone that need no directions.
+            table = {**table, "scene": "free", "weight": np.zeros((count, 3))}
+        times = np.linspace(0.0, STEP * steps, states + 1)[1:]
+        step = None if name == EXACT else np.full(count, STEP)
+        found = []
+        for _ in range(7):
+            unit = reference_nanoseconds()
+            OTHER_DATA.sum()
+            found.append(simulate(table, name, record, step, times)["nanoseconds"] / unit)
+        return float(np.median(found))
+
+    once, wanted, stepped, many = 1, 65, 257, 8 * LANES
+    alone = time_(1, once, 1)
+    step_of_one, step = 0.0, 0.0
+    if name != EXACT:
+        step_of_one, step = (
+            max((time_(count, 1, stepped) - time_(count, 1, 1)) / (stepped - 1), 0.0)
+            for count in (1, LANES)
+        )
+    of_one = (time_(1, wanted, wanted) - alone) / (wanted - 1) - step_of_one
+    first = time_(many, once, 1)
+    of_group = (time_(many, wanted, wanted) - first) / (wanted - 1) * LANES / many - step
+    state = max((of_group - of_one) / (LANES - 1), 0.0)
+    group_state = max(of_one - state, 0.0)
+    body = max((first - alone) / many - state - (group_state + step) / LANES, 0.0)
+    call = max(alone - body - state - group_state - step_of_one, 0.0)
+    return [float(f"{part:.3g}") for part in (call, body, group_state, state, step_of_one, step)]
+
+
+def calibrated_errors(kind: str) -> dict[str, tuple[float, float]]:
+    """Factor and longest step of each scheme that moves bodies of a class."""
+    best = max(methods(), key=lambda method: (not method.symplectic, method.order))
+    table = bodies(kind, BODIES)
+    rates = _core.fastest_rates(**table)
+    until = ANGLE / float(np.median(rates))
+    exact = kind in CLOSED
+    truth = ends(
+        table,
+        EXACT if exact else best.name,
+        "attitude",
+        None if exact else 0.25 * best.order / 26.0 / rates,
+        until,
+    )
+    found = {}
+    for method in methods():
+        if kind != "driven" or method.driven:
+            known = {"until": until, "states": truth}
+            factor, largest = errors(kind, method.name, method.order, known)
+            if np.isfinite(factor):
+                found[method.name] = float(f"{factor:.3g}"), float(f"{largest:.3g}")
+    return found
 
 
 def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--costs", action="store_true", help="keep the errors of the file")
+    costs_alone = parser.parse_args().costs
+    known = json.loads(TARGET.read_text())
     schemes: dict[str, Any] = {}
-    best = max(methods(), key=lambda method: (not method.symplectic, method.order))
+    closed: dict[str, Any] = {}
     for kind in KINDS:
-        table = bodies(kind, BODIES)
-        rates = _core.fastest_rates(**table)
-        until = ANGLE / float(np.median(rates))
-        exact = kind in ("free", "lagrange")
-        truth = ends(
-            table,
-            "exact" if exact else best.name,
-            "attitude",
-            None if exact else 0.25 * best.order / 26.0 / rates,
-            until,
-        )
-        for method in methods():
-            if kind == "driven" and not method.driven:
-                continue
-            factor, largest = errors(
-                kind, method.name, method.order, {"until": until, "states": truth}
-            )
-            if not np.isfinite(factor):
-                continue
-            costs = {record: round(cost(kind, method.name, record), 2) for record in RECORDS}
-            entry = {"factor": float(f"{factor:.3g}"), "largest": float(f"{largest:.3g}")}
-            schemes.setdefault(method.name, {})[kind] = {**entry, "nanoseconds": costs}
-            print(f"{kind:<10}{method.name:<12}{factor:10.2e}{largest:8.3f}  {costs}", flush=True)
+        if costs_alone:
+            found = {
+                name: (kinds[kind]["factor"], kinds[kind]["largest"])
+                for name, kinds in known["methods"].items()
+                if kind in kinds
+            }
+        else:
+            found = calibrated_errors(kind)
+        for name, (factor, largest) in found.items():
+            parts = {record: work(kind, name, record) for record in RECORDS}
+            entry = {"factor": factor, "largest": largest, "work": parts}
+            schemes.setdefault(name, {})[kind] = entry
+            print(f"{kind:<10}{name:<12}{factor:10.2e}{largest:8.3f}  {parts}", flush=True)
+        if kind in CLOSED:
+            closed[kind] = {record: work(kind, EXACT, record) for record in RECORDS}
+            print(kind, closed[kind], flush=True)
     machine = {
         "processor": platform.processor() or platform.machine(),
         "isa": build_info()["isa"],
         "bodies": BODIES,
         "angle": ANGLE,
     }
-    TARGET.write_text(json.dumps({"machine": machine, "methods": schemes}, indent=1) + "\n")
+    written = {"machine": machine, "methods": schemes, "closed forms": closed}
+    TARGET.write_text(json.dumps(written, indent=1) + "\n")
 
 
 if __name__ == "__main__":

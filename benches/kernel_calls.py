@@ -44,6 +44,7 @@ MAY_COPY = {
     "a state of 15 components is in memory, not in registers": re.compile(r"::ForcedFrame\b"),
     "the set-up of a pack copies the tables of its drift": re.compile(r"::KickMoserVeselov\b"),
     "the set-up of a pack copies the functions of its damping": re.compile(r"::Exponential<"),
+    "only a step with an event computes its polynomial": re.compile(r"::Hermite<"),
     "a state clears its multiples of the phase once": re.compile(r"::exact::free::Free<"),
 }
 

@@ -6,7 +6,7 @@ use rigid::kernel::Group;
 use rigid::kernel::{Compiled, ForcingRows, Kernel, System};
 use rigid::observe::{Observed, Start};
 use rigid::parallel::thread_nanoseconds;
-use rigid::scheme::{self, Engine, Step};
+use rigid::scheme::{self, Engine};
 use rigid::simd::Isa;
 use rigid::simd::{LANES, Row};
 use rigid::start::Body;
@@ -127,17 +127,6 @@ fn flops(kernel: Kernel) -> Option<f64> {
     }
 }
 
-/// Every step of every scheme, each once.
-fn steps() -> Vec<Step> {
-    let mut all: Vec<Step> = Vec::new();
-    for step in scheme::ALL.iter().flat_map(|scheme| scheme.steps()) {
-        if !all.contains(&step) {
-            all.push(step);
-        }
-    }
-    all
-}
-
 fn main() {
     let filter = std::env::args().nth(1).filter(|a| !a.starts_with("--"));
     println!("{:40} {:>8} {:>9} {:>12} {:>10}", "kernel", "path", "ns/step", "M steps/s", "of peak");
@@ -157,7 +146,7 @@ fn main() {
         (ReducedTopAxis, Observed::Nothing),
         (ReducedTopAttitude, Observed::Nothing),
     ];
-    for step in steps() {
+    for step in scheme::steps() {
         for (system, observed) in systems.into_iter().filter(|&(system, _)| system.is_moved_by(step)) {
             let kernel = Kernel { system, step, observed };
             let name = format!("{system:?} {step:?} {observed:?}");
