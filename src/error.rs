@@ -14,23 +14,27 @@ pub enum Error {
         available: String,
     },
     /// A moment of inertia is NaN or infinite.
-    #[error("moments = ({0}, {1}, {2}): every moment of inertia must be finite")]
+    #[error("moments = ({}, {}, {}): every moment of inertia must be finite", short(.0), short(.1), short(.2))]
     MomentNotFinite(f64, f64, f64),
     /// A moment of inertia is zero or negative.
     #[error(
-        "moments = ({0}, {1}, {2}): every moment of inertia must be positive \
-         (a rod, with one moment zero, has no equation of motion about its own axis)"
+        "moments = ({}, {}, {}): every moment of inertia must be positive \
+         (a rod, with one moment zero, has no equation of motion about its own axis)",
+        short(.0), short(.1), short(.2)
     )]
     MomentNotPositive(f64, f64, f64),
     /// No distribution of mass has these moments.
     #[error(
-        "moments = ({0}, {1}, {2}): no moment may exceed the sum of the other two \
-         (triangle inequality; equality is a flat body)"
+        "moments = ({}, {}, {}): no moment may exceed the sum of the other two \
+         (triangle inequality; equality is a flat body)",
+        short(.0), short(.1), short(.2)
     )]
     MomentTriangle(f64, f64, f64),
     /// The tensor is not symmetric or not finite.
     #[error(
-        "tensor: a tensor of inertia must be finite and symmetric; entry ({row}, {column}) is {value}, its mirror image {mirror}"
+        "tensor: a tensor of inertia must be finite and symmetric; entry ({row}, {column}) is {}, its mirror image {}",
+        short(value),
+        short(mirror)
     )]
     Tensor {
         /// Row of the offending entry.
@@ -70,10 +74,13 @@ pub enum Error {
     },
     /// An explicit method would be unstable.
     #[error(
-        "step = {step:e}: '{name}' is unstable under damping with steps beyond {longest:e} (the fastest damping rate \
-         is {rate:e}); take shorter ones, leave the step out, or take a method for strong damping"
+        "step = {step:e}{}: '{name}' is unstable under damping with steps beyond {longest:e} (the fastest damping rate \
+         is {rate:e}); take shorter ones, leave the step out, or take a method for strong damping",
+        whose(*.body)
     )]
     Unstable {
+        /// Index of the body, if there are several.
+        body: Option<usize>,
         /// What was given.
         step: f64,
         /// The largest eigenvalue of `I^-1 D`.
@@ -134,4 +141,30 @@ pub enum Error {
         /// What the library noticed.
         words: String,
     },
+}
+
+/// Which of several bodies it is, in words.
+fn whose(body: Option<usize>) -> String {
+    body.map_or(String::new(), |body| format!(" of body {body}"))
+}
+
+impl Error {
+    /// The error of a part of the bodies, which begins with this one, in terms of all bodies.
+    pub fn of_part(self, first: usize) -> Error {
+        match self {
+            Error::Unstable { body, step, rate, name, longest } => {
+                Error::Unstable { body: body.map(|body| first + body), step, rate, name, longest }
+            }
+            Error::NoClosedForm { index, rule } => Error::NoClosedForm { index: first + index, rule },
+            other => other,
+        }
+    }
+}
+
+/// A number in few digits, whatever its size.
+fn short(number: &f64) -> String {
+    match number.abs() {
+        0.0 | 1e-5..1e16 => number.to_string(),
+        _ => format!("{number:e}"),
+    }
 }

@@ -1,4 +1,4 @@
-//! `Forcing`: applied torque over time, and linear damping.
+//! `Forcing`: applied torque over time, and linear damping, of one body or of many; `BodyForcing`: that of one of them.
 
 use crate::error::Error;
 use crate::memory;
@@ -38,22 +38,25 @@ impl<R: Real> ForcingInterval<R> {
     }
 }
 
-/// An applied torque, piecewise linear in time, and linear damping.
+/// Applied torques, piecewise linear in time, and linear damping, of one body or of many. All tables have the same
+/// times, and each table or matrix is that of one body or serves all.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Forcing {
-    /// Times of the values, ascending; two equal times are a jump. Empty for a constant torque.
+    /// Times of the values, ascending; two equal times are a jump. Empty for constant torques.
     times: Vec<f64>,
-    /// Torque in the body and torque in space at each time; one pair for a constant torque; empty without forcing.
+    /// Torque in the body and torque in space at each time, table after table; one pair for a constant torque; empty if
+    /// no torque is applied to any body.
     values: Vec<[[f64; 3]; 2]>,
-    /// Entries 11, 22, 33, 23, 31, 12 of the damping matrix `D`: the damping torque is `-D omega`.
-    damping: [f64; 6],
+    /// Entries 11, 22, 33, 23, 31, 12 of the damping matrices `D`: the damping torque is `-D omega`.
+    dampings: Vec<[f64; 6]>,
 }
 
 impl Forcing {
     /// No applied torque and no damping.
-    pub const NONE: &'static Forcing = &Forcing { times: Vec::new(), values: Vec::new(), damping: [0.0; 6] };
+    pub const NONE: &'static Forcing =
+        &Forcing { times: Vec::new(), values: Vec::new(), dampings: Vec::new() };
 
-    /// A torque in the body and in space, given at some times (without times: a constant torque), and damping.
+    /// Torques in the body and in space, given at some times (without times: constant torques), and damping.
     ///
     /// # Errors
     /// If a number is not finite, if the times descend, if there is not one value for each time, or if damping would
@@ -62,12 +65,12 @@ impl Forcing {
         times: &[f64],
         body: &[[f64; 3]],
         space: &[[f64; 3]],
-        damping: [f64; 6],
+        dampings: &[[f64; 6]],
     ) -> Result<Forcing, Error> {
         let refuse = |argument, value: String, rule| Err(Error::Value { argument, value, rule });
         let wanted = times.len().max(1);
         for values in [body, space] {
-            if values.len() != wanted {
+            if !values.len().is_multiple_of(wanted) || values.len() != body.len() {
                 let (expected, got) = (format!("({wanted}, 3)"), format!("({}, 3)", values.len()));
                 return Err(Error::Shape { argument: "torque", expected, got });
             }
@@ -87,22 +90,29 @@ impl Forcing {
         if times.len() == 1 {
             return refuse("torque times", times[0].to_string(), "a table has at least two times");
         }
-        if !damping.iter().all(|x| x.is_finite()) {
-            return refuse("damping", format!("{damping:?}"), "must be finite");
-        }
         let values = body.iter().zip(space).map(|(&body, &space)| [body, space]);
         let made = Forcing {
             times: memory::collected(TABLE, times.len(), times.iter().copied())?,
-            values: memory::collected(TABLE, wanted, values)?,
-            damping,
+            values: memory::collected(TABLE, body.len(), values)?,
+            dampings: memory::collected("damping", dampings.len(), dampings.iter().copied())?,
         };
-        let [least, .., largest] = made.damping_rates([1.0; 3]);
-        // The error of an eigenvalue is a few roundings of the largest one.
-        if least < -8.0 * f64::EPSILON * largest.abs().max(least.abs()) {
-            let rule = "must be positive semi-definite, so that damping cannot add energy";
-            let [d11, d22, d33, d23, d31, d12] = damping;
-            let matrix = [[d11, d12, d31], [d12, d22, d23], [d31, d23, d33]];
-            return refuse("damping", format!("{matrix:?}"), rule);
+        let rows = [body.len() / wanted, dampings.len()];
+        if rows.iter().any(|&rows| rows > 1 && rows != made.bodies()) {
+            let (expected, got) = (format!("({}, ...)", made.bodies()), format!("{rows:?} rows"));
+            return Err(Error::Shape { argument: "torque and damping", expected, got });
+        }
+        for &damping in dampings {
+            if !damping.iter().all(|x| x.is_finite()) {
+                return refuse("damping", format!("{damping:?}"), "must be finite");
+            }
+            let [least, .., largest] = BodyForcing { damping, ..BodyForcing::NONE }.damping_rates([1.0; 3]);
+            // The error of an eigenvalue is a few roundings of the largest one.
+            if least < -8.0 * f64::EPSILON * largest.abs().max(least.abs()) {
+                let rule = "must be positive semi-definite, so that damping cannot add energy";
+                let [d11, d22, d33, d23, d31, d12] = damping;
+                let matrix = [[d11, d12, d31], [d12, d22, d23], [d31, d23, d33]];
+                return refuse("damping", format!("{matrix:?}"), rule);
+            }
         }
         Ok(made)
     }
@@ -110,18 +120,101 @@ impl Forcing {
     /// The same forcing.
     ///
     /// # Errors
-    /// If its table does not fit into memory once more.
+    /// If its tables do not fit into memory once more.
     pub fn copied(&self) -> Result<Forcing, Error> {
         Ok(Forcing {
             times: memory::collected(TABLE, self.times.len(), self.times.iter().copied())?,
             values: memory::collected(TABLE, self.values.len(), self.values.iter().copied())?,
-            damping: self.damping,
+            dampings: memory::collected("damping", self.dampings.len(), self.dampings.iter().copied())?,
         })
     }
 
+    /// The forcing of some bodies, in this order; one forcing that serves all stays.
+    ///
+    /// # Errors
+    /// If there is no such body, or the tables do not fit into memory.
+    pub fn of_some(&self, bodies: &[usize]) -> Result<Forcing, Error> {
+        if let Some(bad) = bodies.iter().find(|&&body| self.bodies() > 1 && body >= self.bodies()) {
+            let rule = "there is no such body";
+            return Err(Error::Value { argument: "body", value: bad.to_string(), rule });
+        }
+        let knots = self.times.len().max(1);
+        let tables = self.values.len() / knots;
+        let values = |&body: &usize| self.values[knots * body..][..knots].iter().copied();
+        Ok(Forcing {
+            times: memory::collected(TABLE, self.times.len(), self.times.iter().copied())?,
+            values: match tables {
+                0 | 1 => memory::collected(TABLE, self.values.len(), self.values.iter().copied())?,
+                _ => memory::collected(TABLE, knots * bodies.len(), bodies.iter().flat_map(values))?,
+            },
+            dampings: match &self.dampings[..] {
+                one @ ([] | [_]) => memory::collected("damping", one.len(), one.iter().copied())?,
+                all => memory::collected("damping", bodies.len(), bodies.iter().map(|&body| all[body]))?,
+            },
+        })
+    }
+
+    /// The forcing of neighbouring bodies; `None` if one forcing serves all.
+    ///
+    /// # Errors
+    /// As `of_some`.
+    pub fn of_range(&self, bodies: std::ops::Range<usize>) -> Result<Option<Forcing>, Error> {
+        if self.bodies() == 1 {
+            return Ok(None);
+        }
+        self.of_some(&memory::collected("bodies", bodies.len(), bodies)?).map(Some)
+    }
+
+    /// The number of bodies whose forcing it is; 1 if one forcing serves all.
+    pub fn bodies(&self) -> usize {
+        (self.values.len() / self.times.len().max(1)).max(self.dampings.len()).max(1)
+    }
+
+    /// The forcing of one of the bodies.
+    pub fn of(&self, body: usize) -> BodyForcing<'_> {
+        let knots = self.times.len().max(1);
+        let tables = self.values.len() / knots;
+        let first = if tables > 1 { knots * body } else { 0 };
+        BodyForcing {
+            times: &self.times,
+            values: if tables > 0 { &self.values[first..][..knots] } else { &[] },
+            damping: match &self.dampings[..] {
+                [] => [0.0; 6],
+                [damping] => *damping,
+                dampings => dampings[body],
+            },
+        }
+    }
+
+    /// Whether there is no forcing of any body.
+    pub fn is_none(&self) -> bool {
+        (0..self.bodies()).all(|body| self.of(body).is_none())
+    }
+}
+
+/// The forcing of one body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BodyForcing<'a> {
+    /// Times of the values.
+    times: &'a [f64],
+    /// Torque in the body and torque in space at each time; empty if no torque is applied.
+    values: &'a [[[f64; 3]; 2]],
+    /// Entries 11, 22, 33, 23, 31, 12 of the damping matrix.
+    damping: [f64; 6],
+}
+
+impl BodyForcing<'_> {
+    /// No applied torque and no damping.
+    pub const NONE: BodyForcing<'static> = BodyForcing { times: &[], values: &[], damping: [0.0; 6] };
+
     /// Whether there is no forcing.
     pub fn is_none(&self) -> bool {
-        self.values.is_empty()
+        self.values.is_empty() && self.damping == [0.0; 6]
+    }
+
+    /// The first values; zero if no torque is applied.
+    fn first(&self) -> [[f64; 3]; 2] {
+        self.values.first().copied().unwrap_or_default()
     }
 
     /// Whether a torque in space acts at any time: the rates then depend on the attitude.
@@ -131,7 +224,7 @@ impl Forcing {
 
     /// The times between which the torque is linear in time.
     pub fn knots(&self) -> &[f64] {
-        &self.times
+        self.times
     }
 
     /// Raises an error for a time outside the table of the torque, where the torque is unknown.
@@ -161,7 +254,7 @@ impl Forcing {
 
     /// The torques in the body and in space at a time, each with its rate of change.
     fn torques(&self, time: f64, backward: bool) -> [[[f64; 3]; 2]; 2] {
-        let [mut value, mut slope] = [self.values[0], [[0.0; 3]; 2]];
+        let [mut value, mut slope] = [self.first(), [[0.0; 3]; 2]];
         if self.times.len() > 1 {
             let piece = self.piece(time, backward);
             let (begin, end) = (self.times[piece], self.times[piece + 1]);
@@ -219,7 +312,7 @@ impl Forcing {
     /// the energy. The size of a linear function is convex, so the sum of trapezoids is a bound.
     fn gain(&self, moments: [f64; 3], from: f64, to: f64) -> f64 {
         if self.times.is_empty() {
-            return size(moments, self.values[0]) * (to - from).abs();
+            return size(moments, self.first()) * (to - from).abs();
         }
         let at = |time: f64, backward: bool| {
             let [body, space] = self.torques(time, backward);
@@ -331,21 +424,43 @@ mod tests {
     use super::*;
 
     fn damping(entries: [f64; 6]) -> Result<Forcing, Error> {
-        Forcing::new(&[], &[[0.0; 3]], &[[0.0; 3]], entries)
+        Forcing::new(&[], &[[0.0; 3]], &[[0.0; 3]], &[entries])
     }
 
     #[test]
     fn the_absence_of_forcing_is_a_value() {
-        assert!(Forcing::NONE.is_none() && !Forcing::NONE.acts_in_space());
+        let none = Forcing::NONE.of(7);
+        assert!(Forcing::NONE.is_none() && none.is_none() && !none.acts_in_space());
         assert!(!damping([0.0; 6]).unwrap().is_none());
-        assert_eq!(Forcing::NONE.next_knot(0.0, false), None);
-        assert!(Forcing::NONE.check_reaches(1e300).is_ok());
+        assert_eq!(none.next_knot(0.0, false), None);
+        assert!(none.check_reaches(1e300).is_ok());
+    }
+
+    #[test]
+    fn each_body_has_a_torque_and_a_damping_of_its_own_or_that_of_all() {
+        let (torques, none) = ([[1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [3.0, 0.0, 0.0]], [[0.0; 3]; 3]);
+        let [strong, weak] = [[2.0; 6], [0.0; 6]].map(|d: [f64; 6]| [d[0], d[1], d[2], 0.0, 0.0, 0.0]);
+        let forcing = Forcing::new(&[], &torques, &none, &[strong]).unwrap();
+        assert_eq!(forcing.bodies(), 3);
+        for (body, torque) in torques.into_iter().enumerate() {
+            let interval = forcing.of(body).interval(0.0, false, [1.0; 3]);
+            assert_eq!((interval.body[0], interval.damping), (torque, strong));
+        }
+        let some = forcing.of_some(&[2, 0]).unwrap();
+        assert_eq!((some.bodies(), some.of(0), some.of(1)), (2, forcing.of(2), forcing.of(0)));
+        assert!(forcing.of_some(&[3]).is_err());
+        let damped = Forcing::new(&[], &[], &[], &[strong, weak]).unwrap();
+        assert!(!damped.is_none() && !damped.of(0).is_none() && damped.of(1).is_none());
+        let tables = Forcing::new(&[0.0, 1.0], &[[0.0; 3]; 4], &[[0.0; 3]; 4], &[strong, weak]).unwrap();
+        assert_eq!((tables.bodies(), tables.of(1).knots()), (2, &[0.0, 1.0][..]));
+        assert!(Forcing::new(&[], &torques, &none, &[strong, weak]).is_err());
     }
 
     #[test]
     fn a_torque_is_linear_between_its_knots_and_jumps_at_equal_times() {
         let torque = [[1.0, 0.0, 0.0], [3.0, 0.0, 0.0], [7.0, 0.0, 0.0], [7.0, 0.0, 0.0]];
-        let forcing = Forcing::new(&[0.0, 2.0, 2.0, 4.0], &torque, &[[0.0; 3]; 4], [0.0; 6]).unwrap();
+        let forcing = Forcing::new(&[0.0, 2.0, 2.0, 4.0], &torque, &[[0.0; 3]; 4], &[[0.0; 6]]).unwrap();
+        let forcing = forcing.of(0);
         let at = |time, backward| forcing.interval(time, backward, [1.0; 3]).body.map(|x| x[0]);
         assert_eq!(at(0.0, false), [1.0, 1.0]);
         assert_eq!(at(1.0, false), [2.0, 1.0]);
@@ -368,7 +483,7 @@ mod tests {
     fn modes_of_damping_are_eigenvectors() {
         let entries = [2.0, 3.0, 5.0, 0.4, -0.3, 0.7];
         let moments = [1.0, 2.0, 4.0];
-        let (rates, modes) = damping(entries).unwrap().damping_modes(moments);
+        let (rates, modes) = damping(entries).unwrap().of(0).damping_modes(moments);
         let [d11, d22, d33, d23, d31, d12] = entries;
         let matrix = [[d11, d12, d31], [d12, d22, d23], [d31, d23, d33]];
         for k in 0..3 {
@@ -379,6 +494,7 @@ mod tests {
             }
         }
         let even = damping([2.0, 4.0, 8.0, 0.0, 0.0, 0.0]).unwrap();
+        let even = even.of(0);
         assert_eq!(even.slows_evenly(moments), Some(2.0));
         assert_eq!(even.slows_evenly([1.0, 2.0, 3.0]), None);
     }

@@ -3,6 +3,10 @@
 //! An allocation that fails without `try_reserve` ends the process, and the interpreter with it.
 
 use crate::error::Error;
+use std::alloc::{Layout, alloc_zeroed};
+use std::cell::Cell;
+use std::hint::black_box;
+use std::mem::MaybeUninit;
 use std::sync::OnceLock;
 
 /// Refuses what does not fit into this machine, before the system promises memory that it does not have.
@@ -32,6 +36,35 @@ pub fn filled<T: Clone>(what: &str, length: usize, value: T) -> Result<Vec<T>, E
     Ok(values)
 }
 
+/// Numbers whose zero has no bit set.
+///
+/// # Safety
+/// Memory without a set bit must be a value of the type, the number zero.
+pub unsafe trait Number: Copy {}
+
+// SAFETY: the sign, the exponent and the fraction of +0.0 have no bit set.
+unsafe impl Number for f64 {}
+// SAFETY: as above.
+unsafe impl Number for f32 {}
+
+/// Zeros. The system provides their pages when they are first written, so that nothing is written twice.
+pub fn zeros<T: Number>(what: &str, length: usize) -> Result<Vec<T>, Error> {
+    let bytes = length as u128 * size_of::<T>() as u128;
+    check(what, bytes)?;
+    let refused = || Error::Memory { what: what.into(), bytes, limit: None };
+    let layout = Layout::array::<T>(length).map_err(|_| refused())?;
+    if layout.size() == 0 {
+        return Ok(Vec::new());
+    }
+    // SAFETY: the layout is not empty.
+    let begin = unsafe { alloc_zeroed(layout) }.cast::<T>();
+    if begin.is_null() {
+        return Err(refused());
+    }
+    // SAFETY: the global allocator has provided `begin` for this many numbers, which are zero: `Number` says so.
+    Ok(unsafe { Vec::from_raw_parts(begin, length, length) })
+}
+
 /// The elements of an iterator, which has this many.
 pub fn collected<T>(what: &str, length: usize, from: impl IntoIterator<Item = T>) -> Result<Vec<T>, Error> {
     let mut values = reserved(what, length)?;
@@ -52,20 +85,49 @@ pub fn has_room(bytes: usize) -> bool {
     Vec::<u8>::new().try_reserve_exact(bytes).is_ok()
 }
 
+/// Bytes of its stack that the calling thread may need for work of the core.
+const STACK: usize = 512 << 10;
+
+/// Grows the stack of the calling thread, once. A refusal of the system is an error now; later it would end the process.
+///
+/// # Errors
+/// If the memory cannot be had.
+pub fn grow_stack() -> Result<(), Error> {
+    thread_local! {
+        static GROWN: Cell<bool> = const { Cell::new(false) };
+    }
+    if GROWN.get() {
+        return Ok(());
+    }
+    if !has_room(2 * STACK) {
+        let what = "stack of the calling thread".into();
+        return Err(Error::Memory { what, bytes: STACK as u128, limit: None });
+    }
+    touch_stack();
+    GROWN.set(true);
+    Ok(())
+}
+
+/// The compiler touches each page of a large frame.
+#[inline(never)]
+fn touch_stack() {
+    black_box(&mut MaybeUninit::<[u8; STACK]>::uninit());
+}
+
 /// Bytes of memory of this machine, or of the control groups of this process if that is less; `None` if unknown.
 fn machine() -> Option<u64> {
     static LIMIT: OnceLock<Option<u64>> = OnceLock::new();
     *LIMIT.get_or_init(|| [physical(), control_groups()].into_iter().flatten().min())
 }
 
-#[cfg(unix)]
+#[cfg(all(unix, not(miri)))]
 fn physical() -> Option<u64> {
     // SAFETY: `sysconf` reads a number of the system and has no other effect.
     let [pages, size] = [libc::_SC_PHYS_PAGES, libc::_SC_PAGESIZE].map(|name| unsafe { libc::sysconf(name) });
     u64::try_from(pages).ok()?.checked_mul(u64::try_from(size).ok()?).filter(|&bytes| bytes > 0)
 }
 
-#[cfg(not(unix))]
+#[cfg(any(not(unix), miri))]
 fn physical() -> Option<u64> {
     None
 }
@@ -90,8 +152,11 @@ mod tests {
     #[test]
     fn a_request_beyond_any_memory_is_refused_with_its_bytes() {
         for length in [1_usize << 50, usize::MAX] {
-            let message = reserved::<f64>("the result", length).unwrap_err().to_string();
-            assert!(message.starts_with(&format!("the result: {} bytes", 8 * length as u128)), "{message}");
+            for refused in [reserved::<f64>("the result", length), zeros::<f64>("the result", length)] {
+                let message = refused.unwrap_err().to_string();
+                let start = format!("the result: {} bytes", 8 * length as u128);
+                assert!(message.starts_with(&start), "{message}");
+            }
         }
         assert!(check("the result", u128::MAX).is_err());
         assert!(!has_room(usize::MAX));
@@ -102,6 +167,10 @@ mod tests {
         let values = collected("the input", 3, [1.0, 2.0, 3.0]).unwrap();
         assert_eq!((values.as_slice(), values.capacity()), ([1.0, 2.0, 3.0].as_slice(), 3));
         assert_eq!(filled("the result", 2, 7_u8).unwrap(), [7, 7]);
+        assert_eq!(
+            (zeros("the result", 2).unwrap(), zeros("nothing", 0).unwrap()),
+            (vec![0.0_f32; 2], vec![0.0_f64; 0])
+        );
         let mut list = values;
         push("the list", &mut list, 4.0).unwrap();
         assert_eq!(list, [1.0, 2.0, 3.0, 4.0]);

@@ -5,24 +5,89 @@ use crate::memory;
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::thread;
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+use std::thread::{self, ThreadId};
+use std::time::{Duration, Instant};
 
 /// Address space of a thread: its stack, the arena of its allocator, and what it allocates for a block.
 const BYTES_OF_A_THREAD: usize = 80 << 20;
 
-/// Does `work` for each block on at most `threads` threads, the caller's among them.
+/// How often the caller is asked whether its work shall stop.
+const BETWEEN_QUESTIONS: Duration = Duration::from_millis(50);
+
+/// The wish that running work ends. All threads of the work read it between blocks of steps.
+pub struct Interrupt<'a> {
+    wanted: AtomicBool,
+    watch: Option<Watch<'a>>,
+}
+
+/// A question whether work shall stop, which only one thread may ask.
+struct Watch<'a> {
+    ask: &'a (dyn Fn() -> bool + Sync),
+    thread: ThreadId,
+    begin: Instant,
+    /// Nanoseconds after `begin` at which the question is asked again.
+    next: AtomicU64,
+}
+
+impl<'a> Interrupt<'a> {
+    /// Work that goes on to its end, unless `request` is called.
+    pub const fn never() -> Interrupt<'a> {
+        Interrupt { wanted: AtomicBool::new(false), watch: None }
+    }
+
+    /// Work that stops when `ask` returns true. The calling thread asks twenty times a second, in between its work.
+    pub fn when(ask: &'a (dyn Fn() -> bool + Sync)) -> Interrupt<'a> {
+        let next = AtomicU64::new(BETWEEN_QUESTIONS.as_nanos() as u64);
+        let watch = Watch { ask, thread: thread::current().id(), begin: Instant::now(), next };
+        Interrupt { wanted: AtomicBool::new(false), watch: Some(watch) }
+    }
+
+    /// Ends the work.
+    pub fn request(&self) {
+        self.wanted.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether the work shall end. To be called more often than every tenth of a second.
+    pub fn is_wanted(&self) -> bool {
+        if let Some(watch) = &self.watch
+            && watch.is_due()
+            && (watch.ask)()
+        {
+            self.request();
+        }
+        self.wanted.load(Ordering::Relaxed)
+    }
+}
+
+impl Watch<'_> {
+    fn is_due(&self) -> bool {
+        if thread::current().id() != self.thread {
+            return false;
+        }
+        let now = self.begin.elapsed();
+        let due = now.as_nanos() as u64 >= self.next.load(Ordering::Relaxed);
+        if due {
+            self.next.store((now + BETWEEN_QUESTIONS).as_nanos() as u64, Ordering::Relaxed);
+        }
+        due
+    }
+}
+
+/// Does `work` for each block on at most `threads` threads, the caller's among them; returns the nanoseconds of
+/// processor time of all threads.
 ///
-/// A thread that cannot be started is done without. Blocks are never listed: there may be any number of them.
+/// With a single block or a single thread no thread is started. A thread that cannot be started is done without. Blocks
+/// are never listed: there may be any number of them.
 ///
 /// # Errors
-/// The first error of a block, and `Stopped` if `stop` is set before the last block: no further block is begun then.
+/// The first error of a block, and `Stopped` if `stop` is wanted before the last block: no further block is begun then.
 pub fn over_blocks<B>(
     blocks: impl Iterator<Item = B> + Send,
     threads: usize,
-    stop: &AtomicBool,
+    stop: &Interrupt,
     work: impl Fn(B) -> Result<(), Error> + Sync,
-) -> Result<(), Error> {
+) -> Result<u64, Error> {
     let threads = threads.min(blocks.size_hint().0);
     let blocks = Mutex::new(blocks);
     let failed = AtomicBool::new(false);
@@ -31,30 +96,54 @@ pub fn over_blocks<B>(
         while !failed.load(Ordering::Relaxed) {
             let next = blocks.lock().expect("the iterator does not panic").next();
             let Some(block) = next else { break };
-            if stop.load(Ordering::Relaxed) {
+            if stop.is_wanted() {
                 return Err(Error::Stopped);
             }
             work(block)?;
         }
         Ok(())
     };
+    let nanoseconds = AtomicU64::new(0);
     let worker = || {
+        let begin = thread_nanoseconds();
         if let Err(error) = caught(each) {
             failed.store(true, Ordering::Relaxed);
             failure.lock().expect("nothing panics here").get_or_insert(error);
         }
+        nanoseconds.fetch_add(thread_nanoseconds() - begin, Ordering::Relaxed);
     };
+    if threads < 2 {
+        worker();
+    } else {
+        over_threads(threads, stop, &worker);
+    }
+    failure.into_inner().expect("nothing panics there").map_or(Ok(nanoseconds.into_inner()), Err)
+}
+
+/// Runs `worker` on that many threads, the caller's among them. When the caller's part is done, it still asks whether
+/// the others shall stop.
+fn over_threads(threads: usize, stop: &Interrupt, worker: &(impl Fn() + Sync)) {
+    let (caller, running) = (thread::current(), AtomicUsize::new(0));
     thread::scope(|scope| {
         for _ in 1..threads {
-            if !memory::has_room(BYTES_OF_A_THREAD)
-                || thread::Builder::new().spawn_scoped(scope, worker).is_err()
-            {
+            running.fetch_add(1, Ordering::Relaxed);
+            let other = || {
+                worker();
+                running.fetch_sub(1, Ordering::Relaxed);
+                caller.unpark();
+            };
+            let has_room = memory::has_room(BYTES_OF_A_THREAD);
+            if !has_room || thread::Builder::new().spawn_scoped(scope, other).is_err() {
+                running.fetch_sub(1, Ordering::Relaxed);
                 break;
             }
         }
         worker();
+        while running.load(Ordering::Relaxed) > 0 {
+            thread::park_timeout(BETWEEN_QUESTIONS);
+            stop.is_wanted();
+        }
     });
-    failure.into_inner().expect("nothing panics there").map_or(Ok(()), Err)
 }
 
 /// The result of `work`; a panic becomes an error.
@@ -73,14 +162,14 @@ fn words_of(panic: &(dyn Any + Send)) -> String {
 ///
 /// On a shared machine the wall clock also counts the work of other processes.
 pub fn thread_nanoseconds() -> u64 {
-    #[cfg(unix)]
+    #[cfg(all(unix, not(miri)))]
     {
         let mut now = libc::timespec { tv_sec: 0, tv_nsec: 0 };
         // SAFETY: `now` is a valid timespec; on failure it stays zero.
         unsafe { libc::clock_gettime(libc::CLOCK_THREAD_CPUTIME_ID, &mut now) };
         now.tv_sec as u64 * 1_000_000_000 + now.tv_nsec as u64
     }
-    #[cfg(not(unix))]
+    #[cfg(any(not(unix), miri))]
     {
         use std::sync::OnceLock;
         use std::time::Instant;
@@ -95,7 +184,7 @@ mod tests {
 
     #[test]
     fn every_block_is_done_once() {
-        let go = AtomicBool::new(false);
+        let go = Interrupt::never();
         for threads in [1, 2, 7, 100] {
             let mut squares = [0; 50];
             let blocks = squares.iter_mut().enumerate();
@@ -110,11 +199,13 @@ mod tests {
 
     #[test]
     fn blocks_after_a_stop_are_not_done() {
-        let stop = AtomicBool::new(false);
+        let stop = Interrupt::never();
         let done = Mutex::new(0);
         let ended = over_blocks(0..5, 1, &stop, |block| {
             *done.lock().unwrap() += 1;
-            stop.store(block == 1, Ordering::Relaxed);
+            if block == 1 {
+                stop.request();
+            }
             Ok(())
         });
         assert_eq!((ended, done.into_inner().unwrap()), (Err(Error::Stopped), 2));
@@ -122,7 +213,7 @@ mod tests {
 
     #[test]
     fn a_panic_in_a_thread_ends_the_work_as_an_error() {
-        let go = AtomicBool::new(false);
+        let go = Interrupt::never();
         for threads in [1, 3] {
             // Far too many blocks to do: the others end too.
             let ended = over_blocks(0..u64::MAX, threads, &go, |block| match block {
@@ -130,6 +221,39 @@ mod tests {
                 _ => Ok(()),
             });
             assert_eq!(ended, Err(Error::Fault { words: "block 7 is bad".into() }));
+        }
+    }
+
+    #[test]
+    fn the_caller_is_asked_while_other_threads_work() {
+        let (questions, other_runs) = (AtomicUsize::new(0), AtomicBool::new(false));
+        let ask = || questions.fetch_add(1, Ordering::Relaxed) == 1;
+        let stop = Interrupt::when(&ask);
+        let caller = thread::current().id();
+        let wait = || thread::sleep(Duration::from_millis(1));
+        over_blocks(0..2, 2, &stop, |_| {
+            if thread::current().id() == caller {
+                while !other_runs.load(Ordering::Relaxed) {
+                    wait();
+                }
+            } else {
+                other_runs.store(true, Ordering::Relaxed);
+                while !stop.is_wanted() {
+                    wait();
+                }
+            }
+            Ok(())
+        })
+        .unwrap();
+        assert_eq!(questions.into_inner(), 2);
+    }
+
+    #[test]
+    fn one_thread_or_one_block_is_the_caller() {
+        let caller = thread::current().id();
+        for (blocks, threads) in [(5, 1), (1, 5)] {
+            let same = |_| (thread::current().id() == caller).then_some(()).ok_or(Error::Stopped);
+            over_blocks(0..blocks, threads, &Interrupt::never(), same).unwrap();
         }
     }
 }

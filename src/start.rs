@@ -1,6 +1,6 @@
 //! A body at its start: moments, weight, rates and attitude, a bound of its rates, and the scales of its drifts.
 
-use crate::forcing::{Forcing, ForcingInterval};
+use crate::forcing::{BodyForcing, ForcingInterval};
 use crate::kinematics::{dot, to_body_frame};
 
 /// One body with its start.
@@ -58,7 +58,7 @@ impl Body {
     /// Each component is bounded by the energy, `omega_k^2 <= 2 T / I_k`, where a top can gain the energy of a fall
     /// from the upright position. The polhode gives a closer bound for a free body, the constant spin a closer bound
     /// for a symmetric top, and the power balance a bound for a forced body.
-    pub fn fastest_rate(&self, forcing: &Forcing, span: [f64; 2]) -> f64 {
+    pub fn fastest_rate(&self, forcing: BodyForcing, span: [f64; 2]) -> f64 {
         let twice_kinetic: f64 = (0..3).map(|k| self.moments[k] * self.omega[k] * self.omega[k]).sum();
         let mgl = self.weight.iter().map(|c| c * c).sum::<f64>().sqrt();
         if forcing.is_none() && mgl == 0.0 {

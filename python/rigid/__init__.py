@@ -37,7 +37,9 @@ from .reports.result import Report
 from .reports.row import Row
 from .reports.stress import Extremes, extremes
 from .solve.choose_method import plan
+from .solve.chunks import simulate_chunks
 from .solve.methods import Method, methods
+from .solve.motion import Motion
 from .solve.plan import Plan
 from .solve.run import Run, plug_in_animator
 from .solve.sensitivity import condition
@@ -73,6 +75,7 @@ __all__ = [
     "Interrupted",
     "MapSpec",
     "Method",
+    "Motion",
     "Noise",
     "Plan",
     "Progress",
@@ -108,6 +111,7 @@ __all__ = [
     "report",
     "rotations",
     "simulate",
+    "simulate_chunks",
     "solids",
     "springs",
     "stability_map",

@@ -1,6 +1,6 @@
 """Types of the compiled core. Arrays in, arrays out; checked against the binary by stubtest."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, final
 
 import numpy as np
@@ -11,6 +11,7 @@ __all__ = [
     "Forcing",
     "MapJob",
     "MapStatistics",
+    "Motion",
     "__version__",
     "available_threads",
     "build_info",
@@ -23,6 +24,8 @@ __all__ = [
     "default_steps",
     "elliptic",
     "fastest_rates",
+    "first_not_finite",
+    "first_slow",
     "flip_times",
     "free_quantities",
     "lagrange_axes",
@@ -75,6 +78,8 @@ def simulate(
     refinement: float = 1.0,
     tolerance: float | None = None,
     forcing: Forcing | None = None,
+    out: Mapping[str, NDArray[Any]] | None = None,
+    single: bool = False,
 ) -> dict[str, Any]: ...
 def closed_forms(
     *,
@@ -84,6 +89,8 @@ def closed_forms(
     omega: NDArray[np.float64],
     attitude: NDArray[np.float64],
 ) -> list[str]: ...
+def first_not_finite(array: NDArray[np.float64]) -> int | None: ...
+def first_slow(omega: NDArray[np.float64], swing: float, least: float) -> int | None: ...
 def fastest_rates(
     *,
     scene: str,
@@ -92,7 +99,7 @@ def fastest_rates(
     omega: NDArray[np.float64],
     attitude: NDArray[np.float64],
     forcing: Forcing | None = None,
-    span: Sequence[float] | None = None,
+    span: NDArray[np.float64] | None = None,
     method: str | None = None,
 ) -> NDArray[np.float64]: ...
 def default_steps(method: str, rates: NDArray[np.float64]) -> NDArray[np.float64]: ...
@@ -145,6 +152,27 @@ def tilt_times(
 def elliptic(name: str, arguments: Sequence[NDArray[np.float64]]) -> list[NDArray[np.float64]]: ...
 
 @final
+class Motion:
+    def __new__(
+        cls,
+        *,
+        scene: str,
+        method: str,
+        moments: NDArray[np.float64],
+        weight: NDArray[np.float64],
+        omega: NDArray[np.float64],
+        attitude: NDArray[np.float64],
+        unit: float,
+        threads: int,
+        forcing: Forcing | None = None,
+    ) -> Motion: ...
+    @property
+    def time(self) -> float: ...
+    def omega(self) -> NDArray[np.float64]: ...
+    def attitude(self) -> NDArray[np.float64]: ...
+    def step(self, dt: float, torque: Any = None) -> None: ...
+
+@final
 class Forcing:
     def __new__(
         cls,
@@ -152,11 +180,13 @@ class Forcing:
         times: NDArray[np.float64],
         body: NDArray[np.float64],
         space: NDArray[np.float64],
-        damping: Sequence[float],
+        damping: NDArray[np.float64],
     ) -> Forcing: ...
-    def slows_evenly(self, moments: Sequence[float]) -> float | None: ...
-    def damping_alone(self) -> list[float] | None: ...
-    def damping_rates(self, moments: Sequence[float]) -> list[float]: ...
+    def select(self, bodies: NDArray[np.intp]) -> Forcing: ...
+    def slows_evenly(self, moments: NDArray[np.float64]) -> NDArray[np.float64]: ...
+    def drives(self, bodies: int) -> NDArray[np.bool_]: ...
+    def damping_alone(self) -> NDArray[np.float64]: ...
+    def damping_rates(self, moments: NDArray[np.float64]) -> NDArray[np.float64]: ...
 
 @final
 class MapJob:
@@ -180,7 +210,7 @@ class MapJob:
         step: float | None,
         max_steps: int,
         samples: int,
-        checked: int,
+        checked: int | None,
         seed: int,
         forcing: Sequence[Forcing] | None = None,
     ) -> MapJob: ...

@@ -4,15 +4,23 @@ from __future__ import annotations
 
 import errno
 import os
+import re
 import stat
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from typing import BinaryIO
 
+try:
+    import fcntl
+except ImportError:  # on Windows nothing tells whether a writer lives
+    fcntl = None  # type: ignore[assignment]
+
 __all__ = ["published", "require_replaceable", "require_room"]
 
 SCRATCH = ".rigid-"
-"""How the names of scratch files begin; a process that is killed leaves its own."""
+"""How the names of scratch files begin."""
+
+_SCRATCH_NAME = re.compile(r"\.rigid-[0-9a-f]{32}\.part")
 
 _KINDS = {
     stat.S_IFLNK: "a symbolic link",
@@ -50,7 +58,8 @@ def published(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
 
     The bytes go to a scratch file with a name of its own in the same folder. At the end the scratch
     file is synchronised and renamed. After any failure the scratch file is removed, and an older
-    file at ``path`` is as it was. A new file obeys the umask; an older one hands on its mode.
+    file at ``path`` is as it was. A new file obeys the umask; an older one hands on its mode. A
+    process that is killed leaves its scratch file; the next writer in the folder removes it.
 
     Parameters
     ----------
@@ -71,7 +80,7 @@ def published(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
         os.fsync(file.fileno())
         file.close()
         os.replace(scratch, target)
-        _synchronise(os.path.dirname(target) or os.curdir)
+        _synchronise(_folder(target))
 
 
 def require_room(path: str | os.PathLike[str], size: int) -> None:
@@ -95,20 +104,60 @@ def require_room(path: str | os.PathLike[str], size: int) -> None:
 def _scratch(target: str) -> Iterator[tuple[str, BinaryIO]]:
     """A new file beside ``target`` with the mode of the file there; it is removed at the end."""
     mode = require_replaceable(target)
-    scratch = os.path.join(os.path.dirname(target), f"{SCRATCH}{os.urandom(16).hex()}.part")
-
-    def create(path: str, flags: int) -> int:
-        # The flags of mode "x" follow no link. A private file is private from the start.
-        return os.open(path, flags, 0o666 if mode is None else 0o600)
-
+    with suppress(OSError):
+        _sweep(_folder(target))
+    scratch, file, lock = _locked_file(target, 0o666 if mode is None else 0o600)
     try:
-        with open(scratch, "xb", opener=create) as file:
+        with file:
             if mode is not None:
                 os.chmod(file.fileno() if os.chmod in os.supports_fd else scratch, mode)
             yield scratch, file
     finally:
+        # The lock outlives the file, which is closed before it is renamed.
+        os.close(lock)
         with suppress(OSError):
             os.unlink(scratch)
+
+
+def _locked_file(target: str, mode: int) -> tuple[str, BinaryIO, int]:
+    """Name of a new file beside ``target``, the file, and a descriptor that holds its lock.
+
+    The system takes the lock from a process that dies: see :func:`_sweep`.
+    """
+    while True:
+        scratch = os.path.join(os.path.dirname(target), f"{SCRATCH}{os.urandom(16).hex()}.part")
+        # The flags of mode "x" follow no link. A private file is private from the start.
+        file = open(scratch, "x+b", opener=lambda path, flags: os.open(path, flags, mode))  # noqa: SIM115
+        lock = os.dup(file.fileno())
+        if fcntl is not None:
+            with suppress(OSError):
+                fcntl.flock(lock, fcntl.LOCK_EX)
+        if os.fstat(lock).st_nlink:
+            return scratch, file, lock
+        # Another writer took it for one without a writer, before it was locked.
+        file.close()
+        os.close(lock)
+
+
+def _sweep(folder: str) -> None:
+    """Remove the scratch files whose writers have died: nobody holds their locks."""
+    if fcntl is None:
+        return
+    with os.scandir(folder) as entries:
+        left = [entry.path for entry in entries if _SCRATCH_NAME.fullmatch(entry.name)]
+    for path in left:
+        with suppress(OSError):
+            descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)
+            try:
+                if stat.S_ISREG(os.fstat(descriptor).st_mode):
+                    fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                    os.unlink(path)
+            finally:
+                os.close(descriptor)
+
+
+def _folder(target: str) -> str:
+    return os.path.dirname(target) or os.curdir
 
 
 def _synchronise(folder: str) -> None:

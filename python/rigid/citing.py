@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from . import _core
-from .solve.methods import AUTO, EXACT, FALLBACK, Method, methods
+from .solve.methods import AUTO, EXACT, MAP_FALLBACK, Method, methods
 from .solve.plan import Plan
 
 if TYPE_CHECKING:
@@ -95,7 +95,7 @@ def _used(used: Run | StabilityMap | Report | Plan | Method | str) -> tuple[list
         return [name for name in names if name != EXACT], list(_OF_FORM) if EXACT in names else []
     plan = used if isinstance(used, Plan) else used.plan
     forms = plan.closed_form.split(", ") if plan.closed_form else []
-    scheme = FALLBACK if plan.method == AUTO else plan.method
+    scheme = MAP_FALLBACK if plan.method == AUTO else plan.method
     return ([] if scheme == EXACT else [scheme]), forms
 
 

@@ -11,6 +11,8 @@ use crate::start::Body;
 /// Bodies at their start, one in each lane, in the variables of their closed form.
 #[derive(Clone, Copy)]
 pub struct StartRows {
+    /// The lanes that are evaluated, from the first on.
+    lanes: usize,
     moments: [Row; 3],
     weight: [Row; 3],
     omega: [Row; 3],
@@ -21,11 +23,17 @@ impl StartRows {
     /// One body in all lanes.
     pub fn filled(body: &Body) -> StartRows {
         StartRows {
+            lanes: LANES,
             moments: body.moments.map(|x| Row([x; LANES])),
             weight: body.weight.map(|x| Row([x; LANES])),
             omega: body.omega.map(|x| Row([x; LANES])),
             attitude: body.attitude.map(|x| Row([x; LANES])),
         }
+    }
+
+    /// Only the first lanes, and those that share a register with them, are evaluated.
+    pub fn keep(&mut self, lanes: usize) {
+        self.lanes = lanes;
     }
 
     /// Puts a body into a lane.
@@ -97,7 +105,7 @@ fn motion<P: Pack, M: Motion<P>>(starts: &StartRows, at: usize) -> M {
 #[inline(always)]
 fn states<P: Pack, M: Motion<P>>(starts: &StartRows, times: &[Row], attitude: bool, out: &mut [StateRows]) {
     let out = &mut out[..times.len()];
-    for at in (0..LANES).step_by(P::LANES) {
+    for at in (0..starts.lanes).step_by(P::LANES) {
         let motion: M = motion(starts, at);
         for k in 0..times.len() {
             let t = P::load(&times[k].0[at..]);

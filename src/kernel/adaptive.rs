@@ -1,6 +1,7 @@
 //! Adaptive steps of a group: the length of each step from the series of the body, and states inside the step.
 
 use super::group::{Group, MAX_STATE};
+use super::step::used_packs;
 use crate::error::Error;
 use crate::memory;
 use crate::real::{Pack, Real};
@@ -64,9 +65,10 @@ where
     L: Layout,
     S: Stepper<P, M, L, D>,
 {
+    let packs = used_packs::<P, PACKS>(g);
     for done in 1..=most {
         let mut reached = false;
-        for b in 0..PACKS {
+        for b in 0..packs {
             let at = b * P::LANES;
             let unit = P::load(&g.step.0[at..]);
             let (mut y, mut compensation) = ([unit; D], [unit; D]);

@@ -3,6 +3,7 @@
 use crate::forcing::ForcingInterval;
 use crate::observe::{MAX_ROWS, Rows, UNOBSERVED};
 use crate::real::Pack;
+use crate::scheme::{DERIVATIVES, NODES};
 use crate::simd::{LANES, Row};
 use std::sync::OnceLock;
 
@@ -20,9 +21,20 @@ pub struct DriftRows {
     pub worst: Row,
 }
 
+/// The derivatives at the last states of each body, for schemes that use them: the numbers of `Past`, by node and order.
+#[derive(Clone)]
+pub struct PastRows {
+    /// The newest node first.
+    pub nodes: [[[Row; MAX_STATE]; DERIVATIVES]; NODES],
+    /// 1 where the derivatives belong to the motion of the lane, 0 where the motion begins.
+    pub is_known: Row,
+}
+
 /// The bodies that are integrated together, with their states and invariants.
 #[derive(Clone)]
 pub struct Group {
+    /// Lanes up to the last that was loaded: the packs after them are not computed.
+    pub(super) used: usize,
     /// Rates or momenta, directions, quaternion.
     pub state: [Row; MAX_STATE],
     /// Rounding error of the state, for schemes with compensation.
@@ -43,6 +55,8 @@ pub struct Group {
     pub momentum: DriftRows,
     /// Largest deviation of the length of a direction from one.
     pub unit: Row,
+    /// The past of all lanes, for a scheme that uses it.
+    pub past: Option<Box<PastRows>>,
 }
 
 /// The forcing of the bodies of a group on an interval: the numbers of `ForcingInterval`, in its order.
@@ -122,6 +136,7 @@ impl Group {
     fn all_inactive() -> Group {
         let drift = DriftRows { start: Row::ZERO, inverse_scale: Row::ZERO, worst: Row::ZERO };
         let mut group = Group {
+            used: 0,
             state: [Row::ZERO; MAX_STATE],
             compensation: [Row::ZERO; MAX_STATE],
             moments: [Row([1.0; LANES]); 3],
@@ -132,6 +147,7 @@ impl Group {
             energy: drift,
             momentum: drift,
             unit: Row::ZERO,
+            past: None,
         };
         for lane in 0..LANES {
             group.deactivate(lane);
@@ -151,6 +167,34 @@ impl Group {
         }
     }
 
+    /// Provides memory for the past of all lanes.
+    pub(super) fn remember(&mut self) {
+        if self.past.is_none() {
+            let nodes = [[[Row::ZERO; MAX_STATE]; DERIVATIVES]; NODES];
+            self.past = Some(Box::new(PastRows { nodes, is_known: Row::ZERO }));
+        }
+    }
+
+    /// Sets the step of a lane, 0 for a lane that rests. The past of a lane is that of its step.
+    pub fn set_step(&mut self, lane: usize, step: f64) {
+        if self.step.0[lane].to_bits() != step.to_bits() {
+            self.step.0[lane] = step;
+            self.begin_motion(lane);
+        }
+    }
+
+    /// Forgets the past of a lane, because its motion begins or its torque jumps.
+    pub fn begin_motion(&mut self, lane: usize) {
+        let Some(past) = &mut self.past else { return };
+        let rests = self.step.0[lane] == 0.0;
+        past.is_known.0[lane] = if rests { 1.0 } else { 0.0 };
+        if rests {
+            for row in past.nodes.as_flattened_mut().as_flattened_mut() {
+                row.0[lane] = 0.0;
+            }
+        }
+    }
+
     /// Makes a lane inactive: a unit sphere at rest that is not observed, and a step of 0.
     pub fn deactivate(&mut self, lane: usize) {
         for row in self.state.iter_mut().chain(&mut self.compensation) {
@@ -164,6 +208,7 @@ impl Group {
             self.weight[k].0[lane] = 0.0;
         }
         self.step.0[lane] = 0.0;
+        self.begin_motion(lane);
         self.set_observed(lane, &UNOBSERVED);
         self.unit.0[lane] = 0.0;
         for drift in [&mut self.energy, &mut self.momentum] {

@@ -3,7 +3,7 @@
 use super::group::{Group, MAX_STATE};
 use super::{Compiled, System};
 use crate::body::Inertia;
-use crate::forcing::{Forcing, ForcingInterval};
+use crate::forcing::{BodyForcing, ForcingInterval};
 use crate::kinematics::{cross, dot, quaternion_product, to_body_frame};
 use crate::observe;
 use crate::scene::{Parameters, Scene};
@@ -16,7 +16,7 @@ use std::sync::OnceLock;
 impl Body {
     /// The rate that determines the steps of a scheme: the fastest rate of the body, and the fastest damping rate if
     /// the scheme is stable only for short steps.
-    pub fn step_rate(&self, scheme: &Scheme, forcing: &Forcing, span: [f64; 2]) -> f64 {
+    pub fn step_rate(&self, scheme: &Scheme, forcing: BodyForcing, span: [f64; 2]) -> f64 {
         let turning = self.fastest_rate(forcing, span);
         if forcing.is_none() || scheme.is_stiff() {
             return turning;
@@ -211,6 +211,7 @@ pub fn load(group: &mut Group, lane: usize, compiled: Compiled, assignment: Kern
         weight: assignment.to_kernel_axes(body.weight),
         step,
     };
+    group.used = group.used.max(lane + 1);
     for d in 0..kernel.system.len() {
         group.state[d].0[lane] = y[d];
         group.compensation[d].0[lane] = 0.0;
@@ -220,6 +221,7 @@ pub fn load(group: &mut Group, lane: usize, compiled: Compiled, assignment: Kern
         group.weight[k].0[lane] = parameters.weight[k];
     }
     group.step.0[lane] = step;
+    group.begin_motion(lane);
     group.count.0[lane] = 0.0;
 
     let [energy, momentum] = compiled.invariants(&parameters, &y);

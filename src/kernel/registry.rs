@@ -10,8 +10,8 @@ use crate::scene::{
     ReducedTop, Scene, TOP, Top, TwoAxes,
 };
 use crate::scheme::{
-    AffineSplitting, ComposedPlanar, Dop853Tableau, Engine, Exponential, ImplicitMidpoint, KickMoserVeselov,
-    KickRotor, Numbers, Planar, Rk4Tableau, RungeKutta, Splitting, Step, Stepper, Taylor,
+    AffineSplitting, ComposedPlanar, Dop853Tableau, Engine, Exponential, Hermite, ImplicitMidpoint,
+    KickMoserVeselov, KickRotor, Numbers, Planar, Rk4Tableau, RungeKutta, Splitting, Step, Stepper, Taylor,
 };
 #[cfg(target_arch = "x86_64")]
 use crate::simd::{Arr, V4, V8};
@@ -280,6 +280,7 @@ kernels! {
         Dop853: RungeKutta<Dop853Tableau, R, M>, V8, V4;
         Taylor: Taylor<false, R, M>, V8, V4;
         CompensatedTaylor: Taylor<true, R, M>, V8, V4;
+        Hermite: Hermite<R, M>, V8, V4;
         Planar: Splitting<Planar, R>, Arr<V8, 2>, Arr<V4, 2>;
         ComposedPlanar: Splitting<ComposedPlanar, R>, Arr<V8, 2>, Arr<V4, 2>;
         KickRotor: Splitting<KickRotor, R>, V8, V4;

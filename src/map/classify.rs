@@ -2,6 +2,7 @@
 
 use super::{Class, Criterion, Map, Outcome};
 use crate::exact::{CanonicalForm, ClosedForm, Evaluator, EvaluatorKind, ExitRows, StartRows};
+use crate::observe::Observed;
 use crate::simd::Isa;
 use crate::simd::{LANES, Row};
 use crate::start::Body;
@@ -154,14 +155,9 @@ fn outcome(map: &Map, left: f64) -> Outcome {
     Outcome {
         class,
         status,
-        flips: u64::from(map.criterion == Criterion::NoFlip && left <= map.t_end),
+        flips: u64::from(map.criterion.observed() == Observed::Flips && left <= map.t_end),
         left: if left <= map.t_end { left } else { f64::INFINITY },
-        tilt: f64::NAN,
-        energy_drift: f64::NAN,
-        momentum_drift: f64::NAN,
-        unit_drift: f64::NAN,
-        step: f64::NAN,
-        steps: 0,
         exact: true,
+        ..Outcome::REFUSED
     }
 }

@@ -5,62 +5,90 @@ use crate::error::Error;
 use crate::kernel::{Compiled, Kernel};
 use crate::kernel::{Entry, load};
 use crate::kernel::{ForcingRows, Group};
+use crate::memory;
 use crate::observe::{EXIT_TIME, Observed};
+use crate::parallel::Interrupt;
+use crate::scheme::Step;
 use crate::simd::Isa;
 use crate::simd::LANES;
 use crate::start::Body;
 use crate::status::{DRIFT_LIMIT, Status};
-use std::sync::atomic::{AtomicBool, Ordering};
 
-/// A run of a sample, by the method of the map or, as a cross-check, by the second method.
-#[derive(Clone, Copy)]
-pub(super) struct Task {
-    /// Index in the block of samples.
-    pub(super) index: usize,
-    pub(super) cross_check: bool,
-}
+/// What the lists of samples of a block are called if they do not fit into memory.
+const TASKS: &str = "runs of a block";
 
-/// The task of an active lane, and its step.
+/// The sample of an active lane: its index in the block, and its step.
 #[derive(Clone, Copy)]
 struct LaneTask {
-    task: Task,
+    index: usize,
     step: f64,
 }
 
+/// How samples are integrated.
+#[derive(Clone, Copy)]
+pub(super) struct Run<'a> {
+    /// By the second method.
+    pub(super) cross_check: bool,
+    pub(super) isa: Isa,
+    pub(super) interrupt: &'a Interrupt<'a>,
+}
+
 impl Map {
-    /// Integrates the tasks of one kernel and calls `finish` with each outcome. The bodies are those of the samples
-    /// from `first` on.
-    #[allow(clippy::too_many_arguments)] // Samples, solver, and the callback of outcomes.
-    pub(super) fn integrate_batch(
+    /// Integrates samples of a block, given by their indices, and writes their outcomes. The bodies are those of the
+    /// samples from `first` on.
+    pub(super) fn integrate(
         &self,
         (bodies, first): (&[Body], u64),
-        tasks: &[Task],
+        samples: &[usize],
+        run: Run,
+        outcomes: &mut [Option<Outcome>],
+    ) -> Result<(), Error> {
+        let mut by_step: Vec<(Step, Vec<usize>)> = Vec::new();
+        for &index in samples {
+            let step = self.assignment(&bodies[index], run.cross_check).step;
+            let known = by_step.iter().position(|(known, _)| *known == step);
+            if known.is_none() {
+                memory::push(TASKS, &mut by_step, (step, Vec::new()))?;
+            }
+            let at = known.unwrap_or(by_step.len() - 1);
+            memory::push(TASKS, &mut by_step[at].1, index)?;
+        }
+        for (step, samples) in &by_step {
+            self.integrate_batch((bodies, first), samples, self.kernel(*step), run, outcomes)?;
+        }
+        Ok(())
+    }
+
+    /// Integrates the samples of one kernel.
+    fn integrate_batch(
+        &self,
+        (bodies, first): (&[Body], u64),
+        samples: &[usize],
         kernel: Kernel,
-        isa: Isa,
-        interrupt: &AtomicBool,
-        mut finish: impl FnMut(Task, Outcome),
+        Run { cross_check, isa, interrupt }: Run,
+        outcomes: &mut [Option<Outcome>],
     ) -> Result<(), Error> {
         let compiled = Compiled::new(kernel, isa);
         let (mut group, mut forcing_rows) = (Group::inactive(), ForcingRows::NONE);
         let mut lanes: [Option<LaneTask>; LANES] = [None; LANES];
         // Steps after which each lane is at its horizon; an inactive lane never is.
         let mut target = [f64::INFINITY; LANES];
-        let mut tasks = tasks.iter();
+        let mut samples = samples.iter();
         let mut active = 0;
         let limit = self.criterion.limit();
         loop {
             for lane in 0..LANES {
                 while lanes[lane].is_none() {
-                    let Some(&task) = tasks.next() else { break };
-                    let body = &bodies[task.index];
-                    let forcing = self.forcing_of((first + task.index as u64) / self.samples);
-                    let steps = self.steps_of(body, forcing, task.cross_check);
+                    let Some(&index) = samples.next() else { break };
+                    let body = &bodies[index];
+                    let forcing = self.forcing_of((first + index as u64) / self.samples);
+                    let steps = self.steps_of(body, forcing, cross_check);
                     if steps > self.max_steps {
-                        finish(task, Outcome::refused());
+                        outcomes[index] = Some(Outcome::REFUSED);
                         continue;
                     }
                     let step = self.t_end / steps as f64;
-                    let assignment = self.assignment(body, task.cross_check);
+                    let assignment = self.assignment(body, cross_check);
                     let interval = (!forcing.is_none()).then(|| forcing.interval(0.0, false, body.moments));
                     let forcing = interval.as_ref().map(|interval| {
                         forcing_rows.set(lane, interval);
@@ -69,7 +97,7 @@ impl Map {
                     let entry = Entry { body, forcing, axis: self.axis, limit, step };
                     load(&mut group, lane, compiled, assignment, &entry);
                     target[lane] = steps as f64;
-                    lanes[lane] = Some(LaneTask { task, step });
+                    lanes[lane] = Some(LaneTask { index, step });
                     active += 1;
                 }
             }
@@ -77,7 +105,7 @@ impl Map {
                 return Ok(());
             }
             loop {
-                if interrupt.load(Ordering::Relaxed) {
+                if interrupt.is_wanted() {
                     return Err(Error::Stopped);
                 }
                 compiled.advance(&mut group, &forcing_rows, STEP_BLOCK as usize);
@@ -86,9 +114,9 @@ impl Map {
                 }
             }
             for lane in 0..LANES {
-                let Some(lane_task) = lanes[lane] else { continue };
+                let Some(task) = lanes[lane] else { continue };
                 if done(&group, lane, target[lane]) {
-                    finish(lane_task.task, Map::outcome(&group, lane, kernel.observed, lane_task));
+                    outcomes[task.index] = Some(Map::outcome(&group, lane, kernel.observed, task.step));
                     lanes[lane] = None;
                     target[lane] = f64::INFINITY;
                     active -= 1;
@@ -99,7 +127,7 @@ impl Map {
     }
 
     /// The outcome of a lane whose sample is finished.
-    fn outcome(group: &Group, lane: usize, observed: Observed, lane_task: LaneTask) -> Outcome {
+    fn outcome(group: &Group, lane: usize, observed: Observed, step: f64) -> Outcome {
         let energy_drift = group.energy.worst.0[lane];
         let momentum_drift = group.momentum.worst.0[lane];
         let unit_drift = group.unit.0[lane];
@@ -126,7 +154,7 @@ impl Map {
             energy_drift,
             momentum_drift,
             unit_drift,
-            step: lane_task.step,
+            step,
             steps: steps as u64,
             exact: false,
         }

@@ -1,5 +1,6 @@
 //! The Monte Carlo map: blocks of samples are drawn, classified and counted.
 
+mod check;
 mod classify;
 mod criterion;
 mod draw;
@@ -8,26 +9,27 @@ mod interval;
 mod request;
 mod statistics;
 
+pub use check::Check;
 pub use criterion::Criterion;
 pub use interval::{clopper_pearson, clopper_pearson_of_each};
 pub use request::{Map, MethodChoice, Pixel};
 pub use statistics::{Class, Column, Field, Outcome, Statistics};
 
 use crate::error::Error;
-use crate::forcing::Forcing;
+use crate::forcing::BodyForcing;
 use crate::kernel::{Kernel, KernelAssignment, Needs, System};
 use crate::memory;
-use crate::parallel::{over_blocks, thread_nanoseconds};
+use crate::parallel::{Interrupt, over_blocks, thread_nanoseconds};
 use crate::scheme::{Scheme, Step};
 use crate::simd::Isa;
 use crate::solver::default_step;
 use crate::start::Body;
+use check::Runs;
 use classify::ClosedFormClassifier;
-use integrate::Task;
+use integrate::Run;
 use statistics::Sample;
 use std::ops::Range;
 use std::sync::Mutex;
-use std::sync::atomic::AtomicBool;
 
 /// A sample takes whole blocks of this many steps and may stop after each. What is observed at the ends of blocks then
 /// depends on the sample alone, whoever shares its group.
@@ -38,9 +40,6 @@ const EXACT_AS_STEPS: u64 = 20;
 
 /// Samples of a block: a millisecond of work or more.
 const BLOCK: u64 = 1024;
-
-/// What the lists of runs of a block are called if they do not fit into memory.
-const TASKS: &str = "runs of a block";
 
 impl Map {
     /// Samples of the whole map; `checked` has seen that the product fits.
@@ -79,7 +78,7 @@ impl Map {
 
     /// The kernel of the samples with that step: its system carries what the criterion watches and no more.
     fn kernel(&self, step: Step) -> Kernel {
-        let in_space = self.forcing.iter().any(Forcing::acts_in_space);
+        let in_space = self.forcing.iter().any(|forcing| forcing.of(0).acts_in_space());
         let needs = Needs {
             is_forced: self.is_forced(),
             is_reduced: false,
@@ -102,9 +101,10 @@ impl Map {
     /// Number of steps of a run of a sample: whole blocks, no step longer than the map allows; above `max_steps` if the
     /// rates need that many. A cross-check takes the steps of its scheme, and half the step that was asked for or that
     /// the first run takes with the same scheme.
-    fn steps_of(&self, body: &Body, forcing: &Forcing, cross_check: bool) -> u64 {
+    fn steps_of(&self, body: &Body, forcing: BodyForcing, cross_check: bool) -> u64 {
         let scheme = self.scheme(cross_check);
-        let own = default_step(scheme, body.step_rate(scheme, forcing, [0.0, self.t_end]));
+        let rate = body.step_rate(scheme, forcing, [0.0, self.t_end]);
+        let own = if cross_check { default_step(scheme, rate) } else { self.method.default_step(rate) };
         let largest = match self.step {
             Some(step) if cross_check => own.min(0.5 * step),
             Some(step) => step,
@@ -134,17 +134,19 @@ impl Map {
         stop: u64,
         threads: usize,
         isa: Isa,
-        interrupt: &AtomicBool,
+        interrupt: &Interrupt,
     ) -> Result<(u64, Vec<Statistics>), Error> {
         let first = start / self.samples;
         // As many as there are pixels at most, which are in memory.
         let pixels = (stop.div_ceil(self.samples) - first) as usize;
         let all = Mutex::new(memory::filled("statistics of the pixels", pixels, Statistics::NONE)?);
         let block = BLOCK.min((stop - start).div_ceil(threads as u64)).max(1);
-        let blocks = 0..(stop - start).div_ceil(block);
-        over_blocks(blocks, threads, interrupt, |b| {
-            let begin = start + b * block;
-            let pixels = self.block(begin, stop.min(begin + block), isa, interrupt)?;
+        let count = (stop - start).div_ceil(block);
+        over_blocks(0..count, threads, interrupt, |b| {
+            // No block begins within a group of samples, whose outcomes hang together.
+            let [begin, end] = [b, b + 1].map(|b| self.group_begin(stop.min(start + b * block)));
+            let end = if b + 1 == count { stop } else { end };
+            let pixels = self.block(begin.max(start), end.max(start), isa, interrupt)?;
             let mut all = all.lock().expect("merging does not panic");
             for (pixel, statistics) in pixels {
                 all[(pixel - first) as usize].merge(&statistics);
@@ -154,62 +156,62 @@ impl Map {
         Ok((first, all.into_inner().expect("merging does not panic")))
     }
 
+    /// The samples of a range with their outcomes, and those of the groups of samples that the range touches.
+    fn classified(&self, range: Range<u64>, isa: Isa, interrupt: &Interrupt) -> Result<Classified, Error> {
+        let range = self.with_groups(range);
+        let bodies = self.draw(isa, range.clone())?;
+        let unknown = || memory::filled("outcomes of a block", bodies.len(), None::<Outcome>);
+        let mut outcomes = [unknown()?, Vec::new()];
+        let mut classifier = ClosedFormClassifier::new(self, isa);
+        let mut integrated = Vec::new();
+        for (index, (pixel, _)) in self.pixels_and_samples(range.clone()).enumerate() {
+            if !self.pixels[pixel as usize].possible {
+                continue;
+            }
+            let exact = !self.is_forced()
+                && self.method.exact()
+                && classifier.take(index, &bodies[index], &mut outcomes[0]);
+            if !exact {
+                memory::push("runs of a block", &mut integrated, index)?;
+            }
+        }
+        classifier.finish(&mut outcomes[0]);
+        let mut audited = Vec::new();
+        if !integrated.is_empty() {
+            let [first, second] = &mut outcomes;
+            *second = unknown()?;
+            let (starts, run) = ((&bodies[..], range.start), Run { cross_check: false, isa, interrupt });
+            self.integrate(starts, &integrated, run, first)?;
+            let runs =
+                Runs { range: range.clone(), bodies: &bodies, integrated: &integrated, outcomes: first };
+            let again = Run { cross_check: true, ..run };
+            audited = self.audited(&runs)?;
+            self.integrate(starts, &audited, again, second)?;
+            let doubtful = self.doubtful(&runs, second)?;
+            self.integrate(starts, &doubtful, again, second)?;
+        }
+        Ok(Classified { range, bodies, outcomes, audited })
+    }
+
     /// The statistics of one block, by pixel.
     fn block(
         &self,
         start: u64,
         stop: u64,
         isa: Isa,
-        interrupt: &AtomicBool,
+        interrupt: &Interrupt,
     ) -> Result<Vec<(u64, Statistics)>, Error> {
         let begin = thread_nanoseconds();
-        let bodies = self.draw(isa, start..stop)?;
-        let unknown = || memory::filled("outcomes of a block", bodies.len(), None::<Outcome>);
-        let mut outcomes = [unknown()?, Vec::new()];
-        let mut classifier = ClosedFormClassifier::new(self, isa);
-        let mut tasks: Vec<(Step, Vec<Task>)> = Vec::new();
-        for (index, (pixel, sample)) in self.pixels_and_samples(start..stop).enumerate() {
-            if self.pixels[pixel as usize].possible {
-                if !self.is_forced()
-                    && self.method.exact()
-                    && classifier.take(index, &bodies[index], &mut outcomes[0])
-                {
-                    continue;
-                }
-                for cross_check in
-                    [false, true].into_iter().filter(|cross_check| !cross_check || sample < self.checked)
-                {
-                    let step = self.assignment(&bodies[index], cross_check).step;
-                    let task = Task { index, cross_check };
-                    let known = tasks.iter().position(|tasks| tasks.0 == step);
-                    if known.is_none() {
-                        memory::push(TASKS, &mut tasks, (step, Vec::new()))?;
-                    }
-                    let at = known.unwrap_or(tasks.len() - 1);
-                    memory::push(TASKS, &mut tasks[at].1, task)?;
-                }
-            }
-        }
-        classifier.finish(&mut outcomes[0]);
-        if tasks.iter().flat_map(|(_, tasks)| tasks).any(|task| task.cross_check) {
-            outcomes[1] = unknown()?;
-        }
-        for (step, tasks) in &tasks {
-            let kernel = self.kernel(*step);
-            self.integrate_batch((&bodies, start), tasks, kernel, isa, interrupt, |task, outcome| {
-                outcomes[usize::from(task.cross_check)][task.index] = Some(outcome);
-            })?;
-        }
-
+        let classified = self.classified(start..stop, isa, interrupt)?;
         let mut pixels: Vec<(u64, Statistics)> = Vec::new();
-        for (index, (pixel, _)) in self.pixels_and_samples(start..stop).enumerate() {
+        for (at, (pixel, _)) in self.pixels_and_samples(start..stop).enumerate() {
+            let index = at + (start - classified.range.start) as usize;
             if pixels.last().is_none_or(|&(last, _)| last != pixel) {
                 memory::push("statistics of a block", &mut pixels, (pixel, Statistics::NONE))?;
             }
             let statistics = &mut pixels.last_mut().expect("pushed above").1;
-            if let Some(first) = &outcomes[0][index] {
-                let second = outcomes[1].get(index).and_then(Option::as_ref);
-                statistics.add(&Sample { class: Map::classification(first, second), first, second });
+            if let Some(sample) = classified.sample(index) {
+                statistics.add(&sample);
             }
         }
         let elapsed = (thread_nanoseconds() - begin) as f64;
@@ -231,33 +233,37 @@ impl Map {
         pixel: u64,
         sample: u64,
         isa: Isa,
-        interrupt: &AtomicBool,
+        interrupt: &Interrupt,
     ) -> Result<(Body, Class, Outcome), Error> {
         let flat = pixel * self.samples + sample;
-        let body = self.draw(isa, flat..flat + 1)?[0];
-        if !self.pixels[pixel as usize].possible {
-            return Ok((body, Class::Failed, Outcome::refused()));
-        }
-        if !self.is_forced() && self.method.exact() {
-            let mut outcome = [None];
-            let mut classifier = ClosedFormClassifier::new(self, isa);
-            classifier.take(0, &body, &mut outcome);
-            classifier.finish(&mut outcome);
-            if let [Some(outcome)] = outcome {
-                return Ok((body, outcome.class, outcome));
-            }
-        }
-        let mut outcomes = [None, None];
-        for cross_check in
-            [false, true].into_iter().filter(|cross_check| !cross_check || sample < self.checked)
-        {
-            let kernel = self.kernel(self.assignment(&body, cross_check).step);
-            let task = Task { index: 0, cross_check };
-            self.integrate_batch((&[body], flat), &[task], kernel, isa, interrupt, |_, outcome| {
-                outcomes[usize::from(cross_check)] = Some(outcome);
-            })?;
-        }
-        let first = outcomes[0].expect("every task is finished");
-        Ok((body, Map::classification(&first, outcomes[1].as_ref()), first))
+        let classified = self.classified(flat..flat + 1, isa, interrupt)?;
+        let index = (flat - classified.range.start) as usize;
+        let body = classified.bodies[index];
+        Ok(match classified.sample(index) {
+            Some(sample) => (body, sample.class, *sample.first),
+            None => (body, Class::Failed, Outcome::REFUSED),
+        })
+    }
+}
+
+/// Samples with their starts and outcomes.
+struct Classified {
+    range: Range<u64>,
+    bodies: Vec<Body>,
+    /// By the method of the map, and by the second method; none where a pixel has no body or a sample no second run.
+    /// The second list is empty if no sample was integrated.
+    outcomes: [Vec<Option<Outcome>>; 2],
+    /// Samples with a second run whatever their first, ascending.
+    audited: Vec<usize>,
+}
+
+impl Classified {
+    /// A sample as the statistics see it; `None` where the pixel has no body.
+    #[inline(always)]
+    fn sample(&self, index: usize) -> Option<Sample<'_>> {
+        let first = self.outcomes[0][index].as_ref()?;
+        let second = self.outcomes[1].get(index).and_then(Option::as_ref);
+        let audited = self.audited.binary_search(&index).is_ok();
+        Some(Sample { class: Map::classification(first, second), first, second, audited })
     }
 }

@@ -1,13 +1,13 @@
 //! What is asked of a map: the pixels and their samples, the criterion and the method.
 
-use super::Criterion;
+use super::{Check, Criterion};
 use crate::error::Error;
 use crate::exact::Question;
-use crate::forcing::Forcing;
+use crate::forcing::{BodyForcing, Forcing};
 use crate::sample::Law;
 use crate::scene::Scene;
 use crate::scheme::{self, Scheme};
-use crate::solver::Solver;
+use crate::solver::{Solver, default_step};
 use crate::start::Body;
 
 /// The nominal body of a pixel and the size of the perturbations of its samples.
@@ -50,12 +50,20 @@ impl MethodChoice {
         matches!(self, MethodChoice::Auto | MethodChoice::Only(Solver::Exact))
     }
 
-    /// The scheme of the samples that have no closed form.
+    /// The scheme of the samples that have no closed form. A series by default: what is watched is computed inside its
+    /// steps, so that these may be long.
     pub fn scheme(self) -> &'static Scheme {
         match self {
             MethodChoice::Only(Solver::Steps(scheme)) => scheme,
-            _ => scheme::DEFAULT,
+            _ => &scheme::TAYLOR12,
         }
+    }
+
+    /// The longest step at a rate. Of the default scheme it is three times as long as where a trajectory is wanted to
+    /// rounding: its error is about 1e-8 rad per radian turned, and the check knows it.
+    pub fn default_step(self, rate: f64) -> f64 {
+        let longer = if let MethodChoice::Only(_) = self { 1.0 } else { 3.0 };
+        longer * default_step(self.scheme(), rate)
     }
 }
 
@@ -86,8 +94,8 @@ pub struct Map {
     pub max_steps: u64,
     /// Samples of each pixel.
     pub samples: u64,
-    /// How many of them, the first, are classified again by the second method.
-    pub checked: u64,
+    /// Which of them are classified again by the second method.
+    pub check: Check,
     /// Key of the random numbers.
     pub key: [u64; 2],
 }
@@ -137,8 +145,8 @@ impl Map {
     }
 
     /// The forcing of a pixel.
-    pub(super) fn forcing_of(&self, pixel: u64) -> &Forcing {
-        self.forcing.get(pixel as usize).unwrap_or(Forcing::NONE)
+    pub(super) fn forcing_of(&self, pixel: u64) -> BodyForcing<'_> {
+        self.forcing.get(pixel as usize).unwrap_or(Forcing::NONE).of(0)
     }
 
     /// Refuses a forcing that the criterion or the method cannot handle.
@@ -157,15 +165,16 @@ impl Map {
             let rule = "under torque and damping only the tilt from the vertical is watched";
             return refuse("reference", "'start'".to_string(), rule);
         }
-        if self.forcing.iter().any(|forcing| !forcing.knots().is_empty()) {
+        if self.forcing.iter().any(|forcing| !forcing.of(0).knots().is_empty()) {
             return refuse("torque", "a table".to_string(), "must be constant in a map");
         }
         if let Some(step) = self.step {
             for (pixel, forcing) in self.pixels.iter().zip(&self.forcing).filter(|(pixel, _)| pixel.possible)
             {
-                let [.., rate] = forcing.damping_rates(pixel.body.moments);
+                let [.., rate] = forcing.of(0).damping_rates(pixel.body.moments);
                 if step * rate > limit {
-                    return Err(Error::Unstable { step, rate, name, longest: limit / rate });
+                    let longest = limit / rate;
+                    return Err(Error::Unstable { body: None, step, rate, name, longest });
                 }
             }
         }
@@ -192,7 +201,7 @@ mod tests {
             step: None,
             max_steps: 100,
             samples: 1,
-            checked: 0,
+            check: Check::First(0),
             key: [0; 2],
         }
     }

@@ -64,22 +64,20 @@ impl Outcome {
         if drift.is_nan() && self.was_run() && !self.exact { f64::INFINITY } else { drift }
     }
 
-    /// A sample that would need more steps than allowed.
-    pub(super) fn refused() -> Outcome {
-        Outcome {
-            class: Class::Failed,
-            status: Status::StepLimit,
-            flips: 0,
-            left: f64::INFINITY,
-            tilt: f64::NAN,
-            energy_drift: f64::NAN,
-            momentum_drift: f64::NAN,
-            unit_drift: f64::NAN,
-            step: f64::NAN,
-            steps: 0,
-            exact: false,
-        }
-    }
+    /// A sample that was not integrated: one that would need more steps than allowed.
+    pub(super) const REFUSED: Outcome = Outcome {
+        class: Class::Failed,
+        status: Status::StepLimit,
+        flips: 0,
+        left: f64::INFINITY,
+        tilt: f64::NAN,
+        energy_drift: f64::NAN,
+        momentum_drift: f64::NAN,
+        unit_drift: f64::NAN,
+        step: f64::NAN,
+        steps: 0,
+        exact: false,
+    };
 }
 
 /// A sample as the statistics see it: its classification, its run, and the run of the cross-check if there is one.
@@ -87,6 +85,8 @@ pub(super) struct Sample<'a> {
     pub(super) class: Class,
     pub(super) first: &'a Outcome,
     pub(super) second: Option<&'a Outcome>,
+    /// The second run did not depend on the outcome of the first.
+    pub(super) audited: bool,
 }
 
 /// Operation that merges the values of two parts of the samples. The result does not depend on the order.
@@ -230,6 +230,11 @@ columns! {
     failed: u64 Sum, "1", "failed bodies", true, |s| u64::from(s.class == Class::Failed);
     /// Samples that were cross-checked.
     checked: u64 Sum, "1", "checked bodies", true, |s| u64::from(s.second.is_some_and(Outcome::was_run));
+    /// Samples that were cross-checked whatever their first run.
+    audited: u64 Sum, "1", "audited bodies", true, |s| u64::from(s.audited && s.second.is_some_and(Outcome::was_run));
+    /// Audited samples that the cross-check classifies otherwise.
+    audited_undecided: u64 Sum, "1", "undecided bodies among the audited", true,
+        |s| u64::from(s.audited && s.class == Class::Undecided);
     /// Failed samples that would have needed too many steps.
     step_limit: u64 Sum, "1", "step limit bodies", true, |s| u64::from(s.first.status == Status::StepLimit);
     /// Failed samples that overflowed.
@@ -266,7 +271,7 @@ mod tests {
 
     fn sample(class: Class, left: f64, energy_drift: f64) -> Outcome {
         let momentum_drift = 0.5 * energy_drift;
-        let run = Outcome { class, status: Status::Finished, left, steps: 16, ..Outcome::refused() };
+        let run = Outcome { class, status: Status::Finished, left, steps: 16, ..Outcome::REFUSED };
         Outcome { energy_drift, momentum_drift, ..run }
     }
 
@@ -276,12 +281,12 @@ mod tests {
             sample(Class::Stable, f64::INFINITY, 1e-9),
             sample(Class::Unstable, 3.0, 1e-7),
             sample(Class::Unstable, 2.0, 1e-8),
-            Outcome::refused(),
+            Outcome::REFUSED,
         ];
         let of = |part: &[Outcome]| {
             let mut all = Statistics::NONE;
             for first in part {
-                all.add(&Sample { class: first.class, first, second: None });
+                all.add(&Sample { class: first.class, first, second: None, audited: false });
             }
             all
         };
@@ -295,9 +300,9 @@ mod tests {
 
     #[test]
     fn a_sample_that_overflowed_has_an_infinite_drift() {
-        let first = Outcome { status: Status::NotFinite, exact: false, ..Outcome::refused() };
+        let first = Outcome { status: Status::NotFinite, exact: false, ..Outcome::REFUSED };
         let mut all = Statistics::NONE;
-        all.add(&Sample { class: Class::Failed, first: &first, second: None });
+        all.add(&Sample { class: Class::Failed, first: &first, second: None, audited: false });
         assert_eq!((all.energy_drift, all.not_finite), (f64::INFINITY, 1));
     }
 

@@ -2,7 +2,7 @@
 
 use super::dense::{hermite_root, interpolate, newton, turning_point};
 use super::{EXIT_TIME, Observable, Rows, Segment, Start, Update, along, first_time, three};
-use crate::forcing::{Forcing, ForcingInterval};
+use crate::forcing::{BodyForcing, ForcingInterval};
 use crate::real::Real;
 use crate::scene::{Layout, Model, Parameters};
 use crate::scheme::Stepper;
@@ -26,17 +26,17 @@ impl Flips {
         stepper: &S,
         p: &Parameters<R>,
         rows: &mut Rows<R>,
-        segment: &Segment<R, D>,
+        segment: &mut Segment<R, D>,
     ) {
-        let &Segment { begin: time, before, after, dense } = segment;
+        let &mut Segment { begin: time, before, after, .. } = segment;
         let axis = three(rows, Flips::AXIS);
         let sign = rows[Flips::SIGN];
         let zero = R::splat(0.0);
-        let first = dense.order(1);
-        let begin_slope = along(&axis, &[first[0], first[1], first[2]]) * sign;
+        let begin_slope = along(&axis, &segment.slopes_at_begin::<S, M, L>(0)) * sign;
         let end_slope = along(&axis, &stepper.velocity(p, after)) * p.step * sign;
         let has_minimum = R::select(zero.lt(end_slope), begin_slope, zero).lt(zero);
         if R::any(has_minimum) {
+            let dense = segment.polynomial(stepper);
             let extremum = turning_point(dense, 0, &axis, [begin_slope, end_slope]);
             let (omega, _) = interpolate(dense, 0, extremum);
             let begin = along(&axis, &[before[0], before[1], before[2]]) * sign;
@@ -71,7 +71,7 @@ impl Observable for Flips {
         let value = match (start.body.omega[k], start.forcing) {
             (0.0, Some((interval, rate))) => rates_after_start(start.body, interval, rate)[k],
             (0.0, None) => {
-                let rate = start.body.fastest_rate(Forcing::NONE, [0.0; 2]);
+                let rate = start.body.fastest_rate(BodyForcing::NONE, [0.0; 2]);
                 rates_after_start(start.body, &ForcingInterval::none(), rate)[k]
             }
             (omega, _) => omega,
@@ -96,9 +96,9 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Fli
         stepper: &S,
         p: &Parameters<R>,
         rows: &mut Rows<R>,
-        segment: &Segment<R, D>,
+        segment: &mut Segment<R, D>,
     ) {
-        let &Segment { begin: time, before, after, dense } = segment;
+        let &mut Segment { begin: time, before, after, .. } = segment;
         let axis = three(rows, Flips::AXIS);
         let sign = rows[Flips::SIGN];
         let zero = R::splat(0.0);
@@ -110,7 +110,8 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Fli
             let begin_rate = along(&axis, &stepper.velocity(p, before)) * p.step;
             let end_rate = along(&axis, &stepper.velocity(p, after)) * p.step;
             let mut fraction = hermite_root(begin, begin_rate, end, end_rate);
-            if const { S::IS_SERIES } {
+            if const { S::HAS_POLYNOMIAL } {
+                let dense = segment.polynomial(stepper);
                 // The cubic is wrong by at most a hundredth of the step; each Newton step squares this error.
                 for _ in 0..3 {
                     let (omega, rate) = interpolate(dense, 0, fraction);
@@ -122,7 +123,7 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Fli
             rows[Flips::COUNT] = rows[Flips::COUNT] + R::select(flipped, R::splat(1.0), zero);
             rows[Flips::SIGN] = R::select(flipped, -sign, sign);
         }
-        if const { S::IS_SERIES } {
+        if const { S::HAS_POLYNOMIAL } {
             Self::two_flips_in_a_step(stepper, p, rows, segment);
         }
     }

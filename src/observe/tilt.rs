@@ -64,29 +64,29 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Til
     /// reached are computed from the coefficients of the series.
     #[inline(always)]
     fn after_step<S: Stepper<R, M, L, D>>(
-        _stepper: &S,
+        stepper: &S,
         p: &Parameters<R>,
         rows: &mut Rows<R>,
-        segment: &Segment<R, D>,
+        segment: &mut Segment<R, D>,
     ) {
-        let &Segment { begin: time, before, after, dense } = segment;
+        let &mut Segment { begin: time, before, after, .. } = segment;
         let axis = three(rows, Tilt::AXIS);
         let limit = [rows[Tilt::LIMIT], rows[Tilt::LIMIT + 1]];
         let (zero, one) = (R::splat(0.0), R::splat(1.0));
         let at_end = direction(after, L::OBSERVED);
         let [mut cosine, mut sine2] = tilt(&axis, &at_end);
         let mut fraction = one;
-        if const { S::IS_SERIES } {
-            let first_rate = dense.order(1);
-            let begin_slope = along(&axis, &direction(first_rate, L::OBSERVED));
+        if const { S::HAS_POLYNOMIAL } {
+            let first = 3 + 3 * L::OBSERVED;
+            let begin_slope = along(&axis, &segment.slopes_at_begin::<S, M, L>(first));
             let omega = [after[0], after[1], after[2]];
             let end_slope = along(&axis, &direction_rate(&at_end, &omega)) * p.step;
             // The cosine has a minimum inside the step.
             let has_minimum = R::select(zero.lt(end_slope), begin_slope, zero).lt(zero);
             if R::any(has_minimum) {
-                let first = 3 + 3 * L::OBSERVED;
+                let dense = segment.polynomial(stepper);
                 let minimum = turning_point(dense, first, &axis, [begin_slope, end_slope]);
-                let (n, _) = interpolate(dense, 3 + 3 * L::OBSERVED, minimum);
+                let (n, _) = interpolate(dense, first, minimum);
                 let [cosine_there, sine2_there] = tilt(&axis, &n);
                 fraction = R::select(has_minimum, minimum, fraction);
                 cosine = R::select(has_minimum, cosine_there, cosine);
@@ -101,8 +101,8 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Til
             let begin = tilt(&axis, &direction(before, L::OBSERVED));
             // The time is the begin of the step if the limit was exceeded there.
             let begin = margin(&limit, begin).max(zero);
-            let fraction = if const { S::IS_SERIES } {
-                crossing::<R, L, D>(dense, &axis, &limit, [begin, end], fraction)
+            let fraction = if const { S::HAS_POLYNOMIAL } {
+                crossing::<R, L, D>(segment.polynomial(stepper), &axis, &limit, [begin, end], fraction)
             } else {
                 // Linear interpolation.
                 begin / (begin - end)

@@ -2,15 +2,15 @@
 
 use crate::error::Error;
 use crate::memory;
-use crate::parallel::caught;
+use crate::parallel::{Interrupt, caught};
 use crate::start::Body;
 use crate::trajectory::Record;
-use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
+use numpy::{
+    IntoPyArray, PyArray1, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArrayDyn, PyUntypedArrayMethods,
+};
 use pyo3::prelude::*;
+use std::ops::Range;
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{RecvTimeoutError, channel};
-use std::time::{Duration, Instant};
 
 /// The rows of a C-contiguous (n, N) array.
 pub fn rows<'a, const N: usize>(
@@ -25,6 +25,12 @@ pub fn rows<'a, const N: usize>(
         got: format!("({}, {})", shape[0], shape[1]),
     })?;
     Ok(slice.as_chunks::<N>().0)
+}
+
+/// A copy of the rows of an array, and the length of a row.
+pub fn copied_rows(what: &str, array: &PyReadonlyArray2<'_, f64>) -> Result<(Vec<f64>, usize), Error> {
+    let array = array.as_array();
+    Ok((memory::collected(what, array.len(), array.iter().copied())?, array.ncols()))
 }
 
 /// A copy of a column.
@@ -55,75 +61,56 @@ pub fn parse_record(record: &str) -> Result<Record, Error> {
     }
 }
 
-/// How often signals are handled: Ctrl-C is heard at once.
-const BETWEEN_SIGNALS: Duration = Duration::from_millis(50);
-
-/// Elements between two looks at the clock.
+/// Values computed between two looks at the clock.
 const BETWEEN_CLOCKS: usize = 64;
 
-/// Runs `work` without the lock of the interpreter, which meanwhile handles signals; a panic becomes an error.
+/// Runs `work` in the calling thread without the lock of the interpreter; a panic becomes an error. To start a thread
+/// would take longer than a short run.
 ///
-/// Stops when a signal handler raises (then the function raises too) or when `interrupted()` returns true.
+/// Twenty times a second the calling thread lets the interpreter handle signals. The work stops when a signal handler
+/// raises (then the function raises too) or when `interrupted()` returns true.
 pub fn interruptible<T: Send>(
     py: Python<'_>,
     interrupted: Option<&Bound<'_, PyAny>>,
-    work: impl FnOnce(&AtomicBool) -> Result<T, Error> + Send,
+    work: impl FnOnce(&Interrupt) -> Result<T, Error> + Send,
 ) -> PyResult<Result<T, Error>> {
-    let stop = &AtomicBool::new(false);
-    let work = Mutex::new(Some(work));
-    let run = &|| caught(|| work.lock().expect("only locked here").take().expect("run once")(stop));
-    std::thread::scope(|scope| {
-        let (sender, receiver) = channel();
-        let send = move || sender.send(run());
-        if std::thread::Builder::new().spawn_scoped(scope, send).is_err() {
-            // Without another thread no signal is handled until the end.
-            return Ok(py.detach(run));
-        }
-        let receiver = Mutex::new(receiver);
-        let wait = || receiver.lock().expect("only locked here").recv_timeout(BETWEEN_SIGNALS);
-        loop {
-            match py.detach(wait) {
-                Ok(result) => return Ok(result),
-                Err(RecvTimeoutError::Disconnected) => return Ok(Err(Error::Stopped)),
-                Err(RecvTimeoutError::Timeout) => {
-                    let asked = py.check_signals().and_then(|()| match interrupted {
-                        Some(interrupted) => interrupted.call0()?.is_truthy(),
-                        None => Ok(false),
-                    });
-                    if !matches!(asked, Ok(false)) {
-                        stop.store(true, Ordering::Relaxed);
-                    }
-                    asked?;
-                }
-            }
-        }
-    })
+    let interrupted = interrupted.map(|interrupted| interrupted.clone().unbind());
+    let raised = Mutex::new(None);
+    let ask = || {
+        let asked = Python::attach(|py| {
+            py.check_signals().and_then(|()| match &interrupted {
+                Some(interrupted) => interrupted.bind(py).call0()?.is_truthy(),
+                None => Ok(false),
+            })
+        });
+        asked.unwrap_or_else(|error| {
+            raised.lock().expect("nothing panics here").get_or_insert(error);
+            true
+        })
+    };
+    memory::grow_stack()?;
+    let result = py.detach(|| caught(|| work(&Interrupt::when(&ask))));
+    raised.into_inner().expect("nothing panics there").map_or(Ok(result), Err)
 }
 
 /// The values of 0 .. `length`, computed without the lock of the interpreter, which meanwhile handles signals.
-///
-/// By the calling thread, unlike `interruptible`: to start a thread would take longer than a single value.
 pub fn evaluated<T: Send>(
     py: Python<'_>,
     what: &str,
     length: usize,
     value: impl Fn(usize) -> Result<T, Error> + Sync,
 ) -> PyResult<Vec<T>> {
-    let mut values = memory::reserved(what, length)?;
-    while values.len() < length {
-        let some = || {
-            let begun = Instant::now();
-            while values.len() < length && begun.elapsed() < BETWEEN_SIGNALS {
-                for index in values.len()..length.min(values.len() + BETWEEN_CLOCKS) {
-                    values.push(value(index)?);
-                }
+    let values = interruptible(py, None, |stop| {
+        let mut values = memory::reserved(what, length)?;
+        for index in 0..length {
+            if index % BETWEEN_CLOCKS == 0 && stop.is_wanted() {
+                return Err(Error::Stopped);
             }
-            Ok(())
-        };
-        py.detach(|| caught(some))?;
-        py.check_signals()?;
-    }
-    Ok(values)
+            values.push(value(index)?);
+        }
+        Ok(values)
+    })?;
+    Ok(values?)
 }
 
 /// An array of one number of each value.
@@ -136,27 +123,83 @@ pub fn column<'py, T, N: numpy::Element>(
     Ok(column.into_pyarray(py))
 }
 
-/// The bodies of columns with a row for each, or one row for all.
+/// Columns of bodies: a row for each body, or one row for all.
+pub struct BodyColumns<'a> {
+    moments: &'a [[f64; 3]],
+    weight: &'a [[f64; 3]],
+    omega: &'a [[f64; 3]],
+    attitude: &'a [[f64; 4]],
+}
+
+/// Bodies of a part for each thread: few enough for the caches of the processor.
+const PART: usize = 1 << 14;
+
+impl<'a> BodyColumns<'a> {
+    pub fn new(
+        moments: &'a [[f64; 3]],
+        weight: &'a [[f64; 3]],
+        omega: &'a [[f64; 3]],
+        attitude: &'a [[f64; 4]],
+    ) -> PyResult<Self> {
+        let columns = BodyColumns { moments, weight, omega, attitude };
+        let n = columns.len();
+        for (argument, rows) in [
+            ("moments", columns.moments.len()),
+            ("weight", columns.weight.len()),
+            ("attitude", columns.attitude.len()),
+        ] {
+            if rows != 1 {
+                same_length(argument, n, rows)?;
+            }
+        }
+        Ok(columns)
+    }
+
+    /// Number of bodies.
+    pub fn len(&self) -> usize {
+        self.omega.len()
+    }
+
+    /// All bodies in the parts that are in memory at once, besides the columns; one empty part if there are none.
+    pub fn parts(&self, threads: usize) -> impl Iterator<Item = Range<usize>> + use<> {
+        let (n, part) = (self.len(), PART.saturating_mul(threads.max(1)));
+        (0..n.max(1)).step_by(part).map(move |begin| begin..n.min(begin.saturating_add(part)))
+    }
+
+    /// Copies of some bodies: without the lock other threads may write to the arrays.
+    pub fn bodies(&self, part: Range<usize>) -> Result<Vec<Body>, Error> {
+        let row = |i: usize, rows: usize| if rows == 1 { 0 } else { i };
+        let body = |i: usize| Body {
+            moments: self.moments[row(i, self.moments.len())],
+            weight: self.weight[row(i, self.weight.len())],
+            omega: self.omega[i],
+            attitude: self.attitude[row(i, self.attitude.len())],
+        };
+        memory::collected("bodies", part.len(), part.map(body))
+    }
+}
+
+/// All bodies of columns.
 pub fn bodies(
     moments: &[[f64; 3]],
     weight: &[[f64; 3]],
     omega: &[[f64; 3]],
     attitude: &[[f64; 4]],
 ) -> PyResult<Vec<Body>> {
-    let n = omega.len();
-    for (argument, rows) in
-        [("moments", moments.len()), ("weight", weight.len()), ("attitude", attitude.len())]
-    {
-        if rows != 1 {
-            same_length(argument, n, rows)?;
-        }
-    }
-    let row = |i: usize, rows: usize| if rows == 1 { 0 } else { i };
-    let body = |i: usize| Body {
-        moments: moments[row(i, moments.len())],
-        weight: weight[row(i, weight.len())],
-        omega: omega[i],
-        attitude: attitude[row(i, attitude.len())],
-    };
-    Ok(memory::collected("bodies", n, (0..n).map(body))?)
+    let columns = BodyColumns::new(moments, weight, omega, attitude)?;
+    Ok(columns.bodies(0..columns.len())?)
+}
+
+/// Flat index of the first element that is not finite.
+#[pyfunction]
+pub fn first_not_finite(array: PyReadonlyArrayDyn<'_, f64>) -> PyResult<Option<usize>> {
+    Ok(array.as_slice()?.iter().position(|x| !x.is_finite()))
+}
+
+/// The first body whose fastest rate, the largest component of `omega` or `swing`, is below `least` but not zero.
+#[pyfunction]
+pub fn first_slow(omega: PyReadonlyArray2<'_, f64>, swing: f64, least: f64) -> PyResult<Option<usize>> {
+    let fastest = |omega: &[f64; 3]| omega.iter().fold(swing, |rate, x| rate.max(x.abs()));
+    let is_slow = |omega: &[f64; 3]| fastest(omega) > 0.0 && fastest(omega) < least;
+    Ok(rows::<3>("omega", &omega)?.iter().position(is_slow))
 }

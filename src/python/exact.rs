@@ -182,8 +182,8 @@ pub fn saddles<'py>(
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let isa = Isa::current()?;
     let bodies = bodies_of(&moments, &weight, &omega, &attitude)?;
-    let all: Vec<f64> = bodies.iter().flat_map(|body| saddle(isa, body)).collect();
-    all.into_pyarray(py).reshape([bodies.len(), 2])
+    let all = evaluated(py, "saddles", bodies.len(), |index| Ok(saddle(isa, &bodies[index])))?;
+    all.into_flattened().into_pyarray(py).reshape([bodies.len(), 2])
 }
 
 /// Turning points, period and advances of symmetric tops.

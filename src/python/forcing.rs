@@ -1,12 +1,14 @@
 //! Torque and damping from Python.
 
-use super::convert::{copied, rows};
-use crate::forcing::Forcing;
-use numpy::{PyReadonlyArray1, PyReadonlyArray2};
+use super::convert::{copied, rows, same_length};
+use crate::forcing::{BodyForcing, Forcing};
+use crate::memory;
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 
-/// Forcing of all bodies of a request: a torque in the body and in space at some times, linear between them (no times:
-/// constant), and damping, entries 11, 22, 33, 23, 31, 12 of its matrix.
+/// Forcing of the bodies of a request: torques in the body and in space at some times, linear between them (no times:
+/// constant), table after table, and damping, entries 11, 22, 33, 23, 31, 12 of its matrices. One table, or one matrix,
+/// may serve all bodies; without tables no torque is applied.
 #[pyclass(frozen, name = "Forcing", module = "rigid._core")]
 pub struct PyForcing(pub Forcing);
 
@@ -18,25 +20,70 @@ impl PyForcing {
         times: PyReadonlyArray1<'_, f64>,
         body: PyReadonlyArray2<'_, f64>,
         space: PyReadonlyArray2<'_, f64>,
-        damping: [f64; 6],
+        damping: PyReadonlyArray2<'_, f64>,
     ) -> PyResult<Self> {
         let (body, space) = (rows::<3>("torque", &body)?, rows::<3>("torque", &space)?);
         let times = copied("torque times", &times)?;
-        Ok(PyForcing(Forcing::new(&times, body, space, damping)?))
+        Ok(PyForcing(Forcing::new(&times, body, space, rows::<6>("damping", &damping)?)?))
     }
 
-    /// The rate k, if the forcing is a damping `D = k I` of a body with these moments, without torque.
-    fn slows_evenly(&self, moments: [f64; 3]) -> Option<f64> {
-        self.0.slows_evenly(moments)
+    /// The forcing of some bodies, in this order.
+    fn select(&self, bodies: PyReadonlyArray1<'_, isize>) -> PyResult<Self> {
+        let bodies = bodies.as_array();
+        // No body has a negative index.
+        let indices = bodies.iter().map(|&body| usize::try_from(body).unwrap_or(usize::MAX));
+        let indices = memory::collected("bodies", bodies.len(), indices)?;
+        Ok(PyForcing(self.0.of_some(&indices)?))
     }
 
-    /// The entries 11, 22, 33, 23, 31, 12 of the damping matrix; None if a torque acts too.
-    fn damping_alone(&self) -> Option<[f64; 6]> {
-        self.0.damping_alone()
+    /// The rate k of each body with these moments, if its forcing is a damping `D = k I` without torque, else NaN.
+    fn slows_evenly<'py>(
+        &self,
+        py: Python<'py>,
+        moments: PyReadonlyArray2<'_, f64>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        self.of_each(py, &moments, |forcing, moments| forcing.slows_evenly(moments).unwrap_or(f64::NAN))
     }
 
-    /// Damping rates of a body with these moments without torque, ascending.
-    fn damping_rates(&self, moments: [f64; 3]) -> [f64; 3] {
-        self.0.damping_rates(moments)
+    /// Whether each body is driven: a torque is applied, or damping that is not zero.
+    fn drives<'py>(&self, py: Python<'py>, bodies: usize) -> PyResult<Bound<'py, PyArray1<bool>>> {
+        let drives = (0..bodies).map(|body| !self.0.of(body).is_none());
+        Ok(memory::collected("bodies", bodies, drives)?.into_pyarray(py))
+    }
+
+    /// The entries 11, 22, 33, 23, 31, 12 of the damping matrices, (n, 6), or those of all in one row; NaN for a body on
+    /// which a torque acts too.
+    fn damping_alone<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let bodies = self.0.bodies();
+        let entries = (0..bodies).map(|body| self.0.of(body).damping_alone().unwrap_or([f64::NAN; 6]));
+        let entries = memory::collected("damping", bodies, entries)?.into_flattened();
+        entries.into_pyarray(py).reshape([bodies, 6])
+    }
+
+    /// The largest damping rate of each body with these moments without torque.
+    fn damping_rates<'py>(
+        &self,
+        py: Python<'py>,
+        moments: PyReadonlyArray2<'_, f64>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        self.of_each(py, &moments, |forcing, moments| forcing.damping_rates(moments)[2])
+    }
+}
+
+impl PyForcing {
+    /// A number of each body; one row of moments may be those of all.
+    fn of_each<'py>(
+        &self,
+        py: Python<'py>,
+        moments: &PyReadonlyArray2<'_, f64>,
+        of: impl Fn(BodyForcing<'_>, [f64; 3]) -> f64,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let moments = rows::<3>("moments", moments)?;
+        let bodies = self.0.bodies().max(moments.len());
+        if moments.len() > 1 && self.0.bodies() > 1 {
+            same_length("moments", self.0.bodies(), moments.len())?;
+        }
+        let number = |body: usize| of(self.0.of(body), moments[if moments.len() == 1 { 0 } else { body }]);
+        Ok(memory::collected("numbers of the bodies", bodies, (0..bodies).map(number))?.into_pyarray(py))
     }
 }

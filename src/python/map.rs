@@ -6,7 +6,7 @@ use crate::body::MomentStatus;
 use crate::error::Error;
 use crate::forcing::Forcing;
 use crate::map::{
-    Column, Criterion, Field, Map, MethodChoice, Outcome, Pixel, Statistics, clopper_pearson_of_each,
+    Check, Column, Criterion, Field, Map, MethodChoice, Outcome, Pixel, Statistics, clopper_pearson_of_each,
 };
 use crate::memory;
 use crate::sample::Law;
@@ -194,7 +194,7 @@ keywords! {
         step: Option<f64>,
         max_steps: u64,
         samples: u64,
-        checked: u64,
+        checked: Option<u64>,
         seed: u128,
         #[pyo3(default)]
         forcing: Option<Vec<PyRef<'py, PyForcing>>>,
@@ -246,7 +246,7 @@ impl MapRequest<'_> {
             step: self.step,
             max_steps: self.max_steps,
             samples: self.samples,
-            checked: self.checked,
+            check: self.checked.map_or(Check::Doubtful, Check::First),
             key: [self.seed as u64, (self.seed >> 64) as u64],
         };
         Ok((map.checked()?, status))

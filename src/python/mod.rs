@@ -4,10 +4,13 @@ mod convert;
 mod exact;
 mod forcing;
 mod map;
+mod motion;
 mod simulate;
+mod target;
 
 use crate::body::{Inertia, MomentStatus, principal_axes as axes_of};
 use crate::error::Error;
+use crate::map::MethodChoice;
 use crate::memory;
 use crate::scene::Scene;
 use crate::scheme::{self, Scheme};
@@ -36,6 +39,8 @@ impl From<Error> for PyErr {
 #[pymodule(gil_used = false)]
 mod _core {
     #[pymodule_export]
+    use super::convert::{first_not_finite, first_slow};
+    #[pymodule_export]
     use super::exact::{closed_forms, closed_forms_for, lagrange_axes};
     #[pymodule_export]
     use super::exact::{elliptic, flip_times, free_quantities_of, saddles, tilt_times, top_quantities_of};
@@ -43,6 +48,8 @@ mod _core {
     use super::forcing::PyForcing;
     #[pymodule_export]
     use super::map::{MapJob, MapStatistics, clopper_pearson, map_columns};
+    #[pymodule_export]
+    use super::motion::PyMotion;
     #[pymodule_export]
     use super::simulate::{default_steps, fastest_rates, simulate, status_names};
     #[pymodule_export]
@@ -100,6 +107,7 @@ fn methods(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
         entry.set_item("tops", scheme.moves_tops())?;
         entry.set_item("maps", !scheme.is_processed())?;
         entry.set_item("series", scheme.is_series())?;
+        entry.set_item("multistep", scheme.any.remembers())?;
         entry.set_item("damping_limit", scheme.damping_limit())?;
         entry.set_item("angle_per_step", facts.angle_per_step)?;
         entry.set_item("citation", facts.citation)?;
@@ -109,12 +117,13 @@ fn methods(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
     scheme::ALL.iter().copied().map(describe).collect()
 }
 
-/// The names of the schemes that are chosen by default: without a closed form, to cross-check the samples of a map, and
-/// under strong damping.
+/// The names of the schemes that are chosen by default: without a closed form, for the samples of a map and to
+/// cross-check them, and under strong damping.
 #[pyfunction]
 fn chosen_methods(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let names = PyDict::new(py);
     names.set_item("default", scheme::DEFAULT.facts.name)?;
+    names.set_item("map", MethodChoice::Auto.scheme().facts.name)?;
     names.set_item("second", scheme::SECOND.facts.name)?;
     names.set_item("stiff", scheme::STIFF.facts.name)?;
     Ok(names)

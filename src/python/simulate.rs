@@ -1,9 +1,14 @@
 //! States at given times, and the rates that determine steps.
 
-use super::convert::{bodies, column, copied, evaluated, interruptible, parse_record, rows, same_length};
+use super::convert::{
+    BodyColumns, column, copied, copied_rows, evaluated, interruptible, parse_record, rows, same_length,
+};
 use super::forcing::PyForcing;
+use super::target::Target;
 use crate::forcing::Forcing;
+use crate::map::MethodChoice;
 use crate::memory;
+use crate::parallel::Interrupt;
 use crate::scene::Scene;
 use crate::scheme::Scheme;
 use crate::simd::Isa;
@@ -11,13 +16,16 @@ use crate::solver::{Solver, default_step};
 use crate::start::Body;
 use crate::status::Status;
 use crate::trajectory::{self, Column, Request, Schedule, States, time_range};
-use numpy::{IntoPyArray, PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
+use numpy::ndarray::Array3;
+use numpy::{
+    IntoPyArray, PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods,
+};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 /// States of bodies at given times; see `rigid.simulate`.
 #[pyfunction]
-#[pyo3(signature = (*, scene, method, record, moments, weight, omega, attitude, step, max_steps, threads, times=None, strides=None, refinement=1.0, tolerance=None, forcing=None))]
+#[pyo3(signature = (*, scene, method, record, moments, weight, omega, attitude, step, max_steps, threads, times=None, strides=None, refinement=1.0, tolerance=None, forcing=None, out=None, single=false))]
 #[allow(clippy::too_many_arguments)] // The request of `trajectory`, column by column.
 pub fn simulate<'py>(
     py: Python<'py>,
@@ -31,50 +39,96 @@ pub fn simulate<'py>(
     step: Option<PyReadonlyArray1<'py, f64>>,
     max_steps: u64,
     threads: usize,
-    times: Option<PyReadonlyArray1<'py, f64>>,
+    times: Option<PyReadonlyArray2<'py, f64>>,
     strides: Option<Vec<u64>>,
     refinement: f64,
     tolerance: Option<f64>,
     forcing: Option<PyRef<'py, PyForcing>>,
+    out: Option<&Bound<'py, PyDict>>,
+    single: bool,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (scene, solver, record, isa) =
         (Scene::parse(scene)?, Solver::parse(method)?, parse_record(record)?, Isa::current()?);
-    let omega = rows::<3>("omega", &omega)?;
-    let n = omega.len();
-    let bodies = bodies(
+    let columns = BodyColumns::new(
         rows::<3>("moments", &moments)?,
         rows::<3>("weight", &weight)?,
-        omega,
+        rows::<3>("omega", &omega)?,
         rows::<4>("attitude", &attitude)?,
     )?;
-    let forcing = forcing.as_ref().map_or(Forcing::NONE, |forcing| &forcing.0);
+    let n = columns.len();
+    let forcing = forcing_of(forcing.as_ref(), n)?;
     // Copies: without the lock other threads may write to the arrays.
-    let times = times.map(|times| copied("times", &times)).transpose()?;
-    let span = times.as_deref().map_or([0.0; 2], time_range);
-    let steps = match (step, solver) {
-        (Some(step), _) => copied("steps", &step)?,
-        (None, Solver::Steps(method)) => {
-            let step = |body: &Body| default_step(method, body.step_rate(method, forcing, span));
-            memory::collected("steps", n, bodies.iter().map(step))?
-        }
-        (None, Solver::Exact) => memory::filled("steps", n, f64::INFINITY)?,
-    };
-    same_length("step", n, steps.len())?;
+    let times = times.map(|times| copied_rows("times", &times)).transpose()?;
+    if let Some(step) = &step {
+        same_length("step", n, step.len())?;
+    }
     let schedule = match (&times, &strides) {
-        (Some(times), _) => Schedule::Times(times),
+        // One row of times is that of all bodies.
+        (Some((times, count)), _) if times.len() == *count => Schedule::Times(times),
+        (Some((times, count)), _) => {
+            same_length("t", n * count, times.len())?;
+            Schedule::TimesOfEach(times, *count)
+        }
         (None, Some(strides)) => Schedule::Strides(strides),
         (None, None) => Schedule::Times(&[]),
     };
-    let steps = &steps;
-    let bodies = &bodies;
+    let (bodies, steps) = (&[], &[]);
     let request =
         Request { bodies, scene, forcing, solver, record, schedule, steps, refinement, tolerance, max_steps };
-    let states = interruptible(py, None, |stop| trajectory::simulate(&request, threads, isa, stop))??;
-    states_to_dict(py, states, n, request.schedule.len())
+    let mut targets = Target::all(py, &request, n, out, single)?;
+    let given: Vec<_> = targets.iter().map(|target| target.name).collect();
+    let mut states = States::reserved(&request, n, &given)?;
+    let (mut rest, mut nanoseconds) = (states.whole(), 0);
+    for part in columns.parts(threads) {
+        let bodies = &columns.bodies(part.clone())?;
+        let own = if part.len() < n { forcing.of_range(part.clone())? } else { None };
+        let (forcing, schedule) = (own.as_ref().unwrap_or(forcing), schedule.of_range(part.clone()));
+        let steps = &match (&step, solver) {
+            (Some(step), _) => {
+                let steps = step.as_array();
+                memory::collected("steps", part.len(), part.clone().map(|index| steps[index]))?
+            }
+            (None, Solver::Steps(method)) => {
+                let step = |(index, body): (usize, &Body)| {
+                    let span = schedule.times_of(index).map_or([0.0; 2], time_range);
+                    default_step(method, body.step_rate(method, forcing.of(index), span))
+                };
+                memory::collected("steps", part.len(), bodies.iter().enumerate().map(step))?
+            }
+            (None, Solver::Exact) => Vec::new(),
+        };
+        let request = &Request { bodies, forcing, schedule, steps, ..request };
+        let mut states = rest.split_off(request.schedule.len(), part.len());
+        for target in &mut targets {
+            states.give(target.name, target.part(part.clone())?);
+        }
+        let run = |stop: &Interrupt| trajectory::simulate_into(request, states, threads, isa, stop);
+        nanoseconds += interruptible(py, None, run)?.map_err(|error| error.of_part(part.start))?.nanoseconds;
+        for target in &mut targets {
+            target.finish(part.clone())?;
+        }
+        py.check_signals()?;
+    }
+    states.effort.nanoseconds = nanoseconds;
+    let dict = states_to_dict(py, states, n, request.schedule.len())?;
+    for target in targets {
+        dict.set_item(target.name, target.shaped()?)?;
+    }
+    Ok(dict)
+}
+
+/// The forcing of so many bodies.
+fn forcing_of<'a>(forcing: Option<&'a PyRef<'_, PyForcing>>, bodies: usize) -> PyResult<&'a Forcing> {
+    let forcing = forcing.map_or(Forcing::NONE, |forcing| &forcing.0);
+    if forcing.bodies() > 1 {
+        same_length("forcing", bodies, forcing.bodies())?;
+    }
+    Ok(forcing)
 }
 
 /// Bounds of |omega| over the whole motion, from the conserved quantities, to choose a step. With forcing the bounds
-/// hold between the two times of `span`; with a method they are the rates that determine its steps.
+/// hold between the two times of each row of `span`, or of its only row; with a method they are the rates that determine
+/// its steps.
 #[pyfunction]
 #[pyo3(signature = (*, scene, moments, weight, omega, attitude, forcing=None, span=None, method=None))]
 #[allow(clippy::too_many_arguments)] // The columns of a request.
@@ -86,35 +140,48 @@ pub fn fastest_rates<'py>(
     omega: PyReadonlyArray2<'py, f64>,
     attitude: PyReadonlyArray2<'py, f64>,
     forcing: Option<PyRef<'py, PyForcing>>,
-    span: Option<[f64; 2]>,
+    span: Option<PyReadonlyArray2<'py, f64>>,
     method: Option<&str>,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
     Scene::parse(scene)?;
-    let forcing = forcing.as_ref().map_or(Forcing::NONE, |forcing| &forcing.0);
-    let (method, span) = (method.map(Scheme::parse).transpose()?, span.unwrap_or_default());
-    let bodies = bodies(
+    let method = method.map(Scheme::parse).transpose()?;
+    let columns = BodyColumns::new(
         rows::<3>("moments", &moments)?,
         rows::<3>("weight", &weight)?,
         rows::<3>("omega", &omega)?,
         rows::<4>("attitude", &attitude)?,
     )?;
-    let rate = |body: &Body| match method {
-        None => body.fastest_rate(forcing, span),
-        Some(method) => body.step_rate(method, forcing, span),
+    let forcing = forcing_of(forcing.as_ref(), columns.len())?;
+    let spans = span.as_ref().map(|span| rows::<2>("span", span)).transpose()?.unwrap_or(&[[0.0; 2]]);
+    if spans.len() != 1 {
+        same_length("span", columns.len(), spans.len())?;
+    }
+    let rate = |index: usize, body: &Body| {
+        let span = spans[if spans.len() == 1 { 0 } else { index }];
+        match method {
+            None => body.fastest_rate(forcing.of(index), span),
+            Some(method) => body.step_rate(method, forcing.of(index), span),
+        }
     };
-    Ok(evaluated(py, "rates", bodies.len(), |index| Ok(rate(&bodies[index])))?.into_pyarray(py))
+    let mut rates = memory::reserved("rates", columns.len())?;
+    for part in columns.parts(1) {
+        let bodies = columns.bodies(part.clone())?;
+        let own = |index: usize| Ok(rate(part.start + index, &bodies[index]));
+        rates.extend(evaluated(py, "rates", bodies.len(), own)?);
+    }
+    Ok(rates.into_pyarray(py))
 }
 
-/// The default steps of a method at these rates; infinite for a rate of zero.
+/// The default steps of a method at these rates, or those of a map that chooses its method; infinite for a rate of zero.
 #[pyfunction]
 pub fn default_steps<'py>(
     py: Python<'py>,
     method: &str,
     rates: PyReadonlyArray1<'py, f64>,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-    let method = Scheme::parse(method)?;
+    let choice = MethodChoice::parse(method)?;
     let rates = copied("rates", &rates)?;
-    column(py, &rates, |&rate| default_step(method, rate))
+    column(py, &rates, |&rate| choice.default_step(rate))
 }
 
 /// Names of the status codes of a run, in the order of the codes.
@@ -126,7 +193,7 @@ pub fn status_names() -> Vec<&'static str> {
 /// The columns of states as arrays; None for what is not recorded.
 fn states_to_dict(py: Python<'_>, states: States, n: usize, times: usize) -> PyResult<Bound<'_, PyDict>> {
     let dict = PyDict::new(py);
-    dict.set_item("nanoseconds", states.nanoseconds)?;
+    dict.set_item("nanoseconds", states.effort.nanoseconds)?;
     for (name, values) in states.into_columns() {
         match values {
             Column::Series(_, None) => dict.set_item(name, py.None())?,
@@ -134,14 +201,21 @@ fn states_to_dict(py: Python<'_>, states: States, n: usize, times: usize) -> PyR
                 dict.set_item(name, values.into_pyarray(py).reshape([n, times])?)?;
             }
             Column::Series(width, Some(values)) => {
-                dict.set_item(name, values.into_pyarray(py).reshape([n, times, width])?)?;
+                let rows = Array3::from_shape_vec([n, times, width], values).expect("as long as reserved");
+                dict.set_item(name, rows.into_pyarray(py))?;
             }
-            Column::Numbers(values) => dict.set_item(name, values.into_pyarray(py))?,
-            Column::Counts(values) => dict.set_item(name, values.into_pyarray(py))?,
+            Column::Numbers(values) => dict.set_item(name, of_bodies(py, values))?,
+            Column::Counts(values) => dict.set_item(name, of_bodies(py, values))?,
             Column::Statuses(values) => {
                 dict.set_item(name, column(py, &values, |&status| status as u8)?)?;
             }
         }
     }
     Ok(dict)
+}
+
+/// An array with a number of each body: of few bodies a copy, which is faster.
+fn of_bodies<T: numpy::Element + Copy>(py: Python<'_>, values: Vec<T>) -> Bound<'_, PyArray1<T>> {
+    const FEW: usize = 64;
+    if values.len() <= FEW { PyArray1::from_slice(py, &values) } else { values.into_pyarray(py) }
 }

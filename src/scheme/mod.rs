@@ -5,6 +5,7 @@
 
 mod compositions;
 mod exponential;
+mod hermite;
 mod midpoint;
 mod moser_veselov;
 mod runge_kutta;
@@ -14,6 +15,7 @@ mod taylor;
 use compositions::check_composition;
 pub(crate) use exponential::phi;
 pub use exponential::{AffineSplitting, Exponential};
+pub use hermite::{DERIVATIVES, Derivatives, Hermite, NODES, Past, ages};
 pub use midpoint::ImplicitMidpoint;
 pub use moser_veselov::MoserVeselov;
 pub use runge_kutta::{Dop853Tableau, Rk4Tableau, RungeKutta, Tableau};
@@ -41,11 +43,23 @@ macro_rules! schemes {
 }
 schemes! {
     runge_kutta: RK4 DOP853;
-    taylor: TAYLOR8 TAYLOR12 TAYLOR16 TAYLOR20 TAYLOR26;
+    taylor: TAYLOR8 TAYLOR12 TAYLOR14 TAYLOR16 TAYLOR20 TAYLOR26;
+    hermite: HERMITE9;
     compositions: SPLITTING SPLITTING4 SPLITTING6 SPLITTING8 CHIN4A SRKN6 SRKN11 SRKN14 PMLF4 PMLF6
         DMV2 DMV4 DMV6 DMV8 DMV10;
     exponential: ETD4;
     midpoint: MIDPOINT;
+}
+
+/// Every step of every scheme, each once.
+pub fn steps() -> Vec<Step> {
+    let mut all: Vec<Step> = Vec::new();
+    for step in ALL.iter().flat_map(|scheme| scheme.steps()) {
+        if !all.contains(&step) {
+            all.push(step);
+        }
+    }
+    all
 }
 
 /// The default scheme of bodies without a closed form.
@@ -133,6 +147,8 @@ pub enum Engine {
     Taylor,
     /// A Taylor series with compensated sums.
     CompensatedTaylor,
+    /// Hermite predictor and corrector.
+    Hermite,
     /// Planar rotations about the principal axes and kicks, of order 2.
     Planar,
     /// The planar rotations and kicks with any numbers.
@@ -188,7 +204,7 @@ impl Engine {
     pub const fn variables(self) -> Variables {
         use Engine::*;
         match self {
-            Rk4 | Dop853 | Taylor | CompensatedTaylor | Exponential => Variables::Rates,
+            Rk4 | Dop853 | Taylor | CompensatedTaylor | Hermite | Exponential => Variables::Rates,
             Planar | ComposedPlanar | KickRotor | KickMoserVeselov | Affine | Midpoint => Variables::Momenta,
         }
     }
@@ -229,6 +245,11 @@ impl Step {
     /// Whether the step is a Taylor series, which has dense output and may be adaptive.
     pub const fn is_series(self) -> bool {
         matches!(self.engine, Engine::Taylor | Engine::CompensatedTaylor)
+    }
+
+    /// Whether the step uses derivatives at the states before.
+    pub const fn remembers(self) -> bool {
+        matches!(self.engine, Engine::Hermite)
     }
 
     /// Whether the step uses other variables than the state, so that nothing can be observed between steps.
@@ -408,8 +429,12 @@ pub trait Stepper<R: Real, M: Model<R>, L: Layout, const D: usize>: Copy {
     const MOVES: bool;
     /// Whether the engine compensates the rounding error of the state in the next step.
     const COMPENSATED: bool = false;
-    /// Whether a step provides the coefficients of its polynomial.
+    /// Whether a step is a series, and stores its coefficients.
     const IS_SERIES: bool = false;
+    /// Whether the motion inside a step is known as a polynomial.
+    const HAS_POLYNOMIAL: bool = Self::IS_SERIES;
+    /// Whether a step uses derivatives at the states before: it is made by `advance` then, not by `step`.
+    const REMEMBERS: bool = false;
     /// Whether the steps can use other variables than the state.
     const PROCESSED: bool = false;
     /// Prepares the constants of the step.
@@ -426,6 +451,20 @@ pub trait Stepper<R: Real, M: Model<R>, L: Layout, const D: usize>: Copy {
         compensation: &mut [R; D],
         dense: &mut Coefficients<R, D>,
     );
+    /// The derivatives at a start and at two states before it, as if no torque had jumped.
+    #[inline(always)]
+    fn begin(&self, _y: &[R; D], _past: &mut Past<R, D>) {
+        unreachable!("only some steps use the past")
+    }
+    /// Advances the state by one step, and replaces the oldest derivatives; `ages` are their places, the newest first.
+    #[inline(always)]
+    fn advance(&self, _y: &mut [R; D], _past: &mut Past<R, D>, _ages: [usize; NODES]) {
+        unreachable!("only some steps use the past")
+    }
+    /// Stores the coefficients of the polynomial of a step, from the states at both ends and their derivatives; a series
+    /// has stored them.
+    #[inline(always)]
+    fn polynomial(&self, _: [&[R; D]; 2], _: [&Derivatives<R, D>; 2], _dense: &mut Coefficients<R, D>) {}
     /// The coefficients of a series for the motion from `y` on, in powers of the time over `unit`. The coefficients are
     /// written in place, because a move would cost a tenth of their computation.
     #[inline(always)]

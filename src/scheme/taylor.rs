@@ -50,6 +50,8 @@ macro_rules! series {
 pub const TAYLOR8: Scheme = series!(8, 1.0 / 8.0, 2.15);
 /// Taylor series of order 12.
 pub const TAYLOR12: Scheme = series!(12, 2.0 / 5.0, 2.91);
+/// Taylor series of order 14.
+pub const TAYLOR14: Scheme = series!(14, 11.0 / 20.0, 3.28);
 /// Taylor series of order 16.
 pub const TAYLOR16: Scheme = series!(16, 3.0 / 4.0, 3.66);
 /// Taylor series of order 20.
@@ -82,8 +84,14 @@ impl<R: Real, const D: usize> Coefficients<R, D> {
         Coefficients { rows: [const { MaybeUninit::uninit() }; MAX_ORDER + 1], known: 0 }
     }
 
+    /// Forgets all coefficients.
     #[inline(always)]
-    fn push(&mut self, row: [R; D]) {
+    pub(super) fn clear(&mut self) {
+        self.known = 0;
+    }
+
+    #[inline(always)]
+    pub(super) fn push(&mut self, row: [R; D]) {
         self.rows[self.known].write(row);
         self.known += 1;
     }
@@ -169,7 +177,7 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
     /// same rows. The newest rows are summed last, so that the first sums need not wait.
     #[inline(always)]
     fn coefficients<L: Layout, const D: usize>(&self, unit: R, y: &[R; D], c: &mut Coefficients<R, D>) {
-        c.known = 0;
+        c.clear();
         c.push(*y);
         let spin = y[2];
         let mut torques = Torques::new();

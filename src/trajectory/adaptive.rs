@@ -1,55 +1,56 @@
 //! States by Taylor series with adaptive steps: states at given times are evaluated from the polynomial of a step, and
 //! a lane whose body is finished gets the next body.
 
-use super::states::StatesPart;
-use super::{Request, Schedule, States, groups, invariants_at_start, over_groups, system_of, time_range};
+use super::{
+    Effort, Integration, Request, Schedule, StatesPart, invariants_at_start, kinds_in, neighbours,
+    over_blocks_of,
+};
 use crate::error::Error;
-use crate::forcing::Forcing;
+use crate::forcing::BodyForcing;
 use crate::kernel::{AdaptiveSteps, Compiled, ForcingRows, Group, Kernel};
 use crate::kernel::{Entry, KernelAssignment, State, load, read, reset_time, unload};
 use crate::memory;
 use crate::observe::Observed;
+use crate::parallel::Interrupt;
 use crate::scheme::Scheme;
 use crate::simd::{Isa, LANES};
-use crate::start::Body;
 use crate::status::Status;
-use std::ops::Range;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Bodies in a block: enough that few lanes are inactive at the end of a block.
 const BLOCK: usize = 1024;
 
-/// Largest number of steps between two checks of the stop flag.
-const STEPS_BETWEEN_STOPS: u64 = 1 << 14;
+/// Largest number of steps between two checks of the stop flag: a tenth of a second on the slowest path.
+const STEPS_BETWEEN_STOPS: u64 = 1 << 10;
 
 /// Runs the request.
 pub fn simulate(
     request: &Request,
     scheme: &Scheme,
+    states: StatesPart,
     threads: usize,
     isa: Isa,
-    stop: &AtomicBool,
-) -> Result<States, Error> {
+    stop: &Interrupt,
+) -> Result<Effort, Error> {
     let refused = |rule| {
         let value = request.tolerance.map_or(String::new(), |tolerance| format!("{tolerance:e}"));
         Error::Value { argument: "tolerance", value, rule }
     };
-    let Schedule::Times(times) = request.schedule else {
+    if let Schedule::Strides(_) = request.schedule {
         return Err(refused("steps of a given size have no tolerance"));
-    };
+    }
     let tolerance = request.tolerance.filter(|t| (f64::MIN_POSITIVE..1.0).contains(t));
     let tolerance = tolerance.ok_or_else(|| refused("must be positive and below one"))?;
     if !scheme.is_series() {
         return Err(refused("only the Taylor methods choose their steps"));
     }
-    let blocks = groups(request.bodies, BLOCK, |_, _| true)?;
-    over_groups(request, &blocks, threads, stop, |block, mut states| {
+    let blocks = neighbours(request.bodies.len(), BLOCK, |_| ())?;
+    over_blocks_of(request, &blocks, states, threads, stop, |block, mut states| {
+        states.forget();
         let mut lane_steps = 0;
-        for reduced in [false, true] {
-            let batch = AdaptiveBatch::new(request, times, scheme, block.clone(), reduced, isa, tolerance)?;
-            if let Some(batch) = batch {
-                lane_steps += batch.run(&mut states, stop)?;
-            }
+        let ways = Integration::of_block(request, scheme, block.clone())?;
+        for members in kinds_in(block.clone(), |index| ways[index - block.start].kind())? {
+            let batch = AdaptiveBatch::new(request, &ways, block.start, &members, isa, tolerance)?;
+            lane_steps += batch.run(&mut states, stop)?;
         }
         Ok(lane_steps)
     })
@@ -61,6 +62,8 @@ struct LaneTask {
     /// Index of the body in the block.
     body: usize,
     assignment: KernelAssignment,
+    /// The first of its times that is not negative.
+    split: usize,
     /// The next requested time.
     wanted: usize,
     backward: bool,
@@ -74,13 +77,12 @@ struct LaneTask {
 /// The bodies of a block that one kernel integrates.
 struct AdaptiveBatch<'a> {
     request: &'a Request<'a>,
-    times: &'a [f64],
-    /// The first time >= 0.
-    split: usize,
-    bodies: &'a [Body],
-    first_steps: &'a [f64],
-    /// Rate, index and assignment of the bodies that wait.
-    queue: Vec<(u64, usize, KernelAssignment)>,
+    /// How the bodies of the block are integrated.
+    ways: &'a [Integration],
+    /// Index of the first body of the block.
+    first: usize,
+    /// Rate and index of the bodies that wait.
+    queue: Vec<(u64, usize)>,
     kernel: Compiled,
     group: Group,
     adaptive: AdaptiveSteps,
@@ -88,62 +90,49 @@ struct AdaptiveBatch<'a> {
 }
 
 impl<'a> AdaptiveBatch<'a> {
-    /// `None` if the block has no such body.
-    #[allow(clippy::too_many_arguments)] // The request, and which of its bodies.
     fn new(
         request: &'a Request<'a>,
-        times: &'a [f64],
-        scheme: &Scheme,
-        block: Range<usize>,
-        reduced: bool,
+        ways: &'a [Integration],
+        first: usize,
+        members: &[usize],
         isa: Isa,
         tolerance: f64,
-    ) -> Result<Option<Self>, Error> {
-        let bodies = &request.bodies[block.clone()];
-        let forced = !request.forcing.is_none();
-        let assignment_of = |body| match forced {
-            true => KernelAssignment::of_forced(scheme, body),
-            false => KernelAssignment::of_path(scheme, body, request.scene),
-        };
-        let mut queue = memory::reserved("bodies of a block", bodies.len())?;
-        for (index, body) in bodies.iter().enumerate() {
-            let assignment = assignment_of(body);
-            if assignment.is_reduced() == reduced {
-                // Rates are not negative: their bits are ordered as they are.
-                queue.push((body.fastest_rate(Forcing::NONE, [0.0; 2]).to_bits(), index, assignment));
-            }
-        }
-        let Some(&(.., assignment)) = queue.first() else { return Ok(None) };
+    ) -> Result<Self, Error> {
+        let rate = |index: usize| request.bodies[first + index].fastest_rate(BodyForcing::NONE, [0.0; 2]);
+        // Rates are not negative: their bits are ordered as they are.
+        let queue = members.iter().map(|&index| (rate(index).to_bits(), index));
+        let mut queue = memory::collected("bodies of a block", members.len(), queue)?;
         // The fastest bodies first (the queue is emptied from its end): at the end no lane is inactive for long.
-        queue.sort_unstable_by_key(|&(rate, body, _)| (rate, body));
-        let system = system_of(request, assignment);
-        let kernel = Kernel { system, step: assignment.step, observed: Observed::Nothing };
-        Ok(Some(AdaptiveBatch {
+        queue.sort_unstable();
+        let way = ways[members[0]];
+        let kernel =
+            Kernel { system: way.system(request), step: way.assignment.step, observed: Observed::Nothing };
+        Ok(AdaptiveBatch {
             request,
-            times,
-            split: times.partition_point(|&t| t < 0.0),
-            bodies,
-            first_steps: &request.steps[block],
+            ways,
+            first,
             queue,
             kernel: Compiled::new(kernel, isa),
             group: Group::inactive(),
             adaptive: AdaptiveSteps::inactive(tolerance)?,
             forcing_rows: ForcingRows::NONE,
-        }))
+        })
     }
 
     /// Moves all bodies; returns the steps of all lanes.
-    fn run(mut self, states: &mut StatesPart, stop: &AtomicBool) -> Result<u64, Error> {
+    fn run(mut self, states: &mut StatesPart, stop: &Interrupt) -> Result<u64, Error> {
         let mut lane_steps = 0;
         let mut lanes: [Option<LaneTask>; LANES] = [None; LANES];
         loop {
             for lane in 0..LANES {
                 while lanes[lane].is_none() {
-                    let Some((_, body, assignment)) = self.queue.pop() else { break };
+                    let Some((_, body)) = self.queue.pop() else { break };
+                    let split = self.times(body).partition_point(|&t| t < 0.0);
                     let task = LaneTask {
                         body,
-                        assignment,
-                        wanted: self.split,
+                        assignment: self.ways[body].assignment,
+                        split,
+                        wanted: split,
                         backward: false,
                         steps: 0,
                         last: [0.0; 4],
@@ -159,7 +148,7 @@ impl<'a> AdaptiveBatch<'a> {
             let Some(left) = active.map(|task| self.request.max_steps - task.steps).min() else {
                 return Ok(lane_steps);
             };
-            if stop.load(Ordering::Relaxed) {
+            if stop.is_wanted() {
                 return Err(Error::Stopped);
             }
             let most = left.min(STEPS_BETWEEN_STOPS) as usize;
@@ -178,15 +167,15 @@ impl<'a> AdaptiveBatch<'a> {
 
     /// Loads a body into a lane, at its start; `None` if no requested time is left.
     fn enter(&mut self, lane: usize, mut task: LaneTask, states: &mut StatesPart) -> Option<LaneTask> {
-        let body = &self.bodies[task.body];
-        let first = self.first_steps[task.body];
-        let span =
-            self.times.last().copied().unwrap_or(0.0).abs() + self.times.first().map_or(0.0, |t| t.abs());
+        let (index, times) = (self.first + task.body, self.times(task.body));
+        let (body, forcing) = (&self.request.bodies[index], self.request.forcing_of(index));
+        let first = self.request.steps[index];
+        let span = times.last().copied().unwrap_or(0.0).abs() + times.first().map_or(0.0, |t| t.abs());
         // A body that does not turn needs one step.
         let first = if first.is_finite() { first } else { span };
         let direction = if task.backward { -1.0 } else { 1.0 };
-        let rate = body.fastest_rate(self.request.forcing, time_range(self.times));
-        let forced_rate = (!self.request.forcing.is_none()).then_some(rate);
+        let rate = body.fastest_rate(forcing, self.request.range_of(index));
+        let forced_rate = (!forcing.is_none()).then_some(rate);
         let entry = Entry::unobserved(body, forced_rate, direction * first);
         load(&mut self.group, lane, self.kernel, task.assignment, &entry);
         self.adaptive.direction.0[lane] = direction;
@@ -207,12 +196,13 @@ impl<'a> AdaptiveBatch<'a> {
 
     /// Applies the forcing of the interval that begins at a knot which the body has reached.
     fn enter_interval(&mut self, lane: usize, task: &mut LaneTask, knot: f64) {
-        let forcing = self.request.forcing;
+        let index = self.first + task.body;
+        let forcing = self.request.forcing_of(index);
         if forcing.is_none() {
             return;
         }
         let backward = task.backward;
-        let moments = self.bodies[task.body].moments;
+        let moments = self.request.bodies[index].moments;
         self.forcing_rows.set(lane, &forcing.interval(knot, backward, moments));
         reset_time(&mut self.group, self.kernel.kernel().system, lane);
         let never = if backward { f64::NEG_INFINITY } else { f64::INFINITY };
@@ -260,16 +250,21 @@ impl<'a> AdaptiveBatch<'a> {
 
     /// The next requested time of a body.
     fn next_time(&self, task: &LaneTask) -> Option<f64> {
-        self.times.get(task.wanted).copied()
+        self.times(task.body).get(task.wanted).copied()
+    }
+
+    /// The requested times of a body of the block.
+    fn times(&self, body: usize) -> &'a [f64] {
+        self.request.schedule.times_of(self.first + body).expect("checked at the begin")
     }
 
     /// Sets the next requested time of the lane, or starts the body backward, or removes it from the lane.
     fn aim(&mut self, lane: usize, task: LaneTask, states: &mut StatesPart) -> Option<LaneTask> {
         let Some(time) = self.next_time(&task) else {
-            if self.split == 0 {
+            if task.split == 0 {
                 return self.leave(lane, task, states);
             }
-            let back = LaneTask { wanted: self.split - 1, backward: true, ..task };
+            let back = LaneTask { wanted: task.split - 1, backward: true, ..task };
             return self.enter(lane, back, states);
         };
         if task.steps >= self.request.max_steps {
@@ -299,7 +294,7 @@ impl<'a> AdaptiveBatch<'a> {
     }
 
     fn record(&self, lane: usize, task: &mut LaneTask, state: State, states: &mut StatesPart) {
-        let at = task.body * self.times.len() + task.wanted;
+        let at = task.body * self.request.schedule.len() + task.wanted;
         let known = (invariants_at_start(&self.group, lane), &mut task.last);
         states.record(task.body, at, state, known);
     }

@@ -1,59 +1,80 @@
 //! States in closed form: many bodies side by side, or many times of one.
 
-use super::states::{StatesPart, norm, worse};
-use super::{Record, Request, States, groups, over_groups};
+use super::states::{norm, worse};
+use super::{Effort, Record, Request, Schedule, StatesPart, kinds_in, neighbours, over_blocks_of};
 use crate::error::Error;
-use crate::exact::{CanonicalForm, Evaluator, StartRows, StateRows};
+use crate::exact::{CanonicalForm, Evaluator, Question, StartRows, StateRows};
+use crate::forcing::BodyForcing;
 use crate::memory;
+use crate::parallel::Interrupt;
 use crate::scene::Scene;
 use crate::simd::{Isa, LANES, Row};
 use crate::start::Body;
 use crate::status::Status;
 use std::ops::Range;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Rows of times evaluated between two looks at the stop flag.
 const ROWS_BETWEEN_STOPS: usize = 256;
 
+/// Bodies in a block, which one thread takes at a time.
+const BLOCK: usize = 1024;
+
 /// Runs the request.
 pub fn simulate(
     request: &Request,
-    times: &[f64],
-    forms: &[CanonicalForm],
+    states: StatesPart,
     threads: usize,
     isa: Isa,
-    stop: &AtomicBool,
-) -> Result<States, Error> {
-    let groups = groups(forms, LANES, |a, b| a.kind() == b.kind())?;
-    over_groups(request, &groups, threads, stop, |group, states| {
-        let bodies = request.bodies[group.clone()].iter();
-        let known = bodies.map(|body| Invariants::new(body, request.scene));
-        let known = memory::collected("invariants of a group", group.len(), known)?;
-        let forms = &forms[group.clone()];
-        ClosedFormBatch { request, times, forms, group, isa, known }.run(states, stop)?;
+    stop: &Interrupt,
+) -> Result<Effort, Error> {
+    let blocks = neighbours(request.bodies.len(), BLOCK, |_| ())?;
+    over_blocks_of(request, &blocks, states, threads, stop, |block, mut states| {
+        for drift in states.drifts() {
+            drift.fill(0.0);
+        }
+        let (forms, first) = (&forms_of(request, block.clone())?, block.start);
+        let kinds = kinds_in(0..forms.len(), |index| forms[index].kind())?;
+        for members in kinds.iter().flat_map(|kind| kind.chunks(LANES)) {
+            let known = members.iter().map(|&k| Invariants::new(&request.bodies[first + k], request.scene));
+            let known = memory::collected("invariants of a group", members.len(), known)?;
+            ClosedFormBatch { request, forms, first, members, isa, known }.run(&mut states, stop)?;
+        }
         Ok(0)
     })
+}
+
+/// The closed forms of some bodies.
+fn forms_of(request: &Request, block: Range<usize>) -> Result<Vec<CanonicalForm>, Error> {
+    let mut forms = memory::reserved("closed forms of the bodies", block.len())?;
+    for index in block {
+        let form = CanonicalForm::of(&request.bodies[index]);
+        forms.push(form.ok_or(Error::NoClosedForm { index, rule: Question::RULE_OF_STATES })?);
+    }
+    Ok(forms)
 }
 
 /// The bodies of one group.
 struct ClosedFormBatch<'a> {
     request: &'a Request<'a>,
-    times: &'a [f64],
+    /// The closed forms of the bodies of the block.
     forms: &'a [CanonicalForm],
-    group: Range<usize>,
+    /// Index of the first body of the block.
+    first: usize,
+    /// Indices of the bodies of the group in the block.
+    members: &'a [usize],
     isa: Isa,
     /// The invariants of each body.
     known: Vec<Invariants>,
 }
 
 impl ClosedFormBatch<'_> {
-    fn run(&self, mut states: StatesPart, stop: &AtomicBool) -> Result<(), Error> {
-        let evaluator = Evaluator::new(self.forms[0].kind(), self.isa);
-        let canonical = |index: usize| self.forms[index].to_canonical(self.body(index));
-        for drift in states.drifts() {
-            drift.fill(0.0);
+    fn run(&self, states: &mut StatesPart, stop: &Interrupt) -> Result<(), Error> {
+        let evaluator = Evaluator::new(self.form(0).kind(), self.isa);
+        let canonical = |index: usize| self.form(index).to_canonical(self.body(index));
+        for (index, &member) in self.members.iter().enumerate() {
+            states.fastest_rate[member] = self.body(index).fastest_rate(BodyForcing::NONE, [0.0; 2]);
         }
-        let [length, times] = [self.forms.len(), self.times.len()];
+        let [length, times] = [self.members.len(), self.request.schedule.len()];
         let room = ROWS_BETWEEN_STOPS.min(times);
         let mut out = memory::filled("states of a group", room, StateRows::ZERO)?;
         let mut rows = memory::reserved("times of a group", room)?;
@@ -67,27 +88,29 @@ impl ClosedFormBatch<'_> {
         // One body a lane, or one time a lane: the choice that leaves fewer lanes empty changes no bit.
         if times <= length * times.div_ceil(LANES) {
             let mut starts = StartRows::filled(&canonical(0));
+            starts.keep(length);
             for lane in 1..length {
                 starts.set(lane, &canonical(lane));
             }
-            for (first, times) in self.times.chunks(ROWS_BETWEEN_STOPS).enumerate() {
-                if stop.load(Ordering::Relaxed) {
+            for first in (0..times).step_by(ROWS_BETWEEN_STOPS) {
+                if stop.is_wanted() {
                     return Err(Error::Stopped);
                 }
                 rows.clear();
-                rows.extend(times.iter().map(|&t| Row([t; LANES])));
+                rows.extend((first..times.min(first + ROWS_BETWEEN_STOPS)).map(|time| self.row(time)));
                 evaluate(&starts, &rows, &mut out);
                 for (k, state) in out[..rows.len()].iter().enumerate() {
                     for lane in 0..length {
-                        self.record(&mut states, lane, first * ROWS_BETWEEN_STOPS + k, state, lane);
+                        self.record(states, (lane, first + k, rows[k].0[lane]), state, lane);
                     }
                 }
             }
         } else {
             for body in 0..length {
-                let starts = StartRows::filled(&canonical(body));
-                for (first, times) in self.times.chunks(ROWS_BETWEEN_STOPS * LANES).enumerate() {
-                    if stop.load(Ordering::Relaxed) {
+                let mut starts = StartRows::filled(&canonical(body));
+                starts.keep(times.min(LANES));
+                for (first, times) in self.times(body).chunks(ROWS_BETWEEN_STOPS * LANES).enumerate() {
+                    if stop.is_wanted() {
                         return Err(Error::Stopped);
                     }
                     let row = |part: &[f64]| {
@@ -100,7 +123,7 @@ impl ClosedFormBatch<'_> {
                     evaluate(&starts, &rows, &mut out);
                     for k in 0..times.len() {
                         let time = first * ROWS_BETWEEN_STOPS * LANES + k;
-                        self.record(&mut states, body, time, &out[k / LANES], k % LANES);
+                        self.record(states, (body, time, times[k]), &out[k / LANES], k % LANES);
                     }
                 }
             }
@@ -108,17 +131,35 @@ impl ClosedFormBatch<'_> {
         Ok(())
     }
 
-    /// Writes the state of a body and updates its drifts.
-    fn record(&self, states: &mut StatesPart, index: usize, time: usize, rows: &StateRows, lane: usize) {
+    /// Wanted time number `time` of each body, one body a lane.
+    fn row(&self, time: usize) -> Row {
+        let mut row = Row([self.times(0)[time]; LANES]);
+        if let Schedule::TimesOfEach(..) = self.request.schedule {
+            for lane in 0..self.members.len() {
+                row.0[lane] = self.times(lane)[time];
+            }
+        }
+        row
+    }
+
+    /// Writes the state of a body at wanted time number `time`, which is `t`, and updates its drifts.
+    fn record(
+        &self,
+        states: &mut StatesPart,
+        (index, time, t): (usize, usize, f64),
+        rows: &StateRows,
+        lane: usize,
+    ) {
         let body = self.body(index);
+        let place = self.members[index];
         let mut omega = [0, 1, 2].map(|k| rows.omega[k].0[lane]);
         let mut attitude = [0, 1, 2, 3].map(|k| rows.attitude[k].0[lane]);
-        (omega, attitude) = self.forms[index].to_body(body, omega, attitude);
-        if self.times[time] == 0.0 {
+        (omega, attitude) = self.form(index).to_body(body, omega, attitude);
+        if t == 0.0 {
             // The change of variables and back would round the start.
             (omega, attitude) = (body.omega, body.attitude);
         }
-        let at = index * self.times.len() + time;
+        let at = place * self.request.schedule.len() + time;
         if let Some(column) = &mut states.omega {
             column[3 * at..][..3].copy_from_slice(&omega);
         }
@@ -131,20 +172,29 @@ impl ClosedFormBatch<'_> {
             if let Some(column) = &mut states.attitude {
                 column[4 * at..][..4].copy_from_slice(&attitude);
             }
-            states.unit_drift[index] = worse(states.unit_drift[index], (norm(&attitude) - 1.0).abs());
+            states.unit_drift[place] = worse(states.unit_drift[place], (norm(&attitude) - 1.0).abs());
         }
         let now = invariants(body, self.request.scene, omega, vertical);
         let Invariants { start, inverse_scale } = self.known[index];
         let drift = [0, 1].map(|k| (now[k] - start[k]).abs() * inverse_scale[k]);
-        states.energy_drift[index] = worse(states.energy_drift[index], drift[0]);
-        states.momentum_drift[index] = worse(states.momentum_drift[index], drift[1]);
+        states.energy_drift[place] = worse(states.energy_drift[place], drift[0]);
+        states.momentum_drift[place] = worse(states.momentum_drift[place], drift[1]);
         if !omega.iter().chain(&attitude).all(|x| x.is_finite()) {
-            states.status[index] = Status::NotFinite;
+            states.status[place] = Status::NotFinite;
         }
     }
 
     fn body(&self, index: usize) -> &Body {
-        &self.request.bodies[self.group.start + index]
+        &self.request.bodies[self.first + self.members[index]]
+    }
+
+    fn form(&self, index: usize) -> CanonicalForm {
+        self.forms[self.members[index]]
+    }
+
+    fn times(&self, index: usize) -> &[f64] {
+        let times = self.request.schedule.times_of(self.first + self.members[index]);
+        times.expect("a closed form takes no steps")
     }
 
     /// Whether the attitude is evaluated: it is recorded, or the energy depends on the vertical.

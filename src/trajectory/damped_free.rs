@@ -1,45 +1,70 @@
 //! Free bodies under a damping that is a multiple of their inertia, in closed form.
 
-use super::request::{Request, Schedule};
-use super::states::States;
+use super::{Effort, Request, Schedule, StatesPart};
 use crate::error::Error;
 use crate::forcing::Forcing;
 use crate::memory;
+use crate::parallel::Interrupt;
 use crate::scheme::phi;
 use crate::simd::Isa;
 use crate::solver::Solver;
 use crate::special::exp;
-use std::sync::atomic::AtomicBool;
 
 /// Free bodies under a damping `D = k I`: `L' = L x omega - k L` is the free motion in the time
 /// `s = (1 - exp(-k t)) / k`, times `exp(-k t)`.
-pub fn simulate(request: &Request, threads: usize, isa: Isa, stop: &AtomicBool) -> Result<States, Error> {
+pub fn simulate(
+    request: &Request,
+    mut states: StatesPart,
+    threads: usize,
+    isa: Isa,
+    stop: &Interrupt,
+) -> Result<Effort, Error> {
     let refuse = |rule| Err(Error::Value { argument: "method", value: Solver::EXACT.to_string(), rule });
-    let Schedule::Times(times) = request.schedule else {
+    if let Schedule::Strides(_) = request.schedule {
         return refuse("a closed form takes no steps");
-    };
-    let mut rates = request.bodies.iter().map(|body| request.forcing.slows_evenly(body.moments));
-    let rate = rates.next().unwrap_or(Some(0.0));
-    let even = rates.all(|other| other == rate) && !request.scene.has_weight;
-    let Some(rate) = rate.filter(|_| even) else {
-        return refuse(
-            "under torque or damping a closed form is known of free bodies whose damping is a multiple of their inertia",
-        );
-    };
-    let each =
-        |of: &dyn Fn(f64) -> f64| memory::collected("times", times.len(), times.iter().map(|&t| of(t)));
-    let (factors, slow) = (each(&|t| exp(-rate * t))?, each(&|t| t * phi(-rate * t)[1])?);
-    let request = Request { schedule: Schedule::Times(&slow), forcing: Forcing::NONE, ..*request };
-    let mut states = super::simulate(&request, threads, isa, stop)?;
-    let omega = states.omega.as_mut().expect("rates are always recorded");
-    let mut work = memory::reserved("work", omega.len() / 3)?;
-    for (body, rows) in request.bodies.iter().zip(omega.chunks_mut(3 * times.len().max(1))) {
-        let kinetic = |w: &[f64]| (0..3).map(|k| 0.5 * body.moments[k] * w[k] * w[k]).sum::<f64>();
-        for (row, &factor) in rows.chunks_mut(3).zip(&factors) {
-            row.iter_mut().for_each(|w| *w *= factor);
-            work.push(kinetic(row) - kinetic(&body.omega));
+    }
+    let (n, count) = (request.bodies.len(), request.schedule.len());
+    // `None` for a body on which nothing acts.
+    let mut rates = memory::reserved("damping rates", n)?;
+    for (index, body) in request.bodies.iter().enumerate() {
+        let forcing = request.forcing_of(index);
+        let rate = forcing.slows_evenly(body.moments).filter(|_| !request.scene.has_weight);
+        if rate.is_none() && !forcing.is_none() {
+            return refuse(
+                "under torque or damping a closed form is known of free bodies whose damping is a multiple of their inertia",
+            );
+        }
+        rates.push(rate.filter(|_| !forcing.is_none()));
+    }
+    // Bodies of equal rates and times share them.
+    let shared =
+        matches!(request.schedule, Schedule::Times(_)) && rates.windows(2).all(|pair| pair[0] == pair[1]);
+    let rows = if shared { n.min(1) } else { n };
+    let length = rows.checked_mul(count).ok_or(Error::Memory {
+        what: "times".into(),
+        bytes: u128::MAX,
+        limit: None,
+    })?;
+    let [mut factors, mut slow] = [memory::reserved("times", length)?, memory::reserved("times", length)?];
+    for (index, &rate) in rates.iter().enumerate().take(rows) {
+        for &t in request.schedule.times_of(index).unwrap_or_default() {
+            factors.push(rate.map_or(1.0, |rate| exp(-rate * t)));
+            slow.push(rate.map_or(t, |rate| t * phi(-rate * t)[1]));
         }
     }
-    states.work = Some(work);
-    Ok(states)
+    let schedule = if shared { Schedule::Times(&slow) } else { Schedule::TimesOfEach(&slow, count) };
+    let request = Request { schedule, forcing: Forcing::NONE, ..*request };
+    let effort = super::simulate_into(&request, states.again(), threads, isa, stop)?;
+    let omega = states.omega.as_mut().expect("rates are always recorded");
+    let work = states.work.as_mut().expect("the work of forced bodies is always recorded");
+    let columns = omega.chunks_mut(3 * count.max(1)).zip(work.chunks_mut(count.max(1)));
+    for (index, (body, (rows, work))) in request.bodies.iter().zip(columns).enumerate() {
+        let kinetic = |w: &[f64]| (0..3).map(|k| 0.5 * body.moments[k] * w[k] * w[k]).sum::<f64>();
+        let factors = if shared { &factors[..] } else { &factors[index * count..][..count] };
+        for ((row, work), &factor) in rows.chunks_mut(3).zip(work).zip(factors) {
+            row.iter_mut().for_each(|w| *w *= factor);
+            *work = rates[index].map_or(0.0, |_| kinetic(row) - kinetic(&body.omega));
+        }
+    }
+    Ok(effort)
 }

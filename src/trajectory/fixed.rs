@@ -1,19 +1,20 @@
 //! States by steps of a scheme.
 
-use super::states::StatesPart;
-use super::{Request, Schedule, States, groups, invariants_at_start, over_groups, system_of, time_range};
+use super::{
+    Effort, Integration, Request, Schedule, StatesPart, blocks, invariants_at_start, kinds_in, over_blocks_of,
+};
 use crate::error::Error;
-use crate::forcing::Forcing;
+use crate::forcing::BodyForcing;
 use crate::kernel::{Compiled, ForcingRows, Group, Kernel};
-use crate::kernel::{Entry, KernelAssignment, load, reset_time, unload};
+use crate::kernel::{Entry, load, reset_time, unload};
 use crate::memory;
 use crate::observe::Observed;
+use crate::parallel::Interrupt;
 use crate::scheme::Scheme;
 use crate::simd::{Isa, LANES};
 use crate::start::Body;
 use crate::status::Status;
 use std::ops::Range;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Largest number of steps between two checks of the stop flag: a tenth of a second
 /// of the most expensive steps on the slowest path.
@@ -41,14 +42,14 @@ fn leg(from: f64, to: f64, largest: f64, refinement: f64) -> Leg {
 }
 
 /// The end of a leg: a time, or a number of steps.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq)]
 enum End {
     At(f64),
     After(u64),
 }
 
 /// The begin and the end of a leg, and the requested state at its end if there is one.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq)]
 struct Stop {
     from: f64,
     end: End,
@@ -56,6 +57,9 @@ struct Stop {
 }
 
 impl Stop {
+    /// A body that has arrived stays where it is.
+    const ARRIVED: Stop = Stop { from: 0.0, end: End::After(0), state: None };
+
     /// The leg of a body with that largest step and that refinement.
     fn leg(&self, largest: f64, refinement: f64) -> Leg {
         match self.end {
@@ -65,11 +69,13 @@ impl Stop {
     }
 }
 
-/// The stops of all bodies in the order they are made: forward from 0 through the times >= 0, or backward from 0 through
+/// The stops of a body in the order they are made: forward from 0 through the times >= 0, or backward from 0 through
 /// the times < 0. Legs end at the knots of the forcing: a step across a knot would lose the order of any scheme.
 struct Stops<'a> {
     schedule: &'a Schedule<'a>,
-    forcing: &'a Forcing,
+    /// The times of the body; none if its steps are counted.
+    times: &'a [f64],
+    forcing: BodyForcing<'a>,
     backward: bool,
     from: f64,
     /// The states that are left.
@@ -77,14 +83,12 @@ struct Stops<'a> {
 }
 
 impl<'a> Stops<'a> {
-    fn new(request: &'a Request, backward: bool) -> Self {
-        let (schedule, forcing) = (&request.schedule, request.forcing);
-        let split = match schedule {
-            Schedule::Times(times) => times.partition_point(|&t| t < 0.0),
-            Schedule::Strides(_) => 0,
-        };
+    fn new(request: &'a Request, body: usize, backward: bool) -> Self {
+        let (schedule, forcing) = (&request.schedule, request.forcing_of(body));
+        let times = schedule.times_of(body).unwrap_or_default();
+        let split = times.partition_point(|&t| t < 0.0);
         let left = if backward { 0..split } else { split..schedule.len() };
-        Stops { schedule, forcing, backward, from: 0.0, left }
+        Stops { schedule, times, forcing, backward, from: 0.0, left }
     }
 }
 
@@ -94,14 +98,11 @@ impl Iterator for Stops<'_> {
     fn next(&mut self) -> Option<Stop> {
         let mut left = self.left.clone();
         let state = if self.backward { left.next_back() } else { left.next() }?;
-        let to = match self.schedule {
-            Schedule::Times(times) => times[state],
-            Schedule::Strides(strides) => {
-                self.left = left;
-                return Some(Stop { from: 0.0, end: End::After(strides[state]), state: Some(state) });
-            }
-        };
-        let from = self.from;
+        if let Schedule::Strides(strides) = self.schedule {
+            self.left = left;
+            return Some(Stop { from: 0.0, end: End::After(strides[state]), state: Some(state) });
+        }
+        let (from, to) = (self.from, self.times[state]);
         let is_before = |&knot: &f64| if self.backward { knot > to } else { knot < to };
         match self.forcing.next_knot(from, self.backward).filter(is_before) {
             Some(knot) => {
@@ -116,133 +117,190 @@ impl Iterator for Stops<'_> {
     }
 }
 
+/// The next stops of all lanes. Tables of torques share their knots: with equal times the stops are equal too, and are
+/// found once.
+struct GroupStops<'a> {
+    each: Vec<Stops<'a>>,
+}
+
+impl<'a> GroupStops<'a> {
+    fn new(
+        request: &'a Request,
+        bodies: impl ExactSizeIterator<Item = usize>,
+        backward: bool,
+    ) -> Result<Self, Error> {
+        let own = matches!(request.schedule, Schedule::TimesOfEach(..));
+        let count = if own { bodies.len() } else { 1 };
+        let stops = bodies.take(count).map(|body| Stops::new(request, body, backward));
+        Ok(GroupStops { each: memory::collected("stops of a group", count, stops)? })
+    }
+}
+
+impl Iterator for GroupStops<'_> {
+    type Item = [Stop; LANES];
+
+    fn next(&mut self) -> Option<[Stop; LANES]> {
+        if let [shared] = &mut self.each[..] {
+            return Some([shared.next()?; LANES]);
+        }
+        let mut next = [Stop::ARRIVED; LANES];
+        let mut goes_on = false;
+        for (stop, own) in next.iter_mut().zip(&mut self.each) {
+            if let Some(own) = own.next() {
+                (*stop, goes_on) = (own, true);
+            }
+        }
+        goes_on.then_some(next)
+    }
+}
+
 /// Runs the request.
 pub fn simulate(
     request: &Request,
     scheme: &Scheme,
+    states: StatesPart,
     threads: usize,
     isa: Isa,
-    stop: &AtomicBool,
-) -> Result<States, Error> {
-    let engine = |body: &Body| {
-        let assignment = assignment_of(request, scheme, body);
-        (assignment.step, assignment.is_reduced())
-    };
+    stop: &Interrupt,
+) -> Result<Effort, Error> {
+    let kind = |index: usize| Integration::of(request, scheme, index).kind();
     // The bits of a body do not depend on the others of its group.
-    let groups = groups(request.bodies, LANES, |a, b| engine(a) == engine(b))?;
-    over_groups(request, &groups, threads, stop, |group, states| {
-        FixedBatch::new(request, scheme, group, isa, states)?.run(stop)?;
-        Ok(0)
-    })
-}
-
-/// The assignment of a body. Strides repeat the steps of a map, which are made in the frame of the body.
-fn assignment_of(request: &Request, scheme: &Scheme, body: &Body) -> KernelAssignment {
-    match request.schedule {
-        _ if !request.forcing.is_none() => KernelAssignment::of_forced(scheme, body),
-        Schedule::Times(_) => KernelAssignment::of_path(scheme, body, request.scene),
-        Schedule::Strides(_) => KernelAssignment::of(scheme, body, request.scene),
-    }
+    over_blocks_of(
+        request,
+        &blocks(request.bodies.len(), kind)?,
+        states,
+        threads,
+        stop,
+        |block, mut states| {
+            states.forget();
+            let ways = Integration::of_block(request, scheme, block.clone())?;
+            for members in kinds_in(block.clone(), kind)?.iter().flat_map(|kind| kind.chunks(LANES)) {
+                FixedBatch::new(request, &ways, block.start, members, isa, &mut states).run(stop)?;
+            }
+            Ok(0)
+        },
+    )
 }
 
 /// The bodies of one group.
-struct FixedBatch<'a> {
+struct FixedBatch<'a, 'b> {
     request: &'a Request<'a>,
-    bodies: &'a [Body],
-    steps: &'a [f64],
-    assignments: Vec<KernelAssignment>,
+    /// How the bodies of the block are integrated.
+    ways: &'a [Integration],
+    /// Index of the first body of the block.
+    first: usize,
+    /// Indices of the bodies of the group in the block.
+    members: &'a [usize],
     compiled: Compiled,
-    states: StatesPart<'a>,
+    states: &'a mut StatesPart<'b>,
     /// The attitude of each lane at its last recorded state.
     last: [[f64; 4]; LANES],
 }
 
-impl<'a> FixedBatch<'a> {
+impl<'a, 'b> FixedBatch<'a, 'b> {
     fn new(
         request: &'a Request<'a>,
-        scheme: &Scheme,
-        group: Range<usize>,
+        ways: &'a [Integration],
+        first: usize,
+        members: &'a [usize],
         isa: Isa,
-        states: StatesPart<'a>,
-    ) -> Result<Self, Error> {
-        let bodies = &request.bodies[group.clone()];
-        let assignments = bodies.iter().map(|body| assignment_of(request, scheme, body));
-        let assignments = memory::collected("bodies of a group", bodies.len(), assignments)?;
-        let system = system_of(request, assignments[0]);
-        let kernel = Kernel { system, step: assignments[0].step, observed: Observed::Nothing };
-        let (steps, compiled) = (&request.steps[group], Compiled::new(kernel, isa));
-        Ok(FixedBatch { request, bodies, steps, assignments, compiled, states, last: [[0.0; 4]; LANES] })
+        states: &'a mut StatesPart<'b>,
+    ) -> Self {
+        let way = ways[members[0]];
+        let kernel =
+            Kernel { system: way.system(request), step: way.assignment.step, observed: Observed::Nothing };
+        let compiled = Compiled::new(kernel, isa);
+        FixedBatch { request, ways, first, members, compiled, states, last: [[0.0; 4]; LANES] }
     }
 
-    /// The legs of all lanes to that stop.
-    fn legs(&self, stop: &Stop) -> [Leg; LANES] {
+    /// The indices of the bodies among all, lane after lane.
+    fn bodies(&self) -> impl ExactSizeIterator<Item = usize> + use<'a, 'b> {
+        let first = self.first;
+        self.members.iter().map(move |&member| first + member)
+    }
+
+    fn body(&self, lane: usize) -> &'a Body {
+        &self.request.bodies[self.first + self.members[lane]]
+    }
+
+    /// The legs of all lanes to those stops.
+    fn legs(&self, stops: &[Stop; LANES]) -> [Leg; LANES] {
+        let steps = |lane: usize| self.request.steps[self.first + self.members[lane]];
         let mut legs = [Leg { steps: 0, step: 0.0 }; LANES];
-        for (lane, &step) in self.steps.iter().enumerate() {
+        for lane in 0..self.members.len() {
             // Neighbours mostly have the same step.
-            let same = lane > 0 && self.steps[lane - 1] == step;
-            legs[lane] = if same { legs[lane - 1] } else { stop.leg(step, self.request.refinement) };
+            let same = lane > 0 && steps(lane - 1) == steps(lane) && stops[lane - 1] == stops[lane];
+            legs[lane] =
+                if same { legs[lane - 1] } else { stops[lane].leg(steps(lane), self.request.refinement) };
         }
         legs
     }
 
-    fn run(mut self, stop: &AtomicBool) -> Result<(), Error> {
-        let forcing = self.request.forcing;
+    fn run(mut self, stop: &Interrupt) -> Result<(), Error> {
+        let is_forced = self.ways[self.members[0]].is_forced;
         let mut totals = [0_u64; LANES];
-        for next in [false, true].into_iter().flat_map(|backward| Stops::new(self.request, backward)) {
-            if stop.load(Ordering::Relaxed) {
-                return Err(Error::Stopped);
-            }
-            for (total, leg) in totals.iter_mut().zip(&self.legs(&next)).take(self.bodies.len()) {
-                *total = total.saturating_add(leg.steps);
+        for backward in [false, true] {
+            for next in GroupStops::new(self.request, self.bodies(), backward)? {
+                if stop.is_wanted() {
+                    return Err(Error::Stopped);
+                }
+                for (total, leg) in totals.iter_mut().zip(&self.legs(&next)) {
+                    *total = total.saturating_add(leg.steps);
+                }
             }
         }
-        for lane in 0..self.bodies.len() {
-            if totals[lane] > self.request.max_steps {
-                self.states.status[lane] = Status::StepLimit;
+        for (&member, &total) in self.members.iter().zip(&totals) {
+            if total > self.request.max_steps {
+                self.states.status[member] = Status::StepLimit;
             } else {
-                self.states.steps[lane] = totals[lane];
+                self.states.steps[member] = total;
                 for drift in self.states.drifts() {
-                    drift[lane] = 0.0;
+                    drift[member] = 0.0;
                 }
             }
         }
         for backward in [false, true] {
-            let stops = Stops::new(self.request, backward);
-            if stops.left.is_empty() {
+            let stops = GroupStops::new(self.request, self.bodies(), backward)?;
+            if stops.each.iter().all(|stops| stops.left.is_empty()) {
                 continue;
             }
             let mut group = Group::inactive();
-            for (lane, body) in self.bodies.iter().enumerate() {
+            for (lane, index) in self.bodies().enumerate() {
+                let body = self.body(lane);
                 self.last[lane] = body.attitude;
-                let rate = match self.request.schedule {
-                    Schedule::Times(times) if !forcing.is_none() => {
-                        Some(body.fastest_rate(forcing, time_range(times)))
-                    }
-                    _ => None,
-                };
+                let timed = is_forced && !matches!(self.request.schedule, Schedule::Strides(_));
+                let rate = timed
+                    .then(|| body.fastest_rate(self.request.forcing_of(index), self.request.range_of(index)));
                 let entry = Entry::unobserved(body, rate, 0.0);
-                load(&mut group, lane, self.compiled, self.assignments[lane], &entry);
+                load(&mut group, lane, self.compiled, self.ways[self.members[lane]].assignment, &entry);
             }
             let mut moved = [false; LANES];
             let mut forcing_rows = ForcingRows::NONE;
-            for Stop { from, end, state } in stops {
-                let mut legs = self.legs(&Stop { from, end, state });
-                for (leg, status) in legs.iter_mut().zip(&*self.states.status) {
-                    if *status == Status::StepLimit {
-                        *leg = Leg { steps: 0, step: 0.0 };
+            for next in stops {
+                let mut legs = self.legs(&next);
+                for (lane, &member) in self.members.iter().enumerate() {
+                    if self.states.status[member] == Status::StepLimit {
+                        legs[lane] = Leg { steps: 0, step: 0.0 };
                     }
                 }
-                let legs = &legs[..self.bodies.len()];
-                if !forcing.is_none() {
-                    for (lane, body) in self.bodies.iter().enumerate() {
-                        forcing_rows.set(lane, &forcing.interval(from, backward, body.moments));
+                let legs = &legs[..self.members.len()];
+                if is_forced {
+                    for (lane, index) in self.bodies().enumerate() {
+                        let forcing = self.request.forcing_of(index);
+                        let interval = forcing.interval(next[lane].from, backward, self.body(lane).moments);
+                        forcing_rows.set(lane, &interval);
                         reset_time(&mut group, self.compiled.kernel().system, lane);
                     }
                 }
+                if !matches!(self.request.schedule, Schedule::Strides(_)) {
+                    // So that the steps of a body do not depend on when others of its group rest.
+                    (0..self.members.len()).for_each(|lane| group.begin_motion(lane));
+                }
                 advance(&mut group, &forcing_rows, self.compiled, legs, stop)?;
-                for lane in 0..self.bodies.len() {
+                for (lane, &member) in self.members.iter().enumerate() {
                     moved[lane] |= legs[lane].steps > 0;
-                    if let Some(state) = state.filter(|_| self.states.status[lane] != Status::StepLimit) {
+                    let limited = self.states.status[member] == Status::StepLimit;
+                    if let Some(state) = next[lane].state.filter(|_| !limited) {
                         self.record(&group, lane, state, moved[lane]);
                     }
                 }
@@ -253,17 +311,15 @@ impl<'a> FixedBatch<'a> {
 
     /// Writes the state of a lane and updates the drifts.
     fn record(&mut self, group: &Group, lane: usize, state: usize, moved: bool) {
-        let time = match self.request.schedule {
-            Schedule::Times(times) => times[state],
-            Schedule::Strides(_) => f64::NAN,
-        };
-        let mut now = unload(group, lane, self.compiled, self.assignments[lane], time);
+        let member = self.members[lane];
+        let time = self.request.schedule.times_of(self.first + member).map_or(f64::NAN, |times| times[state]);
+        let mut now = unload(group, lane, self.compiled, self.ways[member].assignment, time);
         if !moved {
             // Through the momenta and back, the rates would return rounded.
-            now.omega = self.bodies[lane].omega;
+            now.omega = self.body(lane).omega;
         }
-        let at = lane * self.request.schedule.len() + state;
-        self.states.record(lane, at, now, (invariants_at_start(group, lane), &mut self.last[lane]));
+        let at = member * self.request.schedule.len() + state;
+        self.states.record(member, at, now, (invariants_at_start(group, lane), &mut self.last[lane]));
     }
 }
 
@@ -273,7 +329,7 @@ fn advance(
     forcing_rows: &ForcingRows,
     compiled: Compiled,
     legs: &[Leg],
-    stop: &AtomicBool,
+    stop: &Interrupt,
 ) -> Result<(), Error> {
     let mut ends = [0; LANES];
     let ends = &mut ends[..legs.len()];
@@ -291,7 +347,7 @@ fn advance(
         }
         step_where(group, legs, |leg| leg.steps > done);
         while done < end {
-            if stop.load(Ordering::Relaxed) {
+            if stop.is_wanted() {
                 return Err(Error::Stopped);
             }
             let count = (end - done).min(STEPS_BETWEEN_STOPS as u64);
@@ -309,6 +365,6 @@ fn advance(
 /// Sets the steps of some lanes, and makes the others inactive.
 fn step_where(group: &mut Group, legs: &[Leg], goes: impl Fn(&Leg) -> bool) {
     for (lane, leg) in legs.iter().enumerate() {
-        group.step.0[lane] = if goes(leg) { leg.step } else { 0.0 };
+        group.set_step(lane, if goes(leg) { leg.step } else { 0.0 });
     }
 }

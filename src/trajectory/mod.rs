@@ -1,34 +1,59 @@
-//! States of bodies at the times that a user wants, by steps or in closed form.
+//! States of bodies at the times that a user wants, by steps or in closed form; and bodies that are moved step by step.
 
 mod adaptive;
 mod closed;
 mod damped_free;
 mod fixed;
+mod motion;
 mod request;
 mod states;
 
+pub use motion::{Motion, Torques};
 pub use request::{Record, Request, Schedule, time_range};
-use states::StatesPart;
-pub use states::{Column, States};
+pub use states::{Column, States, StatesPart};
 
 use crate::error::Error;
-use crate::exact::{CanonicalForm, Question};
 use crate::kernel::{Group, KernelAssignment, Needs, System};
 use crate::memory;
-use crate::parallel::{over_blocks, thread_nanoseconds};
-use crate::scheme::Scheme;
-use crate::simd::Isa;
+use crate::parallel::{Interrupt, over_blocks};
+use crate::scheme::{Scheme, Step};
+use crate::simd::{Isa, LANES};
 use crate::solver::Solver;
 use std::ops::Range;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Runs the request.
+/// The processor time of a request, and its work.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Effort {
+    /// Processor time of all threads, ns.
+    pub nanoseconds: u64,
+    /// Steps of all active lanes, waiting ones included; of bodies that choose their steps.
+    pub lane_steps: u64,
+}
+
+/// The states of a request.
 ///
 /// # Errors
-/// If the states do not fit into memory, or the request was stopped; if a closed form is wanted and a body has none; if the method does not move tops or forced bodies; if a step is
-/// beyond the stability of the method, or a wanted time beyond the table of a torque; if a tolerance is given to a
-/// method that is no series.
-pub fn simulate(request: &Request, threads: usize, isa: Isa, stop: &AtomicBool) -> Result<States, Error> {
+/// If the states do not fit into memory, and as `simulate_into`.
+pub fn simulate(request: &Request, threads: usize, isa: Isa, stop: &Interrupt) -> Result<States, Error> {
+    let mut states = States::reserved(request, request.bodies.len(), &[])?;
+    states.effort = simulate_into(request, states.whole(), threads, isa, stop)?;
+    Ok(states)
+}
+
+/// Writes the states of a request.
+///
+/// # Errors
+/// If the request was stopped; if a closed form is wanted and a body has none; if the method does not move tops or
+/// forced bodies; if a step is beyond the stability of the method, or a wanted time beyond the table of a torque; if a
+/// tolerance is given to a method that is no series.
+pub fn simulate_into(
+    request: &Request,
+    states: StatesPart,
+    threads: usize,
+    isa: Isa,
+    stop: &Interrupt,
+) -> Result<Effort, Error> {
     match request.solver {
         Solver::Steps(scheme) => {
             scheme.check(request.scene, false)?;
@@ -36,26 +61,19 @@ pub fn simulate(request: &Request, threads: usize, isa: Isa, stop: &AtomicBool) 
                 check_forced(request, scheme)?;
             }
             match request.tolerance {
-                Some(_) => adaptive::simulate(request, scheme, threads, isa, stop),
-                None => fixed::simulate(request, scheme, threads, isa, stop),
+                Some(_) => adaptive::simulate(request, scheme, states, threads, isa, stop),
+                None => fixed::simulate(request, scheme, states, threads, isa, stop),
             }
         }
         Solver::Exact => {
             if !request.forcing.is_none() {
-                return damped_free::simulate(request, threads, isa, stop);
+                return damped_free::simulate(request, states, threads, isa, stop);
             }
-            let form = |(index, body)| {
-                CanonicalForm::of(body).ok_or(Error::NoClosedForm { index, rule: Question::RULE_OF_STATES })
-            };
-            let mut forms = memory::reserved("closed forms of the bodies", request.bodies.len())?;
-            for body in request.bodies.iter().enumerate() {
-                forms.push(form(body)?);
-            }
-            let Schedule::Times(times) = request.schedule else {
+            if let Schedule::Strides(_) = request.schedule {
                 let value = Solver::EXACT.to_string();
                 return Err(Error::Value { argument: "method", value, rule: "a closed form takes no steps" });
-            };
-            closed::simulate(request, times, &forms, threads, isa, stop)
+            }
+            closed::simulate(request, states, threads, isa, stop)
         }
     }
 }
@@ -63,87 +81,169 @@ pub fn simulate(request: &Request, threads: usize, isa: Isa, stop: &AtomicBool) 
 /// Refuses a method that does not move forced bodies, a step beyond the stability of an explicit method, and a time at
 /// which the torque is unknown.
 fn check_forced(request: &Request, scheme: &Scheme) -> Result<(), Error> {
-    let forcing = request.forcing;
     let limit = scheme.damping_limit().ok_or_else(|| Error::Value {
         argument: "method",
         value: format!("'{}'", scheme.facts.name),
         rule: "moves bodies without torque and damping only",
     })?;
-    if let Schedule::Times(times) = request.schedule {
+    let is_stable = request.tolerance.is_some() || limit == f64::INFINITY;
+    let mut last = None;
+    for (index, (body, &step)) in request.bodies.iter().zip(request.steps).enumerate() {
+        let forcing = request.forcing_of(index);
+        let times = request.schedule.times_of(index).unwrap_or_default();
         for &time in [Some(&0.0), times.first(), times.last()].into_iter().flatten() {
             forcing.check_reaches(time)?;
         }
-    }
-    if request.tolerance.is_some() || limit == f64::INFINITY {
-        return Ok(());
-    }
-    let mut last = None;
-    for (body, &step) in request.bodies.iter().zip(request.steps) {
         // Neighbours mostly are alike.
-        if last == Some((body.moments, step)) {
+        let next = Some((body.moments, forcing, step));
+        if is_stable || last == next {
             continue;
         }
-        last = Some((body.moments, step));
+        last = next;
         let [.., rate] = forcing.damping_rates(body.moments);
         // A step is cut to the span.
-        let span = match request.schedule {
-            Schedule::Times(times) => time_range(times).iter().fold(0.0_f64, |a, t| a.max(t.abs())),
-            Schedule::Strides(_) => f64::INFINITY,
-        };
-        let step = step.min(span);
+        let step = step.min(request.range_of(index).iter().fold(0.0_f64, |a, t| a.max(t.abs())));
         if step * rate > limit {
             let (name, longest) = (scheme.facts.name, limit / rate);
-            return Err(Error::Unstable { step, rate, name, longest });
+            let body = (request.bodies.len() > 1).then_some(index);
+            return Err(Error::Unstable { body, step, rate, name, longest });
         }
     }
     Ok(())
 }
 
-/// Neighbours that are alike, in groups of at most `most`.
-fn groups<T>(items: &[T], most: usize, alike: impl Fn(&T, &T) -> bool) -> Result<Vec<Range<usize>>, Error> {
-    let mut groups = Vec::new();
-    let mut first = 0;
-    for run in items.chunk_by(alike) {
-        let end = first + run.len();
-        for begin in (first..end).step_by(most) {
-            memory::push("groups of the bodies", &mut groups, begin..end.min(begin + most))?;
+/// Bodies of a block of neighbours that are not alike.
+const MIXED: usize = 512;
+
+/// Bodies 0 .. `n` in blocks of neighbours: of those of one kind, at most a group each. Where few neighbours are of one
+/// kind the blocks are larger, and `kinds_in` finds the groups.
+fn blocks<K: PartialEq>(n: usize, kind: impl Fn(usize) -> K) -> Result<Vec<Range<usize>>, Error> {
+    let groups = neighbours(n, LANES, kind)?;
+    if groups.len() <= 2 * n.div_ceil(LANES) {
+        return Ok(groups);
+    }
+    neighbours(n, MIXED, |_| ())
+}
+
+/// Neighbours of one kind, at most `most` together.
+fn neighbours<K: PartialEq>(
+    n: usize,
+    most: usize,
+    kind: impl Fn(usize) -> K,
+) -> Result<Vec<Range<usize>>, Error> {
+    let mut groups: Vec<Range<usize>> = Vec::new();
+    let mut last = None;
+    for index in 0..n {
+        let next = Some(kind(index));
+        match groups.last_mut() {
+            Some(group) if group.len() < most && last == next => group.end += 1,
+            _ => memory::push("groups of the bodies", &mut groups, index..index + 1)?,
         }
-        first = end;
+        last = next;
     }
     Ok(groups)
 }
 
-/// The states of all groups. `work` writes those of one group and returns the steps of its lanes.
-fn over_groups(
-    request: &Request,
-    groups: &[Range<usize>],
-    threads: usize,
-    stop: &AtomicBool,
-    work: impl Fn(Range<usize>, StatesPart) -> Result<u64, Error> + Sync,
-) -> Result<States, Error> {
-    let mut states = States::unknown(request)?;
-    let [nanoseconds, lane_steps] = [const { AtomicU64::new(0) }; 2];
-    let parts = states.parts(request.schedule.len(), groups.iter().map(ExactSizeIterator::len));
-    over_blocks(groups.iter().cloned().zip(parts), threads, stop, |(group, part)| {
-        let begin = thread_nanoseconds();
-        lane_steps.fetch_add(work(group, part)?, Ordering::Relaxed);
-        nanoseconds.fetch_add(thread_nanoseconds() - begin, Ordering::Relaxed);
-        Ok(())
-    })?;
-    (states.nanoseconds, states.lane_steps) = (nanoseconds.into_inner(), lane_steps.into_inner());
-    Ok(states)
+/// The bodies of a block that are of one kind, by their indices in the block.
+fn kinds_in<K: PartialEq>(block: Range<usize>, kind: impl Fn(usize) -> K) -> Result<Vec<Vec<usize>>, Error> {
+    let mut kinds: Vec<(K, Vec<usize>)> = Vec::new();
+    for index in 0..block.len() {
+        let own = kind(block.start + index);
+        if let Some((_, members)) = kinds.iter_mut().find(|(known, _)| *known == own) {
+            memory::push("a group of bodies", members, index)?;
+        } else {
+            let mut members = memory::reserved("a group of bodies", block.len())?;
+            members.push(index);
+            memory::push("groups of the bodies", &mut kinds, (own, members))?;
+        }
+    }
+    Ok(kinds.into_iter().map(|(_, members)| members).collect())
 }
 
-/// The system that carries what is recorded and no more.
-fn system_of(request: &Request, assignment: KernelAssignment) -> System {
-    let directions = if request.record == Record::Axis { 1 } else { 0 };
-    let needs = Needs {
-        is_forced: !request.forcing.is_none(),
-        is_reduced: assignment.is_reduced(),
-        directions: if request.forcing.acts_in_space() { 3 } else { directions },
-        attitude: request.record == Record::Attitude,
+/// Whether the request takes less than some 100 microseconds, about as long as to start a thread.
+fn is_light(request: &Request) -> bool {
+    // Steps and states of many bodies cost tens of nanoseconds each.
+    const FEW: f64 = 2000.0;
+    let (bodies, states) = (request.bodies.len() as f64, request.schedule.len() as f64);
+    let steps = |(index, step): (usize, &f64)| {
+        let [first, last] = request.range_of(index);
+        (last - first) / step
     };
-    System::carrying(request.scene, assignment.step, needs)
+    let made = match (request.solver, &request.schedule) {
+        _ if bodies * states > FEW => return false,
+        (Solver::Exact, _) => 0.0,
+        (Solver::Steps(_), Schedule::Strides(strides)) => bodies * strides.iter().sum::<u64>() as f64,
+        (Solver::Steps(_), _) => {
+            request.refinement * request.steps.iter().enumerate().map(steps).sum::<f64>()
+        }
+    };
+    // A step of zero, whose number is not a number, is not light.
+    made + bodies * states <= FEW
+}
+
+/// Does `work` for all blocks: it writes the states of a block and returns the steps of its lanes.
+fn over_blocks_of(
+    request: &Request,
+    blocks: &[Range<usize>],
+    mut states: StatesPart,
+    threads: usize,
+    stop: &Interrupt,
+    work: impl Fn(Range<usize>, StatesPart) -> Result<u64, Error> + Sync,
+) -> Result<Effort, Error> {
+    let lane_steps = AtomicU64::new(0);
+    let times = request.schedule.len();
+    let parts = blocks.iter().map(|block| (block.clone(), states.split_off(times, block.len())));
+    let threads = if is_light(request) { 1 } else { threads };
+    let nanoseconds = over_blocks(parts, threads, stop, |(block, part)| {
+        lane_steps.fetch_add(work(block, part)?, Ordering::Relaxed);
+        Ok(())
+    })?;
+    Ok(Effort { nanoseconds, lane_steps: lane_steps.into_inner() })
+}
+
+/// How a body is integrated: with which step, as a reduced top or not, and by which equations of motion.
+#[derive(Clone, Copy)]
+struct Integration {
+    assignment: KernelAssignment,
+    is_forced: bool,
+    acts_in_space: bool,
+}
+
+impl Integration {
+    fn of(request: &Request, scheme: &Scheme, index: usize) -> Self {
+        let (body, forcing) = (&request.bodies[index], request.forcing_of(index));
+        let is_forced = !forcing.is_none();
+        let assignment = match request.schedule {
+            _ if is_forced => KernelAssignment::of_forced(scheme, body),
+            // Strides repeat the steps of a map, which are made in the frame of the body.
+            Schedule::Strides(_) => KernelAssignment::of(scheme, body, request.scene),
+            _ => KernelAssignment::of_path(scheme, body, request.scene),
+        };
+        Integration { assignment, is_forced, acts_in_space: forcing.acts_in_space() }
+    }
+
+    /// Those of the bodies of a block.
+    fn of_block(request: &Request, scheme: &Scheme, block: Range<usize>) -> Result<Vec<Self>, Error> {
+        let ways = block.clone().map(|index| Integration::of(request, scheme, index));
+        memory::collected("bodies of a block", block.len(), ways)
+    }
+
+    /// What the bodies of a group share.
+    fn kind(&self) -> (Step, bool, bool, bool) {
+        (self.assignment.step, self.assignment.is_reduced(), self.is_forced, self.acts_in_space)
+    }
+
+    /// The system that carries what is recorded and no more.
+    fn system(&self, request: &Request) -> System {
+        let directions = if request.record == Record::Axis { 1 } else { 0 };
+        let needs = Needs {
+            is_forced: self.is_forced,
+            is_reduced: self.assignment.is_reduced(),
+            directions: if self.acts_in_space { 3 } else { directions },
+            attitude: request.record == Record::Attitude,
+        };
+        System::carrying(request.scene, self.assignment.step, needs)
+    }
 }
 
 /// Start and inverse scale of energy and conserved momentum of the body in a lane.

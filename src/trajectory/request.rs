@@ -1,9 +1,10 @@
 //! The request of a trajectory: bodies, record and times.
 
-use crate::forcing::Forcing;
+use crate::forcing::{BodyForcing, Forcing};
 use crate::scene::Scene;
 use crate::solver::Solver;
 use crate::start::Body;
+use std::ops::Range;
 
 /// The variables that are integrated and recorded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,18 +18,41 @@ pub enum Record {
 }
 
 /// The times of the requested states.
+#[derive(Clone, Copy)]
 pub enum Schedule<'a> {
     /// At these times, ascending; the start is at time 0.
     Times(&'a [f64]),
+    /// At times of each body's own, row after row, this many a body, ascending in each row.
+    TimesOfEach(&'a [f64], usize),
     /// After these numbers of further steps of exactly the body's own step, the first perhaps 0.
     Strides(&'a [u64]),
 }
 
-impl Schedule<'_> {
+impl<'a> Schedule<'a> {
+    /// The times of a body; `None` if its steps are counted.
+    pub fn times_of(&self, body: usize) -> Option<&'a [f64]> {
+        match self {
+            Schedule::Times(times) => Some(times),
+            Schedule::TimesOfEach(times, count) => Some(&times[body * count..][..*count]),
+            Schedule::Strides(_) => None,
+        }
+    }
+
+    /// The times of neighbouring bodies.
+    pub fn of_range(self, bodies: Range<usize>) -> Self {
+        match self {
+            Schedule::TimesOfEach(times, count) => {
+                Schedule::TimesOfEach(&times[bodies.start * count..bodies.end * count], count)
+            }
+            shared => shared,
+        }
+    }
+
     /// Number of states.
     pub fn len(&self) -> usize {
         match self {
             Schedule::Times(times) => times.len(),
+            Schedule::TimesOfEach(_, count) => *count,
             Schedule::Strides(strides) => strides.len(),
         }
     }
@@ -62,6 +86,18 @@ pub struct Request<'a> {
     pub tolerance: Option<f64>,
     /// Largest number of steps of a body.
     pub max_steps: u64,
+}
+
+impl Request<'_> {
+    /// The forcing of a body.
+    pub fn forcing_of(&self, body: usize) -> BodyForcing<'_> {
+        self.forcing.of(body)
+    }
+
+    /// The time range of the motion of a body.
+    pub fn range_of(&self, body: usize) -> [f64; 2] {
+        self.schedule.times_of(body).map_or([0.0, f64::INFINITY], time_range)
+    }
 }
 
 /// The time range of a motion that starts at 0: the first and the last of ascending times and 0.

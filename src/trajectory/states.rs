@@ -1,5 +1,6 @@
 //! The states that a request returns, and the errors of their invariants.
 
+use super::Effort;
 use super::request::{Record, Request};
 use crate::error::Error;
 use crate::kernel::State;
@@ -47,29 +48,41 @@ macro_rules! states {
         pub struct States {
             $($(#[$time_doc])* pub $time: Option<Vec<f64>>,)*
             $($(#[$body_doc])* pub $body: Vec<$type>,)*
-            /// Processor time of all threads, ns.
-            pub nanoseconds: u64,
-            /// Steps of all active lanes, waiting ones included; of bodies that choose their steps.
-            pub lane_steps: u64,
+            /// Processor time and work.
+            pub effort: Effort,
         }
 
         /// The states of some neighbouring bodies.
-        pub(super) struct StatesPart<'a> {
+        pub struct StatesPart<'a> {
             $(pub(super) $time: Option<&'a mut [f64]>,)*
             $(pub(super) $body: &'a mut [$type],)*
         }
 
         impl States {
-            /// The states of bodies that have not moved; all memory that the result takes.
-            pub(super) fn unknown(request: &Request) -> Result<States, Error> {
-                let (n, times) = (request.bodies.len(), request.schedule.len());
+            /// The columns of wanted times that a request records, with the numbers of each in a row.
+            pub fn recorded(request: &Request) -> Vec<(&'static str, usize)> {
+                let mut columns = Vec::new();
+                $({
+                    let $request = request;
+                    if $recorded {
+                        columns.push((stringify!($time), $width));
+                    }
+                })*
+                columns
+            }
+
+            /// All memory that the states of `n` bodies take but for columns that are given; the bodies of the request
+            /// do not matter.
+            pub fn reserved(request: &Request, n: usize, given: &[&str]) -> Result<States, Error> {
+                let times = request.schedule.len();
                 let what = format!("states of {n} bodies at {times} times");
                 // Beyond any number of bytes the product does not matter.
                 let states = (n as u128).saturating_mul(times as u128);
                 let mut bytes = 0_u128;
                 $({
                     let $request = request;
-                    let width = if $recorded { $width * size_of::<f64>() as u128 } else { 0 };
+                    let is_own = $recorded && !given.contains(&stringify!($time));
+                    let width = if is_own { $width * size_of::<f64>() as u128 } else { 0 };
                     bytes = bytes.saturating_add(states.saturating_mul(width));
                 })*
                 $(bytes = bytes.saturating_add(n as u128 * size_of::<$type>() as u128);)*
@@ -79,31 +92,22 @@ macro_rules! states {
                     $($time: {
                         let $request = request;
                         let length = n.checked_mul(times).and_then(|states| states.checked_mul($width));
-                        $recorded
-                            .then(|| memory::filled(&what, length.ok_or_else(refused)?, f64::NAN))
+                        ($recorded && !given.contains(&stringify!($time)))
+                            .then(|| memory::zeros(&what, length.ok_or_else(refused)?))
                             .transpose()
                             .map_err(|_| refused())?
                     },)*
                     $($body: memory::filled(&what, n, $unknown).map_err(|_| refused())?,)*
-                    nanoseconds: 0,
-                    lane_steps: 0,
+                    effort: Effort::default(),
                 })
             }
 
-            /// The states of the first bodies, of those after them and so on, each part of that many.
-            pub(super) fn parts<'a>(
-                &'a mut self,
-                times: usize,
-                lengths: impl Iterator<Item = usize>,
-            ) -> impl Iterator<Item = StatesPart<'a>> {
-                let mut rest = StatesPart {
+            /// The states of all bodies.
+            pub fn whole(&mut self) -> StatesPart<'_> {
+                StatesPart {
                     $($time: self.$time.as_deref_mut(),)*
                     $($body: &mut self.$body,)*
-                };
-                lengths.map(move |bodies| StatesPart {
-                    $($time: rest.$time.as_mut().map(|values| first(values, $width * times * bodies)),)*
-                    $($body: first(&mut rest.$body, bodies),)*
-                })
+                }
             }
 
             /// The columns by their names.
@@ -115,7 +119,38 @@ macro_rules! states {
             }
         }
 
-        impl StatesPart<'_> {
+        impl<'a> StatesPart<'a> {
+            /// Splits the states of the first bodies off.
+            pub fn split_off(&mut self, times: usize, bodies: usize) -> StatesPart<'a> {
+                StatesPart {
+                    $($time: self.$time.as_mut().map(|values| first(values, $width * times * bodies)),)*
+                    $($body: first(&mut self.$body, bodies),)*
+                }
+            }
+
+            /// Lets a column of wanted times be written into given memory.
+            pub fn give(&mut self, column: &str, values: &'a mut [f64]) {
+                match column {
+                    $(stringify!($time) => self.$time = Some(values),)*
+                    _ => unreachable!("the names are those of `recorded`"),
+                }
+            }
+
+            /// The same states.
+            pub(super) fn again(&mut self) -> StatesPart<'_> {
+                StatesPart {
+                    $($time: self.$time.as_deref_mut(),)*
+                    $($body: &mut *self.$body,)*
+                }
+            }
+
+            /// Makes all states unknown, as those of bodies that are not moved stay.
+            pub(super) fn forget(&mut self) {
+                $(if let Some(values) = &mut self.$time {
+                    values.fill(f64::NAN);
+                })*
+            }
+
             /// Changes each recorded number of state number `at` of all.
             fn change_each(&mut self, at: usize, mut change: impl FnMut(&mut f64)) {
                 $(if let Some(values) = &mut self.$time {
@@ -154,6 +189,8 @@ states! {
         momentum_drift: f64, f64::NAN;
         /// Largest deviation of |gamma| and |q| from one.
         unit_drift: f64, f64::NAN;
+        /// A bound of |omega| over the motion, of closed forms without forcing.
+        fastest_rate: f64, f64::NAN;
         /// How each body ended.
         status: Status, Status::Finished;
         /// Steps that each body took.
@@ -202,8 +239,9 @@ impl StatesPart<'_> {
             units = worse(units, (norm(now) - 1.0).abs());
             attitude[4 * at..][..4].copy_from_slice(now);
         }
-        if let (Some(balance), Some(work)) = (&now.balance, &mut self.work) {
-            work[at] = balance.work;
+        if let Some(work) = &mut self.work {
+            // A body without forcing may have neighbours with it.
+            work[at] = now.balance.map_or(0.0, |balance| balance.work);
         }
         let scales = now.balance.map(|balance| balance.scales);
         for now in [Some(now.invariants), now.invariants_of_attitude].into_iter().flatten() {
@@ -259,11 +297,7 @@ mod tests {
     use crate::forcing::Forcing;
     use crate::scene::{FREE, Scene, TOP};
     use crate::solver::Solver;
-    use crate::start::Body;
     use crate::trajectory::Schedule;
-
-    const AT_REST: Body =
-        Body { moments: [1.0; 3], weight: [0.0; 3], omega: [0.0; 3], attitude: [1.0, 0.0, 0.0, 0.0] };
 
     fn request<'a>(scene: &'static Scene, record: Record) -> Request<'a> {
         Request {
@@ -288,21 +322,24 @@ mod tests {
             (&FREE, Record::Attitude, false, true),
             (&TOP, Record::Attitude, true, true),
         ] {
-            let bodies = [AT_REST; 3];
-            let request = Request { bodies: &bodies, ..request(scene, record) };
-            let all = States::unknown(&request).unwrap();
+            let request = request(scene, record);
+            let all = States::reserved(&request, 3, &[]).unwrap();
             assert_eq!((all.vertical.is_some(), all.attitude.is_some()), (vertical, attitude));
             assert!(all.work.is_none());
+            let names: Vec<_> = States::recorded(&request).into_iter().map(|(name, _)| name).collect();
+            assert!(States::reserved(&request, 3, &names).unwrap().omega.is_none());
+            assert_eq!(names.len(), 1 + usize::from(vertical) + usize::from(attitude));
             assert_eq!((all.omega.unwrap().len(), all.energy_drift.len(), all.status.len()), (18, 3, 3));
         }
     }
 
     #[test]
     fn parts_are_the_states_of_neighbours() {
-        let bodies = [AT_REST; 3];
-        let request = Request { bodies: &bodies, ..request(&FREE, Record::Attitude) };
-        let mut all = States::unknown(&request).unwrap();
-        for (value, mut part) in all.parts(2, [1, 2].into_iter()).enumerate() {
+        let request = request(&FREE, Record::Attitude);
+        let mut all = States::reserved(&request, 3, &[]).unwrap();
+        let mut rest = all.whole();
+        for (value, bodies) in [1, 2].into_iter().enumerate() {
+            let mut part = rest.split_off(2, bodies);
             part.energy_drift.fill(value as f64);
             part.attitude.as_mut().unwrap().fill(value as f64);
             assert!(part.vertical.is_none());

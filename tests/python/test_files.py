@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import errno
+import fcntl
 import json
 import os
+import signal
 import stat
 import threading
 from collections.abc import Callable
@@ -205,6 +207,80 @@ def test_two_writers_of_one_file_do_not_tear_it(tmp_path: Path) -> None:
         thread.join()
     assert not errors
     assert names(tmp_path) == ["map.npz"]
+
+
+# Killed writers
+
+#: Leaves its scratch file behind, as `kill -9` in the middle of a write does.
+KILLED = """
+import os, signal, sys
+from rigid import _files
+
+with _files.published(sys.argv[1]) as file:
+    file.write(b"half")
+    file.flush()
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+def test_the_next_writer_removes_what_a_killed_one_left(tmp_path: Path) -> None:
+    path = tmp_path / "a.txt"
+    path.write_bytes(b"old")
+    for _ in range(3):
+        done = python_process(KILLED, str(path), check=False)
+        assert done.returncode == -signal.SIGKILL
+        assert path.read_bytes() == b"old"
+        assert len(names(tmp_path)) == 2
+    with _files.published(path) as file:
+        file.write(b"new")
+    assert path.read_bytes() == b"new"
+    assert names(tmp_path) == ["a.txt"]
+
+
+def test_the_scratch_file_of_a_living_writer_is_left_alone(tmp_path: Path) -> None:
+    with _files.published(tmp_path / "a.txt") as slow:
+        slow.write(b"slow")
+        for _ in range(3):
+            with _files.published(tmp_path / "b.txt") as quick:
+                quick.write(b"quick")
+        assert len(names(tmp_path)) == 2
+    assert (tmp_path / "a.txt").read_bytes() == b"slow"
+    assert names(tmp_path) == ["a.txt", "b.txt"]
+
+
+def test_only_scratch_files_are_removed(tmp_path: Path) -> None:
+    """Neither files with other names, nor what is no regular file."""
+    (tmp_path / "precious").write_bytes(b"precious")
+    kept = [".rigid-notes.part", f".rigid-{'0' * 32}.part.txt", f"rigid-{'0' * 32}.part"]
+    for name in kept:
+        (tmp_path / name).write_bytes(b"mine")
+    link, pipe = (f".rigid-{digit * 32}.part" for digit in "12")
+    (tmp_path / link).symlink_to("precious")
+    os.mkfifo(tmp_path / pipe)
+    with _files.published(tmp_path / "a.txt") as file:
+        file.write(b"new")
+    assert names(tmp_path) == sorted([*kept, link, pipe, "a.txt", "precious"])
+
+
+def test_a_scratch_file_that_is_taken_away_before_it_is_locked_is_made_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Two writers begin at once, and one sweeps what the other has not locked yet."""
+    flock = fcntl.flock
+    removed: list[Path] = []
+
+    def late(descriptor: int, operation: int) -> None:
+        if not removed:
+            removed.extend(tmp_path.glob(".rigid-*.part"))
+            removed[0].unlink()
+        flock(descriptor, operation)
+
+    monkeypatch.setattr(fcntl, "flock", late)
+    with _files.published(tmp_path / "a.txt") as file:
+        file.write(b"whole")
+    assert len(removed) == 1
+    assert (tmp_path / "a.txt").read_bytes() == b"whole"
+    assert names(tmp_path) == ["a.txt"]
 
 
 # A full disk

@@ -2,7 +2,8 @@
 //! takes no steps, and few lanes are inactive.
 
 use crate::tests::scene_of;
-use rigid::forcing::Forcing;
+use rigid::forcing::{BodyForcing, Forcing};
+use rigid::parallel::Interrupt;
 use rigid::sample::{Law, attitude, uniforms};
 use rigid::scheme::{self, Scheme};
 use rigid::simd::Isa;
@@ -10,7 +11,6 @@ use rigid::solver::Solver;
 use rigid::start::Body;
 use rigid::status::Status;
 use rigid::trajectory::{Record, Request, Schedule, States, simulate};
-use std::sync::atomic::AtomicBool;
 
 struct Case<'a> {
     bodies: &'a [Body],
@@ -46,16 +46,16 @@ impl Case<'_> {
 
     fn adaptive_states(&self) -> States {
         let first =
-            |body: &Body| self.method.facts.angle_per_step / body.fastest_rate(Forcing::NONE, [0.0; 2]);
+            |body: &Body| self.method.facts.angle_per_step / body.fastest_rate(BodyForcing::NONE, [0.0; 2]);
         let steps: Vec<f64> = self.bodies.iter().map(first).collect();
         let request = self.request(Solver::Steps(self.method), &steps, Some(self.tolerance));
-        simulate(&request, self.threads, self.isa, &AtomicBool::new(false)).unwrap()
+        simulate(&request, self.threads, self.isa, &Interrupt::never()).unwrap()
     }
 
     fn exact_states(&self) -> States {
         let steps = vec![f64::INFINITY; self.bodies.len()];
         let request = self.request(Solver::Exact, &steps, None);
-        simulate(&request, self.threads, self.isa, &AtomicBool::new(false)).unwrap()
+        simulate(&request, self.threads, self.isa, &Interrupt::never()).unwrap()
     }
 }
 
@@ -113,7 +113,7 @@ fn the_error_follows_the_tolerance() {
                             [&got, &exact].map(|s| &s.attitude.as_ref().unwrap()[4 * (81 * i + k)..][..4]);
                         worst = worst.max(
                             2.0 * distance(a, b)
-                                / (1.0 + body.fastest_rate(Forcing::NONE, [0.0; 2]) * times[k].abs()),
+                                / (1.0 + body.fastest_rate(BodyForcing::NONE, [0.0; 2]) * times[k].abs()),
                         );
                     }
                 }
@@ -200,7 +200,7 @@ fn few_lanes_are_inactive() {
         (0..1024).map(|i| body(i, true, false, 8.0 * (1.0 + 3.0 * (i % 16) as f64 / 15.0))).collect();
     let states = case(&bodies, &scheme::TAYLOR16, 1e-13, &[100.0]).adaptive_states();
     let (least, most) = (states.steps.iter().min().unwrap(), states.steps.iter().max().unwrap());
-    let utilisation = states.steps.iter().sum::<u64>() as f64 / states.lane_steps as f64;
+    let utilisation = states.steps.iter().sum::<u64>() as f64 / states.effort.lane_steps as f64;
     println!("{least} to {most} steps, utilisation {utilisation:.3}");
     assert!(most >= &(4 * least) && utilisation >= 0.95, "{least} to {most}: {utilisation}");
 }
@@ -213,7 +213,7 @@ fn refused_tolerances() {
     let refusal = |method: &'static Scheme, tolerance: f64| {
         let case = case(&bodies, method, tolerance, &[1.0]);
         let request = case.request(Solver::Steps(method), &[0.1], Some(tolerance));
-        simulate(&request, 1, Isa::Scalar, &AtomicBool::new(false)).err().expect("refused").to_string()
+        simulate(&request, 1, Isa::Scalar, &Interrupt::never()).err().expect("refused").to_string()
     };
     for method in [&scheme::RK4, &scheme::SPLITTING] {
         assert!(refusal(method, 1e-9).contains("only the Taylor methods"));

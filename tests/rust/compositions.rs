@@ -4,6 +4,7 @@
 use crate::tests::scene_of;
 use rigid::error::Error;
 use rigid::forcing::Forcing;
+use rigid::parallel::Interrupt;
 use rigid::sample::uniforms;
 use rigid::scheme::{self, Scheme};
 use rigid::simd::Isa;
@@ -11,7 +12,6 @@ use rigid::solver::Solver;
 use rigid::start::Body;
 use rigid::status::Status;
 use rigid::trajectory::{Record, Request, Schedule, States, simulate};
-use std::sync::atomic::AtomicBool;
 
 const EPS: f64 = f64::EPSILON;
 
@@ -52,7 +52,7 @@ fn integrate(scene: &Scene, solver: Solver, times: &[f64], step: f64) -> States 
         refinement: 1.0,
         max_steps: u64::MAX,
     };
-    simulate(&request, 1, Isa::available()[0], &AtomicBool::new(false)).unwrap()
+    simulate(&request, 1, Isa::available()[0], &Interrupt::never()).unwrap()
 }
 
 /// Sum of the differences of rates and attitudes; the sign of an attitude is arbitrary.

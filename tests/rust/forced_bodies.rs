@@ -2,6 +2,7 @@
 //! and refused requests.
 
 use crate::tests::scene_of;
+use rigid::parallel::Interrupt;
 use rigid::forcing::Forcing;
 use rigid::kernel::{Compiled, Kernel, System};
 use rigid::kernel::{Entry, KernelAssignment, load};
@@ -16,9 +17,8 @@ use rigid::solver::Solver;
 use rigid::start::Body;
 use rigid::status::Status;
 use rigid::trajectory::{Record, Request, Schedule, States, simulate};
-use std::sync::atomic::AtomicBool;
 
-static GO: AtomicBool = AtomicBool::new(false);
+static GO: Interrupt = Interrupt::never();
 
 fn bits(numbers: &[f64]) -> Vec<u64> {
     numbers.iter().map(|x| if x.is_nan() { f64::NAN.to_bits() } else { x.to_bits() }).collect()
@@ -41,7 +41,7 @@ fn table(in_space: bool) -> Forcing {
         (0..6).map(|k| uniforms([7, 8], 0, k, 0).map(|x| 3.0 * x - 1.5)[..3].try_into().unwrap()).collect();
     let zeros = [[0.0; 3]; 6];
     let space: &[[f64; 3]] = if in_space { &values } else { &zeros };
-    Forcing::new(&times, &values, space, [0.3, 0.2, 0.4, 0.05, -0.1, 0.02]).unwrap()
+    Forcing::new(&times, &values, space, &[[0.3, 0.2, 0.4, 0.05, -0.1, 0.02]]).unwrap()
 }
 
 fn forced_methods() -> Vec<&'static Scheme> {
@@ -71,7 +71,7 @@ fn every_kernel_on_every_instruction_set_and_in_every_lane() {
                     let step = if number == 3 { 0.0 } else { 0.02 + 0.002 * number as f64 };
                     load(group, lane, compiled, assignment_of(&body), &Entry::unobserved(&body, None, step));
                     let forcing = table(number.is_multiple_of(2));
-                    forcing_rows.set(lane, &forcing.interval(0.01 * number as f64, false, body.moments));
+                    forcing_rows.set(lane, &forcing.of(0).interval(0.01 * number as f64, false, body.moments));
                 };
             let full_group = |isa| {
                 let compiled = Compiled::new(kernel, isa);
@@ -201,9 +201,10 @@ fn a_torque_table_is_read_from_both_sides_of_a_jump() {
         &[0.0, 1.0, 1.0, 3.0],
         &[[0.0; 3], [2.0, 0.0, 0.0], [5.0, 0.0, 0.0], [1.0, 0.0, 0.0]],
         &[[0.0; 3]; 4],
-        [0.0; 6],
+        &[[0.0; 6]],
     )
     .unwrap();
+    let forcing = forcing.of(0);
     let at = |time, backward| {
         let interval = forcing.interval(time, backward, [1.0, 2.0, 3.0]);
         [interval.body[0][0], interval.body[1][0]]
@@ -224,7 +225,7 @@ fn a_torque_table_is_read_from_both_sides_of_a_jump() {
 #[test]
 fn damping_rates_of_known_matrices() {
     let rates = |damping, moments| {
-        Forcing::new(&[], &[[0.0; 3]], &[[0.0; 3]], damping).unwrap().damping_rates(moments)
+        Forcing::new(&[], &[[0.0; 3]], &[[0.0; 3]], &[damping]).unwrap().of(0).damping_rates(moments)
     };
     assert_eq!(rates([1.0, 3.0, 2.0, 0.0, 0.0, 0.0], [1.0, 2.0, 4.0]), [0.5, 1.0, 1.5]);
     // ((2, -1, 0), (-1, 2, -1), (0, -1, 2)) has the eigenvalues 2 and 2 -+ sqrt 2.
@@ -239,7 +240,7 @@ fn damping_rates_of_known_matrices() {
 
 #[test]
 fn damping_that_adds_energy_and_unstable_steps_are_refused() {
-    let make = |damping| Forcing::new(&[], &[[0.0; 3]], &[[0.0; 3]], damping);
+    let make = |damping| Forcing::new(&[], &[[0.0; 3]], &[[0.0; 3]], &[damping]);
     assert!(make([1.0, 1.0, 1.0, 2.0, 0.0, 0.0]).unwrap_err().to_string().contains("positive semi-definite"));
     assert!(make([1.0, f64::NAN, 1.0, 0.0, 0.0, 0.0]).unwrap_err().to_string().contains("finite"));
     let stiff = make([1e3, 1e3, 1e3, 0.0, 0.0, 0.0]).unwrap();

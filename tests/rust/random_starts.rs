@@ -4,7 +4,7 @@
 //! The draws are fixed, so the tests are deterministic: the mean of n draws has at most 4 of its standard errors.
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
-use rigid::map::{Criterion, Map, MethodChoice, Pixel};
+use rigid::map::{Check, Criterion, Map, MethodChoice, Pixel};
 use rigid::sample::{Law, attitude, philox4x64, uniforms, vector};
 use rigid::scene::FREE;
 use rigid::scheme;
@@ -224,7 +224,7 @@ fn draws_do_not_shift_each_other() {
             step: None,
             max_steps: 100,
             samples,
-            checked: 0,
+            check: Check::First(0),
             key: KEY,
         };
         let flat = pixel * samples + sample;

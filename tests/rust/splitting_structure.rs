@@ -4,6 +4,7 @@
 use crate::tests::scene_of;
 use nalgebra::{Quaternion, SVector, Unit, UnitQuaternion, Vector3};
 use rigid::forcing::{Forcing, ForcingInterval};
+use rigid::parallel::Interrupt;
 use rigid::real::Real;
 use rigid::sample::{Law, attitude, uniforms};
 use rigid::scene::{Attitude, AxisAttitude, Free, Layout, Model, Parameters, Top};
@@ -15,7 +16,6 @@ use rigid::simd::Isa;
 use rigid::solver::Solver;
 use rigid::start::Body;
 use rigid::trajectory::{Record, Request, Schedule, States, simulate};
-use std::sync::atomic::AtomicBool;
 
 const EPS: f64 = f64::EPSILON;
 
@@ -305,7 +305,7 @@ fn run(bodies: &[Body], is_top: bool, method: &'static Scheme) -> States {
         refinement: 1.0,
         max_steps: 1000,
     };
-    simulate(&request, 1, Isa::available()[0], &AtomicBool::new(false)).unwrap()
+    simulate(&request, 1, Isa::available()[0], &Interrupt::never()).unwrap()
 }
 
 /// The body with its axes renamed: new axis i is old axis i + 1. The quaternion of the renaming is

@@ -2,7 +2,8 @@
 
 use crate::tests::scene_of;
 use nalgebra::{DMatrix, DVector};
-use rigid::forcing::{Forcing, ForcingInterval};
+use rigid::forcing::{BodyForcing, Forcing, ForcingInterval};
+use rigid::parallel::Interrupt;
 use rigid::sample::{Law, attitude, uniforms};
 use rigid::scene::{Attitude, Axis, Free, Layout, Model, Parameters, Top};
 use rigid::scheme::{self, Coefficients, Scheme, Stepper, Taylor};
@@ -11,7 +12,6 @@ use rigid::solver::Solver;
 use rigid::start::Body;
 use rigid::status::Status;
 use rigid::trajectory::{Record, Request, Schedule, States, simulate};
-use std::sync::atomic::AtomicBool;
 
 const EPS: f64 = f64::EPSILON;
 
@@ -28,7 +28,7 @@ fn run(bodies: &[Body], solver: Solver, step: f64, times: &[f64]) -> States {
         refinement: 1.0,
         max_steps: u64::MAX,
     };
-    simulate(&request, 1, Isa::available()[0], &AtomicBool::new(false)).unwrap()
+    simulate(&request, 1, Isa::available()[0], &Interrupt::never()).unwrap()
 }
 
 fn series() -> impl Iterator<Item = &'static Scheme> {
@@ -118,6 +118,7 @@ where
 fn of_a_uniform_turn_the_series_are_those_of_sine_and_cosine() {
     uniform_turn::<Taylor<false, f64, Free<f64>>>(&scheme::TAYLOR8);
     uniform_turn::<Taylor<false, f64, Free<f64>>>(&scheme::TAYLOR12);
+    uniform_turn::<Taylor<false, f64, Free<f64>>>(&scheme::TAYLOR14);
     uniform_turn::<Taylor<true, f64, Free<f64>>>(&scheme::TAYLOR16);
     uniform_turn::<Taylor<true, f64, Free<f64>>>(&scheme::TAYLOR20);
     uniform_turn::<Taylor<true, f64, Free<f64>>>(&scheme::TAYLOR26);
@@ -218,7 +219,7 @@ fn random_body(number: u64, is_top: bool) -> Body {
 fn the_default_step_leaves_only_rounding() {
     for number in 0..300 {
         let body = random_body(number, number % 2 == 1);
-        let rate = body.fastest_rate(Forcing::NONE, [0.0; 2]);
+        let rate = body.fastest_rate(BodyForcing::NONE, [0.0; 2]);
         let end = [20.0 / rate];
         let exact = run(&[body], Solver::Steps(&scheme::TAYLOR26), 0.3 / rate, &end).attitude.unwrap();
         for method in series() {

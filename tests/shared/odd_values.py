@@ -63,6 +63,16 @@ def whole(rng: Random, value: int) -> Any:
 def array(rng: Random, values: Any) -> Any:
     """An array in another type, byte order or layout, with the same or nearly the same numbers."""
     plain = np.array(values, dtype=np.float64)
+    if not plain.ndim or not plain.size:
+        return perhaps(rng, plain.tolist())
+    with np.errstate(all="ignore"):
+        short = plain.astype(np.float32)
+    holds = np.isfinite(short).all() and (short != 0).all()
+    return perhaps(rng, short if holds and rng.random() < 0.08 else form(rng, plain))
+
+
+def form(rng: Random, plain: Floats) -> Any:
+    """The same numbers in another type, byte order or layout."""
 
     def strided(step: int) -> Floats:
         wide = np.repeat(plain, abs(step), axis=-1)
@@ -78,18 +88,12 @@ def array(rng: Random, values: Any) -> Any:
         copy.flags.writeable = False
         return copy
 
-    def single() -> Any:
-        with np.errstate(all="ignore"):
-            short = plain.astype(np.float32)
-        return short if np.isfinite(short).all() and (short != 0).all() else plain
-
     makers: list[Callable[[], Any]] = [
-        *(lambda: plain, plain.tolist, plain.tolist, lambda: plain.astype(">f8"), single),
+        *(lambda: plain, plain.tolist, plain.tolist, lambda: plain.astype(">f8")),
         *(lambda: np.asfortranarray(plain), lambda: strided(2), lambda: strided(-3), read_only),
         *(unaligned, lambda: plain.astype(np.longdouble), lambda: np.ma.array(plain)),
     ]
-    made = rng.choice(makers)() if plain.ndim and plain.size else plain.tolist()
-    return perhaps(rng, made)
+    return rng.choice(makers)()
 
 
 # Bodies and scenes

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from physics import ROUNDOFF, Floats, rotation_angle
+from physics import ROUNDOFF, Floats, quaternion_product, rotation_angle
 from rigid import _core
 
 #: How far each way the bodies are followed: the angle turned at the fastest rate (rad).
@@ -68,7 +68,7 @@ class Scenes:
             step=None if method == "exact" else np.full(len(self), step),
             max_steps=10**6,
             threads=threads,
-            times=times,
+            times=times[np.newaxis],
         )
         return states["omega"], states["attitude"]
 
@@ -101,19 +101,6 @@ def any_attitude(rng: np.random.Generator, n: int) -> Floats:
 def _unit(q: Floats) -> Floats:
     unit: Floats = q / np.linalg.norm(q, axis=-1, keepdims=True)
     return unit
-
-
-def _times(p: Floats, q: Floats) -> Floats:
-    """Products of quaternions."""
-    a, b, c, d = np.moveaxis(p, -1, 0)
-    w, x, y, z = np.moveaxis(q, -1, 0)
-    rows = [
-        a * w - b * x - c * y - d * z,
-        a * x + b * w + c * z - d * y,
-        a * y + c * w + d * x - b * z,
-        a * z + d * w + b * y - c * x,
-    ]
-    return np.stack(np.broadcast_arrays(*rows), axis=-1)
 
 
 def _moments(rng: np.random.Generator, n: int, *, equal: bool) -> Floats:
@@ -251,7 +238,7 @@ def tops(rng: np.random.Generator, n: int) -> Scenes:
     axis = rng.integers(3, size=n)
     rows, turn = np.arange(n)[:, None], (np.arange(3) - axis[:, None] + 2) % 3
     moments, weight, omega = moments[rows, turn], weight[rows, turn], omega[rows, turn]
-    attitude = _times(attitude, THIRD_TO[axis])
+    attitude = quaternion_product(attitude, THIRD_TO[axis])
     return _slowed(Scenes("top", "Lagrange top", moments, weight, omega, _unit(attitude)), fastest)
 
 
@@ -377,7 +364,7 @@ def _growth(scenes: Scenes, times: Floats, unit: float, threads: int) -> Floats:
         turn = np.concatenate([[1.0], 0.5 * nudge])
         for omega, attitude in (
             moved(scenes.omega + unit * nudge, scenes.attitude),
-            moved(scenes.omega, _times(scenes.attitude, turn)),
+            moved(scenes.omega, quaternion_product(scenes.attitude, turn)),
         ):
             squares += ((omega - rates) ** 2).sum(axis=-1) / unit**2
             squares += rotation_angle(attitude, attitudes) ** 2

@@ -21,7 +21,7 @@ VERDICTS = ("right", "within 4uκ", "flagged", "refused", "status", "no truth", 
 REST = 2e-13
 
 #: How a run ended whose stated error is to be believed.
-JUDGED = tuple(status for status in rigid.Status if status.name in ("OK", "COARSE"))
+JUDGED = (rigid.Status.OK, rigid.Status.COARSE)
 
 #: Most steps of the truth; a body that needs more has none.
 LIMIT = 2000

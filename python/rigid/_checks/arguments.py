@@ -27,6 +27,7 @@ __all__ = [
     "rows",
     "shaped",
     "sorted_times",
+    "times_of_each",
     "together",
     "unit_vector",
     "vector",
@@ -133,9 +134,9 @@ def _refuse_masked(name: str, value: object) -> None:
 
 
 def _finite(name: str, array: NDArray[np.float64]) -> None:
-    finite = np.isfinite(array)
-    if not finite.all():
-        index = tuple(int(i) for i in np.argwhere(~finite)[0])
+    first = _core.first_not_finite(array)
+    if first is not None:
+        index = tuple(int(i) for i in np.unravel_index(first, array.shape))
         place = list(index) if index else ""
         raise ValueError(f"{name}{place} = {array[index]}: must be finite")
 
@@ -224,12 +225,19 @@ def sorted_times(name: str, value: ArrayLike) -> NDArray[np.float64]:
     array = np.atleast_1d(numbers(name, value))
     if array.ndim != 1:
         raise ValueError(f"{name}: expected shape (m,), got {array.shape}")
+    return times_of_each(name, array)
+
+
+def times_of_each(name: str, value: ArrayLike) -> NDArray[np.float64]:
+    """``value`` as finite times that ascend along the last axis, shape ``(..., m)``."""
+    array = np.atleast_1d(numbers(name, value))
     _finite(name, array)
-    late = np.flatnonzero(array[1:] < array[:-1])
-    if len(late):
-        k = int(late[0])
+    if array.shape[-1] > 1 and (array[..., 1:] < array[..., :-1]).any():
+        index, place = first_place(array[..., 1:] < array[..., :-1])
+        after = (*index[:-1], index[-1] + 1)
         raise ValueError(
-            f"{name}[{k}] = {array[k]} > {name}[{k + 1}] = {array[k + 1]}: times must be ascending"
+            f"{name}{place} = {array[index]} > {name}{list(after)} = {array[after]}: "
+            "times must be ascending"
         )
     return array
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import sys
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,7 +15,14 @@ from .arguments import first_place, numbers, shaped
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-__all__ = ["attitudes", "finite_array", "require", "unit_quaternions", "vectors"]
+__all__ = [
+    "attitudes",
+    "finite_array",
+    "require",
+    "unit_quaternions",
+    "unit_vectors",
+    "vectors",
+]
 
 Floats = NDArray[np.float64]
 
@@ -62,3 +71,20 @@ def unit_quaternions(
         raise ValueError(f"{name}{place} = {[0.0] * 4}: {rule}")
     unit: Floats = _core.unit_quaternions(rows).reshape(quaternions.shape)
     return unit
+
+
+def unit_vectors(name: str, value: ArrayLike) -> Floats:
+    """``value`` as vectors of length one, shape (..., 3), each as ``unit_vector`` takes it."""
+    array = vectors(name, value)
+    flat = array.reshape(-1, 3)
+    # The function that measures a single vector: both give the same bits.
+    norms = np.array(list(map(math.hypot, *flat.T.tolist())) if len(flat) else [])
+    off = np.abs(norms - 1.0)
+    if np.any(off > 1e-9):
+        index, place = first_place((off > 1e-9).reshape(array.shape[:-1]))
+        norm = norms.reshape(array.shape[:-1])[index]
+        raise ValueError(
+            f"{name}{place} = {array[index].tolist()}: must be a unit vector, its length is {norm}"
+        )
+    scaled = np.where((off > sys.float_info.epsilon)[:, np.newaxis], flat / norms[:, None], flat)
+    return scaled.reshape(array.shape)

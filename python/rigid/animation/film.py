@@ -13,6 +13,7 @@ from .._checks.arguments import finite_float, one_of
 from .._checks.arrays import attitudes
 from ..drawing import colours
 from ..drawing.shapes import STEM, box_faces, cone_faces, ellipsoid_faces, plane_face, top_faces
+from ..model.body import Moments
 from ..model.scene import FreeBody, HeavyTop, Scene, check_heavy_top
 from ..rotations.apply import to_space
 from .states import require_unforced, scene_of, states_of
@@ -137,7 +138,7 @@ def film_of(
     speed = finite_float("speed", speed, positive=True)
     if len(run.t) < 2:
         raise ValueError(f"t of shape {run.t.shape}: an animation needs two times or more")
-    scene = scene_of(run)
+    scene = scene_of(run, body)
     view = _chosen(scene, view)
     momentum = to_space(attitude, np.array(scene.body.moments) * omega)
     size = float(np.linalg.norm(momentum[0]))
@@ -324,7 +325,7 @@ def _vectors(
     )
 
 
-def _spread(moments: tuple[float, float, float]) -> Floats:
+def _spread(moments: Moments) -> Floats:
     """``∫ x_i² dm`` along each principal axis."""
     array = np.array(moments)
     spread: Floats = 0.5 * array.sum() - array

@@ -14,11 +14,14 @@ __all__ = ["require_unforced", "scene_of", "states_of"]
 Floats = NDArray[np.float64]
 
 
-def scene_of(run: object) -> Scene:
-    """The scene of a run; TypeError if it is none."""
+def scene_of(run: object, body: int | None = None) -> Scene:
+    """The scene of a run, of one body of many; TypeError if the run is none."""
     if not isinstance(run, Run):
         raise TypeError(f"run = {brief(run)}: must be a rigid.Run, which rigid.simulate returns")
-    return scene_from_dict(run.spec["scene"])
+    scene = scene_from_dict(run.spec["scene"])
+    if not scene.shape:
+        return scene
+    return scene[0 if len(scene) == 1 else body or 0]
 
 
 def states_of(run: Run, body: int | None = None) -> tuple[Floats, Floats]:
@@ -28,6 +31,10 @@ def states_of(run: Run, body: int | None = None) -> tuple[Floats, Floats]:
             f"record = {run.spec['record']!r}: record = 'attitude' is needed to show the motion"
         )
     omega, attitude = run.omega, run.attitude
+    if run.t.ndim > 1:
+        raise ValueError(f"t of shape {run.t.shape}: needs times that all bodies share, (m,)")
+    if omega.ndim > 3:
+        raise ValueError(f"omega of shape {omega.shape}: needs one axis of bodies, (n, m, 3)")
     if omega.ndim == 3:
         bodies = len(omega)
         if body is None and bodies != 1:

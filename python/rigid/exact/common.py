@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+from ..model.leading import Shape
 from ..model.scene import Scene
 
-__all__ = ["first_rows", "require_unforced"]
+__all__ = ["in_shape", "require_unforced"]
 
 
 def require_unforced(scene: Scene) -> None:
@@ -15,6 +16,6 @@ def require_unforced(scene: Scene) -> None:
         raise ValueError(f"scene = {scene.words()}: no closed form under torque and damping")
 
 
-def first_rows(values: dict[str, Any]) -> dict[str, Any]:
-    """The first row of each array: the values of a single body."""
-    return {name: array[0] for name, array in values.items()}
+def in_shape(values: dict[str, Any], shape: Shape) -> dict[str, Any]:
+    """Arrays with a row for each body, with the axes of the bodies instead."""
+    return {name: array.reshape((*shape, *array.shape[1:]))[()] for name, array in values.items()}

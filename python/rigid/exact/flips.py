@@ -48,7 +48,7 @@ def flip_times(
 
     Returns
     -------
-    ndarray, shape (count,) or (n, count)
+    ndarray, shape (count,) or (..., count)
         Times > 0 (s), ascending; inf if the rate does not change sign again.
 
     Raises
@@ -66,27 +66,28 @@ def flip_times(
     >>> np.round(np.diff(times), 6)
     array([28.731424, 28.731424])
     """
-    require_unforced(check_scene(scene))
+    require_unforced(check_scene(scene, many=True))
     number = positive_int("count", count)
-    batch, single = Batch.from_input(scene, omega, attitude)
+    batch, shape = Batch.from_input(scene, omega, attitude)
     axes = _largest(batch.omega) if axis is None else body_axis(axis)
     parts: list[tuple[NDArray[np.intp], Floats]] = []
     for chosen in np.unique(axes).tolist():
-        if "" in closed_forms(NoFlip(chosen), batch.moments, batch.weight):
+        mine = np.flatnonzero(np.broadcast_to(axes == chosen, len(batch)))
+        some = batch.select(mine)
+        if "" in closed_forms(NoFlip(chosen), some.moments, some.weight):
             raise ValueError(
                 f"axis = {chosen}: no closed form for the {scene.words()}; there is one for a "
                 "free body, and for the symmetry axis of a Lagrange top"
             )
-        mine = np.flatnonzero(np.broadcast_to(axes == chosen, len(batch)))
-        some = batch.select(mine).full_columns()
-        parts.append((mine, _core.flip_times(**some, axis=int(chosen), count=number)))
+        columns = some.full_columns()
+        parts.append((mine, _core.flip_times(**columns, axis=int(chosen), count=number)))
     if len(parts) == 1:
         times = parts[0][1]
     else:
         times = np.empty((len(batch), number))
         for mine, found in parts:
             times[mine] = found
-    return times[0] if single else times
+    return times.reshape((*shape, number))
 
 
 def _largest(omega: Floats) -> NDArray[np.intp]:

@@ -8,11 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .._checks.arguments import rows
+from .._checks.arrays import vectors
 from ..model.body import Body
 from ..model.body_like import body_of
+from ..model.leading import leading_shape
 from ..model.scene import FreeBody
-from .common import first_rows, require_unforced
+from .common import in_shape, require_unforced
 
 __all__ = ["FreeMotion", "free_body"]
 
@@ -22,6 +23,8 @@ Floats = NDArray[np.float64]
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FreeMotion:
     """The motion of free bodies. Arrays of a single body lack the leading axis ``n``.
+
+    Bodies and rates of other leading axes give these axes in the place of ``n``.
 
     Attributes
     ----------
@@ -61,8 +64,8 @@ def free_body(body: Body | FreeBody, omega: ArrayLike) -> FreeMotion:
     Parameters
     ----------
     body : Body or FreeBody
-        The body.
-    omega : array_like, shape (3,) or (n, 3)
+        The body, or many.
+    omega : array_like, shape (3,) or (..., 3)
         Angular velocity in the body at any time of the motion (rad/s).
 
     Returns
@@ -85,7 +88,8 @@ def free_body(body: Body | FreeBody, omega: ArrayLike) -> FreeMotion:
     """
     if isinstance(body, FreeBody):
         require_unforced(body)
-    rates, single = rows("omega", omega, 3)
-    moments = np.ascontiguousarray(np.broadcast_to(np.array(body_of(body).moments), rates.shape))
-    values = _core.free_quantities(moments=moments, omega=rates)
-    return FreeMotion(**first_rows(values) if single else values)
+    rates, moments = vectors("omega", omega), np.array(body_of(body).moments)
+    shape = leading_shape({"body": moments.shape[:-1], "omega": rates.shape[:-1]})
+    columns = (np.broadcast_to(rows, (*shape, 3)).reshape(-1, 3) for rows in (moments, rates))
+    first, second = map(np.ascontiguousarray, columns)
+    return FreeMotion(**in_shape(_core.free_quantities(moments=first, omega=second), shape))

@@ -11,14 +11,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .._checks.arguments import finite_float
+from .._checks.arguments import finite_float, first_place
 from .._checks.arrays import finite_array, require
 from .._checks.overflow import refuses_overflow
+from ..model.leading import leading_shape
 from ..model.scene import HeavyTop, check_heavy_top
 from ..model.start import body_axis
+from ..solve.arrays import in_rows
 from ..solve.batch import Batch
-from ..solve.closed_form import lagrange_axis_of
-from .common import first_rows, require_unforced
+from ..solve.closed_form import lagrange_axes
+from .common import in_shape, require_unforced
 from .elliptic import agm
 
 if TYPE_CHECKING:
@@ -41,12 +43,14 @@ Floats = NDArray[np.float64]
 class TopMotion:
     """The motion of Lagrange tops. Arrays of a single top lack the leading axis ``n``.
 
+    Scenes and starts of other leading axes give these axes in the place of ``n``.
+
     A tilt is the angle between the upward vertical and the direction from the fixed point to the
     centre of mass.
 
     Attributes
     ----------
-    kind : str, or tuple of str of length n
+    kind : str, or tuple of str of length n (of tuples, with several leading axes)
         ``"cusp"``, ``"loop"`` or ``"monotone"`` by the path of the axis, or ``"steady"``; without
         spin ``"spherical pendulum"``, or ``"planar"`` if the top swings in a plane; on the vertical
         ``"sleeping"``, ``"upright"`` (unstable) or ``"hanging"``.
@@ -65,7 +69,7 @@ class TopMotion:
         Complementary parameter ``1 - m`` of the elliptic functions.
     """
 
-    kind: str | tuple[str, ...]
+    kind: str | tuple[Any, ...]
     retrograde: NDArray[np.bool_]
     tilt_min: Floats
     tilt_max: Floats
@@ -108,13 +112,11 @@ def lagrange_top(
     >>> motion.kind, round(float(motion.tilt_min), 12)
     ('cusp', 0.5)
     """
-    lagrange_axis(scene)
-    batch, single = Batch.from_input(scene, omega, attitude)
+    _lagrange(scene)
+    batch, shape = Batch.from_input(scene, omega, attitude)
     values = _core.top_quantities(**_without_kind(batch))
-    kinds = values.pop("kind")
-    if single:
-        return TopMotion(kind=kinds[0], **first_rows(values))
-    return TopMotion(kind=tuple(kinds), **values)
+    kinds = np.array(values.pop("kind"), dtype=np.str_).reshape(shape)
+    return TopMotion(kind=_tuples(kinds.tolist()), **in_shape(values, shape))
 
 
 def tilt_time(
@@ -153,13 +155,13 @@ def tilt_time(
     >>> bool(np.isinf(rigid.exact.tilt_time(top, [0.0, 0.0, 10.0], tilted, limit=1.0)))
     True
     """
-    lagrange_axis(scene)
+    _lagrange(scene)
     angle = finite_float("limit", limit, positive=True)
     if angle > pi:
         raise ValueError(f"limit = {angle}: must lie in (0, pi] (rad)")
-    batch, single = Batch.from_input(scene, omega, attitude)
+    batch, shape = Batch.from_input(scene, omega, attitude)
     times = _core.tilt_times(**_without_kind(batch), limit=angle)
-    return times[0] if single else times
+    return times.reshape(shape)[()]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -213,7 +215,7 @@ def steady_precession(scene: HeavyTop, tilt: ArrayLike, spin: ArrayLike) -> Stea
         Angle of the centre of mass from the upward vertical (rad), in [0, pi].
     spin : array_like, shape (...)
         Rate about the body axis through the centre of mass, a component of ``omega`` (rad/s);
-        broadcasts with the tilt.
+        broadcasts with the tilt, and both with the scene.
 
     Returns
     -------
@@ -238,10 +240,10 @@ def steady_precession(scene: HeavyTop, tilt: ArrayLike, spin: ArrayLike) -> Stea
     >>> round(float(found.slow), 12), round(float(found.fast), 11), round(float(found.spin_min), 11)
     (0.438447187191, 4.56155281281, 2.82842712475)
     """
-    axis, side = lagrange_axis(scene)
+    across, along, side = _lagrange(scene)
     angles, spins = np.broadcast_arrays(finite_array("tilt", tilt), finite_array("spin", spin))
     require("tilt", angles, (angles >= 0.0) & (angles <= pi), "must lie in [0, pi] (rad)")
-    across, along = scene.body.moments[axis - 2], scene.body.moments[axis - 1]
+    leading_shape({"scene": scene.shape, "tilt and spin": angles.shape})
     momentum = side * along * spins
     # cos(pi / 2) of float64 is not 0, but the cosine of a horizontal axis is.
     cosine = np.where(angles == 0.5 * pi, 0.0, np.cos(angles))
@@ -267,7 +269,7 @@ def steady_precession(scene: HeavyTop, tilt: ArrayLike, spin: ArrayLike) -> Stea
 
 
 @refuses_overflow
-def sleeping_spin(scene: HeavyTop) -> float:
+def sleeping_spin(scene: HeavyTop) -> float | Floats:
     """The least spin (rad/s) at which an upright Lagrange top sleeps: ``2 sqrt(mgl I1) / I3``.
 
     Goldstein, *Classical Mechanics*, § 5.7.
@@ -288,9 +290,9 @@ def sleeping_spin(scene: HeavyTop) -> float:
     >>> rigid.exact.sleeping_spin(rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0))
     4.0
     """
-    axis, _ = lagrange_axis(scene)
-    across, along = scene.body.moments[axis - 2], scene.body.moments[axis - 1]
-    return float(2.0 * np.sqrt(scene.mgl * across) / along)
+    across, along, _ = _lagrange(scene)
+    spin = 2.0 * np.sqrt(scene.mgl * across) / along
+    return spin if scene.shape else float(spin)
 
 
 def pendulum_period(scene: HeavyTop, amplitude: ArrayLike, *, axis: int) -> Floats:
@@ -303,7 +305,8 @@ def pendulum_period(scene: HeavyTop, amplitude: ArrayLike, *, axis: int) -> Floa
     scene : HeavyTop
         The body; the direction to its centre of mass is perpendicular to the axis.
     amplitude : array_like
-        Largest angle of the centre of mass from the downward vertical (rad), in [0, pi].
+        Largest angle of the centre of mass from the downward vertical (rad), in [0, pi]; broadcasts
+        with the scene.
     axis : {1, 2, 3}
         The body axis of the swing.
 
@@ -325,34 +328,66 @@ def pendulum_period(scene: HeavyTop, amplitude: ArrayLike, *, axis: int) -> Floa
     >>> np.round(rigid.exact.pendulum_period(body, [0.0, np.pi / 2], axis=1), 6)
     array([3.141593, 3.708149])
     """
-    require_unforced(check_heavy_top(scene))
+    require_unforced(check_heavy_top(scene, many=True))
     about = body_axis(axis)
-    if scene.mgl == 0.0 or scene.com[about - 1] != 0.0:
-        raise ValueError(
-            f"mgl = {scene.mgl:g}, com = {scene.com}: a pendulum about axis {about} needs a weight "
-            "and its centre of mass exactly across that axis"
-        )
+    mgl, com = np.asarray(scene.mgl), np.asarray(scene.com)
+    _require_each(
+        scene,
+        (mgl != 0.0) & (com[..., about - 1] == 0.0),
+        f"a pendulum about axis {about} needs a weight and its centre of mass exactly across that "
+        "axis",
+        ("mgl", "com"),
+    )
     angles = finite_array("amplitude", amplitude)
     require("amplitude", angles, (angles >= 0.0) & (angles <= pi), "must lie in [0, pi] (rad)")
-    frequency = np.sqrt(scene.mgl / scene.body.moments[about - 1])
+    leading_shape({"scene": scene.shape, "amplitude": angles.shape})
+    frequency = np.sqrt(mgl / np.asarray(scene.body.moments)[..., about - 1])
     # cos(pi / 2) of float64 is not 0, but on the separatrix the cosine is.
     cosine = np.where(angles == pi, 0.0, np.cos(0.5 * angles))
     with np.errstate(divide="ignore"):
         return np.asarray(2.0 * pi / (frequency * agm(1.0, cosine)))[()]
 
 
-def lagrange_axis(scene: HeavyTop) -> tuple[int, float]:
-    """Symmetry axis of a Lagrange top with weight, and the sign of ``com`` along that axis."""
-    require_unforced(check_heavy_top(scene))
-    if scene.mgl == 0.0:
-        raise ValueError("mgl = 0: a top without weight is a free body; use exact.free_body")
-    axis = lagrange_axis_of(scene.body.moments, scene.weight)
-    if axis == 0:
-        raise ValueError(
-            f"moments = {scene.body.moments}, com = {scene.com}: a Lagrange top has two moments "
-            "equal to the bit and its centre of mass exactly on the third axis"
-        )
-    return axis, float(np.sign(scene.com[axis - 1]))
+def _lagrange(scene: HeavyTop) -> tuple[Floats, Floats, Floats]:
+    """Moments across and along the axes of Lagrange tops with weight, and the sides of ``com``."""
+    require_unforced(check_heavy_top(scene, many=True))
+    moments, weight = np.asarray(scene.body.moments), scene.weight
+    shape = scene.shape
+    axes = lagrange_axes(in_rows(moments, shape), in_rows(weight, shape))
+    axis = axes.reshape(shape if len(axes) > 1 else ())
+    heavy = np.any(weight, axis=-1)
+    rule = "a top without weight is a free body; use exact.free_body"
+    _require_each(scene, heavy, rule, ("mgl",))
+    rule = (
+        "a Lagrange top has two moments equal to the bit and its centre of mass exactly on the "
+        "third axis"
+    )
+    _require_each(scene, axis != 0, rule, ("moments", "com"))
+    moments, com = (np.broadcast_to(part, (*shape, 3)) for part in (moments, scene.com))
+    axis = np.broadcast_to(axis, shape)[..., np.newaxis]
+    across, along, side = (
+        np.take_along_axis(part, place, axis=-1)[..., 0]
+        for part, place in ((moments, (axis - 2) % 3), (moments, axis - 1), (com, axis - 1))
+    )
+    return across, along, np.sign(side)
+
+
+def _require_each(
+    scene: HeavyTop, good: NDArray[np.bool_], rule: str, names: tuple[str, ...]
+) -> None:
+    """Raise ValueError for the first top that breaks the rule, with these numbers of the top."""
+    if good.all():
+        return
+    index, place = first_place(~np.broadcast_to(good, scene.shape))
+    top = scene[index] if index else scene
+    values = {"moments": top.body.moments, "com": top.com, "mgl": f"{top.mgl:g}"}
+    words = ", ".join(f"{name}{place} = {values[name]}" for name in names)
+    raise ValueError(f"{words}: {rule}")
+
+
+def _tuples(values: Any) -> Any:
+    """Lists of lists as tuples of tuples."""
+    return tuple(_tuples(value) for value in values) if isinstance(values, list) else values
 
 
 def _without_kind(batch: Batch) -> dict[str, Any]:

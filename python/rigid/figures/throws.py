@@ -233,7 +233,7 @@ def invariants_data(run: Run) -> Drift:
         if kept.L_space is not None:
             constants["L_space"] = kept.L_space
     if isinstance(scene, HeavyTop):
-        energy += scene.mgl
+        energy += float(scene.mgl)
         momentum += float(np.sqrt(scene.mgl * max(scene.body.moments)))
     if energy == 0.0:
         raise ValueError("omega = [0, 0, 0]: a free body at rest has nothing to drift")

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import one_of, sorted_times
 from .._checks.arrays import attitudes, vectors
+from ..model.body import require_one
 from ..model.body_like import BodyLike, moments_of
 from ..model.scene import HeavyTop, Scene, check_scene, scene_from_dict
 from ..rotations.apply import to_body, to_space
@@ -190,15 +191,15 @@ def invariants(
     (True, True)
     """
     scene, rates, quaternions, vertical = _states(motion, omega, attitude)
-    momentum = np.array(scene.body.moments) * rates
+    momentum = _of_each(scene.body.moments, motion) * rates
     kinetic = 0.5 * (momentum * rates).sum(axis=-1)
     potential, p_psi = np.zeros_like(kinetic), None
     if "gamma" in scene.directions:
         if vertical is None:
             raise ValueError("attitude = None: the energy of a heavy top needs it")
-        potential = vertical @ scene.weight
+        potential = _along(vertical, _of_each(scene.weight, motion))
     if isinstance(scene, HeavyTop):
-        p_psi = momentum @ np.array(scene.com)
+        p_psi = _along(momentum, _of_each(scene.com, motion))
     return Invariants(
         kinetic=kinetic[()],
         potential=potential[()],
@@ -272,6 +273,7 @@ def power_balance(
     True
     """
     scene, rates, quaternions, vertical = _states(motion, omega, attitude)
+    require_one(scene)
     times = sorted_times("t", motion.t if isinstance(motion, Run) else [] if t is None else t)
     if isinstance(motion, Run) and t is not None:
         raise ValueError("t: a run has its own times")
@@ -293,12 +295,27 @@ def power_balance(
     if "gamma" in scene.directions:
         if vertical is None:
             raise ValueError("attitude = None: the torque of the weight needs it")
-        acting = np.cross(vertical, scene.weight)
+        acting = acting + np.cross(vertical, scene.weight)
     if torque is not None:
         acting = acting + _body_torque(torque, quaternions, frame)
     power = (acting * rates).sum(axis=-1)
     rate = np.gradient(kinetic, times, axis=-1, edge_order=2)
     return PowerBalance(power=power, rate=rate, residual=rate - power)
+
+
+def _of_each(vectors: ArrayLike, motion: Run | Scene) -> Floats:
+    """Vectors of the bodies; beside the states of a run with an axis for the times."""
+    array = np.array(vectors)
+    return array[..., np.newaxis, :] if isinstance(motion, Run) and array.ndim > 1 else array
+
+
+def _along(vectors: Floats, of_bodies: Floats) -> Floats:
+    """Products of vectors with that of all bodies, or with those of each."""
+    if of_bodies.ndim == 1:
+        product: Floats = vectors @ of_bodies
+    else:
+        product = (vectors * of_bodies).sum(axis=-1)
+    return product
 
 
 def _states(
@@ -311,7 +328,7 @@ def _states(
         scene = scene_from_dict(motion.spec["scene"])
         omega, attitude, vertical = motion.omega, motion.attitude, motion.gamma
     else:
-        scene, vertical = check_scene(motion), None
+        scene, vertical = check_scene(motion, many=True), None
         if omega is None:
             raise ValueError("omega = None: states are needed, or a run")
     rates = vectors("omega", omega)

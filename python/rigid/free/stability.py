@@ -350,6 +350,5 @@ def crossings(body: Body | FreeBody, omega: ArrayLike, *, count: int = 1) -> Flo
     scene = body if isinstance(body, FreeBody) else FreeBody(body)
     rates = vectors("omega", omega)
     number = positive_int("count", count)
-    flat = rates.reshape(-1, 3)
-    times = [exact.flip_times(scene, flat, axis=axis, count=number) for axis in (1, 2, 3)]
-    return np.stack(times, axis=-2).reshape(*rates.shape, number)
+    times = [exact.flip_times(scene, rates, axis=axis, count=number) for axis in (1, 2, 3)]
+    return np.stack(times, axis=-2)

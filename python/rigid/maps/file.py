@@ -1,8 +1,9 @@
 """A stability map as one data-only file.
 
 The file is an ``.npz`` archive of arrays with the specification as JSON inside. Nothing is pickled,
-nothing is compressed, and dates are fixed: equal maps are equal bytes. A reader knows the size of
-everything from the size of the file and the specification before it reads: see ``_read``.
+nothing is compressed, and dates are fixed: equal maps are equal bytes. The comment of the archive
+is a digest of all bytes before it: damage of any bit is seen. A reader knows the size of everything
+from the size of the file and the specification before it reads: see ``_read``.
 """
 
 from __future__ import annotations
@@ -29,8 +30,13 @@ if TYPE_CHECKING:
 __all__ = ["file_size", "read_map", "write_map"]
 
 FORMAT = "rigid stability map"
-FORMAT_VERSION = 4
-MISSING_IN: Mapping[int, frozenset[str]] = {3: frozenset({"unit_drift"}), 4: frozenset()}
+FORMAT_VERSION = 5
+_AUDIT = frozenset({"audited", "audited_undecided"})
+MISSING_IN: Mapping[int, frozenset[str]] = {
+    3: _AUDIT | {"unit_drift"},
+    4: _AUDIT,
+    5: frozenset(),
+}
 """The formats that are read, and the arrays of :data:`STORED` that their files do not have."""
 
 _EPOCH = (1980, 1, 1, 0, 0, 0)
@@ -48,6 +54,12 @@ MOST_TEXT = 2**16
 _ENTRY = 1024
 """More bytes than the headers and the entry of an array in the directory take."""
 
+_SEAL = b"sha256 "
+"""How the digest at the end of a file begins; its hexadecimal digits follow. Archives that other
+programs write have none."""
+
+_SEAL_SIZE = len(_SEAL) + 64
+
 
 def write_map(data: MapData, path: str | os.PathLike[str]) -> Path:
     """Write a map; see :meth:`rigid.StabilityMap.save`."""
@@ -60,17 +72,41 @@ def write_map(data: MapData, path: str | os.PathLike[str]) -> Path:
         arrays[name] = np.array(axis.values)
     for name in (*STORED, *_DERIVED):
         arrays[name] = getattr(data, name)
-    with (
-        published(target) as whole,
-        zipfile.ZipFile(whole, "w", zipfile.ZIP_STORED) as archive,
-    ):
-        for name, array in arrays.items():
-            entry = zipfile.ZipInfo(f"{name}.npy", _EPOCH)
-            entry.create_system = 3  # Unix on all systems, so that the bytes are equal
-            with archive.open(entry, "w", force_zip64=True) as file:
-                little = np.ascontiguousarray(array, dtype=array.dtype.newbyteorder("<"))
-                np.lib.format.write_array(file, little, version=(1, 0), allow_pickle=False)
+    with published(target) as whole:
+        with zipfile.ZipFile(whole, "w", zipfile.ZIP_STORED) as archive:
+            for name, array in arrays.items():
+                entry = zipfile.ZipInfo(f"{name}.npy", _EPOCH)
+                entry.create_system = 3  # Unix on all systems, so that the bytes are equal
+                with archive.open(entry, "w", force_zip64=True) as file:
+                    little = np.ascontiguousarray(array, dtype=array.dtype.newbyteorder("<"))
+                    np.lib.format.write_array(file, little, version=(1, 0), allow_pickle=False)
+        _write_seal(whole)
     return target
+
+
+def _write_seal(file: BinaryIO) -> None:
+    """Append the digest of an archive that has no comment, as its comment."""
+    length = file.seek(0, os.SEEK_END)
+    file.seek(length - 2)
+    file.write(_SEAL_SIZE.to_bytes(2, "little"))
+    seal = _seal(file, length)
+    file.seek(length)
+    file.write(seal)
+
+
+def _seal(file: BinaryIO, length: int) -> bytes:
+    """The digest of the first bytes of a file."""
+    import hashlib  # here: takes longer to import than the rest of this module
+
+    digest = hashlib.sha256()
+    file.seek(0)
+    while length > 0:
+        block = file.read(min(length, 2**20))
+        if not block:
+            break
+        digest.update(block)
+        length -= len(block)
+    return _SEAL + digest.hexdigest().encode()
 
 
 def file_size(spec: MapSpec) -> int:
@@ -113,7 +149,7 @@ def _read(file: BinaryIO) -> tuple[MapSpec, dict[str, NDArray[Any]]]:
     """Read a map with no more memory than a small multiple of the size of its file."""
     import zipfile
 
-    length = file.seek(0, os.SEEK_END)
+    length = _archive_length(file)
     if _directory_size(file, length) > MOST_DIRECTORY:
         raise _FileError(f"is not a stability map: its directory is larger than {MOST_DIRECTORY} B")
     with zipfile.ZipFile(file) as archive:
@@ -135,15 +171,36 @@ def _read(file: BinaryIO) -> tuple[MapSpec, dict[str, NDArray[Any]]]:
             for name, dtype in STORED.items()
             if name not in MISSING_IN[version]
         }
+    if "audited" in MISSING_IN[version]:
+        # Checks did not depend on outcomes then: all were audits.
+        arrays["audited"] = arrays["checked"]
+        arrays["audited_undecided"] = np.minimum(arrays["checked"], arrays["undecided"])
     _check_counts(spec, arrays)
     return spec, arrays
 
 
+def _archive_length(file: BinaryIO) -> int:
+    """Bytes of a file before its digest, which must be right; files without one are all archive."""
+    length = file.seek(0, os.SEEK_END)
+    archive = max(0, length - _SEAL_SIZE)
+    file.seek(archive)
+    found = file.read()
+    if not found.startswith(_SEAL):
+        return length
+    if found != _seal(file, archive):
+        raise _FileError("is damaged: its digest is not that of its content")
+    return archive
+
+
 def _directory_size(file: BinaryIO, length: int) -> int:
-    """Bytes of the directory of a ZIP archive without a comment, from its end records."""
+    """Bytes of the directory of a ZIP archive, from its end records.
+
+    The archive ends at ``length``, and has no comment but a digest.
+    """
+    comment = file.seek(0, os.SEEK_END) - length
     file.seek(max(0, length - 98))
-    end = file.read()
-    if end[-22:-18] != b"PK\5\6" or end[-2:] != b"\0\0":
+    end = file.read(98)
+    if end[-22:-18] != b"PK\5\6" or end[-2:] != comment.to_bytes(2, "little"):
         raise ValueError("File is not a zip file")
     if end[-42:-38] == b"PK\6\7":  # beyond 4 GB the numbers are in another record
         return int.from_bytes(end[-58:-50], "little")
@@ -201,5 +258,7 @@ def _check_counts(spec: MapSpec, arrays: Mapping[str, NDArray[Any]]) -> None:
     refuse_where(done > most, CLASSES[0], f"the classes have more bodies than {spec.samples}")
     for name in (*FAILURES, "checked", "exact"):
         refuse_where(arrays[name] > done, name, "more bodies than the classes")
+    for name, whole in (("audited", "checked"), ("audited_undecided", "undecided")):
+        refuse_where(arrays[name] > arrays[whole], name, f"more bodies than {whole}")
     failures = np.sum([arrays[name] for name in FAILURES], axis=0)
     refuse_where(failures != arrays["failed"], "failed", "must be the sum of its reasons")

@@ -66,6 +66,7 @@ class NominalStarts:
         damping = np.zeros((1, 3, 3)) if self.damping is None else self.damping
         # Pixels of a row mostly share theirs.
         known, of_pixel = np.unique(damping.reshape(-1, 9), axis=0, return_inverse=True)
+        # Under a torque of zero, bodies without damping are integrated like their neighbours.
         none = Torque.body((0.0, 0.0, 0.0))
         made = [
             forcing_of(torque or none, checked_damping(matrix.reshape(3, 3))) for matrix in known

@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import _core
 from .._moments import possible
 from ..solve.closed_form import closed_forms, listed, why_not
 from ..solve.cost_model import calibration_class_of_any, closed_form_estimate, steps_estimate
-from ..solve.methods import AUTO, EXACT, FALLBACK
+from ..solve.methods import AUTO, EXACT, MAP_FALLBACK
 from ..solve.plan import Plan, carried, left_out
 from .spec import MapSpec
 
@@ -25,7 +26,7 @@ def map_plan(spec: MapSpec) -> Plan:
     if spec.is_driven:
         forms = np.full_like(forms, "")
     method, why = _choice(spec, moments, weight, forms)
-    scheme = FALLBACK if spec.method in (AUTO, EXACT) else spec.method
+    scheme = MAP_FALLBACK if spec.method in (AUTO, EXACT) else spec.method
     rates = _rates(spec, np.flatnonzero(real), scheme)
     if method == AUTO:
         rates = rates[forms == ""]
@@ -33,7 +34,8 @@ def map_plan(spec: MapSpec) -> Plan:
         estimate = closed_form_estimate(spec.stable, forms, 0, rates, spec.t_end)
     else:
         kind = "driven" if spec.is_driven else calibration_class_of_any(spec.scene)
-        estimate = steps_estimate(spec.stable, scheme, kind, rates, spec.t_end, spec.step)
+        steps = spec.step if spec.step is not None else _core.default_steps(spec.method, rates)
+        estimate = steps_estimate(spec.stable, scheme, kind, rates, spec.t_end, steps)
     return Plan(
         scene=spec.scene.words(spec.varied),
         question=spec.criterion,
@@ -44,7 +46,7 @@ def map_plan(spec: MapSpec) -> Plan:
         left_out=left_out(spec.scene, spec.stable, method, spec.step, forms),
         step=estimate.step,
         steps=estimate.steps,
-        cost=estimate.cost,
+        work=estimate.work,
         error=estimate.error,
     )
 
@@ -63,8 +65,8 @@ def _choice(
     if closed.any():
         return AUTO, f"{closed.sum():,} of {closed.size:,} pixels have a closed form"
     if spec.is_driven:
-        return FALLBACK, "no closed form under torque and damping"
-    return FALLBACK, why_not(spec.stable, moments[0], weight[0])
+        return MAP_FALLBACK, "no closed form under torque and damping"
+    return MAP_FALLBACK, why_not(spec.stable, moments[0], weight[0])
 
 
 def _rates(spec: MapSpec, pixels: NDArray[np.intp], scheme: str) -> Floats:

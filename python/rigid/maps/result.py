@@ -52,6 +52,9 @@ class StabilityMap(MapData):
         momentum or unit lengths off by more than 0.1.
     checked : ndarray of int64
         Bodies that the second method, ``taylor16``, has classified again.
+    audited, audited_undecided : ndarray of int64
+        The checked whose check did not depend on their own outcome, and the undecided among them.
+        Loaded maps of format 3 or 4 count all checks as audits.
     samples : ndarray of int64
         Bodies done, the sum of the four classes.
     share : ndarray

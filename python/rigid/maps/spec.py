@@ -46,14 +46,15 @@ class MapSpec:
     samples : int
         Bodies per pixel.
     method : str
-        ``"auto"``: the closed form for each body that has one, else ``"rk4"``; ``"exact"``: closed
-        forms only; or the name of a scheme.
+        ``"auto"``: the closed form for each body that has one, else ``"taylor12"``; ``"exact"``:
+        closed forms only; or the name of a scheme.
     step : float or None
         Time step of the bodies that are integrated, s; None: the core picks one for each body from
         a bound of its rates.
-    check : float
+    check : float or None
         Share of the bodies of a pixel that ``taylor16`` classifies too, as a cross-check, in
-        [0, 1]. Bodies with a closed form need none.
+        [0, 1]; None: the bodies whose class an error could change, and an audit of the others.
+        Bodies with a closed form need none.
     max_steps : int
         A body that needs more steps counts as failed.
     seed : int
@@ -73,7 +74,7 @@ class MapSpec:
     seed: int
     method: str = AUTO
     step: float | None = None
-    check: float = 1.0
+    check: float | None = None
     max_steps: int = 1_000_000_000
     title: str | None = None
     version: str = field(default_factory=lambda: str(_core.build_info()["version"]))
@@ -98,9 +99,10 @@ class MapSpec:
                 raise ValueError(f"{name} = {getattr(self, name)}: too many to count")
         if self.step is not None:
             put("step", finite_float("step", self.step, positive=True))
-        put("check", finite_float("check", self.check, nonnegative=True))
-        if self.check > 1.0:
-            raise ValueError(f"check = {self.check}: must lie in [0, 1]")
+        if self.check is not None:
+            put("check", finite_float("check", self.check, nonnegative=True))
+            if self.check > 1.0:
+                raise ValueError(f"check = {self.check}: must lie in [0, 1]")
         one_of("method", self.method, map_methods())
         if self.is_driven:
             self.stable.check_forced()
@@ -145,8 +147,13 @@ class MapSpec:
         return tuple(axis.parameter.sets or axis.name for axis in self.axes)
 
     @property
-    def checked_samples(self) -> int:
-        """Number of bodies of each pixel that the second method classifies too."""
+    def checked_samples(self) -> int | None:
+        """Number of bodies of each pixel that the second method classifies too, None if it depends.
+
+        It then depends on the margins of the bodies.
+        """
+        if self.check is None:
+            return None
         # 0.07 * 100 is a little more than 7.
         return math.ceil(self.check * self.samples * (1.0 - 1e-12))
 

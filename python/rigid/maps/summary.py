@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..solve.methods import AUTO, EXACT, FALLBACK, SECOND
+from ..solve.methods import AUTO, EXACT, MAP_FALLBACK, SECOND
 from .data import CLASSES, FAILURES, MapData
 from .theory import Theory, disagreement, predict
 
@@ -40,7 +40,7 @@ def _method(data: MapData) -> str:
     if exact == done:
         return f"{spec.method}: closed form"
     share = f"closed form for {exact:,} bodies, else " if exact else ""
-    return f"{spec.method}: {share}{FALLBACK}, {step}"
+    return f"{spec.method}: {share}{MAP_FALLBACK}, {step}"
 
 
 def _samples(data: MapData) -> str:
@@ -51,6 +51,9 @@ def _samples(data: MapData) -> str:
         checked = {0: "none", integrated: "all"}.get(repeated, f"{repeated:,}")
         which = "" if integrated == done else " of those integrated"
         text += f", {checked}{which} cross-checked by {SECOND}"
+        audited, differ = data.audited.sum(), data.audited_undecided.sum()
+        if 0 < audited < repeated:
+            text += f", {audited:,} of these as an audit: {differ:,} differ"
     return f"{text}; seed {data.spec.seed}"
 
 

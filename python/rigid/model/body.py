@@ -2,46 +2,59 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .._checks.arguments import finite_float, numbers, vector
-from .._moments import box_moments
+from .._checks.arguments import finite_float, first_place, numbers, shaped, vector
+from .._moments import box_moments, possible
+from .leading import Index, Shape, frozen, holds, index_of_bodies, leading_shape, same, taken
 
 if TYPE_CHECKING:
     from ..inertia.mass_properties import MassProperties
 
 __all__ = [
     "Body",
+    "Moments",
+    "require_one",
 ]
 
+Floats = NDArray[np.float64]
 
-@dataclass(frozen=True, slots=True, init=False)
+Moments: TypeAlias = tuple[float, float, float] | Floats
+"""Principal moments of one body, or those of many, shape (..., 3)."""
+
+
+@dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)
 class Body:
-    """A rigid body, known by its principal moments of inertia.
+    """A rigid body, known by its principal moments of inertia, or many bodies.
 
     Body axes are the principal axes, through the fixed point if there is one, else through the
     centre of mass. The moments keep your order; nothing is sorted.
 
+    Moments of shape ``(n, 3)`` are those of ``n`` bodies. ``len(body)`` is their number,
+    ``body[i]`` is one of them, and a slice or an array of indices takes some; any leading axes will
+    do.
+
     Parameters
     ----------
-    moments : array_like, shape (3,)
+    moments : array_like, shape (3,) or (..., 3)
         Principal moments of inertia (kg m², or any consistent unit) about body axes 1, 2, 3.
-    mass : float, optional
+    mass : float or array_like, shape (...), optional
         Mass (kg). Only remembered; the rotation does not need it.
     sides : array_like, shape (3,), optional
-        Sides (m) of a homogeneous box with this mass and these moments; :meth:`box` sets them.
+        Sides (m) of a homogeneous box with this mass and these moments; :meth:`box` sets them. For
+        one body only.
 
     Attributes
     ----------
-    moments : tuple of float
-        Principal moments.
-    mass : float or None
+    moments : tuple of float, or ndarray of shape (..., 3)
+        Principal moments; the array of many bodies is read-only.
+    mass : float, ndarray of shape (...), or None
         Mass.
     sides : tuple of float or None
         Sides along the axes 1, 2, 3 of a homogeneous box.
@@ -62,25 +75,30 @@ class Body:
         ...
     ValueError: moments = (1, 1, 2.5): no moment may exceed the sum of the other two \
 (triangle inequality; equality is a flat body)
+    >>> bodies = rigid.Body([[1.0, 2.0, 2.5], [1.0, 1.0, 0.5]])
+    >>> len(bodies), bodies[1].symmetry_axis
+    (2, 3)
     """
 
-    moments: tuple[float, float, float]
-    mass: float | None
+    moments: Moments
+    mass: float | Floats | None
     sides: tuple[float, float, float] | None
 
     def __init__(
         self,
         moments: ArrayLike,
         *,
-        mass: float | None = None,
+        mass: ArrayLike | None = None,
         sides: ArrayLike | None = None,
     ) -> None:
-        checked = _three("moments", moments)
-        _core.check_moments(checked)
+        checked = _checked_moments(moments)
+        shape = np.shape(checked)[:-1]
         set_field = object.__setattr__  # the dataclass is frozen
         set_field(self, "moments", checked)
-        set_field(self, "mass", None if mass is None else finite_float("mass", mass, positive=True))
+        set_field(self, "mass", None if mass is None else _checked_mass(mass, shape))
         if sides is not None:
+            if shape or (mass is not None and np.ndim(mass)):
+                raise ValueError(f"sides: are those of one body, the moments are those of {shape}")
             a, b, c = vector("sides", sides, 3).tolist()
             sides = (a, b, c)
             if min(sides) <= 0.0:
@@ -90,6 +108,35 @@ class Body:
                     f"sides = {sides}: no box of this mass has the moments {checked}; use Body.box"
                 )
         set_field(self, "sides", sides)
+
+    @property
+    def shape(self) -> Shape:
+        """The axes of the bodies: ``()`` of one body, ``(n,)`` of n bodies."""
+        return np.shape(self.moments)[:-1]
+
+    def __len__(self) -> int:
+        return holds(self.shape)
+
+    def __iter__(self) -> Iterator[Body]:
+        return (self[index] for index in range(len(self)))
+
+    def __getitem__(self, index: Index) -> Body:
+        index_of_bodies(self.shape, index)
+        mass = None if self.mass is None else taken(self.mass, 0, self.shape, index)
+        return Body(taken(self.moments, 1, self.shape, index), mass=mass)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Body):
+            return NotImplemented
+        return all(same(getattr(self, name), getattr(other, name)) for name in self.__slots__)
+
+    def __hash__(self) -> int:
+        return hash(self.shape or (self.moments, self.mass, self.sides))
+
+    def __repr__(self) -> str:
+        if self.shape:
+            return f"Body(moments of shape {(*self.shape, 3)})"
+        return f"Body(moments={self.moments}, mass={self.mass}, sides={self.sides})"
 
     @classmethod
     def box(cls, a: float, b: float, c: float, *, mass: float = 1.0) -> Body:
@@ -337,13 +384,21 @@ class Body:
         """Factors of Euler's equations: ``((I2-I3)/I1, (I3-I1)/I2, (I1-I2)/I3)``.
 
         Their sum and their product cancel (both terms of ``g1 + g2 + g3 + g1 g2 g3 = 0``).
+        Of many bodies three arrays of shape ``(...)``.
         """
-        i1, i2, i3 = self.moments
+        i1, i2, i3 = np.moveaxis(np.asarray(self.moments), -1, 0) if self.shape else self.moments
         return (i2 - i3) / i1, (i3 - i1) / i2, (i1 - i2) / i3
 
     @property
     def symmetry_axis(self) -> int | None:
-        """The axis 1, 2 or 3 about which two moments are equal to the bit, or None."""
+        """The axis 1, 2 or 3 about which two moments are equal to the bit, or None.
+
+        Raises
+        ------
+        ValueError
+            If there are many bodies.
+        """
+        require_one(self)
         i1, i2, i3 = self.moments
         if i1 == i2:
             return 3
@@ -354,8 +409,8 @@ class Body:
     def to_dict(self) -> dict[str, Any]:
         """The body as a dict of numbers."""
         return {
-            "moments": list(self.moments),
-            "mass": self.mass,
+            "moments": np.asarray(self.moments).tolist(),
+            "mass": self.mass.tolist() if isinstance(self.mass, np.ndarray) else self.mass,
             "sides": None if self.sides is None else list(self.sides),
         }
 
@@ -369,10 +424,39 @@ def _mass(value: object) -> float:
     return finite_float("mass", value, positive=True)
 
 
-def _three(name: str, value: ArrayLike) -> tuple[float, float, float]:
-    """Three numbers; the core checks that they are finite and names the broken rule."""
-    array = numbers(name, value)
-    if array.shape != (3,):
-        raise ValueError(f"{name}: expected shape (3,), got {array.shape}")
-    first, second, third = array.tolist()
-    return first, second, third
+def require_one(value: Any) -> None:
+    """Raise ValueError for a body or a scene that holds many bodies."""
+    if value.shape:
+        name = "body" if isinstance(value, Body) else "scene"
+        raise ValueError(
+            f"{name}: expected one body, got bodies of shape {value.shape}; take one of them, "
+            f"{name}[{', '.join('0' * len(value.shape))}]"
+        )
+
+
+def _checked_moments(value: ArrayLike) -> Moments:
+    """The moments; the core checks that they are finite and names the broken rule."""
+    array = numbers("moments", value)
+    if not array.ndim or array.shape[-1] != 3:
+        raise ValueError(f"moments: expected shape (3,) or (..., 3), got {array.shape}")
+    if array.ndim == 1:
+        first, second, third = array.tolist()
+        _core.check_moments((first, second, third))
+        return first, second, third
+    good = possible(array)
+    if not good.all():
+        index, place = first_place(~good)
+        try:
+            _core.check_moments(array[index].tolist())
+        except ValueError as error:
+            raise ValueError(str(error).replace("moments", f"moments{place}", 1)) from None
+    return frozen(array)
+
+
+def _checked_mass(value: ArrayLike, shape: Shape) -> float | Floats:
+    if not np.ndim(value):
+        return finite_float("mass", value, positive=True)
+    array = shaped("mass", value, positive=True)
+    if leading_shape({"moments": shape, "mass": array.shape}) != shape:
+        raise ValueError(f"mass: expected shape {shape} or (), got {array.shape}")
+    return frozen(np.broadcast_to(array, shape))

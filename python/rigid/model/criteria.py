@@ -43,15 +43,15 @@ class Criterion(ABC):
         :mod:`rigid` makes the criterion.
     record : {"rates", "axis"}
         The state that must be integrated to observe the criterion.
-    watch_cost : float
-        Time that the observation adds to a step (ns).
+    watch_work : float
+        Work that the observation adds to a step of 32 bodies, in the unit of plans.
     """
 
     __slots__ = ()
 
     name: ClassVar[str]
     record: ClassVar[str]
-    watch_cost: ClassVar[float]
+    watch_work: ClassVar[float]
 
     @abstractmethod
     def resolved(self, scene: Scene, start: Start | None) -> Self:
@@ -83,7 +83,7 @@ class NoFlip(Criterion):
 
     name: ClassVar[str] = "no_flip"
     record: ClassVar[str] = "rates"
-    watch_cost: ClassVar[float] = 0.5
+    watch_work: ClassVar[float] = 0.06
 
     axis: int | None = None
 
@@ -124,7 +124,7 @@ class TiltBelow(Criterion):
 
     name: ClassVar[str] = "tilt_below"
     record: ClassVar[str] = "axis"
-    watch_cost: ClassVar[float] = 0.8
+    watch_work: ClassVar[float] = 0.09
 
     angle: float
     axis: int = 3

@@ -8,7 +8,7 @@ The core integrates the scene under the same ``kind``.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Container, Iterable, Mapping
+from collections.abc import Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, Self
 
@@ -16,10 +16,20 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .._checks.arguments import finite_float, one_of, unit_vector
-from .body import Body
+from .._checks.arguments import finite_float, one_of, shaped, unit_vector
+from .._checks.arrays import unit_vectors
+from .body import Body, require_one
+from .leading import Index, Shape, frozen, holds, index_of_bodies, leading_shape, same, taken
 from .start import Start, normal
-from .torque import Damping, Torque, checked_damping, checked_torque, damping_words, forcing_of
+from .torque import (
+    Damping,
+    Torque,
+    checked_damping,
+    checked_torque,
+    damping_words,
+    forcing_of,
+    matrices_of,
+)
 
 __all__ = [
     "SCENES",
@@ -56,6 +66,10 @@ class Field:
 
 class Scene(ABC):
     """A body with its weight, applied torque and damping: the interface of all scenes.
+
+    A scene holds many bodies if one of its parts does: ``len(scene)`` is their number, ``scene[i]``
+    is the scene of one, and a slice or an array of indices takes some. A part of one body is that
+    of all.
 
     Attributes
     ----------
@@ -98,10 +112,56 @@ class Scene(ABC):
         """``mgl com`` (J) of the bodies of a map whose axes set these fields; shape (count, 3)."""
 
     @property
+    @abstractmethod
     def weight(self) -> Floats:
-        """``mgl com`` (J), zero without weight; shape (3,)."""
-        weight: Floats = self.weights({}, 1)[0]
-        return weight
+        """``mgl com`` (J), zero without weight; shape (3,), or (..., 3) if many bodies differ."""
+
+    @property
+    def shape(self) -> Shape:
+        """The axes of the bodies: ``()`` of one body, ``(n,)`` of n bodies."""
+        shapes = {"moments": self.body.shape}
+        for name, known in self.fields.items():
+            shapes[name] = np.shape(getattr(self, name))[: -1 if known.width > 1 else None]
+        shapes["torque"] = () if self.torque is None else self.torque.shape
+        shapes["damping"] = () if self.damping is None else np.shape(self.damping)[:-2]
+        return leading_shape(shapes)
+
+    def __len__(self) -> int:
+        return holds(self.shape)
+
+    def __iter__(self) -> Iterator[Self]:
+        return (self[index] for index in range(len(self)))
+
+    def __getitem__(self, index: Index) -> Self:
+        shape = self.shape
+        index_of_bodies(shape, index)
+        body = self.body
+        if body.shape:
+            every = np.broadcast_to(body.moments, (*shape, 3))
+            mass = None if body.mass is None else np.broadcast_to(body.mass, shape)
+            body = Body(taken(every, 1, shape, index), mass=taken(mass, 0, shape, index))
+        own = {
+            name: taken(getattr(self, name), int(known.width > 1), shape, index)
+            for name, known in self.fields.items()
+        }
+        torque = None if self.torque is None else self.torque.of(shape, index)
+        some = type(self)(body, **own, torque=torque)  # type: ignore[call-arg]
+        if self.damping is not None:
+            # Not through the constructor: a damping of all would be read as that of each.
+            damping = taken(self.damping, 2, shape, index)
+            known = matrices_of(damping) if np.any(damping) else None
+            object.__setattr__(some, "damping", known)
+        return some
+
+    def __eq__(self, other: object) -> bool:
+        if type(other) is not type(self):
+            return NotImplemented
+        names = ("body", *self.fields, "torque", "damping")
+        return all(same(getattr(self, name), getattr(other, name)) for name in names)
+
+    def __hash__(self) -> int:
+        own = () if self.shape else tuple(getattr(self, name) for name in self.fields)
+        return hash((self.kind, self.body, own, self.torque))
 
     @property
     def is_driven(self) -> bool:
@@ -117,7 +177,7 @@ class Scene(ABC):
     @property
     def forcing(self) -> _core.Forcing | None:
         """Torque and damping as the core reads them, None if nothing acts."""
-        return forcing_of(self.torque, self.damping)
+        return forcing_of(self.torque, self.damping, self.shape)
 
     @property
     def outside(self) -> _core.Forcing | None:
@@ -134,26 +194,45 @@ class Scene(ABC):
         data: dict[str, Any] = {"kind": self.kind, "body": self.body.to_dict()}
         for name, known in self.fields.items():
             value = getattr(self, name)
-            data[name] = value if known.width == 1 else list(value)
+            many = isinstance(value, np.ndarray)
+            data[name] = value.tolist() if many else value if known.width == 1 else list(value)
         if self.torque is not None:
             data["torque"] = self.torque.to_dict()
         if self.damping is not None:
-            data["damping"] = [list(row) for row in self.damping]
+            damping = np.asarray(self.damping)
+            if damping.ndim == 2:
+                # Not read as that of each body when it is read back.
+                damping = damping.reshape(*(1,) * len(self.shape), 3, 3)
+            data["damping"] = damping.tolist()
         return data
 
     def __repr__(self) -> str:
         names = ["body", *self.fields]
         names += [name for name in ("torque", "damping") if getattr(self, name) is not None]
-        values = ", ".join(f"{name}={getattr(self, name)!r}" for name in names)
-        return f"{type(self).__name__}({values})"
+        parts = ((name, getattr(self, name)) for name in names)
+        values = (
+            f"{name} of shape {part.shape}" if isinstance(part, np.ndarray) else f"{name}={part!r}"
+            for name, part in parts
+        )
+        return f"{type(self).__name__}({', '.join(values)})"
 
     def words(self, varied: Container[str] = ()) -> str:
         """The scene in words; ``varied`` names the numbers that the axes of a map set."""
-        parts = [self.title, _body_words(self.body, varied)]
+        bodies = (
+            f"{self.shape} bodies"
+            if len(self.shape) > 1
+            else f"{len(self)} bodies"
+            if self.shape
+            else ""
+        )
+        parts = [f"{self.title} ({bodies})" if bodies else self.title]
+        parts.append(_body_words(self.body, varied))
         for name, known in self.fields.items():
             value = getattr(self, name)
-            if known.width == 1:
-                parts.append(f"{name} {_numbers([(name, value)], varied)}")
+            if isinstance(value, np.ndarray):
+                parts.append(f"{name} of each")
+            elif known.width == 1:
+                parts.append(f"{name} {_numbers([(name, float(value))], varied)}")
             else:
                 parts.append(f"{name} ({', '.join(f'{part:g}' for part in value)})")
         if self.torque is not None:
@@ -164,13 +243,14 @@ class Scene(ABC):
 
 
 def _body_words(body: Body, varied: Container[str]) -> str:
+    if body.shape:
+        return "moments of each"
     moments = list(zip(("I1", "I2", "I3"), body.moments, strict=True))
     if body.sides is None or any(name in varied for name, _ in moments):
         return f"moments ({_numbers(moments, varied)})"
     sides = _numbers(zip("abc", body.sides, strict=True), varied)
-    return (
-        f"box with sides ({sides}) m and mass {_numbers([('mass', body.mass or 0.0)], varied)} kg"
-    )
+    mass = _numbers([("mass", float(body.mass or 0.0))], varied)
+    return f"box with sides ({sides}) m and mass {mass} kg"
 
 
 def _numbers(values: Iterable[tuple[str, float]], varied: Container[str]) -> str:
@@ -188,7 +268,7 @@ def _check_body(body: object) -> None:
         raise TypeError(f"body = {body!r}: must be a rigid.Body")
 
 
-@dataclass(frozen=True, slots=True, init=False, repr=False)
+@dataclass(frozen=True, slots=True, init=False, repr=False, eq=False)
 class FreeBody(Scene):
     """A body without weight, turning about its centre of mass.
 
@@ -198,17 +278,19 @@ class FreeBody(Scene):
     Parameters
     ----------
     body : Body
-        The body.
+        The body, or many.
     torque : Torque, optional
         Applied torque: :meth:`Torque.body`, :meth:`Torque.space`, or a sum of them.
     damping : float or array_like, shape (3,) or (3, 3), optional
         Linear damping ``D`` (N m s): one coefficient, one for each body axis, or a symmetric
-        positive semi-definite matrix in body axes. Use ``(0, 0, c)`` to damp only the spin.
+        positive semi-definite matrix in body axes. Use ``(0, 0, c)`` to damp only the spin. Axes
+        before these are those of the bodies: ``(n,)``, ``(n, 3)``, ``(n, 3, 3)``. A shape that can
+        be read in two ways, such as ``(3,)`` for three bodies, is refused.
 
     Attributes
     ----------
-    damping : 3 tuples of 3 floats, or None
-        The matrix.
+    damping : 3 tuples of 3 floats, ndarray of shape (..., 3, 3), or None
+        The matrix, or those of many bodies.
 
     Raises
     ------
@@ -225,6 +307,9 @@ class FreeBody(Scene):
     >>> run = rigid.simulate(driven, [0.0, 0.0, 0.0], t=[200.0])  # N / c, to e^(-11)
     >>> round(float(run.omega[-1, 2]), 3)
     3.0
+    >>> bodies = rigid.FreeBody(rigid.Body([[1.0, 2.0, 3.0], [1.0, 1.0, 1.8]]), damping=[0.1, 0.0])
+    >>> len(bodies), bodies[1] == rigid.FreeBody(wheel)
+    (2, True)
     """
 
     kind: ClassVar[str] = "free"
@@ -241,7 +326,10 @@ class FreeBody(Scene):
         set_field = object.__setattr__  # the dataclass is frozen
         set_field(self, "body", body)
         set_field(self, "torque", checked_torque(torque))
-        set_field(self, "damping", checked_damping(damping))
+        set_field(self, "damping", None)
+        set_field(self, "damping", checked_damping(damping, self.shape))
+        # Raises for parts that do not broadcast.
+        self.shape  # noqa: B018
 
     @classmethod
     def example(cls) -> Self:
@@ -257,8 +345,13 @@ class FreeBody(Scene):
         """Zero; shape (count, 3)."""
         return np.zeros((count, 3))
 
+    @property
+    def weight(self) -> Floats:
+        """Zero; shape (3,)."""
+        return np.zeros(3)
 
-@dataclass(frozen=True, slots=True, init=False, repr=False)
+
+@dataclass(frozen=True, slots=True, init=False, repr=False, eq=False)
 class HeavyTop(Scene):
     """A body turning about a fixed point under its weight.
 
@@ -270,9 +363,9 @@ class HeavyTop(Scene):
     ----------
     body : Body
         Moments about the fixed point (not the centre of mass).
-    mgl : float
+    mgl : float or array_like, shape (...)
         Mass times gravity times the distance from the fixed point to the centre of mass (J), >= 0.
-    com : array_like, shape (3,), optional
+    com : array_like, shape (3,) or (..., 3), optional
         Unit vector from the fixed point to the centre of mass in the body. Default ``(0, 0, 1)``.
     torque, damping : optional
         As in :class:`FreeBody`.
@@ -289,6 +382,9 @@ class HeavyTop(Scene):
     >>> top = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
     >>> top.com
     (0.0, 0.0, 1.0)
+    >>> lighter = rigid.HeavyTop(top.body, mgl=[1.0, 0.5, 0.25])  # three tops
+    >>> len(lighter), lighter[2].mgl
+    (3, 0.25)
     """
 
     kind: ClassVar[str] = "top"
@@ -300,8 +396,8 @@ class HeavyTop(Scene):
     directions: ClassVar[tuple[str, ...]] = ("gamma",)
 
     body: Body
-    mgl: float
-    com: tuple[float, float, float]
+    mgl: float | Floats
+    com: tuple[float, float, float] | Floats
     torque: Torque | None
     damping: Damping | None
 
@@ -309,7 +405,7 @@ class HeavyTop(Scene):
         self,
         body: Body,
         *,
-        mgl: float,
+        mgl: ArrayLike,
         com: ArrayLike = (0.0, 0.0, 1.0),
         torque: Torque | None = None,
         damping: ArrayLike | None = None,
@@ -317,10 +413,13 @@ class HeavyTop(Scene):
         _check_body(body)
         set_field = object.__setattr__  # the dataclass is frozen
         set_field(self, "body", body)
-        set_field(self, "mgl", finite_float("mgl", mgl, nonnegative=True))
-        set_field(self, "com", tuple(unit_vector("com", com, 3).tolist()))
+        set_field(self, "mgl", _checked_mgl(mgl))
+        set_field(self, "com", _checked_com(com))
         set_field(self, "torque", checked_torque(torque))
-        set_field(self, "damping", checked_damping(damping))
+        set_field(self, "damping", None)
+        set_field(self, "damping", checked_damping(damping, self.shape))
+        # Raises for parts that do not broadcast.
+        self.shape  # noqa: B018
 
     @classmethod
     def example(cls) -> Self:
@@ -337,22 +436,45 @@ class HeavyTop(Scene):
         weights: Floats = mgl[:, np.newaxis] * np.array(self.com)
         return weights
 
+    @property
+    def weight(self) -> Floats:
+        """``mgl com`` (J), shape (3,), or (..., 3) if those of many tops differ."""
+        weight: Floats = np.asarray(self.mgl)[..., np.newaxis] * np.array(self.com)
+        return weight
+
+
+def _checked_mgl(value: ArrayLike) -> float | Floats:
+    if not np.ndim(value):
+        return finite_float("mgl", value, nonnegative=True)
+    return frozen(shaped("mgl", value, nonnegative=True))
+
+
+def _checked_com(value: ArrayLike) -> tuple[float, float, float] | Floats:
+    if np.ndim(value) > 1:
+        return frozen(unit_vectors("com", value))
+    first, second, third = unit_vector("com", value, 3).tolist()
+    return first, second, third
+
 
 SCENES: Mapping[str, type[Scene]] = {scene.kind: scene for scene in (FreeBody, HeavyTop)}
 """All scenes by their kind."""
 
 
-def check_scene(scene: object) -> Scene:
-    """``scene`` if it is one."""
+def check_scene(scene: object, *, many: bool = False) -> Scene:
+    """``scene`` if it is one; of many bodies only where ``many`` allows it."""
     if isinstance(scene, Scene):
+        if not many:
+            require_one(scene)
         return scene
     known = " or ".join(f"rigid.{known.__name__}" for known in SCENES.values())
     raise TypeError(f"scene = {scene!r}: must be a {known}")
 
 
-def check_heavy_top(scene: object) -> HeavyTop:
-    """``scene`` if it is a heavy top."""
+def check_heavy_top(scene: object, *, many: bool = False) -> HeavyTop:
+    """``scene`` if it is a heavy top; of many tops only where ``many`` allows it."""
     if isinstance(scene, HeavyTop):
+        if not many:
+            require_one(scene)
         return scene
     raise TypeError(f"scene = {scene!r}: must be a rigid.HeavyTop")
 

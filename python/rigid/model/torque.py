@@ -4,26 +4,37 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from math import prod
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .._checks.arguments import numbers, shaped, sorted_times
+from .._checks.arguments import first_place, numbers, shaped, sorted_times
+from .leading import Index, Shape, frozen, leading_shape, same, taken
 
-__all__ = ["Damping", "Torque", "checked_damping", "checked_torque", "damping_words", "forcing_of"]
+__all__ = [
+    "Damping",
+    "Torque",
+    "checked_damping",
+    "checked_torque",
+    "damping_words",
+    "forcing_of",
+    "matrices_of",
+]
 
 Floats = NDArray[np.float64]
 Vector: TypeAlias = tuple[float, float, float]
-Damping: TypeAlias = tuple[Vector, Vector, Vector]
+Damping: TypeAlias = tuple[Vector, Vector, Vector] | Floats
+"""The matrix of one body, or those of many, shape (..., 3, 3)."""
 
-_ZERO = (0.0, 0.0, 0.0)
+NO_EXPONENT: NDArray[np.intc] = np.zeros(1, dtype=np.intc)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Torque:
-    """A torque in the body or in space, constant or a table over time.
+    """A torque in the body or in space, constant or a table over time, of one body or of each.
 
     Made by :meth:`body` and :meth:`space`; torques add. Between the times of a table the torque is
     linear. Two values at one time are a jump. The torque is unknown outside the times of the table,
@@ -33,8 +44,9 @@ class Torque:
     ----------
     times : tuple of float
         Times (s) of the table, ascending; empty if the torque is constant.
-    in_body, in_space : tuple of (float, float, float)
-        Torque (N m) in the body and in space at these times, or always.
+    in_body, in_space : tuple of (float, float, float), or ndarray of shape (..., m, 3)
+        Torque (N m) in the body and in space at these times, or always, m being 1; the arrays hold
+        those of many bodies and are read-only.
 
     Examples
     --------
@@ -45,8 +57,31 @@ class Torque:
     """
 
     times: tuple[float, ...]
-    in_body: tuple[Vector, ...]
-    in_space: tuple[Vector, ...]
+    in_body: tuple[Vector, ...] | Floats
+    in_space: tuple[Vector, ...] | Floats
+
+    @property
+    def shape(self) -> Shape:
+        """The axes of the bodies: ``()`` of one torque, ``(n,)`` of one for each of n bodies."""
+        return np.shape(self.in_body)[:-2]
+
+    def of(self, shape: Shape, index: Index) -> Torque:
+        """The torque of some of the bodies of this shape."""
+        parts = (taken(part, 2, shape, index) for part in (self.in_body, self.in_space))
+        return Torque(self.times, *map(_vectors, parts)) if self.shape else self
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Torque):
+            return NotImplemented
+        return all(same(getattr(self, name), getattr(other, name)) for name in self.__slots__)
+
+    def __hash__(self) -> int:
+        return hash((self.times, self.shape or (self.in_body, self.in_space)))
+
+    def __repr__(self) -> str:
+        if self.shape:
+            return f"Torque({self.words()}, bodies of shape {self.shape})"
+        return f"Torque(times={self.times}, in_body={self.in_body}, in_space={self.in_space})"
 
     @classmethod
     def body(cls, values: ArrayLike, *, times: ArrayLike | None = None) -> Torque:
@@ -54,10 +89,11 @@ class Torque:
 
         Parameters
         ----------
-        values : array_like, shape (3,), or (m, 3) with ``times``
-            Torque (N m).
+        values : array_like, shape (..., 3), or (..., m, 3) with ``times``
+            Torque (N m); leading axes give each body a torque of its own.
         times : array_like, shape (m,), optional
-            Times (s) of the table, ascending, at least two; equal neighbours are a jump.
+            Times (s) of the table, ascending, at least two; equal neighbours are a jump. The tables
+            of many bodies have the same times.
 
         Raises
         ------
@@ -76,19 +112,19 @@ class Torque:
         array = shaped("torque", values)
         if times is None:
             knots = np.empty(0)
-            wanted: tuple[int, ...] = (3,)
+            wanted: Shape = (3,)
         else:
             knots = sorted_times("torque times", times)
             if len(knots) < 2:
                 raise ValueError(f"torque times = {knots.tolist()}: a table has at least two times")
             wanted = (len(knots), 3)
-        if array.shape != wanted:
-            hint = "; give the times of a table" if times is None and array.ndim == 2 else ""
-            raise ValueError(f"torque: expected shape {wanted}, got {array.shape}{hint}")
-        acting = array.reshape(-1, 3)
+        if array.shape[-len(wanted) :] != wanted:
+            shape = ", ".join(map(str, wanted))
+            raise ValueError(f"torque: expected shape (..., {shape}), got {array.shape}")
+        acting = array if len(knots) else array[..., np.newaxis, :]
         parts = [acting, np.zeros_like(acting)]
         made = cls(tuple(knots.tolist()), _vectors(parts[frame]), _vectors(parts[1 - frame]))
-        made._forcing(None, 0)
+        forcing_of(made, None, made.shape)
         return made
 
     def __add__(self, other: Torque) -> Torque:
@@ -100,16 +136,17 @@ class Torque:
             [_at(torque.times, values, knots) for values in (torque.in_body, torque.in_space)]
             for torque in (self, other)
         ]
+        leading_shape({"torque": self.shape, "other torque": other.shape})
         body, space = (_vectors(parts[0][frame] + parts[1][frame]) for frame in (0, 1))
         return Torque(tuple(knots.tolist()), body, space)
 
     @property
     def acts_in_space(self) -> bool:
         """Whether it has a part that is fixed in space: the rates then need the attitude."""
-        return any(part != 0.0 for value in self.in_space for part in value)
+        return bool(np.any(self.in_space))
 
     def at(self, t: ArrayLike) -> tuple[Floats, Floats]:
-        """Torque in the body and in space at times ``t`` (m,), shapes (m, 3); after a jump.
+        """Torque in the body and in space at times ``t`` (m,), shapes (..., m, 3); after a jump.
 
         Raises
         ------
@@ -131,10 +168,13 @@ class Torque:
         frames = [
             (name, values)
             for name, values in (("body", self.in_body), ("space", self.in_space))
-            if any(part != 0.0 for value in values for part in value)
+            if np.any(values)
         ]
         if not frames:
             return "torque zero"
+        if self.shape and not self.times:
+            places = " and ".join(name for name, _ in frames)
+            return f"torque of each in the {places}".replace("the space", "space")
         if self.times:
             places = " and ".join(name for name, _ in frames)
             return f"torque in the {places} by a table of {len(self.times)} times".replace(
@@ -150,8 +190,8 @@ class Torque:
         """The torque as a dict of numbers."""
         return {
             "times": list(self.times),
-            "in_body": [list(value) for value in self.in_body],
-            "in_space": [list(value) for value in self.in_space],
+            "in_body": np.asarray(self.in_body).tolist(),
+            "in_space": np.asarray(self.in_space).tolist(),
         }
 
     @classmethod
@@ -160,25 +200,8 @@ class Torque:
         times = data["times"] or None
         parts = []
         for make, values in ((cls.body, data["in_body"]), (cls.space, data["in_space"])):
-            parts.append(make(values if times else values[0], times=times))
+            parts.append(make(values if times else np.asarray(values)[..., 0, :], times=times))
         return cls(parts[0].times, parts[0].in_body, parts[1].in_space)
-
-    @np.errstate(over="ignore")
-    def _forcing(self, damping: Damping | None, scale_exponent: int) -> _core.Forcing:
-        d = damping or (_ZERO, _ZERO, _ZERO)
-        entries = np.array([d[0][0], d[1][1], d[2][2], d[1][2], d[0][2], d[0][1]])
-        scaled = [
-            np.ldexp(np.array(x), -scale_exponent) for x in (self.in_body, self.in_space, entries)
-        ]
-        for name, array in (("torque", scaled[:2]), ("damping", scaled[2:])):
-            if not all(np.isfinite(part).all() for part in array):
-                raise ValueError(f"{name}: must be below 1e308 times the largest moment")
-        return _core.Forcing(
-            times=np.array(self.times, dtype=np.float64),
-            body=scaled[0],
-            space=scaled[1],
-            damping=scaled[2].tolist(),
-        )
 
 
 def checked_torque(torque: object) -> Torque | None:
@@ -191,8 +214,10 @@ def checked_torque(torque: object) -> Torque | None:
     )
 
 
-def checked_damping(damping: ArrayLike | None) -> Damping | None:
-    """The matrix of a damping given by one coefficient, three, or a matrix; None if there is none.
+def checked_damping(damping: ArrayLike | None, shape: Shape = ()) -> Damping | None:
+    """The matrices of a damping given by coefficients or matrices; None if there is none.
+
+    ``shape`` has the axes of the bodies that the damping is for.
 
     Raises
     ------
@@ -202,43 +227,112 @@ def checked_damping(damping: ArrayLike | None) -> Damping | None:
     if damping is None:
         return None
     array = numbers("damping", damping)
-    if array.shape not in ((), (3,), (3, 3)):
-        raise ValueError(f"damping: expected shape (), (3,) or (3, 3), got {array.shape}")
-    if not np.isfinite(array).all():
-        raise ValueError(f"damping = {array.tolist()}: must be finite")
-    if array.ndim < 2:
+    width = _components(array.shape, shape)
+    finite = np.isfinite(array)
+    if not finite.all():
+        raise ValueError(f"{_whose(array, finite, width)}: must be finite")
+    if width < 2:
         if np.any(array < 0.0):
-            raise ValueError(f"damping = {array.tolist()}: must not be negative")
-        array = np.diag(np.broadcast_to(array, 3))
-    size = np.abs(array).max()
-    if np.any(np.abs(array - array.T) > 1e-12 * size):
-        raise ValueError(f"damping = {array.tolist()}: must be a symmetric matrix")
-    if not size:
+            raise ValueError(f"{_whose(array, array >= 0.0, width)}: must not be negative")
+        axes = array if width else array[..., np.newaxis]
+        array = axes[..., np.newaxis] * np.eye(3)
+    turned = np.swapaxes(array, -1, -2)
+    size = np.abs(array).max(axis=(-2, -1), keepdims=True, initial=0.0)
+    symmetric = np.abs(array - turned) <= 1e-12 * size
+    if not symmetric.all():
+        raise ValueError(f"{_whose(array, symmetric, 2)}: must be a symmetric matrix")
+    if not size.any():
         return None
     # As a difference: the sum of two huge entries could overflow.
-    first, second, third = _vectors(array + 0.5 * (array.T - array))
-    forcing_of(None, (first, second, third))
+    matrices = array + 0.5 * (turned - array)
+    _check_adds_no_energy(matrices)
+    if shape and matrices.size == 9:
+        matrices = matrices.reshape(3, 3)
+    return matrices_of(matrices)
+
+
+def matrices_of(matrices: ArrayLike) -> Damping:
+    """A damping matrix as tuples, those of many bodies as an array."""
+    array = np.asarray(matrices)
+    if array.ndim > 2:
+        return frozen(array)
+    first, second, third = _rows(array)
     return first, second, third
+
+
+def _components(given: Shape, shape: Shape) -> int:
+    """How many of the last axes of a damping are the axes of one body."""
+
+    def fits(width: int) -> bool:
+        if given[len(given) - width :] != (3,) * width or width > len(given):
+            return False
+        if not shape:
+            return True
+        try:
+            return np.broadcast_shapes(given[: len(given) - width], shape) == shape
+        except ValueError:
+            return False
+
+    ways = [width for width in (2, 1, 0) if fits(width)]
+    if not ways:
+        raise ValueError(
+            f"damping: expected shape (), (3,) or (3, 3) after the axes {shape} of the bodies, "
+            f"got {given}"
+        )
+    if len(ways) > 1 and shape:
+        raise ValueError(
+            f"damping: shape {given} can be read in two ways for bodies of shape {shape}; write "
+            f"{(*shape, 3, 3)} for a matrix of each, {(*(1,) * len(shape), 3)} for three "
+            f"coefficients and {(*(1,) * len(shape), 3, 3)} for a matrix of all"
+        )
+    return ways[0]
+
+
+def _whose(array: Floats, good: NDArray[np.bool_], width: int) -> str:
+    """The damping of the first body that is bad, as a message names it."""
+    good = np.asarray(good.all(axis=tuple(range(good.ndim - width, good.ndim))))
+    index, place = first_place(~good)
+    return f"damping{place} = {array[index].tolist()}"
+
+
+def _check_adds_no_energy(matrices: Floats) -> None:
+    """Raise ValueError for a matrix that is not positive semi-definite."""
+    try:
+        forcing_of(None, matrices, matrices.shape[:-2])
+    except ValueError as error:
+        for index in np.ndindex(matrices.shape[:-2]):
+            place = str(list(index)) if index else ""
+            try:
+                forcing_of(None, matrices[index])
+            except ValueError as own:
+                raise ValueError(str(own).replace("damping", f"damping{place}", 1)) from None
+        raise error from None
 
 
 def damping_words(damping: Damping) -> str:
     """The damping in a few words."""
     matrix = np.array(damping)
+    if matrix.ndim > 2:
+        return "damping of each"
     diagonal = np.diag(matrix)
     if np.any(matrix - np.diag(diagonal)):
-        rows = ", ".join(f"({', '.join(f'{part:g}' for part in row)})" for row in damping)
+        rows = ", ".join(f"({', '.join(f'{part:g}' for part in row)})" for row in matrix)
         return f"damping ({rows})"
     if np.all(diagonal == diagonal[0]):
         return f"damping {diagonal[0]:g}"
     return f"damping ({', '.join(f'{part:g}' for part in diagonal)})"
 
 
+@np.errstate(over="ignore")
 def forcing_of(
-    torque: Torque | None, damping: Damping | None, scale_exponent: int = 0
+    torque: Torque | None,
+    damping: Damping | None,
+    shape: Shape = (),
+    exponents: NDArray[np.intc] = NO_EXPONENT,
 ) -> _core.Forcing | None:
-    """Torque and damping as the core reads them; None if nothing acts.
+    """Torque and damping of bodies of this shape as the core reads them; None if nothing acts.
 
-    They are counted in units of ``2**scale_exponent``.
+    They are counted in units of ``2**exponents``, one for each body or one for all.
 
     Raises
     ------
@@ -247,11 +341,37 @@ def forcing_of(
     """
     if torque is None and damping is None:
         return None
-    return (torque or Torque((), (_ZERO,), (_ZERO,)))._forcing(damping, scale_exponent)
+    d = np.zeros((3, 3)) if damping is None else np.asarray(damping)
+    entries = d[..., [0, 1, 2, 1, 0, 0], [0, 1, 2, 2, 2, 1]]
+    none = np.empty((0, 3))
+    tables = [none, none] if torque is None else [np.asarray(torque.in_body), torque.in_space]
+
+    def scaled(name: str, values: ArrayLike, width: int) -> Floats:
+        array = np.asarray(values)
+        if array.ndim > width:
+            array = np.broadcast_to(array, (*shape, *array.shape[-width:]))
+        lead, tail = array.shape[: array.ndim - width], array.shape[array.ndim - width :]
+        each = array.reshape(prod(lead), *tail)
+        found: Floats = np.ldexp(each, -exponents.reshape(-1, *(1,) * width))
+        if not np.isfinite(found).all():
+            raise ValueError(f"{name}: must be below 1e308 times the largest moment")
+        return np.ascontiguousarray(found.reshape(prod(found.shape[:-1]), tail[-1]))
+
+    return _core.Forcing(
+        times=np.array(() if torque is None else torque.times, dtype=np.float64),
+        body=scaled("torque", tables[0], 2),
+        space=scaled("torque", tables[1], 2),
+        damping=scaled("damping", entries, 1),
+    )
 
 
-def _vectors(array: Floats) -> tuple[Vector, ...]:
+def _rows(array: Floats) -> tuple[Vector, ...]:
     return tuple((float(a), float(b), float(c)) for a, b, c in array)
+
+
+def _vectors(array: Floats) -> tuple[Vector, ...] | Floats:
+    """The vectors of one body as tuples, those of many as an array."""
+    return _rows(array) if array.ndim == 2 else frozen(array)
 
 
 def _common_knots(first: tuple[float, ...], second: tuple[float, ...]) -> Floats:
@@ -272,11 +392,11 @@ def _common_knots(first: tuple[float, ...], second: tuple[float, ...]) -> Floats
     return np.array([knot for knot in every for _ in range(2 if knot in jumps else 1)])
 
 
-def _linear(times: Sequence[float], values: Sequence[Vector], t: Floats) -> Floats:
+def _linear(times: Sequence[float], values: ArrayLike, t: Floats) -> Floats:
     """A piecewise linear table at times inside it; after a jump, but for the last time."""
     array = np.array(values)
     if not times:
-        return np.broadcast_to(array, (len(t), 3)).copy()
+        return np.broadcast_to(array, (*array.shape[:-2], len(t), 3)).copy()
     knots = np.array(times)
     piece = np.clip(np.searchsorted(knots, t, side="right") - 1, 0, len(knots) - 2)
     return _on_piece(knots, array, piece, t)
@@ -286,14 +406,16 @@ def _on_piece(knots: Floats, values: Floats, piece: NDArray[np.intp], t: Floats)
     begin, end = knots[piece], knots[piece + 1]
     width = np.where(end > begin, end - begin, 1.0)
     share = ((t - begin) / width)[:, None]
-    line: Floats = values[piece] + share * (values[piece + 1] - values[piece])
+    first = values[..., piece, :]
+    line: Floats = first + share * (values[..., piece + 1, :] - first)
     return line
 
 
-def _at(times: Sequence[float], values: Sequence[Vector], knots: Floats) -> Floats:
+def _at(times: Sequence[float], values: ArrayLike, knots: Floats) -> Floats:
     """A table at the knots of a finer one: before a jump and after it, where there is one."""
     if not len(knots) or not times:
-        return np.broadcast_to(np.array(values), (max(len(knots), 1), 3)).copy()
+        array = np.array(values)
+        return np.broadcast_to(array, (*array.shape[:-2], max(len(knots), 1), 3)).copy()
     own, array = np.array(times), np.array(values)
     before = np.zeros(len(knots), dtype=bool)
     before[:-1] = knots[:-1] == knots[1:]

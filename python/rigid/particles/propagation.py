@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import shaped, sorted_times, together
-from ..model.body import Body
+from ..model.body import Body, require_one
 from ..model.body_like import body_of
 from ..model.scene import FreeBody
 from ..solve.run import Run
@@ -102,6 +102,7 @@ def propagate_body(
     [2.0, 0.0, 1.095]
     """
     body = body_of(body)
+    require_one(body)
     times = sorted_times("t", t)
     r0, v0 = shaped("position", position, 3), shaped("velocity", velocity, 3)
     f = shaped("force", force, 3)

@@ -111,8 +111,8 @@ def make_spec(
     """The checked specification of a report; the arguments are those of :func:`rigid.report`."""
     check_scene(scene)
     w1, w2, w3 = vector("omega", omega, 3).tolist()
-    batch, single = Batch.from_input(scene, [w1, w2, w3], attitude)
-    if not single:
+    batch, shape = Batch.from_input(scene, [w1, w2, w3], attitude)
+    if shape:
         raise ValueError(
             f"attitude: expected shape (4,), got {len(batch.attitude)} attitudes; "
             "a report starts from one body"

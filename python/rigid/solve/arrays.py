@@ -2,17 +2,47 @@
 
 from __future__ import annotations
 
+from typing import TypeAlias
+
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["spread_indices", "time_range", "time_span"]
+__all__ = [
+    "Range",
+    "in_rows",
+    "largest",
+    "spread_indices",
+    "time_range",
+    "time_ranges",
+    "time_span",
+]
 
 Floats = NDArray[np.float64]
 
 
+def largest(values: Floats) -> float:
+    """The largest of some numbers and 0; that of one number without a reduction, which is slow."""
+    return max(float(values[0]), 0.0) if len(values) == 1 else float(values.max(initial=0.0))
+
+
+Range: TypeAlias = tuple[float, float] | tuple[Floats, Floats]
+"""First and last of some times and 0 (s), or those of each body, shape (n,)."""
+
+
+def time_ranges(times: Floats) -> Range:
+    """First and last of ascending times and 0 (s), or of the times (n, m) of each body."""
+    if times.ndim == 1:
+        return time_range(times)
+    if not times.shape[1]:
+        return np.zeros(len(times)), np.zeros(len(times))
+    return np.minimum(times[:, 0], 0.0), np.maximum(times[:, -1], 0.0)
+
+
 def time_range(times: Floats) -> tuple[float, float]:
-    """First and last of the times and 0 (s)."""
-    return float(times.min(initial=0.0)), float(times.max(initial=0.0))
+    """First and last of ascending times and 0 (s)."""
+    if not len(times):
+        return 0.0, 0.0
+    return min(float(times[0]), 0.0), max(float(times[-1]), 0.0)
 
 
 def time_span(times: Floats) -> float:
@@ -27,3 +57,11 @@ def spread_indices(count: int, most: int) -> NDArray[np.intp]:
     spread = (count - 1) - np.linspace(0, count - 1, min(count, most))
     indices: NDArray[np.intp] = np.unique(spread.round().astype(np.intp))
     return indices
+
+
+def in_rows(array: Floats, shape: tuple[int, ...]) -> Floats:
+    """The rows (n, N) of bodies of this shape; one row if it is that of all."""
+    if array.ndim == 1:
+        return array[np.newaxis]
+    width = array.shape[-1]
+    return np.ascontiguousarray(np.broadcast_to(array, (*shape, width))).reshape(-1, width)

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from math import prod
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .._checks.arguments import rows
-from .._checks.arrays import unit_quaternions
+from .._checks.arrays import attitudes, vectors
+from ..model.leading import Shape, leading_shape
 from ..model.scene import Scene
-from ..model.torque import forcing_of
+from ..model.torque import NO_EXPONENT, forcing_of
+from .arrays import Range, in_rows
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -31,7 +32,7 @@ SLOWEST = 1e-140
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Batch:
-    """Bodies of one kind, under one torque and damping, with their starts.
+    """Bodies of one kind with their starts.
 
     Attributes
     ----------
@@ -44,8 +45,8 @@ class Batch:
     attitude : ndarray, shape (n, 4) or (1, 4)
         Unit quaternions; one row may serve all bodies.
     forcing : Forcing or None
-        Torque and damping, None if nothing acts.
-    scale_exponent : int
+        Torque and damping of each body or of all, None if nothing acts on any.
+    scale_exponent : ndarray of int, shape (n,) or (1,)
         Moments, weight and forcing are counted in units of ``2**scale_exponent``.
     """
 
@@ -55,31 +56,48 @@ class Batch:
     omega: Floats
     attitude: Floats
     forcing: _core.Forcing | None = None
-    scale_exponent: int = 0
+    scale_exponent: NDArray[np.intc] = field(default_factory=lambda: NO_EXPONENT)
     _rates: dict[object, Floats] = field(default_factory=dict, init=False, repr=False)
 
     @classmethod
     def from_input(
-        cls, scene: Scene, omega: ArrayLike, attitude: ArrayLike | Rotation | None
-    ) -> tuple[Self, bool]:
-        """The bodies that a call describes, and whether it describes a single one.
+        cls,
+        scene: Scene,
+        omega: ArrayLike,
+        attitude: ArrayLike | Rotation | None,
+        times: Shape = (),
+    ) -> tuple[Self, Shape]:
+        """The bodies that a call describes, and the axes of its bodies: ``()`` for one.
+
+        ``times`` has the axes of the bodies that times of their own have.
 
         Raises
         ------
         ValueError
-            If an array is not finite, has the wrong shape, or holds a zero quaternion, if the rates
-            are so slow that their squares underflow, or the weight, torque or damping so large that
-            they overflow in the unit of the moments.
+            If an array is not finite, has the wrong shape, or holds a zero quaternion, if the axes
+            of bodies, rates and attitudes do not broadcast, if the rates are so slow that their
+            squares underflow, or the weight, torque or damping so large that they overflow in the
+            unit of the moments.
         """
-        rates, single_omega = rows("omega", omega, 3)
-        quaternions, single_attitude = _attitudes(attitude)
-        count = _common_length(rates, quaternions, single_omega, single_attitude)
+        rates, quaternions = vectors("omega", omega), _attitudes(attitude)
+        shape = leading_shape(
+            {
+                "scene": scene.shape,
+                "omega": rates.shape[:-1],
+                "attitude": quaternions.shape[:-1],
+                "t": times,
+            }
+        )
         # The largest moment is near one in this unit: no product with rates leaves the range of
         # doubles, and the unit of moments, torques and energies changes no bit of a motion.
-        exponent = int(np.frexp(max(scene.body.moments))[1])
-        batch = cls.of_scene(scene, rates, quaternions, count, exponent)
-        batch._check_time_unit()
-        return batch, single_omega and single_attitude
+        if scene.body.shape:
+            largest = in_rows(np.max(scene.body.moments, axis=-1, keepdims=True), shape)
+            exponents = np.frexp(largest[:, 0])[1]
+        else:
+            exponents = np.array([math.frexp(max(scene.body.moments))[1]], dtype=np.intc)
+        batch = cls.of_scene(scene, rates, quaternions, shape, exponents)
+        batch._check_time_unit(shape)
+        return batch, shape
 
     @classmethod
     def of_scene(
@@ -87,18 +105,21 @@ class Batch:
         scene: Scene,
         omega: Floats,
         attitude: Floats,
-        count: int,
-        scale_exponent: int = 0,
+        shape: Shape,
+        exponents: NDArray[np.intc] = NO_EXPONENT,
     ) -> Self:
-        """``count`` bodies of a scene with these rates and unit quaternions, as they are."""
+        """Bodies of a scene with these rates and unit quaternions, as they are."""
+        moments, weight = in_rows(np.asarray(scene.body.moments), shape), scene.weight
+        rows = in_rows(weight, shape)
+        every = in_rows(omega, shape)
         return cls(
             kind=scene.kind,
-            moments=_scaled("moments", np.array([scene.body.moments]), scale_exponent),
-            weight=_scaled("mgl", scene.weight[np.newaxis], scale_exponent),
-            omega=np.ascontiguousarray(np.broadcast_to(omega, (count, 3))),
-            attitude=attitude,
-            forcing=forcing_of(scene.torque, scene.damping, scale_exponent),
-            scale_exponent=scale_exponent,
+            moments=np.ldexp(moments, -exponents[:, np.newaxis]),
+            weight=_scaled("mgl", rows, exponents, shape) if np.count_nonzero(weight) else rows,
+            omega=every if len(every) == prod(shape) else np.repeat(every, prod(shape), axis=0),
+            attitude=in_rows(attitude, shape),
+            forcing=forcing_of(scene.torque, scene.damping, shape, exponents),
+            scale_exponent=exponents,
         )
 
     def __len__(self) -> int:
@@ -122,99 +143,109 @@ class Batch:
 
     def select(self, bodies: NDArray[np.intp]) -> Self:
         """Some of the bodies."""
-        chosen = self._mapped(lambda column: column[bodies])
+        chosen = self._taken(bodies)
         chosen._rates.update({key: rates[bodies] for key, rates in self._rates.items()})
         return chosen
 
     def repeat(self, count: int) -> Self:
         """Each body ``count`` times in a row."""
-        return self._mapped(lambda column: np.repeat(column, count, axis=0))
+        return self._taken(np.repeat(np.arange(len(self)), count))
 
-    def _mapped(self, change: Callable[[Floats], Floats]) -> Self:
-        """The batch with its columns changed; a row that serves all bodies stays."""
+    def _taken(self, bodies: NDArray[np.intp]) -> Self:
+        """The bodies of these indices; a row that serves all bodies stays."""
+        columns = {
+            name: column[bodies] if len(column) > 1 else column
+            for name in ("moments", "weight", "attitude", "scale_exponent")
+            for column in (getattr(self, name),)
+        }
+        forcing = None if self.forcing is None else self.forcing.select(bodies)
+        if forcing is not None and not forcing.drives(len(bodies)).any():
+            forcing = None
+        return replace(self, **columns, omega=self.omega[bodies], forcing=forcing)
 
-        def changed(column: Floats) -> Floats:
-            return change(column) if len(column) == len(self) else column
+    def driven(self) -> NDArray[np.bool_]:
+        """Whether torque or damping acts on each body; shape (n,)."""
+        if self.forcing is None:
+            return np.zeros(len(self), dtype=bool)
+        return self.forcing.drives(len(self))
 
-        return replace(
-            self,
-            moments=changed(self.moments),
-            weight=changed(self.weight),
-            omega=changed(self.omega),
-            attitude=changed(self.attitude),
-        )
-
-    def fastest_rates(self, span: tuple[float, float], method: str | None = None) -> Floats:
+    def fastest_rates(self, span: Range, method: str | None = None) -> Floats:
         """Bounds of ``|omega|`` (rad/s), shape (n,); each is computed once.
 
         Parameters
         ----------
-        span : tuple of float
-            First and last time (s), around 0.
+        span : tuple of float, or of ndarray of shape (n,)
+            First and last time (s), around 0; those of all bodies or of each.
         method : str, optional
             Instead of bounds: the rates that the steps of this method follow. Without torque and
             damping the bounds hold for all times and are these rates.
         """
-        free = self.forcing is None
-        key = None if free else (span, method)
+        spans = None
+        if self.forcing is not None:
+            spans = np.ascontiguousarray(np.atleast_2d(np.transpose(span)))
+        key = None if spans is None else (spans.tobytes(), method)
         if key not in self._rates:
             rates = (
-                _core.fastest_rates(**self.full_columns())
-                if free
-                else _core.fastest_rates(**self.full_columns(), span=span, method=method)
+                _core.fastest_rates(**self.columns())
+                if spans is None
+                else _core.fastest_rates(**self.columns(), span=spans, method=method)
             )
             rates.flags.writeable = False
             self._rates[key] = rates
         return self._rates[key]
 
+    def note_rates(self, rates: Floats) -> None:
+        """Keep the bounds that a run in closed form has returned."""
+        if self.forcing is None:
+            self._rates.setdefault(None, rates)
+
     def closed_forms(self) -> NDArray[np.str_]:
         """The closed form of the states of each body from its start, or ""; shape (n,)."""
-        if self.forcing is not None:
-            return np.full(len(self), "")
-        return np.array(_core.closed_forms(**self.full_columns()), dtype=np.str_)
+        columns = self.full_columns()
+        columns.pop("forcing", None)
+        forms = np.array(_core.closed_forms(**columns), dtype=np.str_)
+        return np.where(self.driven(), "", forms) if self.forcing is not None else forms
 
-    def _check_time_unit(self) -> None:
+    def _check_time_unit(self, shape: Shape) -> None:
         """Raise ValueError for rates whose squares underflow."""
-        swing = np.sqrt(np.abs(self.weight).max() / self.moments.min())
-        rates = np.maximum(np.abs(self.omega).max(axis=1), swing)
-        slow = np.flatnonzero((rates > 0.0) & (rates < SLOWEST))
-        if len(slow):
+        swing = np.zeros(1)
+        if np.count_nonzero(self.weight):
+            # Rows of weights and moments may differ in number.
+            swing = np.sqrt(np.abs(self.weight).max(axis=1) / self.moments.min(axis=1))
+        if len(swing) == 1:
+            slow = _core.first_slow(self.omega, float(swing[0]), SLOWEST)
+        else:
+            rates = np.maximum(np.abs(self.omega).max(axis=1), swing)
+            found = np.flatnonzero((rates > 0.0) & (rates < SLOWEST))
+            slow = int(found[0]) if len(found) else None
+        if slow is not None:
+            rate = max(swing[slow if len(swing) > 1 else 0], np.abs(self.omega[slow]).max())
+            place = [int(i) for i in np.unravel_index(slow, shape or (1,))]
             raise ValueError(
-                f"omega[{slow[0]}]: the rates of the body are {rates[slow[0]]:.3g} rad/s at most; "
+                f"omega{place}: the rates of the body are {rate:.3g} rad/s at most; "
                 f"they must be zero or reach {SLOWEST:g} rad/s: count the time in another unit"
             )
 
 
 @np.errstate(over="ignore")
-def _scaled(name: str, values: Floats, exponent: int) -> Floats:
-    """The values in units of ``2**exponent``; ValueError if they are too large for it."""
-    scaled: Floats = np.ldexp(values, -exponent)
-    if not np.isfinite(scaled).all():
+def _scaled(name: str, values: Floats, exponents: NDArray[np.intc], shape: Shape) -> Floats:
+    """The values in units of ``2**exponents``; ValueError if they are too large for them."""
+    scaled: Floats = np.ldexp(values, -exponents[:, np.newaxis])
+    finite = np.asarray(np.isfinite(scaled).all(axis=1))
+    if not finite.all():
+        body = int(np.flatnonzero(~finite)[0])
+        place = [int(i) for i in np.unravel_index(body, shape)] if len(finite) > 1 else ""
+        value = np.abs(values[body if len(values) > 1 else 0]).max()
+        unit = math.ldexp(1.0, int(exponents[body if len(exponents) > 1 else 0]))
         raise ValueError(
-            f"{name} = {np.abs(values).max():g}: must be below 1e308 times the largest moment, "
-            f"which is of the order of {math.ldexp(1.0, exponent):g}"
+            f"{name}{place} = {value:g}: must be below 1e308 times the largest moment, "
+            f"which is of the order of {unit:g}"
         )
     return scaled
 
 
-def _attitudes(attitude: ArrayLike | Rotation | None) -> tuple[Floats, bool]:
-    """Unit quaternions, and whether there is only one for all bodies."""
+def _attitudes(attitude: ArrayLike | Rotation | None) -> Floats:
+    """Unit quaternions, shape (..., 4)."""
     if attitude is None:
-        return np.array([_IDENTITY]), True
-    if hasattr(attitude, "as_quat"):
-        attitude = attitude.as_quat(scalar_first=True)
-    quaternions, single = rows("attitude", attitude, 4)
-    return unit_quaternions("attitude", quaternions), single
-
-
-def _common_length(
-    rates: Floats, quaternions: Floats, single_omega: bool, single_attitude: bool
-) -> int:
-    if single_attitude:
-        return len(rates)
-    if single_omega or len(rates) == len(quaternions):
-        return len(quaternions)
-    raise ValueError(
-        f"attitude: expected shape ({len(rates)}, 4) to go with omega {rates.shape}, "
-        f"got {quaternions.shape}"
-    )
+        return np.array(_IDENTITY)
+    return attitudes(attitude)

@@ -2,37 +2,44 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._checks.arguments import finite_float, one_of
+from .._checks.arguments import finite_float, one_of, positive_int
 from ..model.criteria import Criterion, known_criteria
 from ..model.scene import Scene, check_scene
 from ..model.start import Start
+from .arrays import Range
 from .batch import Batch
 from .closed_form import (
     FORCED_RULE,
     RECORDS,
     Question,
+    are_slowed_evenly,
     closed_forms,
-    is_slowed_evenly,
     listed,
+    moment_rows,
     question_words,
     rule,
+    weight_rows,
     why_not,
 )
 from .cost_model import (
-    calibration_class,
+    Estimate,
+    calibration_classes,
     cheapest,
     check_attainable,
     closed_form_estimate,
+    costliest,
     schemes,
     steps_estimate,
     steps_for,
 )
+from .foresight import why_unforeseen
 from .methods import (
     EXACT,
     FALLBACK,
@@ -43,13 +50,17 @@ from .methods import (
     run_methods,
 )
 from .plan import Plan, carried, left_out
+from .work import MANY
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-__all__ = ["Problem", "choose_method", "plan"]
+__all__ = ["Problem", "choose_method", "closed_form_plan", "plan"]
 
 Floats = NDArray[np.float64]
+
+UNKNOWN = "error unknown: {}"
+"""How a plan says why its error is unknown."""
 
 STIFFNESS = 10.0
 """Damping is strong if it slows a body this many times faster than the body turns."""
@@ -66,9 +77,9 @@ class Problem:
         With all defaults filled in.
     batch : Batch or None
         The bodies with their starts, None if the starts are not known.
-    begin : float
-        First time of the run (s), not positive.
-    span : float or None
+    begin : float or ndarray, shape (n,)
+        First time of the run (s), not positive; of all bodies or of each.
+    span : float, ndarray of shape (n,), or None
         Time that the run covers (s), None if it is not known.
     accuracy, step : float or None
         Largest error at the end; longest step (s). Only one of the two can be given.
@@ -76,6 +87,8 @@ class Problem:
         The requested method.
     states : int
         Number of requested states of a body.
+    bodies : int or None
+        Number of bodies that share a call; None: those of the batch.
 
     Raises
     ------
@@ -87,12 +100,13 @@ class Problem:
     scene: Scene
     question: Question
     batch: Batch | None = None
-    begin: float = 0.0
-    span: float | None = None
+    begin: float | Floats = 0.0
+    span: float | Floats | None = None
     accuracy: float | None = None
     method: str | None = None
     step: float | None = None
     states: int = 1
+    bodies: int | None = None
 
     def __post_init__(self) -> None:
         if self.method is not None:
@@ -111,9 +125,30 @@ class Problem:
             )
 
     @property
-    def times(self) -> tuple[float, float]:
+    def times(self) -> Range:
         """First and last time of the run (s)."""
-        return self.begin, self.begin + (self.span or 0.0)
+        begin, span = np.broadcast_arrays(self.begin, 0.0 if self.span is None else self.span)
+        return begin, begin + span
+
+    def inertia(self) -> tuple[Floats, Floats]:
+        """Moments and weight of the bodies in rows, in any unit; one row may serve all."""
+        if self.batch is not None:
+            return self.batch.moments, self.batch.weight
+        return moment_rows(self.scene), weight_rows(self.scene)
+
+    def classes(self) -> NDArray[np.str_]:
+        """The class of bodies that each is calibrated as; shape (n,), or (1,) if all are alike."""
+        if self.batch is not None:
+            return calibration_classes(self.scene, *self.inertia(), self.batch.driven())
+        return calibration_classes(self.scene, *self.inertia(), np.array([self.scene.is_driven]))
+
+    @property
+    def count(self) -> int:
+        """Number of bodies that share a call; of samples of a map many do."""
+        if self.bodies is not None:
+            return self.bodies
+        known = self.batch is not None and isinstance(self.question, str)
+        return max(len(self.batch), 1) if known and self.batch is not None else MANY
 
     def rates(self, method: str | None = None) -> Floats | None:
         """Bounds of the rates, or the rates that the steps of a method follow, if known."""
@@ -132,13 +167,14 @@ def plan(
     accuracy: float | None = None,
     method: str | None = None,
     step: float | None = None,
+    bodies: int | None = None,
 ) -> Plan:
     """Plan the computation of :func:`simulate` or a map for a question about a scene.
 
     Parameters
     ----------
     scene : FreeBody or HeavyTop
-        The body with its weight, applied torque and damping.
+        The body, or many, with their weight, applied torque and damping.
     question : {"rates", "axis", "attitude"}, NoFlip or TiltBelow
         States at given times, or a criterion: :func:`no_flip`, :func:`tilt_below`.
     omega, attitude : array_like, optional
@@ -154,6 +190,9 @@ def plan(
         one and no step is given, else ``"rk4"``, or ``"etd4"`` under strong damping.
     step : float, optional
         Longest step (s).
+    bodies : int, optional
+        Number of bodies of the call, which the cost of one depends on. Default: those of ``omega``,
+        many without them or for a criterion.
 
     Returns
     -------
@@ -169,19 +208,20 @@ def plan(
     --------
     >>> import rigid
     >>> scene = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
-    >>> print(rigid.plan(scene, "rates", omega=[0.1, 1.0, 0.2], t_end=100.0))
+    >>> made = rigid.plan(scene, "rates", omega=[0.1, 1.0, 0.2], t_end=100.0)
+    >>> print(made)  # doctest: +ELLIPSIS
     scene       free body, moments (1, 2, 3)
     question    rates at wanted times
     method      exact, closed form: free asymmetric
     carried     omega
     why         every body has a closed form
     left out    no torque: no steps; rates only: no attitude; no weight: no vertical
-    cost        about 240 ns a body
+    cost        about ... µs a body
     error       about 1.6e-13 rad
     >>> rigid.plan(scene, rigid.tilt_below(0.5)).method
     'rk4'
     """
-    check_scene(scene)
+    check_scene(scene, many=True)
     if omega is None and attitude is not None:
         raise ValueError("attitude: says nothing without omega; give both")
     batch = None if omega is None else Batch.from_input(scene, omega, attitude)[0]
@@ -195,8 +235,15 @@ def plan(
         method=method,
         step=step,
         states=1 if isinstance(question, str) else 0,
+        bodies=None if bodies is None else positive_int("bodies", bodies),
     )
-    return choose_method(problem)[0]
+    chosen = choose_method(problem)[0]
+    if batch is not None and chosen.method == EXACT and chosen.error is not None:
+        unforeseen = why_unforeseen(batch, problem.times, by_steps=False)
+        if unforeseen is not None:
+            why = (*chosen.why, UNKNOWN.format(unforeseen))
+            chosen = replace(chosen, error=None, why=why)
+    return chosen
 
 
 def choose_method(problem: Problem) -> tuple[Plan, Floats | None]:
@@ -207,7 +254,7 @@ def choose_method(problem: Problem) -> tuple[Plan, Floats | None]:
     scene, question, span = problem.scene, problem.question, problem.span
     forms = _known_closed_forms(problem)
     if scene.torque is not None and span is not None:
-        scene.torque.at(problem.times)  # ValueError outside the times of its table
+        scene.torque.at(np.ravel(problem.times))  # ValueError outside the times of its table
     method, why = _preferred(problem, forms)
     steps = None
     if problem.accuracy is not None:
@@ -215,18 +262,16 @@ def choose_method(problem: Problem) -> tuple[Plan, Floats | None]:
     elif problem.step is not None and method != EXACT and problem.batch is not None:
         steps = np.full(len(problem.batch), problem.step)
     if method == EXACT:
-        estimate = closed_form_estimate(question, forms, problem.states, problem.rates(), span)
-    else:
-        estimate = steps_estimate(
-            _stepped_question(problem, method),
-            method,
-            calibration_class(scene),
-            problem.rates(method),
-            span,
-            steps if problem.step is None else problem.step,
-            _damping_rate(scene),
+        estimate = closed_form_estimate(
+            question, forms, problem.states, problem.rates(), span, problem.count
         )
+    else:
+        estimate = _steps_estimate(problem, method, steps)
     error = estimate.error
+    if error is not None and problem.batch is not None and method != EXACT:
+        unforeseen = why_unforeseen(problem.batch, problem.times, by_steps=True)
+        if unforeseen is not None:
+            error, why = None, [*why, UNKNOWN.format(unforeseen)]
     if error is not None and problem.accuracy is not None:
         # The steps of the run are shortened until it is met.
         error = min(error, problem.accuracy)
@@ -240,16 +285,68 @@ def choose_method(problem: Problem) -> tuple[Plan, Floats | None]:
         left_out=left_out(scene, question, method, problem.step, forms),
         step=estimate.step,
         steps=estimate.steps,
-        cost=estimate.cost,
+        work=estimate.work,
         error=error,
     )
     return chosen, steps
 
 
+def closed_form_plan(
+    scene: Scene, question: str, method: str | None, bodies: int, states: int
+) -> Plan | None:
+    """The plan of states in closed form without torque and damping, None if there may be none.
+
+    It does not depend on the starts, but for its error: it is made once for a scene of one body.
+    """
+    if scene.shape or scene.is_driven or method not in (None, EXACT):
+        return None
+    return _plan_of_any_start(scene, question, method, bodies, states)
+
+
+@lru_cache(maxsize=128)
+def _plan_of_any_start(
+    scene: Scene, question: str, method: str | None, bodies: int, states: int
+) -> Plan | None:
+    """The plan without its error, None if some start of the scene has no closed form."""
+    if "" in closed_forms(question, moment_rows(scene), weight_rows(scene)):
+        return None
+    problem = Problem(scene=scene, question=question, method=method, states=states, bodies=bodies)
+    return choose_method(problem)[0]
+
+
+def _steps_estimate(problem: Problem, method: str, steps: Floats | None) -> Estimate:
+    """Work and error of a scheme, the largest of all classes of bodies."""
+    classes, rates = problem.classes(), problem.rates(method)
+    parts = []
+    for kind in sorted(set(classes.tolist())):
+        mine = slice(None) if len(classes) == 1 else np.flatnonzero(classes == kind)
+        longest = steps if problem.step is None else problem.step
+        part = steps_estimate(
+            _stepped_question(problem, method),
+            method,
+            kind,
+            None if rates is None else rates[mine],
+            None if problem.span is None else _some(problem.span, mine),
+            longest[mine] if isinstance(longest, np.ndarray) else longest,
+            _damping_rate(problem.scene),
+            states=problem.states,
+            bodies=problem.count,
+        )
+        parts.append(part)
+    return costliest(parts)
+
+
+def _some(values: float | Floats, mine: slice | NDArray[np.intp]) -> float | Floats:
+    """The values of some bodies, or that of all."""
+    return values[mine] if isinstance(values, np.ndarray) and values.ndim else values
+
+
 def _damping_rate(scene: Scene) -> float:
-    """The largest rate at which damping slows the body (1/s)."""
+    """The largest rate at which damping slows a body (1/s)."""
     forcing = scene.forcing
-    return 0.0 if forcing is None else float(forcing.damping_rates(scene.body.moments)[-1])
+    if forcing is None:
+        return 0.0
+    return float(forcing.damping_rates(moment_rows(scene)).max(initial=0.0))
 
 
 def _known_closed_forms(problem: Problem) -> NDArray[np.str_]:
@@ -261,10 +358,14 @@ def _known_closed_forms(problem: Problem) -> NDArray[np.str_]:
         If closed forms were requested and a body has none.
     """
     scene, question, method = problem.scene, problem.question, problem.method
-    forms = closed_forms(question, np.array([scene.body.moments]), scene.weight[np.newaxis])
+    moments, weight = problem.inertia()
+    forms = closed_forms(question, moments, weight)
     if scene.is_driven:
-        if not (isinstance(question, str) and is_slowed_evenly(scene)):
-            forms = np.full_like(forms, "")
+        forcing = scene.forcing if problem.batch is None else problem.batch.forcing
+        assert forcing is not None
+        states = isinstance(question, str)
+        evenly = are_slowed_evenly(scene, forcing, moments) if states else np.False_
+        forms = np.where(evenly, forms, "")
     elif problem.batch is not None and isinstance(question, str) and "" in forms:
         wanted = method == EXACT or (method is None and problem.step is None)
         # Whether a top swings as a pendulum depends on the start.
@@ -292,7 +393,10 @@ def _preferred(problem: Problem, forms: NDArray[np.str_]) -> tuple[str, list[str
         return EXACT, ["every body has a closed form"]
     if scene.is_driven:
         return _scheme(problem, ["no closed form under torque and damping"])
-    return _scheme(problem, [why_not(question, np.array(scene.body.moments), scene.weight)])
+    moments, weight = np.broadcast_arrays(*problem.inertia())
+    # Of bodies that differ, the first without a closed form.
+    body = int(np.flatnonzero(forms == "")[0]) if len(moments) > 1 else 0
+    return _scheme(problem, [why_not(question, moments[body], weight[body])])
 
 
 def _scheme(problem: Problem, why: list[str]) -> tuple[str, list[str]]:
@@ -327,17 +431,25 @@ def _accurate(problem: Problem, method: str, why: list[str]) -> tuple[str, Float
             f"{'omega' if turning is None else 't_end'} is missing"
         )
     assert problem.batch is not None  # the rates are known
-    kind = calibration_class(problem.scene)
+    classes = problem.classes()
+    # Of bodies of several classes the most decide about the scheme, each class about its steps.
+    kinds, counts = np.unique(classes, return_counts=True)
+    kind = "driven" if problem.scene.is_driven else str(kinds[counts.argmax()])
     if problem.method is None:
         angles = {
-            name: float(problem.batch.fastest_rates(problem.times, name).max(initial=0.0) * span)
+            name: float((problem.batch.fastest_rates(problem.times, name) * span).max(initial=0.0))
             for name in (driven_methods() if problem.scene.is_driven else plain_methods())
         }
-        method = cheapest(accuracy, kind, _stepped_question(problem, method), angles)
+        question = _stepped_question(problem, method)
+        method = cheapest(accuracy, kind, question, angles, problem.states)
         why.append(f"{method} is the cheapest scheme for it")
     why.append(f"the step follows from the accuracy, {accuracy:g} at the end")
     rates = problem.batch.fastest_rates(problem.times, method)
-    return method, steps_for(accuracy, schemes()[method, kind], rates, span)
+    steps = np.empty_like(rates)
+    for own in kinds.tolist():
+        mine = slice(None) if len(classes) == 1 else np.flatnonzero(classes == own)
+        steps[mine] = steps_for(accuracy, schemes()[method, own], rates[mine], _some(span, mine))
+    return method, steps
 
 
 def _stepped_question(problem: Problem, method: str) -> Question:

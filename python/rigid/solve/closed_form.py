@@ -11,17 +11,21 @@ from numpy.typing import ArrayLike, NDArray
 from .. import _core
 from ..model.criteria import Criterion
 from ..model.scene import Scene
+from .arrays import in_rows
 
 __all__ = [
     "FORCED_RULE",
     "RECORDS",
     "Question",
+    "are_slowed_evenly",
     "closed_forms",
-    "is_slowed_evenly",
+    "lagrange_axes",
     "lagrange_axis_of",
     "listed",
+    "moment_rows",
     "question_words",
     "rule",
+    "weight_rows",
     "why_not",
 ]
 
@@ -79,6 +83,12 @@ def lagrange_axis_of(moments: ArrayLike, weight: ArrayLike) -> int:
     return int(_core.lagrange_axes(*rows)[0])
 
 
+def lagrange_axes(moments: Floats, weight: Floats) -> NDArray[np.int64]:
+    """The symmetry axis of each of many bodies, shape (n,); one row may serve all."""
+    first, second = np.broadcast_arrays(moments, weight)
+    return _core.lagrange_axes(np.ascontiguousarray(first), np.ascontiguousarray(second))
+
+
 def question_words(question: Question) -> str:
     """The question in words."""
     return RECORDS[question] if isinstance(question, str) else str(question)
@@ -108,12 +118,21 @@ def why_not(question: Question, moments: Floats, weight: Floats) -> str:
     return f"no closed form: {reasons[len(set(moments.tolist()))]}"
 
 
-def is_slowed_evenly(scene: Scene) -> bool:
-    """Whether nothing acts but damping that is a multiple of the inertia.
+def are_slowed_evenly(scene: Scene, forcing: _core.Forcing, moments: Floats) -> NDArray[np.bool_]:
+    """Whether nothing acts on each body but damping that is a multiple of its inertia.
 
-    The motion is then that of the free body, slowed.
+    The motion is then that of the free body, slowed. Shape (n,), or (1,) if all are alike.
     """
-    forcing = scene.forcing
-    if forcing is None or scene.directions or scene.weight.any():
-        return False
-    return forcing.slows_evenly(scene.body.moments) is not None
+    if scene.directions:
+        return np.zeros(1, dtype=bool)
+    return ~np.isnan(forcing.slows_evenly(moments))
+
+
+def moment_rows(scene: Scene) -> Floats:
+    """The moments of the bodies, shape (n, 3), or (1, 3) if they have the same."""
+    return in_rows(np.asarray(scene.body.moments), scene.shape)
+
+
+def weight_rows(scene: Scene) -> Floats:
+    """``mgl com`` of the bodies, shape (n, 3), or (1, 3) if they have the same."""
+    return in_rows(scene.weight, scene.shape)

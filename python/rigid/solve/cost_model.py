@@ -1,13 +1,14 @@
-"""Cost and error of a plan: calibrated models."""
+"""Work and error of a plan: calibrated models."""
 
 from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cache
 from importlib import resources
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,18 +18,20 @@ from ..model.criteria import Criterion
 from ..model.scene import Scene
 from .arrays import time_range, time_span
 from .batch import Batch
-from .closed_form import lagrange_axis_of
-from .methods import is_processed, is_stiff, order_of
+from .closed_form import lagrange_axes
+from .methods import is_multistep, is_processed, is_stiff, order_of
+from .work import LANES, MANY, Work
 
 __all__ = [
     "ROUNDING",
     "Estimate",
     "Scheme",
-    "calibration_class",
     "calibration_class_of_any",
+    "calibration_classes",
     "cheapest",
     "check_attainable",
     "closed_form_estimate",
+    "costliest",
     "phase_error",
     "schemes",
     "steps_estimate",
@@ -47,6 +50,9 @@ MARGIN = 5.0
 PROCESSOR = 1e-12
 """Rounding (rad) of the change of variables before and after the steps of a processed scheme."""
 
+BEGIN = 12
+"""Steps that take as long as the begin of a multistep scheme, at each wanted time."""
+
 LAYER = 0.1
 """Steps longer than this share of the damping time do not resolve how damping forgets a start."""
 
@@ -62,26 +68,52 @@ class Scheme:
     order: int
     factor: float
     largest: float
-    nanoseconds: Mapping[str, float]
+    work: Mapping[str, Work]
+
+
+@cache
+def _calibration() -> dict[str, Any]:
+    """All that is measured; ``benches/calibrate.py`` wrote it."""
+    text = resources.files("rigid").joinpath("calibration.json").read_text(encoding="utf-8")
+    calibration: dict[str, Any] = json.loads(text)
+    return calibration
+
+
+def _works(by_record: Mapping[str, list[float]]) -> dict[str, Work]:
+    return {record: Work(*parts) for record, parts in by_record.items()}
 
 
 @cache
 def schemes() -> dict[tuple[str, str], Scheme]:
-    """All that is measured, by name and class; ``benches/calibrate.py`` wrote it."""
-    text = resources.files("rigid").joinpath("calibration.json").read_text(encoding="utf-8")
+    """The schemes, by name and class of bodies."""
     return {
-        (name, kind): Scheme(order_of(name), **entry)
-        for name, kinds in json.loads(text)["methods"].items()
+        (name, kind): Scheme(
+            order_of(name), entry["factor"], entry["largest"], _works(entry["work"])
+        )
+        for name, kinds in _calibration()["methods"].items()
         for kind, entry in kinds.items()
     }
 
 
-def calibration_class(scene: Scene) -> str:
-    """The class of bodies on which the schemes that move this scene are calibrated."""
-    if scene.is_driven:
-        return "driven"
-    lagrange = lagrange_axis_of(scene.body.moments, scene.weight)
-    return "lagrange" if lagrange else calibration_class_of_any(scene)
+@cache
+def _closed_form_work() -> dict[str, dict[str, Work]]:
+    """The work of states by closed form, by class of bodies and record."""
+    closed = _calibration()["closed forms"]
+    return {kind: _works(by_record) for kind, by_record in closed.items()}
+
+
+def calibration_classes(
+    scene: Scene, moments: Floats, weight: Floats, driven: NDArray[np.bool_]
+) -> NDArray[np.str_]:
+    """The class of bodies on which the schemes that move each body are calibrated, shape (n,).
+
+    Of one element if all bodies are alike; the rows of a column may serve all.
+    """
+    lagrange = np.where(lagrange_axes(moments, weight), "lagrange", calibration_class_of_any(scene))
+    classes = np.where(driven, "driven", lagrange)
+    if not len(classes):
+        return np.array(["driven" if scene.is_driven else calibration_class_of_any(scene)])
+    return classes[:1] if np.all(classes == classes[:1]) else classes
 
 
 def calibration_class_of_any(scene: Scene) -> str:
@@ -94,9 +126,13 @@ def calibration_class_of_any(scene: Scene) -> str:
 
 @np.errstate(all="ignore")
 def cheapest(
-    accuracy: float, kind: str, question: str | Criterion, angles: Mapping[str, float]
+    accuracy: float,
+    kind: str,
+    question: str | Criterion,
+    angles: Mapping[str, float],
+    states: int,
 ) -> str:
-    """The scheme that needs the least time for this error after these angles (rad).
+    """The scheme that needs the least time for so many states and this error after these angles.
 
     Explicit steps follow the damping too: the angles include what damping takes away.
     """
@@ -104,20 +140,20 @@ def cheapest(
     def time(name: str) -> float:
         scheme, angle = schemes()[name, kind], angles[name]
         turn = _turn(scheme, accuracy, np.array(angle)).item()
-        return _step_cost(scheme, question) * max(angle, 1e-300) / turn
+        taken = max(angle, 1e-300) / turn
+        return _work(scheme, question).step * (taken + _begins(name, states))
 
     return min((name for name, known in schemes() if known == kind and name in angles), key=time)
 
 
-# Nanoseconds on one core: a body, a state of the body and its class by closed form. The time of a
-# state includes the copy into arrays of Python.
-CLOSED_FORM_COST: Mapping[str, tuple[float, float, float]] = {
-    "axis spin": (100.0, 70.0, 30.0),
-    "free symmetric": (100.0, 70.0, 60.0),
-    "free asymmetric": (130.0, 110.0, 75.0),
-    "lagrange": (190.0, 120.0, 120.0),
-    "pendulum": (200.0, 130.0, 120.0),
+CLASS_WORK: Mapping[str, float] = {
+    "axis spin": 0.7,
+    "free symmetric": 0.75,
+    "free asymmetric": 0.83,
+    "lagrange": 1.2,
+    "pendulum": 1.2,
 }
+"""Work of a sample of a map by closed form, its start included."""
 
 
 def check_attainable(accuracy: float, angles: Floats) -> None:
@@ -131,7 +167,7 @@ def check_attainable(accuracy: float, angles: Floats) -> None:
 
 
 @np.errstate(all="ignore")
-def steps_for(accuracy: float, scheme: Scheme, rates: Floats, span: float) -> Floats:
+def steps_for(accuracy: float, scheme: Scheme, rates: Floats, span: float | Floats) -> Floats:
     """The step of each body whose error at the end is ``accuracy``."""
     # What does not turn needs no step.
     return np.where(rates > 0.0, _turn(scheme, accuracy, rates * span) / rates, np.inf)
@@ -147,7 +183,7 @@ def _turn(scheme: Scheme, accuracy: float, angles: Floats) -> Floats:
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """Cost and error of a plan, the largest of its bodies; None if unknown.
+    """Work and error of a plan, the error the largest of its bodies; None if unknown.
 
     Attributes
     ----------
@@ -155,15 +191,15 @@ class Estimate:
         The shortest step (s).
     steps : int or None
         Number of steps of the body.
-    cost : float or None
-        Processor time of a body (ns).
+    work : float or None
+        Work of a body, in units.
     error : float or None
         Error of the attitude at the end (rad).
     """
 
     step: float | None
     steps: int | None
-    cost: float | None
+    work: float | None
     error: float | None
 
 
@@ -173,9 +209,10 @@ def closed_form_estimate(
     forms: NDArray[np.str_],
     states: int,
     rates: Floats | None,
-    span: float | None,
+    span: float | Floats | None,
+    bodies: int = MANY,
 ) -> Estimate:
-    """Cost and error of closed forms.
+    """Work and error of closed forms.
 
     Parameters
     ----------
@@ -186,16 +223,21 @@ def closed_form_estimate(
         Number of requested states of a body.
     rates : ndarray, shape (n,), or None
         Bounds of the rates (rad/s), None if they are not known.
-    span : float or None
+    span : float, ndarray of shape (n,), or None
         How much time is covered (s).
+    bodies : int
+        Number of bodies of the call.
     """
-    costs = [CLOSED_FORM_COST[form] for form in set(forms.tolist())]
-    by_form = (
-        setup + states * state if isinstance(question, str) else classification
-        for setup, state, classification in costs
-    )
+    of_forms = [
+        _closed_form_work()["lagrange" if form in ("lagrange", "pendulum") else "free"][
+            question
+        ].of_a_body(bodies, states, 0.0)
+        if isinstance(question, str)
+        else CLASS_WORK[form]
+        for form in set(forms.tolist())
+    ]
     error = None if rates is None or span is None else ROUNDING * (1.0 + rates * span)
-    return Estimate(None, 0, max(by_form, default=0.0), _worst(error))
+    return Estimate(None, 0, max(of_forms, default=0.0), _worst(error))
 
 
 @np.errstate(all="ignore")
@@ -206,14 +248,15 @@ def phase_error(
     angles = batch.fastest_rates(time_range(times), method) * time_span(times)
     if tolerance is not None:
         return tolerance * angles
-    if batch.forcing is not None:
-        kind = "driven"
-    elif lagrange_axis_of(batch.moments[0], batch.weight[0]):
-        kind = "lagrange"
-    else:
-        kind = "top" if batch.weight.any() else "free"
-    scheme = schemes()[method, kind]
-    return angles * scheme.factor * (angles / taken) ** scheme.order
+    weighs = np.where(batch.weight.any(axis=1), "top", "free")
+    kinds = np.where(lagrange_axes(batch.moments, batch.weight), "lagrange", weighs)
+    kinds = np.where(batch.driven(), "driven", kinds)
+    error = np.empty_like(angles)
+    for kind in set(kinds.tolist()):
+        scheme, mine = schemes()[method, kind], kinds == kind
+        turned = angles[mine]
+        error[mine] = turned * scheme.factor * (turned / taken[mine]) ** scheme.order
+    return error
 
 
 @np.errstate(all="ignore")
@@ -222,11 +265,14 @@ def steps_estimate(
     method: str,
     kind: str,
     rates: Floats | None,
-    span: float | None,
+    span: float | Floats | None,
     steps: Floats | float | None,
     damping: float = 0.0,
+    *,
+    states: int = 1,
+    bodies: int = MANY,
 ) -> Estimate:
-    """Cost and error of a scheme.
+    """Work and error of a scheme.
 
     The error is that of the model times a margin.
 
@@ -237,13 +283,15 @@ def steps_estimate(
         A scheme and the class of bodies that it is calibrated on.
     rates : ndarray, shape (n,), or None
         The rates (rad/s) that the steps follow, None if they are not known.
-    span : float or None
+    span : float, ndarray of shape (n,), or None
         How much time is covered (s).
     steps : ndarray, shape (n,), float or None
         The longest step of each body or of all (s); None leaves them to the method.
     damping : float
         The largest damping rate (1/s). The error of a stiff scheme is not known unless its steps
         follow the damping: the model does not contain the layer in which the start is forgotten.
+    states, bodies : int
+        Number of requested states of a body, and of bodies of the call.
     """
     if rates is None:
         return Estimate(steps if isinstance(steps, float) else None, None, None, None)
@@ -251,7 +299,10 @@ def steps_estimate(
         steps = _core.default_steps(method, rates)
     steps = np.broadcast_to(steps, rates.shape)
     shortest = float(steps.min(initial=np.inf))
-    taken = math.inf if span is None or shortest == 0.0 else span / shortest
+    # Each interval between wanted times has a whole number of steps.
+    each = np.full(1, np.inf) if span is None else np.ceil(span / steps + 0.5 * (states - 1))
+    each = np.maximum(each, max(states, 1))
+    taken = float(each.max(initial=0.0))
     counted = taken < 2.0**63
     scheme = schemes()[method, kind]
     error = None
@@ -263,17 +314,49 @@ def steps_estimate(
         error += MARGIN * angles * scheme.factor * turn**scheme.order
     return Estimate(
         step=shortest if shortest < np.inf else None,
-        steps=math.ceil(taken) if counted else None,
-        cost=math.ceil(taken) * _step_cost(scheme, question) if counted else None,
+        steps=int(taken) if counted else None,
+        work=_work(scheme, question).of_a_body(
+            bodies, states, _by_group(each) + _begins(method, states)
+        )
+        if counted
+        else None,
         error=_worst(error),
     )
 
 
-def _step_cost(scheme: Scheme, question: str | Criterion) -> float:
-    """Nanoseconds a step."""
+def costliest(parts: Sequence[Estimate]) -> Estimate:
+    """The largest of some estimates, and the shortest step; unknown where one of them is."""
+
+    def of_all(name: str, choose: Callable[[list[Any]], Any]) -> Any:
+        values = [getattr(part, name) for part in parts]
+        return None if None in values else choose(values)
+
+    return Estimate(
+        step=of_all("step", min),
+        steps=of_all("steps", max),
+        work=of_all("work", max),
+        error=of_all("error", max),
+    )
+
+
+def _by_group(steps: Floats) -> float:
+    """The mean of the steps of groups: each takes as many as the body of it that needs most."""
+    if not len(steps):
+        return 0.0
+    return float(np.maximum.reduceat(steps, np.arange(0, len(steps), LANES)).mean())
+
+
+def _begins(method: str, states: int) -> int:
+    """What the begins of a scheme cost, in steps."""
+    return BEGIN * max(states, 1) if is_multistep(method) else 0
+
+
+def _work(scheme: Scheme, question: str | Criterion) -> Work:
+    """The parts of the work; a criterion is watched at each step."""
     if isinstance(question, str):
-        return scheme.nanoseconds[question]
-    return scheme.nanoseconds[question.record] + question.watch_cost
+        return scheme.work[question]
+    known = scheme.work[question.record]
+    return replace(known, step=known.step + question.watch_work)
 
 
 def _worst(errors: Floats | None) -> float | None:

@@ -8,7 +8,8 @@ and seldom much more. The extrapolation is Richardson's (Hairer, Nørsett, Wanne
 Differential Equations I*, § II.4).
 
 The second run divides the steps of the first: between any two wanted times it takes at least one
-step more. The runs are compared at every wanted time.
+step more. It begins at a start that is rounded otherwise. The runs are compared at every wanted
+time.
 """
 
 from __future__ import annotations
@@ -20,12 +21,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .arrays import time_range, time_span
+from .arrays import Range, largest, time_range, time_ranges, time_span
 from .batch import Batch
 from .cost_model import ROUNDING, phase_error
 from .methods import is_stiff, order_of, rotations, series_methods
 from .request import Request, select_states
-from .saddle import departure, separatrices
+from .saddle import RateSizes, departure, homoclinic, separatrices
 from .status import Status
 
 __all__ = [
@@ -53,6 +54,20 @@ ROTATION = 1.6e-17
 """Error (rad) that rounding leaves in each rotation of a splitting.
 
 Equal rotations err in both runs alike, all in one direction."""
+
+DRIFT = 5.6e-17
+"""Relative change of the rates by which rounding may leave each step of a symmetric free body.
+
+A scheme of exact flows turns these rates by the same angle each step: half a unit in the last
+place, always in one direction."""
+
+FEW = 32
+"""Fewer steps under strong damping: the error may grow at first as they become shorter."""
+
+TIGHTER = 1000.0
+"""The second run of a run by tolerance divides the tolerance by this.
+
+Series of different order may err alike at tolerances that are alike."""
 
 RINGING = "midpoint"
 """Under strong damping its rates change sign each step and hardly decay: it is not L-stable."""
@@ -89,22 +104,46 @@ def unknown_error(count: int) -> ErrorEstimate:
     return ErrorEstimate(np.full(count, np.nan), np.full(count, np.nan))
 
 
-@np.errstate(all="ignore")
-def closed_form_error(batch: Batch, times: Floats) -> ErrorEstimate:
+def closed_form_error(batch: Batch, times: Floats, omega: Floats) -> ErrorEstimate:
     """The error of a closed form: 1e-15 for each radian turned, or what a saddle makes of 1e-15.
 
     A top beside the separatrix of its nutation magnifies rounding by ``exp(exponent t)``, at each
-    passage of the saddle at most by one over the relative distance from the separatrix.
+    passage of the saddle at most by one over the relative distance from the separatrix. Rounding
+    of the attitude moves a top that hangs all but still as much as it would move any: of its
+    small rates ``omega``, of shape (n, m, 3), it is a larger share.
     """
-    rates = batch.fastest_rates(time_range(times))
-    first, last = time_range(times)
-    distance, exponent = separatrices(batch)
-    saddle = exponent * max(-first, last)
-    factor = np.fmin(np.exp(saddle), (1.0 + saddle) / distance)
-    error = ROUNDING * np.maximum(1.0 + rates * time_span(times), factor)
-    by_saddle = np.fmax(-np.log(ROUNDING), distance / ROUNDING - 1.0) / exponent
-    lost = np.where(error >= 1.0, np.fmin(1.0 / (ROUNDING * rates), by_saddle), np.inf)
-    return ErrorEstimate(error, np.where((-first > last) & (lost < np.inf), -lost, lost))
+    reached = time_ranges(times)
+    rates = batch.fastest_rates(reached)
+    top = batch.forcing is None and np.count_nonzero(batch.weight)
+    if not top and times.ndim == 1 and largest(rates) * time_span(times) < 0.5 / ROUNDING:
+        # No error reaches one.
+        error = ROUNDING * (1.0 + rates * time_span(times))
+        return ErrorEstimate(error, np.full(len(batch), np.inf))
+    with np.errstate(all="ignore"):
+        return _closed_form_error(batch, rates, reached, omega)
+
+
+def _closed_form_error(batch: Batch, rates: Floats, reached: Range, omega: Floats) -> ErrorEstimate:
+    """The error of a closed form between two times, whatever it is."""
+    first, last = reached
+    error = ROUNDING * (1.0 + rates * (last - first))
+    since = 1.0 / (ROUNDING * rates)
+    if batch.forcing is None and batch.weight.any():
+        scale = _fastest_or_swing(batch, rates)
+        rows = omega.reshape(len(batch), omega.shape[-2], 3)
+        fastest = np.sqrt(np.einsum("nmi,nmi->nm", rows, rows).max(axis=1, initial=0.0))
+        moves = (fastest > REST * scale) & batch.weight.any(axis=1)
+        share = np.where(moves, scale / fastest, 1.0)
+        distance, exponent = separatrices(batch)
+        saddle = exponent * np.maximum(-first, last)
+        factor = np.fmin(np.exp(saddle), (1.0 + saddle) / distance)
+        factor *= np.where(moves, np.fmax(exponent / fastest, 1.0), 1.0)
+        error = ROUNDING * np.maximum(share + rates * (last - first), factor)
+        by_saddle = np.fmax(-np.log(ROUNDING), distance / ROUNDING - 1.0) / exponent
+        since = np.fmin(since, by_saddle)
+    lost = np.where(error >= 1.0, np.fmin(since, np.maximum(-first, last)), np.inf)
+    backward = np.greater(-first, last)
+    return ErrorEstimate(error, np.where(backward & (lost < np.inf), -lost, lost))
 
 
 @np.errstate(all="ignore")
@@ -120,12 +159,14 @@ def estimate_error(
     """
     batch, times, method = request.batch, request.times, request.method
     ended = states["status"] != Status.STEP_LIMIT
-    if not ended.all():
-        estimate, some = unknown_error(len(batch)), np.flatnonzero(ended)
-        if len(some):
-            longest = None if steps is None else steps[some]
-            parts = request.select(some), select_states(states, some), longest
-            estimate.write(some, estimate_error(*parts, refinement))
+    few = ended & (states["steps"] < FEW) & is_damped_stiffly(request)
+    if not ended.all() or 0 < few.sum() < len(few):
+        estimate = unknown_error(len(batch))
+        for some in map(np.flatnonzero, (few, ended & ~few)):
+            if len(some):
+                longest = None if steps is None else steps[some]
+                parts = request.select(some), select_states(states, some), longest
+                estimate.write(some, estimate_error(*parts, refinement))
         return estimate
     span = time_span(times)
     if span == 0.0 or not len(times):
@@ -133,10 +174,17 @@ def estimate_error(
     taken = states["steps"].astype(np.float64)
     rates = batch.fastest_rates(time_range(times))
     floor = EQUAL_RUNS * (1.0 + rates * span) + ROTATION * rotations(method) * taken
+    if rotations(method) and batch.forcing is None:
+        symmetric = np.any(batch.moments == np.roll(batch.moments, 1, axis=1), axis=1)
+        free = ~batch.weight.any(axis=1)
+        floor += np.where(symmetric & free, 0.5 * DRIFT * taken * rates * span, 0.0)
+    scale = _fastest_or_swing(batch, rates)
     error = SAFETY * _distances_of_runs(
-        batch, states, _second_run(request, steps, refinement), rates
+        batch, states, _second_run(request, steps, refinement, taken), rates
     )
-    error += floor[:, None] + departure(batch, times)
+    fastest = np.linalg.norm(states["omega"], axis=-1).max(axis=1)
+    sizes = RateSizes(fastest, REST * scale, scale)
+    error += floor[:, None] + departure(batch, times, sizes) + homoclinic(batch, times, sizes)
     if method == RINGING and batch.forcing is not None:
         error += _ringing(batch, states, times)
     # What is not a number is not known.
@@ -153,8 +201,7 @@ def _distances_of_runs(
     batch: Batch, states: Mapping[str, Any], again: Mapping[str, Any], rates: Floats
 ) -> Floats:
     """Distance of the states of two runs, their work included, shape (n, m)."""
-    swing = np.sqrt(np.linalg.norm(batch.weight, axis=1) / batch.moments.min(axis=1))
-    scale = np.maximum(rates, swing)
+    scale = _fastest_or_swing(batch, rates)
     apart = distances(states, again, REST * scale, scale)
     if states["work"] is None:
         return apart
@@ -165,13 +212,20 @@ def _distances_of_runs(
     return largest
 
 
+def _fastest_or_swing(batch: Batch, rates: Floats) -> Floats:
+    """The larger of the fastest rate that a body can reach and of the rate of its swing."""
+    swing = np.sqrt(np.linalg.norm(batch.weight, axis=1) / batch.moments.min(axis=1))
+    larger: Floats = np.maximum(rates, swing)
+    return larger
+
+
 def _ringing(batch: Batch, states: Mapping[str, Any], times: Floats) -> Floats:
     """What is left of the rates of the start where damping should have ended them, shape (n, m).
 
     After an even number of steps it has its first sign again: two runs may agree in it.
     """
     assert batch.forcing is not None
-    rate = batch.forcing.damping_rates(batch.moments[0].tolist())[-1]
+    rate = batch.forcing.damping_rates(batch.moments)[:, np.newaxis]
     taken = states["steps"][:, None] * np.maximum(times, 0.0) / time_span(times)
     damped = 0.5 * rate * time_span(times) / states["steps"][:, None]
     left = np.where(damped > 1.0, ((damped - 1.0) / (damped + 1.0)) ** taken, 0.0)
@@ -183,21 +237,46 @@ def _ringing(batch: Batch, states: Mapping[str, Any], times: Floats) -> Floats:
     return rings
 
 
-def _second_run(request: Request, steps: Floats | None, refinement: float) -> dict[str, Any]:
-    """The states of the same bodies at the same times, with shorter steps."""
-    second = replace(request, max_steps=min(4 * request.max_steps, 2**63))
+def _second_run(
+    request: Request, steps: Floats | None, refinement: float, taken: Floats
+) -> dict[str, Any]:
+    """The states of the same bodies at the same times, with shorter steps than those taken."""
+    second = replace(
+        request, batch=_rounded(request.batch), max_steps=min(4 * request.max_steps, 2**63)
+    )
     if request.tolerance is not None:
         # Of equal order the first steps of both runs would be one polynomial. No smaller tolerance
         # could show how far it is off at a time within the shorter step.
         last, other = series_methods()[-1:-3:-1]
-        tolerance = max(request.tolerance / 4.0, np.finfo(np.float64).tiny)
+        tolerance = max(request.tolerance / TIGHTER, np.finfo(np.float64).tiny)
         method = other if request.method == last else last
         return replace(second, method=method, tolerance=tolerance).states(None)
     ratio = max(2.0 ** (2.0 / order_of(request.method)), 1.2)
     if is_damped_stiffly(request):
         # Under strong damping the order of these methods falls, to one at worst.
-        ratio = max(ratio, 2.0)
+        ratio = max(ratio, 4.0 if taken.min() < FEW else 2.0)
     return second.states(steps, refinement * ratio)
+
+
+def _rounded(batch: Batch) -> Batch:
+    """The bodies with their starts rounded otherwise.
+
+    Two runs from one start would share what a saddle makes of its rounding. Zeros stay and equal
+    sizes stay equal, so that a start that is in equilibrium to the bit stays one.
+    """
+    omega, attitude = _rounded_otherwise(batch.omega), _rounded_otherwise(batch.attitude)
+    return replace(batch, omega=omega, attitude=attitude)
+
+
+def _rounded_otherwise(rows: Floats) -> Floats:
+    """Rows a unit in the last place off: the smallest size of each larger, the next smaller, ..."""
+    size = np.abs(rows)
+    order = size.argsort(axis=1, kind="stable")
+    further = np.diff(np.take_along_axis(size, order, axis=1), axis=1) > 0.0
+    rank = np.zeros(rows.shape)
+    np.put_along_axis(rank, order[:, 1:], np.cumsum(further, axis=1), axis=1)
+    rounded: Floats = rows * (1.0 + np.finfo(np.float64).eps * (1.0 - 2.0 * (rank % 2.0)))
+    return rounded
 
 
 def _count_turns(request: Request, taken: Floats, estimate: ErrorEstimate) -> None:
@@ -218,7 +297,7 @@ def _count_turns(request: Request, taken: Floats, estimate: ErrorEstimate) -> No
     dense = replace(request.select(some), times=np.union1d(request.times, between))
     steps = gaps.sum() / taken[some]
     rates = dense.batch.fastest_rates(time_range(dense.times))
-    both = dense.states(steps), _second_run(dense, steps, 1.0)
+    both = dense.states(steps), _second_run(dense, steps, 1.0, taken[some])
     apart = _distances_of_runs(dense.batch, *both, rates)
     error = np.where(np.isfinite(apart), SAFETY * apart, np.inf)
     largest = error.max(axis=1)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .arrays import spread_indices, time_range
+from .arrays import spread_indices, time_range, time_ranges
 from .error_estimate import (
     ErrorEstimate,
     estimate_error,
@@ -34,7 +35,12 @@ DIVISION = 8.0
 
 
 def integrate(
-    request: Request, steps: Floats | None, accuracy: float | None, *, check: bool
+    request: Request,
+    steps: Floats | None,
+    accuracy: float | None,
+    *,
+    check: bool,
+    out: Mapping[str, NDArray[Any]] | None = None,
 ) -> tuple[dict[str, Any], ErrorEstimate]:
     """The states by steps, and their estimated errors.
 
@@ -47,8 +53,15 @@ def integrate(
         Largest error: the steps of a body are shortened until its estimated error is smaller.
     check : bool
         Whether errors are estimated; an accuracy requires the estimate.
+    out : mapping, optional
+        Arrays for columns, in double precision.
     """
-    states = request.states(steps)
+    if request.times.ndim == 2:
+        return _each_with_its_times(request, steps, accuracy, check=check)
+    driven = request.batch.driven()
+    if driven.any() and not driven.all():
+        return _in_parts(request, steps, accuracy, driven, check=check)
+    states = request.states(steps, out=out)
     if accuracy is not None and steps is not None:
         estimate = _refine(request, states, steps, accuracy)
     elif check or accuracy is not None:
@@ -61,6 +74,60 @@ def integrate(
     error = np.where(known & (delay > 0.0), np.fmax(estimate.error, delay), estimate.error)
     earlier = known & ~(np.abs(estimate.lost_from) < np.abs(lost))
     return states, ErrorEstimate(error, np.where(earlier, lost, estimate.lost_from))
+
+
+def _each_with_its_times(
+    request: Request, steps: Floats | None, accuracy: float | None, *, check: bool
+) -> tuple[dict[str, Any], ErrorEstimate]:
+    """Bodies with times of their own, together, and those whose error is estimated one by one."""
+    states, count = request.states(steps), len(request.batch)
+    _, lost = separatrix_error(request.batch, states, time_ranges(request.times))
+    estimate = ErrorEstimate(np.full(count, np.nan), np.where(np.isfinite(lost), lost, np.nan))
+    if not (check or accuracy is not None):
+        return states, estimate
+    pending = np.arange(count) if accuracy is not None else spread_indices(count, SAMPLE)
+    seen: set[int] = set()
+    while len(pending):
+        for body in pending.tolist():
+            one = request.select(np.array([body]))
+            one = replace(one, times=one.times[0])
+            longest = None if steps is None else steps[[body]]
+            own, found = integrate(one, longest, accuracy, check=True)
+            estimate.write(np.array([body]), found)
+            states["nanoseconds"] += own["nanoseconds"]
+            _replace_states(states, np.array([body]), select_states(own, np.array([0])))
+        seen.update(pending.tolist())
+        lossy = np.any(estimate.error >= 1.0)
+        pending = np.setdiff1d(np.arange(count), list(seen)) if lossy else pending[:0]
+    return states, estimate
+
+
+def _in_parts(
+    request: Request,
+    steps: Floats | None,
+    accuracy: float | None,
+    driven: NDArray[np.bool_],
+    *,
+    check: bool,
+) -> tuple[dict[str, Any], ErrorEstimate]:
+    """Bodies under torque and damping, and those without: each part as if it were alone."""
+    states: dict[str, Any] = {}
+    estimate = unknown_error(len(driven))
+    for mine in (np.flatnonzero(driven), np.flatnonzero(~driven)):
+        part, own = integrate(
+            request.select(mine), None if steps is None else steps[mine], accuracy, check=check
+        )
+        estimate.write(mine, own)
+        states["nanoseconds"] = states.get("nanoseconds", 0) + part.pop("nanoseconds")
+        for name, values in part.items():
+            if values is not None:
+                every = states.setdefault(
+                    name, np.zeros((len(driven), *values.shape[1:]), values.dtype)
+                )
+                every[mine] = values
+            else:
+                states.setdefault(name, None)
+    return states, estimate
 
 
 def _sampled_estimate(

@@ -11,11 +11,13 @@ __all__ = [
     "AUTO",
     "EXACT",
     "FALLBACK",
+    "MAP_FALLBACK",
     "SECOND",
     "STIFF",
     "Method",
     "check_method",
     "driven_methods",
+    "is_multistep",
     "is_processed",
     "is_stiff",
     "map_methods",
@@ -31,7 +33,7 @@ EXACT = "exact"
 """The closed form of the motion, where there is one."""
 
 AUTO = "auto"
-"""In a map: the closed form for each body that has one, else the fallback."""
+"""In a map: the closed form for each body that has one, else :data:`MAP_FALLBACK`."""
 
 _CHOSEN = _core.chosen_methods()
 
@@ -40,6 +42,9 @@ STIFF = _CHOSEN["stiff"]
 
 FALLBACK = _CHOSEN["default"]
 """The default scheme of bodies without a closed form."""
+
+MAP_FALLBACK = _CHOSEN["map"]
+"""The default scheme of the samples of a map without a closed form."""
 
 SECOND = _CHOSEN["second"]
 """The scheme that classifies the samples of a map again."""
@@ -68,8 +73,9 @@ class Method:
     tops, maps : bool
         Integrates bodies with weight, not only free ones; has a state after every step, which a
         map needs, not only at given times.
-    series : bool
-        Is a Taylor series, which may choose its steps by a tolerance.
+    series, multistep : bool
+        Is a Taylor series, which may choose its steps by a tolerance; uses the states before a
+        step, and begins anew at each wanted time, which takes as long as a dozen steps.
     damping_limit : float or None
         The largest product of step and damping rate with which it is stable, infinite if it is
         stiff; None if it is not driven.
@@ -91,6 +97,7 @@ class Method:
     tops: bool
     maps: bool
     series: bool
+    multistep: bool
     damping_limit: float | None
     angle_per_step: float
     citation: str
@@ -117,6 +124,11 @@ def order_of(name: str) -> int:
 def is_processed(name: str) -> bool:
     """Whether a scheme has states only before and after many steps."""
     return not _named(name).maps
+
+
+def is_multistep(name: str) -> bool:
+    """Whether a scheme uses the states before, and so begins anew at each wanted time."""
+    return _named(name).multistep
 
 
 def rotations(name: str) -> int:

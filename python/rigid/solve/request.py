@@ -24,8 +24,8 @@ class Request:
     Attributes
     ----------
     batch : Batch
-    times : ndarray, shape (m,)
-        Times of the states (s), ascending.
+    times : ndarray, shape (m,) or (n, m)
+        Times of the states (s), ascending; of all bodies or of each.
     method : str
         ``"exact"`` or the name of a scheme.
     record : {"rates", "axis", "attitude"}
@@ -44,10 +44,19 @@ class Request:
     threads: int
     tolerance: float | None = None
 
-    def states(self, steps: Floats | None, refinement: float = 1.0) -> dict[str, Any]:
+    def states(
+        self,
+        steps: Floats | None,
+        refinement: float = 1.0,
+        *,
+        out: Mapping[str, NDArray[Any]] | None = None,
+        single: bool = False,
+    ) -> dict[str, Any]:
         """The states, each body with its longest step (s); None leaves the steps to the core.
 
-        Between two wanted times a body takes ``refinement`` times the steps, rounded up.
+        Between two wanted times a body takes ``refinement`` times the steps, rounded up. Columns of
+        ``out``, of shape (n, m, k), are written where they are; other columns of rows are new, in
+        single precision if asked for.
         """
         return _core.simulate(
             **self.batch.columns(),
@@ -56,14 +65,17 @@ class Request:
             step=steps,
             max_steps=self.max_steps,
             threads=self.threads,
-            times=self.times,
+            times=np.atleast_2d(self.times),
             refinement=refinement,
             tolerance=self.tolerance,
+            out=out,
+            single=single,
         )
 
     def select(self, bodies: NDArray[np.intp]) -> Self:
         """The request for some of the bodies."""
-        return replace(self, batch=self.batch.select(bodies))
+        times = self.times if self.times.ndim == 1 else self.times[bodies]
+        return replace(self, batch=self.batch.select(bodies), times=times)
 
 
 def select_states(states: Mapping[str, Any], bodies: NDArray[np.intp]) -> dict[str, Any]:

@@ -46,9 +46,11 @@ _STATUS_WORDS: Mapping[Status, str] = {
 class Run:
     """The result of :func:`simulate`. With a single body the leading axis ``n`` is absent.
 
+    Scenes, rates and attitudes of other leading axes give these axes in the place of ``n``.
+
     Attributes
     ----------
-    t : ndarray, shape (m,)
+    t : ndarray, shape (m,), or (..., m) if bodies have times of their own
         Times (s).
     omega : ndarray, shape (n, m, 3)
         Angular velocity in the body (rad/s).
@@ -86,11 +88,13 @@ class Run:
         the largest kinetic energy that the body can reach. Rates that are all below 1e-13 of the
         fastest that the body can reach, or of ``sqrt(mgl / I_min)``, are those of a body at rest
         and are compared with the larger of these two. For steps the error is three times the
-        difference from a second run, which takes at least one step more between any two times;
-        beside an unstable equilibrium it includes the rounding of the start, magnified. For a
-        closed form it is ``1e-15`` per radian turned, or what the saddle of a top makes of
-        ``1e-15``. NaN for a body that was not run, and for one that was not checked: in a call
-        with more than 32 bodies and no ``accuracy`` only 32 of the bodies are run again.
+        difference from a second run, which takes at least one step more between any two times and
+        begins at a start that is rounded otherwise; beside an unstable equilibrium or a separatrix
+        it includes the rounding of the start, magnified. For a closed form it is ``1e-15`` per
+        radian turned, or what the saddle of a top makes of ``1e-15``, relative to the rates of a
+        top that hangs all but still. NaN for a body that was not run, and for one that was not
+        checked: in a call with more than 32 bodies and no ``accuracy`` only 32 of the bodies are
+        run again.
     lost_from : ndarray, shape (n,)
         Time from which on, away from 0, the error is 1 or more: do not use the states from there
         on. Negative if that is backward in time; infinite if there is none; NaN where the error is
@@ -131,8 +135,10 @@ class Run:
     def _limit(self) -> float:
         return error_limit(self.spec)
 
-    def reasons(self) -> tuple[str, ...]:
+    def reasons(self) -> tuple[Any, ...]:
         """How each body ended, and what to do if it did not end well, in a sentence each.
+
+        With several leading axes the sentences are tuples of tuples.
 
         Examples
         --------
@@ -147,12 +153,15 @@ class Run:
         flagged: the estimated error is 1 or more from t = 50.8 on; end the run earlier or ask for \
 an accuracy
         """
-        statuses, errors, lost = (
-            np.atleast_1d(values) for values in (self.status, self.error, self.lost_from)
-        )
+        columns = (np.atleast_1d(values) for values in (self.status, self.error, self.lost_from))
+        return self._sentences(*columns)
+
+    def _sentences(self, *columns: NDArray[Any]) -> tuple[Any, ...]:
+        if columns[0].ndim > 1:
+            return tuple(self._sentences(*parts) for parts in zip(*columns, strict=True))
         return tuple(
             self._words(Status(status), float(error), float(since))
-            for status, error, since in zip(statuses, errors, lost, strict=True)
+            for status, error, since in zip(*columns, strict=True)
         )
 
     def _words(self, status: Status, error: float, since: float) -> str:
@@ -190,12 +199,12 @@ an accuracy
         True
         """
         scene = scene_from_dict(self.spec["scene"])
-        energy: NDArray[np.float64] = 0.5 * (self.omega**2 @ np.array(scene.body.moments))
+        energy: NDArray[np.float64] = 0.5 * _along(self.omega**2, np.array(scene.body.moments))
         if not scene.weight.any():
             return energy
         if self.gamma is None:
             raise ValueError("record = 'rates': the potential energy of a top needs its vertical")
-        return energy + self.gamma @ scene.weight
+        return energy + _along(self.gamma, scene.weight)
 
     def rotation(self) -> Rotation:
         """The attitudes as a SciPy ``Rotation`` of shape ``(n, m)`` (active, body to space).
@@ -216,6 +225,14 @@ an accuracy
     def animate(self, path: str | PathLike[str], **options: Any) -> Path:
         """Write the motion to a page or a picture that moves: :func:`rigid.animation.animate`."""
         return self._animator(self, path, **options)
+
+
+def _along(vectors: NDArray[np.float64], of_bodies: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Products of vectors (..., m, 3) with that of all bodies, or with those of each (..., 3)."""
+    if of_bodies.ndim == 1:
+        return vectors @ of_bodies
+    product: NDArray[np.float64] = (vectors @ of_bodies[..., np.newaxis])[..., 0]
+    return product
 
 
 def plug_in_animator(animator: Callable[..., Path]) -> None:

@@ -6,13 +6,15 @@ its rounding, so their difference does not tell.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
 from .batch import Batch
 
-__all__ = ["departure", "separatrices"]
+__all__ = ["RateSizes", "departure", "homoclinic", "separatrices", "verticals"]
 
 Floats = NDArray[np.float64]
 
@@ -26,6 +28,32 @@ START = 6.7e-16
 """Rounding of a start: three units in the last place."""
 
 
+@dataclass(frozen=True, slots=True)
+class RateSizes:
+    """What the errors of rates are relative to; shape (n,) each.
+
+    Attributes
+    ----------
+    fastest : ndarray
+        The fastest rate of the record (rad/s).
+    rest, scale : ndarray
+        Rates below the first are those of a body at rest; they are compared with the second.
+    """
+
+    fastest: Floats
+    rest: Floats
+    scale: Floats
+
+    def with_rates(self, error: Floats, rate: Floats) -> Floats:
+        """The larger of the errors of directions and of rates that move at this rate; (n, m)."""
+        moved = rate[:, None] * error
+        # All rates may be those of the departure: those of the run, or those of the true motion.
+        size = np.maximum(self.fastest, moved.max(axis=1, initial=0.0))
+        size = np.where(size > self.rest, size, np.where(self.scale > 0.0, self.scale, 1.0))
+        larger: Floats = np.maximum(error, moved / size[:, None])
+        return larger
+
+
 def separatrices(batch: Batch) -> tuple[Floats, Floats]:
     """Relative distance from the separatrix, and exponent of its saddle (1/s); shape (n,) each.
 
@@ -36,11 +64,21 @@ def separatrices(batch: Batch) -> tuple[Floats, Floats]:
     columns = batch.full_columns()
     del columns["scene"]
     mc, exponent = _core.saddles(**columns).T
-    return mc, exponent
+    weighs = batch.weight.any(axis=1)
+    return np.where(weighs, mc, 1.0), np.where(weighs, exponent, 0.0)
 
 
 @np.errstate(all="ignore")
-def departure(batch: Batch, times: Floats) -> Floats:
+def homoclinic(batch: Batch, times: Floats, sizes: RateSizes) -> Floats:
+    """Error that rounding becomes beside the separatrix of a top in closed form, shape (n, m)."""
+    distance, exponent = separatrices(batch)
+    passed = exponent[:, None] * np.abs(times)
+    magnified = np.fmin(np.exp(passed), (1.0 + passed) / distance[:, None]) - 1.0
+    return sizes.with_rates(START * magnified, exponent)
+
+
+@np.errstate(all="ignore")
+def departure(batch: Batch, times: Floats, sizes: RateSizes) -> Floats:
     """Error that the rounding of a start beside an unstable equilibrium becomes, shape (n, m).
 
     Rounding grows with the largest exponent of the linearised motion until the body has left:
@@ -48,31 +86,49 @@ def departure(batch: Batch, times: Floats) -> Floats:
     start that is in equilibrium to the bit stays, as exact arithmetic has it.
     """
     error = np.zeros((len(batch), len(times)))
-    damping = np.zeros((3, 3)) if batch.forcing is None else _damping_matrix(batch.forcing)
-    if damping is None or not batch.weight.any():
+    if not batch.weight.any():
         return error
+    damping = np.broadcast_to(_dampings(batch.forcing), (len(batch), 3, 3))
     moments = np.broadcast_to(batch.moments, (len(batch), 3))
     weight = np.broadcast_to(batch.weight, (len(batch), 3))
-    vertical, omega = _verticals(batch), batch.omega
+    vertical, omega = verticals(batch), batch.omega
     # Not by `@`: OpenBLAS ends the process where its own memory cannot be had.
-    damped = np.einsum("ni,ij->nj", omega, damping)
+    damped = np.einsum("ni,nij->nj", omega, damping)
     torque = _cross(moments * omega, omega) + _cross(vertical, weight) - damped
     rate = np.sqrt(np.sum(omega**2, axis=1) + np.linalg.norm(weight, axis=1) / moments.min(axis=1))
     away = np.maximum(
         np.linalg.norm(torque / moments, axis=1) / rate**2,
         np.linalg.norm(_cross(vertical, omega), axis=1) / rate,
     )
+    stays = (away == 0.0) & _is_upright_to_the_bit(batch)
     since = np.abs(times) if batch.forcing is None else np.maximum(times, 0.0)
-    for body in np.flatnonzero((away > 0.0) & (away < NEAR)):
-        flow = _linearised(moments[body], weight[body], omega[body], vertical[body], damping)
+    near = ~stays & (away < NEAR) & weight.any(axis=1)
+    for body in np.flatnonzero(near):
+        flow = _linearised(moments[body], weight[body], omega[body], vertical[body], damping[body])
         exponent = np.linalg.eigvals(flow).real.max()
         if exponent > rate[body] * max(SLOWEST, 10.0 * np.sqrt(away[body])):
             left = max(away[body], START)
             error[body] = START * np.minimum(np.expm1(exponent * since), 1.0 / left)
-    return error
+    return sizes.with_rates(error, rate)
 
 
-def _verticals(batch: Batch) -> Floats:
+def _is_upright_to_the_bit(batch: Batch) -> NDArray[np.bool_]:
+    """Whether the weight acts along a principal axis and this axis is vertical, exactly; (n,)."""
+    w, x, y, z = np.abs(np.broadcast_to(batch.attitude, (len(batch), 4)).T)
+    vertical = np.stack(
+        [
+            (w == y) & (x == z),
+            (w == x) & (y == z),
+            ((x == 0.0) & (y == 0.0)) | ((w == 0.0) & (z == 0.0)),
+        ],
+        axis=-1,
+    )
+    acts = np.broadcast_to(batch.weight, vertical.shape) != 0.0
+    upright: NDArray[np.bool_] = (acts.sum(axis=1) == 1) & np.any(acts & vertical, axis=1)
+    return upright
+
+
+def verticals(batch: Batch) -> Floats:
     """The upward verticals in body components, shape (n, 3)."""
     w, x, y, z = np.broadcast_to(batch.attitude, (len(batch), 4)).T
     return np.stack(
@@ -80,13 +136,12 @@ def _verticals(batch: Batch) -> Floats:
     )
 
 
-def _damping_matrix(forcing: _core.Forcing) -> Floats | None:
-    """The damping matrix, None if a torque acts too."""
+def _dampings(forcing: _core.Forcing | None) -> Floats:
+    """The damping matrices, shape (n, 3, 3), or (1, 3, 3) of all; NaN where a torque acts too."""
+    if forcing is None:
+        return np.zeros((1, 3, 3))
     entries = forcing.damping_alone()
-    if entries is None:
-        return None
-    d11, d22, d33, d23, d31, d12 = entries
-    return np.array([[d11, d12, d31], [d12, d22, d23], [d31, d23, d33]])
+    return entries[:, [[0, 5, 4], [5, 1, 3], [4, 3, 2]]]
 
 
 def _cross(a: Floats, b: Floats) -> Floats:

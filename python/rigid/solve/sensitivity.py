@@ -60,10 +60,10 @@ def condition(
     Parameters
     ----------
     scene : FreeBody or HeavyTop
-        The body with its weight, applied torque and damping.
-    omega : array_like, shape (3,) or (n, 3)
+        The body, or many, with their weight, applied torque and damping.
+    omega : array_like, shape (3,) or (..., 3)
         Angular velocity at ``t = 0`` in the body (rad/s).
-    attitude : array_like, shape (4,) or (n, 4), or scipy Rotation, optional
+    attitude : array_like, shape (4,) or (..., 4), or scipy Rotation, optional
         Attitude at ``t = 0``. Default: body and space axes coincide.
     t : array_like, shape (m,)
         Times (s), ascending.
@@ -72,7 +72,7 @@ def condition(
 
     Returns
     -------
-    ndarray, shape (n, m), or (m,) of a single body
+    ndarray, shape (..., m), or (m,) of a single body
         At least 1 at ``t = 0``, where it is 1. NaN for a body whose motion overflows.
 
     Raises
@@ -94,10 +94,10 @@ def condition(
     >>> print(f"{stable[0]:.0f} {tumbling[0]:.0f}")
     10 490
     """
-    check_scene(scene)
-    batch, single = Batch.from_input(scene, omega, attitude)
+    check_scene(scene, many=True)
+    batch, shape = Batch.from_input(scene, omega, attitude)
     factors = amplification(batch, sorted_times("t", t), resolve_threads(threads))
-    return factors[0] if single else factors
+    return factors.reshape(*shape, factors.shape[1])
 
 
 def amplification(batch: Batch, times: Floats, threads: int) -> Floats:
@@ -132,7 +132,7 @@ def _factors(batch: Batch, times: Floats, threads: int) -> Floats:
         step=None if exact else np.repeat(_steps(batch, times), 13),
         max_steps=10**9,
         threads=threads,
-        times=times,
+        times=times[np.newaxis],
     )
     omega = states["omega"].reshape(count, 13, len(times), 3) / scale[:, None, None, None]
     attitude = states["attitude"].reshape(count, 13, len(times), 4)

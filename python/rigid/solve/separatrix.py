@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
+from .arrays import Range
 from .batch import Batch
 
 __all__ = ["circulation_terms", "separatrix_error"]
@@ -34,7 +35,7 @@ def circulation_terms(moments: Floats, omega: Floats) -> tuple[Floats, Floats]:
 
 @np.errstate(all="ignore")
 def separatrix_error(
-    batch: Batch, states: Mapping[str, Any], reached: tuple[float, float]
+    batch: Batch, states: Mapping[str, Any], reached: Range
 ) -> tuple[Floats, Floats]:
     """Phase error (rad) that drift causes near the separatrix, and the time it may be lost from.
 
@@ -50,8 +51,8 @@ def separatrix_error(
     batch : Batch
     states : mapping
         States of the bodies at the requested times.
-    reached : tuple of float
-        First and last time of the run (s).
+    reached : tuple of float, or of ndarray of shape (n,)
+        First and last time of the run (s), or of each body.
 
     Returns
     -------
@@ -65,39 +66,47 @@ def separatrix_error(
     if not count:
         return delay, never
     moments = np.broadcast_to(batch.moments, (count, 3))
-    order = np.argsort(moments[0], kind="stable")
-    if len(np.unique(moments[0])) < 3 or not np.all(moments == moments[0]):
-        return delay, never
+    order = np.argsort(moments, axis=1, kind="stable")
+    ascending = np.take_along_axis(moments, order, axis=1)
+    asymmetric = (np.diff(ascending, axis=1) > 0.0).all(axis=1)
     momentum2 = np.sum((moments * batch.omega) ** 2, axis=1)
     kinetic = np.sum(moments * batch.omega**2, axis=1)
     acts = np.linalg.norm(batch.weight, axis=1)
     if states["work"] is not None:
         acts = acts + np.abs(states["work"]).max(axis=1, initial=0.0)
 
-    ascending = moments[0, order]
-    about_first, about_third = circulation_terms(ascending, batch.omega[:, order])
+    rates = np.take_along_axis(batch.omega, order, axis=1)
+    about_first, about_third = circulation_terms(ascending, rates)
     distance = np.abs(about_first - about_third)
     # On either side it is largest for the rotation about the axis there.
-    i1, i2, i3 = ascending
+    i1, i2, i3 = ascending.T
     largest = momentum2 * np.where(about_first > about_third, (i2 - i1) / i1, (i3 - i2) / i3)
     near = np.flatnonzero(
-        (distance < NEAR * largest) & (momentum2 > 0.0) & (acts < NEARLY_FREE * kinetic)
+        asymmetric
+        & (distance < NEAR * largest)
+        & (momentum2 > 0.0)
+        & (acts < NEARLY_FREE * kinetic)
     )
     if not len(near):
         return delay, never
-    later_first, later_third = circulation_terms(ascending, states["omega"][near][..., order])
+    later = np.take_along_axis(states["omega"][near], order[near, np.newaxis], axis=2)
+    later_first, later_third = circulation_terms(ascending[near, np.newaxis], later)
     moved = (later_first - later_third) - (about_first - about_third)[near, None]
     share = np.abs(moved).max(axis=1, initial=0.0) / distance[near]
-    free = Batch(
-        kind="free",
-        moments=np.ascontiguousarray(moments[near]),
-        weight=np.zeros((1, 3)),
-        omega=np.ascontiguousarray(batch.omega[near]),
-        attitude=np.array([[1.0, 0.0, 0.0, 0.0]]),
-    )
-    first = _core.flip_times(**free.columns(), axis=int(order[1]) + 1, count=1)[:, 0]
+    first = np.empty(len(near))
+    for axis in range(3):
+        mine = order[near, 1] == axis
+        free = Batch(
+            kind="free",
+            moments=np.ascontiguousarray(moments[near[mine]]),
+            weight=np.zeros((1, 3)),
+            omega=np.ascontiguousarray(batch.omega[near[mine]]),
+            attitude=np.array([[1.0, 0.0, 0.0, 0.0]]),
+        )
+        first[mine] = _core.flip_times(**free.columns(), axis=axis + 1, count=1)[:, 0]
     # Backward in time a body passes the saddle about as late.
-    passed = np.where(first <= reached[1], first, np.where(first <= -reached[0], -first, np.inf))
+    begin, end = (np.broadcast_to(time, count)[near] for time in reached)
+    passed = np.where(first <= end, first, np.where(first <= -begin, -first, np.inf))
     flips = np.isfinite(passed)
     delay[near] = np.where(flips, np.minimum(share, 1.0), 0.0)
     never[near] = np.where(flips & (share >= 1.0), passed, np.inf)

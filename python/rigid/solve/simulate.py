@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from .. import _core
-from .._checks.arguments import finite_float, one_of, positive_int, resolve_threads, sorted_times
+from .._checks.arguments import finite_float, one_of, positive_int, resolve_threads, times_of_each
+from ..model.leading import Shape
 from ..model.scene import Scene, check_scene
-from .arrays import time_range, time_span
+from .arrays import in_rows, largest, time_ranges, time_span
 from .batch import Batch
-from .choose_method import Problem, choose_method
+from .choose_method import Problem, choose_method, closed_form_plan
 from .closed_form import RECORDS
 from .error_estimate import ErrorEstimate, closed_form_error, unknown_error
 from .integrate import integrate
@@ -23,6 +24,7 @@ from .plan import Plan
 from .request import Request
 from .run import Run
 from .status import Status, judged_status
+from .target import PLAIN, Target
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -46,6 +48,8 @@ def simulate(
     check: bool = True,
     max_steps: int = 10**9,
     threads: int | None = None,
+    dtype: DTypeLike = np.float64,
+    out: Mapping[str, NDArray[Any]] | None = None,
 ) -> Run:
     """States of one body or many at the given times, by closed form if there is one.
 
@@ -58,14 +62,16 @@ def simulate(
     Parameters
     ----------
     scene : FreeBody or HeavyTop
-        The body with its weight, applied torque and damping.
-    omega : array_like, shape (3,) or (n, 3)
-        Angular velocity at ``t = 0`` in the body (rad/s).
-    attitude : array_like, shape (4,) or (n, 4), or scipy Rotation, optional
+        The body, or many, with their weight, applied torque and damping.
+    omega : array_like, shape (3,) or (..., 3)
+        Angular velocity at ``t = 0`` in the body (rad/s). The leading axes of the scene, the rates
+        and the attitudes broadcast.
+    attitude : array_like, shape (4,) or (..., 4), or scipy Rotation, optional
         Attitude at ``t = 0``: quaternion, scalar first, body to space; normalised here. Default:
         body and space axes coincide.
-    t : array_like, shape (m,)
-        Times of the states (s), ascending; negative times are reached backward from 0.
+    t : array_like, shape (m,) or (..., m)
+        Times of the states (s), ascending; negative times are reached backward from 0. Leading axes
+        give each body times of its own.
     method : str, optional
         ``"exact"``, the closed form, or one of :func:`rigid.methods`. Default: ``"exact"`` where
         all bodies have a closed form and no step is given, else ``"rk4"``; under damping ten times
@@ -94,6 +100,12 @@ def simulate(
         there if there is a tolerance.
     threads : int, optional
         Default: ``RIGID_NUM_THREADS``, else the cores that this process may use.
+    dtype : {numpy.float64, numpy.float32}
+        Type of ``omega``, ``gamma`` and ``attitude``. They are computed in float64; float32 takes
+        half the memory and rounds them, which :attr:`Run.error` includes.
+    out : mapping of str to ndarray, optional
+        Arrays to be filled, by the names of the attributes of :class:`Run` with an axis of times:
+        C-contiguous, of the shape that the run has, float64 or float32. The run refers to them.
 
     Returns
     -------
@@ -121,28 +133,43 @@ def simulate(
     ('exact', 0)
     >>> bool(abs(run.omega[-1, 1]) < 1e-3)  # it has left the middle axis by then
     True
+    >>> boxes = rigid.FreeBody(rigid.Body([[1.0, 2.0, 2.5], [1.0, 1.0, 1.8]]))  # two bodies
+    >>> rigid.simulate(boxes, [0.1, 1.0, 0.1], t=[0.0, 1.0, 2.0]).omega.shape
+    (2, 3, 3)
     """
-    check_scene(scene)
+    check_scene(scene, many=True)
     one_of("record", record, RECORDS)
-    batch, single = Batch.from_input(scene, omega, attitude)
-    times = sorted_times("t", t)
+    given = times_of_each("t", t)
+    batch, shape = Batch.from_input(scene, omega, attitude, given.shape[:-1])
+    times = given if given.ndim == 1 else in_rows(given, shape)
+    target = PLAIN
+    if out is not None or dtype is not np.float64:
+        target = Target.of(dtype, out, (*shape, times.shape[-1]), _recorded(scene, record))
+        target.check(batch, time_ranges(times), accuracy)
     if tolerance is not None:
         tolerance = _checked_tolerance(tolerance, method, step, accuracy)
-    problem = Problem(
-        scene=scene,
-        question=record,
-        batch=batch,
-        begin=time_range(times)[0],
-        span=time_span(times),
-        accuracy=accuracy,
-        method=method,
-        step=step,
-        states=len(times),
-    )
-    plan, steps = choose_method(problem)
+    known = None
+    if step is None and accuracy is None and tolerance is None and given.ndim == 1:
+        known = closed_form_plan(scene, record, method, max(len(batch), 1), len(times))
+    if known is not None:
+        plan, steps = known, None
+    else:
+        begin, end = time_ranges(times)
+        problem = Problem(
+            scene=scene,
+            question=record,
+            batch=batch,
+            begin=begin,
+            span=end - begin,
+            accuracy=accuracy,
+            method=method,
+            step=step,
+            states=times.shape[-1],
+        )
+        plan, steps = choose_method(problem)
     if tolerance is not None:
         own = f"each body takes its own steps, last terms below {tolerance:g}"
-        plan = replace(plan, why=(*plan.why, own), step=None, steps=None, cost=None, error=None)
+        plan = replace(plan, why=(*plan.why, own), step=None, steps=None, work=None, error=None)
     request = Request(
         batch=batch,
         times=times,
@@ -153,11 +180,16 @@ def simulate(
         tolerance=tolerance,
     )
     if plan.method == EXACT:
-        states, estimate = request.states(None), closed_form_error(batch, times)
+        states = request.states(None, out=target.given, single=target.single)
+        batch.note_rates(states["fastest_rate"])
+        estimate = closed_form_error(batch, times, states["omega"])
+        worst = largest(estimate.error)
+        plan = plan.with_error(worst if worst < 1.0 else None)
     else:
-        states, estimate = integrate(request, steps, accuracy, check=check)
+        states, estimate = integrate(request, steps, accuracy, check=check, out=target.exact)
     if states["work"] is not None:
-        states["work"] = np.ldexp(states["work"], batch.scale_exponent)
+        np.ldexp(states["work"], batch.scale_exponent[:, np.newaxis], out=states["work"])
+    estimate = ErrorEstimate(target.finish(states, estimate.error), estimate.lost_from)
     spec = {
         "scene": scene.to_dict(),
         "method": plan.method,
@@ -166,7 +198,17 @@ def simulate(
         "tolerance": tolerance,
         "record": record,
     }
-    return _to_run(states, times, estimate, spec, plan, single=single)
+    return _to_run(states, given, estimate, spec, plan, shape)
+
+
+def _recorded(scene: Scene, record: str) -> tuple[str, ...]:
+    """Names of the arrays of a run with an axis of times."""
+    names = ["omega"]
+    if record == "axis" or (record == "attitude" and scene.directions):
+        names.append("gamma")
+    if record == "attitude":
+        names.append("attitude")
+    return (*names, "work") if scene.is_driven else tuple(names)
 
 
 def replay_steps(
@@ -179,7 +221,7 @@ def replay_steps(
     strides: Sequence[int],
 ) -> Run:
     """A body of a map again: its states after these numbers of steps of exactly ``step``."""
-    batch = Batch.of_scene(scene, omega.reshape(1, 3), attitude.reshape(1, 4), 1)
+    batch = Batch.of_scene(scene, omega.reshape(1, 3), attitude.reshape(1, 4), (1,))
     times = np.cumsum(strides) * step
     problem = Problem(
         scene=scene,
@@ -208,7 +250,7 @@ def replay_steps(
         "record": "attitude",
     }
     # The map that this body comes from has its own check of the error.
-    return _to_run(states, times, unknown_error(1), spec, plan, single=True)
+    return _to_run(states, times, unknown_error(1), spec, plan, ())
 
 
 def _checked_tolerance(
@@ -238,15 +280,17 @@ def _to_run(
     estimate: ErrorEstimate,
     spec: dict[str, Any],
     plan: Plan,
-    *,
-    single: bool,
+    shape: Shape,
 ) -> Run:
     def of_body(values: Any) -> Any:
-        return values[0] if single and values is not None else values
+        if values is None or not shape:
+            return None if values is None else values[0]
+        return values.reshape(*shape, *values.shape[1:])
 
-    unknown = np.isin(states["status"], (Status.STEP_LIMIT, Status.NOT_FINITE))
-    error = np.where(unknown, np.nan, estimate.error)
-    lost_from = np.where(unknown, np.nan, estimate.lost_from)
+    error, lost_from = estimate.error, estimate.lost_from
+    if np.count_nonzero(states["status"]):
+        unknown = np.isin(states["status"], (Status.STEP_LIMIT, Status.NOT_FINITE))
+        error, lost_from = (np.where(unknown, np.nan, values) for values in (error, lost_from))
     states["status"] = judged_status(states["status"], error, spec)
     return Run(
         t=times,

@@ -74,7 +74,7 @@ def sleeping_top(scene: HeavyTop, spin: ArrayLike) -> SleepingTop:
     >>> rigid.top.sleeping_top(scene, [3.9, 4.0, -4.1]).stable.tolist()
     [False, True, True]
     """
-    bound = exact.sleeping_spin(scene)
+    bound = float(exact.sleeping_spin(scene))
     size = np.abs(finite_array("spin", spin))
     return SleepingTop(stable=size >= bound, margin=size / bound - 1.0, spin_min=bound)
 
@@ -172,7 +172,7 @@ def spin_down(scene: HeavyTop, spin: ArrayLike, *, damping: float) -> SpinDown:
     >>> round(float(rigid.top.spin_down(scene, 8.0, damping=0.05).onset), 9)  # 10 ln 2
     6.931471806
     """
-    bound = exact.sleeping_spin(scene)
+    bound = float(exact.sleeping_spin(scene))
     size = np.abs(finite_array("spin", spin))
     decay = finite_float("damping", damping, nonnegative=True) / symmetric(scene).along
     excess = np.log(np.maximum(size / bound, 1.0))

@@ -88,7 +88,7 @@ def test_a_specification_of_a_box_means_what_it_says() -> None:
     )
     assert [axis.name for axis in spec.axes] == ["b", "noise"]
     assert spec.shape == (5, 4)
-    assert (spec.method, spec.step, spec.check) == ("auto", None, 1.0)
+    assert (spec.method, spec.step, spec.check) == ("auto", None, None)
 
 
 def test_a_specification_of_a_top_means_what_it_says() -> None:

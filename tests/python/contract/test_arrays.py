@@ -5,6 +5,9 @@ from __future__ import annotations
 import signal
 import threading
 import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -77,23 +80,65 @@ def test_other_threads_run_while_closed_forms_are_evaluated() -> None:
     assert rounds_while(evaluate, began, ended) > 20
 
 
-@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="no timer of signals")
-def test_signals_are_handled_while_closed_forms_are_evaluated() -> None:
-    """The handler of the signal ends the call: with a list of numbers left, not at its end."""
+THREADS = Path("/proc/self/task")
+
+with_timer = pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="no timer of signals")
+
+
+@contextmanager
+def timeout_after(seconds: float, action: Callable[[], object] = lambda: None) -> Iterator[None]:
+    """A signal whose handler calls the action and raises TimeoutError, which is expected."""
 
     def handler(*_: Any) -> None:
+        action()
         raise TimeoutError
 
-    begun = time.perf_counter()
-    elliptic_functions()
-    whole = time.perf_counter() - begun
     previous = signal.signal(signal.SIGALRM, handler)
     try:
-        begun = time.perf_counter()
-        signal.setitimer(signal.ITIMER_REAL, 0.05 * whole)
+        signal.setitimer(signal.ITIMER_REAL, seconds)
         with pytest.raises(TimeoutError):
-            elliptic_functions()
-        assert time.perf_counter() - begun < 0.7 * whole
+            yield
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
         signal.signal(signal.SIGALRM, previous)
+
+
+@with_timer
+def test_signals_are_handled_while_closed_forms_are_evaluated() -> None:
+    """The handler of the signal ends the call: with a list of numbers left, not at its end."""
+    begun = time.perf_counter()
+    elliptic_functions()
+    whole = time.perf_counter() - begun
+    begun = time.perf_counter()
+    with timeout_after(0.05 * whole):
+        elliptic_functions()
+    assert time.perf_counter() - begun < 0.7 * whole
+
+
+def move_for_minutes(bodies: int, threads: int, **options: Any) -> None:
+    """Integrate tops for a million seconds."""
+    top = rigid.HeavyTop(rigid.Body((1.0, 1.2, 0.5)), mgl=1.0)
+    omega = np.tile([0.1, 0.2, 3.0], (bodies, 1))
+    rigid.simulate(top, omega, t=[1e6], threads=threads, check=False, **options)
+
+
+@with_timer
+@pytest.mark.parametrize("threads", [1, 2])
+@pytest.mark.parametrize("bodies", [1, 65])
+@pytest.mark.parametrize(
+    "options", [{"method": "rk4", "step": 1e-3}, {"method": "taylor16", "tolerance": 1e-12}]
+)
+def test_signals_are_handled_while_bodies_are_integrated(
+    options: dict[str, Any], bodies: int, threads: int
+) -> None:
+    with timeout_after(0.1):
+        move_for_minutes(bodies, threads, **options)
+
+
+@with_timer
+@pytest.mark.skipif(not THREADS.exists(), reason="the system does not list the threads")
+def test_a_call_with_one_thread_starts_none() -> None:
+    counts = [len(list(THREADS.iterdir()))]
+    with timeout_after(0.1, lambda: counts.append(len(list(THREADS.iterdir())))):
+        move_for_minutes(65, 1, method="rk4", step=1e-3)
+    assert counts[0] == counts[1]

@@ -81,6 +81,7 @@ SUBJECTS = (
     "explicit integration",
     "geometric integration",
     "heavy tops of any shape",
+    "steps one by one",
     "batches",
     "arrays",
     "only what is asked for",

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import platform
+import shutil
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import rigid
-from processes import python_process
+from processes import python_process, run_python
 from rigid import _core
 
 FREE = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)))
@@ -54,7 +57,7 @@ def test_states_beyond_any_memory_are_refused_before_the_start() -> None:
     with pytest.raises(MemoryError) as error:
         rigid.simulate(FREE, np.ones((10**6, 3)), t=np.linspace(0.0, 1.0, 10**6))
     message = str(error.value)
-    assert "states of 1000000 bodies at 1000000 times: 56000033000000 bytes" in message
+    assert "states of 1000000 bodies at 1000000 times: 56000041000000 bytes" in message
     assert "divide the request" in message
 
 
@@ -85,7 +88,7 @@ def test_numbers_of_flips_beyond_any_memory_are_refused() -> None:
         ("rigid.simulate(free, [1.0, 2.0, 3.0], t=times, check=False)", "states of 1 bodies"),
         ("rigid.simulate(top, np.ones((10**4, 3)), t=some, method='rk4')", "states of 10000"),
         ("rigid.exact.jacobi(times, 0.5)", ""),
-        ("_core.MapStatistics(10**8)", "pixels of the map: 12000000000 bytes"),
+        ("_core.MapStatistics(10**8)", "pixels of the map: 13600000000 bytes"),
     ],
 )
 def test_a_limit_of_the_address_space_is_a_memory_error(statement: str, words: str) -> None:
@@ -147,3 +150,15 @@ alone = states(1), shares(1)
 """
     statement = "assert (states(1024) == alone[0]).all() and (shares(1024) == alone[1]).all()"
     assert outcome(statement, 600, before) == "done"
+
+
+@pytest.mark.skipif(
+    platform.libc_ver()[0] != "glibc" or shutil.which("cc") is None,
+    reason="replaces the allocator of the GNU C library",
+)
+def test_an_allocation_of_the_core_that_fails_harms_no_result() -> None:
+    """The first of each call; ``tests/long/failed_allocations.py`` takes them all."""
+    script = Path(__file__).parents[2] / "long" / "failed_allocations.py"
+    done = run_python(str(script), "--most", "15", check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "stability_map: 15 allocations" in done.stdout

@@ -151,6 +151,11 @@ def test_the_rate_vanishes_at_its_flips_and_nowhere_between(
         assert np.sign(middle[0]) == np.sign(omega[axis - 1])
 
 
+def test_without_a_count_the_first_flip_is_given() -> None:
+    first = exact.flip_times(FREE, [0.1, 1.0, 0.1])
+    np.testing.assert_array_equal(first, exact.flip_times(FREE, [0.1, 1.0, 0.1], count=3)[:1])
+
+
 def test_flips_of_many_bodies_by_their_largest_rates() -> None:
     omega = np.array([[1e-3, 1.0, 0.0], [0.0, 1e-3, 1.0], [1e-6, 1.0, 0.0], [0.3, 1.0, 1.2]])
     times = exact.flip_times(STANDARD, omega, count=2)
@@ -312,7 +317,7 @@ def test_the_sleeping_bound_divides_staying_from_falling() -> None:
     for scene in (TOP, top(2, -1.0, moments=(1.3, 1.3, 0.4), mgl=2.0)):
         axis = int(np.argmax(np.abs(scene.com))) + 1
         side = float(np.sign(scene.com[axis - 1]))
-        bound = exact.sleeping_spin(scene)
+        bound = float(exact.sleeping_spin(scene))
         across, along = scene.body.moments[axis - 2], scene.body.moments[axis - 1]
         assert bound == pytest.approx(2.0 * np.sqrt(scene.mgl * across) / along, rel=4 * ROUNDOFF)
         omega = np.outer([1.01, 0.99], turned([0.0, 0.0, bound], axis))
@@ -407,7 +412,7 @@ NO_LAGRANGE = "a Lagrange top has two moments equal to the bit and its centre of
     ("call", "kind", "message"),
     [
         (lambda: exact.free_body(HEAVY_TOP, [1, 2, 3]), TypeError, "must be a rigid.Body"),
-        (lambda: exact.free_body(STANDARD, [1, 2]), ValueError, "omega: expected shape (3,)"),
+        (lambda: exact.free_body(STANDARD, [1, 2]), ValueError, "omega: expected shape (..., 3)"),
         (lambda: exact.free_body(STANDARD, [1, 2, np.inf]), ValueError, "omega[2] = inf: must be"),
         (lambda: exact.flip_times(BODY, [1, 2, 3]), TypeError, "must be a rigid.Free"),
         (lambda: exact.flip_times(STANDARD, [1, 2, 3], axis=0), ValueError, "axis = 0: must be"),

@@ -10,17 +10,12 @@ import pytest
 from scipy.stats import norm
 
 import rigid
+from physics import rotation_matrix
 from rigid.model.start import Noise
 from small_maps import small_map
 
 TORQUE, SPIN, HORIZON = 1.0, 0.002, 0.04
 SPHERE = rigid.FreeBody(rigid.Body((1.0, 1.0, 1.0)), torque=rigid.Torque.space((TORQUE, 0.0, 0.0)))
-
-
-def space_in_body(attitude: np.ndarray) -> np.ndarray:
-    """The first axis of space in body components."""
-    w, x, y, z = attitude
-    return np.array([w * w + x * x - y * y - z * z, 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)])
 
 
 def sphere_map(noise: Noise, **options: Any) -> rigid.StabilityMap:
@@ -47,7 +42,7 @@ def test_a_torque_in_space_stops_the_spin_of_bodies_that_point_against_it() -> N
     assert 1.0 - result.share[0] == pytest.approx(chance, abs=4.0 * spread + 1e-3)
     for sample in range(60):
         body = result.replay(0, sample)
-        cosine = space_in_body(body.attitude)[2]
+        cosine = rotation_matrix(body.attitude)[0, 2]
         turned = -SPIN / (TORQUE * cosine)  # the time of the sign change
         assert (body.outcome == "unstable") == (0.0 < turned < HORIZON)
         if body.outcome == "unstable":

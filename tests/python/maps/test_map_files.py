@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
+import hashlib
 import json
 import os
 import pickle
 import random
 import tracemalloc
 import zipfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from io import BytesIO
 from pathlib import Path
@@ -20,6 +21,7 @@ import pytest
 import xarray
 
 import rigid
+from physics import GOLDEN
 from rigid import _core
 from rigid.maps.compute import run_map
 from rigid.maps.data import STORED
@@ -173,6 +175,15 @@ def test_any_program_can_read_the_data(result: rigid.StabilityMap, tmp_path: Pat
 # Files that are no maps
 
 
+def without_digest(whole: bytes) -> bytes:
+    """The archive alone, as other programs write it: its comment is empty."""
+    return whole[:-73] + bytes(2)
+
+
+def sealed(archive: bytes) -> bytes:
+    return archive + b"sha256 " + hashlib.sha256(archive).hexdigest().encode()
+
+
 def refused(path: Path) -> str:
     """The one line that refuses a file."""
     with pytest.raises(ValueError) as caught:
@@ -231,25 +242,56 @@ def test_a_truncated_file_is_refused(keep: float, tmp_path: Path) -> None:
     assert "is not a stability map" in refused(tmp_path / "cut.npz")
 
 
-def test_a_flipped_bit_is_refused_or_harmless(tmp_path: Path) -> None:
-    # Harmless: in a date, say. Every array has a checksum, and no other error may come through.
-    result = small_map(samples=3)
-    whole = saved_bytes(result, tmp_path)
-    path = tmp_path / "flipped.npz"
+def flips(places: Iterable[int], whole: bytes, path: Path) -> Iterator[Path]:
+    """A file with one bit flipped, for each place."""
     generator = random.Random(7)
-    directory = whole.index(b"PK\x01\x02")  # where the table of contents begins
-    places = range(directory, len(whole))
-    refusals = []
-    for place in [*places[::3], *generator.sample(range(directory), 300)]:
+    for place in places:
         damaged = bytearray(whole)
         damaged[place] ^= 1 << generator.randrange(8)
         path.write_bytes(damaged)
+        yield path
+
+
+def test_a_flipped_bit_is_refused_wherever_it_is(tmp_path: Path) -> None:
+    whole = saved_bytes(small_map(samples=3), tmp_path)
+    for damaged in flips(range(len(whole)), whole, tmp_path / "flipped.npz"):
+        refused(damaged)
+
+
+def test_in_an_archive_without_a_digest_a_flipped_bit_is_refused_or_harmless(
+    tmp_path: Path,
+) -> None:
+    # Harmless: in a date, say. Every array has a checksum, and no other error may come through.
+    result = small_map(samples=3)
+    whole = without_digest(saved_bytes(result, tmp_path))
+    directory = whole.index(b"PK\x01\x02")  # where the table of contents begins
+    sample = random.Random(7).sample(range(directory), 300)
+    places = [*range(directory, len(whole), 3), *sample]
+    refusals = []
+    for damaged in flips(places, whole, tmp_path / "flipped.npz"):
         try:
-            assert_same_map(rigid.load_map(path), result)
+            assert_same_map(rigid.load_map(damaged), result)
         except ValueError as error:
             refusals.append(str(error))
     assert len(refusals) > 250
     assert not any("\n" in line for line in refusals)
+
+
+def test_the_digest_is_that_of_all_bytes_before_it(tmp_path: Path) -> None:
+    result = small_map(samples=3)
+    whole = saved_bytes(result, tmp_path)
+    archive, digest = whole[:-71], whole[-71:]
+    assert digest == b"sha256 " + hashlib.sha256(archive).hexdigest().encode()
+    with zipfile.ZipFile(tmp_path / "map.npz") as file:
+        assert file.comment == digest
+        assert file.testzip() is None
+    (tmp_path / "without.npz").write_bytes(without_digest(whole))
+    assert_same_map(rigid.load_map(tmp_path / "without.npz"), result)
+    (tmp_path / "longer.npz").write_bytes(without_digest(whole) + digest)
+    assert "its digest is not that of its content" in refused(tmp_path / "longer.npz")
+    # A right digest of an archive whose comment has another length.
+    (tmp_path / "other.npz").write_bytes(sealed(without_digest(whole)))
+    assert "is not a zip file" in refused(tmp_path / "other.npz")
 
 
 def header_of(arrays: dict[str, Any]) -> Any:
@@ -320,7 +362,8 @@ def test_a_map_of_format_3_is_read_without_unit_drift(
 ) -> None:
     """Format 3 had no `unit_drift` and other intervals: the first is unknown, the others follow."""
     whole = small_map(**REQUESTS["free"])
-    old = {name: array for name, array in arrays.items() if name != "unit_drift"}
+    new = ("unit_drift", "audited", "audited_undecided")
+    old = {name: array for name, array in arrays.items() if name not in new}
     old |= {"lower": old["lower"] - 0.01, "upper": old["upper"] + 0.01}
     header = {**header_of(arrays), "format_version": 3}
     loaded = rigid.load_map(with_header(old, header, tmp_path / "old.npz"))
@@ -334,7 +377,20 @@ def test_a_map_of_format_3_is_read_without_unit_drift(
     for one in (loaded, again):
         assert one.replay(pixel, 1).left == whole.replay(pixel, 1).left
     # A file of format 4 has it.
-    assert "unit_drift" in refused(with_header(old, header_of(arrays), tmp_path / "bad.npz"))
+    header["format_version"] = 4
+    assert "unit_drift" in refused(with_header(old, header, tmp_path / "bad.npz"))
+
+
+@pytest.mark.parametrize(("version", "missing"), [(3, {"unit_drift"}), (4, set[str]())])
+def test_files_of_earlier_versions_are_read(version: int, missing: set[str]) -> None:
+    """Files that the writers of their time wrote; their maps are computed again to the bit."""
+    loaded = rigid.load_map(GOLDEN / "map_files" / f"format{version}.npz")
+    again = run_map(loaded.spec, progress=False)
+    for name in set(NAMED) - missing:
+        np.testing.assert_array_equal(getattr(loaded, name), getattr(again, name), err_msg=name)
+    assert all(np.isnan(getattr(loaded, name)).all() for name in missing)
+    assert loaded.spec.title == f"Format {version}"
+    np.testing.assert_array_equal(loaded.replay(1, 2).omega, again.replay(1, 2).omega)
 
 
 def test_arrays_of_the_other_byte_order_are_read(arrays: dict[str, Any], tmp_path: Path) -> None:

@@ -7,6 +7,7 @@ import pickle
 import signal
 import threading
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -133,6 +134,32 @@ def test_other_handlers_and_other_threads_are_left_alone() -> None:
     thread.start()
     thread.join()
     assert_same_map(results[0], result)
+
+
+def test_ctrl_c_reaches_the_main_thread_while_a_pool_computes() -> None:
+    """The pool completes its map all the same."""
+    listening, heard = threading.Event(), threading.Event()
+    calls: list[int] = []
+
+    def interrupt(progress: rigid.Progress) -> None:
+        calls.append(progress.done)
+        if len(calls) == 1:
+            assert listening.wait(PATIENCE)  # what the main thread does before is not guarded
+            os.kill(os.getpid(), signal.SIGINT)
+        else:
+            assert heard.wait(PATIENCE)
+
+    with ThreadPoolExecutor(1) as pool:
+        computing = pool.submit(small_map, chunk=100, progress=interrupt)
+        with pytest.raises(KeyboardInterrupt):
+            listening.set()
+            computing.result(PATIENCE)
+        assert not computing.done()
+        heard.set()
+        completed = computing.result(PATIENCE)
+    assert len(calls) > 2
+    assert completed.complete
+    assert_same_map(completed, small_map())
 
 
 @pytest.mark.parametrize("size", LONG)

@@ -62,12 +62,8 @@ def test_a_share_and_its_complement_have_mirrored_intervals() -> None:
     assert (np.diff(lower) > 0.0).all()
 
 
-@pytest.mark.parametrize("trials", [1, 2, 3, 5, 8, 16, 64, 256])
-def test_intervals_cover_every_true_share_as_often_as_they_say(trials: int) -> None:
-    """Exact coverage: the binomial chances of the counts whose interval holds the true share.
-
-    Wilson's interval, which maps had before, covers 84 % at worst: of 64 bodies, at 0.0027.
-    """
+def coverage(trials: int) -> tuple[Floats, Floats]:
+    """True shares, and the chances with which the intervals of their counts hold them."""
     lower, upper = all_intervals(trials)
     even = np.linspace(0.0, 1.0, 20_001)
     small = np.geomspace(1e-7, 0.5, 2_000)
@@ -77,13 +73,36 @@ def test_intervals_cover_every_true_share_as_often_as_they_say(trials: int) -> N
     shares = np.concatenate([even, small, 1.0 - small, ends, *beside])
     holds = (lower <= shares[:, np.newaxis]) & (shares[:, np.newaxis] <= upper)
     chances = binom.pmf(np.arange(trials + 1), trials, shares[:, np.newaxis])
-    covered = (holds * chances).sum(axis=1)
+    return shares, (holds * chances).sum(axis=1)
+
+
+@pytest.mark.parametrize("trials", [1, 2, 3, 5, 8, 16, 64, 256])
+def test_intervals_cover_every_true_share_as_often_as_they_say(trials: int) -> None:
+    """Exact coverage: the binomial chances of the counts whose interval holds the true share.
+
+    Wilson's interval, which maps had before, covers 84 % at worst: of 64 bodies, at 0.0027.
+    """
+    lower, upper = all_intervals(trials)
+    _, covered = coverage(trials)
     # The sum of some hundred chances is rounded to 1e-13.
     assert covered.min() >= CONFIDENCE - 1e-13
     # No interval is wider than it must be: a little shorter at either end, and a tail is lost.
     k = np.arange(1, trials + 1)
     np.testing.assert_allclose(binom.sf(k - 1, trials, lower[1:]), HALF, rtol=1e-11)
     np.testing.assert_allclose(binom.cdf(k - 1, trials, upper[:-1]), HALF, rtol=1e-11)
+
+
+@pytest.mark.parametrize("trials", [128, 256, 400])
+def test_intervals_are_no_wider_than_counts_allow(trials: int) -> None:
+    """They cover 95 to 97 % where counts scatter by 5 or more, and always at the ends.
+
+    There an interval covers always or never, because only one count is possible.
+    """
+    shares, covered = coverage(trials)
+    common = trials * shares * (1.0 - shares) >= 25.0
+    assert common.any()
+    assert covered[common].max() <= 0.97
+    assert (covered[np.isin(shares, [0.0, 1.0])] == 1.0).all()
 
 
 def test_pixels_have_the_intervals_of_their_own_counts() -> None:

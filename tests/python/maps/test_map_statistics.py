@@ -328,6 +328,7 @@ def test_a_direction_that_lost_its_length_gives_no_verdict() -> None:
         axes={"omega1": [1.0]},
         start=rigid.Start(omega=(1.0, 0.0, 0.0)),
         stable=rigid.tilt_below(3.1, axis=3),
+        method="rk4",
         samples=1,
         t_end=100.0,
         step=1.3,

@@ -373,7 +373,7 @@ def test_an_interruption_before_the_first_run_leaves_nothing(
         ({"scene": "box"}, ["scene = 'box'", "must be a rigid.FreeBody or rigid.HeavyTop"]),
         ({"omega": [1.0, 2.0]}, ["omega", "shape (3,)"]),
         ({"omega": [1.0, np.nan, 2.0]}, ["omega[1] = nan", "finite"]),
-        ({"attitude": [0.0] * 4}, ["attitude[0]", "zero quaternion"]),
+        ({"attitude": [0.0] * 4}, ["attitude = [0.0, 0.0, 0.0, 0.0]", "zero quaternion"]),
         ({"attitude": np.eye(4)}, ["attitude", "shape (4,)"]),
         ({"t_end": 0.0}, ["t_end = 0.0: must be positive"]),
         ({"t_end": np.inf}, ["t_end = inf: must be finite"]),

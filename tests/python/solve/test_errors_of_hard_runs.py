@@ -51,6 +51,143 @@ def test_a_needle_moves_as_it_must_whatever_its_ratio(ratio: float, axis: int, m
     assert truth.attitude_off(present(run.attitude)).max() <= 1e-10
 
 
+def _true_error(scene: Any, run: rigid.Run, omega: Any, attitude: Any, t: Any) -> float:
+    """Of the rates relative to the fastest of them, of the attitude in rad."""
+    truth = quad_motion.motion(scene, omega, attitude, t)
+    assert truth is not None
+    fastest = np.linalg.norm(truth.omega, axis=-1).max()
+    off = [truth.rates_off(run.omega).max() / fastest]
+    off.append(truth.attitude_off(present(run.attitude)).max())
+    return float(max(off))
+
+
+UPRIGHT: dict[str, tuple[Any, ...]] = {
+    "any axis": (
+        (0.807881845236999, 0.30249200820849054, 0.7543023089374729),
+        (-0.8195363020795092, -0.36100075983146634, 0.4450153940876057),
+        (0.8500045276607666, -0.2123522570079417, 0.4820776098304402, 0.0),
+        "rk4",
+    ),
+    "nearly a sphere": (
+        (2.000039221183751, 2.00008576251516, 1.999868190979242),
+        (0.09994999955065213, -0.003951015524919034, 0.9949846164972332),
+        (0.9987453670724168, -0.0019779894131076127, -0.05003777882025708, 0.0),
+        "srkn14",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", UPRIGHT)
+def test_rounding_may_hide_that_an_upright_top_is_out_of_balance(case: str) -> None:
+    """Its computed torque is zero to the bit, and both runs stay; the true top falls."""
+    moments, com, attitude, method = UPRIGHT[case]
+    top = rigid.HeavyTop(rigid.Body(moments), mgl=3.0, com=com)
+    t = np.linspace(0.0, 10.0 * np.sqrt(max(moments) / 3.0), 12)
+    run = rigid.simulate(top, [0.0] * 3, attitude, t=t, method=method)
+    assert _true_error(top, run, [0.0] * 3, attitude, t) > 0.1
+    assert run.status == rigid.Status.FLAGGED
+
+
+@pytest.mark.parametrize("method", ["dop853", "taylor16", "splitting8"])
+@pytest.mark.parametrize("tilt", [1e-9, 1e-7])
+def test_rates_of_a_hardly_swinging_top_are_as_uncertain_as_its_rounded_attitude(
+    method: str, tilt: float
+) -> None:
+    """It hangs from axis 1: its attitude, of order one, is rounded to 1e-16 of one, not of tilt."""
+    top = rigid.HeavyTop(rigid.Body((0.4, 0.47, 0.45)), mgl=1.64, com=(1.0, 0.0, 0.0))
+    hanging, turned = np.array([0.43, 0.56, 0.43, -0.56]), np.array([0.56, 0.43, -0.56, 0.43])
+    attitude = hanging / np.linalg.norm(hanging) + tilt * turned
+    t = [0.9, 1.1, 3.7]
+    run = rigid.simulate(top, [0.0] * 3, attitude, t=t, method=method, accuracy=1e-11 / tilt**0.5)
+    true = _true_error(top, run, [0.0] * 3, attitude, t)
+    assert true <= run.error
+    assert 1e-16 / tilt < run.error < 1e-13 / tilt
+
+
+def test_a_closed_form_states_the_rounding_of_a_hardly_swinging_top() -> None:
+    top = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
+    for tilt in (1e-10, 1e-8, 1e-6):
+        attitude = [0.6 * tilt, 0.8, 0.6, -0.5 * tilt]
+        t = [0.0, 0.7, 1.9, 3.1]
+        run = rigid.simulate(top, [0.0] * 3, attitude, t=t, method="exact")
+        true = _true_error(top, run, [0.0] * 3, attitude, t)
+        assert true <= run.error < 1e-13 / tilt
+
+
+def test_before_it_falls_rates_of_an_upright_top_are_rounding() -> None:
+    """Its attitude is off by 1e-8 only, its rates of 1e-6 rad/s by as much."""
+    moments = (0.08597682510395821, 0.8781086225285188, 0.8578477191142563)
+    com = (-0.007360810662476623, -0.14793833313785243, -0.9889691946945491)
+    top = rigid.HeavyTop(rigid.Body(moments), mgl=2.94892245958951, com=com)
+    attitude = (0.0742657569322892, -0.9960063644994468, 0.04955723180191939, 1.8e-15)
+    t = [-3.6, -1.8, 1.5, 3.5]
+    run = rigid.simulate(top, [0.0] * 3, attitude, t=t, method="taylor20", step=0.075)
+    true = _true_error(top, run, [0.0] * 3, attitude, t)
+    assert 1e-3 < true <= run.error
+
+
+def test_beside_a_homoclinic_motion_two_runs_do_not_share_the_rounding_of_the_start() -> None:
+    """Whatever the steps, rounding of the start becomes 1e-6 to 1e-5."""
+    body = rigid.Body((0.5662616256688837, 0.5662616256688837, 0.09912709458573413))
+    top = rigid.HeavyTop(body, mgl=1.6618330721352346)
+    omega, attitude = (
+        [0.5133244760570262, 0.0, 0.0],
+        [0.98871292028394, 0.149822432444553, 0.0, 0.0],
+    )
+    t = [9.08335470490905]
+    for steps in range(330, 345):
+        run = rigid.simulate(top, omega, attitude, t=t, method="dop853", step=1.0001 * t[0] / steps)
+        assert _true_error(top, run, omega, attitude, t) <= run.error
+
+
+@pytest.mark.parametrize("method", ["taylor8", "taylor12"])
+def test_a_series_of_higher_order_does_not_err_like_the_run_that_it_checks(method: str) -> None:
+    """A quarter of the tolerance left the check an error as large as that of the run."""
+    free = rigid.FreeBody(rigid.Body((1.0, 1.0, 1.5725429858727238)))
+    attitude = [1.442655726853607, -1.4157794617932007, -0.15259410988007058, -1.211236083494112]
+    for tolerance in (1e-7, 1e-9, 1e-11):
+        for end in (20.0, 60.0, 180.0):
+            t = np.linspace(0.0, end, 4)
+            options: dict[str, Any] = {"tolerance": tolerance, "method": method}
+            run = rigid.simulate(free, [0.0, 0.0, 1.0], attitude, t=t, **options)
+            true = _true_error(free, run, [0.0, 0.0, 1.0], attitude, t)
+            assert true <= run.error <= max(10.0 * true, 1e-13 * end)
+
+
+@pytest.mark.parametrize("method", ["dmv6", "splitting8", "srkn14", "pmlf6"])
+def test_equal_rotations_drift_in_one_direction(method: str) -> None:
+    """The flow of a symmetric body is exact in each step: its error is rounding, always alike."""
+    free = rigid.FreeBody(rigid.Body((1.0, 1.0, 1.7507614949137609)))
+    omega = [9.99080298e-01, -5.53147092e-04, 1.72464093e-03]
+    t, largest = [118.26243136711196], 0.0
+    for steps in (2000, 2674, 4000, 8000):
+        options: dict[str, Any] = {"method": method, "step": 1.0001 * t[0] / steps}
+        run = rigid.simulate(free, omega, t=t, **options)
+        true = _true_error(free, run, omega, [1.0, 0.0, 0.0, 0.0], t)
+        assert true <= run.error
+        largest = max(largest, true)
+    assert largest > 1e-12
+
+
+def test_few_steps_of_a_stiff_scheme_are_checked_by_many() -> None:
+    """Its error is largest at four steps: three and six err alike."""
+    rows = (
+        (1155.755142463569, -106.54897650554865, -382.7203876884117),
+        (-106.54897650554865, 885.6685627706772, 561.4903524012585),
+        (-382.7203876884117, 561.4903524012585, 445.49909689481547),
+    )
+    body = rigid.Body((0.6068245496888323, 0.6068245496888323, 0.09873048749305069))
+    com = (-0.14286307017297184, -0.7642070018307652, 0.6289497607389525)
+    top = rigid.HeavyTop(body, mgl=4.637132828890266, com=com, damping=rows)
+    omega = [0.09855184619920494, -0.12866628514937407, 0.05653979859878544]
+    attitude = [0.49686893515310776, 1.3719775632944229, -0.7074860800457877, -2.20530313384639]
+    t = [0.01908196592404546]
+    for steps in (2, 3, 4, 6, 12, 24):
+        options: dict[str, Any] = {"method": "etd4", "step": 1.0001 * t[0] / steps}
+        run = rigid.simulate(top, omega, attitude, t=t, **options)
+        assert _true_error(top, run, omega, attitude, t) <= run.error
+
+
 FAMILIES = ("forced_damped", "free_symmetric", "lagrange", "kovalevskaya")
 CASES = [case for family in FAMILIES for case in golden(family)]
 

@@ -271,3 +271,19 @@ def test_units_do_not_matter(method: rigid.Method, scene_name: str) -> None:
         assert run.unit_drift == plain.unit_drift
         assert run.status == plain.status
         assert run.status in ARRIVED
+
+
+@pytest.mark.parametrize("method", ["rk4", "taylor16", "midpoint"])
+@pytest.mark.parametrize("damping", [0.0, 0.3])
+def test_stated_errors_know_no_unit_of_mass(method: str, damping: float) -> None:
+    """Of tops just released, whose rates are small beside those of their swing."""
+
+    def error(mass: float) -> float:
+        body = rigid.Body(mass * np.array([1.0, 1.5, 2.0]))
+        top = rigid.HeavyTop(body, mgl=3.0 * mass, com=(0.6, 0.0, 0.8), damping=damping * mass)
+        run = rigid.simulate(top, np.zeros(3), START, t=[1e-3, 1e-2], method=method, step=0.01)
+        return float(run.error)
+
+    plain = error(1.0)
+    assert 0.0 < plain < 1e-3
+    assert [error(2.0**power) for power in (-40, 40)] == [plain, plain]

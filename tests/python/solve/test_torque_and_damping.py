@@ -156,8 +156,8 @@ def test_the_error_is_the_one_that_halving_the_step_reveals(method: str, case: G
     """
     forcing = case.scene.forcing
     assert forcing is not None
-    stiff = forcing.damping_rates(case.scene.body.moments)[2] * case.t[-1] > 1e4
-    if stiff and method in ("rk4", "dop853", "taylor8", "taylor12"):
+    stiff = forcing.damping_rates(np.array([case.scene.body.moments]))[0] * case.t[-1] > 1e4
+    if stiff and method in ("rk4", "dop853", "hermite9", "taylor8", "taylor12", "taylor14"):
         pytest.skip("a million steps: the others show the same")
     coarse = case.run(method, check=False)
     fine = case.run(method, step=case.t[-1] / (2.0 * float(coarse.steps)), check=False)
@@ -191,7 +191,8 @@ def test_knots_and_jumps_of_a_torque_cost_no_order(method: rigid.Method) -> None
     truth = rigid.simulate(PUSHED, *start, t=[4.0], method="taylor26", step=0.02)
     steps: list[float] = []
     found: list[float] = []
-    count = 4.0
+    # Steps with which the method is stable.
+    count = 16.0 if method.multistep else 4.0
     while len(found) < 40:
         run = rigid.simulate(
             PUSHED, *start, t=[4.0], method=method.name, step=4.0 / count, check=False
@@ -356,7 +357,6 @@ TORQUE = rigid.Torque.body((0.0, 0.0, 1.0))
 REFUSED: list[tuple[Any, type[Exception], list[str]]] = [
     (free(damping=-1.0), ValueError, ["damping = -1.0: must not be negative"]),
     (free(damping=(1, -2, 1)), ValueError, ["damping = [1.0, -2.0, 1.0]", "must not be negative"]),
-    (free(damping=(1, 2)), ValueError, ["damping: expected shape (), (3,) or (3, 3), got (2,)"]),
     (free(damping=np.nan), ValueError, ["damping = nan: must be finite"]),
     (free(damping="much"), TypeError, ["damping = 'much': must be real numbers"]),
     (free(damping=[[1, 2, 0], [0, 1, 0], [0, 0, 1]]), ValueError, ["must be a symmetric matrix"]),
@@ -366,16 +366,11 @@ REFUSED: list[tuple[Any, type[Exception], list[str]]] = [
         ["damping = [[1.0, 2.0, 0.0], [2.0, 1.0, 0.0]", "must be positive semi-definite"],
     ),
     (free(torque=(0, 0, 1)), TypeError, ["torque = (0, 0, 1): must be a rigid.Torque"]),
-    (lambda: rigid.Torque.body((1, 2)), ValueError, ["torque: expected shape (3,), got (2,)"]),
-    (
-        lambda: rigid.Torque.space(TABLE),
-        ValueError,
-        ["torque: expected shape (3,), got (4, 3)", "give the times of a table"],
-    ),
+    (lambda: rigid.Torque.body((1, 2)), ValueError, ["torque: expected shape (..., 3), got (2,)"]),
     (
         lambda: rigid.Torque.body(TABLE, times=[0, 1, 2]),
         ValueError,
-        ["torque: expected shape (3, 3), got (4, 3)"],
+        ["torque: expected shape (..., 3, 3), got (4, 3)"],
     ),
     (
         lambda: rigid.Torque.body(TABLE, times=[0, 1, 3, 2]),

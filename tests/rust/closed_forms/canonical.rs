@@ -1,6 +1,7 @@
 //! Canonical forms: from a body to its canonical form and back.
 
 use super::*;
+use rigid::parallel::Interrupt;
 use rigid::scene::TOP;
 
 fn form(body: &Body) -> Option<ClosedForm> {
@@ -172,7 +173,7 @@ fn what_has_no_closed_form_is_refused() {
             refinement: 1.0,
             max_steps: 0,
         };
-        simulate(&request, 1, Isa::Scalar, &AtomicBool::new(false)).err().map(|error| error.to_string())
+        simulate(&request, 1, Isa::Scalar, &Interrupt::never()).err().map(|error| error.to_string())
     };
     assert!(ask(&[plain, body], Schedule::Times(&[1.0])).unwrap().contains('1'));
     assert!(ask(&[plain, plain], Schedule::Strides(&[1])).unwrap().contains("takes no steps"));

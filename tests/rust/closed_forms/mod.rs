@@ -13,8 +13,9 @@ use proptest::test_runner::RngSeed;
 use rigid::body::Inertia;
 use rigid::exact::derived::{free_quantities, sign_changes, tilt_time, top_quantities};
 use rigid::exact::{CanonicalForm, ClosedForm, EvaluatorKind};
-use rigid::forcing::Forcing;
+use rigid::forcing::{BodyForcing, Forcing};
 use rigid::kinematics::to_body_frame;
+use rigid::parallel::Interrupt;
 use rigid::simd::Isa;
 use rigid::solver::Solver;
 use rigid::special::theta::{Phase, Torus};
@@ -24,7 +25,6 @@ use rigid::status::Status;
 use rigid::trajectory::{Record, Request, Schedule, States, simulate};
 use serde_json::Value;
 use std::f64::consts::{PI, TAU};
-use std::sync::atomic::AtomicBool;
 
 const EPS: f64 = f64::EPSILON;
 
@@ -42,7 +42,7 @@ fn solved(body: &Body, times: &[f64]) -> States {
         refinement: 1.0,
         max_steps: 0,
     };
-    simulate(&request, 1, Isa::available()[0], &AtomicBool::new(false)).unwrap()
+    simulate(&request, 1, Isa::available()[0], &Interrupt::never()).unwrap()
 }
 
 /// Rates and attitude at each time.

@@ -28,7 +28,7 @@ fn map(is_top: bool, method: MethodChoice, criterion: Criterion, step: Option<f6
         step,
         max_steps: 2000,
         samples: SAMPLES,
-        checked: 100,
+        check: Check::First(100),
         key: [2026, 11],
     }
 }
@@ -77,6 +77,8 @@ fn merged(a: Statistics, b: Statistics) -> Statistics {
         drifted: a.drifted + b.drifted,
         exact: a.exact + b.exact,
         checked: a.checked + b.checked,
+        audited: a.audited + b.audited,
+        audited_undecided: a.audited_undecided + b.audited_undecided,
         energy_drift: a.energy_drift.max(b.energy_drift),
         momentum_drift: a.momentum_drift.max(b.momentum_drift),
         unit_drift: a.unit_drift.max(b.unit_drift),
@@ -134,10 +136,41 @@ fn a_map_does_not_depend_on_the_division_of_the_work() {
 }
 
 #[test]
+fn samples_with_common_audits_do_not_depend_on_the_division_of_the_work() {
+    let splitting = MethodChoice::Only(Solver::Steps(&scheme::SPLITTING));
+    let tilted = [
+        map(true, MethodChoice::Auto, Criterion::TiltFromVertical(2.2), None),
+        map(true, splitting, Criterion::TiltFromVertical(2.2), Some(0.05)),
+        map(false, splitting, Criterion::TiltFromStart(1.5), Some(0.01)),
+    ];
+    let mut doubtful = 0;
+    for map in tilted {
+        let map = Map { samples: 150, check: Check::Doubtful, ..map };
+        let total = compared(&map);
+        let classified = total.stable + total.unstable + total.undecided;
+        assert!(
+            0 < total.audited && total.audited <= total.checked && total.checked < classified,
+            "{total:?}"
+        );
+        doubtful += total.checked - total.audited;
+        let isa = Isa::available()[0];
+        for flat in (0..map.len()).step_by(37) {
+            let (_, class, _) = map.sample(flat / 150, flat % 150, isa, &GO).unwrap();
+            let alone = map.run(flat, flat + 1, 1, isa, &GO).unwrap().1[0];
+            let counts = [alone.stable, alone.unstable, alone.undecided];
+            let expected =
+                [Class::Stable, Class::Unstable, Class::Undecided].map(|of| u64::from(of == class));
+            assert_eq!(counts, expected, "{flat}");
+        }
+    }
+    assert!(doubtful > 0);
+}
+
+#[test]
 fn a_sample_alone_is_the_sample_of_the_map() {
     for mut map in maps().into_iter().chain(maps_in_closed_form()) {
         // Without a second method: the steps in the statistics would be those of both methods.
-        map.checked = 0;
+        map.check = Check::First(0);
         let isa = Isa::available()[0];
         for flat in (0..map.len()).step_by(37) {
             let (pixel, sample) = (flat / SAMPLES, flat % SAMPLES);

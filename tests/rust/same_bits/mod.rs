@@ -14,8 +14,9 @@ use rigid::forcing::Forcing;
 use rigid::kernel::Group;
 use rigid::kernel::{Compiled, ForcingRows, Kernel, System};
 use rigid::kernel::{Entry, KernelAssignment, load};
-use rigid::map::{Class, Criterion, Map, MethodChoice, Pixel, Statistics};
+use rigid::map::{Check, Class, Criterion, Map, MethodChoice, Pixel, Statistics};
 use rigid::observe::{EXIT_TIME, Flips, Observed, Tilt};
+use rigid::parallel::Interrupt;
 use rigid::sample::{Law, uniforms};
 use rigid::scheme::{self, Engine, Scheme, Step};
 use rigid::simd::Isa;
@@ -24,9 +25,8 @@ use rigid::solver::Solver;
 use rigid::start::Body;
 use rigid::status::Status;
 use rigid::trajectory::{Record, Request, Schedule, States, simulate};
-use std::sync::atomic::AtomicBool;
 
-static GO: AtomicBool = AtomicBool::new(false);
+static GO: Interrupt = Interrupt::never();
 
 fn bits(x: f64) -> u64 {
     if x.is_nan() { f64::NAN.to_bits() } else { x.to_bits() }
@@ -48,17 +48,6 @@ const SYSTEMS: [(System, &[Observed]); 9] = [
     (System::ReducedTopAttitude, &[Observed::Nothing]),
 ];
 
-/// Every step of every scheme, each once.
-fn steps() -> Vec<Step> {
-    let mut all: Vec<Step> = Vec::new();
-    for step in scheme::ALL.iter().flat_map(|scheme| scheme.steps()) {
-        if !all.contains(&step) {
-            all.push(step);
-        }
-    }
-    all
-}
-
 /// The assignment with which some scheme integrates a body in a kernel.
 fn assignment(kernel: Kernel, body: &Body) -> Option<KernelAssignment> {
     let reduced = is_reduced(kernel.system);
@@ -77,7 +66,7 @@ fn assignment(kernel: Kernel, body: &Body) -> Option<KernelAssignment> {
 fn kernels() -> Vec<Kernel> {
     let of_system = |(system, observables): (System, &'static [Observed])| {
         let of_observable = move |&observed| {
-            let moving = steps().into_iter().filter(move |&step| system.is_moved_by(step));
+            let moving = scheme::steps().into_iter().filter(move |&step| system.is_moved_by(step));
             let kernels = moving.map(move |step| Kernel { system, step, observed });
             kernels.filter(|&kernel| assignment(kernel, &lane_starts(kernel)[0].body).is_some())
         };
@@ -99,7 +88,7 @@ fn codes() -> Vec<Kernel> {
 #[test]
 fn the_list_of_kernels_is_complete() {
     for (system, observables) in SYSTEMS {
-        let step = steps().into_iter().find(|&step| system.is_moved_by(step)).unwrap();
+        let step = scheme::steps().into_iter().find(|&step| system.is_moved_by(step)).unwrap();
         for observed in [Observed::Nothing, Observed::Flips, Observed::Tilt] {
             let kernel = Kernel { system, step, observed };
             let exists = std::panic::catch_unwind(|| Compiled::new(kernel, Isa::Scalar)).is_ok();
@@ -153,6 +142,10 @@ fn lane_starts(kernel: Kernel) -> Vec<LaneStart> {
             // At angles above one the equation of these drifts has no solution, and half of the lanes would be NaN.
             step *= 0.25;
         }
+        if kernel.step.engine == Engine::Hermite {
+            // Steps of more than 0.19 radians are unstable.
+            step *= 0.15;
+        }
         match lane {
             OVERFLOWING => body.omega = [1e18; 3],
             FAST => step = 1.7,
@@ -186,7 +179,8 @@ fn load_lane(group: &mut Group, lane: usize, kernel: Kernel, compiled: Compiled,
 /// Blocks of several lengths: 200 steps, or 40 steps of expensive schemes.
 fn run(group: &mut Group, kernel: Kernel, compiled: Compiled) {
     let splitting = [scheme::SPLITTING.any, scheme::SPLITTING.symmetric].contains(&kernel.step);
-    let short = splitting || matches!(kernel.step.engine, Engine::Rk4 | Engine::KickMoserVeselov);
+    let short =
+        splitting || matches!(kernel.step.engine, Engine::Rk4 | Engine::Hermite | Engine::KickMoserVeselov);
     for steps in if short { [1, 16, 83, 100] } else { [1, 5, 14, 20] } {
         compiled.advance(group, &ForcingRows::NONE, steps);
     }
@@ -204,10 +198,14 @@ fn rows(g: &Group) -> Vec<&Row> {
     let singles = [&g.step, &g.count, &g.unit];
     let drifts = [&g.energy, &g.momentum].into_iter().flat_map(|d| [&d.start, &d.inverse_scale, &d.worst]);
     let vectors = g.moments.iter().chain(&g.weight).chain(&g.observed);
-    let rows: Vec<_> =
+    let mut rows: Vec<_> =
         g.state.iter().chain(&g.compensation).chain(vectors).chain(singles).chain(drifts).collect();
-    // The list contains every row of a group.
-    assert_eq!(size_of::<Group>(), rows.len() * size_of::<Row>());
+    // The list contains every row of a group; the pointer to the past takes the room that a row is aligned to.
+    assert_eq!(size_of::<Group>(), rows.len() * size_of::<Row>() + align_of::<Row>());
+    if let Some(past) = &g.past {
+        rows.extend(past.nodes.as_flattened().as_flattened());
+        rows.push(&past.is_known);
+    }
     rows
 }
 

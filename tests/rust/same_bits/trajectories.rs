@@ -11,7 +11,7 @@ fn a_body_alone_and_in_a_batch() {
         let together = case.integrate(&bodies, &steps, 1, isa);
         for i in 0..bodies.len() {
             let alone = case.integrate(&bodies[i..=i], &steps[i..=i], 1, isa);
-            assert_eq!(of_body(&alone, 0), of_body(&together, i), "body {i}");
+            assert_eq!(of_body(&alone, 0), of_body(&together, i), "body {i}, {:?}", case.method.facts.name);
         }
 
         let mut mirrored = (bodies.clone(), steps.clone());

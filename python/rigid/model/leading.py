@@ -1,0 +1,86 @@
+"""Values of one body, or of many bodies in one object: with leading axes.
+
+The value of one body is a number or a tuple, those of many are a read-only array with the axes of
+the bodies first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Index", "Shape", "frozen", "holds", "index_of_bodies", "leading_shape", "same", "taken"]
+
+Shape: TypeAlias = tuple[int, ...]
+Index: TypeAlias = Any
+"""Whatever NumPy takes as an index of the leading axes."""
+
+
+def frozen(array: NDArray[np.float64]) -> NDArray[np.float64]:
+    """A copy of the array that nobody can write to."""
+    copy = np.array(array)
+    copy.flags.writeable = False
+    return copy
+
+
+def holds(shape: Shape) -> int:
+    """The length of the first axis of the bodies; TypeError if there is one body."""
+    if not shape:
+        raise TypeError("one body has no length; bodies of moments (n, 3) have")
+    return shape[0]
+
+
+def leading_shape(shapes: Mapping[str, Shape]) -> Shape:
+    """The axes of the bodies whose parts have these leading axes.
+
+    Raises
+    ------
+    ValueError
+        If they do not broadcast.
+    """
+    known = {name: shape for name, shape in shapes.items() if shape}
+    if not known:
+        return ()
+    try:
+        return np.broadcast_shapes(*known.values())
+    except ValueError:
+        words = ", ".join(f"{name} {shape}" for name, shape in known.items())
+        raise ValueError(f"{words}: the axes of the bodies do not broadcast") from None
+
+
+def index_of_bodies(shape: Shape, index: Index) -> Shape:
+    """The axes that an index leaves of the axes of bodies.
+
+    Raises
+    ------
+    TypeError, IndexError
+        If there is one body, or none at the index.
+    """
+    holds(shape)
+    return np.shape(np.broadcast_to(np.False_, shape)[index])
+
+
+def taken(value: Any, width: int, shape: Shape, index: Index) -> Any:
+    """The value of some bodies, which has ``width`` axes after those of the bodies.
+
+    ``shape`` has the axes of all bodies; a value of one body is that of all.
+    """
+    array = np.asarray(value)
+    tail = array.shape[array.ndim - width :]
+    if array.ndim == width:
+        return value
+    every = np.broadcast_to(array, (*shape, *tail))
+    where = index if isinstance(index, tuple) else (index,)
+    if any(part is Ellipsis for part in where):
+        return every[(*where, *(slice(None),) * width)]
+    return every[(*where, Ellipsis)]
+
+
+def same(first: Any, second: Any) -> bool:
+    """Whether two values are equal, arrays of many bodies included."""
+    if isinstance(first, np.ndarray) or isinstance(second, np.ndarray):
+        return np.shape(first) == np.shape(second) and bool(np.all(first == second))
+    return bool(first == second)

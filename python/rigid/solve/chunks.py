@@ -1,0 +1,91 @@
+"""States of more bodies than fit into memory, part by part."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._checks.arguments import numbers, positive_int, times_of_each
+from ..model.scene import Scene, check_scene
+from .batch import Batch
+from .run import Run
+from .simulate import simulate
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
+
+__all__ = ["simulate_chunks"]
+
+Floats = NDArray[np.float64]
+
+
+def simulate_chunks(
+    scene: Scene,
+    omega: ArrayLike,
+    attitude: ArrayLike | Rotation | None = None,
+    *,
+    t: ArrayLike,
+    chunk: int = 65_536,
+    **options: Any,
+) -> Iterator[Run]:
+    """The runs of parts of many bodies, for states that do not fit into memory.
+
+    Only one part is computed at a time, when it is asked for. With a given method a body has the
+    same bits as in one call of :func:`simulate`; without one, the method is chosen for each part.
+
+    Parameters
+    ----------
+    scene, omega, attitude, t
+        As in :func:`simulate`.
+    chunk : int
+        Bodies of a part; the last part may have fewer.
+    **options
+        The other arguments of :func:`simulate`.
+
+    Yields
+    ------
+    Run
+        The bodies of a part, with the leading axis also of a single body.
+
+    Raises
+    ------
+    ValueError
+        As :func:`simulate`. The starts are checked at once, all else with the first part.
+
+    Examples
+    --------
+    >>> import numpy as np, rigid
+    >>> scene = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
+    >>> omega = np.random.default_rng(1).normal(size=(1000, 3))
+    >>> parts = rigid.simulate_chunks(scene, omega, t=[0.0, 1.0], chunk=400)
+    >>> [part.omega.shape for part in parts]
+    [(400, 2, 3), (400, 2, 3), (200, 2, 3)]
+    """
+    check_scene(scene, many=True)
+    size = positive_int("chunk", chunk)
+    times = times_of_each("t", t)
+    shape = Batch.from_input(scene, omega, attitude, times.shape[:-1])[1] or (1,)
+    if len(shape) > 1:
+        raise ValueError(f"omega: expected one axis of bodies, got bodies of shape {shape}")
+    count = shape[0]
+    rates = np.broadcast_to(numbers("omega", omega), (count, 3))
+    if attitude is None:
+        attitude = [1.0, 0.0, 0.0, 0.0]
+    elif hasattr(attitude, "as_quat"):
+        attitude = attitude.as_quat(scalar_first=True)
+    turned = numbers("attitude", attitude)
+    turned = np.broadcast_to(turned, (count, 4))
+    parts = (slice(first, first + size) for first in range(0, count, size))
+    return (
+        simulate(
+            scene[part] if scene.shape == shape else scene,
+            rates[part],
+            turned[part],
+            t=times[part] if times.shape[:-1] == shape else times,
+            **options,
+        )
+        for part in parts
+    )

@@ -1,0 +1,96 @@
+"""Motions whose error no model foresees: what a plan says of them is that it is unknown."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .arrays import Range, spread_indices
+from .batch import Batch
+from .saddle import separatrices, verticals
+from .separatrix import circulation_terms
+
+__all__ = ["why_unforeseen"]
+
+Floats = NDArray[np.float64]
+
+SAMPLE = 32
+"""Bodies of a large call that are looked at."""
+
+SLOW = 10.0
+"""A body so many times slower than the rate that its steps follow is nearly at rest."""
+
+NEAR = 0.01
+"""Relative distance from a separatrix, or from the energy of rest upright, that is near."""
+
+APART = 50.0
+"""The models are made for bodies whose moments are less far apart."""
+
+CHAOS = 200.0
+"""Angle (rad) after which a top without closed form may be chaotic."""
+
+
+@np.errstate(all="ignore")
+def why_unforeseen(batch: Batch, times: Range, *, by_steps: bool) -> str | None:
+    """Why the error of the bodies is not foreseen, None if it is.
+
+    Bodies under torque or damping are not looked at.
+    """
+    looked_at = np.flatnonzero(~batch.driven())
+    looked_at = looked_at[spread_indices(len(looked_at), SAMPLE)]
+    if not len(looked_at):
+        return None
+    some = batch if len(looked_at) == len(batch) else batch.select(looked_at)
+    first, last = (np.broadcast_to(time, len(batch))[looked_at] for time in times)
+    weighs = np.broadcast_to(some.weight.any(axis=1), len(some))
+    if weighs.any():
+        rates = some.fastest_rates(times)
+        above_rest, from_upright = _distances_in_energy(some)
+        if np.any(rates > SLOW * above_rest):
+            return "a body is nearly at rest, and its small rates are what the error is relative to"
+        distance, exponent = separatrices(some)
+        growth = np.exp(exponent * np.maximum(-first, last))
+        if np.any(np.fmin(growth, 1.0 / distance) > 1.0 / NEAR):
+            return "a body passes a saddle, which magnifies it"
+        # A top in closed form has told its saddle.
+        by_form = (exponent != 0.0) | ~weighs
+        if by_steps and np.any(~by_form & (from_upright < NEAR)):
+            return "a body has about the energy of its rest upright, a saddle that magnifies it"
+        if by_steps and np.any(~by_form & (rates * (last - first) > CHAOS)):
+            return f"a top without closed form may be chaotic: it turns by more than {CHAOS:g} rad"
+    if by_steps and np.any(~weighs & (_distance_from_separatrix(some) < NEAR)):
+        return "a body is near its separatrix, a saddle that magnifies it"
+    if by_steps and np.any(some.moments.max(axis=1) > APART * some.moments.min(axis=1)):
+        return f"the moments of a body are more than {APART:g} times apart"
+    return None
+
+
+def _distances_in_energy(batch: Batch) -> tuple[Floats, Floats]:
+    """The fastest rate by the energy above hanging, and the distance from rest upright; (n,) each.
+
+    The distance is that of the energies, relative to ``mgl``. NaN for a body without weight.
+    """
+    size = np.linalg.norm(batch.weight, axis=1)
+    up = batch.weight / size[:, None]
+    kinetic = 0.5 * np.sum(batch.moments * batch.omega**2, axis=1)
+    vertical = verticals(batch)
+    # Differences of unit vectors: small angles lose no digits.
+    raised, fallen = (0.5 * np.sum((vertical + sign * up) ** 2, axis=1) for sign in (1.0, -1.0))
+    fastest = np.sqrt(2.0 * (kinetic + size * raised) / batch.moments.min(axis=1))
+    return fastest, np.abs(kinetic / size - fallen)
+
+
+def _distance_from_separatrix(batch: Batch) -> Floats:
+    """Distance of free bodies from their separatrix, of that of the axis there; (n,).
+
+    It is 1 if two moments are equal.
+    """
+    moments = np.broadcast_to(batch.moments, batch.omega.shape)
+    order = np.argsort(moments, axis=1)
+    ascending, rates = (np.take_along_axis(a, order, axis=1) for a in (moments, batch.omega))
+    first, third = circulation_terms(ascending, rates)
+    i1, i2, i3 = ascending.T
+    momentum2 = np.sum((ascending * rates) ** 2, axis=1)
+    largest = momentum2 * np.where(first > third, (i2 - i1) / i1, (i3 - i2) / i3)
+    distance: Floats = np.where(largest > 0.0, np.abs(first - third) / largest, 1.0)
+    return distance

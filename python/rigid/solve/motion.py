@@ -1,0 +1,135 @@
+"""One body or many, moved step by step."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .. import _core
+from .._checks.arguments import one_of, resolve_threads, rows
+from ..model.scene import Scene, check_scene
+from .batch import Batch
+from .methods import FALLBACK, check_method, methods
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
+
+__all__ = ["Motion"]
+
+Floats = NDArray[np.float64]
+
+
+class Motion:
+    """One body or many in motion, for a torque that is only known from step to step.
+
+    A controller reads the state, chooses a torque and makes a step; a step of one body takes some
+    microseconds. The steps are those of :func:`simulate` with the same method: the states have the
+    same bits where the times of both are the same numbers, as with steps of ``2**-k`` s. The error
+    of a motion is not estimated: compare it with a motion of half the step.
+
+    Parameters
+    ----------
+    scene : FreeBody or HeavyTop
+        The body with its weight, applied torque and damping.
+    omega : array_like, shape (3,) or (n, 3)
+        Angular velocity at ``t = 0`` in the body (rad/s).
+    attitude : array_like, shape (4,) or (n, 4), or scipy Rotation, optional
+        Attitude at ``t = 0``: quaternion, scalar first, body to space; normalised here. Default:
+        body and space axes coincide.
+    method : str
+        One of :func:`rigid.methods`. Under torque and damping one that is ``driven``.
+    threads : int, optional
+        Most threads of a step of many bodies. Default: ``RIGID_NUM_THREADS``, else the cores that
+        this process may use. A thousand bodies and fewer are moved by the calling thread.
+
+    Raises
+    ------
+    ValueError
+        If a number is not finite, a shape or the method is wrong, or a quaternion is zero.
+
+    Examples
+    --------
+    A wheel that a motor brings to 2 rad/s:
+
+    >>> import rigid
+    >>> motion = rigid.Motion(rigid.FreeBody(rigid.Body((1.0, 1.0, 1.8))), [0.0, 0.0, 0.0])
+    >>> for _ in range(100):
+    ...     motion.step(0.1, torque=(0.0, 0.0, 2.0 - motion.omega[2]))
+    >>> round(motion.t, 9), round(float(motion.omega[2]), 2)
+    (10.0, 1.99)
+    """
+
+    __slots__ = ("_core", "_single", "method", "scene")
+
+    def __init__(
+        self,
+        scene: Scene,
+        omega: ArrayLike,
+        attitude: ArrayLike | Rotation | None = None,
+        *,
+        method: str = FALLBACK,
+        threads: int | None = None,
+    ) -> None:
+        self.scene = check_scene(scene)
+        self.method = one_of("method", method, [method.name for method in methods()])
+        check_method(method, scene.kind, watched=False, driven=scene.is_driven)
+        batch, shape = Batch.from_input(scene, omega, attitude)
+        if len(shape) > 1:
+            raise ValueError(f"omega: expected shape (3,) or (n, 3), got bodies of shape {shape}")
+        self._single = not shape
+        self._core = _core.Motion(
+            **batch.columns(),
+            method=method,
+            unit=math.ldexp(1.0, int(batch.scale_exponent[0])),
+            threads=resolve_threads(threads),
+        )
+
+    @property
+    def t(self) -> float:
+        """The present time (s): the sum of all steps."""
+        return self._core.time
+
+    @property
+    def omega(self) -> Floats:
+        """Angular velocity in the body now (rad/s), shape (3,) or (n, 3)."""
+        omega = self._core.omega()
+        return omega[0] if self._single else omega
+
+    @property
+    def attitude(self) -> Floats:
+        """Quaternion now, scalar first, body to space, shape (4,) or (n, 4). Not renormalised."""
+        attitude = self._core.attitude()
+        return attitude[0] if self._single else attitude
+
+    def step(self, dt: float, torque: ArrayLike | None = None) -> None:
+        """Make one step of the method; where the scene's table of a torque has a knot, two.
+
+        Parameters
+        ----------
+        dt : float
+            Length of the step (s); negative backward in time.
+        torque : array_like, shape (3,) or (n, 3), optional
+            Torque in body axes during the step (N m), in addition to that of the scene. The first
+            torque changes a scene without torque and damping to the variables of forced bodies;
+            from there on its bits are those of a run that begins at this state.
+
+        Raises
+        ------
+        TypeError
+            If an argument is not a number.
+        ValueError
+            If a number is not finite, or the torque has another shape. Under torque and damping:
+            if the method moves no driven bodies, if it is unstable with the step, or if the table
+            of the scene's torque does not reach the end. The motion is then as before.
+        """
+        if torque is not None and not _is_plain(torque):
+            torque = rows("torque", torque, 3)[0]
+        self._core.step(dt, torque)
+
+
+def _is_plain(torque: ArrayLike) -> bool:
+    """Whether the core reads the torque as it is: checks of arrays would take as long as a step."""
+    return isinstance(torque, tuple) and len(torque) == 3 and isinstance(torque[0], float)

@@ -1,0 +1,147 @@
+"""The arrays in which a run is returned: their precision, and arrays that the user gives."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import prod
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import DTypeLike, NDArray
+
+from .._checks.arguments import brief, one_of
+from .arrays import Range
+from .batch import Batch
+
+__all__ = ["PLAIN", "Target"]
+
+Floats = NDArray[np.float64]
+
+COLUMNS: Mapping[str, tuple[str, int]] = {
+    "omega": ("omega", 3),
+    "gamma": ("vertical", 3),
+    "attitude": ("attitude", 4),
+    "work": ("work", 1),
+}
+"""The name in the core, and the numbers in a row, of the arrays of a run with an axis of times."""
+
+SINGLE = 2.0**-23
+"""Angle (rad) by which single precision rounds an attitude; twice that of a vector."""
+
+SLOWEST, FASTEST = 1e-30, 1e30
+"""Rates between these are rounded to single precision relative to their size (rad/s)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """Where the states of a run go.
+
+    Attributes
+    ----------
+    single : bool
+        Whether new arrays have single precision.
+    given : dict of str to ndarray
+        Arrays of shape (n, m, k) by their names in the core.
+    """
+
+    single: bool
+    given: dict[str, NDArray[Any]]
+
+    @classmethod
+    def of(
+        cls,
+        dtype: DTypeLike,
+        out: Mapping[str, NDArray[Any]] | None,
+        shape: tuple[int, ...],
+        recorded: tuple[str, ...],
+    ) -> Self:
+        """The target of a call.
+
+        Parameters
+        ----------
+        dtype : dtype
+            ``float64`` or ``float32``.
+        out : mapping or None
+            Arrays by the names of their attributes of a run.
+        shape : tuple of int
+            ``(..., m)``, or ``(m,)`` of a single body.
+        recorded : tuple of str
+            Names of the recorded arrays.
+
+        Raises
+        ------
+        TypeError
+            If an array is none.
+        ValueError
+            If the type is another one, a name is not recorded, or an array cannot be filled.
+        """
+        if np.dtype(dtype) not in (np.float64, np.float32):
+            raise ValueError(f"dtype = {np.dtype(dtype)}: must be float64 or float32")
+        count = prod(shape[:-1])
+        given = {}
+        for name, array in (out or {}).items():
+            column, width = COLUMNS[one_of("out", name, recorded)]
+            wanted = shape if width == 1 else (*shape, width)
+            given[column] = _fillable(name, array, wanted).reshape(count, shape[-1], width)
+        return cls(np.dtype(dtype) == np.float32, given)
+
+    def check(self, batch: Batch, reached: Range, accuracy: float | None) -> None:
+        """Raise ValueError for what single precision cannot hold."""
+        if not self._rounds:
+            return
+        if accuracy is not None and accuracy <= SINGLE:
+            raise ValueError(f"accuracy = {accuracy:g}: must be above {SINGLE:.1e} in float32")
+        rates = batch.fastest_rates(reached)
+        outside = np.flatnonzero((rates > 0.0) & ~((rates > SLOWEST) & (rates < FASTEST)))
+        if len(outside):
+            raise ValueError(
+                f"dtype = float32: the rates of body {outside[0]} reach "
+                f"{rates[outside[0]]:.3g} rad/s; they must be zero or between {SLOWEST:g} and "
+                f"{FASTEST:g}: count the time in another unit"
+            )
+
+    @property
+    def _rounds(self) -> bool:
+        return self.single or any(array.dtype == np.float32 for array in self.given.values())
+
+    @property
+    def exact(self) -> dict[str, NDArray[Any]]:
+        """The given arrays of double precision: steps are compared before they are rounded."""
+        return {name: array for name, array in self.given.items() if array.dtype == np.float64}
+
+    def finish(self, states: dict[str, Any], error: Floats) -> Floats:
+        """Put all states where they go; return their errors with that of the rounding."""
+        if self == PLAIN:
+            return error
+        for name, width in COLUMNS.values():
+            array, given = states[name], self.given.get(name)
+            if given is not None:
+                given = given if width > 1 else given[..., 0]
+                if not np.may_share_memory(given, array):
+                    given[:] = array
+                states[name] = given
+            elif self.single and array is not None and width > 1:
+                states[name] = array.astype(np.float32, copy=False)
+        return error + SINGLE if self._rounds else error
+
+
+PLAIN = Target(single=False, given={})
+"""All arrays are new and of double precision."""
+
+
+def _fillable(name: str, array: object, shape: tuple[int, ...]) -> NDArray[Any]:
+    """The array of ``out``, if states can be written into it."""
+    if not isinstance(array, np.ndarray):
+        raise TypeError(f"out[{name!r}] = {brief(array)}: must be an array")
+    flags = array.flags
+    if (
+        array.shape != shape
+        or array.dtype not in (np.float64, np.float32)
+        or not (flags.c_contiguous and flags.writeable and flags.aligned)
+    ):
+        raise ValueError(
+            f"out[{name!r}]: must be writeable and C-contiguous, of shape {shape} and float64 or "
+            f"float32; got {array.shape} of {array.dtype}"
+        )
+    return array

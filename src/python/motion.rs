@@ -1,0 +1,116 @@
+//! Bodies that Python moves step by step.
+
+use super::convert::{bodies, rows};
+use super::forcing::PyForcing;
+use crate::error::Error;
+use crate::forcing::Forcing;
+use crate::memory;
+use crate::parallel::caught;
+use crate::scene::Scene;
+use crate::scheme::Scheme;
+use crate::simd::Isa;
+use crate::start::Body;
+use crate::trajectory::{Motion, Torques};
+use numpy::{IntoPyArray, PyArray2, PyArrayMethods, PyReadonlyArray2};
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+
+/// Bodies below which a step keeps the lock of the interpreter: it takes a few microseconds.
+const FEW: usize = 64;
+
+/// Bodies in motion; see `rigid.Motion`.
+#[pyclass(name = "Motion", module = "rigid._core")]
+pub struct PyMotion {
+    motion: Motion,
+    /// The unit of moments and weight: a torque is divided by it.
+    unit: f64,
+    threads: usize,
+}
+
+#[pymethods]
+impl PyMotion {
+    #[new]
+    #[pyo3(signature = (*, scene, method, moments, weight, omega, attitude, unit, threads, forcing=None))]
+    #[allow(clippy::too_many_arguments)] // The columns of a request.
+    fn new(
+        scene: &str,
+        method: &str,
+        moments: PyReadonlyArray2<'_, f64>,
+        weight: PyReadonlyArray2<'_, f64>,
+        omega: PyReadonlyArray2<'_, f64>,
+        attitude: PyReadonlyArray2<'_, f64>,
+        unit: f64,
+        threads: usize,
+        forcing: Option<PyRef<'_, PyForcing>>,
+    ) -> PyResult<Self> {
+        let bodies = bodies(
+            rows::<3>("moments", &moments)?,
+            rows::<3>("weight", &weight)?,
+            rows::<3>("omega", &omega)?,
+            rows::<4>("attitude", &attitude)?,
+        )?;
+        let forcing = forcing.as_ref().map_or(Forcing::NONE, |forcing| &forcing.0).copied()?;
+        let (scene, scheme) = (Scene::parse(scene)?, Scheme::parse(method)?);
+        let motion = Motion::new(&bodies, scene, scheme, forcing, Isa::current()?)?;
+        Ok(PyMotion { motion, unit, threads })
+    }
+
+    /// The present time.
+    #[getter]
+    fn time(&self) -> f64 {
+        self.motion.time()
+    }
+
+    /// The present rates, shape (n, 3).
+    fn omega<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        self.array(py, |body| body.omega)
+    }
+
+    /// The present attitudes, shape (n, 4).
+    fn attitude<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        self.array(py, |body| body.attitude)
+    }
+
+    /// Makes one step under a torque: three numbers, or an array of shape (n, 3) or (1, 3).
+    #[pyo3(signature = (dt, torque=None))]
+    fn step(
+        &mut self,
+        py: Python<'_>,
+        dt: &Bound<'_, PyAny>,
+        torque: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<()> {
+        let no_number = |_| PyTypeError::new_err(format!("dt = {dt}: must be a real number"));
+        let dt: f64 = dt.extract().map_err(no_number)?;
+        let Some(torque) = torque else { return self.make(py, dt, &[]) };
+        if let Ok(torque) = torque.extract::<[f64; 3]>() {
+            return self.make(py, dt, &[torque.map(|x| x / self.unit)]);
+        }
+        let array: PyReadonlyArray2<'_, f64> = torque
+            .extract()
+            .map_err(|_| PyTypeError::new_err(format!("torque = {torque}: must be real numbers")))?;
+        let torques = rows::<3>("torque", &array)?;
+        let scaled = torques.iter().map(|torque| torque.map(|x| x / self.unit));
+        let torques = memory::collected("torques", torques.len(), scaled)?;
+        self.make(py, dt, &torques)
+    }
+}
+
+impl PyMotion {
+    fn make(&mut self, py: Python<'_>, dt: f64, torques: Torques) -> PyResult<()> {
+        let PyMotion { motion, threads, .. } = self;
+        let few = motion.len() < FEW;
+        let mut work = || caught(|| motion.step(dt, torques, *threads));
+        let made: Result<(), Error> = if few { work() } else { py.detach(work) };
+        Ok(made?)
+    }
+
+    fn array<'py, const N: usize>(
+        &self,
+        py: Python<'py>,
+        of: impl Fn(&Body) -> [f64; N],
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let n = self.motion.len();
+        let numbers = self.motion.bodies().flat_map(of);
+        memory::collected("an array of the result", N * n, numbers)?.into_pyarray(py).reshape([n, N])
+    }
+}

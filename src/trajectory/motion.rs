@@ -1,0 +1,325 @@
+//! Bodies that are moved step by step, under a torque that may change at each step.
+
+use super::neighbours;
+use crate::error::Error;
+use crate::forcing::{BodyForcing, Forcing, ForcingInterval};
+use crate::kernel::{Compiled, Entry, ForcingRows, Group, Kernel};
+use crate::kernel::{KernelAssignment, Needs, System, load, reset_time, unload};
+use crate::memory;
+use crate::observe::Observed;
+use crate::parallel::{Interrupt, over_blocks};
+use crate::scene::Scene;
+use crate::scheme::Scheme;
+use crate::simd::{Isa, LANES};
+use crate::start::Body;
+
+/// Bodies in motion, and the code of their steps.
+pub struct Motion {
+    scene: &'static Scene,
+    scheme: &'static Scheme,
+    /// Torque and damping of the scene, which has one for all bodies; without any that of a torque of zero once a torque has been applied.
+    forcing: Forcing,
+    isa: Isa,
+    /// The time now, and the time at which the bodies were loaded.
+    times: [f64; 2],
+    /// The largest damping rate of all bodies.
+    damping_rate: f64,
+    groups: Vec<MovingGroup>,
+}
+
+/// Neighbouring bodies that one kernel moves.
+struct MovingGroup {
+    /// The bodies with their present rates and attitudes.
+    bodies: Vec<Body>,
+    assignments: Vec<KernelAssignment>,
+    compiled: Compiled,
+    lanes: Group,
+    forcing_rows: ForcingRows,
+    /// The forcing of each body, if it does not change; without the torque of a step.
+    constant: Vec<ForcingInterval<f64>>,
+}
+
+/// The torque of a step in body axes: none, one for all bodies, or one for each.
+pub type Torques<'a> = &'a [[f64; 3]];
+
+impl Motion {
+    /// The bodies at their start, at the time 0.
+    ///
+    /// # Errors
+    /// If the scheme does not move the scene, or the bodies do not fit into memory.
+    pub fn new(
+        bodies: &[Body],
+        scene: &'static Scene,
+        scheme: &'static Scheme,
+        forcing: Forcing,
+        isa: Isa,
+    ) -> Result<Motion, Error> {
+        scheme.check(scene, false)?;
+        let mut motion =
+            Motion { scene, scheme, forcing, isa, times: [0.0; 2], damping_rate: 0.0, groups: Vec::new() };
+        motion.load(bodies)?;
+        Ok(motion)
+    }
+
+    /// The present time.
+    pub fn time(&self) -> f64 {
+        self.times[0]
+    }
+
+    /// Number of bodies.
+    pub fn len(&self) -> usize {
+        self.groups.iter().map(|group| group.bodies.len()).sum()
+    }
+
+    /// Whether there are no bodies.
+    pub fn is_empty(&self) -> bool {
+        self.groups.is_empty()
+    }
+
+    /// The bodies with their present rates and attitudes.
+    pub fn bodies(&self) -> impl Iterator<Item = &Body> {
+        self.groups.iter().flat_map(|group| &group.bodies)
+    }
+
+    /// Makes one step: the torque is added to that of the scene and does not change during the step. Where a table of
+    /// the scene's torque has a knot, the step is divided.
+    ///
+    /// # Errors
+    /// If a number is not finite, if there is neither one torque nor one for each body, if the scheme does not move
+    /// forced bodies or is unstable with the step, or if the table of the scene's torque does not reach its end. The
+    /// bodies are then as before.
+    pub fn step(&mut self, dt: f64, torques: Torques, threads: usize) -> Result<(), Error> {
+        let refused = |argument, value: String, rule| Err(Error::Value { argument, value, rule });
+        let n = self.len();
+        if !dt.is_finite() {
+            return refused("dt", dt.to_string(), "must be finite");
+        }
+        if torques.len() > 1 && torques.len() != n {
+            let (expected, got) = (format!("(3,) or ({n}, 3)"), format!("({}, 3)", torques.len()));
+            return Err(Error::Shape { argument: "torque", expected, got });
+        }
+        if let Some(bad) = torques.iter().flatten().find(|x| !x.is_finite()) {
+            return refused("torque", bad.to_string(), "must be finite");
+        }
+        let [begin, end] = [self.times[0], self.times[0] + dt];
+        if !end.is_finite() {
+            return refused("dt", dt.to_string(), "the time would leave the range of doubles");
+        }
+        if !torques.is_empty() || !self.forcing.is_none() {
+            self.check_forced(begin, dt)?;
+        }
+        if !torques.is_empty() && self.forcing.is_none() {
+            self.begin_forcing()?;
+        }
+        let (forcing, since) = (self.forcing.of(0), self.times[1]);
+        // Below some 100 microseconds of work a thread is not worth its start.
+        let threads = if n < 1000 { 1 } else { threads };
+        let mut first = 0;
+        let groups = self.groups.iter_mut().map(|group| {
+            let torques = if torques.len() > 1 { &torques[first..][..group.bodies.len()] } else { torques };
+            first += group.bodies.len();
+            (group, torques)
+        });
+        over_blocks(groups, threads, &Interrupt::never(), |(group, torques)| {
+            group.step(forcing, [begin, dt], torques, since);
+            Ok(())
+        })?;
+        self.times[0] = end;
+        Ok(())
+    }
+
+    /// Refuses what `trajectory::simulate` refuses of forced bodies.
+    fn check_forced(&self, begin: f64, dt: f64) -> Result<(), Error> {
+        let limit = self.scheme.damping_limit().ok_or_else(|| Error::Value {
+            argument: "method",
+            value: format!("'{}'", self.scheme.facts.name),
+            rule: "moves bodies without torque and damping only",
+        })?;
+        for time in [begin, begin + dt] {
+            self.forcing.of(0).check_reaches(time)?;
+        }
+        let rate = self.damping_rate;
+        if dt.abs() * rate > limit {
+            let (step, name, longest) = (dt.abs(), self.scheme.facts.name, limit / rate);
+            return Err(Error::Unstable { body: None, step, rate, name, longest });
+        }
+        Ok(())
+    }
+
+    /// Loads the bodies anew into kernels of forced bodies.
+    fn begin_forcing(&mut self) -> Result<(), Error> {
+        let bodies = memory::collected("bodies", self.len(), self.bodies().copied())?;
+        let zero = Forcing::new(&[], &[[0.0; 3]], &[[0.0; 3]], &[[0.0; 6]])?;
+        let none = std::mem::replace(&mut self.forcing, zero);
+        if let Err(error) = self.load(&bodies) {
+            self.forcing = none;
+            return Err(error);
+        }
+        self.times[1] = self.times[0];
+        Ok(())
+    }
+
+    /// Loads bodies into groups.
+    fn load(&mut self, bodies: &[Body]) -> Result<(), Error> {
+        let (scheme, scene, forced) = (self.scheme, self.scene, !self.forcing.is_none());
+        if forced {
+            self.check_forced(self.times[0], 0.0)?;
+        }
+        let assignment = |body: &Body| match forced {
+            true => KernelAssignment::of_forced(scheme, body),
+            false => KernelAssignment::of_path(scheme, body, scene),
+        };
+        let engine = |body: &Body| (assignment(body).step, assignment(body).is_reduced());
+        let ranges = neighbours(bodies.len(), LANES, |index| engine(&bodies[index]))?;
+        let mut loaded = memory::reserved("groups of the bodies", ranges.len())?;
+        self.damping_rate = 0.0;
+        for range in ranges {
+            let bodies = &bodies[range];
+            let assignments =
+                memory::collected("bodies of a group", bodies.len(), bodies.iter().map(assignment))?;
+            let needs = Needs {
+                is_forced: forced,
+                is_reduced: assignments[0].is_reduced(),
+                directions: 0,
+                attitude: true,
+            };
+            let step = assignments[0].step;
+            let kernel =
+                Kernel { system: System::carrying(scene, step, needs), step, observed: Observed::Nothing };
+            let mut group = MovingGroup {
+                bodies: memory::collected("bodies of a group", bodies.len(), bodies.iter().copied())?,
+                assignments,
+                compiled: Compiled::new(kernel, self.isa),
+                lanes: Group::inactive(),
+                forcing_rows: ForcingRows::NONE,
+                constant: memory::reserved("forcing of a group", bodies.len())?,
+            };
+            for (lane, body) in bodies.iter().enumerate() {
+                let entry = Entry::unobserved(body, forced.then_some(0.0), 0.0);
+                load(&mut group.lanes, lane, group.compiled, group.assignments[lane], &entry);
+                if forced {
+                    let [.., rate] = self.forcing.of(0).damping_rates(body.moments);
+                    self.damping_rate = self.damping_rate.max(rate);
+                    if self.forcing.of(0).knots().is_empty() {
+                        group.constant.push(self.forcing.of(0).interval(0.0, false, body.moments));
+                    }
+                }
+            }
+            loaded.push(group);
+        }
+        self.groups = loaded;
+        Ok(())
+    }
+}
+
+impl MovingGroup {
+    /// Makes one step from a time, or several with the knots of a table between them.
+    fn step(&mut self, forcing: BodyForcing, [begin, dt]: [f64; 2], torques: Torques, since: f64) {
+        let (end, backward) = (begin + dt, dt < 0.0);
+        if dt == 0.0 {
+            return;
+        }
+        let mut from = begin;
+        loop {
+            let is_before = |&knot: &f64| if backward { knot > end } else { knot < end };
+            let knot = forcing.next_knot(from, backward).filter(is_before);
+            let to = knot.unwrap_or(end);
+            // The difference of two times would round a whole step.
+            let step = if from == begin && to == end { dt } else { to - from };
+            if !forcing.is_none() {
+                self.apply(forcing, (from, backward), torques);
+            }
+            for lane in 0..self.bodies.len() {
+                self.lanes.step.0[lane] = step;
+                self.lanes.begin_motion(lane);
+            }
+            if self.compiled.is_processed() {
+                self.compiled.enter(&mut self.lanes);
+            }
+            self.compiled.advance(&mut self.lanes, &self.forcing_rows, 1);
+            if self.compiled.is_processed() {
+                self.compiled.leave(&mut self.lanes);
+            }
+            if knot.is_none() {
+                break;
+            }
+            from = to;
+        }
+        self.read(end - since);
+    }
+
+    /// Sets the forcing of each lane from a time on.
+    fn apply(&mut self, forcing: BodyForcing, (time, backward): (f64, bool), torques: Torques) {
+        let system = self.compiled.kernel().system;
+        for (lane, body) in self.bodies.iter().enumerate() {
+            let mut interval = match self.constant.get(lane) {
+                Some(interval) => *interval,
+                None => forcing.interval(time, backward, body.moments),
+            };
+            if let Some(torque) = torques.get(lane).or(torques.first()) {
+                for k in 0..3 {
+                    interval.body[0][k] += torque[k];
+                }
+            }
+            self.forcing_rows.set(lane, &interval);
+            reset_time(&mut self.lanes, system, lane);
+        }
+    }
+
+    /// Reads the present rates and attitudes. A sign that is not known is that nearer to the last attitude.
+    fn read(&mut self, time: f64) {
+        for (lane, body) in self.bodies.iter_mut().enumerate() {
+            let now = unload(&self.lanes, lane, self.compiled, self.assignments[lane], time);
+            body.omega = now.omega;
+            let attitude = now.attitude.expect("the attitude is always integrated");
+            let along: f64 = (0..4).map(|k| attitude[k] * body.attitude[k]).sum();
+            let turned = now.sign_is_free && along < 0.0;
+            body.attitude = if turned { attitude.map(|x| -x) } else { attitude };
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::FREE;
+    use crate::scheme::RK4;
+
+    const BODY: Body = Body {
+        moments: [1.0, 2.0, 2.5],
+        weight: [0.0; 3],
+        omega: [0.1, 1.0, 0.2],
+        attitude: [1.0, 0.0, 0.0, 0.0],
+    };
+
+    fn motion(bodies: &[Body]) -> Motion {
+        Motion::new(bodies, &FREE, &RK4, Forcing::NONE.copied().unwrap(), Isa::Scalar).unwrap()
+    }
+
+    #[test]
+    fn bodies_in_one_motion_move_as_they_move_alone() {
+        let bodies: Vec<Body> =
+            (0..70).map(|i| Body { omega: [0.1, 1.0, 0.01 * f64::from(i)], ..BODY }).collect();
+        let torques: Vec<[f64; 3]> = (0..70).map(|i| [0.0, 0.02 * f64::from(i), 0.1]).collect();
+        let mut together = motion(&bodies);
+        together.step(0.125, &[], 1).unwrap();
+        together.step(0.125, &torques, 2).unwrap();
+        for (index, moved) in together.bodies().enumerate() {
+            let mut alone = motion(&bodies[index..][..1]);
+            alone.step(0.125, &[], 1).unwrap();
+            alone.step(0.125, &torques[index..][..1], 1).unwrap();
+            assert_eq!(alone.bodies().next().unwrap(), moved, "body {index}");
+        }
+    }
+
+    #[test]
+    fn a_refused_step_changes_nothing() {
+        let mut moving = motion(&[BODY; 2]);
+        for (dt, torques) in
+            [(f64::NAN, &[][..]), (0.1, &[[f64::INFINITY, 0.0, 0.0]][..]), (0.1, &[[0.0; 3]; 3][..])]
+        {
+            assert!(moving.step(dt, torques, 1).is_err());
+            assert_eq!((moving.time(), moving.bodies().copied().collect::<Vec<_>>()), (0.0, vec![BODY; 2]));
+        }
+    }
+}

@@ -1,0 +1,568 @@
+"""Many bodies in one call: each moves as if it were alone, to the bit."""
+
+from __future__ import annotations
+
+import json
+import pickle
+import re
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rigid
+from physics import METHODS, ROUNDOFF
+from rigid import exact
+from rigid.model.scene import Scene, scene_from_dict
+
+COUNT = 37  # more than a group of 32, which it does not fill
+T = np.array([-1.0, -0.3, 0.0, 0.4, 1.7])
+
+
+def bodies_and_starts(seed: int = 5) -> tuple[Any, Any, Any]:
+    """Moments, rates and attitudes; every fifth body is symmetric."""
+    random = np.random.default_rng(seed)
+    moments = np.sort(random.uniform(1.0, 1.9, (COUNT, 3)), axis=1)
+    moments[::5, 1] = moments[::5, 0]
+    # Units of the moments from grams to tons: each body has its own.
+    moments *= 10.0 ** random.integers(-3, 4, (COUNT, 1))
+    return moments, random.normal(size=(COUNT, 3)), random.normal(size=(COUNT, 4))
+
+
+MOMENTS, OMEGA, ATTITUDE = bodies_and_starts()
+SIZE = MOMENTS[:, 0]
+SHARES = np.random.default_rng(7).uniform(0.1, 1.0, COUNT)
+DAMPING = np.where(np.arange(COUNT) % 3 == 0, 0.0, SHARES * SIZE)
+"""Every third body is not damped."""
+
+AXES = np.random.default_rng(8).normal(size=(COUNT, 3))
+AXES[::2] = [0.0, 0.0, 1.0]
+AXES /= np.linalg.norm(AXES, axis=1, keepdims=True)
+
+BODY = rigid.Body(MOMENTS)
+FREE = rigid.FreeBody(BODY)
+TOPS = rigid.HeavyTop(BODY, mgl=SHARES * SIZE, com=AXES)
+DAMPED = rigid.FreeBody(BODY, damping=DAMPING)
+DRIVEN = rigid.HeavyTop(
+    BODY,
+    mgl=SHARES * SIZE,
+    com=AXES,
+    damping=DAMPING[:, None] * np.array([1.0, 0.5, 0.2]),
+    torque=rigid.Torque.body(
+        AXES[:, None] * SIZE[:, None, None] * [[0.0], [0.2], [0.1]], times=[-2, 0.5, 2]
+    )
+    + rigid.Torque.space(np.where(np.arange(COUNT) % 2, SIZE, 0.0)[:, None] * [0.1, 0.0, 0.2]),
+)
+EVENLY = rigid.FreeBody(
+    BODY, damping=(DAMPING / SIZE)[:, None, None] * MOMENTS[:, None] * np.eye(3)
+)
+NUMBERS = ("omega", "gamma", "attitude", "work", "energy_drift", "momentum_drift", "unit_drift")
+
+
+def assert_alone(run: rigid.Run, one: rigid.Run, body: int, names: tuple[str, ...]) -> None:
+    """Body number ``body`` of a run has the bits of a run of its own."""
+    for name in names:
+        together, alone = getattr(run, name), getattr(one, name)
+        if alone is None and name == "work":
+            assert together is None or not together[body].any()
+        elif alone is None:
+            assert together is None
+        else:
+            assert together[body].tobytes() == np.asarray(alone).tobytes(), (name, body)
+
+
+def movable(scene: Scene) -> list[str]:
+    fit = (
+        m for m in METHODS if (m.driven or not scene.is_driven) and (m.tops or not scene.directions)
+    )
+    return [method.name for method in fit]
+
+
+CASES = [("free", FREE), ("tops", TOPS), ("damped", DAMPED), ("driven", DRIVEN)]
+
+
+@pytest.mark.parametrize(
+    ("scene", "method"),
+    [pytest.param(scene, m, id=f"{name}-{m}") for name, scene in CASES for m in movable(scene)],
+)
+def test_a_body_among_others_has_the_bits_of_one_alone(scene: Scene, method: str) -> None:
+    run = rigid.simulate(scene, OMEGA, ATTITUDE, t=T, method=method, step=0.05, check=False)
+    for body in (0, 1, 5, 31, 32, COUNT - 1):
+        one = rigid.simulate(
+            scene[body], OMEGA[body], ATTITUDE[body], t=T, method=method, step=0.05, check=False
+        )
+        assert_alone(run, one, body, (*NUMBERS, "status", "steps"))
+
+
+@pytest.mark.parametrize("scene", [FREE, EVENLY, TOPS[::2][:0:5], TOPS[0:31:10]])
+def test_closed_forms_of_bodies_that_differ(scene: Scene) -> None:
+    count = len(scene)
+    omega, attitude = OMEGA[:count], ATTITUDE[:count]
+    run = rigid.simulate(scene, omega, attitude, t=T, method="exact")
+    for body in range(count):
+        one = rigid.simulate(scene[body], omega[body], attitude[body], t=T, method="exact")
+        assert_alone(run, one, body, (*NUMBERS, "status", "steps", "error", "lost_from"))
+
+
+@pytest.mark.parametrize("scene", [FREE, TOPS, DAMPED, DRIVEN])
+def test_own_steps_and_accuracies_depend_on_no_other_body(scene: Scene) -> None:
+    names = (*NUMBERS, "status", "steps", "error", "lost_from")
+    for options in ({"method": "taylor12", "tolerance": 1e-9}, {"method": "rk4", "accuracy": 1e-7}):
+        check = "accuracy" in options
+        run = rigid.simulate(scene, OMEGA, ATTITUDE, t=T, check=check, **options)  # type: ignore[arg-type]
+        for body in (0, 3, 5, 7, COUNT - 1):
+            one = rigid.simulate(
+                scene[body],
+                OMEGA[body],
+                ATTITUDE[body],
+                t=T,
+                check=check,
+                **options,  # type: ignore[arg-type]
+            )
+            assert_alone(run, one, body, names if check else names[:-2])
+
+
+OWN_T = np.sort(np.random.default_rng(9).uniform(-2.0, 2.0, (COUNT, 6)), axis=1)
+OWN_T[3] = [-1.0, -1.0, 0.0, 0.0, 0.5, 0.5]
+OWN_T[4] = np.abs(OWN_T[4])[np.argsort(np.abs(OWN_T[4]))]
+OWN_T[5] = -OWN_T[4, ::-1]
+
+
+@pytest.mark.parametrize("scene", [FREE, TOPS, DAMPED, DRIVEN, EVENLY])
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"method": "exact"},
+        {"method": "rk4", "check": False},
+        {"method": "rk4", "step": 0.03, "check": False},
+        {"method": "rk4", "accuracy": 1e-6},
+        {"method": "taylor12", "tolerance": 1e-9, "check": False},
+    ],
+    ids=str,
+)
+def test_times_of_each_body_are_those_of_a_call_of_its_own(
+    scene: Scene, options: dict[str, Any]
+) -> None:
+    if options["method"] == "exact" and scene not in (FREE, EVENLY):
+        scene = rigid.HeavyTop(rigid.Body(np.sort(MOMENTS)[:, [0, 0, 1]]), mgl=SHARES * SIZE)
+    if options["method"] == "rk4" and scene == EVENLY:
+        options = {**options, "record": "rates"}
+    run = rigid.simulate(scene, OMEGA, ATTITUDE, t=OWN_T, **options)
+    assert run.t.shape == OWN_T.shape
+    for body in (0, 3, 4, 5, 6, COUNT - 1):
+        one = rigid.simulate(scene[body], OMEGA[body], ATTITUDE[body], t=OWN_T[body], **options)
+        names = (*NUMBERS, "status", "steps", "error", "lost_from")
+        assert_alone(run, one, body, names if options.get("check", True) else names[:-1])
+
+
+def test_times_of_each_body_broadcast() -> None:
+    few = rigid.simulate(FREE[0], OMEGA[0], t=OWN_T[:4])
+    assert few.omega.shape == (4, 6, 3)
+    assert rigid.simulate(FREE[:2], OMEGA[:2], t=OWN_T[:3, None]).omega.shape == (3, 2, 6, 3)
+    # A large call estimates the errors of 32 bodies, or of all if one of the 32 is lost.
+    many = rigid.simulate(TOPS, OMEGA, ATTITUDE, t=OWN_T, method="rk4")
+    assert np.isfinite(many.error).sum() == 32
+    alone = rigid.simulate(TOPS[0], OMEGA[0], ATTITUDE[0], t=OWN_T[0], method="rk4")
+    assert (many.error[0], many.reasons()[0]) == (alone.error, alone.reasons()[0])
+    lost = rigid.simulate(TOPS, 30.0 * OMEGA, ATTITUDE, t=OWN_T, method="rk4", step=0.1)
+    assert np.array_equal(np.isnan(lost.error), lost.status == rigid.Status.NOT_FINITE)
+
+
+def test_axes_broadcast_as_numpy_does() -> None:
+    omega = np.random.default_rng(2).normal(size=(5, 4, 3))
+    scene = rigid.FreeBody(rigid.Body(MOMENTS[:4]))
+    run = rigid.simulate(scene, omega, [1.0, 0.0, 0.0, 0.0], t=T)
+    assert run.omega.shape == (5, 4, len(T), 3)
+    assert run.attitude is not None
+    assert run.attitude.shape == (5, 4, len(T), 4)
+    assert run.status.shape == run.error.shape == run.lost_from.shape == (5, 4)
+    assert run.energy().shape == (5, 4, len(T))
+    reasons = run.reasons()
+    assert len(reasons) == 5
+    assert all(row == ("ok",) * 4 for row in reasons)
+    one = rigid.simulate(scene[2], omega[3, 2], t=T)
+    assert run.omega[3, 2].tobytes() == one.omega.tobytes()
+    assert np.array_equal(run.energy()[3, 2], one.energy())
+    assert rigid.condition(scene, omega, t=[1.0]).shape == (5, 4, 1)
+    outer = rigid.FreeBody(rigid.Body(MOMENTS[:2, None]))
+    assert rigid.simulate(outer, OMEGA[:3], t=[1.0]).omega.shape == (2, 3, 1, 3)
+    assert rigid.simulate(FREE[0], np.zeros((2, 0, 3)), t=[1.0]).omega.shape == (2, 0, 1, 3)
+
+
+def test_arrays_of_the_user_have_the_axes_of_the_bodies() -> None:
+    """Driven and free bodies of one call are computed apart; both are written where they belong."""
+    omega = np.broadcast_to(OMEGA[:4], (5, 4, 3))
+    scene = DAMPED[:4]
+    filled = {"omega": np.empty((5, 4, len(T), 3)), "work": np.empty((5, 4, len(T)))}
+    run = rigid.simulate(scene, omega, t=T, method="rk4", out=filled)
+    plain = rigid.simulate(scene, omega, t=T, method="rk4")
+    assert np.shares_memory(run.omega, filled["omega"])
+    assert filled["omega"].tobytes() == plain.omega.tobytes()
+    assert plain.work is not None
+    assert filled["work"].tobytes() == plain.work.tobytes()
+
+
+def test_a_sweep_of_one_number_makes_many_bodies() -> None:
+    one = rigid.Body((1.0, 1.2, 1.5))
+    assert len(rigid.HeavyTop(one, mgl=[0.1, 0.2])) == 2
+    assert len(rigid.HeavyTop(one, mgl=1.0, com=AXES)) == COUNT
+    assert len(rigid.FreeBody(one, damping=[0.1, 0.2, 0.3, 0.4])) == 4
+    assert rigid.FreeBody(one, damping=np.ones((5, 3))).shape == (5,)
+    assert rigid.FreeBody(one, torque=rigid.Torque.body(np.ones((6, 3)))).shape == (6,)
+    assert rigid.FreeBody(one, damping=[0.1, 0.2, 0.3]).shape == ()  # one for each axis
+
+
+def test_a_scene_is_indexed_like_an_array() -> None:
+    assert [len(DRIVEN), len(BODY)] == [COUNT, COUNT]
+    assert DRIVEN[3].body.moments == tuple(MOMENTS[3])
+    assert DRIVEN[3].shape == BODY[3].shape == ()
+    assert DRIVEN[-1] == DRIVEN[COUNT - 1] != DRIVEN[0]
+    assert DRIVEN[4:9][2] == DRIVEN[6] == DRIVEN[np.array([1, 6])][1]
+    assert len(list(DRIVEN)) == COUNT
+    pairs = rigid.FreeBody(
+        rigid.Body(MOMENTS[:6].reshape(2, 3, 3)), damping=np.full((1, 1, 3), 0.1)
+    )
+    assert pairs[1].shape == (3,)
+    assert pairs[1, 2] == rigid.FreeBody(rigid.Body(MOMENTS[5]), damping=0.1)
+    assert pairs[:, 0][1] == pairs[1, 0] == pairs[..., 0][1]
+    masses = rigid.Body(MOMENTS[:2], mass=[1.0, 2.0])
+    assert (masses[1].mass, rigid.FreeBody(masses)[0].body.mass) == (2.0, 1.0)
+    with pytest.raises(IndexError):
+        DRIVEN[COUNT]
+    with pytest.raises(IndexError):
+        DRIVEN[0, 0]
+    for single in (DRIVEN[0], BODY[0]):
+        with pytest.raises(TypeError, match="one body has no length"):
+            len(single)
+        with pytest.raises(TypeError, match="one body has no length"):
+            single[0]
+
+
+@pytest.mark.parametrize("scene", [FREE, TOPS, DAMPED, DRIVEN, EVENLY, DRIVEN[0], DRIVEN[:3]])
+def test_scenes_of_many_bodies_are_saved_and_compared(scene: Scene) -> None:
+    again = scene_from_dict(json.loads(json.dumps(scene.to_dict())))
+    assert again == scene
+    assert hash(again) == hash(scene)
+    assert pickle.loads(pickle.dumps(scene)) == scene
+    assert scene != FREE[:2]
+    assert len(repr(scene)) < 2000
+
+
+def test_one_damping_of_three_bodies_is_read_back_as_one() -> None:
+    three = rigid.FreeBody(rigid.Body(MOMENTS[:3]), damping=[[1.0, 2.0, 3.0]])
+    assert scene_from_dict(three.to_dict()) == three
+    assert three[1:][0] == rigid.FreeBody(rigid.Body(MOMENTS[1]), damping=(1.0, 2.0, 3.0))
+
+
+def test_arrays_of_a_body_are_its_own() -> None:
+    moments = MOMENTS.copy()
+    body = rigid.Body(moments)
+    moments[0] = 0.0
+    assert body == BODY
+    with pytest.raises(ValueError, match="read-only"):
+        body.moments[0] = 1.0  # type: ignore[index]
+
+
+def test_torques_of_bodies_add() -> None:
+    both = rigid.Torque.body(AXES) + rigid.Torque.space((0.0, 0.0, 1.0))
+    assert both.shape == (COUNT,)
+    body, space = both.at([0.0, 1.0])
+    assert np.array_equal(body, np.broadcast_to(AXES[:, None], (COUNT, 2, 3)))
+    assert np.array_equal(space, np.broadcast_to([0.0, 0.0, 1.0], (COUNT, 2, 3)))
+    assert rigid.Torque.from_dict(json.loads(json.dumps(both.to_dict()))) == both
+
+
+def test_closed_form_quantities_of_bodies_that_differ() -> None:
+    motion = exact.free_body(BODY, OMEGA)
+    flips = exact.flip_times(FREE, OMEGA, count=2)
+    tops = rigid.HeavyTop(rigid.Body(MOMENTS[::5]), mgl=SIZE[::5] * SHARES[::5])
+    starts = OMEGA[::5], ATTITUDE[::5]
+    nutation = exact.lagrange_top(tops, *starts)
+    reached = exact.tilt_time(tops, *starts, limit=1.0)
+    slow, _ = exact.steady_precession(tops, 0.5, 100.0)
+    swings = exact.pendulum_period(tops, [[0.1], [0.2]], axis=1)
+    assert swings.shape == (2, len(tops))
+    for body in range(COUNT):
+        one = exact.free_body(BODY[body], OMEGA[body])
+        assert motion.period[body] == one.period
+        assert np.array_equal(motion.amplitude[body], one.amplitude)
+        assert np.array_equal(flips[body], exact.flip_times(FREE[body], OMEGA[body], count=2))
+    for body, (omega, attitude) in enumerate(zip(*starts, strict=True)):
+        one_top = exact.lagrange_top(tops[body], omega, attitude)
+        assert (nutation.kind[body], nutation.period[body]) == (one_top.kind, one_top.period)
+        assert reached[body] == exact.tilt_time(tops[body], omega, attitude, limit=1.0)
+        assert slow[body] == exact.steady_precession(tops[body], 0.5, 100.0).slow
+        assert swings[1, body] == exact.pendulum_period(tops[body], 0.2, axis=1)
+        assert exact.sleeping_spin(tops)[body] == exact.sleeping_spin(tops[body])  # type: ignore[index]
+    square = exact.lagrange_top(tops[:4], np.broadcast_to(starts[0][:4], (2, 4, 3)))
+    assert len(square.kind) == 2
+    assert square.tilt_max.shape == (2, 4)
+
+
+def test_the_condition_of_a_body_among_others() -> None:
+    together = rigid.condition(TOPS, OMEGA, ATTITUDE, t=[0.5, 1.0])
+    # By closed form alone and by steps among others: four digits are right.
+    for body in (0, 1, 7):
+        alone = rigid.condition(TOPS[body], OMEGA[body], ATTITUDE[body], t=[0.5, 1.0])
+        np.testing.assert_allclose(together[body], alone, rtol=1e-3)
+
+
+def test_the_plan_of_many_bodies_covers_the_slowest() -> None:
+    plan = rigid.plan(TOPS, "attitude", omega=OMEGA, attitude=ATTITUDE, t_end=2.0, method="rk4")
+    alone = [
+        rigid.plan(
+            TOPS[k], "attitude", omega=OMEGA[k], attitude=ATTITUDE[k], t_end=2.0, method="rk4"
+        )
+        for k in range(COUNT)
+    ]
+    assert plan.step == min(one.step for one in alone if one.step)
+    assert plan.error == max(one.error for one in alone if one.error)
+    assert rigid.plan(FREE, "rates").method == "exact"
+    assert rigid.plan(TOPS, "attitude").method == "rk4"
+
+
+UPRIGHT, TUMBLING = [1.0, 1e-9, 0.0, 0.0], [0.8, 0.6, 0.0, 0.0]
+HARD = (
+    rigid.HeavyTop(
+        rigid.Body([[1.0, 1.0, 0.5], [1.0, 1.0, 0.5], [0.8, 1.0, 1.3], [1.0, 1.2, 0.7]]),
+        mgl=[1.0, 0.0, 0.0, 1.0],
+    ),
+    [[0.0] * 3, [0.3, 0.1, 2.0], [1e-4, 1.0, 1e-4], [0.0] * 3],
+    [UPRIGHT, TUMBLING, TUMBLING, UPRIGHT],
+)
+"""A saddle, a symmetric free body, a separatrix, and an equilibrium that is no closed form."""
+
+
+@pytest.mark.parametrize("method", ["exact", "splitting8", "rk4", "taylor16"])
+def test_the_error_of_a_body_among_others_is_its_own(method: str) -> None:
+    """Free bodies among tops, beside saddles or not."""
+    scene, omega, attitude = HARD
+    bodies = [0, 1, 2] if method == "exact" else [0, 1, 2, 3]
+    t = [-1.0, 3.0, 30.0]
+    rows = np.array(omega)[bodies], np.array(attitude)[bodies]
+    run = rigid.simulate(scene[bodies], *rows, t=t, method=method)
+    for k in bodies:
+        one = rigid.simulate(scene[k], omega[k], attitude[k], t=t, method=method)
+        assert_alone(run, one, k, ("error", "lost_from", "status"))
+
+
+def test_one_body_of_unforeseen_error_makes_that_of_many_unknown() -> None:
+    scene, omega, attitude = HARD
+    known = []
+    for others in ([0], [1], [2], [3], [0, 1], [1, 2], [1, 3], [1, 1]):
+        rows: dict[str, Any] = {
+            "omega": np.array(omega)[others],
+            "attitude": np.array(attitude)[others],
+        }
+        plan = rigid.plan(scene[others], "attitude", t_end=30.0, method="rk4", **rows)
+        known.append(plan.error is not None)
+    assert known == [others == 1 for others in range(7)] + [True]
+
+
+ONE = rigid.Body((1.0, 1.2, 1.5))
+BAD = MOMENTS / SIZE[:, None]
+BAD[17] = (1.0, 1.0, 2.5)
+REFUSED: list[tuple[Callable[[], Any], type[Exception], str]] = [
+    (lambda: rigid.Body(BAD), ValueError, "moments[17] = (1, 1, 2.5): no moment may exceed"),
+    (
+        lambda: rigid.Body(BAD.reshape(1, COUNT, 3)),
+        ValueError,
+        "moments[0, 17] = (1, 1, 2.5): no moment may exceed",
+    ),
+    (lambda: rigid.Body([[1, 1, np.nan]]), ValueError, "moments[0] = (1, 1, NaN): "),
+    (lambda: rigid.Body(MOMENTS, mass=[1.0, 2.0]), ValueError, "moments (37,), mass (2,): "),
+    (lambda: rigid.Body((1, 1, 1), mass=[1.0]), ValueError, "mass: expected shape () or (), got"),
+    (lambda: rigid.Body(MOMENTS, mass=-1.0), ValueError, "mass = -1.0: must be positive"),
+    (lambda: rigid.Body(MOMENTS[:1], sides=(1, 1, 1)), ValueError, "sides: are those of one body"),
+    (lambda: rigid.HeavyTop(ONE, mgl=[1.0, -2.0]), ValueError, "mgl[1] = -2.0: must not be neg"),
+    (
+        lambda: rigid.HeavyTop(ONE, mgl=1.0, com=[[0, 0, 1], [0, 0, 2]]),
+        ValueError,
+        "com[1] = [0.0, 0.0, 2.0]: must be a unit vector, its length is 2.0",
+    ),
+    (
+        lambda: rigid.HeavyTop(rigid.Body(MOMENTS[:4]), mgl=np.ones(5)),
+        ValueError,
+        "moments (4,), mgl (5,): the axes of the bodies do not broadcast",
+    ),
+    (
+        lambda: rigid.FreeBody(BODY, damping=np.where(np.arange(COUNT) == 7, -1.0, 1.0)),
+        ValueError,
+        "damping[7] = -1.0: must not be negative",
+    ),
+    (
+        lambda: rigid.FreeBody(
+            ONE, damping=np.array([np.eye(3), [[1, 2, 0], [2, 1, 0], [0, 0, 1]]])
+        ),
+        ValueError,
+        "damping[1] = [[1.0, 2.0, 0.0], [2.0, 1.0, 0.0], [0.0, 0.0, 1.0]]: must be positive semi",
+    ),
+    (
+        lambda: rigid.FreeBody(
+            ONE, damping=np.array([np.eye(3), [[1, 1, 0], [0, 1, 0], [0, 0, 1]]])
+        ),
+        ValueError,
+        "damping[1] = [[1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]: must be a symmetric",
+    ),
+    (
+        lambda: rigid.FreeBody(rigid.Body(MOMENTS[:3]), damping=[1.0, 2.0, 3.0]),
+        ValueError,
+        "damping: shape (3,) can be read in two ways for bodies of shape (3,); write (3, 3, 3)",
+    ),
+    (
+        lambda: rigid.FreeBody(rigid.Body(MOMENTS[:4]), damping=np.ones(5)),
+        ValueError,
+        "damping: expected shape (), (3,) or (3, 3) after the axes (4,) of the bodies, got (5,)",
+    ),
+    (
+        lambda: rigid.Torque.body(np.ones((4, 3))) + rigid.Torque.space(np.ones((5, 3))),
+        ValueError,
+        "torque (4,), other torque (5,): the axes of the bodies do not broadcast",
+    ),
+    (
+        lambda: rigid.simulate(FREE, OMEGA[:3], t=[1.0]),
+        ValueError,
+        "scene (37,), omega (3,): the axes of the bodies do not broadcast",
+    ),
+    (
+        lambda: rigid.simulate(
+            FREE, np.where(np.arange(COUNT) == 9, 1e-200, 1.0)[:, None] * OMEGA, t=1
+        ),
+        ValueError,
+        "omega[9]: the rates of the body are",
+    ),
+    (
+        lambda: rigid.simulate(
+            rigid.HeavyTop(rigid.Body((1e-3, 1e-3, 1e-3)), mgl=[1.0, 1e308]),
+            OMEGA[0],
+            t=[1.0],
+            method="rk4",
+        ),
+        ValueError,
+        "mgl[1] = 1e+308: must be below 1e308 times",
+    ),
+    (
+        lambda: rigid.simulate(
+            rigid.FreeBody(ONE, damping=[1.0, 1e4, 1.0, 1.0]),
+            OMEGA[0],
+            t=[1.0],
+            method="rk4",
+            step=0.1,
+        ),
+        ValueError,
+        "step = 1e-1 of body 1: 'rk4' is unstable",
+    ),
+    (
+        lambda: rigid.simulate(
+            FREE, OMEGA, t=np.where(np.arange(COUNT)[:, None] == 5, [2, 1], [1, 2])
+        ),
+        ValueError,
+        "t[5, 0] = 2.0 > t[5, 1] = 1.0: times must be ascending",
+    ),
+    (
+        lambda: rigid.simulate(FREE, OMEGA, t=np.ones((4, 2))),
+        ValueError,
+        "scene (37,), omega (37,), t (4,): the axes of the bodies do not broadcast",
+    ),
+    (
+        lambda: rigid.condition(FREE, OMEGA, t=OWN_T),
+        ValueError,
+        "t: expected shape (m,), got (37, 6)",
+    ),
+    (
+        lambda: rigid.simulate(TOPS, OMEGA, t=[1.0], method="exact"),
+        ValueError,
+        "method = 'exact': no closed form of rates and attitude at wanted times for body 1 of the",
+    ),
+    (
+        lambda: exact.lagrange_top(rigid.HeavyTop(rigid.Body(MOMENTS[:2]), mgl=1.0), OMEGA[0]),
+        ValueError,
+        "moments[1] = ",
+    ),
+    (
+        lambda: exact.sleeping_spin(rigid.HeavyTop(rigid.Body((1, 1, 0.5)), mgl=[1.0, 0.0])),
+        ValueError,
+        "mgl[1] = 0: a top without weight is a free body; use exact.free_body",
+    ),
+    (
+        lambda: exact.pendulum_period(rigid.HeavyTop(ONE, mgl=[1.0, 0.0]), 0.1, axis=1),
+        ValueError,
+        "mgl[1] = 0, com[1] = (0.0, 0.0, 1.0): a pendulum about axis 1 needs a weight",
+    ),
+    (
+        lambda: rigid.stability_map(
+            FREE, axes={"tilt": [0.1]}, samples=1, t_end=1.0, stable=rigid.no_flip()
+        ),
+        ValueError,
+        "scene: expected one body, got bodies of shape (37,); take one of them, scene[0]",
+    ),
+    (lambda: rigid.report(FREE, OMEGA[0], t_end=1.0), ValueError, "scene: expected one body, got"),
+    (
+        lambda: rigid.top.heavy_constants(TOPS, OMEGA, ATTITUDE),
+        ValueError,
+        "scene: expected one body, got bodies of shape (37,); take one of them, scene[0]",
+    ),
+    (
+        lambda: rigid.particles.propagate_body(
+            BODY, np.zeros(3), np.zeros(3), OMEGA, force=np.zeros(3), t=[1.0]
+        ),
+        ValueError,
+        "body: expected one body, got bodies of shape (37,)",
+    ),
+    (
+        lambda: rigid.free.power_balance(rigid.simulate(FREE, OMEGA, t=T)),
+        ValueError,
+        "scene: expected one body, got bodies of shape (37,)",
+    ),
+    (lambda: BODY.symmetry_axis, ValueError, "body: expected one body, got bodies of shape (37,)"),
+]
+
+
+@pytest.mark.parametrize(("call", "kind", "message"), REFUSED, ids=[row[2] for row in REFUSED])
+def test_the_bad_one_is_named(call: Callable[[], Any], kind: type[Exception], message: str) -> None:
+    with pytest.raises(kind, match=re.escape(message)):
+        call()
+
+
+def test_the_textbook_of_bodies_that_differ() -> None:
+    run = rigid.simulate(TOPS, OMEGA, ATTITUDE, t=T)
+    kept = rigid.free.invariants(run)
+    crossings = rigid.free.crossings(BODY, OMEGA, count=2)
+    assert crossings.shape == (COUNT, 3, 2)
+    for body in (0, 1, 36):
+        one = rigid.simulate(TOPS[body], OMEGA[body], ATTITUDE[body], t=T, method=run.plan.method)
+        alone = rigid.free.invariants(one)
+        assert np.array_equal(kept.kinetic[body], alone.kinetic)
+        # The sum of three products in another order.
+        np.testing.assert_allclose(kept.energy[body], alone.energy, rtol=4 * ROUNDOFF)
+        np.testing.assert_allclose(run.energy()[body], one.energy(), rtol=4 * ROUNDOFF)
+        assert np.array_equal(
+            crossings[body], rigid.free.crossings(BODY[body], OMEGA[body], count=2)
+        )
+    assert rigid.free.invariants(TOPS, OMEGA, ATTITUDE).energy.shape == (COUNT,)
+    assert rigid.free.gammas(BODY).shape == (COUNT, 3)
+
+
+def test_an_animation_shows_one_of_many_bodies(tmp_path: Any) -> None:
+    run = rigid.simulate(FREE, OMEGA, ATTITUDE, t=T)
+    one = rigid.simulate(FREE[5], OMEGA[5], ATTITUDE[5], t=T)
+    pages = [tmp_path / name for name in ("many.html", "one.html")]
+    run.animate(pages[0], body=5)
+    one.animate(pages[1])
+    assert pages[0].read_text() == pages[1].read_text()
+    square = rigid.simulate(FREE[:2], np.ones((3, 2, 3)), t=T)
+    with pytest.raises(ValueError, match=r"needs one axis of bodies, \(n, m, 3\)"):
+        square.animate(pages[0], body=0)
+    apart = rigid.simulate(FREE, OMEGA, t=OWN_T)
+    with pytest.raises(ValueError, match=r"t of shape \(37, 6\): needs times that all bodies"):
+        apart.animate(pages[0], body=0)
+
+
+def test_a_driven_top_obeys_its_power_balance() -> None:
+    scene = rigid.HeavyTop(
+        rigid.Body((1.0, 1.2, 0.5)), mgl=1.0, torque=rigid.Torque.body((0.3, 0.0, 0.2)), damping=0.2
+    )
+    run = rigid.simulate(scene, [0.2, 0.1, 3.0], t=np.linspace(0.0, 1.0, 1001), accuracy=1e-9)
+    # Differences of order two with a spacing of 1e-3, the third derivative being some 30.
+    assert np.abs(rigid.free.power_balance(run).residual).max() < 2e-5

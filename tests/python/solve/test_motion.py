@@ -1,0 +1,196 @@
+"""Bodies moved step by step: the steps of a run, and torques that change."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rigid
+from rigid.model.scene import Scene
+
+BODY = rigid.Body((1.0, 1.6, 2.1))
+START = [0.3, 1.1, -0.4]
+TILTED = [0.8, 0.36, -0.48, 0.0]
+STEP = 2.0**-6
+"""Sums of such steps are not rounded."""
+
+KNOTS = [0.0, 5.25 * STEP, 9 * STEP, 1.0]
+TORQUES = [[0.2, -0.5, 0.9], [1.0, 0.3, -0.7], [-0.4, 0.8, 0.1], [0.6, -0.2, 0.5]]
+
+SCENES: dict[str, Scene] = {
+    "free": rigid.FreeBody(BODY),
+    "symmetric": rigid.FreeBody(rigid.Body((1.0, 1.0, 1.5))),
+    "top": rigid.HeavyTop(BODY, mgl=1.5, com=(0.6, 0.0, 0.8)),
+    "lagrange": rigid.HeavyTop(rigid.Body((1.0, 0.6, 1.0)), mgl=1.5, com=(0.0, 1.0, 0.0)),
+    "damped": rigid.FreeBody(BODY, damping=0.3),
+    "pushed": rigid.HeavyTop(
+        BODY,
+        mgl=1.5,
+        torque=rigid.Torque.body(TORQUES, times=KNOTS) + rigid.Torque.space((0.3, -0.2, 0.1)),
+        damping=(0.1, 0.2, 0.0),
+    ),
+}
+
+
+def moves(method: rigid.Method, scene: Scene) -> bool:
+    return (method.tops or not scene.directions) and (method.driven or not scene.is_driven)
+
+
+CASES = [
+    (name, method.name)
+    for name, scene in SCENES.items()
+    for method in rigid.methods()
+    if moves(method, scene)
+]
+
+
+@pytest.mark.parametrize(("name", "method"), CASES)
+def test_steps_have_the_bits_of_a_run(name: str, method: str) -> None:
+    times = STEP * np.arange(1, 17)
+    scene = SCENES[name]
+    run = rigid.simulate(scene, START, TILTED, t=times, method=method, step=STEP, check=False)
+    motion = rigid.Motion(scene, START, TILTED, method=method)
+    assert run.attitude is not None
+    for t, omega, attitude in zip(times, run.omega, run.attitude, strict=True):
+        motion.step(STEP)
+        assert motion.t == t
+        assert motion.omega.tobytes() == omega.tobytes()
+        assert motion.attitude.tobytes() == attitude.tobytes()
+
+
+@pytest.mark.parametrize("method", [method.name for method in rigid.methods() if method.driven])
+def test_a_torque_that_changes_at_each_step_is_a_table_with_jumps(method: str) -> None:
+    knots = STEP * np.repeat(np.arange(len(TORQUES) + 1), 2)[1:-1]
+    table = rigid.Torque.body(np.repeat(TORQUES, 2, axis=0), times=knots)
+    scene = rigid.FreeBody(BODY, torque=table)
+    times = STEP * np.arange(1, len(TORQUES) + 1)
+    run = rigid.simulate(scene, START, TILTED, t=times, method=method, step=STEP, check=False)
+    motion = rigid.Motion(rigid.FreeBody(BODY), START, TILTED, method=method)
+    for torque, omega in zip(TORQUES, run.omega, strict=True):
+        motion.step(STEP, torque=tuple(torque))
+        assert motion.omega.tobytes() == omega.tobytes()
+
+
+def test_bodies_of_one_motion_move_as_they_move_alone() -> None:
+    rng = np.random.default_rng(8)
+    omega, torque = rng.normal(size=(2, 37, 3))
+    scene = SCENES["top"]
+    together = rigid.Motion(scene, omega)
+    together.step(STEP, torque=torque)
+    together.step(STEP)
+    for body in range(len(omega)):
+        alone = rigid.Motion(scene, omega[body])
+        alone.step(STEP, torque=torque[body])
+        alone.step(STEP)
+        assert together.omega[body].tobytes() == alone.omega.tobytes()
+        assert together.attitude[body].tobytes() == alone.attitude.tobytes()
+
+
+def test_a_torque_about_the_axis_of_a_wheel_spins_it_up_and_down() -> None:
+    """`I3 w3' = N`: RK4 is exact for it but for the rounding of each step."""
+    motion = rigid.Motion(rigid.FreeBody(rigid.Body((1.0, 1.0, 2.0))), [0.0, 0.0, 0.0])
+    for torque in (0.5, 0.5, -0.25, -0.75):
+        for _ in range(64):
+            motion.step(STEP, torque=(0.0, 0.0, torque))
+    assert motion.t == 4.0
+    assert abs(motion.omega[2]) <= 256 * np.finfo(float).eps
+    turned = 2.0 * math.atan2(motion.attitude[3], motion.attitude[0])
+    # At accelerations of 1/4, 1/4, -1/8 and -3/8 rad/s² for a second each. RK4 errs by 3e-11.
+    assert turned == pytest.approx(0.125 + 0.375 + 0.4375 + 0.1875, abs=1e-10)
+
+
+def test_energy_of_a_free_body_is_constant() -> None:
+    """Over a thousand steps of order 16 that turn the body by 0.02 rad each."""
+    motion = rigid.Motion(rigid.FreeBody(BODY), START, method="taylor16")
+    moments = np.array(BODY.moments)
+    before = moments @ motion.omega**2
+    for _ in range(1000):
+        motion.step(STEP)
+    assert abs(moments @ motion.omega**2 - before) < 4 * np.finfo(float).eps * before
+
+
+def test_a_step_back_undoes_a_step() -> None:
+    motion = rigid.Motion(SCENES["top"], START, TILTED, method="splitting4")
+    motion.step(0.1)
+    motion.step(-0.1)
+    assert motion.t == 0.0
+    assert np.abs(motion.omega - START).max() < 1e-15
+    assert np.abs(motion.attitude - TILTED).max() < 1e-15
+
+
+def test_a_step_of_zero_changes_nothing() -> None:
+    motion = rigid.Motion(SCENES["top"], START, TILTED)
+    before = motion.omega, motion.attitude
+    motion.step(0.0)
+    assert motion.t == 0.0
+    assert all((a == b).all() for a, b in zip(before, (motion.omega, motion.attitude), strict=True))
+
+
+def test_there_may_be_no_bodies() -> None:
+    motion = rigid.Motion(SCENES["free"], np.empty((0, 3)))
+    motion.step(0.5, torque=np.empty((0, 3)))
+    assert (motion.omega.shape, motion.attitude.shape, motion.t) == ((0, 3), (0, 4), 0.5)
+
+
+def stepped(
+    name: str = "free", dt: Any = STEP, torque: Any = None, **options: Any
+) -> Callable[[], Any]:
+    omega = np.tile(START, (3, 1))
+    return lambda: rigid.Motion(SCENES[name], omega, **options).step(dt, torque)
+
+
+@pytest.mark.parametrize(
+    ("call", "error", "words"),
+    [
+        (stepped(dt="1"), TypeError, "dt = 1: must be a real number"),
+        (stepped(dt=math.nan), ValueError, "dt = NaN: must be finite"),
+        (
+            stepped(torque=(1.0, "a", 2.0)),
+            TypeError,
+            "torque = (1.0, 'a', 2.0): must be real numbers",
+        ),
+        (stepped(torque=(1.0, math.inf, 2.0)), ValueError, "torque = inf: must be finite"),
+        (
+            stepped(torque=np.ones((2, 3))),
+            ValueError,
+            "torque: expected shape (3,) or (3, 3), got (2, 3)",
+        ),
+        (stepped(torque=[1.0, 2.0]), ValueError, "torque: expected shape (3,) or (n, 3), got (2,)"),
+        (
+            stepped(torque=TORQUES[0], method="srkn6"),
+            ValueError,
+            "method = 'srkn6': moves bodies without torque and damping only",
+        ),
+        (stepped(method="exact"), ValueError, "method = 'exact': must be one of 'rk4'"),
+        (
+            stepped("damped", method="srkn6"),
+            ValueError,
+            "method = 'srkn6': moves bodies without torque",
+        ),
+        (stepped("damped", dt=20.0), ValueError, "step = 2e1: 'rk4' is unstable under damping"),
+        (
+            stepped("pushed", dt=-STEP),
+            ValueError,
+            "t = -0.015625: the table of the torque does not reach this time",
+        ),
+        (lambda: rigid.Motion(None, START), TypeError, "scene = None: must be a rigid.FreeBody"),  # type: ignore[arg-type]
+    ],
+)
+def test_refused(call: Callable[[], Any], error: type[Exception], words: str) -> None:
+    with pytest.raises(error) as caught:
+        call()
+    assert str(caught.value).startswith(words)
+
+
+def test_a_refused_step_leaves_the_motion_as_it_was() -> None:
+    motion = rigid.Motion(SCENES["free"], START, TILTED)
+    motion.step(STEP)
+    before = motion.t, motion.omega.tobytes(), motion.attitude.tobytes()
+    for dt, torque in [(math.inf, None), (1e308 * 1e308, None), (STEP, (math.nan, 0.0, 0.0))]:
+        with pytest.raises(ValueError, match="must be finite"):
+            motion.step(dt, torque)
+    assert before == (motion.t, motion.omega.tobytes(), motion.attitude.tobytes())
