@@ -190,6 +190,21 @@ pub fn bodies(
     Ok(columns.bodies(0..columns.len())?)
 }
 
+/// All bodies of the arrays of a request.
+pub fn bodies_of(
+    moments: &PyReadonlyArray2<'_, f64>,
+    weight: &PyReadonlyArray2<'_, f64>,
+    omega: &PyReadonlyArray2<'_, f64>,
+    attitude: &PyReadonlyArray2<'_, f64>,
+) -> PyResult<Vec<Body>> {
+    bodies(
+        rows::<3>("moments", moments)?,
+        rows::<3>("weight", weight)?,
+        rows::<3>("omega", omega)?,
+        rows::<4>("attitude", attitude)?,
+    )
+}
+
 /// Flat index of the first element that is not finite.
 #[pyfunction]
 pub fn first_not_finite(array: PyReadonlyArrayDyn<'_, f64>) -> PyResult<Option<usize>> {

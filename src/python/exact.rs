@@ -1,6 +1,6 @@
 //! The derived quantities of closed forms and the elliptic functions, array by array.
 
-use super::convert::{bodies, column, copied, evaluated, rows, same_length};
+use super::convert::{bodies, bodies_of, column, copied, evaluated, rows, same_length};
 use crate::error::Error;
 use crate::exact::derived::{
     FreeQuantities, TopQuantities, free_quantities, saddle, sign_change_time, sign_changes, tilt_time,
@@ -11,25 +11,9 @@ use crate::memory;
 use crate::scene::Scene;
 use crate::simd::Isa;
 use crate::special::{agm, carlson_rc, carlson_rd, carlson_rf, carlson_rj};
-use crate::start::Body;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-
-/// Bodies from the columns of a request.
-fn bodies_of(
-    moments: &PyReadonlyArray2<'_, f64>,
-    weight: &PyReadonlyArray2<'_, f64>,
-    omega: &PyReadonlyArray2<'_, f64>,
-    attitude: &PyReadonlyArray2<'_, f64>,
-) -> PyResult<Vec<Body>> {
-    bodies(
-        rows::<3>("moments", moments)?,
-        rows::<3>("weight", weight)?,
-        rows::<3>("omega", omega)?,
-        rows::<4>("attitude", attitude)?,
-    )
-}
 
 /// The name of the closed form of each body, empty if the body has none.
 #[pyfunction]
@@ -43,12 +27,7 @@ pub fn closed_forms(
     attitude: PyReadonlyArray2<'_, f64>,
 ) -> PyResult<Vec<&'static str>> {
     Scene::parse(scene)?;
-    let bodies = bodies(
-        rows::<3>("moments", &moments)?,
-        rows::<3>("weight", &weight)?,
-        rows::<3>("omega", &omega)?,
-        rows::<4>("attitude", &attitude)?,
-    )?;
+    let bodies = bodies_of(&moments, &weight, &omega, &attitude)?;
     let name =
         |index: usize| Ok(CanonicalForm::of(&bodies[index]).map_or("", |form| form.closed_form.name()));
     evaluated(py, "closed forms", bodies.len(), name)

@@ -1,6 +1,6 @@
 //! Bodies that Python moves step by step.
 
-use super::convert::{bodies, rows};
+use super::convert::{bodies_of, rows};
 use super::forcing::PyForcing;
 use crate::error::Error;
 use crate::forcing::Forcing;
@@ -43,12 +43,7 @@ impl PyMotion {
         threads: usize,
         forcing: Option<PyRef<'_, PyForcing>>,
     ) -> PyResult<Self> {
-        let bodies = bodies(
-            rows::<3>("moments", &moments)?,
-            rows::<3>("weight", &weight)?,
-            rows::<3>("omega", &omega)?,
-            rows::<4>("attitude", &attitude)?,
-        )?;
+        let bodies = bodies_of(&moments, &weight, &omega, &attitude)?;
         let forcing = forcing.as_ref().map_or(Forcing::NONE, |forcing| &forcing.0).copied()?;
         let (scene, scheme) = (Scene::parse(scene)?, Scheme::parse(method)?);
         let motion = Motion::new(&bodies, scene, scheme, forcing, Isa::current()?)?;
