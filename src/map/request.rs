@@ -152,15 +152,12 @@ impl Map {
     /// Refuses a forcing that the criterion or the method cannot handle.
     fn check_forced(&self) -> Result<(), Error> {
         let scheme = self.method.scheme();
-        let name = scheme.facts.name;
         let refuse = |argument, value, rule| Err(Error::Value { argument, value, rule });
         if self.method == MethodChoice::Only(Solver::Exact) {
             let rule = "no classification in closed form is known under torque and damping";
             return refuse("method", format!("'{}'", Solver::EXACT), rule);
         }
-        let Some(limit) = scheme.damping_limit() else {
-            return refuse("method", format!("'{name}'"), "moves bodies without torque and damping only");
-        };
+        scheme.forced_limit()?;
         if let Criterion::TiltFromStart(_) = self.criterion {
             let rule = "under torque and damping only the tilt from the vertical is watched";
             return refuse("reference", "'start'".to_string(), rule);
@@ -172,10 +169,7 @@ impl Map {
             for (pixel, forcing) in self.pixels.iter().zip(&self.forcing).filter(|(pixel, _)| pixel.possible)
             {
                 let [.., rate] = forcing.of(0).damping_rates(pixel.body.moments);
-                if step * rate > limit {
-                    let longest = limit / rate;
-                    return Err(Error::Unstable { body: None, step, rate, name, longest });
-                }
+                scheme.check_damping(None, step, rate)?;
             }
         }
         Ok(())

@@ -343,6 +343,31 @@ impl Scheme {
         self.forced.map(|forced| forced.damping_limit)
     }
 
+    /// The limit of [`Scheme::damping_limit`].
+    ///
+    /// # Errors
+    /// If the scheme does not integrate bodies under torque and damping.
+    pub fn forced_limit(&self) -> Result<f64, Error> {
+        self.damping_limit().ok_or_else(|| Error::Value {
+            argument: "method",
+            value: format!("'{}'", self.facts.name),
+            rule: "moves bodies without torque and damping only",
+        })
+    }
+
+    /// Refuses a step that is unstable at a damping rate. The body is named if it is one among many.
+    ///
+    /// # Errors
+    /// If the scheme does not integrate bodies under torque and damping, or is unstable with this step.
+    pub fn check_damping(&self, body: Option<usize>, step: f64, rate: f64) -> Result<(), Error> {
+        let limit = self.forced_limit()?;
+        if step * rate > limit {
+            let (name, longest) = (self.facts.name, limit / rate);
+            return Err(Error::Unstable { body, step, rate, name, longest });
+        }
+        Ok(())
+    }
+
     /// Whether the scheme is stable under damping of any strength.
     pub fn is_stiff(&self) -> bool {
         self.damping_limit() == Some(f64::INFINITY)

@@ -81,12 +81,7 @@ pub fn simulate_into(
 /// Refuses a method that does not move forced bodies, a step beyond the stability of an explicit method, and a time at
 /// which the torque is unknown.
 fn check_forced(request: &Request, scheme: &Scheme) -> Result<(), Error> {
-    let limit = scheme.damping_limit().ok_or_else(|| Error::Value {
-        argument: "method",
-        value: format!("'{}'", scheme.facts.name),
-        rule: "moves bodies without torque and damping only",
-    })?;
-    let is_stable = request.tolerance.is_some() || limit == f64::INFINITY;
+    let is_stable = scheme.forced_limit()? == f64::INFINITY || request.tolerance.is_some();
     let mut last = None;
     for (index, (body, &step)) in request.bodies.iter().zip(request.steps).enumerate() {
         let forcing = request.forcing_of(index);
@@ -103,11 +98,7 @@ fn check_forced(request: &Request, scheme: &Scheme) -> Result<(), Error> {
         let [.., rate] = forcing.damping_rates(body.moments);
         // A step is cut to the span.
         let step = step.min(request.range_of(index).iter().fold(0.0_f64, |a, t| a.max(t.abs())));
-        if step * rate > limit {
-            let (name, longest) = (scheme.facts.name, limit / rate);
-            let body = (request.bodies.len() > 1).then_some(index);
-            return Err(Error::Unstable { body, step, rate, name, longest });
-        }
+        scheme.check_damping((request.bodies.len() > 1).then_some(index), step, rate)?;
     }
     Ok(())
 }

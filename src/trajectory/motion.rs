@@ -17,7 +17,8 @@ use crate::start::Body;
 pub struct Motion {
     scene: &'static Scene,
     scheme: &'static Scheme,
-    /// Torque and damping of the scene, which has one for all bodies; without any that of a torque of zero once a torque has been applied.
+    /// Torque and damping of the scene, which has one for all bodies; without any that of a torque of zero once a
+    /// torque has been applied.
     forcing: Forcing,
     isa: Isa,
     /// The time now, and the time at which the bodies were loaded.
@@ -130,20 +131,11 @@ impl Motion {
 
     /// Refuses what `trajectory::simulate` refuses of forced bodies.
     fn check_forced(&self, begin: f64, dt: f64) -> Result<(), Error> {
-        let limit = self.scheme.damping_limit().ok_or_else(|| Error::Value {
-            argument: "method",
-            value: format!("'{}'", self.scheme.facts.name),
-            rule: "moves bodies without torque and damping only",
-        })?;
+        self.scheme.forced_limit()?;
         for time in [begin, begin + dt] {
             self.forcing.of(0).check_reaches(time)?;
         }
-        let rate = self.damping_rate;
-        if dt.abs() * rate > limit {
-            let (step, name, longest) = (dt.abs(), self.scheme.facts.name, limit / rate);
-            return Err(Error::Unstable { body: None, step, rate, name, longest });
-        }
-        Ok(())
+        self.scheme.check_damping(None, dt.abs(), self.damping_rate)
     }
 
     /// Loads the bodies anew into kernels of forced bodies.
