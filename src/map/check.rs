@@ -110,16 +110,17 @@ impl Map {
         if self.resolved_check() != Check::Doubtful {
             return Ok(doubtful);
         }
+        let rate = |index| self.rate(runs, index);
         for group in self.groups(runs) {
             let mut error = 0.0_f64;
             for &index in group {
                 if let (Some(first), Some(second)) = (&runs.outcomes[index], &again[index]) {
-                    error = error.max(self.difference(first, second, self.rate(runs, index)));
+                    error = error.max(self.difference(first, second, || rate(index)));
                 }
             }
             for &index in group.iter().filter(|&&index| again[index].is_none()) {
                 let Some(outcome) = classified(runs.outcomes, index) else { continue };
-                let margin = self.margin(outcome, self.rate(runs, index));
+                let margin = self.margin(outcome, || rate(index));
                 if !(margin >= (CAUTION * error.sqrt()).max(LEAST_MARGIN)) {
                     doubtful.push(index);
                 }
@@ -140,21 +141,22 @@ impl Map {
         runs.bodies[index].fastest_rate(forcing, [0.0, self.t_end])
     }
 
-    /// How far two runs of a sample differ (rad); infinite if their classes differ or the second was not made.
-    fn difference(&self, first: &Outcome, second: &Outcome, rate: f64) -> f64 {
+    /// How far two runs of a sample with this bound of its rate differ (rad); infinite if their classes differ or the
+    /// second was not made.
+    fn difference(&self, first: &Outcome, second: &Outcome, rate: impl Fn() -> f64) -> f64 {
         match (first.class, second.class) {
             (Class::Stable, Class::Stable) => (first.tilt - second.tilt).abs(),
-            (Class::Unstable, Class::Unstable) => rate * (first.left - second.left).abs(),
+            (Class::Unstable, Class::Unstable) => rate() * (first.left - second.left).abs(),
             _ => f64::INFINITY,
         }
     }
 
     /// How far a sample is from the other class: its tilt from the limit, and the turn by which it left before the
     /// horizon (rad).
-    fn margin(&self, outcome: &Outcome, rate: f64) -> f64 {
+    fn margin(&self, outcome: &Outcome, rate: impl Fn() -> f64) -> f64 {
         let beyond = outcome.tilt - self.criterion.limit();
         match outcome.class {
-            Class::Unstable => beyond.min(rate * (self.t_end - outcome.left)),
+            Class::Unstable => beyond.min(rate() * (self.t_end - outcome.left)),
             _ => -beyond,
         }
     }

@@ -15,7 +15,7 @@ use crate::start::Body;
 use crate::status::{DRIFT_LIMIT, Status};
 
 /// What the lists of samples of a block are called if they do not fit into memory.
-const TASKS: &str = "runs of a block";
+pub(super) const RUNS: &str = "runs of a block";
 
 /// The sample of an active lane: its index in the block, and its step.
 #[derive(Clone, Copy)]
@@ -48,10 +48,10 @@ impl Map {
             let step = self.assignment(&bodies[index], run.cross_check).step;
             let known = by_step.iter().position(|(known, _)| *known == step);
             if known.is_none() {
-                memory::push(TASKS, &mut by_step, (step, Vec::new()))?;
+                memory::push(RUNS, &mut by_step, (step, Vec::new()))?;
             }
             let at = known.unwrap_or(by_step.len() - 1);
-            memory::push(TASKS, &mut by_step[at].1, index)?;
+            memory::push(RUNS, &mut by_step[at].1, index)?;
         }
         for (step, samples) in &by_step {
             self.integrate_batch((bodies, first), samples, self.kernel(*step), run, outcomes)?;

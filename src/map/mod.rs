@@ -26,7 +26,7 @@ use crate::solver::default_step;
 use crate::start::Body;
 use check::Runs;
 use classify::ClosedFormClassifier;
-use integrate::Run;
+use integrate::{RUNS, Run};
 use statistics::Sample;
 use std::ops::Range;
 use std::sync::Mutex;
@@ -172,7 +172,7 @@ impl Map {
                 && self.method.exact()
                 && classifier.take(index, &bodies[index], &mut outcomes[0]);
             if !exact {
-                memory::push("runs of a block", &mut integrated, index)?;
+                memory::push(RUNS, &mut integrated, index)?;
             }
         }
         classifier.finish(&mut outcomes[0]);
