@@ -7,7 +7,7 @@ import pickle
 import signal
 import threading
 from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -149,11 +149,14 @@ def test_ctrl_c_reaches_the_main_thread_while_a_pool_computes() -> None:
         else:
             assert heard.wait(PATIENCE)
 
+    def listen(computing: Future[rigid.StabilityMap]) -> None:
+        listening.set()
+        computing.result(PATIENCE)
+
     with ThreadPoolExecutor(1) as pool:
         computing = pool.submit(small_map, chunk=100, progress=interrupt)
         with pytest.raises(KeyboardInterrupt):
-            listening.set()
-            computing.result(PATIENCE)
+            listen(computing)
         assert not computing.done()
         heard.set()
         completed = computing.result(PATIENCE)
