@@ -436,10 +436,13 @@ def _accurate(problem: Problem, method: str, why: list[str]) -> tuple[str, Float
     kinds, counts = np.unique(classes, return_counts=True)
     kind = "driven" if problem.scene.is_driven else str(kinds[counts.argmax()])
     if problem.method is None:
-        angles = {
-            name: float((problem.batch.fastest_rates(problem.times, name) * span).max(initial=0.0))
-            for name in (driven_methods() if problem.scene.is_driven else plain_methods())
-        }
+        if problem.scene.is_driven:
+            angles = {
+                name: _largest_angle(problem.batch.fastest_rates(problem.times, name), span)
+                for name in driven_methods()
+            }
+        else:
+            angles = dict.fromkeys(plain_methods(), _largest_angle(turning, span))
         question = _stepped_question(problem, method)
         method = cheapest(accuracy, kind, question, angles, problem.states)
         why.append(f"{method} is the cheapest scheme for it")
@@ -450,6 +453,10 @@ def _accurate(problem: Problem, method: str, why: list[str]) -> tuple[str, Float
         mine = slice(None) if len(classes) == 1 else np.flatnonzero(classes == own)
         steps[mine] = steps_for(accuracy, schemes()[method, own], rates[mine], _some(span, mine))
     return method, steps
+
+
+def _largest_angle(rates: Floats, span: float | Floats) -> float:
+    return float((rates * span).max(initial=0.0))
 
 
 def _stepped_question(problem: Problem, method: str) -> Question:

@@ -32,6 +32,7 @@ __all__ = [
     "check_attainable",
     "closed_form_estimate",
     "costliest",
+    "laws",
     "phase_error",
     "schemes",
     "steps_estimate",
@@ -248,15 +249,24 @@ def phase_error(
     angles = batch.fastest_rates(time_range(times), method) * time_span(times)
     if tolerance is not None:
         return tolerance * angles
+    factor, _ = laws(batch, method)
+    error: Floats = angles * factor * (angles / taken) ** order_of(method)
+    return error
+
+
+def laws(batch: Batch, method: str) -> tuple[Floats, Floats]:
+    """The factor of the error of a scheme, and the largest angle of a step up to which it holds.
+
+    Both have the shape (n,), or (1,) if they are those of all bodies.
+    """
     weighs = np.where(batch.weight.any(axis=1), "top", "free")
     kinds = np.where(lagrange_axes(batch.moments, batch.weight), "lagrange", weighs)
-    kinds = np.where(batch.driven(), "driven", kinds)
-    error = np.empty_like(angles)
-    for kind in set(kinds.tolist()):
-        scheme, mine = schemes()[method, kind], kinds == kind
-        turned = angles[mine]
-        error[mine] = turned * scheme.factor * (turned / taken[mine]) ** scheme.order
-    return error
+    if batch.forcing is not None:
+        kinds = np.where(batch.driven(), "driven", kinds)
+    known, which = np.unique(kinds, return_inverse=True)
+    found = [schemes()[method, kind] for kind in known.tolist()]
+    factors, angles = ([getattr(one, name) for one in found] for name in ("factor", "largest"))
+    return np.array(factors)[which], np.array(angles)[which]
 
 
 @np.errstate(all="ignore")

@@ -8,25 +8,28 @@ and seldom much more. The extrapolation is Richardson's (Hairer, Nørsett, Wanne
 Differential Equations I*, § II.4).
 
 The second run divides the steps of the first: between any two wanted times it takes at least one
-step more. It begins at a start that is rounded otherwise. The runs are compared at every wanted
-time.
+step more. Where the steps were made for an accuracy, and are many between any two wanted times,
+the second run takes longer steps instead: its error is larger by a known factor. It begins at a
+start that is rounded otherwise. The runs are compared at every wanted time.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import reduce
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .arrays import Range, largest, time_range, time_ranges, time_span
+from .arrays import Range, largest, lengths, time_range, time_ranges, time_span
 from .batch import Batch
 from .cost_model import ROUNDING, phase_error
-from .methods import is_stiff, order_of, rotations, series_methods
+from .methods import rotations
 from .request import Request, select_states
 from .saddle import RateSizes, departure, homoclinic, separatrices
+from .second_run import FEW, coarser_run, finer_run, has_coarser_run, is_damped_stiffly
 from .status import Status
 
 __all__ = [
@@ -34,7 +37,6 @@ __all__ = [
     "closed_form_error",
     "distances",
     "estimate_error",
-    "is_damped_stiffly",
     "unknown_error",
 ]
 
@@ -60,14 +62,6 @@ DRIFT = 5.6e-17
 
 A scheme of exact flows turns these rates by the same angle each step: half a unit in the last
 place, always in one direction."""
-
-FEW = 32
-"""Fewer steps under strong damping: the error may grow at first as they become shorter."""
-
-TIGHTER = 1000.0
-"""The second run of a run by tolerance divides the tolerance by this.
-
-Series of different order may err alike at tolerances that are alike."""
 
 RINGING = "midpoint"
 """Under strong damping its rates change sign each step and hardly decay: it is not L-stable."""
@@ -131,7 +125,7 @@ def _closed_form_error(batch: Batch, rates: Floats, reached: Range, omega: Float
     if batch.forcing is None and batch.weight.any():
         scale = _fastest_or_swing(batch, rates)
         rows = omega.reshape(len(batch), omega.shape[-2], 3)
-        fastest = np.sqrt(np.einsum("nmi,nmi->nm", rows, rows).max(axis=1, initial=0.0))
+        fastest = lengths(rows).max(axis=1, initial=0.0)
         moves = (fastest > REST * scale) & batch.weight.any(axis=1)
         share = np.where(moves, scale / fastest, 1.0)
         distance, exponent = separatrices(batch)
@@ -152,21 +146,24 @@ def estimate_error(
     states: Mapping[str, Any],
     steps: Floats | None,
     refinement: float = 1.0,
+    accuracy: float | None = None,
 ) -> ErrorEstimate:
     """The error of states from a second run.
 
     The states were made with these longest steps (s) and this :meth:`refinement <Request.states>`.
+    If the steps were made for an accuracy, the second run may take longer steps.
     """
     batch, times, method = request.batch, request.times, request.method
     ended = states["status"] != Status.STEP_LIMIT
     few = ended & (states["steps"] < FEW) & is_damped_stiffly(request)
-    if not ended.all() or 0 < few.sum() < len(few):
+    coarser = ended & has_coarser_run(request, steps, accuracy)
+    if not ended.all() or any(0 < part.sum() < len(part) for part in (few, coarser)):
         estimate = unknown_error(len(batch))
-        for some in map(np.flatnonzero, (few, ended & ~few)):
+        for some in map(np.flatnonzero, (few, coarser, ended & ~few & ~coarser)):
             if len(some):
                 longest = None if steps is None else steps[some]
                 parts = request.select(some), select_states(states, some), longest
-                estimate.write(some, estimate_error(*parts, refinement))
+                estimate.write(some, estimate_error(*parts, refinement, accuracy))
         return estimate
     span = time_span(times)
     if span == 0.0 or not len(times):
@@ -179,10 +176,13 @@ def estimate_error(
         free = ~batch.weight.any(axis=1)
         floor += np.where(symmetric & free, 0.5 * DRIFT * taken * rates * span, 0.0)
     scale = _fastest_or_swing(batch, rates)
-    error = SAFETY * _distances_of_runs(
-        batch, states, _second_run(request, steps, refinement, taken), rates
-    )
-    fastest = np.linalg.norm(states["omega"], axis=-1).max(axis=1)
+    if steps is not None and accuracy is not None and coarser.all():
+        second, share = coarser_run(request, steps, floor, accuracy)
+        taken = second["steps"].astype(np.float64)
+    else:
+        second, share = finer_run(request, steps, refinement, taken), np.ones(len(batch))
+    error = SAFETY * share[:, None] * _distances_of_runs(batch, states, second, rates)
+    fastest = lengths(states["omega"]).max(axis=1)
     sizes = RateSizes(fastest, REST * scale, scale)
     error += floor[:, None] + departure(batch, times, sizes) + homoclinic(batch, times, sizes)
     if method == RINGING and batch.forcing is not None:
@@ -214,7 +214,7 @@ def _distances_of_runs(
 
 def _fastest_or_swing(batch: Batch, rates: Floats) -> Floats:
     """The larger of the fastest rate that a body can reach and of the rate of its swing."""
-    swing = np.sqrt(np.linalg.norm(batch.weight, axis=1) / batch.moments.min(axis=1))
+    swing = np.sqrt(lengths(batch.weight) / batch.moments.min(axis=1))
     larger: Floats = np.maximum(rates, swing)
     return larger
 
@@ -229,54 +229,12 @@ def _ringing(batch: Batch, states: Mapping[str, Any], times: Floats) -> Floats:
     taken = states["steps"][:, None] * np.maximum(times, 0.0) / time_span(times)
     damped = 0.5 * rate * time_span(times) / states["steps"][:, None]
     left = np.where(damped > 1.0, ((damped - 1.0) / (damped + 1.0)) ** taken, 0.0)
-    size = np.linalg.norm(states["omega"], axis=-1).max(axis=1)
-    start = np.linalg.norm(batch.omega, axis=1)
+    size = lengths(states["omega"]).max(axis=1)
+    start = lengths(batch.omega)
     ratio: Floats = np.where(size > 0.0, start / size, 0.0)
     # At the start itself nothing should have ended.
     rings: Floats = np.where(times > 0.0, left * ratio[:, None], 0.0)
     return rings
-
-
-def _second_run(
-    request: Request, steps: Floats | None, refinement: float, taken: Floats
-) -> dict[str, Any]:
-    """The states of the same bodies at the same times, with shorter steps than those taken."""
-    second = replace(
-        request, batch=_rounded(request.batch), max_steps=min(4 * request.max_steps, 2**63)
-    )
-    if request.tolerance is not None:
-        # Of equal order the first steps of both runs would be one polynomial. No smaller tolerance
-        # could show how far it is off at a time within the shorter step.
-        last, other = series_methods()[-1:-3:-1]
-        tolerance = max(request.tolerance / TIGHTER, np.finfo(np.float64).tiny)
-        method = other if request.method == last else last
-        return replace(second, method=method, tolerance=tolerance).states(None)
-    ratio = max(2.0 ** (2.0 / order_of(request.method)), 1.2)
-    if is_damped_stiffly(request):
-        # Under strong damping the order of these methods falls, to one at worst.
-        ratio = max(ratio, 4.0 if taken.min() < FEW else 2.0)
-    return second.states(steps, refinement * ratio)
-
-
-def _rounded(batch: Batch) -> Batch:
-    """The bodies with their starts rounded otherwise.
-
-    Two runs from one start would share what a saddle makes of its rounding. Zeros stay and equal
-    sizes stay equal, so that a start that is in equilibrium to the bit stays one.
-    """
-    omega, attitude = _rounded_otherwise(batch.omega), _rounded_otherwise(batch.attitude)
-    return replace(batch, omega=omega, attitude=attitude)
-
-
-def _rounded_otherwise(rows: Floats) -> Floats:
-    """Rows a unit in the last place off: the smallest size of each larger, the next smaller, ..."""
-    size = np.abs(rows)
-    order = size.argsort(axis=1, kind="stable")
-    further = np.diff(np.take_along_axis(size, order, axis=1), axis=1) > 0.0
-    rank = np.zeros(rows.shape)
-    np.put_along_axis(rank, order[:, 1:], np.cumsum(further, axis=1), axis=1)
-    rounded: Floats = rows * (1.0 + np.finfo(np.float64).eps * (1.0 - 2.0 * (rank % 2.0)))
-    return rounded
 
 
 def _count_turns(request: Request, taken: Floats, estimate: ErrorEstimate) -> None:
@@ -297,18 +255,13 @@ def _count_turns(request: Request, taken: Floats, estimate: ErrorEstimate) -> No
     dense = replace(request.select(some), times=np.union1d(request.times, between))
     steps = gaps.sum() / taken[some]
     rates = dense.batch.fastest_rates(time_range(dense.times))
-    both = dense.states(steps), _second_run(dense, steps, 1.0, taken[some])
+    both = dense.states(steps), finer_run(dense, steps, 1.0, taken[some])
     apart = _distances_of_runs(dense.batch, *both, rates)
     error = np.where(np.isfinite(apart), SAFETY * apart, np.inf)
     largest = error.max(axis=1)
     larger = largest > estimate.error[some]
     found = ErrorEstimate(largest, _lost_from(error, dense.times))
     estimate.write(some[larger], ErrorEstimate(found.error[larger], found.lost_from[larger]))
-
-
-def is_damped_stiffly(request: Request) -> bool:
-    """Whether a method for strong damping integrates forced bodies."""
-    return request.batch.forcing is not None and is_stiff(request.method)
 
 
 def _lost_from(error: Floats, times: Floats) -> Floats:
@@ -331,16 +284,14 @@ def distances(
     with ``scale``.
     """
     rates, others = states["omega"], other["omega"]
-    size = np.max(
-        [np.linalg.norm(run, axis=-1).max(axis=1, initial=0.0) for run in (rates, others)], 0
-    )
+    size = np.maximum(*(lengths(run).max(axis=1, initial=0.0) for run in (rates, others)))
     size = np.where(size > rest, size, np.where(np.asarray(scale) > 0.0, scale, 1.0))
-    parts = [np.linalg.norm(rates - others, axis=-1) / size[:, None]]
+    parts = [lengths(rates - others) / size[:, None]]
     if states["vertical"] is not None:
-        parts.append(np.linalg.norm(states["vertical"] - other["vertical"], axis=-1))
+        parts.append(lengths(states["vertical"] - other["vertical"]))
     if states["attitude"] is not None:
         a, b = states["attitude"], other["attitude"]
-        apart = np.minimum(np.linalg.norm(a - b, axis=-1), np.linalg.norm(a + b, axis=-1))
+        apart = np.minimum(lengths(a - b), lengths(a + b))
         parts.append(2.0 * apart)
-    largest: Floats = np.max(parts, axis=0)
+    largest: Floats = reduce(np.maximum, parts)
     return largest

@@ -13,11 +13,11 @@ from .arrays import spread_indices, time_range, time_ranges
 from .error_estimate import (
     ErrorEstimate,
     estimate_error,
-    is_damped_stiffly,
     unknown_error,
 )
 from .methods import order_of
 from .request import Request, select_states
+from .second_run import is_damped_stiffly
 from .separatrix import separatrix_error
 
 __all__ = ["integrate"]
@@ -151,7 +151,7 @@ def _refine(
     request: Request, states: dict[str, Any], steps: Floats, accuracy: float
 ) -> ErrorEstimate:
     """Shorten the steps of inaccurate bodies, and write their better states over the others."""
-    estimate = estimate_error(request, states, steps)
+    estimate = estimate_error(request, states, steps, accuracy=accuracy)
     # Steps longer than any interval between wanted times were cut to the interval.
     longest = np.diff(np.union1d(request.times, [0.0])).max(initial=0.0)
     steps, order = np.minimum(steps, longest), order_of(request.method)
@@ -169,7 +169,7 @@ def _refine(
             ]
         some = request.select(pending)
         shorter = some.states(steps[pending], refinement)
-        again = estimate_error(some, shorter, steps[pending], refinement)
+        again = estimate_error(some, shorter, steps[pending], refinement, accuracy)
         # Shorter steps do not help where rounding or chaos dominates.
         better = again.error < estimate.error[pending]
         states["nanoseconds"] += shorter["nanoseconds"]

@@ -113,6 +113,11 @@ def methods() -> tuple[Method, ...]:
     >>> [(method.name, method.order) for method in rigid.methods() if not method.symplectic][:3]
     [('rk4', 4), ('dop853', 8), ('taylor8', 8)]
     """
+    return _all()
+
+
+@cache
+def _all() -> tuple[Method, ...]:
     return tuple(Method(**facts) for facts in _core.methods())
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
+from .arrays import lengths
 from .batch import Batch
 
 __all__ = ["RateSizes", "departure", "homoclinic", "separatrices", "verticals"]
@@ -72,6 +73,8 @@ def separatrices(batch: Batch) -> tuple[Floats, Floats]:
 def homoclinic(batch: Batch, times: Floats, sizes: RateSizes) -> Floats:
     """Error that rounding becomes beside the separatrix of a top in closed form, shape (n, m)."""
     distance, exponent = separatrices(batch)
+    if not exponent.any():
+        return np.zeros((len(batch), len(times)))
     passed = exponent[:, None] * np.abs(times)
     magnified = np.fmin(np.exp(passed), (1.0 + passed) / distance[:, None]) - 1.0
     return sizes.with_rates(START * magnified, exponent)
@@ -88,18 +91,17 @@ def departure(batch: Batch, times: Floats, sizes: RateSizes) -> Floats:
     error = np.zeros((len(batch), len(times)))
     if not batch.weight.any():
         return error
-    damping = np.broadcast_to(_dampings(batch.forcing), (len(batch), 3, 3))
     moments = np.broadcast_to(batch.moments, (len(batch), 3))
     weight = np.broadcast_to(batch.weight, (len(batch), 3))
     vertical, omega = verticals(batch), batch.omega
-    # Not by `@`: OpenBLAS ends the process where its own memory cannot be had.
-    damped = np.einsum("ni,nij->nj", omega, damping)
-    torque = _cross(moments * omega, omega) + _cross(vertical, weight) - damped
-    rate = np.sqrt(np.sum(omega**2, axis=1) + np.linalg.norm(weight, axis=1) / moments.min(axis=1))
-    away = np.maximum(
-        np.linalg.norm(torque / moments, axis=1) / rate**2,
-        np.linalg.norm(_cross(vertical, omega), axis=1) / rate,
-    )
+    damping = np.broadcast_to(_dampings(batch.forcing), (len(batch), 3, 3))
+    torque = _cross(moments * omega, omega) + _cross(vertical, weight)
+    if batch.forcing is not None:
+        # Not by `@`: OpenBLAS ends the process where its own memory cannot be had.
+        torque -= np.einsum("ni,nij->nj", omega, damping)
+    swing2 = lengths(batch.weight) / batch.moments.min(axis=1)
+    rate = np.sqrt(np.einsum("ni,ni->n", omega, omega) + swing2)
+    away = np.maximum(lengths(torque / moments) / rate**2, lengths(_cross(vertical, omega)) / rate)
     stays = (away == 0.0) & _is_upright_to_the_bit(batch)
     since = np.abs(times) if batch.forcing is None else np.maximum(times, 0.0)
     near = ~stays & (away < NEAR) & weight.any(axis=1)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from .arrays import Range
+from .arrays import Range, lengths
 from .batch import Batch
 
 __all__ = ["circulation_terms", "separatrix_error"]
@@ -66,15 +66,17 @@ def separatrix_error(
     if not count:
         return delay, never
     moments = np.broadcast_to(batch.moments, (count, 3))
+    kinetic = np.einsum("ni,ni->n", moments * batch.omega, batch.omega)
+    acts = lengths(batch.weight)
+    if states["work"] is not None:
+        acts = acts + np.abs(states["work"]).max(axis=1, initial=0.0)
+    nearly_free = acts < NEARLY_FREE * kinetic
+    if not nearly_free.any():
+        return delay, never
     order = np.argsort(moments, axis=1, kind="stable")
     ascending = np.take_along_axis(moments, order, axis=1)
     asymmetric = (np.diff(ascending, axis=1) > 0.0).all(axis=1)
     momentum2 = np.sum((moments * batch.omega) ** 2, axis=1)
-    kinetic = np.sum(moments * batch.omega**2, axis=1)
-    acts = np.linalg.norm(batch.weight, axis=1)
-    if states["work"] is not None:
-        acts = acts + np.abs(states["work"]).max(axis=1, initial=0.0)
-
     rates = np.take_along_axis(batch.omega, order, axis=1)
     about_first, about_third = circulation_terms(ascending, rates)
     distance = np.abs(about_first - about_third)
@@ -82,10 +84,7 @@ def separatrix_error(
     i1, i2, i3 = ascending.T
     largest = momentum2 * np.where(about_first > about_third, (i2 - i1) / i1, (i3 - i2) / i3)
     near = np.flatnonzero(
-        asymmetric
-        & (distance < NEAR * largest)
-        & (momentum2 > 0.0)
-        & (acts < NEARLY_FREE * kinetic)
+        asymmetric & (distance < NEAR * largest) & (momentum2 > 0.0) & nearly_free
     )
     if not len(near):
         return delay, never
