@@ -29,6 +29,7 @@ from .closed_form import (
     why_not,
 )
 from .cost_model import (
+    ROUNDING,
     Estimate,
     calibration_classes,
     cheapest,
@@ -61,6 +62,12 @@ Floats = NDArray[np.float64]
 
 UNKNOWN = "error unknown: {}"
 """How a plan says why its error is unknown."""
+
+USUAL_ACCURACY = 1e-8
+"""The accuracy of states for which neither a method nor a step is asked."""
+
+USUAL_ANGLE = 100.0
+"""Angle (rad) after which the cheapest scheme is compared where the true one is not known."""
 
 STIFFNESS = 10.0
 """Damping is strong if it slows a body this many times faster than the body turns."""
@@ -184,10 +191,12 @@ def plan(
         Horizon (s).
     accuracy : float, optional
         Largest error of the last state relative to its size. A closed form reaches it; otherwise
-        the accuracy, the rates and the horizon determine the cheapest scheme and its step.
+        the accuracy, the rates and the horizon determine the cheapest scheme and its step. Default
+        for states without a method and a step: 1e-8.
     method : str, optional
         ``"exact"`` or one of :func:`rigid.methods`; by default the closed form if all bodies have
-        one and no step is given, else ``"rk4"``, or ``"etd4"`` under strong damping.
+        one and no step is given, else the cheapest scheme for the accuracy, ``"etd4"`` under strong
+        damping, or ``"rk4"`` if a step is given.
     step : float, optional
         Longest step (s).
     bodies : int, optional
@@ -237,7 +246,7 @@ def plan(
         states=1 if isinstance(question, str) else 0,
         bodies=None if bodies is None else positive_int("bodies", bodies),
     )
-    chosen = choose_method(problem)[0]
+    chosen = choose_method(problem).plan
     if batch is not None and chosen.method == EXACT and chosen.error is not None:
         unforeseen = why_unforeseen(batch, problem.times, by_steps=False)
         if unforeseen is not None:
@@ -246,19 +255,37 @@ def plan(
     return chosen
 
 
-def choose_method(problem: Problem) -> tuple[Plan, Floats | None]:
-    """The plan for the bodies of a problem, and the longest step of each (s).
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """What is chosen for the bodies of a problem.
 
-    The steps are None if there are none or if they are left to the core.
+    Attributes
+    ----------
+    plan : Plan
+    steps : ndarray, shape (n,), or None
+        The longest step of each body (s). None if there are no steps or they are left to the core.
+    accuracy : float or None
+        The accuracy for which the steps are made, asked for or the usual one.
     """
+
+    plan: Plan
+    steps: Floats | None
+    accuracy: float | None
+
+
+def choose_method(problem: Problem) -> Choice:
+    """The method for the bodies of a problem, and their steps."""
     scene, question, span = problem.scene, problem.question, problem.span
     forms = _known_closed_forms(problem)
     if scene.torque is not None and span is not None:
         scene.torque.at(np.ravel(problem.times))  # ValueError outside the times of its table
     method, why = _preferred(problem, forms)
     steps = None
-    if problem.accuracy is not None:
-        method, steps = _accurate(problem, method, why)
+    accuracy = problem.accuracy
+    if accuracy is None and _takes_usual_accuracy(problem, method):
+        method, accuracy = _usual(problem, method, why)
+    if accuracy is not None:
+        method, steps = _accurate(problem, accuracy, method, why)
     elif problem.step is not None and method != EXACT and problem.batch is not None:
         steps = np.full(len(problem.batch), problem.step)
     if method == EXACT:
@@ -272,9 +299,9 @@ def choose_method(problem: Problem) -> tuple[Plan, Floats | None]:
         unforeseen = why_unforeseen(problem.batch, problem.times, by_steps=True)
         if unforeseen is not None:
             error, why = None, [*why, UNKNOWN.format(unforeseen)]
-    if error is not None and problem.accuracy is not None:
+    if error is not None and accuracy is not None:
         # The steps of the run are shortened until it is met.
-        error = min(error, problem.accuracy)
+        error = min(error, accuracy)
     chosen = Plan(
         scene=scene.words(),
         question=question_words(question),
@@ -288,7 +315,7 @@ def choose_method(problem: Problem) -> tuple[Plan, Floats | None]:
         work=estimate.work,
         error=error,
     )
-    return chosen, steps
+    return Choice(chosen, steps, accuracy)
 
 
 def closed_form_plan(
@@ -311,7 +338,7 @@ def _plan_of_any_start(
     if "" in closed_forms(question, moment_rows(scene), weight_rows(scene)):
         return None
     problem = Problem(scene=scene, question=question, method=method, states=states, bodies=bodies)
-    return choose_method(problem)[0]
+    return choose_method(problem).plan
 
 
 def _steps_estimate(problem: Problem, method: str, steps: Floats | None) -> Estimate:
@@ -417,10 +444,37 @@ def _scheme(problem: Problem, why: list[str]) -> tuple[str, list[str]]:
     return STIFF, [*why, f"strong damping, at a rate of {slowing:.3g} 1/s: {STIFF}"]
 
 
-def _accurate(problem: Problem, method: str, why: list[str]) -> tuple[str, Floats | None]:
+def _takes_usual_accuracy(problem: Problem, method: str) -> bool:
+    """Whether states are wanted by steps, and nothing says how these should be made."""
+    asked = problem.method is not None or problem.step is not None
+    # Under strong damping the model of the error does not hold.
+    return not asked and isinstance(problem.question, str) and method not in (EXACT, STIFF)
+
+
+def _usual(problem: Problem, method: str, why: list[str]) -> tuple[str, float | None]:
+    """A scheme for the usual accuracy, and the accuracy if rates and horizon are known."""
+    turning, span = problem.rates(), problem.span
+    if turning is not None and span is not None:
+        # More than rounding leaves.
+        attainable = 4.0 * ROUNDING * (1.0 + _largest_angle(turning, span))
+        return method, max(USUAL_ACCURACY, attainable)
+    names = driven_methods() if problem.scene.is_driven else plain_methods()
+    usual = cheapest(
+        USUAL_ACCURACY,
+        str(problem.classes()[0]),
+        _stepped_question(problem, method),
+        dict.fromkeys(names, USUAL_ANGLE),
+        problem.states,
+    )
+    why.append(f"{usual} is mostly the cheapest scheme for an error of {USUAL_ACCURACY:g}")
+    return usual, None
+
+
+def _accurate(
+    problem: Problem, accuracy: float, method: str, why: list[str]
+) -> tuple[str, Floats | None]:
     """The requested scheme or the cheapest one for the accuracy, and its steps; adds to why."""
-    accuracy, span, turning = problem.accuracy, problem.span, problem.rates()
-    assert accuracy is not None
+    span, turning = problem.span, problem.rates()
     if turning is not None and span is not None:
         check_attainable(accuracy, turning * span)
     if method == EXACT:

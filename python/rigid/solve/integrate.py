@@ -30,6 +30,9 @@ SAMPLE = 32
 ATTEMPTS = 4
 """Largest number of times that the steps of a body are shortened to reach an accuracy."""
 
+IN_VAIN = 2
+"""After so many attempts that do not lower its error a body is left as it is."""
+
 DIVISION = 8.0
 """Under strong damping each attempt divides all steps by this."""
 
@@ -40,6 +43,7 @@ def integrate(
     accuracy: float | None,
     *,
     check: bool,
+    every: bool = False,
     out: Mapping[str, NDArray[Any]] | None = None,
 ) -> tuple[dict[str, Any], ErrorEstimate]:
     """The states by steps, and their estimated errors.
@@ -53,19 +57,22 @@ def integrate(
         Largest error: the steps of a body are shortened until its estimated error is smaller.
     check : bool
         Whether errors are estimated; an accuracy requires the estimate.
+    every : bool
+        Whether those of all bodies are estimated, not those of a sample.
     out : mapping, optional
         Arrays for columns, in double precision.
     """
     if request.times.ndim == 2:
-        return _each_with_its_times(request, steps, accuracy, check=check)
+        return _each_with_its_times(request, steps, accuracy, check=check, every=every)
     driven = request.batch.driven()
     if driven.any() and not driven.all():
-        return _in_parts(request, steps, accuracy, driven, check=check)
+        return _in_parts(request, steps, accuracy, driven, check=check, every=every)
     states = request.states(steps, out=out)
     if accuracy is not None and steps is not None:
         estimate = _refine(request, states, steps, accuracy)
     elif check or accuracy is not None:
-        estimate = _sampled_estimate(request, states, steps)
+        most = len(request.batch) if every else SAMPLE
+        estimate = _sampled_estimate(request, states, steps, most)
     else:
         estimate = unknown_error(len(request.batch))
     delay, lost = separatrix_error(request.batch, states, time_range(request.times))
@@ -77,7 +84,7 @@ def integrate(
 
 
 def _each_with_its_times(
-    request: Request, steps: Floats | None, accuracy: float | None, *, check: bool
+    request: Request, steps: Floats | None, accuracy: float | None, *, check: bool, every: bool
 ) -> tuple[dict[str, Any], ErrorEstimate]:
     """Bodies with times of their own, together, and those whose error is estimated one by one."""
     states, count = request.states(steps), len(request.batch)
@@ -85,7 +92,8 @@ def _each_with_its_times(
     estimate = ErrorEstimate(np.full(count, np.nan), np.where(np.isfinite(lost), lost, np.nan))
     if not (check or accuracy is not None):
         return states, estimate
-    pending = np.arange(count) if accuracy is not None else spread_indices(count, SAMPLE)
+    most = count if every or accuracy is not None else SAMPLE
+    pending = spread_indices(count, most)
     seen: set[int] = set()
     while len(pending):
         for body in pending.tolist():
@@ -109,35 +117,35 @@ def _in_parts(
     driven: NDArray[np.bool_],
     *,
     check: bool,
+    every: bool,
 ) -> tuple[dict[str, Any], ErrorEstimate]:
     """Bodies under torque and damping, and those without: each part as if it were alone."""
     states: dict[str, Any] = {}
     estimate = unknown_error(len(driven))
     for mine in (np.flatnonzero(driven), np.flatnonzero(~driven)):
-        part, own = integrate(
-            request.select(mine), None if steps is None else steps[mine], accuracy, check=check
-        )
+        longest = None if steps is None else steps[mine]
+        part, own = integrate(request.select(mine), longest, accuracy, check=check, every=every)
         estimate.write(mine, own)
         states["nanoseconds"] = states.get("nanoseconds", 0) + part.pop("nanoseconds")
         for name, values in part.items():
             if values is not None:
-                every = states.setdefault(
+                column = states.setdefault(
                     name, np.zeros((len(driven), *values.shape[1:]), values.dtype)
                 )
-                every[mine] = values
+                column[mine] = values
             else:
                 states.setdefault(name, None)
     return states, estimate
 
 
 def _sampled_estimate(
-    request: Request, states: dict[str, Any], steps: Floats | None
+    request: Request, states: dict[str, Any], steps: Floats | None, most: int
 ) -> ErrorEstimate:
     """The errors of all bodies, of a large call those of a sample unless one of them is lost."""
     count = len(request.batch)
-    if count <= SAMPLE:
+    if count <= most:
         return estimate_error(request, states, steps)
-    sample = spread_indices(count, SAMPLE)
+    sample = spread_indices(count, most)
     longest = None if steps is None else steps[sample]
     seen = estimate_error(request.select(sample), select_states(states, sample), longest)
     if np.any(seen.error >= 1.0):
@@ -156,6 +164,7 @@ def _refine(
     longest = np.diff(np.union1d(request.times, [0.0])).max(initial=0.0)
     steps, order = np.minimum(steps, longest), order_of(request.method)
     pending = np.flatnonzero(estimate.error > accuracy)
+    in_vain = np.zeros(len(estimate.error), dtype=np.intp)
     for attempt in range(1, ATTEMPTS + 1):
         if not len(pending):
             break
@@ -170,19 +179,23 @@ def _refine(
         some = request.select(pending)
         shorter = some.states(steps[pending], refinement)
         again = estimate_error(some, shorter, steps[pending], refinement, accuracy)
-        # Shorter steps do not help where rounding or chaos dominates.
         better = again.error < estimate.error[pending]
+        in_vain[pending[~better]] += 1
         states["nanoseconds"] += shorter["nanoseconds"]
         _replace_states(states, pending[better], select_states(shorter, np.flatnonzero(better)))
         estimate.error[pending[better]] = again.error[better]
         estimate.lost_from[pending[better]] = again.lost_from[better]
-        pending = pending[better & (again.error > accuracy)]
+        # Shorter steps do not help where rounding or chaos dominates.
+        pending = pending[(estimate.error[pending] > accuracy) & (in_vain[pending] < IN_VAIN)]
     return estimate
 
 
 def _step_reduction(error: float, accuracy: float, order: int) -> float:
-    """The factor by which steps must shrink for an error to fall below the accuracy."""
-    return float(np.clip((2.0 * error / accuracy) ** (1.0 / order), 1.05, 8.0))
+    """The factor by which steps must shrink for an error to fall below the accuracy.
+
+    The error of long steps is no smooth function of them: a factor nearer to 1 could raise it.
+    """
+    return float(np.clip((2.0 * error / accuracy) ** (1.0 / order), 1.15, 8.0))
 
 
 def _replace_states(

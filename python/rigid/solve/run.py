@@ -89,12 +89,14 @@ class Run:
         fastest that the body can reach, or of ``sqrt(mgl / I_min)``, are those of a body at rest
         and are compared with the larger of these two. For steps the error is three times the
         difference from a second run, which takes at least one step more between any two times and
-        begins at a start that is rounded otherwise; beside an unstable equilibrium or a separatrix
-        it includes the rounding of the start, magnified. For a closed form it is ``1e-15`` per
-        radian turned, or what the saddle of a top makes of ``1e-15``, relative to the rates of a
-        top that hangs all but still. NaN for a body that was not run, and for one that was not
-        checked: in a call with more than 32 bodies and no ``accuracy`` only 32 of the bodies are
-        run again.
+        begins at a start that is rounded otherwise. Where steps were made for an accuracy the
+        second run may take longer ones: then the error is the part of three times the difference
+        that the order of the method leaves to shorter steps. Beside an unstable equilibrium or a
+        separatrix it includes the rounding of the start, magnified. For a closed form it is
+        ``1e-15`` per radian turned, or what the saddle of a top makes of ``1e-15``, relative to the
+        rates of a top that hangs all but still. NaN for a body that was not run, and for one that
+        was not checked: in a call with more than 32 bodies and a method or step, but no
+        ``accuracy``, only 32 of the bodies are run again.
     lost_from : ndarray, shape (n,)
         Time from which on, away from 0, the error is 1 or more: do not use the states from there
         on. Negative if that is backward in time; infinite if there is none; NaN where the error is

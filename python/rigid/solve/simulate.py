@@ -74,17 +74,20 @@ def simulate(
         give each body times of its own.
     method : str, optional
         ``"exact"``, the closed form, or one of :func:`rigid.methods`. Default: ``"exact"`` where
-        all bodies have a closed form and no step is given, else ``"rk4"``; under damping ten times
-        as fast as the turning, ``"etd4"``. Steps are equal between given times and end exactly at
-        these times and at the knots of a torque's table.
+        all bodies have a closed form and no step is given, else the cheapest scheme for the
+        accuracy; ``"rk4"`` if a step is given; under damping ten times as fast as the turning,
+        ``"etd4"``. Steps are equal between given times and end exactly at these times and at the
+        knots of a torque's table.
     step : float, optional
-        Largest step (s). Default: each body turns by at most the ``angle_per_step`` of the method a
-        step, from a bound of its rates.
+        Largest step (s). Default with a method: each body turns by at most the ``angle_per_step``
+        of the method a step, from a bound of its rates.
     accuracy : float, optional
         Largest error of all states (see :attr:`Run.error`), instead of a step. Method and step
-        follow from a calibrated model of the error. Each body is then integrated again with shorter
-        steps, repeatedly, until its estimated error is below. A body whose error stays above,
-        because of chaos or rounding, is :attr:`Run.flagged`.
+        follow from a calibrated model of the error. The error of each body is then estimated by a
+        second run, and bodies whose error is above are integrated again with shorter steps, up to
+        four times. A body whose error stays above, because of chaos or rounding, is
+        :attr:`Run.flagged`. Default without a method and a step: 1e-8, and no body is flagged whose
+        error is between 1e-8 and 1.
     tolerance : float, optional
         For a Taylor method, instead of a step: each body takes steps of its own, as long as the
         last terms of its series stay below this share of the largest rate and of a unit vector.
@@ -93,8 +96,9 @@ def simulate(
         Recorded states: rates and attitude; rates and the vertical in body components; or rates
         only. A smaller record is faster and changes no bit of the rates.
     check : bool
-        Whether the error is estimated by a second run with shorter steps. Without the second run
-        the error is NaN and the status ``UNCHECKED``. An ``accuracy`` always takes it.
+        Whether the error is estimated by a second run with other steps. Without the second run
+        the error is NaN and the status ``UNCHECKED``. An ``accuracy`` always takes it. With a
+        method or a step, of more than 32 bodies only 32 are checked.
     max_steps : int
         A body that would need more has the status ``STEP_LIMIT``: it is not run, or it is stopped
         there if there is a tolerance.
@@ -148,7 +152,7 @@ def simulate(
         target.check(batch, time_ranges(times), accuracy)
     if tolerance is not None:
         tolerance = _checked_tolerance(tolerance, method, step, accuracy)
-    known = None
+    known, aim = None, accuracy
     if step is None and accuracy is None and tolerance is None and given.ndim == 1:
         known = closed_form_plan(scene, record, method, max(len(batch), 1), len(times))
     if known is not None:
@@ -166,7 +170,10 @@ def simulate(
             step=step,
             states=times.shape[-1],
         )
-        plan, steps = choose_method(problem)
+        choice = choose_method(problem)
+        plan, steps = choice.plan, choice.steps
+        if check and tolerance is None:
+            aim = choice.accuracy
     if tolerance is not None:
         own = f"each body takes its own steps, last terms below {tolerance:g}"
         plan = replace(plan, why=(*plan.why, own), step=None, steps=None, work=None, error=None)
@@ -186,7 +193,10 @@ def simulate(
         worst = largest(estimate.error)
         plan = plan.with_error(worst if worst < 1.0 else None)
     else:
-        states, estimate = integrate(request, steps, accuracy, check=check, out=target.exact)
+        every = method is None and step is None
+        states, estimate = integrate(
+            request, steps, aim, check=check, every=every, out=target.exact
+        )
     if states["work"] is not None:
         np.ldexp(states["work"], batch.scale_exponent[:, np.newaxis], out=states["work"])
     estimate = ErrorEstimate(target.finish(states, estimate.error), estimate.lost_from)
@@ -231,12 +241,12 @@ def replay_steps(
         method=method,
         step=step,
     )
-    plan, steps = choose_method(problem)
+    choice = choose_method(problem)
     states = _core.simulate(
         **batch.columns(),
         method=method,
         record="attitude",
-        step=steps,
+        step=choice.steps,
         max_steps=2**63,
         threads=1,
         strides=list(strides),
@@ -250,7 +260,7 @@ def replay_steps(
         "record": "attitude",
     }
     # The map that this body comes from has its own check of the error.
-    return _to_run(states, times, unknown_error(1), spec, plan, ())
+    return _to_run(states, times, unknown_error(1), spec, choice.plan, ())
 
 
 def _checked_tolerance(

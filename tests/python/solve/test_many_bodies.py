@@ -319,7 +319,7 @@ def test_the_plan_of_many_bodies_covers_the_slowest() -> None:
     assert plan.step == min(one.step for one in alone if one.step)
     assert plan.error == max(one.error for one in alone if one.error)
     assert rigid.plan(FREE, "rates").method == "exact"
-    assert rigid.plan(TOPS, "attitude").method == "rk4"
+    assert rigid.plan(TOPS, "attitude").method != "exact"
 
 
 UPRIGHT, TUMBLING = [1.0, 1e-9, 0.0, 0.0], [0.8, 0.6, 0.0, 0.0]
@@ -526,12 +526,12 @@ def test_the_bad_one_is_named(call: Callable[[], Any], kind: type[Exception], me
 
 
 def test_the_textbook_of_bodies_that_differ() -> None:
-    run = rigid.simulate(TOPS, OMEGA, ATTITUDE, t=T)
+    run = rigid.simulate(TOPS, OMEGA, ATTITUDE, t=T, method="rk4")
     kept = rigid.free.invariants(run)
     crossings = rigid.free.crossings(BODY, OMEGA, count=2)
     assert crossings.shape == (COUNT, 3, 2)
     for body in (0, 1, 36):
-        one = rigid.simulate(TOPS[body], OMEGA[body], ATTITUDE[body], t=T, method=run.plan.method)
+        one = rigid.simulate(TOPS[body], OMEGA[body], ATTITUDE[body], t=T, method="rk4")
         alone = rigid.free.invariants(one)
         assert np.array_equal(kept.kinetic[body], alone.kinetic)
         # The sum of three products in another order.

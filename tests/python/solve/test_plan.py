@@ -275,11 +275,16 @@ def test_what_is_nearly_symmetric_is_not_made_symmetric(
 ) -> None:
     scene = rigid.HeavyTop(rigid.Body(moments), mgl=1.0, com=com)
     questions: list[Any] = [*RECORDS, rigid.tilt_below(0.5), rigid.no_flip(3)]
+    cheapest = rigid.plan(scene, "rates", omega=RATES, t_end=50.0, accuracy=1e-8).method
     for question in questions:
         plan = rigid.plan(scene, question, omega=RATES)
-        assert plan.method == "rk4"
         assert plan.closed_form is None
-        assert plan.why == (f"no closed form: {why}",)
+        assert plan.why[0] == f"no closed form: {why}"
+        if isinstance(question, str):
+            assert plan.method == cheapest
+        else:
+            assert plan.method == "rk4"
+            assert len(plan.why) == 1
     assert rigid.simulate(scene, RATES, t=[1.0]).steps > 0
 
 
@@ -301,12 +306,12 @@ def test_a_swing_about_a_principal_axis_is_a_pendulum_if_all_bodies_swing() -> N
     # The centre of mass lies across axis 2, which is horizontal and stays so.
     swinging, tumbling = [0.0, 1.5, 0.0], [0.1, 1.5, 0.0]
     start = tilted(0.0)
-    assert rigid.plan(HEAVY, "rates").method == "rk4"
+    assert rigid.plan(HEAVY, "rates").method != "exact"
     assert rigid.plan(HEAVY, "rates", omega=swinging, attitude=start).closed_form == "pendulum"
     assert rigid.plan(HEAVY, "rates", omega=[swinging] * 3).method == "exact"
-    assert rigid.plan(HEAVY, "rates", omega=[swinging, tumbling]).method == "rk4"
+    assert rigid.plan(HEAVY, "rates", omega=[swinging, tumbling]).method != "exact"
     assert rigid.simulate(HEAVY, swinging, start, t=[1.0]).plan.closed_form == "pendulum"
-    assert rigid.simulate(HEAVY, [swinging, tumbling], start, t=[1.0]).plan.method == "rk4"
+    assert rigid.simulate(HEAVY, [swinging, tumbling], start, t=[1.0]).plan.method != "exact"
 
 
 @pytest.mark.parametrize("scene", [FREE, SYMMETRIC, SPHERE, LAGRANGE, lagrange(1, -1.0), HEAVY])
