@@ -36,6 +36,7 @@ __all__ = [
     "principal_axes",
     "saddles",
     "simulate",
+    "state_bytes",
     "status_names",
     "tilt_times",
     "top_quantities",
@@ -81,6 +82,9 @@ def simulate(
     out: Mapping[str, NDArray[Any]] | None = None,
     single: bool = False,
 ) -> dict[str, Any]: ...
+def state_bytes(
+    *, scene: str, record: str, bodies: int, times: int, forcing: Forcing | None = None
+) -> int: ...
 def closed_forms(
     *,
     scene: str,

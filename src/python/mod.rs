@@ -51,7 +51,7 @@ mod _core {
     #[pymodule_export]
     use super::motion::PyMotion;
     #[pymodule_export]
-    use super::simulate::{default_steps, fastest_rates, simulate, status_names};
+    use super::simulate::{default_steps, fastest_rates, simulate, state_bytes, status_names};
     #[pymodule_export]
     use super::{
         available_threads, build_info, check_method, check_moments, chosen_methods, methods, moment_status,

@@ -23,6 +23,31 @@ use numpy::{
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+/// Bytes of the states of so many bodies at so many times.
+#[pyfunction]
+#[pyo3(signature = (*, scene, record, bodies, times, forcing=None))]
+pub fn state_bytes(
+    scene: &str,
+    record: &str,
+    bodies: usize,
+    times: usize,
+    forcing: Option<PyRef<'_, PyForcing>>,
+) -> PyResult<u128> {
+    let request = Request {
+        bodies: &[],
+        scene: Scene::parse(scene)?,
+        forcing: forcing.as_ref().map_or(Forcing::NONE, |forcing| &forcing.0),
+        solver: Solver::Exact,
+        record: parse_record(record)?,
+        schedule: Schedule::Times(&[]),
+        steps: &[],
+        refinement: 1.0,
+        tolerance: None,
+        max_steps: 0,
+    };
+    Ok(States::bytes(&request, bodies, times, &[]))
+}
+
 /// States of bodies at given times; see `rigid.simulate`.
 #[pyfunction]
 #[pyo3(signature = (*, scene, method, record, moments, weight, omega, attitude, step, max_steps, threads, times=None, strides=None, refinement=1.0, tolerance=None, forcing=None, out=None, single=false))]

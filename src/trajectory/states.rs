@@ -71,12 +71,9 @@ macro_rules! states {
                 columns
             }
 
-            /// All memory that the states of `n` bodies take but for columns that are given; the bodies of the request
-            /// do not matter.
-            pub fn reserved(request: &Request, n: usize, given: &[&str]) -> Result<States, Error> {
-                let times = request.schedule.len();
-                let what = format!("states of {n} bodies at {times} times");
-                // Beyond any number of bytes the product does not matter.
+            /// Bytes of the states of `n` bodies at so many times but for columns that are given; neither the bodies
+            /// nor the times of the request matter. Beyond any number of bytes the product does not matter.
+            pub fn bytes(request: &Request, n: usize, times: usize, given: &[&str]) -> u128 {
                 let states = (n as u128).saturating_mul(times as u128);
                 let mut bytes = 0_u128;
                 $({
@@ -86,6 +83,15 @@ macro_rules! states {
                     bytes = bytes.saturating_add(states.saturating_mul(width));
                 })*
                 $(bytes = bytes.saturating_add(n as u128 * size_of::<$type>() as u128);)*
+                bytes
+            }
+
+            /// All memory that the states of `n` bodies take but for columns that are given; the bodies of the request
+            /// do not matter.
+            pub fn reserved(request: &Request, n: usize, given: &[&str]) -> Result<States, Error> {
+                let times = request.schedule.len();
+                let what = format!("states of {n} bodies at {times} times");
+                let bytes = States::bytes(request, n, times, given);
                 memory::check(&what, bytes)?;
                 let refused = || Error::Memory { what: what.clone(), bytes, limit: None };
                 Ok(States {

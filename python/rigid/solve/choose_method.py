@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .. import _core
 from .._checks.arguments import finite_float, one_of, positive_int
 from ..model.criteria import Criterion, known_criteria
 from ..model.scene import Scene, check_scene
@@ -175,6 +176,7 @@ def plan(
     method: str | None = None,
     step: float | None = None,
     bodies: int | None = None,
+    times: int | None = None,
 ) -> Plan:
     """Plan the computation of :func:`simulate` or a map for a question about a scene.
 
@@ -202,6 +204,8 @@ def plan(
     bodies : int, optional
         Number of bodies of the call, which the cost of one depends on. Default: those of ``omega``,
         many without them or for a criterion.
+    times : int, optional
+        Number of wanted times, which cost and memory depend on. Default: 1.
 
     Returns
     -------
@@ -227,6 +231,7 @@ def plan(
     left out    no torque: no steps; rates only: no attitude; no weight: no vertical
     cost        about ... µs a body
     error       about 1.6e-13 rad
+    memory      65 bytes for the states
     >>> rigid.plan(scene, rigid.tilt_below(0.5)).method
     'rk4'
     """
@@ -243,7 +248,7 @@ def plan(
         accuracy=accuracy,
         method=method,
         step=step,
-        states=1 if isinstance(question, str) else 0,
+        states=_states(question, times),
         bodies=None if bodies is None else positive_int("bodies", bodies),
     )
     chosen = choose_method(problem).plan
@@ -271,6 +276,15 @@ class Choice:
     plan: Plan
     steps: Floats | None
     accuracy: float | None
+
+
+def _states(question: Question, times: int | None) -> int:
+    """Number of wanted states of a body: none for a criterion."""
+    if isinstance(question, str):
+        return 1 if times is None else positive_int("times", times)
+    if times is not None:
+        raise ValueError(f"times = {times}: a criterion is no question about wanted times")
+    return 0
 
 
 def choose_method(problem: Problem) -> Choice:
@@ -314,6 +328,7 @@ def choose_method(problem: Problem) -> Choice:
         steps=estimate.steps,
         work=estimate.work,
         error=error,
+        memory=_memory(problem),
     )
     return Choice(chosen, steps, accuracy)
 
@@ -442,6 +457,21 @@ def _scheme(problem: Problem, why: list[str]) -> tuple[str, list[str]]:
     if not is_stiff:
         return FALLBACK, why
     return STIFF, [*why, f"strong damping, at a rate of {slowing:.3g} 1/s: {STIFF}"]
+
+
+def _memory(problem: Problem) -> int | None:
+    """Bytes of the states of the bodies, if their number is known."""
+    bodies = len(problem.batch) if problem.batch is not None else problem.bodies
+    if bodies is None or not isinstance(problem.question, str):
+        return None
+    forcing = problem.scene.forcing if problem.batch is None else problem.batch.forcing
+    return _core.state_bytes(
+        scene=problem.scene.kind,
+        record=problem.question,
+        bodies=bodies if problem.bodies is None else problem.bodies,
+        times=problem.states,
+        forcing=forcing,
+    )
 
 
 def _takes_usual_accuracy(problem: Problem, method: str) -> bool:

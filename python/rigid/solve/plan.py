@@ -52,6 +52,9 @@ class Plan:
         Estimate of the work of a body, the costliest of many that differ, in units that hold on any
         machine; of a call by steps that of its first run, without the second run that estimates the
         error.
+    memory : int or None
+        Bytes of the states of all bodies of the call at the wanted times. None for a criterion, and
+        if the number of bodies is not known.
     error : float or None
         Estimate of the error of the attitude at the end, rad: ``1e-15`` per radian turned, and for
         a scheme five times the phase error of its order, at most a requested accuracy. None if it
@@ -71,6 +74,7 @@ class Plan:
     left_out: tuple[str, ...]
     work: float | None
     error: float | None
+    memory: int | None = None
 
     def with_error(self, error: float | None) -> Plan:
         """The plan with another error; faster than :func:`dataclasses.replace`."""
@@ -86,6 +90,7 @@ class Plan:
             left_out=self.left_out,
             work=self.work,
             error=error,
+            memory=self.memory,
         )
 
     @property
@@ -130,6 +135,8 @@ class Plan:
             ("cost", "unknown" if self.cost is None else f"about {_time_words(self.cost)} a body"),
             ("error", "unknown" if self.error is None else f"about {self.error:.1e} rad"),
         ]
+        if self.memory is not None:
+            lines.append(("memory", f"{memory_words(self.memory)} for the states"))
         return "\n".join(f"{name:<12}{text}" for name, text in lines)
 
     def method_words(self) -> str:
@@ -206,6 +213,14 @@ def carried(scene: Scene, question: Question, method: str) -> tuple[str, ...]:
         "axis": ("omega", "gamma"),
         "attitude": ("omega", "gamma", "attitude") if turns else ("omega", "attitude"),
     }[record]
+
+
+def memory_words(size: int) -> str:
+    """Some bytes, in the largest unit of which they are one."""
+    for name, unit in (("GB", 10**9), ("MB", 10**6), ("kB", 10**3)):
+        if size >= unit:
+            return f"{size / unit:.3g} {name}"
+    return f"{size} bytes"
 
 
 def _time_words(nanoseconds: float) -> str:

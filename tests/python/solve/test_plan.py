@@ -389,6 +389,38 @@ def test_a_body_has_the_step_of_its_own_rates() -> None:
     assert together.steps[1] > together.steps[0]
 
 
+@pytest.mark.parametrize("record", RECORDS)
+@pytest.mark.parametrize("scene", [FREE, HEAVY, rigid.HeavyTop(HEAVY.body, mgl=1.0, damping=0.1)])
+@pytest.mark.parametrize("shape", [(), (7,)])
+def test_the_memory_of_a_plan_is_that_of_the_states(
+    scene: Scene, record: str, shape: tuple[int, ...]
+) -> None:
+    omega = np.broadcast_to([0.4, 0.3, 2.0], (*shape, 3))
+    run = rigid.simulate(scene, omega, t=[1.0, 2.0, 3.0], record=record, method="dop853")
+    columns = [run.omega, run.gamma, run.attitude, run.work, run.energy_drift, run.momentum_drift]
+    columns += [run.unit_drift, run.steps, run.status]
+    states = sum(np.asarray(column).nbytes for column in columns if column is not None)
+    count = shape[0] if shape else 1
+    # And the bound of the rates.
+    assert run.plan.memory == states + 8 * count
+    planned = rigid.plan(
+        scene, record, omega=[0.4, 0.3, 2.0], t_end=3.0, method="dop853", bodies=count, times=3
+    )
+    assert planned.memory == run.plan.memory
+    assert f"memory      {planned.memory}" in str(planned)
+
+
+def test_a_criterion_has_no_wanted_times() -> None:
+    assert rigid.plan(FREE, rigid.no_flip(3)).memory is None
+    assert rigid.plan(FREE, "rates").memory is None
+    huge = rigid.plan(FREE, "attitude", bodies=10**9, times=10**6)
+    assert huge.memory is not None
+    assert huge.memory > 10**16
+    assert "memory      5.6e+07 GB for the states" in str(huge)
+    with pytest.raises(ValueError, match=r"times = 3: a criterion is no question about wanted"):
+        rigid.plan(FREE, rigid.no_flip(3), times=3)
+
+
 # Maps
 
 
