@@ -397,8 +397,8 @@ def test_the_memory_of_a_plan_is_that_of_the_states(
 ) -> None:
     omega = np.broadcast_to([0.4, 0.3, 2.0], (*shape, 3))
     run = rigid.simulate(scene, omega, t=[1.0, 2.0, 3.0], record=record, method="dop853")
-    columns = [run.omega, run.gamma, run.attitude, run.work, run.energy_drift, run.momentum_drift]
-    columns += [run.unit_drift, run.steps, run.status]
+    columns: list[Any] = [run.omega, run.gamma, run.attitude, run.work, run.steps, run.status]
+    columns += [run.energy_drift, run.momentum_drift, run.unit_drift]
     states = sum(np.asarray(column).nbytes for column in columns if column is not None)
     count = shape[0] if shape else 1
     # And the bound of the rates.
