@@ -115,6 +115,9 @@ def numbers(name: str, value: ArrayLike) -> NDArray[np.float64]:
         array = np.asarray(value)
     except ValueError:
         raise ValueError(f"{name} = {brief(value)}: must be an array of real numbers") from None
+    flags = array.flags
+    if array.dtype == np.float64 and flags.c_contiguous and flags.aligned:
+        return array
     if array.dtype.kind not in "iuf":
         raise TypeError(f"{name} = {brief(value)}: must be real numbers, got {array.dtype}")
     if array.dtype.itemsize > 8:
@@ -127,7 +130,9 @@ def numbers(name: str, value: ArrayLike) -> NDArray[np.float64]:
 def _refuse_masked(name: str, value: object) -> None:
     """Raise ValueError for a masked array with masked elements."""
     masked = sys.modules.get("numpy.ma")  # there is no masked array before it is imported
-    if masked is not None and masked.is_masked(value):
+    if masked is None or not isinstance(value, masked.MaskedArray):
+        return
+    if masked.is_masked(value):
         raise ValueError(
             f"{name}: {masked.count_masked(value)} elements are masked; fill them or leave them out"
         )
@@ -169,14 +174,17 @@ def shaped(
     """
     array = numbers(name, value)
     last = array.shape[max(array.ndim - len(shape), 0) :]
-    if len(last) < len(shape) or any(
-        want not in (None, got) for want, got in zip(shape, last, strict=True)
+    if last != shape and (
+        len(last) < len(shape)
+        or any(want not in (None, got) for want, got in zip(shape, last, strict=True))
     ):
         wanted = ", ".join("N" if want is None else str(want) for want in shape)
         raise ValueError(f"{name}: expected shape (..., {wanted}), got {array.shape}")
     _finite(name, array)
+    if not (positive or nonnegative):
+        return array
     bad = array <= 0.0 if positive else array < 0.0
-    if (positive or nonnegative) and np.any(bad):
+    if np.any(bad):
         index, place = first_place(bad)
         rule = "must be positive" if positive else "must not be negative"
         raise ValueError(f"{name}{place} = {array[index]}: {rule}")

@@ -12,7 +12,17 @@ from numpy.typing import ArrayLike, NDArray
 from .. import _core
 from .._checks.arguments import finite_float, first_place, numbers, shaped, vector
 from .._moments import box_moments, possible
-from .leading import Index, Shape, frozen, holds, index_of_bodies, leading_shape, same, taken
+from .leading import (
+    Index,
+    Shape,
+    axes_of,
+    frozen,
+    holds,
+    index_of_bodies,
+    leading_shape,
+    same,
+    taken,
+)
 
 if TYPE_CHECKING:
     from ..inertia.mass_properties import MassProperties
@@ -112,7 +122,7 @@ class Body:
     @property
     def shape(self) -> Shape:
         """The axes of the bodies: ``()`` of one body, ``(n,)`` of n bodies."""
-        return np.shape(self.moments)[:-1]
+        return axes_of(self.moments, 1)
 
     def __len__(self) -> int:
         return holds(self.shape)

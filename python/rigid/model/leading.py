@@ -12,7 +12,17 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Index", "Shape", "frozen", "holds", "index_of_bodies", "leading_shape", "same", "taken"]
+__all__ = [
+    "Index",
+    "Shape",
+    "axes_of",
+    "frozen",
+    "holds",
+    "index_of_bodies",
+    "leading_shape",
+    "same",
+    "taken",
+]
 
 Shape: TypeAlias = tuple[int, ...]
 Index: TypeAlias = Any
@@ -31,6 +41,14 @@ def holds(shape: Shape) -> int:
     if not shape:
         raise TypeError("one body has no length; bodies of moments (n, 3) have")
     return shape[0]
+
+
+def axes_of(value: Any, width: int) -> Shape:
+    """The axes of the bodies of a part: of an array those before the last ``width`` axes.
+
+    The part of one body is a number or a tuple.
+    """
+    return value.shape[: value.ndim - width] if isinstance(value, np.ndarray) else ()
 
 
 def leading_shape(shapes: Mapping[str, Shape]) -> Shape:

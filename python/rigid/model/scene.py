@@ -19,7 +19,17 @@ from .. import _core
 from .._checks.arguments import finite_float, one_of, shaped, unit_vector
 from .._checks.arrays import unit_vectors
 from .body import Body, require_one
-from .leading import Index, Shape, frozen, holds, index_of_bodies, leading_shape, same, taken
+from .leading import (
+    Index,
+    Shape,
+    axes_of,
+    frozen,
+    holds,
+    index_of_bodies,
+    leading_shape,
+    same,
+    taken,
+)
 from .start import Start, normal
 from .torque import (
     Damping,
@@ -121,9 +131,9 @@ class Scene(ABC):
         """The axes of the bodies: ``()`` of one body, ``(n,)`` of n bodies."""
         shapes = {"moments": self.body.shape}
         for name, known in self.fields.items():
-            shapes[name] = np.shape(getattr(self, name))[: -1 if known.width > 1 else None]
+            shapes[name] = axes_of(getattr(self, name), int(known.width > 1))
         shapes["torque"] = () if self.torque is None else self.torque.shape
-        shapes["damping"] = () if self.damping is None else np.shape(self.damping)[:-2]
+        shapes["damping"] = axes_of(self.damping, 2)
         return leading_shape(shapes)
 
     def __len__(self) -> int:

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.arguments import first_place, numbers, shaped, sorted_times
-from .leading import Index, Shape, frozen, leading_shape, same, taken
+from .leading import Index, Shape, axes_of, frozen, leading_shape, same, taken
 
 __all__ = [
     "Damping",
@@ -63,7 +63,7 @@ class Torque:
     @property
     def shape(self) -> Shape:
         """The axes of the bodies: ``()`` of one torque, ``(n,)`` of one for each of n bodies."""
-        return np.shape(self.in_body)[:-2]
+        return axes_of(self.in_body, 2)
 
     def of(self, shape: Shape, index: Index) -> Torque:
         """The torque of some of the bodies of this shape."""
