@@ -251,31 +251,13 @@ def plan(
         states=_states(question, times),
         bodies=None if bodies is None else positive_int("bodies", bodies),
     )
-    chosen = choose_method(problem).plan
+    chosen = choose_method(problem)[0]
     if batch is not None and chosen.method == EXACT and chosen.error is not None:
         unforeseen = why_unforeseen(batch, problem.times, by_steps=False)
         if unforeseen is not None:
             why = (*chosen.why, UNKNOWN.format(unforeseen))
             chosen = replace(chosen, error=None, why=why)
     return chosen
-
-
-@dataclass(frozen=True, slots=True)
-class Choice:
-    """What is chosen for the bodies of a problem.
-
-    Attributes
-    ----------
-    plan : Plan
-    steps : ndarray, shape (n,), or None
-        The longest step of each body (s). None if there are no steps or they are left to the core.
-    accuracy : float or None
-        The accuracy for which the steps are made, asked for or the usual one.
-    """
-
-    plan: Plan
-    steps: Floats | None
-    accuracy: float | None
 
 
 def _states(question: Question, times: int | None) -> int:
@@ -287,8 +269,11 @@ def _states(question: Question, times: int | None) -> int:
     return 0
 
 
-def choose_method(problem: Problem) -> Choice:
-    """The method for the bodies of a problem, and their steps."""
+def choose_method(problem: Problem) -> tuple[Plan, Floats | None]:
+    """The plan for the bodies of a problem, and the longest step of each (s).
+
+    The steps are None if there are none or if they are left to the core.
+    """
     scene, question, span = problem.scene, problem.question, problem.span
     forms = _known_closed_forms(problem)
     if scene.torque is not None and span is not None:
@@ -328,9 +313,10 @@ def choose_method(problem: Problem) -> Choice:
         steps=estimate.steps,
         work=estimate.work,
         error=error,
+        accuracy=accuracy,
         memory=_memory(problem),
     )
-    return Choice(chosen, steps, accuracy)
+    return chosen, steps
 
 
 def closed_form_plan(
@@ -353,7 +339,7 @@ def _plan_of_any_start(
     if "" in closed_forms(question, moment_rows(scene), weight_rows(scene)):
         return None
     problem = Problem(scene=scene, question=question, method=method, states=states, bodies=bodies)
-    return choose_method(problem).plan
+    return choose_method(problem)[0]
 
 
 def _steps_estimate(problem: Problem, method: str, steps: Floats | None) -> Estimate:

@@ -52,6 +52,9 @@ class Plan:
         Estimate of the work of a body, the costliest of many that differ, in units that hold on any
         machine; of a call by steps that of its first run, without the second run that estimates the
         error.
+    accuracy : float or None
+        The error for which method and steps are made: that asked for, or the usual one of states
+        for which neither a method nor a step is asked; None where there is none.
     memory : int or None
         Bytes of the states of all bodies of the call at the wanted times. None for a criterion, and
         if the number of bodies is not known.
@@ -74,6 +77,7 @@ class Plan:
     left_out: tuple[str, ...]
     work: float | None
     error: float | None
+    accuracy: float | None = None
     memory: int | None = None
 
     def with_error(self, error: float | None) -> Plan:
@@ -90,6 +94,7 @@ class Plan:
             left_out=self.left_out,
             work=self.work,
             error=error,
+            accuracy=self.accuracy,
             memory=self.memory,
         )
 

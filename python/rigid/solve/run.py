@@ -127,6 +127,23 @@ class Run:
 
     _animator: ClassVar[Callable[..., Path]]
 
+    def __repr__(self) -> str:
+        """Size, method, largest known error, and how many bodies ended how."""
+        times = f"{len(self.t.T):,} time{'' if len(self.t.T) == 1 else 's'}"
+        known = np.atleast_1d(self.error)
+        known = known[~np.isnan(known)]
+        error = f"error {known.max():.1e}" if len(known) else "error unknown"
+        if self.status.ndim == 0:
+            how = Status(int(self.status)).name.lower()
+            return f"Run(one body at {times}; {self.plan.method}; {error}; {how})"
+        codes, counts = np.unique(self.status, return_counts=True)
+        ends = [
+            f"{count:,} {Status(code).name.lower()}"
+            for code, count in zip(codes.tolist(), counts.tolist(), strict=True)
+        ]
+        parts = [f"{self.status.size:,} bodies at {times}", self.plan.method, error]
+        return f"Run({'; '.join(parts)}; {', '.join(ends) or 'nothing'})"
+
     @property
     def flagged(self) -> NDArray[np.bool_]:
         """Whether the error is above the requested accuracy, or 1 or more without an accuracy."""
@@ -170,7 +187,7 @@ an accuracy
         """How a body ended, and what to do."""
         if status not in (Status.FLAGGED, Status.COARSE):
             return _STATUS_WORDS[status]
-        steps_help = self.spec["accuracy"] is None and self.spec["method"] != EXACT
+        steps_help = self.plan.accuracy is None and self.plan.method != EXACT
         cure = "end the run earlier"
         cure += " or ask for an accuracy" if steps_help else ": shorter steps do not help"
         if status == Status.COARSE:

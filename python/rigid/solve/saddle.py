@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
+from ..rotations.so3 import hat
 from .arrays import lengths
 from .batch import Batch
 
@@ -152,21 +153,15 @@ def _cross(a: Floats, b: Floats) -> Floats:
     return np.stack([a2 * b3 - a3 * b2, a3 * b1 - a1 * b3, a1 * b2 - a2 * b1], axis=-1)
 
 
-def _cross_matrix(v: Floats) -> Floats:
-    """The matrix of ``v x``."""
-    x, y, z = v
-    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-
-
 def _linearised(
     moments: Floats, weight: Floats, omega: Floats, vertical: Floats, damping: Floats
 ) -> Floats:
     """Derivative of the rates of change of rates and vertical, shape (6, 6)."""
-    turning = _cross_matrix(moments * omega) - _cross_matrix(omega) * moments - damping
-    falling = -_cross_matrix(weight)
+    turning = hat(moments * omega) - hat(omega) * moments - damping
+    falling = -hat(weight)
     return np.block(
         [
             [turning / moments[:, None], falling / moments[:, None]],
-            [_cross_matrix(vertical), -_cross_matrix(omega)],
+            [hat(vertical), -hat(omega)],
         ]
     )

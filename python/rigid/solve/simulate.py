@@ -170,10 +170,9 @@ def simulate(
             step=step,
             states=times.shape[-1],
         )
-        choice = choose_method(problem)
-        plan, steps = choice.plan, choice.steps
+        plan, steps = choose_method(problem)
         if check and tolerance is None:
-            aim = choice.accuracy
+            aim = plan.accuracy
     if tolerance is not None:
         own = f"each body takes its own steps, last terms below {tolerance:g}"
         plan = replace(plan, why=(*plan.why, own), step=None, steps=None, work=None, error=None)
@@ -241,12 +240,12 @@ def replay_steps(
         method=method,
         step=step,
     )
-    choice = choose_method(problem)
+    plan, steps = choose_method(problem)
     states = _core.simulate(
         **batch.columns(),
         method=method,
         record="attitude",
-        step=choice.steps,
+        step=steps,
         max_steps=2**63,
         threads=1,
         strides=list(strides),
@@ -260,7 +259,7 @@ def replay_steps(
         "record": "attitude",
     }
     # The map that this body comes from has its own check of the error.
-    return _to_run(states, times, unknown_error(1), spec, choice.plan, ())
+    return _to_run(states, times, unknown_error(1), spec, plan, ())
 
 
 def _checked_tolerance(

@@ -75,6 +75,18 @@ def test_tops_are_integrated_to_1e_8_and_all_of_them_are_checked() -> None:
     assert np.all(unchecked.status == rigid.Status.UNCHECKED)
 
 
+def test_a_run_shows_itself_in_a_line() -> None:
+    one = rigid.simulate(TOP, [0.2, 0.1, 3.0], t=[1.0, 2.0])
+    assert repr(one) == f"Run(one body at 2 times; {one.plan.method}; error {one.error:.1e}; ok)"
+    omega = np.array([[0.2, 0.1, 30.0], [0.1, 0.3, 0.2]])
+    some = rigid.simulate(TOP, omega, t=[1.0], method="rk4", max_steps=200, check=False)
+    words = "error unknown; 1 step_limit, 1 unchecked)"
+    assert repr(some) == f"Run(2 bodies at 1 time; rk4; {words}"
+    assert repr(rigid.simulate(TOP, omega[:0], t=[1.0])) == (
+        "Run(0 bodies at 1 time; exact; error unknown; nothing)"
+    )
+
+
 def test_a_top_that_turns_so_often_that_rounding_exceeds_1e_8_is_integrated_all_the_same() -> None:
     run = rigid.simulate(TOP, [0.2, 0.1, 3e6], t=[10.0], check=False, max_steps=1)
     assert run.status == rigid.Status.STEP_LIMIT

@@ -565,7 +565,7 @@ def test_under_strong_damping_the_error_of_a_plan_is_unknown(method: str | None)
     plan = rigid.plan(scene, "attitude", **options)
     assert plan.method == (method or "etd4")
     assert plan.error is None
-    assert str(plan).splitlines()[-1] == "error       unknown"
+    assert "error       unknown" in str(plan).splitlines()
     followed = rigid.plan(scene, "attitude", **{**options, "method": "rk4"})
     assert followed.error is not None
 
