@@ -30,7 +30,6 @@ from .closed_form import (
     why_not,
 )
 from .cost_model import (
-    ROUNDING,
     Estimate,
     calibration_classes,
     cheapest,
@@ -69,6 +68,9 @@ USUAL_ACCURACY = 1e-8
 
 USUAL_ANGLE = 100.0
 """Angle (rad) after which the cheapest scheme is compared where the true one is not known."""
+
+TOO_MANY = 1e15
+"""After such an angle (rad) nothing is known of a body."""
 
 STIFFNESS = 10.0
 """Damping is strong if it slows a body this many times faster than the body turns."""
@@ -471,9 +473,7 @@ def _usual(problem: Problem, method: str, why: list[str]) -> tuple[str, float | 
     """A scheme for the usual accuracy, and the accuracy if rates and horizon are known."""
     turning, span = problem.rates(), problem.span
     if turning is not None and span is not None:
-        # More than rounding leaves.
-        attainable = 4.0 * ROUNDING * (1.0 + _largest_angle(turning, span))
-        return method, max(USUAL_ACCURACY, attainable)
+        return method, USUAL_ACCURACY
     names = driven_methods() if problem.scene.is_driven else plain_methods()
     usual = cheapest(
         USUAL_ACCURACY,
@@ -491,7 +491,7 @@ def _accurate(
 ) -> tuple[str, Floats | None]:
     """The requested scheme or the cheapest one for the accuracy, and its steps; adds to why."""
     span, turning = problem.span, problem.rates()
-    if turning is not None and span is not None:
+    if problem.accuracy is not None and turning is not None and span is not None:
         check_attainable(accuracy, turning * span)
     if method == EXACT:
         return method, None
@@ -526,7 +526,10 @@ def _accurate(
 
 
 def _largest_angle(rates: Floats, span: float | Floats) -> float:
-    return float((rates * span).max(initial=0.0))
+    """The largest angle (rad) that a body turns; of those that overflow nothing is computed."""
+    with np.errstate(invalid="ignore", over="ignore"):
+        angles = rates * span
+    return float(angles[angles < TOO_MANY].max(initial=0.0))
 
 
 def _stepped_question(problem: Problem, method: str) -> Question:

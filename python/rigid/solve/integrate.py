@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .arrays import spread_indices, time_range, time_ranges
+from .arrays import spread_indices, time_range, time_ranges, time_span
+from .cost_model import ROUNDING
 from .error_estimate import (
     ErrorEstimate,
     estimate_error,
@@ -163,7 +164,10 @@ def _refine(
     # Steps longer than any interval between wanted times were cut to the interval.
     longest = np.diff(np.union1d(request.times, [0.0])).max(initial=0.0)
     steps, order = np.minimum(steps, longest), order_of(request.method)
-    pending = np.flatnonzero(estimate.error > accuracy)
+    angles = request.batch.fastest_rates(time_range(request.times)) * time_span(request.times)
+    # Shorter steps do not help where rounding alone leaves more.
+    attainable = ROUNDING * (1.0 + angles) < accuracy
+    pending = np.flatnonzero((estimate.error > accuracy) & attainable)
     in_vain = np.zeros(len(estimate.error), dtype=np.intp)
     for attempt in range(1, ATTEMPTS + 1):
         if not len(pending):
@@ -185,7 +189,7 @@ def _refine(
         _replace_states(states, pending[better], select_states(shorter, np.flatnonzero(better)))
         estimate.error[pending[better]] = again.error[better]
         estimate.lost_from[pending[better]] = again.lost_from[better]
-        # Shorter steps do not help where rounding or chaos dominates.
+        # Nor do they where chaos magnifies it.
         pending = pending[(estimate.error[pending] > accuracy) & (in_vain[pending] < IN_VAIN)]
     return estimate
 
