@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 __all__ = [
     "Range",
     "in_rows",
+    "intervals",
     "largest",
     "lengths",
     "spread_indices",
@@ -52,10 +53,20 @@ def time_range(times: Floats) -> tuple[float, float]:
     return min(float(times[0]), 0.0), max(float(times[-1]), 0.0)
 
 
-def time_span(times: Floats) -> float:
-    """Sum of the times covered from 0 backward and forward (s)."""
-    first, last = time_range(times)
+def time_span(times: Floats) -> float | Floats:
+    """Sum of the times covered from 0 backward and forward (s), or that of each body."""
+    first, last = time_ranges(times)
     return last - first
+
+
+def intervals(times: Floats) -> Floats:
+    """Lengths of the intervals between ascending times and 0 (s), of all bodies or of each.
+
+    Equal times have intervals of 0.
+    """
+    every = np.concatenate([times, np.zeros((*times.shape[:-1], 1))], axis=-1)
+    lengths: Floats = np.diff(np.sort(every, axis=-1), axis=-1)
+    return lengths
 
 
 def spread_indices(count: int, most: int) -> NDArray[np.intp]:

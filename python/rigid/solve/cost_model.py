@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from .. import _core
 from ..model.criteria import Criterion
 from ..model.scene import Scene
-from .arrays import time_range, time_span
+from .arrays import time_ranges, time_span
 from .batch import Batch
 from .closed_form import lagrange_axes
 from .methods import is_multistep, is_processed, is_stiff, order_of
@@ -246,7 +246,7 @@ def phase_error(
     batch: Batch, method: str, times: Floats, taken: Floats, tolerance: float | None
 ) -> Floats:
     """The error (rad) of some bodies after so many steps, from the model; shape (n,)."""
-    angles = batch.fastest_rates(time_range(times), method) * time_span(times)
+    angles = batch.fastest_rates(time_ranges(times), method) * time_span(times)
     if tolerance is not None:
         return tolerance * angles
     factor, _ = laws(batch, method)

@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .arrays import Range, largest, lengths, time_range, time_ranges, time_span
+from .arrays import Range, intervals, largest, lengths, time_range, time_ranges, time_span
 from .batch import Batch
 from .cost_model import ROUNDING, phase_error
 from .methods import rotations
@@ -88,6 +88,10 @@ class ErrorEstimate:
     error: Floats
     lost_from: Floats
 
+    def of(self, bodies: NDArray[np.intp]) -> ErrorEstimate:
+        """A copy of the estimate of some bodies."""
+        return ErrorEstimate(self.error[bodies], self.lost_from[bodies])
+
     def write(self, bodies: NDArray[np.intp], other: ErrorEstimate) -> None:
         """Write the estimate of some bodies over."""
         self.error[bodies], self.lost_from[bodies] = other.error, other.lost_from
@@ -109,9 +113,10 @@ def closed_form_error(batch: Batch, times: Floats, omega: Floats) -> ErrorEstima
     reached = time_ranges(times)
     rates = batch.fastest_rates(reached)
     top = batch.forcing is None and np.count_nonzero(batch.weight)
-    if not top and times.ndim == 1 and largest(rates) * time_span(times) < 0.5 / ROUNDING:
+    span = time_span(times)
+    if not top and isinstance(span, float) and largest(rates) * span < 0.5 / ROUNDING:
         # No error reaches one.
-        error = ROUNDING * (1.0 + rates * time_span(times))
+        error = ROUNDING * (1.0 + rates * span)
         return ErrorEstimate(error, np.full(len(batch), np.inf))
     with np.errstate(all="ignore"):
         return _closed_form_error(batch, rates, reached, omega)
@@ -166,10 +171,10 @@ def estimate_error(
                 estimate.write(some, estimate_error(*parts, refinement, accuracy))
         return estimate
     span = time_span(times)
-    if span == 0.0 or not len(times):
+    if not np.any(span) or not times.shape[-1]:
         return ErrorEstimate(np.zeros(len(batch)), np.full(len(batch), np.inf))
     taken = states["steps"].astype(np.float64)
-    rates = batch.fastest_rates(time_range(times))
+    rates = batch.fastest_rates(time_ranges(times))
     floor = EQUAL_RUNS * (1.0 + rates * span) + ROTATION * rotations(method) * taken
     if rotations(method) and batch.forcing is None:
         symmetric = np.any(batch.moments == np.roll(batch.moments, 1, axis=1), axis=1)
@@ -192,6 +197,8 @@ def estimate_error(
     if is_damped_stiffly(request) and request.tolerance is None:
         # Damping can stop a body within a step: both runs lose the angle it turned meanwhile.
         error[rates * span > np.pi * taken] = np.inf
+    # Nothing moves in no time.
+    error[np.broadcast_to(span, len(error)) == 0.0] = 0.0
     estimate = ErrorEstimate(error.max(axis=1), _lost_from(error, times))
     _count_turns(request, taken, estimate)
     return estimate
@@ -226,8 +233,9 @@ def _ringing(batch: Batch, states: Mapping[str, Any], times: Floats) -> Floats:
     """
     assert batch.forcing is not None
     rate = batch.forcing.damping_rates(batch.moments)[:, np.newaxis]
-    taken = states["steps"][:, None] * np.maximum(times, 0.0) / time_span(times)
-    damped = 0.5 * rate * time_span(times) / states["steps"][:, None]
+    span, steps = np.reshape(time_span(times), (-1, 1)), states["steps"][:, None]
+    taken = steps * np.maximum(times, 0.0) / span
+    damped = 0.5 * rate * span / steps
     left = np.where(damped > 1.0, ((damped - 1.0) / (damped + 1.0)) ** taken, 0.0)
     size = lengths(states["omega"]).max(axis=1)
     start = lengths(batch.omega)
@@ -243,12 +251,17 @@ def _count_turns(request: Request, taken: Floats, estimate: ErrorEstimate) -> No
     The steps of a run are equal between wanted times. So that no bit of its states depends on the
     estimate, a pair of further runs is compared.
     """
-    wanted = np.union1d(request.times, [0.0])
-    gaps = np.diff(wanted)
+    gaps = intervals(request.times)
     phase = phase_error(request.batch, request.method, request.times, taken, request.tolerance)
-    parting = phase * gaps.max() / gaps.sum()
+    parting = phase * gaps.max(axis=-1) / gaps.sum(axis=-1)
     some = np.flatnonzero((parting > PART_OF_A_TURN) & (estimate.error < 1.0))
     if not len(some):
+        return
+    if request.times.ndim == 2:
+        for body in np.split(some, len(some)):
+            one, own = request.select(body), estimate.of(body)
+            _count_turns(replace(one, times=one.times[0]), taken[body], own)
+            estimate.write(body, own)
         return
     most = int(np.clip(np.ceil(phase[some].max() / PART_OF_A_TURN), 1, BETWEEN))
     between = np.linspace(*time_range(request.times), most + 2)[1:-1]
@@ -268,7 +281,8 @@ def _lost_from(error: Floats, times: Floats) -> Floats:
     """The time nearest to 0, with its sign, at which the error is 1 or more; shape (n,)."""
     lost = np.where(error >= 1.0, np.abs(times), np.inf)
     nearest = lost.argmin(axis=1)
-    return np.where(np.isfinite(lost.min(axis=1)), times[nearest], np.inf)
+    when = np.take_along_axis(np.broadcast_to(times, error.shape), nearest[:, None], axis=1)[:, 0]
+    return np.where(np.isfinite(lost.min(axis=1)), when, np.inf)
 
 
 def distances(

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .arrays import spread_indices, time_range, time_ranges, time_span
+from .arrays import intervals, spread_indices, time_ranges, time_span
 from .cost_model import ROUNDING
 from .error_estimate import (
     ErrorEstimate,
@@ -63,8 +62,6 @@ def integrate(
     out : mapping, optional
         Arrays for columns, in double precision.
     """
-    if request.times.ndim == 2:
-        return _each_with_its_times(request, steps, accuracy, check=check, every=every)
     driven = request.batch.driven()
     if driven.any() and not driven.all():
         return _in_parts(request, steps, accuracy, driven, check=check, every=every)
@@ -76,39 +73,12 @@ def integrate(
         estimate = _sampled_estimate(request, states, steps, most)
     else:
         estimate = unknown_error(len(request.batch))
-    delay, lost = separatrix_error(request.batch, states, time_range(request.times))
+    delay, lost = separatrix_error(request.batch, states, time_ranges(request.times))
     # Of a body that was not run again no error is known, but that its phase is lost.
     known = ~np.isnan(estimate.error) | np.isfinite(lost)
     error = np.where(known & (delay > 0.0), np.fmax(estimate.error, delay), estimate.error)
     earlier = known & ~(np.abs(estimate.lost_from) < np.abs(lost))
     return states, ErrorEstimate(error, np.where(earlier, lost, estimate.lost_from))
-
-
-def _each_with_its_times(
-    request: Request, steps: Floats | None, accuracy: float | None, *, check: bool, every: bool
-) -> tuple[dict[str, Any], ErrorEstimate]:
-    """Bodies with times of their own, together, and those whose error is estimated one by one."""
-    states, count = request.states(steps), len(request.batch)
-    _, lost = separatrix_error(request.batch, states, time_ranges(request.times))
-    estimate = ErrorEstimate(np.full(count, np.nan), np.where(np.isfinite(lost), lost, np.nan))
-    if not (check or accuracy is not None):
-        return states, estimate
-    most = count if every or accuracy is not None else SAMPLE
-    pending = spread_indices(count, most)
-    seen: set[int] = set()
-    while len(pending):
-        for body in pending.tolist():
-            one = request.select(np.array([body]))
-            one = replace(one, times=one.times[0])
-            longest = None if steps is None else steps[[body]]
-            own, found = integrate(one, longest, accuracy, check=True)
-            estimate.write(np.array([body]), found)
-            states["nanoseconds"] += own["nanoseconds"]
-            _replace_states(states, np.array([body]), select_states(own, np.array([0])))
-        seen.update(pending.tolist())
-        lossy = np.any(estimate.error >= 1.0)
-        pending = np.setdiff1d(np.arange(count), list(seen)) if lossy else pending[:0]
-    return states, estimate
 
 
 def _in_parts(
@@ -162,9 +132,9 @@ def _refine(
     """Shorten the steps of inaccurate bodies, and write their better states over the others."""
     estimate = estimate_error(request, states, steps, accuracy=accuracy)
     # Steps longer than any interval between wanted times were cut to the interval.
-    longest = np.diff(np.union1d(request.times, [0.0])).max(initial=0.0)
+    longest = intervals(request.times).max(axis=-1, initial=0.0)
     steps, order = np.minimum(steps, longest), order_of(request.method)
-    angles = request.batch.fastest_rates(time_range(request.times)) * time_span(request.times)
+    angles = request.batch.fastest_rates(time_ranges(request.times)) * time_span(request.times)
     # Shorter steps do not help where rounding alone leaves more.
     attainable = ROUNDING * (1.0 + angles) < accuracy
     pending = np.flatnonzero((estimate.error > accuracy) & attainable)

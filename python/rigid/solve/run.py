@@ -95,8 +95,8 @@ class Run:
         separatrix it includes the rounding of the start, magnified. For a closed form it is
         ``1e-15`` per radian turned, or what the saddle of a top makes of ``1e-15``, relative to the
         rates of a top that hangs all but still. NaN for a body that was not run, and for one that
-        was not checked: in a call with more than 32 bodies and a method, a step or times of each
-        body's own, but no ``accuracy``, only 32 of the bodies are run again.
+        was not checked: in a call with more than 32 bodies and a method or step, but no
+        ``accuracy``, only 32 of the bodies are run again.
     lost_from : ndarray, shape (n,)
         Time from which on, away from 0, the error is 1 or more: do not use the states from there
         on. Negative if that is backward in time; infinite if there is none; NaN where the error is

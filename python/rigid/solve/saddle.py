@@ -75,7 +75,7 @@ def homoclinic(batch: Batch, times: Floats, sizes: RateSizes) -> Floats:
     """Error that rounding becomes beside the separatrix of a top in closed form, shape (n, m)."""
     distance, exponent = separatrices(batch)
     if not exponent.any():
-        return np.zeros((len(batch), len(times)))
+        return np.zeros((len(batch), times.shape[-1]))
     passed = exponent[:, None] * np.abs(times)
     magnified = np.fmin(np.exp(passed), (1.0 + passed) / distance[:, None]) - 1.0
     return sizes.with_rates(START * magnified, exponent)
@@ -89,7 +89,7 @@ def departure(batch: Batch, times: Floats, sizes: RateSizes) -> Floats:
     until its distance from the equilibrium, and that of its rounded neighbour, is of order one. A
     start that is in equilibrium to the bit stays, as exact arithmetic has it.
     """
-    error = np.zeros((len(batch), len(times)))
+    error = np.zeros((len(batch), times.shape[-1]))
     if not batch.weight.any():
         return error
     moments = np.broadcast_to(batch.moments, (len(batch), 3))
@@ -105,13 +105,14 @@ def departure(batch: Batch, times: Floats, sizes: RateSizes) -> Floats:
     away = np.maximum(lengths(torque / moments) / rate**2, lengths(_cross(vertical, omega)) / rate)
     stays = (away == 0.0) & _is_upright_to_the_bit(batch)
     since = np.abs(times) if batch.forcing is None else np.maximum(times, 0.0)
+    since = np.broadcast_to(since, error.shape)
     near = ~stays & (away < NEAR) & weight.any(axis=1)
     for body in np.flatnonzero(near):
         flow = _linearised(moments[body], weight[body], omega[body], vertical[body], damping[body])
         exponent = np.linalg.eigvals(flow).real.max()
         if exponent > rate[body] * max(SLOWEST, 10.0 * np.sqrt(away[body])):
             left = max(away[body], START)
-            error[body] = START * np.minimum(np.expm1(exponent * since), 1.0 / left)
+            error[body] = START * np.minimum(np.expm1(exponent * since[body]), 1.0 / left)
     return sizes.with_rates(error, rate)
 
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .arrays import time_range
+from .arrays import intervals, time_ranges
 from .batch import Batch
 from .cost_model import MARGIN, laws, phase_error
 from .methods import is_stiff, order_of, series_methods
@@ -93,7 +93,7 @@ def _longer(request: Request, steps: Floats, accuracy: float) -> Floats:
     gain = min(GAIN, COARSE / accuracy)
     ratio = np.clip(gain ** (1.0 / order_of(request.method)), 1.0, LONGEST)
     _, largest = laws(request.batch, request.method)
-    rates = request.batch.fastest_rates(time_range(request.times), request.method)
+    rates = request.batch.fastest_rates(time_ranges(request.times), request.method)
     with np.errstate(divide="ignore"):
         longest = largest / rates
     longer: Floats = np.minimum(ratio * steps, longest)
@@ -105,8 +105,9 @@ def _gain(request: Request, steps: Floats, longer: Floats) -> Floats:
 
     Between two wanted times whole numbers of steps are taken.
     """
-    gaps = np.diff(np.union1d(request.times, [0.0]))
-    ratio = longer / (steps * (1.0 + longer / gaps.min(initial=np.inf)))
+    between = intervals(request.times)
+    shortest = np.where(between > 0.0, between, np.inf).min(axis=-1, initial=np.inf)
+    ratio = longer / (steps * (1.0 + longer / shortest))
     gain: Floats = ratio ** order_of(request.method)
     return gain
 

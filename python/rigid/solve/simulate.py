@@ -98,7 +98,7 @@ def simulate(
     check : bool
         Whether the error is estimated by a second run with other steps. Without the second run
         the error is NaN and the status ``UNCHECKED``. An ``accuracy`` always takes it. With a
-        method, a step or times of each body's own, of more than 32 bodies only 32 are checked.
+        method or a step, of more than 32 bodies only 32 are checked.
     max_steps : int
         A body that would need more has the status ``STEP_LIMIT``: it is not run, or it is stopped
         there if there is a tolerance.
@@ -171,8 +171,7 @@ def simulate(
             states=times.shape[-1],
         )
         plan, steps = choose_method(problem)
-        # Bodies with times of their own are checked one by one.
-        if check and tolerance is None and times.ndim == 1:
+        if check and tolerance is None:
             aim = plan.accuracy
     if tolerance is not None:
         own = f"each body takes its own steps, last terms below {tolerance:g}"
@@ -193,7 +192,7 @@ def simulate(
         worst = largest(estimate.error)
         plan = plan.with_error(worst if worst < 1.0 else None)
     else:
-        every = method is None and step is None and times.ndim == 1
+        every = method is None and step is None
         states, estimate = integrate(
             request, steps, aim, check=check, every=every, out=target.exact
         )

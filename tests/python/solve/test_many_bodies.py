@@ -138,6 +138,7 @@ OWN_T[5] = -OWN_T[4, ::-1]
         {"method": "rk4", "step": 0.03, "check": False},
         {"method": "rk4", "accuracy": 1e-6},
         {"method": "taylor12", "tolerance": 1e-9, "check": False},
+        {"method": "taylor12", "accuracy": 1e-9},
     ],
     ids=str,
 )
