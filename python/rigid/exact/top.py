@@ -11,17 +11,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .._checks.arguments import finite_float, first_place
+from .._checks.arguments import finite_float
 from .._checks.arrays import finite_array, require
 from .._checks.overflow import refuses_overflow
 from ..model.leading import leading_shape
 from ..model.scene import HeavyTop, check_heavy_top
 from ..model.start import body_axis
-from ..solve.arrays import in_rows
 from ..solve.batch import Batch
-from ..solve.closed_form import lagrange_axes
 from .common import in_shape, require_unforced
 from .elliptic import agm
+from .symmetry import Symmetry, require_each, symmetry_of
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -240,11 +239,12 @@ def steady_precession(scene: HeavyTop, tilt: ArrayLike, spin: ArrayLike) -> Stea
     >>> round(float(found.slow), 12), round(float(found.fast), 11), round(float(found.spin_min), 11)
     (0.438447187191, 4.56155281281, 2.82842712475)
     """
-    across, along, side = _lagrange(scene)
+    symmetry = _lagrange(scene)
+    across, along = symmetry.across, symmetry.along
     angles, spins = np.broadcast_arrays(finite_array("tilt", tilt), finite_array("spin", spin))
     require("tilt", angles, (angles >= 0.0) & (angles <= pi), "must lie in [0, pi] (rad)")
     leading_shape({"scene": scene.shape, "tilt and spin": angles.shape})
-    momentum = side * along * spins
+    momentum = symmetry.side * along * spins
     # cos(pi / 2) of float64 is not 0, but the cosine of a horizontal axis is.
     cosine = np.where(angles == 0.5 * pi, 0.0, np.cos(angles))
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -290,8 +290,8 @@ def sleeping_spin(scene: HeavyTop) -> float | Floats:
     >>> rigid.exact.sleeping_spin(rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0))
     4.0
     """
-    across, along, _ = _lagrange(scene)
-    spin = 2.0 * np.sqrt(scene.mgl * across) / along
+    symmetry = _lagrange(scene)
+    spin = 2.0 * np.sqrt(scene.mgl * symmetry.across) / symmetry.along
     return spin if scene.shape else float(spin)
 
 
@@ -331,7 +331,7 @@ def pendulum_period(scene: HeavyTop, amplitude: ArrayLike, *, axis: int) -> Floa
     require_unforced(check_heavy_top(scene, many=True))
     about = body_axis(axis)
     mgl, com = np.asarray(scene.mgl), np.asarray(scene.com)
-    _require_each(
+    require_each(
         scene,
         (mgl != 0.0) & (com[..., about - 1] == 0.0),
         f"a pendulum about axis {about} needs a weight and its centre of mass exactly across that "
@@ -348,41 +348,18 @@ def pendulum_period(scene: HeavyTop, amplitude: ArrayLike, *, axis: int) -> Floa
         return np.asarray(2.0 * pi / (frequency * agm(1.0, cosine)))[()]
 
 
-def _lagrange(scene: HeavyTop) -> tuple[Floats, Floats, Floats]:
-    """Moments across and along the axes of Lagrange tops with weight, and the sides of ``com``."""
+def _lagrange(scene: HeavyTop) -> Symmetry:
+    """The symmetry of Lagrange tops with weight."""
     require_unforced(check_heavy_top(scene, many=True))
-    moments, weight = np.asarray(scene.body.moments), scene.weight
-    shape = scene.shape
-    axes = lagrange_axes(in_rows(moments, shape), in_rows(weight, shape))
-    axis = axes.reshape(shape if len(axes) > 1 else ())
-    heavy = np.any(weight, axis=-1)
     rule = "a top without weight is a free body; use exact.free_body"
-    _require_each(scene, heavy, rule, ("mgl",))
+    require_each(scene, np.any(scene.weight, axis=-1), rule, ("mgl",))
+    symmetry = symmetry_of(scene, scene.weight)
     rule = (
         "a Lagrange top has two moments equal to the bit and its centre of mass exactly on the "
         "third axis"
     )
-    _require_each(scene, axis != 0, rule, ("moments", "com"))
-    moments, com = (np.broadcast_to(part, (*shape, 3)) for part in (moments, scene.com))
-    axis = np.broadcast_to(axis, shape)[..., np.newaxis]
-    across, along, side = (
-        np.take_along_axis(part, place, axis=-1)[..., 0]
-        for part, place in ((moments, (axis - 2) % 3), (moments, axis - 1), (com, axis - 1))
-    )
-    return across, along, np.sign(side)
-
-
-def _require_each(
-    scene: HeavyTop, good: NDArray[np.bool_], rule: str, names: tuple[str, ...]
-) -> None:
-    """Raise ValueError for the first top that breaks the rule, with these numbers of the top."""
-    if good.all():
-        return
-    index, place = first_place(~np.broadcast_to(good, scene.shape))
-    top = scene[index] if index else scene
-    values = {"moments": top.body.moments, "com": top.com, "mgl": f"{top.mgl:g}"}
-    words = ", ".join(f"{name}{place} = {values[name]}" for name in names)
-    raise ValueError(f"{words}: {rule}")
+    require_each(scene, symmetry.axis != 0, rule, ("moments", "com"))
+    return symmetry
 
 
 def _tuples(values: Any) -> Any:

@@ -13,7 +13,7 @@ from .. import top
 from .._checks.arguments import vector
 from ..drawing import colours
 from ..drawing.axes3d import in_plane, label, panels
-from ..model.scene import HeavyTop
+from ..model.scene import HeavyTop, check_heavy_top
 from .potential import constants_of
 
 if TYPE_CHECKING:
@@ -320,14 +320,13 @@ def upright_cubic_data(
     >>> figures.upright_cubic_data(scene).stable.tolist()
     [False, True, True]
     """
-    shares = vector("spins", spins, 3)
-    sleeping = top.sleeping_top(scene, 0.0)
-    spin = shares * sleeping.spin_min
+    bound = float(top.sleeping_top(check_heavy_top(scene), 0.0).spin_min)
+    spin = vector("spins", spins, 3) * bound
     u = np.linspace(lowest, 1.0, samples)
     exact, approximate = top.upright_f(scene, spin[:, np.newaxis], u)
     return UprightCubic(
         spin=spin,
-        spin_min=sleeping.spin_min,
+        spin_min=bound,
         u=u,
         exact=exact,
         approximate=approximate,

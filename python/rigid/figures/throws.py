@@ -13,9 +13,9 @@ from .. import free
 from ..animation.states import scene_of
 from ..drawing import colours
 from ..drawing.axes3d import in_plane, label, panels
+from ..exact.symmetry import symmetry_of
 from ..model.scene import HeavyTop
 from ..solve.run import Run
-from ..top.constants import symmetry_of
 
 __all__ = [
     "Drift",
@@ -226,7 +226,7 @@ def invariants_data(run: Run) -> Drift:
         energy = float(kept.kinetic.max())
     elif isinstance(scene, HeavyTop):
         constants["p_phi"] = _known(kept.p_phi)
-        if symmetry_of(scene) is not None:
+        if symmetry_of(scene).axis:
             constants["p_psi"] = _known(kept.p_psi)
     else:
         constants["L"] = kept.L

@@ -15,7 +15,7 @@ from ..animation.states import require_unforced
 from ..drawing import colours
 from ..drawing.axes3d import panels
 from ..drawing.shapes import across
-from ..model.scene import HeavyTop
+from ..model.scene import HeavyTop, check_heavy_top
 from ..rotations.euler import rotation_x
 from ..rotations.quaternions import matrix_to_quaternion
 from .paths import UP, WORDS
@@ -123,7 +123,7 @@ def cycloids_data(
     >>> figures.cycloids_data(scene, 1.0, 40.0).kind.tolist()
     ['curtate', 'cusp', 'prolate']
     """
-    require_unforced(scene, "cycloids")
+    require_unforced(check_heavy_top(scene), "cycloids")
     angle = finite_float("tilt", tilt)
     rate = finite_float("spin", spin)
     shares = shaped("pushes", pushes, None)

@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._checks.arguments import one_of, sorted_times
-from .._checks.arrays import attitudes, vectors
-from ..model.body import require_one
+from .._checks.arguments import one_of, times_of_each
+from .._checks.arrays import attitudes, require, vectors
 from ..model.body_like import BodyLike, moments_of
+from ..model.leading import Shape, leading_shape
 from ..model.scene import HeavyTop, Scene, check_scene, scene_from_dict
+from ..model.torque import Torque
 from ..rotations.apply import to_body, to_space
 from ..solve.run import Run
 
@@ -164,9 +165,11 @@ def invariants(
     Parameters
     ----------
     motion : Run, FreeBody or HeavyTop
-        A run of :func:`rigid.simulate`, or the scene to which the states belong.
+        A run of :func:`rigid.simulate`, or the scene to which the states belong; of one body or
+        many.
     omega : array_like, shape (..., 3)
-        Angular velocity in the body (rad/s).
+        Angular velocity in the body (rad/s); its leading axes broadcast with those of the attitudes
+        and of the bodies.
     attitude : array_like, shape (..., 4), or scipy Rotation, optional
         Attitudes; required for a top.
 
@@ -179,7 +182,8 @@ def invariants(
     TypeError
         If ``motion`` is neither a run nor a scene.
     ValueError
-        If states are missing or not finite, or if you pass states together with a run.
+        If states are missing or not finite, their axes and those of the bodies do not broadcast, or
+        if you pass states together with a run.
 
     Examples
     --------
@@ -191,6 +195,9 @@ def invariants(
     (True, True)
     """
     scene, rates, quaternions, vertical = _states(motion, omega, attitude)
+    shape = rates.shape[:-1]
+    if not isinstance(motion, Run):
+        shape = leading_shape({"scene": scene.shape, **_axes(rates, quaternions)})
     momentum = _of_each(scene.body.moments, motion) * rates
     kinetic = 0.5 * (momentum * rates).sum(axis=-1)
     potential, p_psi = np.zeros_like(kinetic), None
@@ -201,15 +208,30 @@ def invariants(
     if isinstance(scene, HeavyTop):
         p_psi = _along(momentum, _of_each(scene.com, motion))
     return Invariants(
-        kinetic=kinetic[()],
-        potential=potential[()],
-        energy=(kinetic + potential)[()],
-        L=np.linalg.norm(momentum, axis=-1)[()],
-        L_body=momentum,
-        L_space=None if quaternions is None else to_space(quaternions, momentum),
-        p_phi=None if vertical is None else (momentum * vertical).sum(axis=-1)[()],
-        p_psi=p_psi,
+        kinetic=_filled(kinetic, shape),
+        potential=_filled(potential, shape),
+        energy=_filled(kinetic + potential, shape),
+        L=_filled(np.linalg.norm(momentum, axis=-1), shape),
+        L_body=_filled(momentum, (*shape, 3)),
+        L_space=None
+        if quaternions is None
+        else _filled(to_space(quaternions, momentum), (*shape, 3)),
+        p_phi=None if vertical is None else _filled((momentum * vertical).sum(axis=-1), shape),
+        p_psi=None if p_psi is None else _filled(p_psi, shape),
     )
+
+
+def _filled(array: Floats, shape: Shape) -> Floats:
+    """The array with all these axes, also those along which it does not vary."""
+    if np.shape(array) == shape:
+        return array[()]
+    return np.array(np.broadcast_to(array, shape))
+
+
+def _axes(rates: Floats, quaternions: Floats | None, last: int = 1) -> dict[str, Shape]:
+    """The axes of states, without the ``last`` ones of each array."""
+    axes = {"omega": rates.shape[:-last]}
+    return axes if quaternions is None else {**axes, "attitude": quaternions.shape[:-last]}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -247,9 +269,11 @@ def power_balance(
     Parameters
     ----------
     motion, omega, attitude
-        As in :func:`invariants`; the rates have shape (..., m, 3).
-    t : array_like, shape (m,)
-        Times of the states (s), at least three. A run has its own times.
+        As in :func:`invariants`; the rates have shape (..., m, 3), and the axes before m broadcast
+        with those of the bodies.
+    t : array_like, shape (m,) or (..., m)
+        Times of the states (s), at least three; those of all bodies, or of each. A run has its own
+        times.
     torque : array_like, shape (..., m, 3), optional
         Additional torque (N m).
     frame : {"body", "space"}
@@ -273,20 +297,25 @@ def power_balance(
     True
     """
     scene, rates, quaternions, vertical = _states(motion, omega, attitude)
-    require_one(scene)
-    times = sorted_times("t", motion.t if isinstance(motion, Run) else [] if t is None else t)
     if isinstance(motion, Run) and t is not None:
         raise ValueError("t: a run has its own times")
-    if len(times) < 3 or not (np.diff(times) > 0.0).all() or rates.shape[-2:-1] != times.shape:
+    times = times_of_each("t", motion.t if isinstance(motion, Run) else [] if t is None else t)
+    shape = leading_shape(
+        {"scene": scene.shape, **_axes(rates, quaternions, 2), "t": times.shape[:-1]}
+    )
+    count = times.shape[-1]
+    if count < 3 or rates.shape[-2:-1] != (count,):
         raise ValueError(
             f"t of shape {times.shape}, omega of shape {rates.shape}: the rate of the kinetic "
             "energy needs three distinct times or more, and states at each"
         )
-    moments = np.array(scene.body.moments)
-    kinetic = 0.5 * (moments * rates * rates).sum(axis=-1)
+    rule = "is given twice; the rate of the kinetic energy needs distinct times"
+    require("t", times[..., :-1], np.diff(times) > 0.0, rule)
+    rates = np.broadcast_to(rates, (*shape, count, 3))
+    kinetic = 0.5 * (_at_times(scene.body.moments) * rates * rates).sum(axis=-1)
     acting = np.zeros(3)
     if scene.torque is not None:
-        own, in_space = scene.torque.at(times)
+        own, in_space = _torque_at(scene.torque, times, shape)
         acting = acting + own
         if scene.torque.acts_in_space:
             acting = acting + _body_torque(in_space, quaternions, "space")
@@ -295,18 +324,45 @@ def power_balance(
     if "gamma" in scene.directions:
         if vertical is None:
             raise ValueError("attitude = None: the torque of the weight needs it")
-        acting = acting + np.cross(vertical, scene.weight)
+        acting = acting + np.cross(vertical, _at_times(scene.weight))
     if torque is not None:
         acting = acting + _body_torque(torque, quaternions, frame)
     power = (acting * rates).sum(axis=-1)
-    rate = np.gradient(kinetic, times, axis=-1, edge_order=2)
+    rate = _time_derivative(kinetic, times)
     return PowerBalance(power=power, rate=rate, residual=rate - power)
+
+
+def _torque_at(torque: Torque, times: Floats, shape: Shape) -> tuple[Floats, Floats]:
+    """Torque in the body and in space at the times of all bodies, or of each."""
+    if times.ndim == 1:
+        return torque.at(times)
+    own = np.broadcast_to(times, (*shape, times.shape[-1]))
+    body, space = np.empty((2, *own.shape, 3))
+    for index in np.ndindex(shape):
+        body[index], space[index] = torque.of(shape, index).at(own[index])
+    return body, space
+
+
+def _time_derivative(values: Floats, times: Floats) -> Floats:
+    """Derivative along the last axis, by differences of order 2."""
+    if times.ndim == 1:
+        return np.asarray(np.gradient(values, times, axis=-1, edge_order=2))
+    derivative = np.empty(values.shape)
+    own = np.broadcast_to(times, values.shape)
+    for index in np.ndindex(values.shape[:-1]):
+        derivative[index] = np.gradient(values[index], own[index], edge_order=2)
+    return derivative
+
+
+def _at_times(vectors: ArrayLike) -> Floats:
+    """Vectors of the bodies, beside states with an axis for the times."""
+    return np.asarray(vectors)[..., np.newaxis, :]
 
 
 def _of_each(vectors: ArrayLike, motion: Run | Scene) -> Floats:
     """Vectors of the bodies; beside the states of a run with an axis for the times."""
-    array = np.array(vectors)
-    return array[..., np.newaxis, :] if isinstance(motion, Run) and array.ndim > 1 else array
+    array = np.asarray(vectors)
+    return _at_times(array) if isinstance(motion, Run) and array.ndim > 1 else array
 
 
 def _along(vectors: Floats, of_bodies: Floats) -> Floats:
@@ -334,7 +390,7 @@ def _states(
     rates = vectors("omega", omega)
     quaternions = None if attitude is None else attitudes(attitude)
     if quaternions is not None:
-        np.broadcast_shapes(rates.shape[:-1], quaternions.shape[:-1])
+        leading_shape(_axes(rates, quaternions))
         if vertical is None:
             vertical = to_body(quaternions, np.array([0.0, 0.0, 1.0]))
     return scene, rates, quaternions, vertical

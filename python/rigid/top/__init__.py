@@ -4,7 +4,8 @@ A symmetric top has two moments equal to the bit and its centre of mass exactly 
 on either side of the fixed point. The tilt ``theta`` is the angle of the direction to the centre of
 mass from the upward vertical, ``phi`` the azimuth of the node line, ``psi`` the angle of spin about
 the direction to the centre of mass. For the motion use :func:`rigid.simulate` or
-:mod:`rigid.exact`; this package has the quantities of textbooks.
+:mod:`rigid.exact`; this package has the quantities of textbooks. A scene may hold many tops: its
+axes, those of states and those of other numbers broadcast as in NumPy.
 
 The package uses :mod:`rigid.exact`, :mod:`rigid.free` and runs; it imports neither maps nor the
 planner. :mod:`rigid.figures` uses it.

@@ -11,57 +11,47 @@ from numpy.typing import ArrayLike, NDArray
 from .._checks.arguments import one_of
 from .._checks.arrays import attitudes, finite_array, require
 from .._checks.overflow import refuses_overflow
+from ..exact.symmetry import Symmetry, require_each, symmetry_of
 from ..free import invariants
+from ..model.leading import Shape, leading_shape
 from ..model.scene import HeavyTop, check_heavy_top
 from ..rotations.apply import to_body, to_space
-from ..solve.closed_form import lagrange_axis_of
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
 __all__ = [
     "HeavyConstants",
-    "Symmetry",
     "gravity_torque",
     "heavy_constants",
+    "over_tops",
     "precession_spin_rates",
-    "symmetry_of",
+    "symmetric",
     "tilts",
 ]
 
 Floats = NDArray[np.float64]
 
 
-@dataclass(frozen=True, slots=True)
-class Symmetry:
-    """The symmetry axis, which contains the centre of mass, and the moments of a symmetric top."""
-
-    axis: int  #: 1, 2 or 3
-    side: float  #: 1 if the centre of mass is along the axis, -1 if it is against it
-    along: float  #: I3, about the axis
-    across: float  #: I1 = I2
-
-
-def symmetry_of(scene: HeavyTop) -> Symmetry | None:
-    """The symmetry of a heavy top, with or without weight, or None."""
-    check_heavy_top(scene)
-    axis = lagrange_axis_of(scene.body.moments, scene.com)
-    if axis == 0:
-        return None
-    moments = scene.body.moments
-    side = float(np.sign(scene.com[axis - 1]))
-    return Symmetry(axis, side, moments[axis - 1], moments[axis - 2])
-
-
 def symmetric(scene: HeavyTop) -> Symmetry:
-    """The symmetry of a heavy top; ValueError if the top is not symmetric."""
-    found = symmetry_of(scene)
-    if found is None:
-        raise ValueError(
-            f"moments = {scene.body.moments}, com = {scene.com}: a symmetric top has two moments "
-            "equal to the bit and its centre of mass exactly on the third axis"
-        )
-    return found
+    """The symmetry of heavy tops, with or without weight; ValueError if a top has none."""
+    symmetry = symmetry_of(check_heavy_top(scene, many=True))
+    rule = (
+        "a symmetric top has two moments equal to the bit and its centre of mass exactly on the "
+        "third axis"
+    )
+    require_each(scene, symmetry.axis != 0, rule, ("moments", "com"))
+    return symmetry
+
+
+def over_tops(scene: HeavyTop, *, times: Shape = (), **arguments: Floats) -> tuple[Floats, ...]:
+    """The arguments, broadcast to the axes of the tops and of each other.
+
+    ``times`` has the axes of the tops that times of their own have.
+    """
+    shapes = {name: array.shape for name, array in arguments.items()}
+    shape = leading_shape({"scene": scene.shape, **shapes, "t": times})
+    return tuple(np.broadcast_to(array, shape) for array in arguments.values())
 
 
 def tilts(tilt: ArrayLike) -> Floats:
@@ -73,7 +63,9 @@ def tilts(tilt: ArrayLike) -> Floats:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class HeavyConstants:
-    """Constants of motion of a heavy top; constants of symmetric tops are None for other tops.
+    """Constants of motion of a heavy top, or of many.
+
+    Constants of symmetric tops are None for another top, and NaN for another top among many.
 
     Attributes
     ----------
@@ -117,10 +109,11 @@ def heavy_constants(
     Parameters
     ----------
     scene : HeavyTop
-        The top. If the top is not symmetric, only the energy and the angular momentum about the
-        vertical are constant.
+        The top, or many. If the top is not symmetric, only the energy and the angular momentum
+        about the vertical are constant.
     omega : array_like, shape (..., 3)
-        Angular velocity in the body (rad/s).
+        Angular velocity in the body (rad/s); its leading axes broadcast with those of the attitudes
+        and of the tops.
     attitude : array_like, shape (..., 4), or scipy Rotation
         Attitude.
 
@@ -133,7 +126,8 @@ def heavy_constants(
     TypeError
         If the scene is no heavy top.
     ValueError
-        If a value is not finite or has the wrong shape.
+        If a value is not finite or has the wrong shape, or the axes of the tops, rates and
+        attitudes do not broadcast.
 
     Examples
     --------
@@ -143,25 +137,31 @@ def heavy_constants(
     >>> found = rigid.top.heavy_constants(scene, [0.0, 0.0, 5.0], tilted)
     >>> round(float(found.a), 12), float(found.b), round(float(found.E_prime), 12)
     (1.25, 2.5, 0.5)
+    >>> tops = rigid.HeavyTop(scene.body, mgl=[1.0, 2.0])
+    >>> rigid.top.heavy_constants(tops, [0.0, 0.0, 5.0], tilted).beta.tolist()
+    [2.0, 4.0]
     """
-    symmetry = symmetry_of(scene)
+    symmetry = symmetry_of(check_heavy_top(scene, many=True))
     kept = invariants(scene, omega, attitude)
     assert kept.p_phi is not None  # there is an attitude
+    assert kept.p_psi is not None  # of a heavy top
     named: dict[str, Floats | None]
-    if symmetry is None or kept.p_psi is None:
+    if not scene.shape and not symmetry.axis:
         named = dict.fromkeys(("p_psi", "E_prime", "a", "b", "alpha", "beta"))
     else:
         i1 = symmetry.across
         # From squares of the other two rates: E - p_psi² / (2 I3) loses all digits of fast tops.
-        rates = np.delete(np.asarray(kept.L_body), symmetry.axis - 1, axis=-1) / i1
+        others = (symmetry.axis[..., np.newaxis] + np.array([0, 1])) % 3
+        others = np.broadcast_to(others, (*kept.L_body.shape[:-1], 2))
+        rates = np.take_along_axis(kept.L_body, others, axis=-1) / i1[..., np.newaxis]
         e_prime = np.asarray(0.5 * i1 * (rates * rates).sum(axis=-1) + kept.potential)
         named = {
-            "p_psi": kept.p_psi,
+            "p_psi": np.where(symmetry.axis == 0, np.nan, kept.p_psi)[()],
             "E_prime": e_prime[()],
             "a": kept.p_phi / i1,
             "b": kept.p_psi / i1,
             "alpha": (2.0 * e_prime / i1)[()],
-            "beta": np.full(e_prime.shape, 2.0 * scene.mgl / i1)[()],
+            "beta": np.array(np.broadcast_to(2.0 * scene.mgl / i1, e_prime.shape))[()],
         }
     return HeavyConstants(
         kinetic=kept.kinetic,
@@ -184,11 +184,11 @@ def precession_spin_rates(
     Parameters
     ----------
     scene : HeavyTop
-        Two moments equal to the bit, the centre of mass exactly on the third axis.
+        Two moments equal to the bit, the centre of mass exactly on the third axis; one top or many.
     tilt : array_like, shape (...)
         Angle of the centre of mass from the upward vertical (rad), in [0, pi].
     a, b : array_like, shape (...)
-        Constants of :func:`heavy_constants` (rad/s).
+        Constants of :func:`heavy_constants` (rad/s). They broadcast with the tilt and the tops.
 
     Returns
     -------
@@ -211,8 +211,8 @@ def precession_spin_rates(
     [1.25, 3.75]
     """
     symmetry = symmetric(scene)
-    angle, first, second = np.broadcast_arrays(
-        tilts(tilt), finite_array("a", a), finite_array("b", b)
+    angle, first, second = over_tops(
+        scene, tilt=tilts(tilt), a=finite_array("a", a), b=finite_array("b", b)
     )
     upper = angle < 0.5 * np.pi
     lack = np.where(upper, first - second, first + second)
@@ -237,9 +237,9 @@ def gravity_torque(
     Parameters
     ----------
     scene : HeavyTop
-        Any heavy top.
+        Any heavy top, or many.
     attitude : array_like, shape (..., 4), or scipy Rotation
-        Attitude.
+        Attitude; its leading axes broadcast with those of the tops.
     frame : {"body", "space"}
         Frame of the components of the torque.
 
@@ -253,7 +253,8 @@ def gravity_torque(
     TypeError
         If the scene is no heavy top.
     ValueError
-        If the attitude is not finite or is zero, or the frame is unknown.
+        If the attitude is not finite or is zero, its axes and those of the tops do not broadcast,
+        or the frame is unknown.
 
     Examples
     --------
@@ -264,10 +265,12 @@ def gravity_torque(
     >>> bool(np.allclose(torque, [2.0, 0.0, 0.0]))
     True
     """
-    check_heavy_top(scene)
+    check_heavy_top(scene, many=True)
     one_of("frame", frame, ("body", "space"))
     quaternions = attitudes(attitude)
+    leading_shape({"scene": scene.shape, "attitude": quaternions.shape[:-1]})
+    weight = np.broadcast_to(scene.weight, (*scene.shape, 3))
     up = np.array([0.0, 0.0, 1.0])
     if frame == "body":
-        return np.cross(to_body(quaternions, up), scene.weight)
-    return np.cross(up, to_space(quaternions, scene.weight))
+        return np.cross(to_body(quaternions, up), weight)
+    return np.cross(up, to_space(quaternions, weight))

@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import exact
-from .._checks.arrays import attitudes, finite_array, require, vectors
+from .._checks.arrays import attitudes, finite_array, require
 from .._checks.overflow import refuses_overflow
 from ..model.scene import HeavyTop, check_heavy_top
 from ..rotations.apply import to_space
 from ..solve.simulate import simulate
-from .constants import symmetric, tilts
+from .constants import over_tops, symmetric, tilts
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -44,9 +44,10 @@ def classify_locus(
     Parameters
     ----------
     scene : HeavyTop
-        A Lagrange top with weight, as in :func:`rigid.exact.lagrange_top`.
+        A Lagrange top with weight, as in :func:`rigid.exact.lagrange_top`, or many.
     omega, attitude : array_like, shapes (..., 3) and (..., 4)
-        State at any time of the motion; by default body and space axes coincide.
+        State at any time of the motion; by default body and space axes coincide. The leading axes
+        broadcast with each other and with those of the tops.
 
     Returns
     -------
@@ -71,11 +72,10 @@ def classify_locus(
     >>> rigid.top.classify_locus(scene, states, tilted).tolist()
     ['cusp', 'prolate', 'curtate']
     """
-    motion, shape = _motion(scene, omega, attitude)
-    kind = np.array(motion.kind, dtype=np.str_).reshape(shape)
-    against = np.reshape(motion.retrograde, shape)
+    motion = exact.lagrange_top(scene, omega, attitude)
+    kind = np.array(motion.kind, dtype=np.str_).reshape(np.shape(motion.retrograde))
     names = np.select(
-        [kind == "loop", (kind == "monotone") & against, kind == "monotone"],
+        [kind == "loop", (kind == "monotone") & motion.retrograde, kind == "monotone"],
         ["prolate", "retrograde", "curtate"],
         kind,
     )
@@ -108,8 +108,8 @@ def advance(
 ) -> Advance:
     """Advance of precession and spin in a period of the nutation.
 
-    The mean precession of a top with loops never opposes the spin. The function applies
-    :func:`rigid.exact.lagrange_top` to arrays with any leading axes.
+    The mean precession of a top with loops never opposes the spin. The numbers are those of
+    :func:`rigid.exact.lagrange_top`.
 
     Parameters
     ----------
@@ -133,12 +133,12 @@ def advance(
     >>> round(float(rigid.top.advance(scene, [0.0, 0.0, 5.0], tilted).precession), 11)
     1.14228871898
     """
-    motion, shape = _motion(scene, omega, attitude)
+    motion = exact.lagrange_top(scene, omega, attitude)
     return Advance(
-        period=np.reshape(motion.period, shape)[()],
-        precession=np.reshape(motion.precession_advance, shape)[()],
-        spin=np.reshape(motion.spin_advance, shape)[()],
-        mean_precession=np.reshape(motion.precession, shape)[()],
+        period=motion.period,
+        precession=motion.precession_advance,
+        spin=motion.spin_advance,
+        mean_precession=motion.precession,
     )
 
 
@@ -170,16 +170,17 @@ def locus(
     *,
     t: ArrayLike,
 ) -> Locus:
-    """The path of the axis of a top, by closed form if the top has one.
+    """The path of the axis of a top, by closed form if the top, or each of many, has one.
 
     Parameters
     ----------
     scene : HeavyTop
-        Any heavy top; its axis is the direction to its centre of mass.
+        Any heavy top, or many; the axis of a top is the direction to its centre of mass.
     omega, attitude : array_like, shapes (..., 3) and (..., 4)
-        State at ``t = 0``; by default body and space axes coincide.
-    t : array_like, shape (m,)
-        Times (s), ascending.
+        State at ``t = 0``; by default body and space axes coincide. The leading axes broadcast with
+        each other and with those of the tops.
+    t : array_like, shape (m,) or (..., m)
+        Times (s), ascending; those of all tops, or of each.
 
     Returns
     -------
@@ -201,20 +202,14 @@ def locus(
     >>> path.point[-1].round(9).tolist()
     [-0.869282411, 0.435218414, 0.234377947]
     """
-    check_heavy_top(scene)
-    rates, start, shape = _flat(omega, attitude)
-    run = simulate(scene, rates, start, t=t)
+    check_heavy_top(scene, many=True)
+    run = simulate(scene, omega, attitude, t=t)
     assert run.attitude is not None  # recorded by default
-    point = to_space(attitudes(run.attitude), np.array(scene.com))
+    point = to_space(attitudes(run.attitude), np.asarray(scene.com)[..., np.newaxis, :])
     x, y, z = np.moveaxis(point, -1, 0)
     across = np.hypot(x, y)
     phi = np.unwrap(np.where(across > 0.0, np.arctan2(x, -y), 0.0), axis=-1)
-    leading = (*shape, len(run.t))
-    return Locus(
-        theta=np.arctan2(across, z).reshape(leading),
-        phi=phi.reshape(leading),
-        point=point.reshape(*leading, 3),
-    )
+    return Locus(theta=np.arctan2(across, z), phi=phi, point=point)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -274,15 +269,16 @@ def fast_top_approx(
     Parameters
     ----------
     scene : HeavyTop
-        Two moments equal to the bit, the centre of mass exactly on the third axis.
+        Two moments equal to the bit, the centre of mass exactly on the third axis; one top or many.
     tilt : array_like, shape (...)
         Tilt at ``t = 0`` (rad), in [0, pi], a turning point: ``theta' = 0``.
     spin : array_like, shape (...)
         Rate about the body axis through the centre of mass, not zero (rad/s).
     precession : array_like, shape (...), optional
         ``omega_0``, the rate of precession at ``t = 0`` (rad/s); 0 for a top released from rest.
-    t : array_like, shape (m,), optional
-        Times (s) of the motion.
+        Tilt, spin and precession broadcast with each other and with the tops.
+    t : array_like, shape (m,) or (..., m), optional
+        Times (s) of the motion; those of all tops, or of each.
 
     Returns
     -------
@@ -302,10 +298,18 @@ def fast_top_approx(
     (0.4, 2.5, 'cusp')
     """
     symmetry = symmetric(scene)
-    angle, rate, initial = np.broadcast_arrays(
-        tilts(tilt), finite_array("spin", spin), finite_array("precession", precession)
+    times = None if t is None else finite_array("t", t)
+    if times is not None and not times.ndim:
+        raise ValueError("t: expected shape (m,) or (..., m), got ()")
+    spins = finite_array("spin", spin)
+    require("spin", spins, spins != 0.0, "a fast top needs a spin")
+    angle, rate, initial = over_tops(
+        scene,
+        tilt=tilts(tilt),
+        spin=spins,
+        precession=finite_array("precession", precession),
+        times=() if times is None else times.shape[:-1],
     )
-    require("spin", rate, rate != 0.0, "a fast top needs a spin")
     momentum = symmetry.side * symmetry.along * rate
     omega_p, omega_l = scene.mgl / momentum, momentum / symmetry.across
     excess = omega_p - initial
@@ -317,10 +321,7 @@ def fast_top_approx(
     )
     swing = np.sin(angle) * excess / omega_l
     phi_rate = phi = theta = error = None
-    if t is not None:
-        times = finite_array("t", t)
-        if times.ndim != 1:
-            raise ValueError(f"t: expected shape (m,), got {times.shape}")
+    if times is not None:
         every = (..., np.newaxis)
         phase = omega_l[every] * times
         mean, more = omega_p[every], excess[every]
@@ -333,32 +334,10 @@ def fast_top_approx(
         mean_precession=omega_p[()],
         nutation=omega_l[()],
         kind=kind[()],
-        theta_start=angle[()],
+        theta_start=np.array(angle)[()],
         theta_other=(angle + 2.0 * swing)[()],
         phi_rate=phi_rate,
         phi=phi,
         theta=theta,
         error=error,
     )
-
-
-def _flat(
-    omega: ArrayLike, attitude: ArrayLike | Rotation | None
-) -> tuple[Floats, Floats, tuple[int, ...]]:
-    """Angular velocities (n, 3), attitudes (n, 4), and the leading axes of the arguments."""
-    rates = vectors("omega", omega)
-    start = np.array([1.0, 0.0, 0.0, 0.0]) if attitude is None else attitudes(attitude)
-    shape = np.broadcast_shapes(rates.shape[:-1], start.shape[:-1])
-    return (
-        np.broadcast_to(rates, (*shape, 3)).reshape(-1, 3),
-        np.broadcast_to(start, (*shape, 4)).reshape(-1, 4),
-        shape,
-    )
-
-
-def _motion(
-    scene: HeavyTop, omega: ArrayLike, attitude: ArrayLike | Rotation | None
-) -> tuple[exact.TopMotion, tuple[int, ...]]:
-    """The motion of each top as a flat list, and the leading axes."""
-    rates, start, shape = _flat(omega, attitude)
-    return exact.lagrange_top(scene, rates, start), shape

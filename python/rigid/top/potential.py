@@ -7,10 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .._checks.arguments import first_place
 from .._checks.arrays import finite_array
 from .._checks.overflow import refuses_overflow
 from ..model.scene import HeavyTop
-from .constants import symmetric, tilts
+from .constants import over_tops, symmetric, tilts
 from .cubic import f_roots
 
 __all__ = [
@@ -50,11 +51,12 @@ def effective_potential(
     Parameters
     ----------
     scene : HeavyTop
-        Two moments equal to the bit, the centre of mass exactly on the third axis.
+        Two moments equal to the bit, the centre of mass exactly on the third axis; one top or many.
     tilt : array_like, shape (...)
         Angle of the centre of mass from the upward vertical (rad), in [0, pi].
     a, b : array_like, shape (...)
-        Constants of :func:`rigid.top.heavy_constants` (rad/s).
+        Constants of :func:`rigid.top.heavy_constants` (rad/s). They broadcast with the tilt and the
+        tops.
 
     Returns
     -------
@@ -76,8 +78,8 @@ def effective_potential(
     1.0
     """
     i1 = symmetric(scene).across
-    angle, first, second = np.broadcast_arrays(
-        tilts(tilt), finite_array("a", a), finite_array("b", b)
+    angle, first, second = over_tops(
+        scene, tilt=tilts(tilt), a=finite_array("a", a), b=finite_array("b", b)
     )
     upper = angle < 0.5 * np.pi
     lack = np.where(upper, first - second, first + second)
@@ -134,12 +136,16 @@ def effective_minimum(scene: HeavyTop, *, a: ArrayLike, b: ArrayLike) -> Floats:
     from scipy.optimize.elementwise import find_root
 
     across = symmetric(scene).across
-    weight = scene.mgl / across
-    first, second = np.broadcast_arrays(finite_array("a", a), finite_array("b", b))
-    if weight == 0.0 and ((first == 0.0) & (second == 0.0)).any():
-        raise ValueError("mgl = 0, a = 0, b = 0: the effective potential is constant")
+    first, second = over_tops(scene, a=finite_array("a", a), b=finite_array("b", b))
+    weight = np.broadcast_to(scene.mgl / across, first.shape)
+    constant = (weight == 0.0) & (first == 0.0) & (second == 0.0)
+    if constant.any():
+        _, place = first_place(constant)
+        raise ValueError(
+            f"mgl = 0, a{place} = 0, b{place} = 0: the effective potential is constant"
+        )
 
-    def slope(tilt: Floats, a: Floats, b: Floats) -> Floats:
+    def slope(tilt: Floats, a: Floats, b: Floats, weight: Floats) -> Floats:
         """``dV'/dtheta sin³ / I1``, finite at both ends."""
         depth = 2.0 * np.sin(0.5 * tilt) ** 2
         value: Floats = (a - b + b * depth) * (b - a + a * depth) - weight * np.sin(tilt) ** 4
@@ -153,7 +159,7 @@ def effective_minimum(scene: HeavyTop, *, a: ArrayLike, b: ArrayLike) -> Floats:
     fallen = 2.0 * np.arccos(np.sqrt(np.minimum(np.where(np.isnan(share), 1.0, share), 1.0)))
     tilt = np.where(hanging, np.pi, fallen)
     if ordinary.any():
-        arguments = first[ordinary], second[ordinary]
+        arguments = first[ordinary], second[ordinary], weight[ordinary]
         tilt[ordinary] = find_root(slope, (0.0, np.pi), args=arguments).x
     return tilt[()]
 
@@ -190,7 +196,11 @@ def turning_angles(
     (1.047197551, 1.377833075)
     """
     i1 = symmetric(scene).across
-    roots = f_roots(
-        a=a, b=b, alpha=2.0 * finite_array("E_prime", E_prime) / i1, beta=2.0 * scene.mgl / i1
+    a, b, energy = over_tops(
+        scene,
+        a=finite_array("a", a),
+        b=finite_array("b", b),
+        E_prime=finite_array("E_prime", E_prime),
     )
+    roots = f_roots(a=a, b=b, alpha=2.0 * energy / i1, beta=2.0 * scene.mgl / i1)
     return roots.theta_upper, roots.theta_lower

@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import exact
-from .._checks.arguments import finite_float
+from .._checks.arguments import shaped
 from .._checks.arrays import finite_array
 from .._checks.overflow import refuses_overflow
 from ..model.scene import HeavyTop
-from .constants import symmetric
+from .constants import over_tops, symmetric
 
 __all__ = [
     "SleepingTop",
@@ -35,13 +35,13 @@ class SleepingTop:
         Whether the top stays upright; true at the bound.
     margin : ndarray, shape (...)
         ``|spin| / spin_min - 1``.
-    spin_min : float
+    spin_min : float, or ndarray with the axes of the tops
         The bound ``2 sqrt(mgl I1) / I3`` (rad/s).
     """
 
     stable: NDArray[np.bool_]
     margin: Floats
-    spin_min: float
+    spin_min: float | Floats
 
 
 def sleeping_top(scene: HeavyTop, spin: ArrayLike) -> SleepingTop:
@@ -54,9 +54,9 @@ def sleeping_top(scene: HeavyTop, spin: ArrayLike) -> SleepingTop:
     Parameters
     ----------
     scene : HeavyTop
-        A Lagrange top with weight, as in :func:`rigid.exact.lagrange_top`.
+        A Lagrange top with weight, as in :func:`rigid.exact.lagrange_top`, or many.
     spin : array_like, shape (...)
-        Rate about the body axis through the centre of mass (rad/s).
+        Rate about the body axis through the centre of mass (rad/s); broadcasts with the tops.
 
     Returns
     -------
@@ -74,8 +74,8 @@ def sleeping_top(scene: HeavyTop, spin: ArrayLike) -> SleepingTop:
     >>> rigid.top.sleeping_top(scene, [3.9, 4.0, -4.1]).stable.tolist()
     [False, True, True]
     """
-    bound = float(exact.sleeping_spin(scene))
-    size = np.abs(finite_array("spin", spin))
+    bound = exact.sleeping_spin(scene)
+    (size,) = over_tops(scene, spin=np.abs(finite_array("spin", spin)))
     return SleepingTop(stable=size >= bound, margin=size / bound - 1.0, spin_min=bound)
 
 
@@ -92,7 +92,7 @@ def upright_f(scene: HeavyTop, spin: ArrayLike, u: ArrayLike) -> tuple[Floats, F
     scene, spin
         As in :func:`sleeping_top`.
     u : array_like, shape (...)
-        Heights ``cos(tilt)``.
+        Heights ``cos(tilt)``; they broadcast with the spins and the tops.
 
     Returns
     -------
@@ -114,8 +114,8 @@ def upright_f(scene: HeavyTop, spin: ArrayLike, u: ArrayLike) -> tuple[Floats, F
     exact.sleeping_spin(scene)  # raises if the scene is no Lagrange top with weight
     symmetry = symmetric(scene)
     alpha = 2.0 * scene.mgl / symmetry.across
-    square = (symmetry.along * finite_array("spin", spin) / symmetry.across) ** 2
-    height = finite_array("u", u)
+    rate, height = over_tops(scene, spin=finite_array("spin", spin), u=finite_array("u", u))
+    square = (symmetry.along * rate / symmetry.across) ** 2
     depth2 = (1.0 - height) ** 2
     return depth2 * (alpha * (1.0 + height) - square), depth2 * (2.0 * alpha - square)
 
@@ -129,18 +129,18 @@ class SpinDown:
     onset : ndarray, shape (...)
         Time (s) at which the spin falls to the bound of sleeping, ``(I3 omega3)² = 4 I1 mgl``: 0 if
         the spin is below the bound from the start, inf without damping.
-    spin_min : float
+    spin_min : float, or ndarray with the axes of the tops
         The bound of sleeping (rad/s).
-    decay : float
+    decay : float, or ndarray with the axes of the tops and of the damping
         Decay rate of the spin, ``c / I3`` (1/s).
     """
 
     onset: Floats
-    spin_min: float
-    decay: float
+    spin_min: float | Floats
+    decay: float | Floats
 
 
-def spin_down(scene: HeavyTop, spin: ArrayLike, *, damping: float) -> SpinDown:
+def spin_down(scene: HeavyTop, spin: ArrayLike, *, damping: ArrayLike) -> SpinDown:
     """Time at which friction wakes a sleeping top.
 
     While the top is upright ``I3 omega3' = -c omega3``, thus ``omega3 = spin exp(-c t / I3)``; the
@@ -150,11 +150,11 @@ def spin_down(scene: HeavyTop, spin: ArrayLike, *, damping: float) -> SpinDown:
     Parameters
     ----------
     scene : HeavyTop
-        A Lagrange top with weight, as in :func:`rigid.exact.lagrange_top`.
+        A Lagrange top with weight, as in :func:`rigid.exact.lagrange_top`, or many.
     spin : array_like, shape (...)
-        Spin about the axis at ``t = 0`` (rad/s).
-    damping : float
-        ``c`` (N m s), >= 0.
+        Spin about the axis at ``t = 0`` (rad/s); broadcasts with the tops.
+    damping : array_like, shape (...)
+        ``c`` (N m s), >= 0; broadcasts with the spins and the tops.
 
     Returns
     -------
@@ -172,10 +172,11 @@ def spin_down(scene: HeavyTop, spin: ArrayLike, *, damping: float) -> SpinDown:
     >>> round(float(rigid.top.spin_down(scene, 8.0, damping=0.05).onset), 9)  # 10 ln 2
     6.931471806
     """
-    bound = float(exact.sleeping_spin(scene))
-    size = np.abs(finite_array("spin", spin))
-    decay = finite_float("damping", damping, nonnegative=True) / symmetric(scene).along
+    bound = exact.sleeping_spin(scene)
+    friction = shaped("damping", damping, nonnegative=True)
+    size, _ = over_tops(scene, spin=np.abs(finite_array("spin", spin)), damping=friction)
+    decay = np.asarray(friction / symmetric(scene).along)
     excess = np.log(np.maximum(size / bound, 1.0))
     still = np.where(size > bound, np.inf, 0.0)
-    onset = excess / decay if decay > 0.0 else still
-    return SpinDown(onset=np.asarray(onset)[()], spin_min=bound, decay=decay)
+    onset = np.where(decay > 0.0, excess / np.where(decay > 0.0, decay, 1.0), still)
+    return SpinDown(onset=onset[()], spin_min=bound, decay=decay if decay.shape else float(decay))

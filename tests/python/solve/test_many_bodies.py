@@ -13,7 +13,7 @@ import pytest
 
 import rigid
 from physics import METHODS, ROUNDOFF
-from rigid import exact
+from rigid import exact, figures
 from rigid.model.scene import Scene, scene_from_dict
 
 COUNT = 37  # more than a group of 32, which it does not fill
@@ -500,7 +500,7 @@ REFUSED: list[tuple[Callable[[], Any], type[Exception], str]] = [
     ),
     (lambda: rigid.report(FREE, OMEGA[0], t_end=1.0), ValueError, "scene: expected one body, got"),
     (
-        lambda: rigid.top.heavy_constants(TOPS, OMEGA, ATTITUDE),
+        lambda: figures.upright_cubic_data(TOPS),
         ValueError,
         "scene: expected one body, got bodies of shape (37,); take one of them, scene[0]",
     ),
@@ -512,9 +512,24 @@ REFUSED: list[tuple[Callable[[], Any], type[Exception], str]] = [
         "body: expected one body, got bodies of shape (37,)",
     ),
     (
-        lambda: rigid.free.power_balance(rigid.simulate(FREE, OMEGA, t=T)),
+        lambda: figures.cycloids_data(TOPS, 1.0, 40.0),
         ValueError,
         "scene: expected one body, got bodies of shape (37,)",
+    ),
+    (
+        lambda: rigid.free.power_balance(rigid.simulate(FREE, OMEGA, t=OWN_T)),
+        ValueError,
+        "t[3, 0] = -1.0: is given twice; the rate of the kinetic energy needs distinct times",
+    ),
+    (
+        lambda: rigid.free.power_balance(FREE, OMEGA[:4, None] * np.ones((3, 1)), t=T[:3]),
+        ValueError,
+        "scene (37,), omega (4,): the axes of the bodies do not broadcast",
+    ),
+    (
+        lambda: rigid.free.invariants(TOPS, OMEGA[:3], ATTITUDE),
+        ValueError,
+        "omega (3,), attitude (37,): the axes of the bodies do not broadcast",
     ),
     (lambda: BODY.symmetry_axis, ValueError, "body: expected one body, got bodies of shape (37,)"),
 ]
@@ -567,3 +582,48 @@ def test_a_driven_top_obeys_its_power_balance() -> None:
     run = rigid.simulate(scene, [0.2, 0.1, 3.0], t=np.linspace(0.0, 1.0, 1001), accuracy=1e-9)
     # Differences of order two with a spacing of 1e-3, the third derivative being some 30.
     assert np.abs(rigid.free.power_balance(run).residual).max() < 2e-5
+
+
+DISTINCT_T = np.where(np.arange(COUNT)[:, None] == 3, np.linspace(-1.0, 1.5, 6), OWN_T)
+
+
+@pytest.mark.parametrize("t", [DISTINCT_T[3], DISTINCT_T], ids=["of all", "of each"])
+def test_power_and_energy_of_bodies_that_differ(t: Any) -> None:
+    run = rigid.simulate(DRIVEN, OMEGA, ATTITUDE, t=t, method="rk4", step=0.01)
+    extra = 0.1 * SIZE[:, None, None] * OMEGA[:, None]
+    found = [
+        rigid.free.power_balance(run, torque=extra, frame="space"),
+        rigid.free.power_balance(DRIVEN, run.omega, run.attitude, t=t, torque=extra, frame="space"),
+    ]
+    assert found[0].rate.shape == (COUNT, 6)
+    for body in range(COUNT):
+        own, scene = t[body] if t.ndim > 1 else t, DRIVEN[body]
+        one = rigid.simulate(scene, OMEGA[body], ATTITUDE[body], t=own, method="rk4", step=0.01)
+        # The vertical of a run is that of its attitude to the error of its steps only.
+        alone = [
+            rigid.free.power_balance(one, torque=extra[body], frame="space"),
+            rigid.free.power_balance(
+                scene, one.omega, one.attitude, t=own, torque=extra[body], frame="space"
+            ),
+        ]
+        for name in ("power", "rate", "residual"):
+            for many, single in zip(found, alone, strict=True):
+                # The products with the matrix of the damping may be added in another order; the
+                # power of each component is some 100 W per unit of the moments.
+                np.testing.assert_allclose(
+                    getattr(many, name)[body],
+                    getattr(single, name),
+                    rtol=0.0,
+                    atol=400 * ROUNDOFF * SIZE[body],
+                )
+
+
+def test_power_of_a_sweep_has_the_axes_of_the_bodies() -> None:
+    t = np.linspace(0.0, 1.0, 5)
+    omega = np.broadcast_to([0.1, 0.2, 3.0], (5, 3))
+    motors = rigid.Torque.body([[0.0, 0.0, 0.1], [0.0, 0.0, 0.2]])
+    tops = rigid.HeavyTop(ONE, mgl=[[1.0], [2.0], [3.0]], torque=motors)
+    found = rigid.free.power_balance(tops, omega, [1.0, 0.5, 0.0, 0.0], t=t)
+    assert found.power.shape == found.rate.shape == found.residual.shape == (3, 2, 5)
+    # The rates are constant: the motors, at the same rates, differ by 0.1 N m at 3 rad/s.
+    np.testing.assert_allclose(found.power[:, 1] - found.power[:, 0], 0.3, rtol=1e-13)
