@@ -50,6 +50,20 @@ def test_jacobi_functions() -> None:
     assert cn == dn == pytest.approx(1.0 / np.cosh(5.0), rel=16 * ROUNDOFF)
 
 
+@pytest.mark.parametrize("u", [1000.0, -1e12, np.nextafter(2.0**50, 0.0)])
+def test_jacobi_functions_of_the_parameter_zero_are_sine_and_cosine(u: float) -> None:
+    sn, cn, dn = exact.jacobi(u, mc=1.0)
+    np.testing.assert_allclose([sn, cn], [np.sin(u), np.cos(u)], rtol=4 * ROUNDOFF)
+    assert dn == 1.0
+
+
+def test_carlson_integrals_of_the_largest_arguments() -> None:
+    """`R_D(x, x, x) = R_J(x, x, x, x) = x^(-3/2)`."""
+    x = 1e200
+    for found in (exact.carlson_rd(x, x, x), exact.carlson_rj(x, x, x, x)):
+        assert found == pytest.approx(1e-300, rel=16 * ROUNDOFF)
+
+
 def test_the_mean_is_gauss_s() -> None:
     # Gauss, 1799: 1 / agm(1, sqrt 2) = 0.8346268416740731...
     assert 1.0 / exact.agm(1.0, np.sqrt(2.0)) == pytest.approx(0.8346268416740731, rel=4 * ROUNDOFF)

@@ -293,6 +293,17 @@ def test_steady_precession_is_steady(tilt: float, spin: float, axis: int, side: 
         assert motion.precession == pytest.approx(rate, rel=1e-6)
 
 
+@pytest.mark.parametrize(("tilt", "up"), [(0.0, 1.0), (np.pi, -1.0)])
+def test_steady_precession_of_a_vertical_axis_is_the_limit_of_a_tilted_one(
+    tilt: float, up: float
+) -> None:
+    """`I1 up rate² - I3 spin rate + mgl = 0`."""
+    found = exact.steady_precession(TOP, tilt, 8.0)
+    for rate in (float(found.slow), float(found.fast)):
+        terms = [up * rate**2, -0.5 * 8.0 * rate, 1.0]
+        assert abs(sum(terms)) < 16 * ROUNDOFF * np.abs(terms).max()
+
+
 def test_steady_precession_exists_above_a_spin() -> None:
     slow, fast = exact.steady_precession(TOP, [[0.1], [1.0], [2.0]], [1.0, 3.0, 4.0, 5.0])
     assert slow.shape == fast.shape == (3, 4)
@@ -365,7 +376,7 @@ def test_the_tilt_is_the_limit_when_it_is_said_to_be(axis: int, side: float) -> 
         # The slope of the tilt is below 3 rad/s.
         assert seen[-1] == pytest.approx(limit, abs=PHASE * (1.0 + 3.0 * float(time)))
         assert (np.sign(seen[1:-1] - limit) == np.sign(seen[0] - limit)).all()
-    for beyond in (0.99 * low, min(1.01 * high, np.pi)):
+    for beyond in (0.99 * low, min(1.01 * high, np.pi), np.pi):
         assert exact.tilt_time(scene, omega, attitude, limit=beyond) == np.inf
 
 
