@@ -34,7 +34,7 @@ pub fn attitude_rate<R: Real>(q: &[R; 4], omega: &[R; 3]) -> [R; 4] {
     let [v1, v2, v3] = [omega[0] * half, omega[1] * half, omega[2] * half];
     let [q0, q1, q2, q3] = *q;
     [
-        -(q3.fma(v3, q2.fma(v2, q1 * v1))),
+        q3.fnma(v3, q2.fnma(v2, -(q1 * v1))),
         q3.fnma(v2, q2.fma(v3, q0 * v1)),
         q1.fnma(v3, q3.fma(v1, q0 * v2)),
         q2.fnma(v1, q1.fma(v2, q0 * v3)),

@@ -114,7 +114,7 @@ impl<R: Real> Start<R> {
         let divisor = one / R::select(backward, alone, one);
         let product_back = f0 * divisor;
         let sum = R::select(backward, -((f1 + product_back) * divisor), f2 - alone);
-        let product = R::select(backward, product_back, -alone.fma(sum, f1));
+        let product = R::select(backward, product_back, alone.fnma(sum, -f1));
         let root = sum.fma(sum, R::splat(-4.0) * product).max(zero).sqrt();
         // The other two: the larger in size first, the other from the product.
         let low = (sum - root) * half;
@@ -472,7 +472,7 @@ impl<R: Real> Motion<R> for Lagrange<R> {
         // from the one that is not small.
         let spin = self.spin * half;
         let upper = [spin.fnma(b[1], db[0]), spin.fma(b[0], db[1])];
-        let lower = [-spin.fma(a[1], da[0]), spin.fms(a[0], da[1])];
+        let lower = [spin.fnma(a[1], -da[0]), spin.fms(a[0], da[1])];
         let high = b[0].fma(b[0], b[1] * b[1]).lt(a[0].fma(a[0], a[1] * a[1]));
         let from = [R::select(high, upper[0], lower[0]), R::select(high, upper[1], lower[1])];
         let by = [R::select(high, a[0], b[0]), R::select(high, a[1], b[1])];

@@ -34,7 +34,7 @@ fn thetas<R: Real>(q: R, d: R) -> [R; 4] {
     let (q2, d2) = (q * q, d * d);
     let q4 = q2 * q2;
     let (q6, q8) = (q2 * q4, q4 * q4);
-    let even = q4.fma(d2, -q2.fma(q4, q2)) + (q2 * q8) * (q2 - d2);
+    let even = q4.fma(d2, q2.fnma(q4, -q2)) + (q2 * q8) * (q2 - d2);
     let odd = (q * d) * q8.fma(two.fnma(q2, d2), one - q4);
     let even3 = q2.fma(d2, -(two * q4));
     let odd3 = d * q6.fma(three.fnma(q2, d2), one);
