@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from . import _core
+from ._checks.arguments import brief
 from .solve.methods import AUTO, EXACT, MAP_FALLBACK, Method, methods
 from .solve.plan import Plan
 
@@ -75,7 +76,8 @@ def cite(used: Run | StabilityMap | Report | Plan | Method | str) -> str:
     for name in names:
         if name not in known:
             raise ValueError(
-                f"used = {name!r}: must be a result, a plan, 'exact' or one of {', '.join(known)}"
+                f"used = {brief(name)}: must be a result, a plan, 'exact' or one of "
+                f"{', '.join(known)}"
             )
         entries.append(_entry(f"rigid-{name}", known[name].citation, known[name].doi))
     for form in sorted({_OF_FORM[form] for form in forms}):

@@ -258,7 +258,7 @@ def resolve_threads(threads: int | None) -> int:
     if threads is not None:
         threads = positive_int("threads", threads)
         if threads > MOST_THREADS:
-            raise ValueError(f"threads = {threads}: must be at most {MOST_THREADS}")
+            raise ValueError(f"threads = {brief(threads)}: must be at most {MOST_THREADS}")
         return threads
     variable = os.environ.get("RIGID_NUM_THREADS", "")
     if variable:

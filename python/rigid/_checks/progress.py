@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from types import FrameType
 from typing import Any, TypeAlias
 
+from .arguments import brief
+
 __all__ = [
     "Interrupted",
     "Pace",
@@ -91,7 +93,7 @@ def reporting(
         yield option
         return
     if option is not None and not isinstance(option, bool):
-        raise TypeError(f"progress = {option!r}: must be None, True, False or a callable")
+        raise TypeError(f"progress = {brief(option)}: must be None, True, False or a callable")
     # There is no stderr under pythonw and in some services.
     in_terminal = sys.stderr is not None and sys.stderr.isatty()
     if option or (option is None and in_terminal):

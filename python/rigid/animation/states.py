@@ -41,9 +41,9 @@ def states_of(run: Run, body: int | None = None) -> tuple[Floats, Floats]:
             raise ValueError(f"body = None: the run has {bodies} bodies, choose one by its index")
         index = 0 if body is None else body
         if isinstance(index, bool) or not isinstance(index, (int, np.integer)):
-            raise TypeError(f"body = {body!r}: must be a whole number")
+            raise TypeError(f"body = {brief(body)}: must be a whole number")
         if not -bodies <= index < bodies:
-            raise ValueError(f"body = {body}: the run has {bodies} bodies")
+            raise ValueError(f"body = {brief(body)}: the run has {bodies} bodies")
         omega, attitude = omega[index], attitude[index]
     elif body is not None:
         raise ValueError(f"body = {body}: the run has a single body")

@@ -15,7 +15,7 @@ from typing import Any, TypeVar
 
 from numpy.typing import ArrayLike
 
-from .._checks.arguments import finite_float, nearest, one_line, one_of, vector
+from .._checks.arguments import brief, finite_float, nearest, one_line, one_of, vector
 
 __all__ = [
     "BUILTIN",
@@ -152,13 +152,13 @@ def as_is(_key: str, value: object) -> Any:
 def text(key: str, value: object) -> str:
     """A string."""
     if not isinstance(value, str):
-        raise TypeError(f"{key} = {value!r}: must be a string")
+        raise TypeError(f"{key} = {brief(value)}: must be a string")
     return value
 
 
 def _mapping(key: str, value: object) -> Mapping[str, Any]:
     if not isinstance(value, dict):
-        raise TypeError(f"{key} = {value!r}: must be a table")
+        raise TypeError(f"{key} = {brief(value)}: must be a table")
     return value
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._checks.arguments import finite_float
+from .._checks.arguments import brief, finite_float
 from ..drawing import colours
 from ..drawing.axes3d import arc, arc_between, arrow, circle, curve, fit, in_space, label
 from ..free import permanent_rotation
@@ -110,9 +110,11 @@ def box_data(body: Body) -> BoxWithAxes:
     ('stable', 'unstable', 'stable')
     """
     if not isinstance(body, Body):
-        raise TypeError(f"body = {body!r}: must be a rigid.Body")
+        raise TypeError(f"body = {brief(body)}: must be a rigid.Body")
     if body.sides is None:
-        raise ValueError(f"body = {body!r}: its sides are not known; create it by rigid.Body.box")
+        raise ValueError(
+            f"body = {brief(body)}: its sides are not known; create it by rigid.Body.box"
+        )
     signs = np.array(list(product((-1.0, 1.0), repeat=3)))
     pairs = np.array(
         [(a, b) for a in range(8) for b in range(a) if np.abs(signs[a] - signs[b]).sum() == 2.0]

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import free
+from .._checks.arguments import brief
 from ..animation.states import require_unforced, scene_of, states_of
 from ..drawing import colours
 from ..drawing.axes3d import arrow, curve, fit, in_space, label
@@ -131,7 +132,7 @@ def poinsot_data(run: Run, *, frame: int = 0) -> PoinsotPicture:
     """
     scene = scene_of(run)
     if not isinstance(scene, FreeBody):
-        raise TypeError(f"scene = {scene!r}: Poinsot's picture is that of a rigid.FreeBody")
+        raise TypeError(f"scene = {brief(scene)}: Poinsot's picture is that of a rigid.FreeBody")
     require_unforced(scene, "Poinsot's picture")
     omega, attitude = states_of(run)
     k = _index("frame", frame, len(run.t))
@@ -229,7 +230,7 @@ def poinsot(run: Run, *, frame: int = 0, ax: Any | None = None) -> PoinsotArtist
 
 def _index(name: str, value: int, length: int) -> int:
     if isinstance(value, bool) or not isinstance(value, (int, np.integer)):
-        raise TypeError(f"{name} = {value!r}: must be a whole number")
+        raise TypeError(f"{name} = {brief(value)}: must be a whole number")
     if not -length <= value < length:
         raise ValueError(f"{name} = {value}: the run has {length} times")
     return int(value)

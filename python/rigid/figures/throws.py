@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import free
+from .._checks.arguments import brief
 from ..animation.states import scene_of
 from ..drawing import colours
 from ..drawing.axes3d import in_plane, label, panels
@@ -88,7 +89,7 @@ def throw(experiment: free.ThrowExperiment, *, axes: Sequence[Any] | None = None
     >>> drawn.axes[0].figure.savefig("throw.png")  # doctest: +SKIP
     """
     if not isinstance(experiment, free.ThrowExperiment):
-        raise TypeError(f"experiment = {experiment!r}: must be a rigid.free.ThrowExperiment")
+        raise TypeError(f"experiment = {brief(experiment)}: must be a rigid.free.ThrowExperiment")
     places = panels(axes, ["plane"] * 6, columns=3)
     if axes is None:
         places[0].figure.set_size_inches(11.0, 6.0)
@@ -212,7 +213,7 @@ def invariants_data(run: Run) -> Drift:
     (('energy', 'L', 'L_space'), True)
     """
     if not isinstance(run, Run):
-        raise TypeError(f"run = {run!r}: must be a rigid.Run")
+        raise TypeError(f"run = {brief(run)}: must be a rigid.Run")
     if run.omega.ndim != 2 or len(run.t) < 2:
         raise ValueError(
             f"omega of shape {run.omega.shape}: needs one body at two times or more, (m, 3)"

@@ -324,7 +324,7 @@ def rotate_tensor(turn: ArrayLike, tensor: ArrayLike, *, order: int = 2) -> Floa
     array([2. , 1. , 2.5])
     """
     if order not in (0, 1, 2):
-        raise ValueError(f"order = {order}: must be 0, 1 or 2")
+        raise ValueError(f"order = {brief(order)}: must be 0, 1 or 2")
     r = rotation_matrices("turn", turn)
     t = shaped("tensor", tensor, *(3,) * order)
     if order == 2:

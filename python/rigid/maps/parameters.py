@@ -13,7 +13,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._checks.arguments import nearest, numbers
+from .._checks.arguments import brief, nearest, numbers
 from .._moments import box_moments
 from ..model.scene import Scene
 from ..model.start import Start
@@ -393,7 +393,7 @@ def make_axes(axes: Mapping[str, ArrayLike]) -> tuple[Axis, ...]:
         not strictly increasing or decreasing, or out of the range of the parameter.
     """
     if not isinstance(axes, Mapping):
-        raise TypeError(f"axes = {axes!r}: must be a dict of names and values")
+        raise TypeError(f"axes = {brief(axes)}: must be a dict of names and values")
     if len(axes) not in (1, 2):
         raise ValueError(f"axes: expected 1 or 2 parameters (x, then y), got {len(axes)}")
     return tuple(_axis(name, values) for name, values in axes.items())
@@ -402,7 +402,7 @@ def make_axes(axes: Mapping[str, ArrayLike]) -> tuple[Axis, ...]:
 def _axis(name: str, values: ArrayLike) -> Axis:
     if name not in PARAMETERS:
         raise ValueError(
-            f"axes: unknown parameter {name!r}{nearest(name, PARAMETERS)}"
+            f"axes: unknown parameter {brief(name)}{nearest(name, PARAMETERS)}"
             f" (known: {', '.join(PARAMETERS)})"
         )
     array = numbers(f"axes[{name!r}]", values)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
+from .._checks.arguments import brief
 from ..solve.methods import EXACT
 from ..solve.run import Run
 from ..solve.simulate import replay_steps, simulate
@@ -91,7 +92,7 @@ def replay(
     index = _pixel_index(pixel, spec.shape)
     number = operator.index(sample)
     if not 0 <= number < spec.samples:
-        raise IndexError(f"sample = {sample}: must lie in 0 .. {spec.samples - 1}")
+        raise IndexError(f"sample = {brief(sample)}: must lie in 0 .. {spec.samples - 1}")
     if data.status[index]:
         raise ValueError(f"pixel = {index}: no such body is possible: {STATUS[data.status[index]]}")
     flat = int(np.ravel_multi_index(index, spec.shape))
@@ -174,5 +175,5 @@ def _pixel_index(pixel: int | tuple[int, ...], shape: tuple[int, ...]) -> tuple[
         inside = 0 <= operator.index(pixel) < math.prod(shape)
         index = tuple(int(part) for part in np.unravel_index(pixel, shape)) if inside else ()
     if not inside:
-        raise IndexError(f"pixel = {pixel}: lies outside the map of shape {shape}")
+        raise IndexError(f"pixel = {brief(pixel)}: lies outside the map of shape {shape}")
     return index

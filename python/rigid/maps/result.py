@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._checks.arguments import positive_int, resolve_threads
+from .._checks.arguments import brief, positive_int, resolve_threads
 from ..solve.plan import Plan
 from .data import MapData
 from .dataset import map_dataset
@@ -194,7 +194,9 @@ class StabilityMap(MapData):
         """
         count = positive_int("samples", samples)
         if count > self.spec.samples:
-            raise ValueError(f"samples = {count}: the map has {self.spec.samples} in a pixel")
+            raise ValueError(
+                f"samples = {brief(count)}: the map has {self.spec.samples} in a pixel"
+            )
         return map_condition(self.spec, count, resolve_threads(threads))
 
     def plot(self, ax: Axes | None = None) -> Axes:

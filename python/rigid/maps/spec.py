@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from .. import _core
-from .._checks.arguments import finite_float, one_of, positive_int
+from .._checks.arguments import brief, finite_float, one_of, positive_int
 from .._moments import possible
 from ..model.criteria import Criterion, check_criterion, criterion_from_dict
 from ..model.scene import Scene, scene_from_dict
@@ -84,7 +84,7 @@ class MapSpec:
             object.__setattr__(self, name, value)
 
         if not isinstance(self.start, Start):
-            raise TypeError(f"start = {self.start!r}: must be a rigid.Start")
+            raise TypeError(f"start = {brief(self.start)}: must be a rigid.Start")
         check_criterion("stable", self.stable)
         check_applicable(self.scene, self.start, self.axes)
         put("stable", self.stable.resolved(self.scene, self.start))
@@ -113,13 +113,13 @@ class MapSpec:
             self._require_closed_forms()
         put("seed", checked_seed("seed", self.seed))
         if self.title is not None and not isinstance(self.title, str):
-            raise TypeError(f"title = {self.title!r}: must be a string")
+            raise TypeError(f"title = {brief(self.title)}: must be a string")
         if self.title is not None and len(self.title) > MOST_TITLE:
             raise ValueError(
                 f"title of {len(self.title)} characters: must have at most {MOST_TITLE}"
             )
         if not isinstance(self.version, str):
-            raise TypeError(f"version = {self.version!r}: must be a string")
+            raise TypeError(f"version = {brief(self.version)}: must be a string")
 
     @property
     def is_driven(self) -> bool:

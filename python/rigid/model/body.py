@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .._checks.arguments import finite_float, first_place, numbers, shaped, vector
+from .._checks.arguments import brief, finite_float, first_place, numbers, shaped, vector
 from .._moments import box_moments, possible
 from .leading import (
     Index,
@@ -315,7 +315,9 @@ class Body:
         from ..inertia.mass_properties import MassProperties
 
         if not isinstance(properties, MassProperties):
-            raise TypeError(f"properties = {properties!r}: must be a rigid.inertia.MassProperties")
+            raise TypeError(
+                f"properties = {brief(properties)}: must be a rigid.inertia.MassProperties"
+            )
         if properties.mass.ndim:
             raise ValueError(
                 f"properties: expected those of one body, got shape {properties.mass.shape}"

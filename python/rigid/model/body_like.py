@@ -7,6 +7,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .._checks.arguments import brief
 from .._checks.arrays import vectors
 from .._moments import possible
 from .body import Body
@@ -25,7 +26,7 @@ def body_of(body: object) -> Body:
     if isinstance(body, FreeBody):
         return body.body
     if not isinstance(body, Body):
-        raise TypeError(f"body = {body!r}: must be a rigid.Body or a rigid.FreeBody")
+        raise TypeError(f"body = {brief(body)}: must be a rigid.Body or a rigid.FreeBody")
     return body
 
 

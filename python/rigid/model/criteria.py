@@ -14,7 +14,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from .._checks.arguments import finite_float, one_of
+from .._checks.arguments import brief, finite_float, one_of
 from .scene import Scene
 from .start import Start, body_axis
 
@@ -239,7 +239,7 @@ def check_criterion(name: str, criterion: object) -> Criterion:
     """``criterion`` if it is one."""
     if isinstance(criterion, Criterion):
         return criterion
-    raise TypeError(f"{name} = {criterion!r}: must be a criterion, {known_criteria()}")
+    raise TypeError(f"{name} = {brief(criterion)}: must be a criterion, {known_criteria()}")
 
 
 def known_criteria() -> str:

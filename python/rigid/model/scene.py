@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .._checks.arguments import finite_float, one_of, shaped, unit_vector
+from .._checks.arguments import brief, finite_float, one_of, shaped, unit_vector
 from .._checks.arrays import unit_vectors
 from .body import Body, require_one
 from .leading import (
@@ -275,7 +275,7 @@ def _numbers(values: Iterable[tuple[str, float]], varied: Container[str]) -> str
 
 def _check_body(body: object) -> None:
     if not isinstance(body, Body):
-        raise TypeError(f"body = {body!r}: must be a rigid.Body")
+        raise TypeError(f"body = {brief(body)}: must be a rigid.Body")
 
 
 @dataclass(frozen=True, slots=True, init=False, repr=False, eq=False)
@@ -477,7 +477,7 @@ def check_scene(scene: object, *, many: bool = False) -> Scene:
             require_one(scene)
         return scene
     known = " or ".join(f"rigid.{known.__name__}" for known in SCENES.values())
-    raise TypeError(f"scene = {scene!r}: must be a {known}")
+    raise TypeError(f"scene = {brief(scene)}: must be a {known}")
 
 
 def check_heavy_top(scene: object, *, many: bool = False) -> HeavyTop:
@@ -486,7 +486,7 @@ def check_heavy_top(scene: object, *, many: bool = False) -> HeavyTop:
         if not many:
             require_one(scene)
         return scene
-    raise TypeError(f"scene = {scene!r}: must be a rigid.HeavyTop")
+    raise TypeError(f"scene = {brief(scene)}: must be a rigid.HeavyTop")
 
 
 def scene_from_dict(data: Mapping[str, Any]) -> Scene:

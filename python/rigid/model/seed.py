@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from .._checks.arguments import brief
+
 __all__ = ["checked_seed", "seed_from"]
 
 
@@ -19,7 +21,8 @@ def seed_from(rng: int | np.random.Generator | np.random.SeedSequence | None) ->
         return checked_seed("rng", rng)
     else:
         raise TypeError(
-            f"rng = {rng!r}: must be a whole number, a numpy Generator or SeedSequence, or None"
+            f"rng = {brief(rng)}: must be a whole number, a numpy Generator or SeedSequence, "
+            "or None"
         )
     return int(low) | int(high) << 64
 
@@ -27,7 +30,7 @@ def seed_from(rng: int | np.random.Generator | np.random.SeedSequence | None) ->
 def checked_seed(name: str, seed: object) -> int:
     """``seed`` as a key of the random numbers, a whole number of at most 128 bits."""
     if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)):
-        raise TypeError(f"{name} = {seed!r}: must be a whole number")
+        raise TypeError(f"{name} = {brief(seed)}: must be a whole number")
     if not 0 <= int(seed) < 2**128:
-        raise ValueError(f"{name} = {seed}: must lie in 0 .. 2**128 - 1")
+        raise ValueError(f"{name} = {brief(seed)}: must lie in 0 .. 2**128 - 1")
     return int(seed)

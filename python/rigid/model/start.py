@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._checks.arguments import finite_float, one_of, vector
+from .._checks.arguments import brief, finite_float, one_of, vector
 
 __all__ = ["Noise", "Start", "direction", "normal", "uniform", "uniform_attitude"]
 
@@ -176,7 +176,9 @@ class Start:
         for name in ("noise", "attitude_noise"):
             noise = getattr(self, name)
             if noise is not None and not isinstance(noise, Noise):
-                raise TypeError(f"{name} = {noise!r}: must be a Noise such as rigid.normal(1e-3)")
+                raise TypeError(
+                    f"{name} = {brief(noise)}: must be a Noise such as rigid.normal(1e-3)"
+                )
         if self.noise is not None and self.noise.kind == "uniform_attitude":
             raise ValueError(
                 "noise = uniform_attitude(): rates have no attitude; use attitude_noise"
@@ -234,9 +236,9 @@ def body_axis(value: object, *, signed: bool = False) -> int:
     """The number of a body axis: 1, 2 or 3, with ``signed`` also -1, -2 or -3."""
     known = (1, 2, 3, -1, -2, -3) if signed else (1, 2, 3)
     if isinstance(value, bool) or not isinstance(value, (int, np.integer)):
-        raise TypeError(f"axis = {value!r}: must be a whole number")
+        raise TypeError(f"axis = {brief(value)}: must be a whole number")
     if value not in known:
-        raise ValueError(f"axis = {value}: must be one of {', '.join(map(str, known))}")
+        raise ValueError(f"axis = {brief(value)}: must be one of {', '.join(map(str, known))}")
     return int(value)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .._checks.arguments import first_place, numbers, shaped, sorted_times
+from .._checks.arguments import brief, first_place, numbers, shaped, sorted_times
 from .leading import Index, Shape, axes_of, frozen, leading_shape, same, taken
 
 __all__ = [
@@ -209,7 +209,7 @@ def checked_torque(torque: object) -> Torque | None:
     if torque is None or isinstance(torque, Torque):
         return torque
     raise TypeError(
-        f"torque = {torque!r}: must be a rigid.Torque: rigid.Torque.body((N1, N2, N3)) or "
+        f"torque = {brief(torque)}: must be a rigid.Torque: rigid.Torque.body((N1, N2, N3)) or "
         "rigid.Torque.space((N1, N2, N3))"
     )
 

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, Self
 
-from .._checks.arguments import finite_float, one_line
+from .._checks.arguments import brief, finite_float, one_line
 from ..solve.methods import EXACT
 from .reference import Reference
 from .row import Row
@@ -169,7 +169,7 @@ def _row(data: Mapping[str, Any]) -> Row:
     for name, value in values.items():
         if name in ("method", "mark"):
             if not isinstance(value, str):
-                raise TypeError(f"{name} = {value!r}: must be a string")
+                raise TypeError(f"{name} = {brief(value)}: must be a string")
         elif value is not None:
             finite_float(name, value, nonnegative=name != "order", positive=name == "nanoseconds")
         elif name in _UNBOUNDED:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from numpy.typing import ArrayLike
 
 from .. import _core
-from .._checks.arguments import finite_float, numbers, one_of, positive_int, vector
+from .._checks.arguments import brief, finite_float, numbers, one_of, positive_int, vector
 from ..model.scene import Scene, check_scene, scene_from_dict
 from ..model.seed import checked_seed
 from ..solve.batch import Batch
@@ -119,9 +119,9 @@ def make_spec(
         )
     a, b, c, d = batch.attitude[0].tolist()
     if positive_int("bodies", bodies) > MOST_BODIES:
-        raise ValueError(f"bodies = {bodies}: must be at most {MOST_BODIES}")
+        raise ValueError(f"bodies = {brief(bodies)}: must be at most {MOST_BODIES}")
     if not isinstance(unit, str) or not unit:
-        raise TypeError(f"unit = {unit!r}: must be the name of a unit of time")
+        raise TypeError(f"unit = {brief(unit)}: must be the name of a unit of time")
     return ReportSpec(
         scene=scene,
         omega=(w1, w2, w3),
@@ -141,14 +141,16 @@ def _methods(methods: Iterable[str] | None) -> tuple[str, ...]:
     if methods is None:
         return tuple(known)
     if isinstance(methods, str):
-        raise TypeError(f"methods = {methods!r}: must be a list of names, such as [{methods!r}]")
+        raise TypeError(
+            f"methods = {brief(methods)}: must be a list of names, such as [{brief(methods)}]"
+        )
     asked = list(methods)
     if not asked:
         raise ValueError("methods = []: must name at least one method")
     for k, name in enumerate(asked):
         one_of(f"methods[{k}]", name, known)
         if name in asked[:k]:
-            raise ValueError(f"methods[{k}] = {name!r}: is there already")
+            raise ValueError(f"methods[{k}] = {brief(name)}: is there already")
     return tuple(asked)
 
 

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .._checks.arguments import brief
 from .._checks.progress import Progress, ProgressOption, reporting
 from ..solve.error_estimate import distances
 from ..solve.methods import EXACT, run_methods
@@ -162,10 +163,10 @@ def extremes(
     wanted = [case for case in cases() if family in (None, case.family)]
     if not wanted:
         known = ", ".join(dict.fromkeys(repr(case.family) for case in cases()))
-        raise ValueError(f"family = {family!r}: must be one of {known}")
+        raise ValueError(f"family = {brief(family)}: must be one of {known}")
     names = run_methods()
     if method is not None and method not in names:
-        raise ValueError(f"method = {method!r}: must be one of {', '.join(map(repr, names))}")
+        raise ValueError(f"method = {brief(method)}: must be one of {', '.join(map(repr, names))}")
     cells: list[Cell] = []
     begun = time.perf_counter()
     with reporting(progress, len(wanted)) as report:

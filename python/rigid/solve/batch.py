@@ -211,7 +211,8 @@ class Batch:
         swing = np.zeros(1)
         if np.count_nonzero(self.weight):
             # Rows of weights and moments may differ in number.
-            swing = np.sqrt(np.abs(self.weight).max(axis=1) / self.moments.min(axis=1))
+            with np.errstate(over="ignore"):
+                swing = np.sqrt(np.abs(self.weight).max(axis=1) / self.moments.min(axis=1))
         if len(swing) == 1:
             slow = _core.first_slow(self.omega, float(swing[0]), SLOWEST)
         else:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .._checks.arguments import finite_float, one_of, positive_int
+from .._checks.arguments import brief, finite_float, one_of, positive_int
 from ..model.criteria import Criterion, known_criteria
 from ..model.scene import Scene, check_scene
 from ..model.start import Start
@@ -492,7 +492,8 @@ def _accurate(
     """The requested scheme or the cheapest one for the accuracy, and its steps; adds to why."""
     span, turning = problem.span, problem.rates()
     if problem.accuracy is not None and turning is not None and span is not None:
-        check_attainable(accuracy, turning * span)
+        with np.errstate(over="ignore", invalid="ignore"):
+            check_attainable(accuracy, turning * span)
     if method == EXACT:
         return method, None
     if turning is None or span is None:
@@ -550,6 +551,6 @@ def _resolved(scene: Scene, question: object, batch: Batch | None) -> Question:
             start = Start(omega=batch.omega[0])
         return question.resolved(scene, start)
     raise TypeError(
-        f"question = {question!r}: must be one of {', '.join(map(repr, RECORDS))}, "
+        f"question = {brief(question)}: must be one of {', '.join(map(repr, RECORDS))}, "
         f"{known_criteria()}"
     )

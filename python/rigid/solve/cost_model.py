@@ -141,7 +141,7 @@ def cheapest(
     def time(name: str) -> float:
         scheme, angle = schemes()[name, kind], angles[name]
         turn = _turn(scheme, accuracy, np.array(angle)).item()
-        taken = max(angle, 1e-300) / turn
+        taken = max(angle, 1e-300) / turn if turn > 0.0 else math.inf
         return _work(scheme, question).step * (taken + _begins(name, states))
 
     return min((name for name, known in schemes() if known == kind and name in angles), key=time)

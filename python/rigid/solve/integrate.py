@@ -134,7 +134,9 @@ def _refine(
     # Steps longer than any interval between wanted times were cut to the interval.
     longest = intervals(request.times).max(axis=-1, initial=0.0)
     steps, order = np.minimum(steps, longest), order_of(request.method)
-    angles = request.batch.fastest_rates(time_ranges(request.times)) * time_span(request.times)
+    rates = request.batch.fastest_rates(time_ranges(request.times))
+    with np.errstate(over="ignore", invalid="ignore"):
+        angles = rates * time_span(request.times)
     # Shorter steps do not help where rounding alone leaves more.
     attainable = ROUNDING * (1.0 + angles) < accuracy
     pending = np.flatnonzero((estimate.error > accuracy) & attainable)

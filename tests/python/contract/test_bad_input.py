@@ -12,6 +12,7 @@ import pytest
 import rigid
 from physics import LISTED, METHODS
 from rigid.model.scene import scene_from_dict
+from small_maps import small_map
 
 NAN, INF = float("nan"), float("inf")
 BODY = rigid.Body((1.0, 1.5, 2.0))
@@ -247,9 +248,51 @@ def test_whole_numbers_beyond_doubles_are_refused(value: int) -> None:
             call()
 
 
-def test_whole_numbers_that_python_does_not_write_are_refused() -> None:
-    with pytest.raises(ValueError, match=r"^threads = a whole number of more than 4300 digits: "):
-        run(threads=10**5000)()
+UNWRITTEN: Any = 10**5000
+
+
+def flips(**changed: Any) -> Callable[[], Any]:
+    return lambda: small_map(**changed)
+
+
+@pytest.mark.parametrize(
+    ("name", "call"),
+    [
+        ("threads", run(threads=UNWRITTEN)),
+        ("body", lambda: rigid.FreeBody(UNWRITTEN)),
+        ("scene", lambda: rigid.simulate(UNWRITTEN, RATES, t=[1.0])),
+        ("damping", lambda: rigid.FreeBody(BODY, damping=UNWRITTEN)),
+        ("torque", lambda: rigid.FreeBody(BODY, torque=UNWRITTEN)),
+        ("question", lambda: rigid.plan(FREE, UNWRITTEN)),
+        ("axis", lambda: rigid.exact.flip_times(FREE, RATES, axis=UNWRITTEN)),
+        ("title", flips(title=UNWRITTEN)),
+        ("rng", flips(rng=UNWRITTEN)),
+        ("start", flips(start=UNWRITTEN)),
+        ("stable", flips(stable=UNWRITTEN)),
+        ("axes: unknown parameter", flips(axes={UNWRITTEN: [1.0]})),
+    ],
+)
+def test_whole_numbers_that_python_does_not_write_are_refused(
+    name: str, call: Callable[[], Any]
+) -> None:
+    many = "a whole number of more than 4300 digits"
+    with pytest.raises((TypeError, ValueError), match=rf"^{name}( =)? {many}"):
+        call()
+
+
+def test_rates_and_times_near_the_largest_double_warn_of_nothing() -> None:
+    """What they are multiplied or divided to overflows: the run is refused, or says so."""
+    body = rigid.Body((0.26, 0.8, 0.85))
+    rule = "^accuracy = 1e-06: must be above inf, which rounding leaves of inf rad turned$"
+    for heavy, end in ((rigid.HeavyTop(body, mgl=1e308), 1.0), (TOP, 1e308)):
+        with pytest.raises(ValueError, match=rule):
+            run(scene=heavy, t=[end], accuracy=1e-6)()
+    damped = rigid.FreeBody(body, damping=1e308)
+    for call in (
+        run([1e308] * 3, scene=damped, t=[0.0], method="taylor16", accuracy=1e-6),
+        run(scene=damped, t=[900.0], accuracy=1e-6),
+    ):
+        assert call().status in (rigid.Status.NOT_FINITE, rigid.Status.STEP_LIMIT)
 
 
 @pytest.mark.skipif(np.finfo(np.longdouble).maxexp < 2000, reason="has no wider floats")
