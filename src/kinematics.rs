@@ -9,6 +9,16 @@ pub fn cross<R: Real>(a: &[R; 3], b: &[R; 3]) -> [R; 3] {
     [a[1].fms(b[2], a[2] * b[1]), a[2].fms(b[0], a[0] * b[2]), a[0].fms(b[1], a[1] * b[0])]
 }
 
+/// Adds a x b to `sum`.
+#[inline(always)]
+pub fn add_cross<R: Real>(a: &[R; 3], b: &[R; 3], sum: &mut [R; 3]) {
+    *sum = [
+        a[2].fnma(b[1], a[1].fma(b[2], sum[0])),
+        a[0].fnma(b[2], a[2].fma(b[0], sum[1])),
+        a[1].fnma(b[0], a[0].fma(b[1], sum[2])),
+    ];
+}
+
 /// a . b.
 #[inline(always)]
 pub fn dot<R: Real>(a: &[R; 3], b: &[R; 3]) -> R {

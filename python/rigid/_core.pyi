@@ -79,6 +79,7 @@ def simulate(
     refinement: float = 1.0,
     tolerance: float | None = None,
     forcing: Forcing | None = None,
+    displacements: NDArray[np.float64] | None = None,
     out: Mapping[str, NDArray[Any]] | None = None,
     single: bool = False,
 ) -> dict[str, Any]: ...

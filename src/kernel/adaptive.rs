@@ -6,7 +6,7 @@ use crate::error::Error;
 use crate::memory;
 use crate::real::{Pack, Real};
 use crate::scene::{Layout, Model, Parameters};
-use crate::scheme::{Coefficients, MAX_ORDER, Stepper, two_sum};
+use crate::scheme::{Coefficients, Stepper, two_sum};
 use crate::simd::{LANES, Row};
 use crate::special::{exp, ln};
 
@@ -34,11 +34,11 @@ pub struct AdaptiveSteps {
 }
 
 impl AdaptiveSteps {
-    /// Inactive lanes.
-    pub fn inactive(tolerance: f64) -> Result<AdaptiveSteps, Error> {
+    /// Inactive lanes, for a series of that order.
+    pub fn inactive(tolerance: f64, order: usize) -> Result<AdaptiveSteps, Error> {
         let nothing = Row([0.0; LANES]);
         Ok(AdaptiveSteps {
-            powers: memory::filled("series of a group", MAX_ORDER + 1, [nothing; MAX_STATE])?,
+            powers: memory::filled("series of a group", order + 1, [nothing; MAX_STATE])?,
             unit: nothing,
             begin: [nothing; 2],
             now: [nothing; 2],
@@ -95,7 +95,10 @@ where
             let mut zero_or_nan = P::splat(0.0);
             for d in 0..D {
                 (y[d], compensation[d]) = two_sum(y[d], increment[d].fma(bound, compensation[d]));
-                zero_or_nan = y[d].fma(P::splat(0.0), zero_or_nan);
+                // The motion goes on if the displacement overflows.
+                if d < L::TANGENT_AT {
+                    zero_or_nan = y[d].fma(P::splat(0.0), zero_or_nan);
+                }
                 y[d].store(&mut g.state[d].0[at..]);
                 compensation[d].store(&mut g.compensation[d].0[at..]);
             }
@@ -135,25 +138,48 @@ fn step_bound<R: Real, L: Layout, const D: usize>(
     inverse_rate: R,
     tolerance: R,
 ) -> R {
-    let last = log_margin::<R, L, D>(c.order(order), inverse_rate, tolerance) * R::splat(1.0 / order as f64);
-    let before = log_margin::<R, L, D>(c.order(order - 1), inverse_rate, tolerance)
-        * R::splat(1.0 / (order - 1) as f64);
+    let displacement =
+        if L::TANGENT { largest_change::<R, L, D>(c.order(0), inverse_rate) } else { R::splat(1.0) };
+    let scales = [inverse_rate, displacement];
+    let last = log_margin::<R, L, D>(c.order(order), scales, tolerance) * R::splat(1.0 / order as f64);
+    let before =
+        log_margin::<R, L, D>(c.order(order - 1), scales, tolerance) * R::splat(1.0 / (order - 1) as f64);
     // The factor between two steps is at most 2^30, because a body at rest has no time scale.
     let growth = R::splat(30.0 * std::f64::consts::LN_2);
     let margin = R::splat(0.7 / (order - 1) as f64);
     exp((last.min(before) - margin).min(growth).max(-growth))
 }
 
-/// ln of the tolerance over the largest number of a term. The balance follows from the motion, so the balance is
-/// ignored.
+/// ln of the tolerance over the largest number of a term, where a displacement counts relative to its size. The
+/// balance follows from the motion, so the balance is ignored.
 #[inline(always)]
-fn log_margin<R: Real, L: Layout, const D: usize>(term: &[R; D], inverse_rate: R, tolerance: R) -> R {
+fn log_margin<R: Real, L: Layout, const D: usize>(
+    term: &[R; D],
+    [inverse_rate, displacement]: [R; 2],
+    tolerance: R,
+) -> R {
     let mut largest = R::splat(f64::MIN_POSITIVE);
     for d in 0..L::BALANCE_AT {
         let size = if d < 3 { term[d].abs() * inverse_rate } else { term[d].abs() };
         largest = largest.max(size);
     }
+    if L::TANGENT {
+        // `max` returns its second argument if the quotient is a NaN: a displacement that has overflowed does not count.
+        let change = largest_change::<R, L, D>(term, inverse_rate) / displacement;
+        largest = change.max(largest);
+    }
     ln(tolerance) - ln(largest)
+}
+
+/// The largest number of a displacement, its change of the rates over the scale of the rates.
+#[inline(always)]
+fn largest_change<R: Real, L: Layout, const D: usize>(y: &[R; D], inverse_rate: R) -> R {
+    let mut largest = R::splat(f64::MIN_POSITIVE);
+    for d in 0..6 {
+        let size = y[L::TANGENT_AT + d].abs();
+        largest = (if d < 3 { size * inverse_rate } else { size }).max(largest);
+    }
+    largest
 }
 
 /// The state of a lane inside its last step, `units` after the begin of the step.

@@ -7,8 +7,8 @@ use crate::scheme::{DERIVATIVES, NODES};
 use crate::simd::{LANES, Row};
 use std::sync::OnceLock;
 
-/// Longest state: rates, three directions, and the balance of work, impulse and time.
-pub const MAX_STATE: usize = 15;
+/// Longest state: rates, three directions, the balance of work, impulse and time, and a displacement.
+pub const MAX_STATE: usize = 21;
 
 /// The invariants at the start, and the largest deviation from them at the ends of blocks of steps.
 #[derive(Clone, Copy)]
@@ -35,7 +35,7 @@ pub struct PastRows {
 pub struct Group {
     /// Lanes up to the last that was loaded: the packs after them are not computed.
     pub(super) used: usize,
-    /// Rates or momenta, directions, quaternion.
+    /// Rates or momenta, directions, quaternion, balance, displacement.
     pub state: [Row; MAX_STATE],
     /// Rounding error of the state, for schemes with compensation.
     pub compensation: [Row; MAX_STATE],

@@ -124,6 +124,8 @@ pub struct State {
     /// Energy and conserved momentum of a top with the vertical that follows from its attitude; this vertical may
     /// differ from the integrated one.
     pub invariants_of_attitude: Option<[f64; 2]>,
+    /// The displacement, if one is integrated: a change of the rates and a rotation vector in the body.
+    pub tangent: Option<[f64; 6]>,
     /// Work and scales of a forced body.
     pub balance: Option<Balance>,
 }
@@ -185,6 +187,8 @@ pub struct Entry<'a> {
     pub limit: f64,
     /// Time step.
     pub step: f64,
+    /// The displacement at the start, for systems that integrate one.
+    pub tangent: [f64; 6],
 }
 
 impl<'a> Entry<'a> {
@@ -192,20 +196,23 @@ impl<'a> Entry<'a> {
     pub fn unobserved(body: &'a Body, forced_rate: Option<f64>, step: f64) -> Self {
         static NO_FORCING: OnceLock<ForcingInterval<f64>> = OnceLock::new();
         let forcing = forced_rate.map(|rate| (NO_FORCING.get_or_init(ForcingInterval::none), rate));
-        Entry { body, forcing, axis: 0, limit: f64::INFINITY, step }
+        Entry { body, forcing, axis: 0, limit: f64::INFINITY, step, tangent: [0.0; 6] }
     }
 }
 
 /// Loads a body into a lane.
 pub fn load(group: &mut Group, lane: usize, compiled: Compiled, assignment: KernelAssignment, entry: &Entry) {
-    let &Entry { body, forcing, axis, limit, step } = entry;
+    let &Entry { body, forcing, axis, limit, step, tangent } = entry;
     let kernel = compiled.kernel();
     let mut unit = [0.0; 3];
     if axis != 0 {
         unit[axis.unsigned_abs() as usize - 1] = f64::from(axis.signum());
     }
     let unit = assignment.to_kernel_axes(unit);
-    let y = kernel_state(kernel.system, assignment, body, unit);
+    let mut y = kernel_state(kernel.system, assignment, body, unit);
+    if let Some(at) = kernel.system.tangent_at() {
+        y[at..at + 6].copy_from_slice(&tangent);
+    }
     let parameters = Parameters {
         moments: assignment.moments_and_rates(body).0,
         weight: assignment.to_kernel_axes(body.weight),
@@ -249,7 +256,7 @@ pub fn load(group: &mut Group, lane: usize, compiled: Compiled, assignment: Kern
 /// Sets the time of a forced body to zero: the torque is given as a function of the time since the begin of an
 /// interval.
 pub fn reset_time(group: &mut Group, system: System, lane: usize) {
-    let time = system.len() - 1;
+    let time = system.balance_at().expect("only forced bodies have a time") + 2;
     group.state[time].0[lane] = 0.0;
     group.compensation[time].0[lane] = 0.0;
 }
@@ -296,6 +303,8 @@ pub fn read(
     let parameters = Parameters { moments, weight: at(&group.weight), step: 0.0 };
     let invariants = compiled.invariants(&parameters, &y);
     let quaternion = kernel.system.quaternion_at();
+    // Systems with a displacement have rates in the axes of the user.
+    let tangent = kernel.system.tangent_at().map(|at| [0, 1, 2, 3, 4, 5].map(|k| y[at + k]));
     let in_rows = kernel.system.has_rows();
     let row = |y: &[f64; MAX_STATE], at: usize| [y[at], y[at + 1], y[at + 2]];
     // With a quaternion, the space axes are permuted like the body axes.
@@ -319,8 +328,8 @@ pub fn read(
         add_spin(&mut y, quaternion, moments[0] / moment, time);
     }
     let omega = [y[0], y[1], y[2]];
-    let balance = kernel.system.is_forced().then(|| {
-        let work = y[kernel.system.len() - 3];
+    let balance = kernel.system.balance_at().map(|at| {
+        let work = y[at];
         let momentum = [0, 1, 2].map(|k| moments[k] * omega[k]);
         let momentum2 = dot(&momentum, &momentum);
         let scale = if in_rows { momentum2.sqrt() } else { 2.0 * momentum2 };
@@ -341,6 +350,7 @@ pub fn read(
         sign_is_free: in_rows,
         invariants,
         invariants_of_attitude,
+        tangent,
         balance,
     }
 }

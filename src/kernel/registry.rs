@@ -6,8 +6,8 @@ use super::step::{invariants, prepared, process, step_block};
 use crate::observe::Observed;
 use crate::real::Pack;
 use crate::scene::{
-    Attitude, Axis, AxisAttitude, FREE, ForcedFrame, ForcedRates, Free, Layout, Model, Parameters, Rates,
-    ReducedTop, Scene, TOP, Top, TwoAxes,
+    Attitude, Axis, AxisAttitude, AxisTangent, FREE, ForcedFrame, ForcedFrameTangent, ForcedRates, Free,
+    Layout, Model, Parameters, Rates, ReducedTop, Scene, TOP, Top, TwoAxes,
 };
 use crate::scheme::{
     AffineSplitting, ComposedPlanar, Dop853Tableau, Engine, Exponential, Hermite, ImplicitMidpoint,
@@ -148,7 +148,7 @@ macro_rules! entry_points {
                 N: Model<f64>,
                 L: Layout,
             {
-                if !S::MOVES {
+                if !S::MOVES || (L::TANGENT && !S::HAS_TANGENT) {
                     return None;
                 }
                 Some(Code {
@@ -274,6 +274,8 @@ kernels! {
         ReducedTopTwoAxes: TOP, ReducedTop, TwoAxes;
         ForcedRates: FREE, Free, ForcedRates;
         ForcedFrame: TOP, Top, ForcedFrame;
+        TopTangent: TOP, Top, AxisTangent;
+        ForcedTangent: TOP, Top, ForcedFrameTangent;
     }
     engines {
         Rk4: RungeKutta<Rk4Tableau, R, M>, V8, V4;
@@ -314,6 +316,8 @@ pub struct Needs {
     pub directions: usize,
     /// Whether the attitude is needed, as a quaternion or as rows of its matrix.
     pub attitude: bool,
+    /// Whether a displacement is integrated with the motion.
+    pub tangent: bool,
 }
 
 /// Properties of a system from its model and its layout.
@@ -322,7 +326,8 @@ struct Traits {
     vectors: usize,
     quaternion_at: Option<usize>,
     is_reduced: bool,
-    is_forced: bool,
+    balance_at: Option<usize>,
+    tangent_at: Option<usize>,
     observed_at: usize,
 }
 
@@ -333,7 +338,8 @@ impl Traits {
             vectors: L::VECTORS,
             quaternion_at: if L::QUATERNION { Some(L::QUATERNION_AT) } else { None },
             is_reduced: M::REDUCED,
-            is_forced: L::BALANCE,
+            balance_at: if L::BALANCE { Some(L::BALANCE_AT) } else { None },
+            tangent_at: if L::TANGENT { Some(L::TANGENT_AT) } else { None },
             observed_at: 3 + 3 * L::OBSERVED,
         }
     }
@@ -347,7 +353,8 @@ impl System {
         let carries = |system: System| {
             let traits = system.traits();
             system.scene() == scene
-                && traits.is_forced == needs.is_forced
+                && traits.balance_at.is_some() == needs.is_forced
+                && traits.tangent_at.is_some() == needs.tangent
                 && traits.is_reduced == needs.is_reduced
                 && traits.vectors >= needs.directions
                 && (!needs.attitude || traits.quaternion_at.is_some() || system.has_rows())
@@ -366,9 +373,19 @@ impl System {
         self.traits().len
     }
 
-    /// Whether the system is forced; work, impulse and time are then the last numbers of the state.
+    /// Whether the system is forced.
     pub fn is_forced(self) -> bool {
-        self.traits().is_forced
+        self.balance_at().is_some()
+    }
+
+    /// Index in the state of work, impulse and time; `None` if the system is not forced.
+    pub(super) fn balance_at(self) -> Option<usize> {
+        self.traits().balance_at
+    }
+
+    /// Index in the state of the displacement; `None` without one.
+    pub fn tangent_at(self) -> Option<usize> {
+        self.traits().tangent_at
     }
 
     /// Number of directions in the state.
@@ -407,10 +424,16 @@ mod tests {
     #[test]
     fn a_system_carries_what_is_needed_and_no_more() {
         use System::*;
-        let needs =
-            |directions, attitude| Needs { is_forced: false, is_reduced: false, directions, attitude };
+        let needs = |directions, attitude| Needs {
+            is_forced: false,
+            is_reduced: false,
+            directions,
+            attitude,
+            tangent: false,
+        };
         let reduced = |needs| Needs { is_reduced: true, ..needs };
         let forced = |needs| Needs { is_forced: true, ..needs };
+        let tangent = |needs| Needs { tangent: true, ..needs };
         // A series does not integrate a top with a quaternion.
         let (rotations, series) = (scheme::SPLITTING4.any, scheme::TAYLOR8.any);
         for (scene, step, needs, system) in [
@@ -428,6 +451,10 @@ mod tests {
             (&FREE, series, forced(needs(1, false)), ForcedFrame),
             (&FREE, series, forced(needs(0, true)), ForcedFrame),
             (&TOP, series, forced(needs(0, false)), ForcedFrame),
+            // A free body is a top without weight.
+            (&FREE, series, tangent(needs(0, false)), TopTangent),
+            (&TOP, series, tangent(needs(0, false)), TopTangent),
+            (&FREE, series, forced(tangent(needs(0, false))), ForcedTangent),
         ] {
             assert_eq!(System::carrying(scene, step, needs), system, "{} {needs:?}", scene.kind);
         }

@@ -94,7 +94,7 @@ impl Map {
                         forcing_rows.set(lane, interval);
                         (interval, body.fastest_rate(forcing, [0.0, self.t_end]))
                     });
-                    let entry = Entry { body, forcing, axis: self.axis, limit, step };
+                    let entry = Entry { body, forcing, axis: self.axis, limit, step, tangent: [0.0; 6] };
                     load(&mut group, lane, compiled, assignment, &entry);
                     target[lane] = steps as f64;
                     lanes[lane] = Some(LaneTask { index, step });

@@ -84,6 +84,7 @@ impl Map {
             is_reduced: false,
             directions: if in_space { 3 } else { self.criterion.directions(self.scene) },
             attitude: false,
+            tangent: false,
         };
         Kernel {
             system: System::carrying(self.scene, step, needs),

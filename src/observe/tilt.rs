@@ -58,7 +58,7 @@ impl Observable for Tilt {
 
 impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Tilt {
     /// True if the layout contains a direction in body components.
-    const FITS: bool = !M::REDUCED && !L::QUATERNION && L::VECTORS > 0;
+    const FITS: bool = !M::REDUCED && !L::QUATERNION && !L::TANGENT && L::VECTORS > 0;
 
     /// Steps of a Taylor series are long, so the largest tilt inside the step and the time at which the limit is
     /// reached are computed from the coefficients of the series.

@@ -48,15 +48,16 @@ pub fn same_length(argument: &'static str, expected: usize, got: usize) -> PyRes
         .into())
 }
 
-pub fn parse_record(record: &str) -> Result<Record, Error> {
+pub fn parse_record<'a>(record: &str, displacements: &'a [[f64; 6]]) -> Result<Record<'a>, Error> {
     match record {
         "rates" => Ok(Record::Rates),
         "axis" => Ok(Record::Axis),
         "attitude" => Ok(Record::Attitude),
+        "tangent" => Ok(Record::Tangent(displacements)),
         _ => Err(Error::Unknown {
             argument: "record",
             value: record.into(),
-            known: "rates, axis, attitude".into(),
+            known: "rates, axis, attitude, tangent".into(),
         }),
     }
 }

@@ -102,6 +102,7 @@ fn methods(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
         entry.set_item("symplectic", facts.symplectic)?;
         entry.set_item("reversible", facts.reversible)?;
         entry.set_item("group_preserving", facts.group_preserving)?;
+        entry.set_item("tangent", scheme.has_tangent())?;
         entry.set_item("driven", scheme.forced.is_some())?;
         entry.set_item("stiff", scheme.is_stiff())?;
         entry.set_item("tops", scheme.moves_tops())?;

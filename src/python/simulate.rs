@@ -15,7 +15,7 @@ use crate::simd::Isa;
 use crate::solver::{Solver, default_step};
 use crate::start::Body;
 use crate::status::Status;
-use crate::trajectory::{self, Column, Request, Schedule, States, time_range};
+use crate::trajectory::{self, Column, Record, Request, Schedule, States, time_range};
 use numpy::ndarray::Array3;
 use numpy::{
     IntoPyArray, PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods,
@@ -38,7 +38,7 @@ pub fn state_bytes(
         scene: Scene::parse(scene)?,
         forcing: forcing.as_ref().map_or(Forcing::NONE, |forcing| &forcing.0),
         solver: Solver::Exact,
-        record: parse_record(record)?,
+        record: parse_record(record, &[])?,
         schedule: Schedule::Times(&[]),
         steps: &[],
         refinement: 1.0,
@@ -50,7 +50,7 @@ pub fn state_bytes(
 
 /// States of bodies at given times; see `rigid.simulate`.
 #[pyfunction]
-#[pyo3(signature = (*, scene, method, record, moments, weight, omega, attitude, step, max_steps, threads, times=None, strides=None, refinement=1.0, tolerance=None, forcing=None, out=None, single=false))]
+#[pyo3(signature = (*, scene, method, record, moments, weight, omega, attitude, step, max_steps, threads, times=None, strides=None, refinement=1.0, tolerance=None, forcing=None, displacements=None, out=None, single=false))]
 #[allow(clippy::too_many_arguments)] // The request of `trajectory`, column by column.
 pub fn simulate<'py>(
     py: Python<'py>,
@@ -69,11 +69,11 @@ pub fn simulate<'py>(
     refinement: f64,
     tolerance: Option<f64>,
     forcing: Option<PyRef<'py, PyForcing>>,
+    displacements: Option<PyReadonlyArray2<'py, f64>>,
     out: Option<&Bound<'py, PyDict>>,
     single: bool,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let (scene, solver, record, isa) =
-        (Scene::parse(scene)?, Solver::parse(method)?, parse_record(record)?, Isa::current()?);
+    let (scene, solver, isa) = (Scene::parse(scene)?, Solver::parse(method)?, Isa::current()?);
     let columns = BodyColumns::new(
         rows::<3>("moments", &moments)?,
         rows::<3>("weight", &weight)?,
@@ -82,6 +82,17 @@ pub fn simulate<'py>(
     )?;
     let n = columns.len();
     let forcing = forcing_of(forcing.as_ref(), n)?;
+    let displacements = match &displacements {
+        Some(given) => {
+            let given = rows::<6>("displacements", given)?;
+            memory::collected("displacements", given.len(), given.iter().copied())?
+        }
+        None => Vec::new(),
+    };
+    let record = parse_record(record, &displacements)?;
+    if record.is_tangent() {
+        same_length("displacements", n, displacements.len())?;
+    }
     // Copies: without the lock other threads may write to the arrays.
     let times = times.map(|times| copied_rows("times", &times)).transpose()?;
     if let Some(step) = &step {
@@ -122,7 +133,11 @@ pub fn simulate<'py>(
             }
             (None, Solver::Exact) => Vec::new(),
         };
-        let request = &Request { bodies, forcing, schedule, steps, ..request };
+        let record = match record {
+            Record::Tangent(displacements) => Record::Tangent(&displacements[part.clone()]),
+            record => record,
+        };
+        let request = &Request { bodies, forcing, schedule, steps, record, ..request };
         let mut states = rest.split_off(request.schedule.len(), part.len());
         for target in &mut targets {
             states.give(target.name, target.part(part.clone())?);

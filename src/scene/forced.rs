@@ -54,9 +54,8 @@ impl<R: Real> Applied<R> {
 
     /// Subtracts `D omega` from `sum`.
     #[inline(always)]
-    fn damp<const D: usize>(&self, y: &[R; D], sum: &mut [R; 3]) {
+    fn damp(&self, [w1, w2, w3]: [R; 3], sum: &mut [R; 3]) {
         let [d11, d22, d33, d23, d31, d12] = self.forcing.damping;
-        let [w1, w2, w3] = [y[0], y[1], y[2]];
         *sum = [
             d31.fnma(w3, d12.fnma(w2, d11.fnma(w1, sum[0]))),
             d23.fnma(w3, d22.fnma(w2, d12.fnma(w1, sum[1]))),
@@ -78,8 +77,43 @@ impl<R: Real> Applied<R> {
     #[inline(always)]
     pub fn torque<L: Layout, const D: usize>(&self, y: &[R; D]) -> [R; 3] {
         let mut sum = self.undamped::<L, D>(y);
-        self.damp(y, &mut sum);
+        self.damp([y[0], y[1], y[2]], &mut sum);
         sum
+    }
+
+    /// The torque in space of order k, in body components; see `torque_of_order`.
+    #[inline(always)]
+    pub fn space_torque_of_order<L: Layout, const D: usize>(
+        &self,
+        start: &[R; D],
+        now: &[R; D],
+        before: &[R; D],
+    ) -> [R; 3] {
+        let mut sum = [R::splat(0.0); 3];
+        if L::VECTORS > 0 {
+            // The coefficient of (a + b t) row is a row[k] + b step row[k - 1]; `before` contains the step.
+            let space = self.torques_at(start[L::TIME_AT])[1];
+            add_space_torque(&space, now, &mut sum);
+            add_space_torque(&self.forcing.space[1], before, &mut sum);
+        }
+        sum
+    }
+
+    /// The torque in space at a state, in body components.
+    #[inline(always)]
+    pub fn space_torque<L: Layout, const D: usize>(&self, y: &[R; D]) -> [R; 3] {
+        let mut sum = [R::splat(0.0); 3];
+        if L::VECTORS > 0 {
+            add_space_torque(&self.torques_at(y[L::TIME_AT])[1], y, &mut sum);
+        }
+        sum
+    }
+
+    /// A torque less the damping of these rates.
+    #[inline(always)]
+    pub fn damped(&self, mut torque: [R; 3], omega: [R; 3]) -> [R; 3] {
+        self.damp(omega, &mut torque);
+        torque
     }
 
     /// The coefficient of the torque at an order k > 0: `now` holds the coefficients of the state of order k, `before`
@@ -102,7 +136,7 @@ impl<R: Real> Applied<R> {
             add_space_torque(&space, now, &mut sum);
             add_space_torque(&self.forcing.space[1], before, &mut sum);
         }
-        self.damp(now, &mut sum);
+        self.damp([now[0], now[1], now[2]], &mut sum);
         sum
     }
 

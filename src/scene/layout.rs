@@ -2,7 +2,7 @@
 //!
 //! A state is a flat array `[R; D]`: three rates or momenta (the scheme decides which), then `VECTORS` directions that
 //! are fixed in space, in body components, then a quaternion if the attitude is requested, then the balance of a forced
-//! body: work, impulse and time.
+//! body: work, impulse and time; then a displacement of the motion if its growth is requested.
 
 /// The variables that are integrated with the rates.
 pub trait Layout: Copy {
@@ -12,10 +12,12 @@ pub trait Layout: Copy {
     const QUATERNION: bool;
     /// Whether work, impulse and time are integrated.
     const BALANCE: bool = false;
+    /// Whether a displacement is integrated with the motion: a change of the rates, and a rotation vector in the body.
+    const TANGENT: bool = false;
     /// The direction from which a tilt is measured: the last direction, or the vertical of a frame.
     const OBSERVED: usize = if Self::BALANCE { 0 } else { Self::VECTORS.saturating_sub(1) };
     /// Length of the state.
-    const LEN: usize = Self::BALANCE_AT + 3 * Self::BALANCE as usize;
+    const LEN: usize = Self::TANGENT_AT + 6 * Self::TANGENT as usize;
     /// Index of the first component of the quaternion.
     const QUATERNION_AT: usize = 3 + 3 * Self::VECTORS;
     /// Index of the balance, which begins with the work.
@@ -24,10 +26,12 @@ pub trait Layout: Copy {
     const IMPULSE_AT: usize = Self::BALANCE_AT + 1;
     /// Index of the time of a forced body.
     const TIME_AT: usize = Self::BALANCE_AT + 2;
+    /// Index of the displacement, and length of the state without it.
+    const TANGENT_AT: usize = Self::BALANCE_AT + 3 * Self::BALANCE as usize;
 }
 
 macro_rules! layouts {
-    ($($(#[$doc:meta])* $name:ident: $vectors:literal, $quaternion:literal, $balance:literal;)*) => {$(
+    ($($(#[$doc:meta])* $name:ident: $vectors:literal, $quaternion:literal, $balance:literal, $tangent:literal;)*) => {$(
         $(#[$doc])*
         #[derive(Clone, Copy)]
         pub struct $name;
@@ -35,22 +39,27 @@ macro_rules! layouts {
             const VECTORS: usize = $vectors;
             const QUATERNION: bool = $quaternion;
             const BALANCE: bool = $balance;
+            const TANGENT: bool = $tangent;
         }
     )*};
 }
 layouts! {
     /// Rates only.
-    Rates: 0, false, false;
+    Rates: 0, false, false, false;
     /// Rates and one direction: the vertical of a top, or the initial direction of the observed axis of a free body.
-    Axis: 1, false, false;
+    Axis: 1, false, false, false;
     /// Rates, the vertical, and the initial direction of the observed axis.
-    TwoAxes: 2, false, false;
+    TwoAxes: 2, false, false, false;
     /// Rates and attitude.
-    Attitude: 0, true, false;
+    Attitude: 0, true, false, false;
     /// Rates, vertical and attitude; the rates are equal to those of `Axis` to the bit.
-    AxisAttitude: 1, true, false;
+    AxisAttitude: 1, true, false, false;
     /// Rates and balance.
-    ForcedRates: 0, false, true;
+    ForcedRates: 0, false, true, false;
     /// Rates, the space axes z, x and y, and the balance.
-    ForcedFrame: 3, false, true;
+    ForcedFrame: 3, false, true, false;
+    /// Rates, the vertical, and a displacement; the other numbers are equal to those of `Axis` to the bit.
+    AxisTangent: 1, false, false, true;
+    /// Rates, the space axes, the balance and a displacement.
+    ForcedFrameTangent: 3, false, true, true;
 }

@@ -8,7 +8,10 @@ mod top;
 
 pub use forced::Applied;
 pub use free::{FREE, Free};
-pub use layout::{Attitude, Axis, AxisAttitude, ForcedFrame, ForcedRates, Layout, Rates, TwoAxes};
+pub use layout::{
+    Attitude, Axis, AxisAttitude, AxisTangent, ForcedFrame, ForcedFrameTangent, ForcedRates, Layout, Rates,
+    TwoAxes,
+};
 pub use reduced_top::ReducedTop;
 pub use top::{TOP, Top};
 

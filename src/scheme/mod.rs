@@ -10,6 +10,7 @@ mod midpoint;
 mod moser_veselov;
 mod runge_kutta;
 mod splitting;
+mod tangent;
 mod taylor;
 
 use compositions::check_composition;
@@ -209,6 +210,11 @@ impl Engine {
         }
     }
 
+    /// Whether the engine moves a displacement by the derivative of the step.
+    const fn has_tangent(self) -> bool {
+        matches!(self, Engine::Rk4 | Engine::Dop853 | Engine::Taylor | Engine::CompensatedTaylor)
+    }
+
     /// The flows of a round, if the engine composes exact flows of parts of the motion.
     const fn flows(self) -> Option<&'static [Flow]> {
         match self {
@@ -333,6 +339,14 @@ impl Scheme {
         self.any.is_processed()
     }
 
+    /// Whether the scheme integrates displacements with the motion.
+    pub const fn has_tangent(&self) -> bool {
+        match self.forced {
+            Some(forced) => self.any.engine.has_tangent() && forced.step.engine.has_tangent(),
+            None => self.any.engine.has_tangent(),
+        }
+    }
+
     /// Whether the scheme integrates bodies with weight.
     pub const fn moves_tops(&self) -> bool {
         self.any.moves_weight()
@@ -377,6 +391,19 @@ impl Scheme {
     /// [`STIFF`], because an explicit scheme could need a thousand times the steps.
     pub fn second(&self, is_forced: bool) -> &'static Scheme {
         if is_forced && self.is_stiff() { STIFF } else { SECOND }
+    }
+
+    /// Raises an error for a scheme that integrates no displacements.
+    ///
+    /// # Errors
+    /// Naming the scheme and the rule.
+    pub fn check_tangent(&self) -> Result<(), Error> {
+        if self.has_tangent() {
+            return Ok(());
+        }
+        let rule =
+            "has no tangent: only Runge-Kutta methods and Taylor series return the derivative of their steps";
+        Err(Error::Value { argument: "method", value: format!("'{}'", self.facts.name), rule })
     }
 
     /// Raises an error for a scene that the scheme does not integrate, and for an observable between steps that use
@@ -460,6 +487,8 @@ pub trait Stepper<R: Real, M: Model<R>, L: Layout, const D: usize>: Copy {
     const HAS_POLYNOMIAL: bool = Self::IS_SERIES;
     /// Whether a step uses derivatives at the states before: it is made by `advance` then, not by `step`.
     const REMEMBERS: bool = false;
+    /// Whether a step moves a displacement by the derivative of the step.
+    const HAS_TANGENT: bool = false;
     /// Whether the steps can use other variables than the state.
     const PROCESSED: bool = false;
     /// Prepares the constants of the step.

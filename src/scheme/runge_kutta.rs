@@ -1,6 +1,7 @@
 //! Explicit Runge-Kutta methods: one engine, any tableau.
 
 use super::acceleration;
+use super::tangent::tangent_rate;
 use super::{Coefficients, Engine, Facts, Numbers, Scheme, Step, Stepper, Variables};
 use crate::forcing::ForcingInterval;
 use crate::kinematics;
@@ -352,6 +353,9 @@ fn rate<R: Real, M: Model<R>, L: Layout, const D: usize>(
         kinematics::put(&mut dy, at, applied.balance::<L, D>(&torque, y));
         dy[at + 2] = R::splat(1.0);
     }
+    if L::TANGENT {
+        kinematics::put(&mut dy, L::TANGENT_AT, tangent_rate::<R, M, L, D>(model, applied, y));
+    }
     dy
 }
 
@@ -360,6 +364,7 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, 
 {
     const VARIABLES: Variables = Variables::Rates;
     const MOVES: bool = if T::REDUCES { !(M::HEAVY && L::QUATERNION) } else { !M::REDUCED };
+    const HAS_TANGENT: bool = true;
 
     #[inline(always)]
     fn new(p: &Parameters<R>, forcing: &ForcingInterval<R>, _numbers: &'static Numbers) -> Self {

@@ -4,9 +4,12 @@
 //! (Jorba & Zou 2005, §2). Coefficients are those of powers of t / step: their sum is the state after a step.
 
 use super::acceleration;
+use super::tangent::{Variation, turn};
 use super::{Engine, Facts, MAX_ORDER, Numbers, Scheme, Step, Stepper, Variables};
 use crate::forcing::ForcingInterval;
-use crate::kinematics::{add_roll_across, add_roll_along, add_turn_across, add_turn_along, direction};
+use crate::kinematics::{
+    add_cross, add_roll_across, add_roll_along, add_turn_across, add_turn_along, direction,
+};
 use crate::real::Real;
 use crate::scene::{Applied, Layout, Model, Parameters};
 use std::mem::MaybeUninit;
@@ -111,19 +114,26 @@ impl<R: Real, const D: usize> Coefficients<R, D> {
     }
 }
 
-/// Cauchy products of one order: of the rates with each other, with the directions and with the quaternion.
+/// Cauchy products of one order: of the rates with each other, with the directions, with the quaternion and with the
+/// displacement.
 #[derive(Clone, Copy)]
 struct Products<R> {
     rates: [R; 3],
     directions: [[R; 3]; 3],
     quaternion: [R; 4],
+    variation: Variation<R>,
 }
 
 impl<R: Real> Products<R> {
     #[inline(always)]
     fn none() -> Self {
         let zero = R::splat(0.0);
-        Products { rates: [zero; 3], directions: [[zero; 3]; 3], quaternion: [zero; 4] }
+        Products {
+            rates: [zero; 3],
+            directions: [[zero; 3]; 3],
+            quaternion: [zero; 4],
+            variation: Variation::none(),
+        }
     }
 
     /// Adds the products of the rates of one order with the rates, directions and quaternion of another order.
@@ -141,6 +151,9 @@ impl<R: Real> Products<R> {
         }
         if L::QUATERNION {
             add_roll_across(&quaternion::<R, L, D>(b), [w1, w2], &mut self.quaternion);
+        }
+        if L::TANGENT {
+            self.variation.add::<M, L, D>(b, a);
         }
     }
 
@@ -180,7 +193,7 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
         c.clear();
         c.push(*y);
         let spin = y[2];
-        let mut torques = Torques::new();
+        let (mut torques, mut space_torques) = (Torques::new(), Torques::new());
         for half in 0..self.order / 2 {
             let k = 2 * half;
             let (mut sums, mut after) = (Products::none(), Products::none());
@@ -193,14 +206,16 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
                 after.add::<M, L, D>(c.order(1), c.order(k));
             }
             sums.add::<M, L, D>(c.order(k), c.order(0));
-            let mut next = self.next::<L, D>(unit, sums, spin, c.order(k), k);
+            let varied = self.varied_torque::<L, D>(unit, &mut space_torques, c, k);
+            let mut next = self.next::<L, D>(unit, sums, spin, (c.order(k), k), varied);
             if L::BALANCE {
                 self.add_applied::<L, D>(unit, &mut torques, c, &mut next, k);
             }
             c.push(next);
             after.add::<M, L, D>(c.order(0), c.order(k + 1));
             after.add::<M, L, D>(c.order(k + 1), c.order(0));
-            let mut next = self.next::<L, D>(unit, after, spin, c.order(k + 1), k + 1);
+            let varied = self.varied_torque::<L, D>(unit, &mut space_torques, c, k + 1);
+            let mut next = self.next::<L, D>(unit, after, spin, (c.order(k + 1), k + 1), varied);
             if L::BALANCE {
                 self.add_applied::<L, D>(unit, &mut torques, c, &mut next, k + 1);
             }
@@ -215,8 +230,8 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
         unit: R,
         mut sums: Products<R>,
         spin: R,
-        of_k: &[R; D],
-        k: usize,
+        (of_k, k): (&[R; D], usize),
+        varied_torque: [R; 3],
     ) -> [R; D] {
         let factor = unit * R::splat(INVERSE[k + 1]);
         let acceleration = self.model.euler(&sums.rates, of_k);
@@ -236,7 +251,41 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
                 next[L::QUATERNION_AT + i] = half * sums.quaternion[i];
             }
         }
+        if L::TANGENT {
+            let change = sums.variation.rate::<M, L, D>(&self.model, &self.applied, of_k, varied_torque);
+            for i in 0..6 {
+                next[L::TANGENT_AT + i] = factor * change[i];
+            }
+        }
         next
+    }
+
+    /// The change of order k of the torque in space by the displacement: the torque turns with the body.
+    #[inline(always)]
+    fn varied_torque<L: Layout, const D: usize>(
+        &self,
+        unit: R,
+        torques: &mut Torques<R>,
+        c: &Coefficients<R, D>,
+        k: usize,
+    ) -> [R; 3] {
+        let mut sum = [R::splat(0.0); 3];
+        if !(L::TANGENT && L::BALANCE) {
+            return sum;
+        }
+        let newest = if k == 0 {
+            self.applied.space_torque::<L, D>(c.order(0))
+        } else {
+            let before = times_unit::<R, L, D>(c.order(k - 1), unit);
+            self.applied.space_torque_of_order::<L, D>(c.order(0), c.order(k), &before)
+        };
+        torques.push(k, newest);
+        for j in 0..=k {
+            // SAFETY: the calls for the orders 0 to k, one each and ascending, have pushed the rows 0 to k.
+            let torque = unsafe { torques.order(j) };
+            add_cross(torque, &turn::<R, L, D>(c.order(k - j)), &mut sum);
+        }
+        sum
     }
 
     /// Adds the applied torque to the coefficients of order k + 1, and computes those of the balance. The coefficient
@@ -254,10 +303,7 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
         let newest = if k == 0 {
             self.applied.torque::<L, D>(c.order(0))
         } else {
-            let mut before = *c.order(k - 1);
-            for d in 3..L::BALANCE_AT {
-                before[d] = before[d] * unit;
-            }
+            let before = times_unit::<R, L, D>(c.order(k - 1), unit);
             self.applied.torque_of_order::<L, D>(c.order(0), c.order(k), &before)
         };
         torques.push(k, newest);
@@ -276,6 +322,16 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
         next[L::BALANCE_AT + 1] = factor * balance[1];
         next[L::BALANCE_AT + 2] = if k == 0 { unit } else { R::splat(0.0) };
     }
+}
+
+/// The coefficients of a state with the directions times the unit of time.
+#[inline(always)]
+fn times_unit<R: Real, L: Layout, const D: usize>(of_state: &[R; D], unit: R) -> [R; D] {
+    let mut scaled = *of_state;
+    for d in 3..L::BALANCE_AT {
+        scaled[d] = scaled[d] * unit;
+    }
+    scaled
 }
 
 /// Coefficients of the applied torque, in memory that nobody has to clear.
@@ -336,6 +392,7 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>, L: Layout, const D: usize> S
     // The attitude of a top is integrated as rows of its matrix: the vertical, which the torque needs anyway, and
     // another direction cost less than the vertical and a quaternion.
     const MOVES: bool = !(M::HEAVY && L::QUATERNION);
+    const HAS_TANGENT: bool = true;
     const COMPENSATED: bool = COMPENSATED;
     const IS_SERIES: bool = true;
 

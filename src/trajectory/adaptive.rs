@@ -114,7 +114,7 @@ impl<'a> AdaptiveBatch<'a> {
             queue,
             kernel: Compiled::new(kernel, isa),
             group: Group::inactive(),
-            adaptive: AdaptiveSteps::inactive(tolerance)?,
+            adaptive: AdaptiveSteps::inactive(tolerance, way.assignment.step.numbers.order)?,
             forcing_rows: ForcingRows::NONE,
         })
     }
@@ -176,7 +176,8 @@ impl<'a> AdaptiveBatch<'a> {
         let direction = if task.backward { -1.0 } else { 1.0 };
         let rate = body.fastest_rate(forcing, self.request.range_of(index));
         let forced_rate = (!forcing.is_none()).then_some(rate);
-        let entry = Entry::unobserved(body, forced_rate, direction * first);
+        let tangent = self.request.record.displacement_of(index);
+        let entry = Entry { tangent, ..Entry::unobserved(body, forced_rate, direction * first) };
         load(&mut self.group, lane, self.kernel, task.assignment, &entry);
         self.adaptive.direction.0[lane] = direction;
         self.adaptive.inverse_rate.0[lane] = if rate > 0.0 { 1.0 / rate } else { 0.0 };

@@ -57,6 +57,9 @@ pub fn simulate_into(
     match request.solver {
         Solver::Steps(scheme) => {
             scheme.check(request.scene, false)?;
+            if request.record.is_tangent() {
+                scheme.check_tangent()?;
+            }
             if !request.forcing.is_none() {
                 check_forced(request, scheme)?;
             }
@@ -66,6 +69,11 @@ pub fn simulate_into(
             }
         }
         Solver::Exact => {
+            if request.record.is_tangent() {
+                let value = format!("'{}'", Solver::EXACT);
+                let rule = "has no tangent here: displacements are integrated";
+                return Err(Error::Value { argument: "method", value, rule });
+            }
             if !request.forcing.is_none() {
                 return damped_free::simulate(request, states, threads, isa, stop);
             }
@@ -206,7 +214,8 @@ impl Integration {
         let is_forced = !forcing.is_none();
         let assignment = match request.schedule {
             _ if is_forced => KernelAssignment::of_forced(scheme, body),
-            // Strides repeat the steps of a map, which are made in the frame of the body.
+            // Strides repeat the steps of a map, which are made in the frame of the body, as are displacements.
+            _ if request.record.is_tangent() => KernelAssignment::of(scheme, body, request.scene),
             Schedule::Strides(_) => KernelAssignment::of(scheme, body, request.scene),
             _ => KernelAssignment::of_path(scheme, body, request.scene),
         };
@@ -232,6 +241,7 @@ impl Integration {
             is_reduced: self.assignment.is_reduced(),
             directions: if self.acts_in_space { 3 } else { directions },
             attitude: request.record == Record::Attitude,
+            tangent: request.record.is_tangent(),
         };
         System::carrying(request.scene, self.assignment.step, needs)
     }

@@ -174,6 +174,7 @@ impl Motion {
                 is_reduced: assignments[0].is_reduced(),
                 directions: 0,
                 attitude: true,
+                tangent: false,
             };
             let step = assignments[0].step;
             let kernel =

@@ -7,14 +7,31 @@ use crate::start::Body;
 use std::ops::Range;
 
 /// The variables that are integrated and recorded.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Record {
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Record<'a> {
     /// Rates (for a top also the vertical).
     Rates,
     /// Rates and the vertical in body components.
     Axis,
     /// Rates and attitude.
     Attitude,
+    /// The displacement of each body that begins with these numbers: a change of the rates and a rotation vector.
+    Tangent(&'a [[f64; 6]]),
+}
+
+impl Record<'_> {
+    /// Whether displacements are recorded.
+    pub fn is_tangent(&self) -> bool {
+        matches!(self, Record::Tangent(_))
+    }
+
+    /// The displacement of a body at its start; zero if none is recorded.
+    pub fn displacement_of(&self, body: usize) -> [f64; 6] {
+        match self {
+            Record::Tangent(displacements) => displacements[body],
+            _ => [0.0; 6],
+        }
+    }
 }
 
 /// The times of the requested states.
@@ -74,7 +91,7 @@ pub struct Request<'a> {
     /// The solver of the bodies.
     pub solver: Solver,
     /// The recorded variables.
-    pub record: Record,
+    pub record: Record<'a>,
     /// The times of the states.
     pub schedule: Schedule<'a>,
     /// Largest step of each body; with a tolerance its first.

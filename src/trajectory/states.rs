@@ -174,18 +174,20 @@ fn first<'a, T>(rest: &mut &'a mut [T], count: usize) -> &'a mut [T] {
 
 states! {
     times {
-        /// Rates, (n, times, 3).
-        omega: 3, |_| true;
+        /// Rates, (n, times, 3), unless displacements are recorded.
+        omega: 3, |request| !request.record.is_tangent();
         /// The vertical seen from the body, (n, times, 3), if recorded.
         vertical: 3, |request| match request.record {
-            Record::Rates => false,
+            Record::Rates | Record::Tangent(_) => false,
             Record::Axis => true,
             Record::Attitude => request.scene.has_weight,
         };
         /// Attitude, (n, times, 4), if recorded.
         attitude: 4, |request| request.record == Record::Attitude;
+        /// Displacements, (n, times, 6), if recorded: changes of the rates, and rotation vectors in the body.
+        tangent: 6, |request| request.record.is_tangent();
         /// Work of torque and damping since the start, (n, times), of forced bodies.
-        work: 1, |request| !request.forcing.is_none();
+        work: 1, |request| !request.forcing.is_none() && !request.record.is_tangent();
     }
     bodies {
         /// Largest energy error at a wanted time, relative. For a forced body: the error of the energy less the work,
@@ -205,9 +207,9 @@ states! {
 }
 
 impl States {
-    /// The rates, which are always recorded.
+    /// The rates. Panics if displacements are recorded instead.
     pub fn rates(&self) -> &[f64] {
-        self.omega.as_deref().expect("rates are always recorded")
+        self.omega.as_deref().expect("rates are recorded but with displacements")
     }
 }
 
@@ -248,6 +250,9 @@ impl StatesPart<'_> {
         if let Some(work) = &mut self.work {
             // A body without forcing may have neighbours with it.
             work[at] = now.balance.map_or(0.0, |balance| balance.work);
+        }
+        if let (Some(now), Some(tangent)) = (&now.tangent, &mut self.tangent) {
+            tangent[6 * at..][..6].copy_from_slice(now);
         }
         let scales = now.balance.map(|balance| balance.scales);
         for now in [Some(now.invariants), now.invariants_of_attitude].into_iter().flatten() {
@@ -305,7 +310,7 @@ mod tests {
     use crate::solver::Solver;
     use crate::trajectory::Schedule;
 
-    fn request<'a>(scene: &'static Scene, record: Record) -> Request<'a> {
+    fn request<'a>(scene: &'static Scene, record: Record<'a>) -> Request<'a> {
         Request {
             bodies: &[],
             scene,

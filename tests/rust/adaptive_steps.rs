@@ -16,7 +16,7 @@ struct Case<'a> {
     bodies: &'a [Body],
     method: &'static Scheme,
     tolerance: f64,
-    record: Record,
+    record: Record<'a>,
     times: &'a [f64],
     max_steps: u64,
     threads: usize,

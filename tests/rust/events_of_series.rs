@@ -36,7 +36,7 @@ impl Run {
         let compiled = Compiled::new(kernel, Isa::available()[0]);
         let mut group = Group::inactive();
         let step = method.facts.angle_per_step / body.fastest_rate(BodyForcing::NONE, [0.0; 2]);
-        let entry = Entry { body, forcing: None, axis, limit, step };
+        let entry = Entry { body, forcing: None, axis, limit, step, tangent: [0.0; 6] };
         load(&mut group, 0, compiled, KernelAssignment::of(method, body, system.scene()), &entry);
         Run { group, compiled, step }
     }

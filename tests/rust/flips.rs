@@ -38,7 +38,7 @@ impl ObservedBody {
         let kernel = Kernel { system, step: assignment.step, observed: Observed::Flips };
         let compiled = Compiled::new(kernel, Isa::available()[0]);
         let mut group = Group::inactive();
-        let entry = Entry { body, forcing: None, axis, limit: f64::INFINITY, step };
+        let entry = Entry { body, forcing: None, axis, limit: f64::INFINITY, step, tangent: [0.0; 6] };
         load(&mut group, 0, compiled, assignment, &entry);
         ObservedBody { group, compiled }
     }
@@ -332,7 +332,7 @@ fn stable_spin_for_a_million_steps() {
                 let body = free([1.0, 1.6, 2.0], omega);
                 let assignment = KernelAssignment::of(method, &body, &FREE);
                 let (axis, limit, step) = (axis as i32, f64::INFINITY, 1.0 / 16.0);
-                let entry = Entry { body: &body, forcing: None, axis, limit, step };
+                let entry = Entry { body: &body, forcing: None, axis, limit, step, tangent: [0.0; 6] };
                 load(&mut group, lane, compiled, assignment, &entry);
             }
             // Fewer steps of expensive schemes.

@@ -14,6 +14,7 @@ mod odd_requests;
 mod random_starts;
 mod same_bits;
 mod splitting_structure;
+mod tangent;
 mod taylor;
 
 use rigid::scene::{FREE, Scene, TOP};

@@ -27,6 +27,7 @@ __all__ = [
     "rotations",
     "run_methods",
     "series_methods",
+    "tangent_methods",
 ]
 
 EXACT = "exact"
@@ -68,6 +69,8 @@ class Method:
     symplectic, reversible, group_preserving : bool
         Preserves the Poisson structure; a step forward and one back is the identity; ``|L|`` of the
         free body, ``|gamma|`` and ``|q|`` stay as they are, up to rounding.
+    tangent : bool
+        Integrates small displacements with the motion.
     driven, stiff : bool
         Integrates bodies under torque and damping; is stable for damping of any strength.
     tops, maps : bool
@@ -92,6 +95,7 @@ class Method:
     symplectic: bool
     reversible: bool
     group_preserving: bool
+    tangent: bool
     driven: bool
     stiff: bool
     tops: bool
@@ -155,6 +159,12 @@ def run_methods() -> list[str]:
 def series_methods() -> list[str]:
     """The names of the Taylor methods, which may choose their steps by a tolerance."""
     return [method.name for method in methods() if method.series]
+
+
+@cache
+def tangent_methods() -> tuple[str, ...]:
+    """The names of the schemes that integrate displacements with the motion."""
+    return tuple(method.name for method in methods() if method.tangent)
 
 
 def driven_methods() -> list[str]:

@@ -28,7 +28,7 @@ class Request:
         Times of the states (s), ascending; of all bodies or of each.
     method : str
         ``"exact"`` or the name of a scheme.
-    record : {"rates", "axis", "attitude"}
+    record : {"rates", "axis", "attitude", "tangent"}
     max_steps : int
         A body that needs more is not run to its end.
     threads : int
@@ -49,6 +49,7 @@ class Request:
         steps: Floats | None,
         refinement: float = 1.0,
         *,
+        displacements: Floats | None = None,
         out: Mapping[str, NDArray[Any]] | None = None,
         single: bool = False,
     ) -> dict[str, Any]:
@@ -56,7 +57,8 @@ class Request:
 
         Between two wanted times a body takes ``refinement`` times the steps, rounded up. Columns of
         ``out``, of shape (n, m, k), are written where they are; other columns of rows are new, in
-        single precision if asked for.
+        single precision if asked for. Displacements at the start, (n, 6), are recorded instead of
+        the states if the record is ``"tangent"``.
         """
         return _core.simulate(
             **self.batch.columns(),
@@ -68,6 +70,7 @@ class Request:
             times=np.atleast_2d(self.times),
             refinement=refinement,
             tolerance=self.tolerance,
+            displacements=displacements,
             out=out,
             single=single,
         )

@@ -61,6 +61,11 @@ class Run:
     work : ndarray, shape (n, m), or None
         Work done on the body by torque and damping since ``t = 0`` (J), integrated with the motion;
         None for a scene without them.
+    tangent : ndarray, shape (n, m, 6, 6), or None
+        Derivative of the motion by its start, if it was asked for. Rows and columns are a change of
+        the rates (rad/s) and a rotation vector in the body (rad), ``R -> R exp(x)``: column ``j``
+        is what component ``j`` of a small displacement at ``t = 0`` has become. Infinite beyond the
+        range of doubles.
     energy_drift : ndarray, shape (n,)
         Largest error of the energy at a requested time, relative to the kinetic energy at the start
         (plus ``mgl`` for a top). Under torque and damping it is the residual of the power balance
@@ -114,6 +119,7 @@ class Run:
     gamma: NDArray[np.float64] | None
     attitude: NDArray[np.float64] | None
     work: NDArray[np.float64] | None
+    tangent: NDArray[np.float64] | None
     energy_drift: NDArray[np.float64]
     momentum_drift: NDArray[np.float64]
     unit_drift: NDArray[np.float64]

@@ -24,6 +24,7 @@ from .plan import Plan
 from .request import Request
 from .run import Run
 from .status import Status, judged_status
+from .tangent import check_tangent, tangent_of
 from .target import PLAIN, Target
 
 if TYPE_CHECKING:
@@ -46,6 +47,7 @@ def simulate(
     tolerance: float | None = None,
     record: str = "attitude",
     check: bool = True,
+    tangent: bool = False,
     max_steps: int = 10**9,
     threads: int | None = None,
     dtype: DTypeLike = np.float64,
@@ -99,6 +101,10 @@ def simulate(
         Whether the error is estimated by a second run with other steps. Without the second run
         the error is NaN and the status ``UNCHECKED``. An ``accuracy`` always takes it. With a
         method or a step, of more than 32 bodies only 32 are checked.
+    tangent : bool
+        Whether the derivative of the motion by its start is returned, as :attr:`Run.tangent`: by
+        the ``method`` in the same steps, else by ``"taylor16"`` in its own. It changes no bit of
+        the states.
     max_steps : int
         A body that would need more has the status ``STEP_LIMIT``: it is not run, or it is stopped
         there if there is a tolerance.
@@ -125,8 +131,9 @@ def simulate(
         Naming the argument, its value and the rule: not finite, wrong shape, zero quaternion,
         unsorted times, unknown method or record, step, accuracy or tolerance not positive, a
         tolerance for a method that is no Taylor method, ``"exact"`` for a body without a closed
-        form. Under torque and damping: a method that cannot integrate them, a step with which an
-        explicit method is unstable, a time that the table of the torque does not reach.
+        form, a ``tangent`` of a method that has none. Under torque and damping: a method that
+        cannot integrate them, a step with which an explicit method is unstable, a time that the
+        table of the torque does not reach.
 
     Examples
     --------
@@ -143,6 +150,8 @@ def simulate(
     """
     check_scene(scene, many=True)
     one_of("record", record, RECORDS)
+    if tangent:
+        check_tangent(method)
     given = times_of_each("t", t)
     batch, shape = Batch.from_input(scene, omega, attitude, given.shape[:-1])
     times = given if given.ndim == 1 else in_rows(given, shape)
@@ -198,6 +207,10 @@ def simulate(
         )
     if states["work"] is not None:
         np.ldexp(states["work"], batch.scale_exponent[:, np.newaxis], out=states["work"])
+    matrices = None
+    if tangent:
+        matrices, words = tangent_of(request, steps, method)
+        plan = replace(plan, why=(*plan.why, words))
     estimate = ErrorEstimate(target.finish(states, estimate.error), estimate.lost_from)
     spec = {
         "scene": scene.to_dict(),
@@ -207,7 +220,7 @@ def simulate(
         "tolerance": tolerance,
         "record": record,
     }
-    return _to_run(states, given, estimate, spec, plan, shape)
+    return _to_run({**states, "tangent": matrices}, given, estimate, spec, plan, shape)
 
 
 def _recorded(scene: Scene, record: str) -> tuple[str, ...]:
@@ -307,6 +320,7 @@ def _to_run(
         gamma=of_body(states["vertical"]),
         attitude=of_body(states["attitude"]),
         work=of_body(states["work"]),
+        tangent=of_body(states["tangent"]),
         energy_drift=of_body(states["energy_drift"]),
         momentum_drift=of_body(states["momentum_drift"]),
         unit_drift=of_body(states["unit_drift"]),

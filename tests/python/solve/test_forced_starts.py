@@ -82,12 +82,12 @@ def test_backward_in_time_a_damped_body_is_fast_and_its_error_is_stated() -> Non
     assert lost.lost_from < 0.0
 
 
-def test_upright_at_rest_neighbours_fall_both_ways() -> None:
-    """Mirror images of each other, which meet again: once apart they tell nothing more."""
+def test_upright_at_rest_small_displacements_grow_for_ever() -> None:
+    """As ``e^t``, times a number near one from the units: the linear equations know no size."""
     top = rigid.HeavyTop(rigid.Body((1.0, 1.2, 0.5)), mgl=1.0)
-    found = rigid.condition(top, [0.0] * 3, t=[20.0, 40.0, 50.0])
-    assert found[0] == pytest.approx(np.exp(20.0), rel=0.1)
-    assert np.isinf(found[1:]).all()
+    times = np.array([20.0, 40.0, 50.0])
+    found = rigid.condition(top, [0.0] * 3, t=times)
+    np.testing.assert_allclose(found, np.exp(times), rtol=0.1)
 
 
 @pytest.mark.parametrize(

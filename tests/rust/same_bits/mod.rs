@@ -36,7 +36,7 @@ fn all_bits(numbers: &[f64]) -> Vec<u64> {
     numbers.iter().map(|&x| bits(x)).collect()
 }
 
-const SYSTEMS: [(System, &[Observed]); 9] = [
+const SYSTEMS: [(System, &[Observed]); 10] = [
     (System::FreeRates, &[Observed::Nothing, Observed::Flips]),
     (System::FreeAxis, &[Observed::Nothing, Observed::Tilt]),
     (System::FreeAttitude, &[Observed::Nothing]),
@@ -46,6 +46,7 @@ const SYSTEMS: [(System, &[Observed]); 9] = [
     (System::ReducedTopAxis, &[Observed::Nothing]),
     (System::ReducedTopTwoAxes, &[Observed::Nothing]),
     (System::ReducedTopAttitude, &[Observed::Nothing]),
+    (System::TopTangent, &[Observed::Nothing]),
 ];
 
 /// The assignment with which some scheme integrates a body in a kernel.
@@ -172,6 +173,7 @@ fn load_lane(group: &mut Group, lane: usize, kernel: Kernel, compiled: Compiled,
         axis: lane_start.observed_axis,
         limit: lane_start.limit,
         step: lane_start.step,
+        tangent: [0.5, -0.25, 0.375, 0.3125, 0.4375, -0.5],
     };
     load(group, lane, compiled, assignment, &entry);
 }
@@ -318,7 +320,7 @@ const STRIDES: [u64; 4] = [0, 1, 40, 7];
 struct Case {
     is_top: bool,
     method: &'static Scheme,
-    record: Record,
+    record: Record<'static>,
     at_times: bool,
 }
 

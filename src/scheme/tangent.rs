@@ -1,0 +1,101 @@
+//! The tangent of the motion: the rate of change of a small displacement.
+//!
+//! A displacement is a change d of the rates and a rotation vector x in the body, `R -> R exp(hat(x))`. Euler's equations
+//! are linear in the products of the rates and in the directions, so their derivative is the same model with the changes
+//! of both. A direction n that is fixed in space changes by `n x x` in the body.
+//!
+//! Runge-Kutta methods and Taylor series commute with differentiation (Hairer, Nørsett, Wanner, Solving ODEs I, §I.14):
+//! the change of the rates of a body without weight is the derivative of the step itself. The rotation vector has an
+//! equation of its own, so with weight both agree with the derivative of the step to the order of the scheme.
+
+use crate::kinematics::{add_cross, cross, direction, put};
+use crate::real::Real;
+use crate::scene::{Applied, Layout, Model};
+
+/// The change of the rates in a state with a displacement.
+#[inline(always)]
+pub(super) fn spin<R: Real, L: Layout, const D: usize>(y: &[R; D]) -> [R; 3] {
+    let at = L::TANGENT_AT;
+    [y[at], y[at + 1], y[at + 2]]
+}
+
+/// The rotation vector in a state with a displacement.
+#[inline(always)]
+pub(super) fn turn<R: Real, L: Layout, const D: usize>(y: &[R; D]) -> [R; 3] {
+    let at = L::TANGENT_AT + 3;
+    [y[at], y[at + 1], y[at + 2]]
+}
+
+/// Changes of the products of Euler's equations, of the vertical and of a torque in space, and the part of the rate of
+/// the rotation vector from the rates: at a state, or the sums of one order of a series.
+#[derive(Clone, Copy)]
+pub(super) struct Variation<R> {
+    products: [R; 3],
+    vertical: [R; 3],
+    turning: [R; 3],
+}
+
+impl<R: Real> Variation<R> {
+    #[inline(always)]
+    pub(super) fn none() -> Self {
+        let zero = [R::splat(0.0); 3];
+        Variation { products: zero, vertical: zero, turning: zero }
+    }
+
+    /// Adds the products of the displacement of one state with the rates and the vertical of another.
+    #[inline(always)]
+    pub(super) fn add<M: Model<R>, L: Layout, const D: usize>(&mut self, displaced: &[R; D], y: &[R; D]) {
+        let ([d1, d2, d3], x) = (spin::<R, L, D>(displaced), turn::<R, L, D>(displaced));
+        let [w1, w2, w3] = [y[0], y[1], y[2]];
+        self.products = [
+            d2.fma(w3, d3.fma(w2, self.products[0])),
+            d3.fma(w1, d1.fma(w3, self.products[1])),
+            d1.fma(w2, d2.fma(w1, self.products[2])),
+        ];
+        if M::HEAVY {
+            add_cross(&direction(y, 0), &x, &mut self.vertical);
+        }
+        add_cross(&x, &[w1, w2, w3], &mut self.turning);
+    }
+
+    /// The rate of the displacement, from this variation, the displacement of the same order, and the change of the
+    /// torque in space.
+    #[inline(always)]
+    pub(super) fn rate<M: Model<R>, L: Layout, const D: usize>(
+        &self,
+        model: &M,
+        applied: &Applied<R>,
+        displaced: &[R; D],
+        torque: [R; 3],
+    ) -> [R; 6] {
+        let d = spin::<R, L, D>(displaced);
+        let mut varied = *displaced;
+        put(&mut varied, 3, self.vertical);
+        let mut change = model.euler(&self.products, &varied);
+        if L::BALANCE {
+            let gained = applied.over_moments(&applied.damped(torque, d));
+            for i in 0..3 {
+                change[i] = change[i] + gained[i];
+            }
+        }
+        let turning = &self.turning;
+        [change[0], change[1], change[2], d[0] + turning[0], d[1] + turning[1], d[2] + turning[2]]
+    }
+}
+
+/// The rate of the displacement of a state.
+#[inline(always)]
+pub(super) fn tangent_rate<R: Real, M: Model<R>, L: Layout, const D: usize>(
+    model: &M,
+    applied: &Applied<R>,
+    y: &[R; D],
+) -> [R; 6] {
+    let mut variation = Variation::none();
+    variation.add::<M, L, D>(y, y);
+    let torque = if L::BALANCE {
+        cross(&applied.space_torque::<L, D>(y), &turn::<R, L, D>(y))
+    } else {
+        [R::splat(0.0); 3]
+    };
+    variation.rate::<M, L, D>(model, applied, y, torque)
+}

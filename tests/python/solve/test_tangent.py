@@ -1,0 +1,328 @@
+"""The derivative of a motion by its start: 26 digits, closed forms, and its structure."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import rigid
+from chaos_scenes import DISPLACED, Displaced, attitude_with
+from physics import Floats, present
+from rigid.model.scene import Scene
+
+WITH_TANGENT = [method.name for method in rigid.methods() if method.tangent]
+TOP = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
+BOX = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
+DAMPED = rigid.HeavyTop(
+    rigid.Body((1.0, 1.6, 0.7)),
+    mgl=1.2,
+    com=(0.6, 0.0, 0.8),
+    damping=[0.06, 0.03, 0.12],
+    torque=rigid.Torque.space([0.1, -0.2, 0.05]) + rigid.Torque.body([0.0, 0.1, 0.2]),
+)
+TIMES = [-1.0, 0.0, 0.5, 3.0]
+
+
+def tangent(scene: Scene, omega: Floats, attitude: Floats | None = None, **options: Any) -> Floats:
+    run = rigid.simulate(scene, omega, attitude, check=False, tangent=True, **options)
+    return present(run.tangent)
+
+
+def hat(v: Floats) -> Floats:
+    """The matrix of ``v ×``."""
+    x, y, z = v
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+
+
+def exponential(matrix: Floats) -> Floats:
+    """Its exponential to 1e-16: powers of extended precision, where SciPy has 1e-13."""
+    small: NDArray[np.longdouble] = matrix.astype(np.longdouble) / 64.0
+    term: NDArray[np.longdouble] = np.eye(len(matrix), dtype=np.longdouble)
+    total = term
+    for k in range(1, 60):
+        term = np.asarray(term @ small / k)
+        total = total + term
+    for _ in range(6):
+        total = total @ total
+    return np.asarray(total, dtype=np.float64)
+
+
+def jacobian(scene: Scene, omega: Floats, gamma: Floats) -> Floats:
+    """The matrix of the linear equations of a displacement, by cross products."""
+    moments = np.array(scene.body.moments)
+    inertia, inverse = np.diag(moments), np.diag(1.0 / moments)
+    spin = inverse @ (hat(inertia @ omega) - hat(omega) @ inertia)
+    # (gamma × x) × w = -w × (gamma × x).
+    weight = inverse @ -hat(scene.weight) @ hat(gamma)
+    return np.block([[spin, weight], [np.eye(3), -hat(omega)]])
+
+
+# --- Data ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("case", DISPLACED, ids=lambda case: case.name)
+@pytest.mark.parametrize("method", [None, "taylor16"])
+def test_matrices_of_26_digits(case: Displaced, method: str | None) -> None:
+    """The rounding of the start costs 1e-16 times the square of the growth, over what is left."""
+    tolerance = None if method is None else 1e-16
+    found = tangent(
+        case.scene, case.omega, case.attitude, t=case.t, method=method, tolerance=tolerance
+    )
+    true, scaled = case.scaled(case.matrices), case.scaled(found)
+    sizes = np.linalg.norm(true, 2, axis=(1, 2))
+    error = np.linalg.norm(scaled - true, 2, axis=(1, 2)) / sizes
+    assert (error <= np.maximum(1e-13, 3e-14 * sizes.max() ** 2 / sizes)).all()
+
+
+@pytest.mark.parametrize("method", WITH_TANGENT)
+def test_the_order_of_the_tangent_is_that_of_the_method(method: str) -> None:
+    order = next(m.order for m in rigid.methods() if m.name == method)
+    omega, t = np.array([0.5, 0.4, 2.0]), [2.0]
+    true = tangent(TOP, omega, t=t)
+    # A step at which truncation is far above rounding and well below one.
+    step = 0.05 if order == 4 else 0.25 if order < 12 else 0.5
+    errors = [
+        np.abs(tangent(TOP, omega, t=t, method=method, step=step / k) - true).max() for k in (1, 2)
+    ]
+    assert errors[1] < max(errors[0] * 2.0 ** (1.0 - order), 1e-13)
+
+
+# --- Structure -----------------------------------------------------------------------------------
+
+
+def random_tops(count: int, *, damped: bool) -> tuple[Scene, Floats, Floats]:
+    rng = np.random.default_rng(20260728)
+    parts = rng.uniform(0.2, 1.2, (count, 3))
+    com = rng.normal(size=(count, 3))
+    scene = rigid.HeavyTop(
+        rigid.Body(parts.sum(axis=1, keepdims=True) - parts),
+        mgl=rng.uniform(0.1, 2.0, count),
+        com=com / np.linalg.norm(com, axis=1, keepdims=True),
+        damping=[0.05, 0.1, 0.02] if damped else None,
+    )
+    attitude = rng.normal(size=(count, 4))
+    return scene, rng.normal(size=(count, 3)), attitude
+
+
+FINE: dict[str, dict[str, Any]] = {
+    "dop853": {"step": 0.02},
+    "taylor12": {"step": 0.05},
+    "taylor16": {"tolerance": 2.0**-53},
+    "taylor20": {"step": 0.1},
+}
+"""Methods with steps (s) or tolerances that leave no truncation."""
+
+
+@pytest.mark.parametrize("method", FINE)
+def test_the_structure_of_the_tangent(method: str) -> None:
+    """Flow, turns about the vertical and gradients of the integrals, of 1000 random tops.
+
+    Rounding is relative to the largest matrix until then: the worst was 2e-15 of it.
+    """
+    scene, omega, attitude = random_tops(1000, damped=False)
+    t = [0.0, 1.0, 3.0]
+    run = rigid.simulate(
+        scene, omega, attitude, t=t, method=method, check=False, tangent=True, **FINE[method]
+    )
+    matrices = present(run.tangent)[:, 1:]
+    size = np.linalg.norm(matrices, 2, axis=(-2, -1)).max(axis=1)[:, None]
+    moments, weight = np.array(scene.body.moments)[:, None], np.asarray(scene.weight)[:, None]
+    gamma, momentum = present(run.gamma), moments * run.omega
+    rates = (np.cross(momentum, run.omega) + np.cross(gamma, weight)) / moments
+
+    def both(first: Floats, second: Floats) -> Floats:
+        return np.concatenate(np.broadcast_arrays(first, second), axis=-1)
+
+    for moved in (both(rates, run.omega), both(np.zeros(3), gamma)):
+        error = np.linalg.norm(
+            moved[:, 1:] - np.einsum("nmij,nj->nmi", matrices, moved[:, 0]), axis=-1
+        )
+        assert (error < 1e-14 * size * np.linalg.norm(moved, axis=-1).max(axis=1)[:, None]).all()
+    for gradient in (
+        both(momentum, np.cross(weight, gamma)),
+        both(moments * gamma, np.cross(momentum, gamma)),
+    ):
+        error = np.linalg.norm(
+            np.einsum("nmi,nmij->nmj", gradient[:, 1:], matrices) - gradient[:, :1], axis=-1
+        )
+        assert (error < 1e-14 * size * np.linalg.norm(gradient, axis=-1).max(axis=1)[:, None]).all()
+
+
+@pytest.mark.parametrize("method", FINE)
+def test_the_tangent_is_symplectic(method: str) -> None:
+    """With ``mu = I dw + x × (I w) / 2`` the form is canonical: ``N.T J N = J`` at finite times."""
+    scene, omega, attitude = random_tops(1000, damped=False)
+    t = [0.0, 1.0, 3.0]
+    run = rigid.simulate(
+        scene, omega, attitude, t=t, method=method, check=False, tangent=True, **FINE[method]
+    )
+    moments, form = (
+        np.array(scene.body.moments),
+        np.block([[np.zeros((3, 3)), np.eye(3)], [-np.eye(3), np.zeros((3, 3))]]),
+    )
+    for body in range(1000):
+        inertia = np.diag(moments[body])
+        charts = [
+            np.block([[np.zeros((3, 3)), np.eye(3)], [inertia, -0.5 * hat(inertia @ rates)]])
+            for rates in run.omega[body]
+        ]
+        for chart, matrix in zip(charts[1:], present(run.tangent)[body, 1:], strict=True):
+            n = chart @ matrix @ np.linalg.inv(charts[0])
+            assert np.abs(n.T @ form @ n - form).max() < 1e-14 * np.linalg.norm(n, 2) ** 2
+
+
+def test_damping_shrinks_volumes_by_its_trace() -> None:
+    scene, omega, attitude = random_tops(1000, damped=True)
+    times = np.array([1.0, 3.0])
+    matrices = tangent(scene, omega, attitude, t=times)
+    trace = (np.array([0.05, 0.1, 0.02]) / np.array(scene.body.moments)).sum(axis=1)
+    volumes = np.linalg.slogdet(matrices)[1]
+    size = np.linalg.norm(matrices, 2, axis=(-2, -1)) * np.linalg.norm(
+        np.linalg.inv(matrices), 2, axis=(-2, -1)
+    )
+    assert (np.abs(volumes + trace[:, None] * times) < 1e-14 * size + 1e-13).all()
+
+
+# --- Truths --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("scene", "omega", "gamma"),
+    [
+        (BOX, [0.0, 1.0, 0.0], [0.0, 0.6, 0.8]),
+        (rigid.FreeBody(rigid.Body((1.0, 1.0, 1.0))), [0.0, 0.6, 0.8], [0.0, 0.0, 1.0]),
+        (rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0), [0.0, 0.0, 3.0], [0.0, 0.0, 1.0]),
+        (rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0), [0.0, 0.0, 5.0], [0.0, 0.0, 1.0]),
+        (rigid.HeavyTop(rigid.Body((1.0, 1.5, 0.75)), mgl=1.0), [0.0, 0.0, 1.0], [0.0, 0.0, 1.0]),
+        (rigid.HeavyTop(rigid.Body((1.0, 1.5, 2.0)), mgl=1.0), [0.0, 0.0, 0.0], [0.0, 0.0, 1.0]),
+    ],
+    ids=["middle axis", "sphere", "awake", "sleeping", "upright, asymmetric", "upright, at rest"],
+)
+def test_about_a_permanent_axis_it_is_the_exponential_of_a_constant_matrix(
+    scene: Scene, omega: list[float], gamma: list[float]
+) -> None:
+    times = np.array([0.5, 2.0, 8.0])
+    found = tangent(scene, np.array(omega), attitude_with(np.array(gamma)), t=times)
+    constant = jacobian(scene, np.array(omega), np.array(gamma))
+    for time, matrix in zip(times, found, strict=True):
+        true = exponential(constant * time)
+        assert np.abs(matrix - true).max() < 1e-14 * np.linalg.norm(true, 2)
+
+
+def test_on_the_separatrix_it_is_elementary() -> None:
+    """``w = (a1 s, a2 t, a3 s)`` with ``s = sech u``, ``t = tanh u``: three known displacements."""
+    moments, omega = np.array([4.0, 8.0, 9.0]), np.array([0.375, -0.25, 0.5])
+    # Lies on it in doubles: I1 (I2 - I1) w1² = I3 (I3 - I2) w3².
+    size = np.linalg.norm(moments * omega) / moments[1]
+    start = np.arctanh(omega[1] / size)
+    a1, a2, a3 = omega[0] * np.cosh(start), size, omega[2] * np.cosh(start)
+    rate = (moments[2] - moments[0]) / moments[1] * a1 * a3 / a2
+
+    def columns(time: float) -> Floats:
+        u = start + rate * time
+        s, t, sc = 1.0 / np.cosh(u), np.tanh(u), np.sinh(u) * np.cosh(u)
+        now = np.array([a1 * s, a2 * t, a3 * s])
+        change = rate * np.array([-a1 * s * t, a2 * s * s, -a3 * s * t])
+        across = [
+            -a1 * s / 2 - a1 * (sc - u) * t * s / 4,
+            -a2 * t / 2 + a2 * (sc - u) * s * s / 4,
+            a3 * (sc + u) * t * s / 4,
+        ]
+        return np.array([change, now + time * change, across]).T
+
+    times = [1.0, 5.0, 20.0]
+    found = tangent(rigid.FreeBody(rigid.Body(moments)), omega, t=times)
+    for time, matrix in zip(times, found, strict=True):
+        true = columns(time) @ np.linalg.inv(columns(0.0))
+        assert np.abs(matrix[:3, :3] - true).max() < 1e-12 * np.linalg.norm(true, 2)
+        assert (matrix[:3, 3:] == 0.0).all()
+
+
+def test_neighbours_follow_it() -> None:
+    """Runs whose starts differ by 1e-7: the quotient is right to the curvature of the motion."""
+    for scene in (TOP, BOX, DAMPED):
+        omega, t = np.array([0.3, 0.4, 1.0]), [-1.0, 2.0]
+        matrix = tangent(scene, omega, t=t, method="taylor16")
+        for k in range(3):
+            ends = []
+            for sign in (1.0, -1.0):
+                aside = omega.copy()
+                aside[k] += sign * 1e-7
+                run = rigid.simulate(scene, aside, t=t, method="taylor16", check=False)
+                ends.append((run.omega, present(run.attitude)))
+            (w1, q1), (w2, q2) = ends
+            back = q2 * [1.0, -1.0, -1.0, -1.0]
+            turn = 2.0 * rigid.rotations.quaternion_product(back, q1)[:, 1:]
+            quotient = np.concatenate([w1 - w2, turn], axis=1) / 2e-7
+            np.testing.assert_allclose(quotient, matrix[:, :, k], rtol=1e-6, atol=1e-6)
+
+
+# --- Interface -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("scene", [TOP, BOX, DAMPED], ids=["top", "free", "driven"])
+@pytest.mark.parametrize(
+    "options", [{}, *({"method": name} for name in WITH_TANGENT), {"step": 0.01}]
+)
+def test_it_changes_no_bit_of_the_motion(scene: Scene, options: dict[str, Any]) -> None:
+    starts = np.array([[0.5, 0.4, 2.0], [0.1, 1.0, 0.3]])
+    with_it, without = (
+        rigid.simulate(scene, starts, t=TIMES, tangent=asked, **options) for asked in (True, False)
+    )
+    for name in ("omega", "gamma", "attitude", "work", "error", "steps", "energy_drift"):
+        a, b = getattr(with_it, name), getattr(without, name)
+        assert (a is None) == (b is None)
+        assert a is None or a.tobytes() == b.tobytes(), name
+    assert without.tangent is None
+    assert present(with_it.tangent).shape == (2, 4, 6, 6)
+    assert (present(with_it.tangent)[:, 1] == np.eye(6)).all()
+    assert any(words.startswith("tangent by") for words in with_it.plan.why)
+
+
+def test_bodies_of_any_shape_and_with_times_of_their_own() -> None:
+    omega = np.random.default_rng(3).normal(size=(2, 3, 3))
+    times = np.sort(np.random.default_rng(4).uniform(-1.0, 2.0, (2, 3, 5)))
+    together = tangent(TOP, omega, t=times)
+    assert together.shape == (2, 3, 5, 6, 6)
+    assert (together[1, 2] == tangent(TOP, omega[1, 2], t=times[1, 2])).all()
+    assert tangent(TOP, omega[0, 0], t=[1.0]).shape == (1, 6, 6)
+    assert tangent(TOP, omega[:0], t=[1.0]).shape == (0, 3, 1, 6, 6)
+
+
+@pytest.mark.parametrize("method", [None, "taylor16", "dop853"])
+def test_the_unit_of_time_and_of_moments_changes_no_digit(method: str | None) -> None:
+    omega = np.array([0.5, 0.4, 2.0])
+    found = tangent(TOP, omega, t=TIMES, method=method)
+    other = rigid.HeavyTop(rigid.Body((4.0, 6.4, 2.8)), mgl=1.2 * 4.0 / 64.0, com=(0.6, 0.0, 0.8))
+    scaled = tangent(other, omega / 8.0, t=np.array(TIMES) * 8.0, method=method)
+    unit = np.array([8.0] * 3 + [1.0] * 3)
+    assert (scaled * unit[:, None] / unit == found).all()
+
+
+@pytest.mark.parametrize("method", ["splitting", "dmv4", "midpoint", "hermite9", "etd4"])
+def test_methods_without_a_tangent_are_refused_by_name(method: str) -> None:
+    with pytest.raises(
+        ValueError, match=rf"method = '{method}': has no tangent, because .* have one"
+    ):
+        rigid.simulate(BOX, [0.1, 1.0, 0.1], t=TIMES, method=method, tangent=True)
+
+
+def test_a_closed_form_has_an_integrated_tangent() -> None:
+    run = rigid.simulate(BOX, [0.1, 1.0, 0.1], t=TIMES, method="exact", tangent=True)
+    assert run.plan.method == "exact"
+    assert "tangent by taylor16" in run.plan.why[-1]
+    assert run.steps == 0
+
+
+def test_what_is_not_run_has_no_tangent_and_what_overflows_is_infinite() -> None:
+    found = tangent(
+        TOP, np.array([0.5, 0.4, 2.0]), t=[1.0, 1e3], method="rk4", step=0.1, max_steps=20
+    )
+    assert np.isnan(found).all()
+    fallen = rigid.HeavyTop(rigid.Body((1.0, 1.5, 2.0)), mgl=1.0)
+    upright = tangent(fallen, np.zeros(3), t=[600.0, 900.0])
+    assert np.isfinite(upright[0]).all()
+    assert np.isinf(upright[1]).any()

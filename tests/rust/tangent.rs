@@ -1,0 +1,362 @@
+//! Displacements: the derivative of the steps, without any change of the motion.
+
+use crate::tests::scene_of;
+use rigid::forcing::{Forcing, ForcingInterval};
+use rigid::kernel::{Compiled, Entry, ForcingRows, Group, Kernel, KernelAssignment, System, load};
+use rigid::observe::Observed;
+use rigid::parallel::Interrupt;
+use rigid::real::Real;
+use rigid::scene::{
+    Axis, AxisTangent, ForcedFrame, ForcedFrameTangent, Free, Layout, Model, Parameters, Top,
+};
+use rigid::scheme::{
+    self, Coefficients, Dop853Tableau, Numbers, Rk4Tableau, RungeKutta, Scheme, Stepper, Taylor,
+};
+use rigid::simd::{Isa, LANES};
+use rigid::solver::Solver;
+use rigid::start::Body;
+use rigid::trajectory::{Record, Request, Schedule, simulate};
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+const BODY: Body = Body {
+    moments: [1.0, 1.6, 0.7],
+    weight: [0.3, 0.2, 1.1],
+    omega: [0.5, 0.4, 1.25],
+    attitude: [0.9, 0.3, 0.2, 0.245],
+};
+const DISPLACEMENT: [f64; 6] = [0.5, -0.25, 0.375, 0.3125, 0.4375, -0.5];
+
+fn schemes() -> impl Iterator<Item = &'static Scheme> {
+    scheme::ALL.iter().copied().filter(|scheme| scheme.has_tangent())
+}
+
+fn assert_equal_bits(a: &[f64], b: &[f64], what: &str) {
+    let bits = |x: &[f64]| x.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+    assert_eq!(bits(a), bits(b), "{what}");
+}
+
+/// The torque, in body and in space, and the damping of a test.
+fn interval() -> ForcingInterval<f64> {
+    let mut interval = ForcingInterval::none();
+    interval.body = [[0.1, -0.2, 0.05], [0.03, 0.0, -0.02]];
+    interval.space = [[-0.1, 0.15, 0.2], [0.0, 0.04, 0.01]];
+    interval.damping = [0.06, 0.03, 0.12, 0.01, 0.0, -0.01];
+    interval
+}
+
+fn rows(interval: &ForcingInterval<f64>) -> ForcingRows {
+    let mut rows = ForcingRows::NONE;
+    (0..LANES).for_each(|lane| rows.set(lane, interval));
+    rows
+}
+
+#[test]
+fn the_motion_has_the_same_bits_with_and_without_a_displacement() {
+    for (plain, varied, forcing, len) in [
+        (System::TopAxis, System::TopTangent, ForcingRows::NONE, Axis::LEN),
+        (System::ForcedFrame, System::ForcedTangent, rows(&interval()), ForcedFrame::LEN),
+    ] {
+        for scheme in schemes() {
+            for isa in Isa::available() {
+                let [without, with] = [plain, varied].map(|system| {
+                    let kernel = Kernel { system, step: scheme.any, observed: Observed::Nothing };
+                    let compiled = Compiled::new(kernel, isa);
+                    let assignment = KernelAssignment::of(scheme, &BODY, scene_of(true));
+                    let mut group = Group::inactive();
+                    for lane in 0..LANES {
+                        let step = 0.05 + 0.02 * lane as f64;
+                        let entry = Entry { tangent: DISPLACEMENT, ..Entry::unobserved(&BODY, None, step) };
+                        load(&mut group, lane, compiled, assignment, &entry);
+                    }
+                    compiled.advance(&mut group, &forcing, 50);
+                    group
+                });
+                for d in 0..len {
+                    let what = format!("{varied:?} {scheme:?} {isa:?}, number {d}");
+                    assert_equal_bits(&without.state[d].0, &with.state[d].0, &what);
+                }
+            }
+        }
+    }
+}
+
+/// Displacements of all bodies, forward and backward in time.
+fn displacements(scheme: &'static Scheme, tolerance: Option<f64>, threads: usize, isa: Isa) -> Vec<f64> {
+    let bodies: Vec<Body> = (0..70).map(|i| Body { omega: [0.5, 0.4, 0.1 * f64::from(i)], ..BODY }).collect();
+    let starts = vec![DISPLACEMENT; bodies.len()];
+    let request = Request {
+        bodies: &bodies,
+        scene: scene_of(true),
+        forcing: Forcing::NONE,
+        solver: Solver::Steps(scheme),
+        record: Record::Tangent(&starts),
+        schedule: Schedule::Times(&[-1.0, 0.0, 0.7, 3.0]),
+        steps: &vec![0.05; bodies.len()],
+        refinement: 1.0,
+        tolerance,
+        max_steps: 1 << 20,
+    };
+    simulate(&request, threads, isa, &Interrupt::never()).unwrap().tangent.unwrap()
+}
+
+#[test]
+fn displacements_have_the_same_bits_on_every_instruction_set_and_number_of_threads() {
+    for scheme in schemes() {
+        for tolerance in [None, scheme.is_series().then_some(1e-15)] {
+            let scalar = displacements(scheme, tolerance, 1, Isa::Scalar);
+            assert_equal_bits(&scalar[6..12], &DISPLACEMENT, "at the start");
+            for isa in Isa::available() {
+                for threads in [1, 3] {
+                    let other = displacements(scheme, tolerance, threads, isa);
+                    assert_equal_bits(&scalar, &other, &format!("{scheme:?} {isa:?} {threads}"));
+                }
+            }
+        }
+    }
+}
+
+/// A number and its derivative.
+#[derive(Clone, Copy, Debug)]
+struct Dual {
+    value: f64,
+    slope: f64,
+}
+
+const fn dual(value: f64, slope: f64) -> Dual {
+    Dual { value, slope }
+}
+
+impl Add for Dual {
+    type Output = Dual;
+    fn add(self, b: Dual) -> Dual {
+        dual(self.value + b.value, self.slope + b.slope)
+    }
+}
+impl Sub for Dual {
+    type Output = Dual;
+    fn sub(self, b: Dual) -> Dual {
+        dual(self.value - b.value, self.slope - b.slope)
+    }
+}
+impl Mul for Dual {
+    type Output = Dual;
+    fn mul(self, b: Dual) -> Dual {
+        dual(self.value * b.value, self.slope * b.value + self.value * b.slope)
+    }
+}
+impl Div for Dual {
+    type Output = Dual;
+    fn div(self, b: Dual) -> Dual {
+        let value = self.value / b.value;
+        dual(value, (self.slope - value * b.slope) / b.value)
+    }
+}
+impl Neg for Dual {
+    type Output = Dual;
+    fn neg(self) -> Dual {
+        dual(-self.value, -self.slope)
+    }
+}
+impl Real for Dual {
+    type Mask = bool;
+    fn splat(x: f64) -> Self {
+        dual(x, 0.0)
+    }
+    fn fma(self, b: Self, c: Self) -> Self {
+        self * b + c
+    }
+    fn fnma(self, b: Self, c: Self) -> Self {
+        c - self * b
+    }
+    fn fms(self, b: Self, c: Self) -> Self {
+        self * b - c
+    }
+    fn sqrt(self) -> Self {
+        let root = self.value.sqrt();
+        dual(root, 0.5 * self.slope / root)
+    }
+    fn abs(self) -> Self {
+        if self.value < 0.0 { -self } else { self }
+    }
+    fn min(self, other: Self) -> Self {
+        if self.value < other.value { self } else { other }
+    }
+    fn max(self, other: Self) -> Self {
+        if self.value > other.value { self } else { other }
+    }
+    fn round(self) -> Self {
+        unreachable!("steps do not round")
+    }
+    fn lt(self, other: Self) -> bool {
+        self.value < other.value
+    }
+    fn select(mask: bool, a: Self, b: Self) -> Self {
+        if mask { a } else { b }
+    }
+    fn any(mask: bool) -> bool {
+        mask
+    }
+    fn exp2i(self) -> Self {
+        unreachable!("steps contain no powers")
+    }
+    fn frexp(self) -> (Self, Self) {
+        unreachable!("steps contain no logarithms")
+    }
+    fn neg_if_odd(self, _: Self) -> Self {
+        unreachable!("steps contain no angles")
+    }
+    fn odd(_: Self) -> bool {
+        unreachable!("steps contain no angles")
+    }
+}
+
+/// One step of a state.
+fn stepped<R: Real, M: Model<R>, L: Layout, S: Stepper<R, M, L, D>, const D: usize>(
+    numbers: &'static Numbers,
+    interval: &ForcingInterval<R>,
+    step: f64,
+    mut y: [R; D],
+) -> [R; D] {
+    let weight = if M::HEAVY { BODY.weight } else { [0.0; 3] };
+    let p = Parameters {
+        moments: BODY.moments.map(R::splat),
+        weight: weight.map(R::splat),
+        step: R::splat(step),
+    };
+    let mut compensation = [R::splat(0.0); D];
+    S::new(&p, interval, numbers).step(&p, &mut y, &mut compensation, &mut Coefficients::new());
+    y
+}
+
+fn interval_of<R: Real>(x: &ForcingInterval<f64>) -> ForcingInterval<R> {
+    let mut interval = ForcingInterval::none();
+    interval.body = x.body.map(|v| v.map(R::splat));
+    interval.space = x.space.map(|v| v.map(R::splat));
+    interval.damping = x.damping.map(R::splat);
+    interval
+}
+
+fn cross(a: &[f64], b: &[f64]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+/// The start in the layout: rates, the space axes z, x and y as far as there is room, and zeros.
+fn start<const D: usize>(vectors: usize) -> [f64; D] {
+    let mut y = [0.0; D];
+    y[..3].copy_from_slice(&BODY.omega);
+    // The rows of a rotation matrix.
+    let axes = [[2.0, -2.0, 1.0], [1.0, 2.0, 2.0], [-2.0, -1.0, 2.0]];
+    for v in 0..vectors {
+        y[3 + 3 * v..6 + 3 * v].copy_from_slice(&axes[v].map(|x| x / 3.0));
+    }
+    y
+}
+
+/// The largest difference of the displaced rates and directions after a step from the derivative of the step, for the
+/// rates and for all.
+macro_rules! differences {
+    ([$stepper:ident $($table:ident)?], $model:ident, $plain:ty, $varied:ty, $numbers:expr, $interval:expr, $step:expr) => {{
+        const D: usize = <$plain>::LEN;
+        const E: usize = <$varied>::LEN;
+        let vectors = <$plain>::VECTORS;
+        let mut y: [f64; E] = start(vectors);
+        y[<$varied>::TANGENT_AT..].copy_from_slice(&DISPLACEMENT);
+        let mut z = start::<D>(vectors).map(|x| dual(x, 0.0));
+        for k in 0..3 {
+            z[k].slope = DISPLACEMENT[k];
+        }
+        for v in 0..vectors {
+            let change = cross(&y[3 + 3 * v..6 + 3 * v], &DISPLACEMENT[3..]);
+            for k in 0..3 {
+                z[3 + 3 * v + k].slope = change[k];
+            }
+        }
+        let y = stepped::<f64, $model<f64>, $varied, $stepper<$($table,)? f64, $model<f64>>, E>(
+            $numbers, &interval_of(&$interval), $step, y,
+        );
+        let z = stepped::<Dual, $model<Dual>, $plain, $stepper<$($table,)? Dual, $model<Dual>>, D>(
+            $numbers, &interval_of(&$interval), $step, z,
+        );
+        let turn = &y[<$varied>::TANGENT_AT + 3..];
+        let mut found = [0.0_f64; 2];
+        for k in 0..3 {
+            found[0] = found[0].max((y[<$varied>::TANGENT_AT + k] - z[k].slope).abs());
+        }
+        for v in 0..vectors {
+            let change = cross(&y[3 + 3 * v..6 + 3 * v], turn);
+            for k in 0..3 {
+                found[1] = found[1].max((change[k] - z[3 + 3 * v + k].slope).abs());
+            }
+        }
+        [found[0], found[0].max(found[1])]
+    }};
+}
+
+type Series<R, M> = Taylor<false, R, M>;
+
+/// The rates of a body without weight depend on nothing else, so their displacement is the derivative of the step to
+/// rounding at any step. With weight or a torque in space the displacement of a direction is `n x x`, where x has its own
+/// equation: equal to the derivative of the step up to the error of the step.
+#[test]
+fn a_displacement_is_the_derivative_of_the_step() {
+    let none = ForcingInterval::none();
+    let taylor = scheme::TAYLOR12.any.numbers;
+    for step in [0.1, 0.5, 1.0] {
+        for [rates, _] in [
+            differences!([RungeKutta Rk4Tableau], Free, Axis, AxisTangent, &Numbers::NONE, none, step),
+            differences!([RungeKutta Dop853Tableau], Free, Axis, AxisTangent, &Numbers::NONE, none, step),
+            differences!([Series], Free, Axis, AxisTangent, taylor, none, step),
+        ] {
+            assert!(rates < 8.0 * f64::EPSILON, "step {step}: {rates:e}");
+        }
+    }
+    let forced = interval();
+    for [long, short, order] in [
+        [
+            differences!([RungeKutta Rk4Tableau], Top, Axis, AxisTangent, &Numbers::NONE, none, 0.2)[1],
+            differences!([RungeKutta Rk4Tableau], Top, Axis, AxisTangent, &Numbers::NONE, none, 0.1)[1],
+            4.0,
+        ],
+        [
+            differences!([RungeKutta Dop853Tableau], Top, Axis, AxisTangent, &Numbers::NONE, none, 0.4)[1],
+            differences!([RungeKutta Dop853Tableau], Top, Axis, AxisTangent, &Numbers::NONE, none, 0.2)[1],
+            8.0,
+        ],
+        [
+            differences!([Series], Top, Axis, AxisTangent, taylor, none, 0.8)[1],
+            differences!([Series], Top, Axis, AxisTangent, taylor, none, 0.4)[1],
+            12.0,
+        ],
+        [
+            differences!(
+                [RungeKutta Rk4Tableau],
+                Top,
+                ForcedFrame,
+                ForcedFrameTangent,
+                &Numbers::NONE,
+                forced,
+                0.2
+            )[1],
+            differences!(
+                [RungeKutta Rk4Tableau],
+                Top,
+                ForcedFrame,
+                ForcedFrameTangent,
+                &Numbers::NONE,
+                forced,
+                0.1
+            )[1],
+            4.0,
+        ],
+        [
+            differences!([Series], Top, ForcedFrame, ForcedFrameTangent, taylor, forced, 0.8)[1],
+            differences!([Series], Top, ForcedFrame, ForcedFrameTangent, taylor, forced, 0.4)[1],
+            12.0,
+        ],
+    ] {
+        println!("order {order}: {long:e} {short:e}");
+        // The error of one step falls with one power more than the order.
+        assert!(short < long * 2.0_f64.powf(-order - 0.5), "order {order}: {long:e} {short:e}");
+        assert!(short > 0.0);
+    }
+}
