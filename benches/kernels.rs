@@ -4,7 +4,7 @@
 
 use rigid::kernel::Group;
 use rigid::kernel::{Compiled, ForcingRows, Kernel, System};
-use rigid::observe::{Observed, Start};
+use rigid::observe::{Displacement, Observed, Start};
 use rigid::parallel::thread_nanoseconds;
 use rigid::scheme::{self, Engine};
 use rigid::simd::Isa;
@@ -20,7 +20,8 @@ fn bodies(kernel: Kernel) -> Group {
     let mut group = Group::inactive();
     for lane in 0..LANES {
         let moments = if kernel.step.engine == Engine::KickRotor { [1.0, 1.0, 0.7] } else { [1.0, 1.6, 0.7] };
-        let start = [0.31 * (1.0 + 1e-3 * lane as f64), -0.42, 0.93, 0.36, 0.48, 0.8, 0.8, -0.6, 0.0, 0.1];
+        let first = 0.31 * (1.0 + 1e-3 * lane as f64);
+        let start = [first, -0.42, 0.93, 0.36, 0.48, 0.8, 0.8, -0.6, 0.0, 0.1, 0.2, 0.3];
         for i in 0..3 {
             group.moments[i].0[lane] = moments[i];
         }
@@ -51,6 +52,7 @@ fn bodies(kernel: Kernel) -> Group {
             unit: third,
             direction: third,
             limit,
+            displacement: &Displacement::NONE,
         });
         for (row, number) in group.observed.iter_mut().zip(rows) {
             row.0[lane] = number;
@@ -143,6 +145,8 @@ fn main() {
         (TopAxis, Observed::Tilt),
         (TopTwoAxes, Observed::Tilt),
         (TopAttitude, Observed::Nothing),
+        (TopTangent, Observed::Nothing),
+        (TopTangent, Observed::Growth),
         (ReducedTopAxis, Observed::Nothing),
         (ReducedTopAttitude, Observed::Nothing),
     ];

@@ -38,6 +38,8 @@ from .reports.row import Row
 from .reports.stress import Extremes, extremes
 from .solve.choose_method import plan
 from .solve.chunks import simulate_chunks
+from .solve.growth import Growth
+from .solve.lyapunov import lyapunov
 from .solve.methods import Method, methods
 from .solve.motion import Motion
 from .solve.plan import Plan
@@ -71,6 +73,7 @@ __all__ = [
     "Body",
     "Extremes",
     "FreeBody",
+    "Growth",
     "HeavyTop",
     "Interrupted",
     "MapSpec",
@@ -102,6 +105,7 @@ __all__ = [
     "free",
     "inertia",
     "load_map",
+    "lyapunov",
     "meshes",
     "methods",
     "no_flip",

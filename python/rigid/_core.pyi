@@ -28,6 +28,7 @@ __all__ = [
     "first_slow",
     "flip_times",
     "free_quantities",
+    "growth",
     "lagrange_axes",
     "map_columns",
     "methods",
@@ -86,6 +87,23 @@ def simulate(
 def state_bytes(
     *, scene: str, record: str, bodies: int, times: int, forcing: Forcing | None = None
 ) -> int: ...
+def growth(
+    *,
+    scene: str,
+    method: str,
+    moments: NDArray[np.float64],
+    weight: NDArray[np.float64],
+    omega: NDArray[np.float64],
+    attitude: NDArray[np.float64],
+    displacements: NDArray[np.float64],
+    scale: NDArray[np.float64],
+    of_attitude: bool,
+    times: NDArray[np.float64],
+    step: NDArray[np.float64] | None,
+    max_steps: int,
+    threads: int,
+    forcing: Forcing | None = None,
+) -> dict[str, Any]: ...
 def closed_forms(
     *,
     scene: str,

@@ -13,6 +13,7 @@ from .solve.plan import Plan
 if TYPE_CHECKING:
     from .maps.result import StabilityMap
     from .reports.result import Report
+    from .solve.growth import Growth
     from .solve.run import Run
 
 __all__ = ["cite"]
@@ -37,6 +38,37 @@ CLOSED_FORMS: Mapping[str, tuple[str, str, str]] = {
 }
 """Key, reference and DOI of the closed forms."""
 
+INDICATORS: Mapping[str, tuple[str, str]] = {
+    "lyapunov": (
+        "G. Benettin, L. Galgani, A. Giorgilli, J.-M. Strelcyn, Lyapunov characteristic exponents "
+        "for smooth dynamical systems and for Hamiltonian systems; a method for computing all of "
+        "them, Meccanica 15 (1980) 9-30",
+        "10.1007/BF02128236",
+    ),
+    "megno": (
+        "P. M. Cincotta, C. Simó, Simple tools to study global dynamics in non-axisymmetric "
+        "galactic potentials I, Astron. Astrophys. Suppl. Ser. 147 (2000) 205-228",
+        "10.1051/aas:2000108",
+    ),
+    "fli": (
+        "C. Froeschlé, E. Lega, R. Gonczi, Fast Lyapunov indicators. Application to asteroidal "
+        "motion, Celest. Mech. Dyn. Astron. 67 (1997) 41-62",
+        "10.1023/A:1008276418601",
+    ),
+    "sali": (
+        "C. Skokos, Alignment indices: a new, simple method for determining the ordered or chaotic "
+        "nature of orbits, J. Phys. A 34 (2001) 10029-10043",
+        "10.1088/0305-4470/34/47/309",
+    ),
+    "gali": (
+        "C. Skokos, T. Bountis, C. Antonopoulos, Geometrical properties of local dynamics in "
+        "Hamiltonian systems: the Generalized Alignment Index (GALI) method, Physica D 231 (2007) "
+        "30-54",
+        "10.1016/j.physd.2007.04.004",
+    ),
+}
+"""Reference and DOI of the exponents and indicators of :func:`lyapunov`."""
+
 _OF_FORM: Mapping[str, str] = {
     "axis spin": "spin",
     "free symmetric": "spin",
@@ -46,12 +78,12 @@ _OF_FORM: Mapping[str, str] = {
 }
 
 
-def cite(used: Run | StabilityMap | Report | Plan | Method | str) -> str:
+def cite(used: Run | Growth | StabilityMap | Report | Plan | Method | str) -> str:
     """BibTeX entries of this software and of the methods behind a result.
 
     Parameters
     ----------
-    used : Run, StabilityMap, Report, Plan, Method or str
+    used : Run, Growth, StabilityMap, Report, Plan, Method or str
         A result, a plan, the name of a method, or ``"exact"`` for the closed forms.
 
     Returns
@@ -83,10 +115,14 @@ def cite(used: Run | StabilityMap | Report | Plan | Method | str) -> str:
     for form in sorted({_OF_FORM[form] for form in forms}):
         key, note, doi = CLOSED_FORMS[form]
         entries.append(_entry(f"rigid-exact-{key}", note, doi))
+    if hasattr(used, "mean_megno"):
+        entries += [_entry(f"rigid-{name}", *of) for name, of in INDICATORS.items()]
     return "\n\n".join(entries)
 
 
-def _used(used: Run | StabilityMap | Report | Plan | Method | str) -> tuple[list[str], list[str]]:
+def _used(
+    used: Run | Growth | StabilityMap | Report | Plan | Method | str,
+) -> tuple[list[str], list[str]]:
     """The names of the schemes, and the closed forms."""
     if isinstance(used, Method):
         return [used.name], []

@@ -5,7 +5,7 @@ use super::{Compiled, System};
 use crate::body::Inertia;
 use crate::forcing::{BodyForcing, ForcingInterval};
 use crate::kinematics::{cross, dot, quaternion_product, to_body_frame};
-use crate::observe;
+use crate::observe::{self, Displacement};
 use crate::scene::{Parameters, Scene};
 use crate::scheme::{Scheme, Step, Variables};
 use crate::simd::Row;
@@ -188,7 +188,7 @@ pub struct Entry<'a> {
     /// Time step.
     pub step: f64,
     /// The displacement at the start, for systems that integrate one.
-    pub tangent: [f64; 6],
+    pub displacement: Displacement,
 }
 
 impl<'a> Entry<'a> {
@@ -196,13 +196,13 @@ impl<'a> Entry<'a> {
     pub fn unobserved(body: &'a Body, forced_rate: Option<f64>, step: f64) -> Self {
         static NO_FORCING: OnceLock<ForcingInterval<f64>> = OnceLock::new();
         let forcing = forced_rate.map(|rate| (NO_FORCING.get_or_init(ForcingInterval::none), rate));
-        Entry { body, forcing, axis: 0, limit: f64::INFINITY, step, tangent: [0.0; 6] }
+        Entry { body, forcing, axis: 0, limit: f64::INFINITY, step, displacement: Displacement::NONE }
     }
 }
 
 /// Loads a body into a lane.
 pub fn load(group: &mut Group, lane: usize, compiled: Compiled, assignment: KernelAssignment, entry: &Entry) {
-    let &Entry { body, forcing, axis, limit, step, tangent } = entry;
+    let &Entry { body, forcing, axis, limit, step, displacement } = entry;
     let kernel = compiled.kernel();
     let mut unit = [0.0; 3];
     if axis != 0 {
@@ -211,7 +211,7 @@ pub fn load(group: &mut Group, lane: usize, compiled: Compiled, assignment: Kern
     let unit = assignment.to_kernel_axes(unit);
     let mut y = kernel_state(kernel.system, assignment, body, unit);
     if let Some(at) = kernel.system.tangent_at() {
-        y[at..at + 6].copy_from_slice(&tangent);
+        y[at..at + 6].copy_from_slice(&displacement.start);
     }
     let parameters = Parameters {
         moments: assignment.moments_and_rates(body).0,
@@ -249,7 +249,7 @@ pub fn load(group: &mut Group, lane: usize, compiled: Compiled, assignment: Kern
     group.unit.0[lane] = 0.0;
     let at = kernel.system.observed_at();
     let direction = [y[at], y[at + 1], y[at + 2]];
-    let start = observe::Start { body, forcing, axis, unit, direction, limit };
+    let start = observe::Start { body, forcing, axis, unit, direction, limit, displacement: &displacement };
     group.set_observed(lane, &kernel.observed.start(&start));
 }
 

@@ -6,7 +6,7 @@ use crate::kernel::{Compiled, Kernel};
 use crate::kernel::{Entry, load};
 use crate::kernel::{ForcingRows, Group};
 use crate::memory;
-use crate::observe::{EXIT_TIME, Observed};
+use crate::observe::{Displacement, EXIT_TIME, Observed};
 use crate::parallel::Interrupt;
 use crate::scheme::Step;
 use crate::simd::Isa;
@@ -94,7 +94,14 @@ impl Map {
                         forcing_rows.set(lane, interval);
                         (interval, body.fastest_rate(forcing, [0.0, self.t_end]))
                     });
-                    let entry = Entry { body, forcing, axis: self.axis, limit, step, tangent: [0.0; 6] };
+                    let entry = Entry {
+                        body,
+                        forcing,
+                        axis: self.axis,
+                        limit,
+                        step,
+                        displacement: Displacement::NONE,
+                    };
                     load(&mut group, lane, compiled, assignment, &entry);
                     target[lane] = steps as f64;
                     lanes[lane] = Some(LaneTask { index, step });

@@ -5,9 +5,11 @@
 
 mod dense;
 mod flips;
+mod growth;
 mod tilt;
 
 pub use flips::Flips;
+pub use growth::{Displacement, Growth};
 pub use tilt::{Tilt, largest_tilt};
 
 use crate::forcing::ForcingInterval;
@@ -71,6 +73,8 @@ pub struct Start<'a> {
     pub direction: [f64; 3],
     /// The largest allowed angle.
     pub limit: f64,
+    /// The displacement at the start.
+    pub displacement: &'a Displacement,
 }
 
 /// A completed step.
@@ -185,7 +189,7 @@ macro_rules! observables {
         }
     };
 }
-observables! { Flips Tilt }
+observables! { Flips Tilt Growth }
 
 /// The rows of a body that is not observed.
 pub const UNOBSERVED: Rows<f64> = {

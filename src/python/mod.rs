@@ -3,6 +3,7 @@
 mod convert;
 mod exact;
 mod forcing;
+mod growth;
 mod map;
 mod motion;
 mod simulate;
@@ -46,6 +47,8 @@ mod _core {
     use super::exact::{elliptic, flip_times, free_quantities_of, saddles, tilt_times, top_quantities_of};
     #[pymodule_export]
     use super::forcing::PyForcing;
+    #[pymodule_export]
+    use super::growth::growth;
     #[pymodule_export]
     use super::map::{MapJob, MapStatistics, clopper_pearson, map_columns};
     #[pymodule_export]

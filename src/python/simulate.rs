@@ -158,7 +158,10 @@ pub fn simulate<'py>(
 }
 
 /// The forcing of so many bodies.
-fn forcing_of<'a>(forcing: Option<&'a PyRef<'_, PyForcing>>, bodies: usize) -> PyResult<&'a Forcing> {
+pub(super) fn forcing_of<'a>(
+    forcing: Option<&'a PyRef<'_, PyForcing>>,
+    bodies: usize,
+) -> PyResult<&'a Forcing> {
     let forcing = forcing.map_or(Forcing::NONE, |forcing| &forcing.0);
     if forcing.bodies() > 1 {
         same_length("forcing", bodies, forcing.bodies())?;

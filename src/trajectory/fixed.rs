@@ -8,7 +8,7 @@ use crate::forcing::BodyForcing;
 use crate::kernel::{Compiled, ForcingRows, Group, Kernel};
 use crate::kernel::{Entry, load, reset_time, unload};
 use crate::memory;
-use crate::observe::Observed;
+use crate::observe::{Displacement, Observed};
 use crate::parallel::Interrupt;
 use crate::scheme::Scheme;
 use crate::simd::{Isa, LANES};
@@ -22,9 +22,9 @@ const STEPS_BETWEEN_STOPS: usize = 1 << 9;
 
 /// Steps of equal size to the next requested state or knot of the forcing.
 #[derive(Clone, Copy)]
-struct Leg {
-    steps: u64,
-    step: f64,
+pub(super) struct Leg {
+    pub(super) steps: u64,
+    pub(super) step: f64,
 }
 
 /// Steps no longer than `largest` that end exactly at `to`, their number times the refinement.
@@ -43,17 +43,17 @@ fn leg(from: f64, to: f64, largest: f64, refinement: f64) -> Leg {
 
 /// The end of a leg: a time, or a number of steps.
 #[derive(Clone, Copy, PartialEq)]
-enum End {
+pub(super) enum End {
     At(f64),
     After(u64),
 }
 
 /// The begin and the end of a leg, and the requested state at its end if there is one.
 #[derive(Clone, Copy, PartialEq)]
-struct Stop {
-    from: f64,
+pub(super) struct Stop {
+    pub(super) from: f64,
     end: End,
-    state: Option<usize>,
+    pub(super) state: Option<usize>,
 }
 
 impl Stop {
@@ -61,7 +61,7 @@ impl Stop {
     const ARRIVED: Stop = Stop { from: 0.0, end: End::After(0), state: None };
 
     /// The leg of a body with that largest step and that refinement.
-    fn leg(&self, largest: f64, refinement: f64) -> Leg {
+    pub(super) fn leg(&self, largest: f64, refinement: f64) -> Leg {
         match self.end {
             End::At(to) => leg(self.from, to, largest, refinement),
             End::After(steps) => Leg { steps, step: largest },
@@ -119,12 +119,12 @@ impl Iterator for Stops<'_> {
 
 /// The next stops of all lanes. Tables of torques share their knots: with equal times the stops are equal too, and are
 /// found once.
-struct GroupStops<'a> {
+pub(super) struct GroupStops<'a> {
     each: Vec<Stops<'a>>,
 }
 
 impl<'a> GroupStops<'a> {
-    fn new(
+    pub(super) fn new(
         request: &'a Request,
         bodies: impl ExactSizeIterator<Item = usize>,
         backward: bool,
@@ -271,8 +271,8 @@ impl<'a, 'b> FixedBatch<'a, 'b> {
                 let timed = is_forced && !matches!(self.request.schedule, Schedule::Strides(_));
                 let rate = timed
                     .then(|| body.fastest_rate(self.request.forcing_of(index), self.request.range_of(index)));
-                let tangent = self.request.record.displacement_of(index);
-                let entry = Entry { tangent, ..Entry::unobserved(body, rate, 0.0) };
+                let displacement = Displacement::new(self.request.record.displacement_of(index));
+                let entry = Entry { displacement, ..Entry::unobserved(body, rate, 0.0) };
                 load(&mut group, lane, self.compiled, self.ways[self.members[lane]].assignment, &entry);
             }
             let mut moved = [false; LANES];

@@ -1,13 +1,18 @@
-//! States of bodies at the times that a user wants, by steps or in closed form; and bodies that are moved step by step.
+//! States of bodies at the times that a user wants, by steps or in closed form; growth of displacements; and bodies that
+//! are moved step by step.
 
 mod adaptive;
 mod closed;
 mod damped_free;
 mod fixed;
+mod frame;
+mod growth;
 mod motion;
 mod request;
 mod states;
 
+pub use frame::MAX_DISPLACEMENTS;
+pub use growth::{Displacements, Growths, growth};
 pub use motion::{Motion, Torques};
 pub use request::{Record, Request, Schedule, time_range};
 pub use states::{Column, States, StatesPart};

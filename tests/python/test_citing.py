@@ -35,6 +35,15 @@ def test_every_method_has_a_source(method: rigid.Method) -> None:
     assert method.doi.startswith("10.") or method.name in ("rk4", "pmlf6")
 
 
+def test_growth_has_the_papers_of_its_indicators() -> None:
+    growth = rigid.lyapunov(HEAVY, RATES, t=[5.0], check=False)
+    assert keys(rigid.cite(growth)) == [
+        "rigid",
+        "rigid-taylor16",
+        *(f"rigid-{name}" for name in ("lyapunov", "megno", "fli", "sali", "gali")),
+    ]
+
+
 def test_results_know_what_they_were_made_with() -> None:
     exact = rigid.simulate(FREE, RATES, t=[1.0])
     assert keys(rigid.cite(exact)) == ["rigid", "rigid-exact-jacobi"]

@@ -6,7 +6,7 @@ use rigid::forcing::BodyForcing;
 use rigid::kernel::Group;
 use rigid::kernel::{Compiled, ForcingRows, Kernel, System};
 use rigid::kernel::{Entry, KernelAssignment, load};
-use rigid::observe::{EXIT_TIME, Observed, Tilt, largest_tilt};
+use rigid::observe::{Displacement, EXIT_TIME, Observed, Tilt, largest_tilt};
 use rigid::scheme::{self, Scheme};
 use rigid::simd::Isa;
 use rigid::start::Body;
@@ -36,7 +36,7 @@ impl Run {
         let compiled = Compiled::new(kernel, Isa::available()[0]);
         let mut group = Group::inactive();
         let step = method.facts.angle_per_step / body.fastest_rate(BodyForcing::NONE, [0.0; 2]);
-        let entry = Entry { body, forcing: None, axis, limit, step, tangent: [0.0; 6] };
+        let entry = Entry { body, forcing: None, axis, limit, step, displacement: Displacement::NONE };
         load(&mut group, 0, compiled, KernelAssignment::of(method, body, system.scene()), &entry);
         Run { group, compiled, step }
     }

@@ -5,7 +5,7 @@ use rigid::forcing::ForcingInterval;
 use rigid::kernel::Group;
 use rigid::kernel::{Compiled, ForcingRows, Kernel, System};
 use rigid::kernel::{Entry, KernelAssignment, load};
-use rigid::observe::{EXIT_TIME, Flips, MAX_ROWS, Observed, Rows, Segment, Update};
+use rigid::observe::{Displacement, EXIT_TIME, Flips, MAX_ROWS, Observed, Rows, Segment, Update};
 use rigid::scene::FREE;
 use rigid::scene::{Free, Parameters, Rates};
 use rigid::scheme::{self, Coefficients, DERIVATIVES, Numbers, Rk4Tableau, RungeKutta, Scheme, Stepper};
@@ -38,7 +38,8 @@ impl ObservedBody {
         let kernel = Kernel { system, step: assignment.step, observed: Observed::Flips };
         let compiled = Compiled::new(kernel, Isa::available()[0]);
         let mut group = Group::inactive();
-        let entry = Entry { body, forcing: None, axis, limit: f64::INFINITY, step, tangent: [0.0; 6] };
+        let entry =
+            Entry { body, forcing: None, axis, limit: f64::INFINITY, step, displacement: Displacement::NONE };
         load(&mut group, 0, compiled, assignment, &entry);
         ObservedBody { group, compiled }
     }
@@ -332,7 +333,8 @@ fn stable_spin_for_a_million_steps() {
                 let body = free([1.0, 1.6, 2.0], omega);
                 let assignment = KernelAssignment::of(method, &body, &FREE);
                 let (axis, limit, step) = (axis as i32, f64::INFINITY, 1.0 / 16.0);
-                let entry = Entry { body: &body, forcing: None, axis, limit, step, tangent: [0.0; 6] };
+                let entry =
+                    Entry { body: &body, forcing: None, axis, limit, step, displacement: Displacement::NONE };
                 load(&mut group, lane, compiled, assignment, &entry);
             }
             // Fewer steps of expensive schemes.

@@ -3,7 +3,7 @@
 use crate::tests::scene_of;
 use rigid::forcing::{Forcing, ForcingInterval};
 use rigid::kernel::{Compiled, Entry, ForcingRows, Group, Kernel, KernelAssignment, System, load};
-use rigid::observe::Observed;
+use rigid::observe::{Displacement, Growth, Observed};
 use rigid::parallel::Interrupt;
 use rigid::real::Real;
 use rigid::scene::{
@@ -50,6 +50,32 @@ fn rows(interval: &ForcingInterval<f64>) -> ForcingRows {
     rows
 }
 
+/// A group whose lanes take different steps, after some steps. Between them `divide` may change the displacements.
+fn moved(
+    system: System,
+    (scheme, isa): (&'static Scheme, Isa),
+    observed: Observed,
+    forcing: &ForcingRows,
+    divide: impl Fn(&mut Group, usize),
+) -> Group {
+    let compiled = Compiled::new(Kernel { system, step: scheme.any, observed }, isa);
+    let assignment = KernelAssignment::of(scheme, &BODY, scene_of(true));
+    let mut group = Group::inactive();
+    for lane in 0..LANES {
+        let step = 0.05 + 0.002 * lane as f64;
+        let displacement = Displacement { of_attitude: lane % 2 == 0, ..Displacement::new(DISPLACEMENT) };
+        let entry = Entry { displacement, ..Entry::unobserved(&BODY, None, step) };
+        load(&mut group, lane, compiled, assignment, &entry);
+    }
+    for block in 0..10 {
+        compiled.advance(&mut group, forcing, 5);
+        divide(&mut group, block);
+    }
+    group
+}
+
+fn nothing(_: &mut Group, _: usize) {}
+
 #[test]
 fn the_motion_has_the_same_bits_with_and_without_a_displacement() {
     for (plain, varied, forcing, len) in [
@@ -57,25 +83,58 @@ fn the_motion_has_the_same_bits_with_and_without_a_displacement() {
         (System::ForcedFrame, System::ForcedTangent, rows(&interval()), ForcedFrame::LEN),
     ] {
         for scheme in schemes() {
+            let scalar = moved(varied, (scheme, Isa::Scalar), Observed::Growth, &forcing, nothing);
             for isa in Isa::available() {
-                let [without, with] = [plain, varied].map(|system| {
-                    let kernel = Kernel { system, step: scheme.any, observed: Observed::Nothing };
-                    let compiled = Compiled::new(kernel, isa);
-                    let assignment = KernelAssignment::of(scheme, &BODY, scene_of(true));
-                    let mut group = Group::inactive();
-                    for lane in 0..LANES {
-                        let step = 0.05 + 0.02 * lane as f64;
-                        let entry = Entry { tangent: DISPLACEMENT, ..Entry::unobserved(&BODY, None, step) };
-                        load(&mut group, lane, compiled, assignment, &entry);
-                    }
-                    compiled.advance(&mut group, &forcing, 50);
-                    group
-                });
+                let without = moved(plain, (scheme, isa), Observed::Nothing, &forcing, nothing);
+                let with = moved(varied, (scheme, isa), Observed::Growth, &forcing, nothing);
+                let what = |d| format!("{varied:?} {scheme:?} {isa:?}, number {d}");
                 for d in 0..len {
-                    let what = format!("{varied:?} {scheme:?} {isa:?}, number {d}");
-                    assert_equal_bits(&without.state[d].0, &with.state[d].0, &what);
+                    assert_equal_bits(&without.state[d].0, &with.state[d].0, &what(d));
+                }
+                for d in 0..varied.len() {
+                    assert_equal_bits(&scalar.state[d].0, &with.state[d].0, &what(d));
+                }
+                for (d, row) in with.observed.iter().enumerate() {
+                    assert_equal_bits(&scalar.observed[d].0, &row.0, &what(d));
                 }
             }
+        }
+    }
+}
+
+/// The equations of a displacement are linear: a power of two changes no digit, now or later.
+#[test]
+fn it_does_not_matter_when_a_displacement_is_divided_by_a_power_of_two() {
+    let divide = |power: f64| {
+        move |group: &mut Group, block: usize| {
+            if block % 3 != 1 {
+                return;
+            }
+            let at = System::TopTangent.tangent_at().unwrap();
+            for d in at..at + 6 {
+                for row in [&mut group.state[d], &mut group.compensation[d]] {
+                    row.0.iter_mut().for_each(|x| *x *= 2.0_f64.powf(-power));
+                }
+            }
+            group.observed[Growth::SHIFT].0.iter_mut().for_each(|shift| *shift += power);
+        }
+    };
+    for scheme in schemes() {
+        let run = |power: f64| {
+            let isa = Isa::available()[0];
+            moved(System::TopTangent, (scheme, isa), Observed::Growth, &ForcingRows::NONE, divide(power))
+        };
+        let whole = run(0.0);
+        for power in [1.0, 60.0, -13.0] {
+            let divided = run(power);
+            for row in [Growth::LOG, Growth::LARGEST, Growth::AREA, Growth::MEAN_AREA] {
+                assert_equal_bits(
+                    &whole.observed[row].0,
+                    &divided.observed[row].0,
+                    &format!("{scheme:?} {row}"),
+                );
+            }
+            assert!(whole.observed[Growth::LARGEST].0.iter().all(|&log| log > 0.5));
         }
     }
 }

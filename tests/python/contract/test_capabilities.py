@@ -86,6 +86,8 @@ SUBJECTS = (
     "arrays",
     "only what is asked for",
     "stability maps",
+    "tangent of a motion",
+    "chaos",
     "error against run time",
     "extreme bodies",
     "figures and animations",

@@ -15,7 +15,7 @@ use rigid::kernel::Group;
 use rigid::kernel::{Compiled, ForcingRows, Kernel, System};
 use rigid::kernel::{Entry, KernelAssignment, load};
 use rigid::map::{Check, Class, Criterion, Map, MethodChoice, Pixel, Statistics};
-use rigid::observe::{EXIT_TIME, Flips, Observed, Tilt};
+use rigid::observe::{Displacement, EXIT_TIME, Flips, Observed, Tilt};
 use rigid::parallel::Interrupt;
 use rigid::sample::{Law, uniforms};
 use rigid::scheme::{self, Engine, Scheme, Step};
@@ -46,7 +46,7 @@ const SYSTEMS: [(System, &[Observed]); 10] = [
     (System::ReducedTopAxis, &[Observed::Nothing]),
     (System::ReducedTopTwoAxes, &[Observed::Nothing]),
     (System::ReducedTopAttitude, &[Observed::Nothing]),
-    (System::TopTangent, &[Observed::Nothing]),
+    (System::TopTangent, &[Observed::Nothing, Observed::Growth]),
 ];
 
 /// The assignment with which some scheme integrates a body in a kernel.
@@ -90,7 +90,7 @@ fn codes() -> Vec<Kernel> {
 fn the_list_of_kernels_is_complete() {
     for (system, observables) in SYSTEMS {
         let step = scheme::steps().into_iter().find(|&step| system.is_moved_by(step)).unwrap();
-        for observed in [Observed::Nothing, Observed::Flips, Observed::Tilt] {
+        for observed in [Observed::Nothing, Observed::Flips, Observed::Tilt, Observed::Growth] {
             let kernel = Kernel { system, step, observed };
             let exists = std::panic::catch_unwind(|| Compiled::new(kernel, Isa::Scalar)).is_ok();
             assert_eq!(exists, observables.contains(&observed), "{kernel:?}");
@@ -173,7 +173,7 @@ fn load_lane(group: &mut Group, lane: usize, kernel: Kernel, compiled: Compiled,
         axis: lane_start.observed_axis,
         limit: lane_start.limit,
         step: lane_start.step,
-        tangent: [0.5, -0.25, 0.375, 0.3125, 0.4375, -0.5],
+        displacement: Displacement::new([0.5, -0.25, 0.375, 0.3125, 0.4375, -0.5]),
     };
     load(group, lane, compiled, assignment, &entry);
 }

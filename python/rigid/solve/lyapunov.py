@@ -1,0 +1,328 @@
+"""Lyapunov exponents and chaos indicators of motions."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .. import _core
+from .._checks.arguments import numbers, one_of, positive_int, resolve_threads, sorted_times
+from ..model.scene import Scene, check_scene
+from .arrays import time_span
+from .batch import Batch
+from .choose_method import Problem, choose_method
+from .growth import Growth
+from .integrate import integrate
+from .methods import EXACT, SECOND
+from .regularity import CHECKPOINTS, RULE
+from .request import Request
+from .status import Status
+from .tangent import check_tangent, rate_scale
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
+
+__all__ = ["lyapunov"]
+
+Floats = NDArray[np.float64]
+
+NORMS = ("rates", "attitude")
+"""What the growth is that of: rates and vertical, or rates and attitude."""
+
+STARTS = np.array(
+    [
+        [0.5, -0.25, 0.375, 0.3125, 0.4375, -0.5],
+        [-0.25, 0.5, 0.125, 0.25, -0.375, 0.625],
+        [0.125, 0.25, -0.5, -0.5, 0.25, 0.125],
+        [0.375, -0.5, -0.25, 0.125, 0.625, 0.375],
+        [0.25, 0.125, 0.5, 0.5, -0.125, 0.25],
+        [-0.5, 0.375, 0.25, -0.125, 0.5, -0.625],
+    ]
+)
+"""Displacements at the start: rates in the unit of the body, rotation vectors in rad. They are
+generic, so that each has a part along the direction that grows most."""
+
+ANOTHER = "taylor20"
+"""The method of the second run of :data:`SECOND`."""
+
+LOOKS = 100
+"""Number of times at which a motion is compared with a second run."""
+
+FEWEST = 64
+"""Least number of steps until the first time and the first checkpoint: means need them."""
+
+
+def lyapunov(
+    scene: Scene,
+    omega: ArrayLike,
+    attitude: ArrayLike | Rotation | None = None,
+    *,
+    t: ArrayLike,
+    of: str = "rates",
+    exponents: int = 1,
+    start: ArrayLike | None = None,
+    method: str | None = None,
+    step: float | None = None,
+    check: bool = True,
+    max_steps: int = 10**9,
+    threads: int | None = None,
+) -> Growth:
+    """How fast motions beside a motion part from it: exponents, MEGNO, FLI, SALI and GALI.
+
+    A small displacement of the motion, a change of the rates and a rotation vector, is integrated
+    with it by the linear equations of the tangent. Its size is divided by powers of two on the way,
+    which changes no digit, so no horizon is too long.
+
+    Parameters
+    ----------
+    scene : FreeBody or HeavyTop
+        The body, or many, with their weight, applied torque and damping.
+    omega : array_like, shape (3,) or (..., 3)
+        Angular velocity at ``t = 0`` in the body (rad/s).
+    attitude : array_like, shape (4,) or (..., 4), or scipy Rotation, optional
+        Attitude at ``t = 0``. Default: body and space axes coincide.
+    t : array_like, shape (m,)
+        Times (s), ascending and positive.
+    of : {"rates", "attitude"}
+        The size of a displacement: ``|dw|² / scale²`` of the rates plus the square of the angle by
+        which the vertical in the body changes, or by which the attitude does. The scale is
+        ``sqrt(|omega|² + mgl / I_min)`` at the start. Exponents do not depend on it.
+    exponents : int
+        Number of exponents, from the largest down, by Gram-Schmidt: 1 to 6, to 5 of the rates.
+    start : array_like, shape (6,) or (exponents, 6), optional
+        Displacements at the start: changes of the rates (rad/s), and rotation vectors in the body
+        (rad). Default: generic ones, the same for all bodies in their units.
+    method : str, optional
+        One of the :func:`rigid.methods` with a tangent. Default: ``"taylor16"``.
+    step : float, optional
+        Largest step (s). Default: that of the method, and at least 64 steps until the first time.
+    check : bool
+        Whether a second run, by another method, estimates the error and confirms the verdict with
+        another displacement.
+    max_steps : int
+        A body that would need more is not run.
+    threads : int, optional
+        Default: ``RIGID_NUM_THREADS``, else the cores that this process may use.
+
+    Returns
+    -------
+    Growth
+        Named arrays; see :class:`Growth`.
+
+    Raises
+    ------
+    ValueError
+        Naming the argument, its value and the rule: as :func:`simulate`; times that are not
+        positive, a method without a tangent, displacements of no size or that depend on each other.
+
+    Notes
+    -----
+    All integrals are those of ``L = ln |v|`` over the time. They are sums over the steps of a
+    Runge-Kutta method; a Taylor method knows ``L`` inside its steps too.
+
+    References
+    ----------
+    P. M. Cincotta, C. Simó, Astron. Astrophys. Suppl. 147 (2000) 205 (MEGNO). C. Froeschlé,
+    E. Lega, R. Gonczi, Celest. Mech. Dyn. Astron. 67 (1997) 41 (FLI). C. Skokos, T. Bountis,
+    C. Antonopoulos, Physica D 231 (2007) 30 (GALI). G. Benettin, L. Galgani, A. Giorgilli,
+    J.-M. Strelcyn, Meccanica 15 (1980) 9 and 21 (exponents).
+
+    Examples
+    --------
+    >>> import rigid
+    >>> top = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
+    >>> slow, fast = [[0.3, 0.4, 1.0], [0.1, 0.0, 20.0]]
+    >>> growth = rigid.lyapunov(top, [slow, fast], [0.9, 0.3, 0.2, 0.1], t=[200.0, 400.0])
+    >>> growth.verdict.tolist()
+    ['chaotic', 'regular']
+    >>> growth.exponent[:, -1].round(2).tolist()
+    [0.31, 0.02]
+    """
+    check_scene(scene, many=True)
+    one_of("of", of, NORMS)
+    count = positive_int("exponents", exponents)
+    most = 6 if of == "attitude" else 5
+    if count > most:
+        raise ValueError(f"exponents = {count}: must be at most {most} of = {of!r}")
+    times = sorted_times("t", t)
+    if not len(times) or times[0] <= 0.0:
+        raise ValueError(f"t = {times[0] if len(times) else '[]'}: must be positive times")
+    if method == EXACT:
+        raise ValueError("method = 'exact': displacements are integrated; name a scheme")
+    check_tangent(method)
+    batch, shape = Batch.from_input(scene, omega, attitude)
+    chosen, threads = method or SECOND, resolve_threads(threads)
+    plan, steps = choose_method(
+        Problem(
+            scene=scene,
+            question="axis",
+            batch=batch,
+            span=time_span(times),
+            method=chosen,
+            step=step,
+            states=len(times),
+        )
+    )
+    every = np.union1d(times, times[-1] * np.array(CHECKPOINTS))
+    run = _Run(batch, every, of, positive_int("max_steps", max_steps), threads)
+    vectors = _displacements(batch, start, count, of)
+    found = run.growth(chosen, steps, vectors)
+    wanted = np.searchsorted(every, times)
+    marks = np.searchsorted(every, times[-1] * np.array(CHECKPOINTS))
+    log, largest, mean, mean_megno = np.moveaxis(found["logs"], -1, 0)
+    error = np.full(len(batch), np.nan)
+    second = None
+    lost_from = np.full(len(batch), np.nan)
+    status = found["status"]
+    if check:
+        again = run.again(ANOTHER if chosen == SECOND else SECOND, vectors[:, 0])
+        error = 3.0 * np.abs(again["logs"][0::2, wanted, 0] - log[:, wanted]).max(axis=1)
+        second = 2.0 * again["logs"][1::2, marks, 3]
+        lost_from = _lost_from(batch, times, chosen, steps, run.max_steps, threads)
+    else:
+        status = np.where(status == Status.OK, Status.UNCHECKED, status).astype(np.uint8)
+    verdict = RULE.verdict(2.0 * mean_megno[:, marks], second)
+    verdict = np.where(np.isin(status, (Status.OK, Status.UNCHECKED)), verdict, "failed")
+
+    def of_body(values: NDArray[Any]) -> Any:
+        return values.reshape(*shape, *values.shape[1:]) if shape else values[0]
+
+    several = count > 1
+    words = f"{count} displacement{'s' if several else ''} of the {of}, growth by their tangent"
+    return Growth(
+        t=times,
+        log_growth=of_body(log[:, wanted]),
+        megno=of_body(2.0 * (log - mean)[:, wanted]),
+        mean_megno=of_body(2.0 * mean_megno[:, wanted]),
+        fli=of_body(largest[:, wanted]),
+        spectrum=of_body(found["log_diagonal"][:, wanted] / times[:, np.newaxis]),
+        zeros=of_body(_zeros(scene, batch, of)),
+        sali=of_body(found["sali"][:, wanted, 0]) if several else None,
+        gali=of_body(np.exp(found["log_gali"][:, wanted, 1:])) if several else None,
+        error=of_body(error),
+        lost_from=of_body(lost_from),
+        verdict=of_body(verdict),
+        energy_drift=of_body(found["energy_drift"]),
+        status=of_body(status),
+        steps=of_body(found["steps"]),
+        plan=replace(plan, why=(*plan.why, words)),
+        spec={
+            "scene": scene.to_dict(),
+            "method": chosen,
+            "step": step,
+            "of": of,
+            "exponents": count,
+        },
+    )
+
+
+class _Run:
+    """The bodies and times of a call."""
+
+    def __init__(self, batch: Batch, times: Floats, of: str, max_steps: int, threads: int) -> None:
+        self.batch, self.times, self.of = batch, times, of
+        self.max_steps, self.threads = max_steps, threads
+        self.scale = rate_scale(batch)
+
+    def growth(self, method: str, steps: Floats | None, vectors: Floats) -> dict[str, Any]:
+        """The growth of displacements (n, k, 6) by a method, with its longest steps (s)."""
+        if steps is None:
+            rates = self.batch.fastest_rates((0.0, float(self.times[-1])), method)
+            steps = np.minimum(_core.default_steps(method, rates), self.times[0] / FEWEST)
+        return _core.growth(
+            **self.batch.columns(),
+            method=method,
+            displacements=np.ascontiguousarray(vectors.reshape(-1, 6)),
+            scale=self.scale,
+            of_attitude=self.of == "attitude",
+            times=self.times,
+            step=np.ascontiguousarray(steps),
+            max_steps=self.max_steps,
+            threads=self.threads,
+        )
+
+    def again(self, method: str, first: Floats) -> dict[str, Any]:
+        """Each body twice, with the same displacement (n, 6) and with another, by a method."""
+        other = _unscaled(STARTS[1], self.scale)
+        alike = np.linalg.norm(_unscaled(first, 1.0 / self.scale) - STARTS[1], axis=1) < 1e-8
+        other = np.where(alike[:, np.newaxis], _unscaled(STARTS[0], self.scale), other)
+        pairs = np.stack([first, other], axis=1)
+        twice = _Run(self.batch.repeat(2), self.times, self.of, self.max_steps, self.threads)
+        return twice.growth(method, None, pairs.reshape(-1, 1, 6))
+
+
+def _unscaled(vectors: Floats, scale: Floats) -> Floats:
+    """Displacements (n, ..., 6) in rad/s and rad, from those with rates in units of the bodies."""
+    unit = np.repeat(scale[:, np.newaxis], 3, axis=1)
+    units = np.concatenate([unit, np.ones_like(unit)], axis=1)
+    scaled: Floats = vectors * (units[:, np.newaxis] if vectors.ndim == 3 else units)
+    return scaled
+
+
+def _displacements(batch: Batch, start: ArrayLike | None, count: int, of: str) -> Floats:
+    """Displacements of each body at its start, (n, k, 6)."""
+    scale = rate_scale(batch)
+    if start is None:
+        several = np.broadcast_to(STARTS[:count], (len(batch), count, 6))
+        return _unscaled(several, scale)
+    given = np.atleast_2d(numbers("start", start))
+    if given.shape != (count, 6):
+        raise ValueError(f"start: expected shape ({count}, 6), got {np.shape(start)}")
+    if not np.isfinite(given).all():
+        raise ValueError("start: must be finite")
+    several = np.broadcast_to(given, (len(batch), count, 6))
+    for body, vectors in enumerate(_measured(batch, several, scale, of)):
+        sizes = np.linalg.norm(vectors, axis=1)
+        if not (sizes > 1e-12 * np.linalg.norm(given, axis=1)).all():
+            raise ValueError(f"start: a displacement of body {body} has no size of = {of!r}")
+        if np.linalg.matrix_rank(vectors / sizes[:, np.newaxis], tol=1e-8) < count:
+            raise ValueError(f"start: the displacements of body {body} depend on each other")
+    return np.array(several)
+
+
+def _measured(batch: Batch, vectors: Floats, scale: Floats, of: str) -> Floats:
+    """The vectors whose lengths are the sizes of displacements (n, k, 6)."""
+    scaled = _unscaled(vectors, 1.0 / scale)
+    if of == "attitude":
+        return scaled
+    w, x, y, z = np.moveaxis(np.broadcast_to(batch.attitude, (len(batch), 4)), -1, 0)
+    vertical = np.stack(
+        [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), w * w - x * x - y * y + z * z], axis=-1
+    )
+    turned = np.cross(vertical[:, np.newaxis], scaled[..., 3:])
+    return np.concatenate([scaled[..., :3], turned], axis=-1)
+
+
+def _lost_from(
+    batch: Batch, times: Floats, method: str, steps: Floats | None, max_steps: int, threads: int
+) -> Floats:
+    """Time from which on the rates of each body are lost, at a hundred times to look at."""
+    request = Request(
+        batch=batch,
+        times=np.union1d(times, np.linspace(0.0, times[-1], LOOKS + 1)[1:]),
+        method=method,
+        record="rates",
+        max_steps=max_steps,
+        threads=threads,
+    )
+    return integrate(request, steps, None, check=True, every=True)[1].lost_from
+
+
+def _zeros(scene: Scene, batch: Batch, of: str) -> NDArray[np.intp]:
+    """Number of exponents of each body that are zero by theory."""
+    heavy = np.broadcast_to(np.any(batch.weight != 0.0, axis=1), (len(batch),))
+    if not scene.is_driven:
+        # Flow, energy, turns about the vertical and L·gamma; of a free body all of space, and L.
+        zeros = np.where(heavy, 4, 6)
+    elif scene.torque is not None and scene.torque.acts_in_space:
+        zeros = np.zeros(len(batch), dtype=np.intp)
+    else:
+        # Turns of all space, or of the vertical.
+        zeros = np.where(heavy, 1, 3)
+    # The rates do not see the turn about the vertical, nor a free body's momentum along it.
+    hidden = 1 if of == "rates" else 0
+    found: NDArray[np.intp] = np.maximum(zeros - hidden, 0)
+    return found

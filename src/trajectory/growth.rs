@@ -1,0 +1,360 @@
+//! Growth of displacements: how fast neighbouring motions part, by steps of a scheme with a tangent.
+//!
+//! The displacements of a body are integrated in lanes of their own, each with the motion. After some steps they are
+//! divided by powers of two, which changes no digit, and all but the first are made orthogonal to those before.
+
+use super::fixed::{GroupStops, Leg};
+use super::frame::{Frame, MAX_DISPLACEMENTS};
+use super::{Integration, Request, kinds_in, neighbours};
+use crate::error::Error;
+use crate::kernel::{Compiled, Entry, ForcingRows, Group, Kernel, load, reset_time};
+use crate::memory;
+use crate::observe::{Displacement, Growth, Observed};
+use crate::parallel::{Interrupt, over_blocks};
+use crate::scheme::Scheme;
+use crate::simd::{Isa, LANES};
+use crate::status::{DRIFT_LIMIT, Status};
+
+/// Steps between two divisions of the displacements.
+const STEPS_TOGETHER: u64 = 16;
+
+/// The displacements of the bodies of a request, and what is wanted.
+#[derive(Clone, Copy)]
+pub struct Displacements<'a> {
+    /// Displacements of each body, one after another.
+    pub each: &'a [Displacement],
+    /// Number of displacements of a body.
+    pub count: usize,
+}
+
+/// Growth at the wanted times, body first.
+pub struct Growths {
+    /// ln of the size over that at the start, of the first displacement; its largest until then; its mean over the time;
+    /// and the mean over the time of `ln - mean`: (n, times, 4).
+    pub logs: Vec<f64>,
+    /// ln of what each displacement keeps across those before it, over that at the start: (n, times, count).
+    pub log_diagonal: Vec<f64>,
+    /// ln of GALI of the first 1, 2, … displacements: (n, times, count).
+    pub log_gali: Vec<f64>,
+    /// SALI of the first two: (n, times).
+    pub sali: Vec<f64>,
+    /// Largest relative error of the energy after some steps.
+    pub energy_drift: Vec<f64>,
+    /// How each body ended.
+    pub status: Vec<Status>,
+    /// Steps of each body.
+    pub steps: Vec<u64>,
+}
+
+/// Growth of the first displacement at a time.
+const LOGS: usize = 4;
+
+impl Growths {
+    fn reserved(bodies: usize, times: usize, count: usize) -> Result<Growths, Error> {
+        let unknown = |width: usize| {
+            let length = bodies.saturating_mul(times).saturating_mul(width);
+            memory::filled("growth of displacements", length, f64::NAN)
+        };
+        Ok(Growths {
+            logs: unknown(LOGS)?,
+            log_diagonal: unknown(count)?,
+            log_gali: unknown(count)?,
+            sali: unknown(1)?,
+            energy_drift: memory::filled("drifts", bodies, f64::NAN)?,
+            status: memory::filled("statuses", bodies, Status::Finished)?,
+            steps: memory::filled("steps", bodies, 0)?,
+        })
+    }
+}
+
+/// Growth of the displacements of the bodies of a request at its times, which are positive.
+///
+/// # Errors
+/// If the method has no tangent or does not move the bodies, if a step is beyond its stability, if the request was
+/// stopped, or if the results do not fit into memory.
+pub fn growth(
+    request: &Request,
+    scheme: &Scheme,
+    displacements: Displacements,
+    threads: usize,
+    isa: Isa,
+    stop: &Interrupt,
+) -> Result<Growths, Error> {
+    assert!((1..=MAX_DISPLACEMENTS).contains(&displacements.count));
+    assert_eq!(displacements.each.len(), request.bodies.len() * displacements.count);
+    scheme.check(request.scene, false)?;
+    scheme.check_tangent()?;
+    if !request.forcing.is_none() {
+        super::check_forced(request, scheme)?;
+    }
+    let times = request.schedule.len();
+    let mut growths = Growths::reserved(request.bodies.len(), times, displacements.count)?;
+    let mut rest = Part {
+        logs: &mut growths.logs,
+        log_diagonal: &mut growths.log_diagonal,
+        log_gali: &mut growths.log_gali,
+        sali: &mut growths.sali,
+        energy_drift: &mut growths.energy_drift,
+        status: &mut growths.status,
+        steps: &mut growths.steps,
+    };
+    let blocks = neighbours(request.bodies.len(), LANES, |_| ())?;
+    let parts =
+        blocks.iter().map(|block| (block.clone(), rest.split_off(times, displacements.count, block.len())));
+    over_blocks(parts, threads, stop, |(block, mut part)| {
+        let ways = Integration::of_block(request, scheme, block.clone())?;
+        let kind = |index: usize| ways[index - block.start].kind();
+        let together = LANES / displacements.count;
+        for members in kinds_in(block.clone(), kind)?.iter().flat_map(|kind| kind.chunks(together)) {
+            let kernel = Kernel {
+                system: ways[members[0]].system(request),
+                step: ways[members[0]].assignment.step,
+                observed: Observed::Growth,
+            };
+            let batch = GrowthBatch {
+                request,
+                ways: &ways,
+                first: block.start,
+                members,
+                displacements,
+                compiled: Compiled::new(kernel, isa),
+                frames: [Frame::new(displacements.count); LANES],
+                start_logs: [[0.0; MAX_DISPLACEMENTS]; LANES],
+            };
+            batch.run(&mut part, stop)?;
+        }
+        Ok(())
+    })?;
+    Ok(growths)
+}
+
+/// The growth of some neighbouring bodies.
+struct Part<'a> {
+    logs: &'a mut [f64],
+    log_diagonal: &'a mut [f64],
+    log_gali: &'a mut [f64],
+    sali: &'a mut [f64],
+    energy_drift: &'a mut [f64],
+    status: &'a mut [Status],
+    steps: &'a mut [u64],
+}
+
+impl<'a> Part<'a> {
+    fn split_off(&mut self, times: usize, count: usize, bodies: usize) -> Part<'a> {
+        fn first<'a, T>(rest: &mut &'a mut [T], length: usize) -> &'a mut [T] {
+            rest.split_off_mut(..length).expect("the parts are as long as the whole")
+        }
+        Part {
+            logs: first(&mut self.logs, LOGS * times * bodies),
+            log_diagonal: first(&mut self.log_diagonal, count * times * bodies),
+            log_gali: first(&mut self.log_gali, count * times * bodies),
+            sali: first(&mut self.sali, times * bodies),
+            energy_drift: first(&mut self.energy_drift, bodies),
+            status: first(&mut self.status, bodies),
+            steps: first(&mut self.steps, bodies),
+        }
+    }
+}
+
+/// The bodies of one group: displacement j of body b is in lane `b count + j`.
+struct GrowthBatch<'a> {
+    request: &'a Request<'a>,
+    ways: &'a [Integration],
+    /// Index of the first body of the block.
+    first: usize,
+    /// Indices of the bodies of the group in the block.
+    members: &'a [usize],
+    displacements: Displacements<'a>,
+    compiled: Compiled,
+    frames: [Frame; LANES],
+    start_logs: [[f64; MAX_DISPLACEMENTS]; LANES],
+}
+
+impl GrowthBatch<'_> {
+    fn run(mut self, part: &mut Part, stop: &Interrupt) -> Result<(), Error> {
+        let count = self.displacements.count;
+        let (first, members) = (self.first, self.members);
+        let bodies = || members.iter().map(move |&member| first + member);
+        let mut totals = [0_u64; LANES];
+        for next in GroupStops::new(self.request, bodies(), false)? {
+            for (b, index) in bodies().enumerate() {
+                let leg = next[b].leg(self.request.steps[index], 1.0);
+                totals[b] = totals[b].saturating_add(leg.steps);
+            }
+        }
+        for (b, &member) in self.members.iter().enumerate() {
+            if totals[b] > self.request.max_steps {
+                part.status[member] = Status::StepLimit;
+            } else {
+                part.steps[member] = totals[b];
+            }
+        }
+        let mut group = Group::inactive();
+        let is_forced = self.ways[self.members[0]].is_forced;
+        for (b, &member) in self.members.iter().enumerate() {
+            let index = self.first + member;
+            let body = &self.request.bodies[index];
+            let range = self.request.range_of(index);
+            let rate = is_forced.then(|| body.fastest_rate(self.request.forcing_of(index), range));
+            for j in 0..count {
+                let displacement = self.displacements.each[index * count + j];
+                let entry = Entry { displacement, ..Entry::unobserved(body, rate, 0.0) };
+                load(&mut group, b * count + j, self.compiled, self.ways[member].assignment, &entry);
+            }
+            self.settle(&mut group, b);
+            let (norm, vertical, displacements) = self.read(&group, b);
+            self.start_logs[b] = self.frames[b].log_diagonal(&norm, &vertical, &displacements[..count]);
+        }
+        let mut forcing_rows = ForcingRows::NONE;
+        let stops = GroupStops::new(self.request, bodies(), false)?;
+        for next in stops {
+            let mut legs = [Leg { steps: 0, step: 0.0 }; LANES];
+            for (b, &member) in self.members.iter().enumerate() {
+                let index = self.first + member;
+                if part.status[member] != Status::StepLimit {
+                    legs[b] = next[b].leg(self.request.steps[index], 1.0);
+                }
+                if is_forced {
+                    let moments = self.request.bodies[index].moments;
+                    let interval = self.request.forcing_of(index).interval(next[b].from, false, moments);
+                    for lane in b * count..(b + 1) * count {
+                        forcing_rows.set(lane, &interval);
+                        reset_time(&mut group, self.compiled.kernel().system, lane);
+                    }
+                }
+            }
+            self.advance(&mut group, &forcing_rows, &legs[..self.members.len()], stop)?;
+            for (b, &member) in self.members.iter().enumerate() {
+                if let Some(state) = next[b].state.filter(|_| part.status[member] != Status::StepLimit) {
+                    self.record(&group, b, member * self.request.schedule.len() + state, member, part);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Advances every body by its steps. Displacements are settled after each so many steps of a leg and at its end, so
+    /// that they do not depend on the other bodies of the group.
+    fn advance(
+        &mut self,
+        group: &mut Group,
+        forcing_rows: &ForcingRows,
+        legs: &[Leg],
+        stop: &Interrupt,
+    ) -> Result<(), Error> {
+        let count = self.displacements.count;
+        let mut done = 0;
+        loop {
+            let ends = legs.iter().map(|leg| leg.steps).filter(|&steps| steps > done);
+            let Some(end) = ends.min() else { return Ok(()) };
+            if stop.is_wanted() {
+                return Err(Error::Stopped);
+            }
+            let next = end.min((done / STEPS_TOGETHER + 1) * STEPS_TOGETHER);
+            for (b, leg) in legs.iter().enumerate() {
+                for lane in b * count..(b + 1) * count {
+                    group.set_step(lane, if leg.steps > done { leg.step } else { 0.0 });
+                }
+            }
+            self.compiled.advance(group, forcing_rows, (next - done) as usize);
+            for (b, leg) in legs.iter().enumerate() {
+                let is_due = next % STEPS_TOGETHER == 0 || next == leg.steps;
+                if leg.steps > done && is_due {
+                    self.settle(group, b);
+                }
+            }
+            done = next;
+        }
+    }
+
+    /// Norm, vertical and displacements of a body.
+    fn read(&self, group: &Group, b: usize) -> (Displacement, [f64; 3], [[f64; 6]; MAX_DISPLACEMENTS]) {
+        let count = self.displacements.count;
+        let at = self.compiled.kernel().system.tangent_at().expect("the system has a displacement");
+        let lane = b * count;
+        let norm = self.displacements.each[(self.first + self.members[b]) * count];
+        let vertical = [3, 4, 5].map(|d| group.state[d].0[lane]);
+        let mut displacements = [[0.0; 6]; MAX_DISPLACEMENTS];
+        for j in 0..count {
+            for k in 0..6 {
+                displacements[j][k] = group.state[at + k].0[lane + j];
+            }
+        }
+        (norm, vertical, displacements)
+    }
+
+    /// Makes the displacements of a body orthogonal, and near one in size.
+    fn settle(&mut self, group: &mut Group, b: usize) {
+        let count = self.displacements.count;
+        let at = self.compiled.kernel().system.tangent_at().expect("the system has a displacement");
+        let (norm, vertical, mut displacements) = self.read(group, b);
+        let is_damped = self.ways[self.members[b]].is_forced;
+        if !norm.of_attitude {
+            // A turn about the vertical is not seen by this norm. It is removed before it outgrows what is: from the
+            // first only under damping, which shrinks the rest.
+            for displacement in &mut displacements[if is_damped { 0 } else { 1 }..count] {
+                remove_turn(displacement, &vertical);
+            }
+        }
+        let shifts = self.frames[b].settle(&norm, &vertical, &mut displacements[..count]);
+        for j in 0..count {
+            let lane = b * count + j;
+            for k in 0..6 {
+                let rest = &mut group.compensation[at + k].0[lane];
+                // Of a displacement that was changed the lost digits are those of another.
+                *rest = if j == 0 { super::frame::times_power_of_two(*rest, -shifts[0]) } else { 0.0 };
+                group.state[at + k].0[lane] = displacements[j][k];
+            }
+            group.observed[Growth::SHIFT].0[lane] += shifts[j] as f64;
+        }
+    }
+
+    /// Writes the growth of a body, number `at` of all.
+    fn record(&self, group: &Group, b: usize, at: usize, member: usize, part: &mut Part) {
+        let count = self.displacements.count;
+        let lane = b * count;
+        let rows = group.observed_in(lane);
+        let (log, time) = (rows[Growth::LOG], rows[Growth::TIME]);
+        let (mean, mean_of_mean) = (rows[Growth::AREA] / time, rows[Growth::MEAN_AREA] / time);
+        // The mean over the time of `2 (L - mean)` is `2 (mean - mean of mean)`.
+        part.logs[LOGS * at..][..LOGS].copy_from_slice(&[
+            log,
+            rows[Growth::LARGEST],
+            mean,
+            mean - mean_of_mean,
+        ]);
+        let (norm, vertical, displacements) = self.read(group, b);
+        let displacements = &displacements[..count];
+        let diagonal = self.frames[b].log_diagonal(&norm, &vertical, displacements);
+        let (gali, sali) = self.frames[b].alignment(&norm, &vertical, displacements);
+        for j in 0..count {
+            part.log_diagonal[count * at + j] = diagonal[j] - self.start_logs[b][j];
+            part.log_gali[count * at + j] = gali[j];
+        }
+        part.sali[at] = sali;
+        let drift = group.energy.worst.0[lane];
+        part.energy_drift[member] = drift;
+        let finite = [0, 1, 2].iter().all(|&d| group.state[d].0[lane].is_finite()) && drift.is_finite();
+        part.status[member] = match (finite, drift <= DRIFT_LIMIT) {
+            (false, _) => Status::NotFinite,
+            (true, false) => Status::Drifted,
+            (true, true) => Status::Finished,
+        };
+        if !finite {
+            let unknown = |values: &mut [f64]| values.fill(f64::NAN);
+            unknown(&mut part.logs[LOGS * at..][..LOGS]);
+            unknown(&mut part.log_diagonal[count * at..][..count]);
+            unknown(&mut part.log_gali[count * at..][..count]);
+            unknown(&mut part.sali[at..=at]);
+        }
+    }
+}
+
+/// Removes the part of the rotation vector along the vertical.
+fn remove_turn(displacement: &mut [f64; 6], vertical: &[f64; 3]) {
+    let product = |a: &[f64]| a[0].mul_add(vertical[0], a[1].mul_add(vertical[1], a[2] * vertical[2]));
+    let share = product(&displacement[3..]) / product(vertical);
+    for k in 0..3 {
+        displacement[3 + k] = (-share).mul_add(vertical[k], displacement[3 + k]);
+    }
+}

@@ -1,0 +1,303 @@
+"""Lyapunov exponents and chaos indicators: against 26 digits, closed forms and theory."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+import rigid
+from chaos_scenes import DISPLACED, Displaced
+from physics import Floats, present, vertical
+from rigid.model.scene import Scene
+
+TOP = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
+BOX = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
+CHAOTIC, REGULAR = [0.3, 0.4, 1.0], [0.1, 0.0, 20.0]
+ATTITUDE = [0.9, 0.3, 0.2, 0.1]
+
+
+# --- Data ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("of", ["rates", "attitude"])
+@pytest.mark.parametrize("case", DISPLACED, ids=lambda case: case.name)
+def test_growth_of_26_digits(case: Displaced, of: str) -> None:
+    """As exact as the matrices: rounding of the start costs the square of the growth."""
+    true = case.growth[of]
+    found = rigid.lyapunov(
+        case.scene,
+        case.omega,
+        case.attitude,
+        t=case.t,
+        of=of,
+        exponents=4,
+        start=case.tangents,
+        check=False,
+    )
+    sizes = np.linalg.norm(case.scaled(case.matrices), 2, axis=(1, 2))
+    allowed = 3.0 * np.maximum(1e-13, 3e-14 * sizes.max() ** 2 / sizes)
+    assert (np.abs(found.log_growth - true["log_growth"]) < allowed).all()
+    np.testing.assert_allclose(found.megno, true["megno"], rtol=0.0, atol=1e-8)
+    np.testing.assert_allclose(found.mean_megno, true["mean_megno"], rtol=0.0, atol=1e-6)
+    for name in ("sali", "gali"):
+        values, known = present(getattr(found, name)), true[name] > 1e-8
+        np.testing.assert_allclose(values[known], true[name][known], rtol=1e-6)
+
+
+@pytest.mark.parametrize("case", DISPLACED, ids=lambda case: case.name)
+def test_the_spectrum_is_that_of_a_decomposition_in_26_digits(case: Displaced) -> None:
+    """``ln`` of the diagonal of R of the whole matrix, however often it is made orthogonal."""
+    unit = np.diag([case.rate_scale] * 3 + [1.0] * 3)
+    for of, count in (("attitude", 6), ("rates", 3)):
+        found = rigid.lyapunov(
+            case.scene,
+            case.omega,
+            case.attitude,
+            t=case.t,
+            of=of,
+            exponents=count,
+            start=unit[:count],
+            check=False,
+        )
+        logs = found.spectrum * case.t[:, None]
+        true = case.growth[of]["log_qr"]
+        # The worst was 6e-11, beside a separatrix.
+        np.testing.assert_allclose(logs, true[:, :count], rtol=0.0, atol=3e-10)
+        if count == 6:
+            np.testing.assert_allclose(logs.sum(axis=1), true.sum(axis=1), rtol=0.0, atol=1e-13)
+
+
+@pytest.mark.parametrize("case", DISPLACED, ids=lambda case: case.name)
+def test_trapezoids_of_small_steps(case: Displaced) -> None:
+    """In steps of a tenth of a radian."""
+    found = rigid.lyapunov(
+        case.scene, case.omega, case.attitude, t=case.t, start=case.tangents[0], method="dop853"
+    )
+    true = case.growth["rates"]
+    np.testing.assert_allclose(found.megno, true["megno"], rtol=0.0, atol=2e-4)
+    np.testing.assert_allclose(found.mean_megno, true["mean_megno"], rtol=0.0, atol=5e-4)
+    # Its own error estimate is above its error.
+    assert (np.abs(found.log_growth - true["log_growth"]) <= found.error + 1e-9).all()
+
+
+# --- Truths --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("turned", [1.0, 10.0, 100.0])
+def test_a_sphere_beside_a_faster_one(turned: float) -> None:
+    """``L = ln(1 + a²)/2`` at the angle a: MEGNO and its mean in arcus tangents."""
+    rate = 2.5
+    sphere = rigid.FreeBody(rigid.Body((1.0, 1.0, 1.0)))
+    omega = rate * np.array([0.0, 0.6, 0.8])
+    found = rigid.lyapunov(
+        sphere, omega, t=[turned / rate], of="attitude", start=[*omega, 0.0, 0.0, 0.0]
+    )
+    integral = quad(lambda a: np.arctan(a) / a, 0.0, turned, epsabs=1e-13, limit=200)[0]
+    assert found.log_growth[0] == pytest.approx(0.5 * np.log1p(turned**2), abs=1e-13)
+    assert found.megno[0] == pytest.approx(2.0 - 2.0 * np.arctan(turned) / turned, abs=1e-8)
+    assert found.mean_megno[0] == pytest.approx(2.0 - 2.0 * integral / turned, abs=1e-6)
+    assert found.fli[0] == found.log_growth[0]
+
+
+@pytest.mark.parametrize(
+    ("scene", "omega", "rate"),
+    [
+        # sqrt((I2 - I1)(I3 - I2) / (I1 I3)) w2.
+        (BOX, [0.0, 1.5, 0.0], 1.5 / np.sqrt(3.0)),
+        # sqrt(mgl / A - (C n / 2 A)²).
+        (rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0), [0.0, 0.0, 2.0], np.sqrt(0.75)),
+        # sqrt(mgl / min(I1, I2)).
+        (rigid.HeavyTop(rigid.Body((1.0, 1.5, 2.0)), mgl=1.0), [0.0, 0.0, 0.0], 1.0),
+    ],
+    ids=["middle axis", "sleeping top awake", "upright at rest"],
+)
+def test_exponents_of_unstable_equilibria(scene: Scene, omega: list[float], rate: float) -> None:
+    """After a while the growth is ``rate t``, and MEGNO the rate times the time, nearly."""
+    found = rigid.lyapunov(scene, omega, t=[10.0, 12.0, 20.0], of="attitude", check=False)
+    slope = np.diff(found.log_growth)[0] / 2.0
+    # What decays and what turns is exp(-2 rate t) and exp(-rate t) of it.
+    assert slope == pytest.approx(rate, rel=2.0 * np.exp(-10.0 * rate))
+    assert found.megno[-1] == pytest.approx(rate * 20.0, abs=3.0)
+    assert found.mean_megno[-1] == pytest.approx(0.5 * rate * 20.0, abs=3.0)
+
+
+def test_exponents_of_all_signs_add_up_to_the_damping() -> None:
+    """The sum is ``-tr(D / I)`` at any time, under any torque."""
+    top = rigid.HeavyTop(
+        rigid.Body((1.0, 1.6, 0.7)),
+        mgl=1.2,
+        com=(0.6, 0.0, 0.8),
+        damping=[0.06, 0.03, 0.12],
+        torque=rigid.Torque.space([0.1, -0.2, 0.05]),
+    )
+    found = rigid.lyapunov(
+        top, CHAOTIC, ATTITUDE, t=[1.0, 10.0, 100.0], of="attitude", exponents=6, check=False
+    )
+    trace = -(0.06 / 1.0 + 0.03 / 1.6 + 0.12 / 0.7)
+    np.testing.assert_allclose(found.spectrum.sum(axis=1), trace, rtol=0.0, atol=1e-12)
+    assert found.pairing is None
+
+
+def test_a_free_body_coming_to_rest_keeps_the_exponents_of_its_damping() -> None:
+    body = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)), damping=[0.5, 0.6, 0.3])
+    found = rigid.lyapunov(
+        body, [0.3, 0.2, 0.4], t=[100.0, 200.0], of="attitude", exponents=6, check=False
+    )
+    rates = np.diff(found.spectrum * found.t[:, None], axis=0)[0] / 100.0
+    np.testing.assert_allclose(rates, [0.0, 0.0, 0.0, -0.1, -0.3, -0.5], atol=1e-6)
+    assert found.zeros == 3
+
+
+def test_exponents_come_in_pairs_and_four_are_zero() -> None:
+    """What is zero in the limit is some ``ln t / t`` at a time."""
+    found = rigid.lyapunov(
+        TOP, CHAOTIC, ATTITUDE, t=[2000.0], of="attitude", exponents=6, check=False
+    )
+    assert found.zeros == 4
+    assert found.spectrum[0, 0] > 0.25
+    np.testing.assert_allclose(found.spectrum[0, 1:5], 0.0, atol=3.0 * np.log(2000.0) / 2000.0)
+    assert (present(found.pairing) < 3.0 * np.log(2000.0) / 2000.0).all()
+    others = rigid.lyapunov(TOP, CHAOTIC, ATTITUDE, t=[2000.0], exponents=5, check=False)
+    assert others.zeros == 3
+    assert others.spectrum[0, 0] == pytest.approx(found.spectrum[0, 0], abs=0.02)
+
+
+@pytest.mark.parametrize(("scene", "zeros"), [(BOX, (5, 6)), (TOP, (3, 4))])
+def test_zeros_known_from_theory(scene: Scene, zeros: tuple[int, int]) -> None:
+    for of, number in zip(("rates", "attitude"), zeros, strict=True):
+        assert rigid.lyapunov(scene, CHAOTIC, t=[5.0], of=of, check=False).zeros == number
+
+
+def test_it_is_the_growth_of_a_column_of_the_tangent() -> None:
+    times = np.array([1.0, 5.0, 20.0])
+    run = rigid.simulate(TOP, CHAOTIC, ATTITUDE, t=times, tangent=True, check=False)
+    start = np.array([0.3, -0.2, 0.5, 0.1, 0.4, -0.3])
+    found = rigid.lyapunov(TOP, CHAOTIC, ATTITUDE, t=times, of="attitude", start=start)
+    unit = np.array([np.sqrt(0.09 + 0.16 + 1.0 + 1.2 / 0.7)] * 3 + [1.0] * 3)
+    sizes = np.linalg.norm(present(run.tangent) @ start / unit, axis=1)
+    true = np.log(sizes / np.linalg.norm(start / unit))
+    np.testing.assert_allclose(found.log_growth, true, rtol=0.0, atol=1e-9)
+
+
+# --- Verdicts ------------------------------------------------------------------------------------
+
+
+def integrable(kind: str, count: int) -> tuple[Scene, Floats, Floats]:
+    """Random starts of a family whose motions are all regular, off its separatrices."""
+    rng = np.random.default_rng(20261122)
+    omega, attitude = rng.normal(size=(count, 3)), rng.normal(size=(count, 4))
+    attitude /= np.linalg.norm(attitude, axis=1, keepdims=True)
+    if kind == "euler":
+        return BOX, omega, attitude
+    if kind == "lagrange":
+        return rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0), omega, attitude
+    if kind == "kovalevskaya":
+        body = rigid.Body((2.0, 2.0, 1.0))
+        return rigid.HeavyTop(body, mgl=1.0, com=(1.0, 0.0, 0.0)), omega, attitude
+    # Goryachev-Chaplygin: no momentum about the vertical.
+    moments = np.array([4.0, 4.0, 1.0])
+    weighed = moments * vertical(attitude)
+    omega -= weighed * ((omega * weighed).sum(axis=1) / (weighed**2).sum(axis=1))[:, None]
+    return rigid.HeavyTop(rigid.Body(moments), mgl=1.0, com=(1.0, 0.0, 0.0)), omega, attitude
+
+
+@pytest.mark.parametrize(
+    ("kind", "undecided"),
+    [("euler", 0.002), ("lagrange", 0.002), ("kovalevskaya", 0.02), ("goryachev-chaplygin", 0.08)],
+)
+def test_no_integrable_motion_is_called_chaotic(kind: str, undecided: float) -> None:
+    scene, omega, attitude = integrable(kind, 512)
+    verdict = rigid.lyapunov(scene, omega, attitude, t=[100.0]).verdict
+    assert not (verdict == "chaotic").any()
+    # Three standard deviations above the share of many.
+    assert (verdict == "undecided").sum() <= 512 * undecided + 3.0 * np.sqrt(512 * undecided) + 1.0
+
+
+def test_verdicts_on_a_chaotic_sea_and_on_islands() -> None:
+    found = rigid.lyapunov(TOP, [CHAOTIC, REGULAR], ATTITUDE, t=[100.0, 400.0])
+    assert found.verdict.tolist() == ["chaotic", "regular"]
+    assert found.resolution == 0.025
+    assert found.exponent[0, -1] > 0.2 > found.resolution > found.exponent[1, -1]
+    assert found.lost_from[0] < 200.0
+    assert np.isinf(found.lost_from[1])
+    assert found.error[1] < 1e-10
+    chaotic, regular = found.reasons()
+    assert chaotic.startswith("chaotic: exponent 0.3")
+    assert "the motion itself is lost from t = " in chaotic
+    assert regular.startswith("regular: no exponent above 0.025 1/s until t = 400 s")
+
+
+def test_a_body_that_is_not_run_has_failed() -> None:
+    found = rigid.lyapunov(TOP, [CHAOTIC, REGULAR], t=[100.0], max_steps=1000)
+    assert found.verdict.tolist() == ["chaotic", "failed"]
+    assert found.status.tolist()[1] == rigid.Status.STEP_LIMIT
+    assert np.isnan(found.log_growth[1]).all()
+    assert found.reasons()[1].startswith("failed: step limit")
+
+
+# --- Interface -----------------------------------------------------------------------------------
+
+
+def test_bits_do_not_depend_on_the_call() -> None:
+    rng = np.random.default_rng(5)
+    omega = rng.normal(size=(70, 3))
+    options: dict[str, Any] = {"t": [5.0, 30.0], "check": False}
+    together = rigid.lyapunov(TOP, omega, ATTITUDE, threads=1, **options)
+    for other in (
+        rigid.lyapunov(TOP, omega, ATTITUDE, threads=2, **options),
+        rigid.lyapunov(TOP, omega, ATTITUDE, exponents=4, **options),
+    ):
+        for name in ("log_growth", "megno", "mean_megno", "fli"):
+            assert getattr(other, name).tobytes() == getattr(together, name).tobytes(), name
+    alone = rigid.lyapunov(TOP, omega[41], ATTITUDE, exponents=2, **options)
+    assert alone.mean_megno.tobytes() == together.mean_megno[41].tobytes()
+    assert alone.log_growth.shape == (2,)
+    assert present(alone.gali).shape == (2, 1)
+    assert together.sali is None
+
+
+def test_the_units_change_no_bit() -> None:
+    other = rigid.HeavyTop(rigid.Body((4.0, 6.4, 2.8)), mgl=1.2 * 4.0 / 64.0, com=(0.6, 0.0, 0.8))
+    here = rigid.lyapunov(TOP, CHAOTIC, ATTITUDE, t=[5.0, 30.0], check=False)
+    slow = np.array(CHAOTIC) / 8.0
+    there = rigid.lyapunov(other, slow, ATTITUDE, t=[40.0, 240.0], check=False)
+    for name in ("log_growth", "megno", "mean_megno", "fli"):
+        assert getattr(here, name).tobytes() == getattr(there, name).tobytes(), name
+    assert (there.exponent * 8.0 == here.exponent).all()
+
+
+def test_a_long_horizon_overflows_nothing() -> None:
+    found = rigid.lyapunov(TOP, CHAOTIC, ATTITUDE, t=[5000.0], exponents=2, check=False)
+    assert found.log_growth[0] > 1000.0
+    assert np.isfinite(found.mean_megno).all()
+    assert present(found.sali)[0] == 0.0
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"of": "speed"}, "of = 'speed': must be one of 'rates', 'attitude'"),
+        ({"exponents": 6}, "exponents = 6: must be at most 5 of = 'rates'"),
+        ({"exponents": 7, "of": "attitude"}, "exponents = 7: must be at most 6"),
+        ({"t": [0.0, 1.0]}, "t = 0.0: must be positive times"),
+        ({"t": []}, r"t = \[\]: must be positive times"),
+        ({"t": [2.0, 1.0]}, "times must be ascending"),
+        ({"method": "exact"}, "method = 'exact': displacements are integrated"),
+        ({"method": "dmv4"}, "method = 'dmv4': has no tangent"),
+        ({"start": np.zeros(6)}, "start: a displacement of body 0 has no size of = 'rates'"),
+        (
+            {"start": [0.0, 0.0, 0.0, 0.0, 0.0, 1.0]},
+            "start: a displacement of body 0 has no size of = 'rates'",
+        ),
+        ({"start": np.ones((2, 6)), "exponents": 2}, "start: .* depend on each other"),
+        ({"start": np.ones(5)}, r"start: expected shape \(1, 6\)"),
+        ({"start": np.full(6, np.nan)}, "start"),
+    ],
+)
+def test_bad_arguments_are_refused_by_name(options: dict[str, Any], message: str) -> None:
+    arguments: dict[str, Any] = {"t": [1.0], **options}
+    with pytest.raises(ValueError, match=message):
+        rigid.lyapunov(TOP, CHAOTIC, **arguments)
