@@ -15,8 +15,8 @@ use crate::scheme::Scheme;
 use crate::simd::{Isa, LANES};
 use crate::status::{DRIFT_LIMIT, Status};
 
-/// Steps between two divisions of the displacements.
-const STEPS_TOGETHER: u64 = 16;
+/// Steps between two divisions of a displacement, so few that none overflows; of several, so few that they do not align.
+const STEPS_TOGETHER: [u64; 2] = [64, 16];
 
 /// The displacements of the bodies of a request, and what is wanted.
 #[derive(Clone, Copy)]
@@ -243,6 +243,7 @@ impl GrowthBatch<'_> {
         stop: &Interrupt,
     ) -> Result<(), Error> {
         let count = self.displacements.count;
+        let together = STEPS_TOGETHER[usize::from(count > 1)];
         let mut done = 0;
         loop {
             let ends = legs.iter().map(|leg| leg.steps).filter(|&steps| steps > done);
@@ -250,7 +251,7 @@ impl GrowthBatch<'_> {
             if stop.is_wanted() {
                 return Err(Error::Stopped);
             }
-            let next = end.min((done / STEPS_TOGETHER + 1) * STEPS_TOGETHER);
+            let next = end.min((done / together + 1) * together);
             for (b, leg) in legs.iter().enumerate() {
                 for lane in b * count..(b + 1) * count {
                     group.set_step(lane, if leg.steps > done { leg.step } else { 0.0 });
@@ -258,7 +259,7 @@ impl GrowthBatch<'_> {
             }
             self.compiled.advance(group, forcing_rows, (next - done) as usize);
             for (b, leg) in legs.iter().enumerate() {
-                let is_due = next % STEPS_TOGETHER == 0 || next == leg.steps;
+                let is_due = next % together == 0 || next == leg.steps;
                 if leg.steps > done && is_due {
                     self.settle(group, b);
                 }
