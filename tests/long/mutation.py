@@ -89,6 +89,7 @@ PYTHON: dict[str, tuple[str, ...]] = {
     "python/rigid/solve/error_estimate.py": _ERRORS,
     "python/rigid/solve/integrate.py": _ERRORS,
     "python/rigid/solve/saddle.py": _ERRORS,
+    "python/rigid/solve/second_run.py": _ERRORS,
     "python/rigid/exact/elliptic.py": _EXACT,
     "python/rigid/exact/flips.py": _EXACT,
     "python/rigid/exact/free.py": _EXACT,

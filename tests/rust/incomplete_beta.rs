@@ -29,6 +29,16 @@ fn intervals_of_few_bodies_are_roots() {
     }
 }
 
+/// `(1 - upper)^n = 0.025` with n = 2^50; the upper end is one minus a share, and rounded as such.
+#[test]
+fn the_largest_number_of_trials_has_an_interval() {
+    let trials: u64 = 1 << 50;
+    let [lower, upper] = clopper_pearson(0, trials, 0.95).unwrap();
+    let expected = -(0.025_f64.ln()) / trials as f64;
+    assert_eq!(lower, 0.0);
+    assert!((upper - expected).abs() < f64::EPSILON);
+}
+
 #[test]
 fn counts_that_cannot_be_have_no_interval() {
     let refused = [
