@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from math import prod
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -69,8 +70,8 @@ USUAL_ACCURACY = 1e-8
 USUAL_ANGLE = 100.0
 """Angle (rad) after which the cheapest scheme is compared where the true one is not known."""
 
-TOO_MANY = 1e15
-"""After such an angle (rad) nothing is known of a body."""
+LOST_ANGLE = 1e15
+"""A body that turns by more (rad) has lost all digits of its phase."""
 
 STIFFNESS = 10.0
 """Damping is strong if it slows a body this many times faster than the body turns."""
@@ -284,8 +285,9 @@ def choose_method(problem: Problem) -> tuple[Plan, Floats | None]:
     steps = None
     accuracy = problem.accuracy
     if accuracy is None and _takes_usual_accuracy(problem, method):
-        method, accuracy = _usual(problem, method, why)
-    if accuracy is not None:
+        accuracy = USUAL_ACCURACY
+    knows = problem.rates() is not None and problem.span is not None
+    if accuracy is not None and (knows or problem.accuracy is not None):
         method, steps = _accurate(problem, accuracy, method, why)
     elif problem.step is not None and method != EXACT and problem.batch is not None:
         steps = np.full(len(problem.batch), problem.step)
@@ -293,6 +295,9 @@ def choose_method(problem: Problem) -> tuple[Plan, Floats | None]:
         estimate = closed_form_estimate(
             question, forms, problem.states, problem.rates(), span, problem.count
         )
+    elif accuracy is not None and not knows:
+        method = _usually_cheapest(problem, method, why)
+        estimate = Estimate(None, None, None, None)
     else:
         estimate = _steps_estimate(problem, method, steps)
     error = estimate.error
@@ -300,9 +305,9 @@ def choose_method(problem: Problem) -> tuple[Plan, Floats | None]:
         unforeseen = why_unforeseen(problem.batch, problem.times, by_steps=True)
         if unforeseen is not None:
             error, why = None, [*why, UNKNOWN.format(unforeseen)]
-    if error is not None and accuracy is not None:
+    if error is not None and problem.accuracy is not None:
         # The steps of the run are shortened until it is met.
-        error = min(error, accuracy)
+        error = min(error, problem.accuracy)
     chosen = Plan(
         scene=scene.words(),
         question=question_words(question),
@@ -450,6 +455,8 @@ def _scheme(problem: Problem, why: list[str]) -> tuple[str, list[str]]:
 def _memory(problem: Problem) -> int | None:
     """Bytes of the states of the bodies, if their number is known."""
     bodies = len(problem.batch) if problem.batch is not None else problem.bodies
+    if bodies is None and problem.scene.shape:
+        bodies = prod(problem.scene.shape)
     if bodies is None or not isinstance(problem.question, str):
         return None
     forcing = problem.scene.forcing if problem.batch is None else problem.batch.forcing
@@ -469,11 +476,8 @@ def _takes_usual_accuracy(problem: Problem, method: str) -> bool:
     return not asked and isinstance(problem.question, str) and method not in (EXACT, STIFF)
 
 
-def _usual(problem: Problem, method: str, why: list[str]) -> tuple[str, float | None]:
-    """A scheme for the usual accuracy, and the accuracy if rates and horizon are known."""
-    turning, span = problem.rates(), problem.span
-    if turning is not None and span is not None:
-        return method, USUAL_ACCURACY
+def _usually_cheapest(problem: Problem, method: str, why: list[str]) -> str:
+    """The scheme that mostly is the cheapest, where rates or horizon are not known."""
     names = driven_methods() if problem.scene.is_driven else plain_methods()
     usual = cheapest(
         USUAL_ACCURACY,
@@ -483,7 +487,7 @@ def _usual(problem: Problem, method: str, why: list[str]) -> tuple[str, float | 
         problem.states,
     )
     why.append(f"{usual} is mostly the cheapest scheme for an error of {USUAL_ACCURACY:g}")
-    return usual, None
+    return usual
 
 
 def _accurate(
@@ -516,8 +520,8 @@ def _accurate(
             angles = dict.fromkeys(plain_methods(), _largest_angle(turning, span))
         question = _stepped_question(problem, method)
         method = cheapest(accuracy, kind, question, angles, problem.states)
-        why.append(f"{method} is the cheapest scheme for it")
-    why.append(f"the step follows from the accuracy, {accuracy:g} at the end")
+        why.append(f"{method} is the cheapest scheme for an error of {accuracy:g}")
+    why.append(f"the step follows from the error of {accuracy:g} at the end")
     rates = problem.batch.fastest_rates(problem.times, method)
     steps = np.empty_like(rates)
     for own in kinds.tolist():
@@ -527,10 +531,10 @@ def _accurate(
 
 
 def _largest_angle(rates: Floats, span: float | Floats) -> float:
-    """The largest angle (rad) that a body turns; of those that overflow nothing is computed."""
+    """The largest angle (rad) that a body turns, but for those that lose their phase."""
     with np.errstate(invalid="ignore", over="ignore"):
         angles = rates * span
-    return float(angles[angles < TOO_MANY].max(initial=0.0))
+    return float(angles[angles < LOST_ANGLE].max(initial=0.0))
 
 
 def _stepped_question(problem: Problem, method: str) -> Question:

@@ -32,7 +32,6 @@ __all__ = [
     "check_attainable",
     "closed_form_estimate",
     "costliest",
-    "laws",
     "phase_error",
     "schemes",
     "steps_estimate",
@@ -249,24 +248,14 @@ def phase_error(
     angles = batch.fastest_rates(time_ranges(times), method) * time_span(times)
     if tolerance is not None:
         return tolerance * angles
-    factor, _ = laws(batch, method)
-    error: Floats = angles * factor * (angles / taken) ** order_of(method)
-    return error
-
-
-def laws(batch: Batch, method: str) -> tuple[Floats, Floats]:
-    """The factor of the error of a scheme, and the largest angle of a step up to which it holds.
-
-    Both have the shape (n,), or (1,) if they are those of all bodies.
-    """
     weighs = np.where(batch.weight.any(axis=1), "top", "free")
     kinds = np.where(lagrange_axes(batch.moments, batch.weight), "lagrange", weighs)
     if batch.forcing is not None:
         kinds = np.where(batch.driven(), "driven", kinds)
     known, which = np.unique(kinds, return_inverse=True)
-    found = [schemes()[method, kind] for kind in known.tolist()]
-    factors, angles = ([getattr(one, name) for one in found] for name in ("factor", "largest"))
-    return np.array(factors)[which], np.array(angles)[which]
+    factors = np.array([schemes()[method, kind].factor for kind in known.tolist()])
+    error: Floats = angles * factors[which] * (angles / taken) ** order_of(method)
+    return error
 
 
 @np.errstate(all="ignore")

@@ -8,9 +8,8 @@ and seldom much more. The extrapolation is Richardson's (Hairer, Nørsett, Wanne
 Differential Equations I*, § II.4).
 
 The second run divides the steps of the first: between any two wanted times it takes at least one
-step more. Where the steps were made for an accuracy, and are many between any two wanted times,
-the second run takes longer steps instead: its error is larger by a known factor. It begins at a
-start that is rounded otherwise. The runs are compared at every wanted time.
+step more. It begins at a start that is rounded otherwise. The runs are compared at every wanted
+time.
 """
 
 from __future__ import annotations
@@ -29,7 +28,7 @@ from .cost_model import ROUNDING, phase_error
 from .methods import rotations
 from .request import Request, select_states
 from .saddle import RateSizes, departure, homoclinic, separatrices
-from .second_run import FEW, coarser_run, finer_run, has_coarser_run, is_damped_stiffly
+from .second_run import FEW, is_damped_stiffly, second_run
 from .status import Status
 
 __all__ = [
@@ -151,24 +150,21 @@ def estimate_error(
     states: Mapping[str, Any],
     steps: Floats | None,
     refinement: float = 1.0,
-    accuracy: float | None = None,
 ) -> ErrorEstimate:
     """The error of states from a second run.
 
     The states were made with these longest steps (s) and this :meth:`refinement <Request.states>`.
-    If the steps were made for an accuracy, the second run may take longer steps.
     """
     batch, times, method = request.batch, request.times, request.method
     ended = states["status"] != Status.STEP_LIMIT
     few = ended & (states["steps"] < FEW) & is_damped_stiffly(request)
-    coarser = ended & has_coarser_run(request, steps, accuracy)
-    if not ended.all() or any(0 < part.sum() < len(part) for part in (few, coarser)):
+    if not ended.all() or 0 < few.sum() < len(few):
         estimate = unknown_error(len(batch))
-        for some in map(np.flatnonzero, (few, coarser, ended & ~few & ~coarser)):
+        for some in map(np.flatnonzero, (few, ended & ~few)):
             if len(some):
                 longest = None if steps is None else steps[some]
                 parts = request.select(some), select_states(states, some), longest
-                estimate.write(some, estimate_error(*parts, refinement, accuracy))
+                estimate.write(some, estimate_error(*parts, refinement))
         return estimate
     span = time_span(times)
     if not np.any(span) or not times.shape[-1]:
@@ -181,12 +177,8 @@ def estimate_error(
         free = ~batch.weight.any(axis=1)
         floor += np.where(symmetric & free, 0.5 * DRIFT * taken * rates * span, 0.0)
     scale = _fastest_or_swing(batch, rates)
-    if steps is not None and accuracy is not None and coarser.all():
-        second, share = coarser_run(request, steps, floor, accuracy)
-        taken = second["steps"].astype(np.float64)
-    else:
-        second, share = finer_run(request, steps, refinement, taken), np.ones(len(batch))
-    error = SAFETY * share[:, None] * _distances_of_runs(batch, states, second, rates)
+    again = second_run(request, steps, refinement, taken)
+    error = SAFETY * _distances_of_runs(batch, states, again, rates)
     fastest = lengths(states["omega"]).max(axis=1)
     sizes = RateSizes(fastest, REST * scale, scale)
     error += floor[:, None] + departure(batch, times, sizes) + homoclinic(batch, times, sizes)
@@ -268,7 +260,7 @@ def _count_turns(request: Request, taken: Floats, estimate: ErrorEstimate) -> No
     dense = replace(request.select(some), times=np.union1d(request.times, between))
     steps = gaps.sum() / taken[some]
     rates = dense.batch.fastest_rates(time_range(dense.times))
-    both = dense.states(steps), finer_run(dense, steps, 1.0, taken[some])
+    both = dense.states(steps), second_run(dense, steps, 1.0, taken[some])
     apart = _distances_of_runs(dense.batch, *both, rates)
     error = np.where(np.isfinite(apart), SAFETY * apart, np.inf)
     largest = error.max(axis=1)

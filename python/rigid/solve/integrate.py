@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .arrays import intervals, spread_indices, time_ranges, time_span
-from .cost_model import ROUNDING
+from .arrays import intervals, spread_indices, time_ranges
 from .error_estimate import (
     ErrorEstimate,
     estimate_error,
@@ -29,9 +28,6 @@ SAMPLE = 32
 
 ATTEMPTS = 4
 """Largest number of times that the steps of a body are shortened to reach an accuracy."""
-
-IN_VAIN = 2
-"""After so many attempts that do not lower its error a body is left as it is."""
 
 DIVISION = 8.0
 """Under strong damping each attempt divides all steps by this."""
@@ -130,17 +126,11 @@ def _refine(
     request: Request, states: dict[str, Any], steps: Floats, accuracy: float
 ) -> ErrorEstimate:
     """Shorten the steps of inaccurate bodies, and write their better states over the others."""
-    estimate = estimate_error(request, states, steps, accuracy=accuracy)
+    estimate = estimate_error(request, states, steps)
     # Steps longer than any interval between wanted times were cut to the interval.
     longest = intervals(request.times).max(axis=-1, initial=0.0)
     steps, order = np.minimum(steps, longest), order_of(request.method)
-    rates = request.batch.fastest_rates(time_ranges(request.times))
-    with np.errstate(over="ignore", invalid="ignore"):
-        angles = rates * time_span(request.times)
-    # Shorter steps do not help where rounding alone leaves more.
-    attainable = ROUNDING * (1.0 + angles) < accuracy
-    pending = np.flatnonzero((estimate.error > accuracy) & attainable)
-    in_vain = np.zeros(len(estimate.error), dtype=np.intp)
+    pending = np.flatnonzero(estimate.error > accuracy)
     for attempt in range(1, ATTEMPTS + 1):
         if not len(pending):
             break
@@ -154,24 +144,20 @@ def _refine(
             ]
         some = request.select(pending)
         shorter = some.states(steps[pending], refinement)
-        again = estimate_error(some, shorter, steps[pending], refinement, accuracy)
+        again = estimate_error(some, shorter, steps[pending], refinement)
+        # Shorter steps do not help where rounding or chaos dominates.
         better = again.error < estimate.error[pending]
-        in_vain[pending[~better]] += 1
         states["nanoseconds"] += shorter["nanoseconds"]
         _replace_states(states, pending[better], select_states(shorter, np.flatnonzero(better)))
         estimate.error[pending[better]] = again.error[better]
         estimate.lost_from[pending[better]] = again.lost_from[better]
-        # Nor do they where chaos magnifies it.
-        pending = pending[(estimate.error[pending] > accuracy) & (in_vain[pending] < IN_VAIN)]
+        pending = pending[better & (again.error > accuracy)]
     return estimate
 
 
 def _step_reduction(error: float, accuracy: float, order: int) -> float:
-    """The factor by which steps must shrink for an error to fall below the accuracy.
-
-    The error of long steps is no smooth function of them: a factor nearer to 1 could raise it.
-    """
-    return float(np.clip((2.0 * error / accuracy) ** (1.0 / order), 1.15, 8.0))
+    """The factor by which steps must shrink for an error to fall below the accuracy."""
+    return float(np.clip((2.0 * error / accuracy) ** (1.0 / order), 1.05, 8.0))
 
 
 def _replace_states(

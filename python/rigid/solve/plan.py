@@ -56,8 +56,8 @@ class Plan:
         The error for which method and steps are made: that asked for, or the usual one of states
         for which neither a method nor a step is asked; None where there is none.
     memory : int or None
-        Bytes of the states of all bodies of the call at the wanted times. None for a criterion, and
-        if the number of bodies is not known.
+        Bytes of the states of all bodies of the call at the wanted times, in double precision and
+        without arrays of the user. None for a criterion, and if the number of bodies is not known.
     error : float or None
         Estimate of the error of the attitude at the end, rad: ``1e-15`` per radian turned, and for
         a scheme five times the phase error of its order, at most a requested accuracy. None if it

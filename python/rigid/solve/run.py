@@ -94,9 +94,7 @@ class Run:
         fastest that the body can reach, or of ``sqrt(mgl / I_min)``, are those of a body at rest
         and are compared with the larger of these two. For steps the error is three times the
         difference from a second run, which takes at least one step more between any two times and
-        begins at a start that is rounded otherwise. Where steps were made for an accuracy the
-        second run may take longer ones: then the error is the part of three times the difference
-        that the order of the method leaves to shorter steps. Beside an unstable equilibrium or a
+        begins at a start that is rounded otherwise; beside an unstable equilibrium or a
         separatrix it includes the rounding of the start, magnified. For a closed form it is
         ``1e-15`` per radian turned, or what the saddle of a top makes of ``1e-15``, relative to the
         rates of a top that hangs all but still. NaN for a body that was not run, and for one that
@@ -147,7 +145,8 @@ class Run:
             f"{count:,} {Status(code).name.lower()}"
             for code, count in zip(codes.tolist(), counts.tolist(), strict=True)
         ]
-        parts = [f"{self.status.size:,} bodies at {times}", self.plan.method, error]
+        bodies = f"{self.status.size:,} bod{'y' if self.status.size == 1 else 'ies'}"
+        parts = [f"{bodies} at {times}", self.plan.method, error]
         return f"Run({'; '.join(parts)}; {', '.join(ends) or 'nothing'})"
 
     @property
@@ -193,7 +192,7 @@ an accuracy
         """How a body ended, and what to do."""
         if status not in (Status.FLAGGED, Status.COARSE):
             return _STATUS_WORDS[status]
-        steps_help = self.plan.accuracy is None and self.plan.method != EXACT
+        steps_help = self.spec["accuracy"] is None and self.spec["method"] != EXACT
         cure = "end the run earlier"
         cure += " or ask for an accuracy" if steps_help else ": shorter steps do not help"
         if status == Status.COARSE:

@@ -77,19 +77,19 @@ def simulate(
     method : str, optional
         ``"exact"``, the closed form, or one of :func:`rigid.methods`. Default: ``"exact"`` where
         all bodies have a closed form and no step is given, else the cheapest scheme for the
-        accuracy; ``"rk4"`` if a step is given; under damping ten times as fast as the turning,
-        ``"etd4"``. Steps are equal between given times and end exactly at these times and at the
-        knots of a torque's table.
+        accuracy; ``"rk4"`` if a step is given; ``"etd4"`` if damping is ten times as fast as the
+        turning of the fastest body. Steps are equal between given times and end exactly at these
+        times and at the knots of a torque's table.
     step : float, optional
         Largest step (s). Default with a method: each body turns by at most the ``angle_per_step``
         of the method a step, from a bound of its rates.
     accuracy : float, optional
         Largest error of all states (see :attr:`Run.error`), instead of a step. Method and step
-        follow from a calibrated model of the error. The error of each body is then estimated by a
-        second run, and bodies whose error is above are integrated again with shorter steps, up to
-        four times. A body whose error stays above, because of chaos or rounding, is
-        :attr:`Run.flagged`. Default without a method and a step: 1e-8, and no body is flagged whose
-        error is between 1e-8 and 1.
+        follow from a calibrated model of the error. Each body is then integrated again with shorter
+        steps, repeatedly, until its estimated error is below. A body whose error stays above,
+        because of chaos or rounding, is :attr:`Run.flagged`. Without a method and a step the steps
+        are made for 1e-8: :attr:`Run.error` tells how well each body meets it, and no body is
+        integrated again.
     tolerance : float, optional
         For a Taylor method, instead of a step: each body takes steps of its own, as long as the
         last terms of its series stay below this share of the largest rate and of a unit vector.
@@ -98,7 +98,7 @@ def simulate(
         Recorded states: rates and attitude; rates and the vertical in body components; or rates
         only. A smaller record is faster and changes no bit of the rates.
     check : bool
-        Whether the error is estimated by a second run with other steps. Without the second run
+        Whether the error is estimated by a second run with shorter steps. Without the second run
         the error is NaN and the status ``UNCHECKED``. An ``accuracy`` always takes it. With a
         method or a step, of more than 32 bodies only 32 are checked.
     tangent : bool
@@ -161,7 +161,7 @@ def simulate(
         target.check(batch, time_ranges(times), accuracy)
     if tolerance is not None:
         tolerance = _checked_tolerance(tolerance, method, step, accuracy)
-    known, aim = None, accuracy
+    known = None
     if step is None and accuracy is None and tolerance is None and given.ndim == 1:
         known = closed_form_plan(scene, record, method, max(len(batch), 1), len(times))
     if known is not None:
@@ -180,8 +180,6 @@ def simulate(
             states=times.shape[-1],
         )
         plan, steps = choose_method(problem)
-        if check and tolerance is None:
-            aim = plan.accuracy
     if tolerance is not None:
         own = f"each body takes its own steps, last terms below {tolerance:g}"
         plan = replace(plan, why=(*plan.why, own), step=None, steps=None, work=None, error=None)
@@ -203,7 +201,7 @@ def simulate(
     else:
         every = method is None and step is None
         states, estimate = integrate(
-            request, steps, aim, check=check, every=every, out=target.exact
+            request, steps, accuracy, check=check, every=every, out=target.exact
         )
     if states["work"] is not None:
         np.ldexp(states["work"], batch.scale_exponent[:, np.newaxis], out=states["work"])
