@@ -6,7 +6,7 @@ use crate::error::Error;
 use crate::memory;
 use crate::real::{Pack, Real};
 use crate::scene::{Layout, Model, Parameters};
-use crate::scheme::{Coefficients, Stepper, two_sum};
+use crate::scheme::{Coefficients, Stepper, in_halves, two_sum};
 use crate::simd::{LANES, Row};
 use crate::special::{exp, ln};
 
@@ -88,12 +88,10 @@ where
             }
             let mut increment = *c.order(order);
             for k in (1..order).rev() {
-                for d in 0..D {
-                    increment[d] = increment[d].fma(bound, c.order(k)[d]);
-                }
+                in_halves!(d in D { increment[d] = increment[d].fma(bound, c.order(k)[d]); });
             }
             let mut zero_or_nan = P::splat(0.0);
-            for d in 0..D {
+            in_halves!(d in D {
                 (y[d], compensation[d]) = two_sum(y[d], increment[d].fma(bound, compensation[d]));
                 // The motion goes on if the displacement overflows.
                 if d < L::TANGENT_AT {
@@ -101,7 +99,7 @@ where
                 }
                 y[d].store(&mut g.state[d].0[at..]);
                 compensation[d].store(&mut g.compensation[d].0[at..]);
-            }
+            });
             for k in 0..=order {
                 for d in 0..D {
                     c.order(k)[d].store(&mut l.powers[k][d].0[at..]);

@@ -24,8 +24,8 @@ pub use splitting::{
     ComposedPlanar, Composition, Drift, ExactRotor, Flow, KickMoserVeselov, KickRotor, Planar, Processor,
     Round, Splitting,
 };
-pub(crate) use taylor::two_sum;
 pub use taylor::{Coefficients, Taylor};
+pub(crate) use taylor::{in_halves, two_sum};
 
 use crate::error::Error;
 use crate::forcing::ForcingInterval;
