@@ -255,6 +255,19 @@ def test_two_runs_that_part_by_a_whole_turn_do_not_look_equal() -> None:
     assert long.status == Status.FLAGGED
 
 
+def test_bodies_with_times_of_their_own_part_by_whole_turns_each_for_itself() -> None:
+    wheel = rigid.FreeBody(rigid.Body((1.0, 1.0, 2.0)))
+    times = [[0.0, 419.5], [0.0, 1.0], [0.0, 0.0], [200.0, 419.5]]
+    options: dict[str, Any] = {"method": "midpoint", "step": 0.5}
+    run = rigid.simulate(wheel, [[0.0, 0.0, 1.0]] * 4, t=times, **options)
+    lost = [Status.FLAGGED, Status.COARSE, Status.OK, Status.FLAGGED]
+    assert run.status.tolist() == lost
+    assert run.error[2] == 0.0
+    for body, t in enumerate(times):
+        one = rigid.simulate(wheel, [0.0, 0.0, 1.0], t=t, **options)
+        assert (run.error[body], run.lost_from[body]) == (one.error, one.lost_from)
+
+
 def test_the_error_of_the_work_is_stated() -> None:
     """A torque against damping: in the end the rate is N/c in any run, and the work I (N/c)²/2."""
     scene = rigid.FreeBody(
