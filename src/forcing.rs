@@ -21,6 +21,46 @@ pub struct ForcingInterval<R> {
     pub rates: [R; 3],
     /// Eigenvectors of the damping rates, as columns.
     pub modes: [[R; 3]; 3],
+    /// The change of the parameters that displaces the body, if displacements are integrated.
+    pub change: ParameterChange<R>,
+}
+
+/// A small change of the parameters of a body, whose effect is a displacement.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ParameterChange<R> {
+    /// Of the principal moments.
+    pub moments: [R; 3],
+    /// Of `mgl com`.
+    pub weight: [R; 3],
+    /// Of the damping matrix: its entries 11, 22, 33, 23, 31, 12.
+    pub damping: [R; 6],
+    /// Of the torque in the body, at all times.
+    pub torque: [R; 3],
+}
+
+impl ParameterChange<f64> {
+    /// Number of parameters.
+    pub const LEN: usize = 15;
+
+    /// The change with these numbers: of moments, weight, damping and torque.
+    pub fn of(numbers: &[f64; ParameterChange::LEN]) -> Self {
+        let [i1, i2, i3, w1, w2, w3, d11, d22, d33, d23, d31, d12, t1, t2, t3] = *numbers;
+        ParameterChange {
+            moments: [i1, i2, i3],
+            weight: [w1, w2, w3],
+            damping: [d11, d22, d33, d23, d31, d12],
+            torque: [t1, t2, t3],
+        }
+    }
+}
+
+impl<R: Real> ParameterChange<R> {
+    /// No change.
+    #[inline(always)]
+    pub fn none() -> Self {
+        let zero = R::splat(0.0);
+        ParameterChange { moments: [zero; 3], weight: [zero; 3], damping: [zero; 6], torque: [zero; 3] }
+    }
 }
 
 impl<R: Real> ForcingInterval<R> {
@@ -34,6 +74,7 @@ impl<R: Real> ForcingInterval<R> {
             damping: [zero; 6],
             rates: [zero; 3],
             modes: [[zero; 3]; 3],
+            change: ParameterChange::none(),
         }
     }
 }
@@ -249,6 +290,7 @@ impl BodyForcing<'_> {
             damping: self.damping,
             rates,
             modes,
+            change: ParameterChange::none(),
         }
     }
 

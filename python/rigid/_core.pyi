@@ -81,6 +81,7 @@ def simulate(
     tolerance: float | None = None,
     forcing: Forcing | None = None,
     displacements: NDArray[np.float64] | None = None,
+    changes: NDArray[np.float64] | None = None,
     out: Mapping[str, NDArray[Any]] | None = None,
     single: bool = False,
 ) -> dict[str, Any]: ...

@@ -163,8 +163,10 @@ fn log_margin<R: Real, L: Layout, const D: usize>(
     }
     if L::TANGENT {
         // `max` returns its second argument if the quotient is a NaN: a displacement that has overflowed does not count.
-        let change = largest_change::<R, L, D>(term, inverse_rate) / displacement;
-        largest = change.max(largest);
+        let change = largest_change::<R, L, D>(term, inverse_rate);
+        // Nor does one that is zero and stays so.
+        let none = R::splat(f64::MIN_POSITIVE);
+        largest = R::select(none.lt(change), change / displacement, none).max(largest);
     }
     ln(tolerance) - ln(largest)
 }

@@ -1,6 +1,6 @@
 //! Bodies side by side: one row of numbers for each variable, one lane for each body.
 
-use crate::forcing::ForcingInterval;
+use crate::forcing::{ForcingInterval, ParameterChange};
 use crate::observe::{MAX_ROWS, Rows, UNOBSERVED};
 use crate::real::Pack;
 use crate::scheme::{DERIVATIVES, NODES};
@@ -72,6 +72,8 @@ pub struct ForcingRows {
     pub rates: [Row; 3],
     /// Modes of the damping.
     pub modes: [[Row; 3]; 3],
+    /// Changes of moments, weight, damping and torque.
+    pub change: [Row; ParameterChange::LEN],
 }
 
 impl ForcingRows {
@@ -82,6 +84,7 @@ impl ForcingRows {
         damping: [Row::ZERO; 6],
         rates: [Row::ZERO; 3],
         modes: [[Row::ZERO; 3]; 3],
+        change: [Row::ZERO; ParameterChange::LEN],
     };
 
     /// Sets the forcing of the body in a lane.
@@ -100,6 +103,11 @@ impl ForcingRows {
             for m in 0..3 {
                 self.modes[k][m].0[lane] = interval.modes[k][m];
             }
+        }
+        let ParameterChange { moments, weight, damping, torque } = &interval.change;
+        let numbers = moments.iter().chain(weight).chain(damping).chain(torque);
+        for (row, number) in self.change.iter_mut().zip(numbers) {
+            row.0[lane] = *number;
         }
     }
 
@@ -121,6 +129,14 @@ impl ForcingRows {
             for m in 0..3 {
                 interval.modes[k][m] = P::load(&self.modes[k][m].0[at..]);
             }
+        }
+        for k in 0..3 {
+            interval.change.moments[k] = P::load(&self.change[k].0[at..]);
+            interval.change.weight[k] = P::load(&self.change[3 + k].0[at..]);
+            interval.change.torque[k] = P::load(&self.change[12 + k].0[at..]);
+        }
+        for k in 0..6 {
+            interval.change.damping[k] = P::load(&self.change[6 + k].0[at..]);
         }
         interval
     }

@@ -1,6 +1,7 @@
 //! Arrays and names of Python as the core reads them, and work without the interpreter.
 
 use crate::error::Error;
+use crate::forcing::ParameterChange;
 use crate::memory;
 use crate::parallel::{Interrupt, caught};
 use crate::start::Body;
@@ -48,16 +49,21 @@ pub fn same_length(argument: &'static str, expected: usize, got: usize) -> PyRes
         .into())
 }
 
-pub fn parse_record<'a>(record: &str, displacements: &'a [[f64; 6]]) -> Result<Record<'a>, Error> {
+pub fn parse_record<'a>(
+    record: &str,
+    displacements: &'a [[f64; 6]],
+    changes: &'a [ParameterChange<f64>],
+) -> Result<Record<'a>, Error> {
     match record {
         "rates" => Ok(Record::Rates),
         "axis" => Ok(Record::Axis),
         "attitude" => Ok(Record::Attitude),
         "tangent" => Ok(Record::Tangent(displacements)),
+        "sensitivity" => Ok(Record::Sensitivity(changes)),
         _ => Err(Error::Unknown {
             argument: "record",
             value: record.into(),
-            known: "rates, axis, attitude, tangent".into(),
+            known: "rates, axis, attitude, tangent, sensitivity".into(),
         }),
     }
 }

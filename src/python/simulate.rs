@@ -5,7 +5,7 @@ use super::convert::{
 };
 use super::forcing::PyForcing;
 use super::target::Target;
-use crate::forcing::Forcing;
+use crate::forcing::{Forcing, ParameterChange};
 use crate::map::MethodChoice;
 use crate::memory;
 use crate::parallel::Interrupt;
@@ -38,7 +38,7 @@ pub fn state_bytes(
         scene: Scene::parse(scene)?,
         forcing: forcing.as_ref().map_or(Forcing::NONE, |forcing| &forcing.0),
         solver: Solver::Exact,
-        record: parse_record(record, &[])?,
+        record: parse_record(record, &[], &[])?,
         schedule: Schedule::Times(&[]),
         steps: &[],
         refinement: 1.0,
@@ -50,7 +50,7 @@ pub fn state_bytes(
 
 /// States of bodies at given times; see `rigid.simulate`.
 #[pyfunction]
-#[pyo3(signature = (*, scene, method, record, moments, weight, omega, attitude, step, max_steps, threads, times=None, strides=None, refinement=1.0, tolerance=None, forcing=None, displacements=None, out=None, single=false))]
+#[pyo3(signature = (*, scene, method, record, moments, weight, omega, attitude, step, max_steps, threads, times=None, strides=None, refinement=1.0, tolerance=None, forcing=None, displacements=None, changes=None, out=None, single=false))]
 #[allow(clippy::too_many_arguments)] // The request of `trajectory`, column by column.
 pub fn simulate<'py>(
     py: Python<'py>,
@@ -70,6 +70,7 @@ pub fn simulate<'py>(
     tolerance: Option<f64>,
     forcing: Option<PyRef<'py, PyForcing>>,
     displacements: Option<PyReadonlyArray2<'py, f64>>,
+    changes: Option<PyReadonlyArray2<'py, f64>>,
     out: Option<&Bound<'py, PyDict>>,
     single: bool,
 ) -> PyResult<Bound<'py, PyDict>> {
@@ -89,9 +90,18 @@ pub fn simulate<'py>(
         }
         None => Vec::new(),
     };
-    let record = parse_record(record, &displacements)?;
-    if record.is_tangent() {
-        same_length("displacements", n, displacements.len())?;
+    let changes = match &changes {
+        Some(given) => {
+            let given = rows::<{ ParameterChange::LEN }>("changes", given)?;
+            memory::collected("changes", given.len(), given.iter().map(ParameterChange::of))?
+        }
+        None => Vec::new(),
+    };
+    let record = parse_record(record, &displacements, &changes)?;
+    match record {
+        Record::Tangent(displacements) => same_length("displacements", n, displacements.len())?,
+        Record::Sensitivity(changes) => same_length("changes", n, changes.len())?,
+        _ => {}
     }
     // Copies: without the lock other threads may write to the arrays.
     let times = times.map(|times| copied_rows("times", &times)).transpose()?;
@@ -135,6 +145,7 @@ pub fn simulate<'py>(
         };
         let record = match record {
             Record::Tangent(displacements) => Record::Tangent(&displacements[part.clone()]),
+            Record::Sensitivity(changes) => Record::Sensitivity(&changes[part.clone()]),
             record => record,
         };
         let request = &Request { bodies, forcing, schedule, steps, record, ..request };

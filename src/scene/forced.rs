@@ -8,8 +8,8 @@
 //! A forced body has a layout with a balance; the models contain no forcing.
 
 use super::{Layout, Parameters};
-use crate::forcing::ForcingInterval;
-use crate::kinematics::{direction, dot};
+use crate::forcing::{ForcingInterval, ParameterChange};
+use crate::kinematics::{add_cross, direction, dot};
 use crate::real::Real;
 
 /// The forcing of a body on an interval. Without directions there is no torque in space.
@@ -30,6 +30,17 @@ fn add_space_torque<R: Real, const D: usize>(torque: &[R; 3], y: &[R; D], sum: &
             sum[i] = part.fma(row[i], sum[i]);
         }
     }
+}
+
+/// Subtracts a damping matrix times `omega` from `sum`.
+#[inline(always)]
+fn damp<R: Real>(matrix: &[R; 6], [w1, w2, w3]: [R; 3], sum: &mut [R; 3]) {
+    let [d11, d22, d33, d23, d31, d12] = *matrix;
+    *sum = [
+        d31.fnma(w3, d12.fnma(w2, d11.fnma(w1, sum[0]))),
+        d23.fnma(w3, d22.fnma(w2, d12.fnma(w1, sum[1]))),
+        d33.fnma(w3, d23.fnma(w2, d31.fnma(w1, sum[2]))),
+    ];
 }
 
 impl<R: Real> Applied<R> {
@@ -54,13 +65,8 @@ impl<R: Real> Applied<R> {
 
     /// Subtracts `D omega` from `sum`.
     #[inline(always)]
-    fn damp(&self, [w1, w2, w3]: [R; 3], sum: &mut [R; 3]) {
-        let [d11, d22, d33, d23, d31, d12] = self.forcing.damping;
-        *sum = [
-            d31.fnma(w3, d12.fnma(w2, d11.fnma(w1, sum[0]))),
-            d23.fnma(w3, d22.fnma(w2, d12.fnma(w1, sum[1]))),
-            d33.fnma(w3, d23.fnma(w2, d31.fnma(w1, sum[2]))),
-        ];
+    fn damp(&self, omega: [R; 3], sum: &mut [R; 3]) {
+        damp(&self.forcing.damping, omega, sum);
     }
 
     /// Applied torque without damping, at a state.
@@ -138,6 +144,36 @@ impl<R: Real> Applied<R> {
         }
         self.damp([now[0], now[1], now[2]], &mut sum);
         sum
+    }
+
+    /// The change of the torque by that of the parameters, `(dI w) x w + n x d(mgl com) - dD w`, from the products of the
+    /// rates; linear in the products and in the state. The change of the applied torque is not in it.
+    #[inline(always)]
+    pub fn changed_torque<const D: usize>(&self, products: &[R; 3], y: &[R; D]) -> [R; 3] {
+        let ParameterChange { moments, weight, damping, .. } = &self.forcing.change;
+        let mut sum = [
+            (moments[1] - moments[2]) * products[0],
+            (moments[2] - moments[0]) * products[1],
+            (moments[0] - moments[1]) * products[2],
+        ];
+        add_cross(&direction(y, 0), weight, &mut sum);
+        damp(damping, [y[0], y[1], y[2]], &mut sum);
+        sum
+    }
+
+    /// The change of the applied torque, at all times.
+    #[inline(always)]
+    pub fn changed_applied_torque(&self) -> [R; 3] {
+        self.forcing.change.torque
+    }
+
+    /// Adds the rate of a displacement by a change of the torque and of the moments, `I^-1 (torque - dI w')`, to `sum`.
+    #[inline(always)]
+    pub fn add_changed_rate(&self, torque: &[R; 3], rate: &[R; 3], sum: &mut [R; 3]) {
+        for i in 0..3 {
+            let left = self.forcing.change.moments[i].fnma(rate[i], torque[i]);
+            sum[i] = self.inverse[i].fma(left, sum[i]);
+        }
     }
 
     /// Change of the rates by a torque.

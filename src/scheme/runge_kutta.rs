@@ -337,7 +337,8 @@ fn rate<R: Real, M: Model<R>, L: Layout, const D: usize>(
 ) -> [R; D] {
     let omega = [y[0], y[1], y[2]];
     let mut dy = *y;
-    kinematics::put(&mut dy, 0, acceleration::<R, M, L, D>(model, applied, y));
+    let change = acceleration::<R, M, L, D>(model, applied, y);
+    kinematics::put(&mut dy, 0, change);
     for v in 0..L::VECTORS {
         let at = 3 + 3 * v;
         kinematics::put(&mut dy, at, kinematics::direction_rate(&kinematics::direction(y, v), &omega));
@@ -354,7 +355,7 @@ fn rate<R: Real, M: Model<R>, L: Layout, const D: usize>(
         dy[at + 2] = R::splat(1.0);
     }
     if L::TANGENT {
-        kinematics::put(&mut dy, L::TANGENT_AT, tangent_rate::<R, M, L, D>(model, applied, y));
+        kinematics::put(&mut dy, L::TANGENT_AT, tangent_rate::<R, M, L, D>(model, applied, y, &change));
     }
     dy
 }

@@ -4,6 +4,9 @@
 //! are linear in the products of the rates and in the directions, so their derivative is the same model with the changes
 //! of both. A direction n that is fixed in space changes by `n x x` in the body.
 //!
+//! A change of the parameters displaces a body at rest in the displacement too: its effect is a torque of its own, which
+//! forced systems add. No change adds zero.
+//!
 //! Runge-Kutta methods and Taylor series commute with differentiation (Hairer, Nørsett, Wanner, Solving ODEs I, §I.14):
 //! the change of the rates of a body without weight is the derivative of the step itself. The rotation vector has an
 //! equation of its own, so with weight both agree with the derivative of the step to the order of the scheme.
@@ -83,12 +86,13 @@ impl<R: Real> Variation<R> {
     }
 }
 
-/// The rate of the displacement of a state.
+/// The rate of the displacement of a state, from the rate of change of its rates.
 #[inline(always)]
 pub(super) fn tangent_rate<R: Real, M: Model<R>, L: Layout, const D: usize>(
     model: &M,
     applied: &Applied<R>,
     y: &[R; D],
+    acceleration: &[R; 3],
 ) -> [R; 6] {
     let mut variation = Variation::none();
     variation.add::<M, L, D>(y, y);
@@ -97,5 +101,17 @@ pub(super) fn tangent_rate<R: Real, M: Model<R>, L: Layout, const D: usize>(
     } else {
         [R::splat(0.0); 3]
     };
-    variation.rate::<M, L, D>(model, applied, y, torque)
+    let mut rate = variation.rate::<M, L, D>(model, applied, y, torque);
+    if L::BALANCE {
+        let [w1, w2, w3] = [y[0], y[1], y[2]];
+        let mut changed = applied.changed_torque(&[w2 * w3, w3 * w1, w1 * w2], y);
+        let own = applied.changed_applied_torque();
+        for i in 0..3 {
+            changed[i] = changed[i] + own[i];
+        }
+        let mut spin = [rate[0], rate[1], rate[2]];
+        applied.add_changed_rate(&changed, acceleration, &mut spin);
+        put(&mut rate, 0, spin);
+    }
+    rate
 }

@@ -4,11 +4,11 @@
 //! (Jorba & Zou 2005, §2). Coefficients are those of powers of t / step: their sum is the state after a step.
 
 use super::acceleration;
-use super::tangent::{Variation, turn};
+use super::tangent::{Variation, spin, turn};
 use super::{Engine, Facts, MAX_ORDER, Numbers, Scheme, Step, Stepper, Variables};
 use crate::forcing::ForcingInterval;
 use crate::kinematics::{
-    add_cross, add_roll_across, add_roll_along, add_turn_across, add_turn_along, direction,
+    add_cross, add_roll_across, add_roll_along, add_turn_across, add_turn_along, direction, put,
 };
 use crate::real::Real;
 use crate::scene::{Applied, Layout, Model, Parameters};
@@ -219,7 +219,7 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
             let varied = self.varied_torque::<L, D>(unit, &mut space_torques, c, k);
             let mut next = self.next::<L, D>(unit, sums, spin, (c.order(k), k), varied);
             if L::BALANCE {
-                self.add_applied::<L, D>(unit, &mut torques, c, &mut next, k);
+                self.add_applied::<L, D>(unit, &mut torques, c, &mut next, (k, &sums.rates));
             }
             c.push(next);
             after.add::<M, L, D>(c.order(0), c.order(k + 1));
@@ -227,7 +227,7 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
             let varied = self.varied_torque::<L, D>(unit, &mut space_torques, c, k + 1);
             let mut next = self.next::<L, D>(unit, after, spin, (c.order(k + 1), k + 1), varied);
             if L::BALANCE {
-                self.add_applied::<L, D>(unit, &mut torques, c, &mut next, k + 1);
+                self.add_applied::<L, D>(unit, &mut torques, c, &mut next, (k + 1, &after.rates));
             }
             c.push(next);
         }
@@ -308,7 +308,7 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
         torques: &mut Torques<R>,
         c: &Coefficients<R, D>,
         next: &mut [R; D],
-        k: usize,
+        (k, products): (usize, &[R; 3]),
     ) {
         let factor = unit * R::splat(INVERSE[k + 1]);
         let newest = if k == 0 {
@@ -322,6 +322,9 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
         for i in 0..3 {
             next[i] = factor.fma(change[i], next[i]);
         }
+        if L::TANGENT {
+            self.add_changed::<L, D>(factor, products, (c.order(k), k), next);
+        }
         let mut balance = [R::splat(0.0); 2];
         for j in 0..=k {
             // SAFETY: the calls for the orders 0 to k, one each and ascending, have pushed the rows 0 to k.
@@ -332,6 +335,26 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
         next[L::BALANCE_AT] = factor * balance[0];
         next[L::BALANCE_AT + 1] = factor * balance[1];
         next[L::BALANCE_AT + 2] = if k == 0 { unit } else { R::splat(0.0) };
+    }
+
+    /// Adds the effect of the change of the parameters to the displacement of order k + 1, whose rates are known.
+    #[inline(always)]
+    fn add_changed<L: Layout, const D: usize>(
+        &self,
+        factor: R,
+        products: &[R; 3],
+        (of_k, k): (&[R; D], usize),
+        next: &mut [R; D],
+    ) {
+        let mut torque = self.applied.changed_torque(products, of_k);
+        let own = self.applied.changed_applied_torque();
+        for i in 0..3 {
+            // The change of the applied torque is constant: its series has one term.
+            torque[i] = factor * (if k == 0 { torque[i] + own[i] } else { torque[i] });
+        }
+        let mut spin = spin::<R, L, D>(next);
+        self.applied.add_changed_rate(&torque, &[next[0], next[1], next[2]], &mut spin);
+        put(next, L::TANGENT_AT, spin);
     }
 }
 

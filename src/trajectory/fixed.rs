@@ -287,8 +287,7 @@ impl<'a, 'b> FixedBatch<'a, 'b> {
                 let legs = &legs[..self.members.len()];
                 if is_forced {
                     for (lane, index) in self.bodies().enumerate() {
-                        let forcing = self.request.forcing_of(index);
-                        let interval = forcing.interval(next[lane].from, backward, self.body(lane).moments);
+                        let interval = self.request.interval_of(index, next[lane].from, backward);
                         forcing_rows.set(lane, &interval);
                         reset_time(&mut group, self.compiled.kernel().system, lane);
                     }

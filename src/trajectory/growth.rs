@@ -215,8 +215,7 @@ impl GrowthBatch<'_> {
                     legs[b] = next[b].leg(self.request.steps[index], 1.0);
                 }
                 if is_forced {
-                    let moments = self.request.bodies[index].moments;
-                    let interval = self.request.forcing_of(index).interval(next[b].from, false, moments);
+                    let interval = self.request.interval_of(index, next[b].from, false);
                     for lane in b * count..(b + 1) * count {
                         forcing_rows.set(lane, &interval);
                         reset_time(&mut group, self.compiled.kernel().system, lane);

@@ -216,7 +216,7 @@ struct Integration {
 impl Integration {
     fn of(request: &Request, scheme: &Scheme, index: usize) -> Self {
         let (body, forcing) = (&request.bodies[index], request.forcing_of(index));
-        let is_forced = !forcing.is_none();
+        let is_forced = !forcing.is_none() || request.record.is_sensitivity();
         let assignment = match request.schedule {
             _ if is_forced => KernelAssignment::of_forced(scheme, body),
             // Strides repeat the steps of a map, which are made in the frame of the body, as are displacements.

@@ -1,6 +1,6 @@
 //! The request of a trajectory: bodies, record and times.
 
-use crate::forcing::{BodyForcing, Forcing};
+use crate::forcing::{BodyForcing, Forcing, ForcingInterval, ParameterChange};
 use crate::scene::Scene;
 use crate::solver::Solver;
 use crate::start::Body;
@@ -17,12 +17,27 @@ pub enum Record<'a> {
     Attitude,
     /// The displacement of each body that begins with these numbers: a change of the rates and a rotation vector.
     Tangent(&'a [[f64; 6]]),
+    /// The displacement of each body by this change of its parameters, from the same start.
+    Sensitivity(&'a [ParameterChange<f64>]),
 }
 
 impl Record<'_> {
     /// Whether displacements are recorded.
     pub fn is_tangent(&self) -> bool {
-        matches!(self, Record::Tangent(_))
+        matches!(self, Record::Tangent(_) | Record::Sensitivity(_))
+    }
+
+    /// Whether parameters change: a forced system then integrates the displacement of any body.
+    pub fn is_sensitivity(&self) -> bool {
+        matches!(self, Record::Sensitivity(_))
+    }
+
+    /// The change of the parameters of a body.
+    pub fn change_of(&self, body: usize) -> ParameterChange<f64> {
+        match self {
+            Record::Sensitivity(changes) => changes[body],
+            _ => ParameterChange::none(),
+        }
     }
 
     /// The displacement of a body at its start; zero if none is recorded.
@@ -109,6 +124,12 @@ impl Request<'_> {
     /// The forcing of a body.
     pub fn forcing_of(&self, body: usize) -> BodyForcing<'_> {
         self.forcing.of(body)
+    }
+
+    /// The forcing of a body from a time to the next knot, and the change of its parameters.
+    pub fn interval_of(&self, body: usize, time: f64, backward: bool) -> ForcingInterval<f64> {
+        let interval = self.forcing_of(body).interval(time, backward, self.bodies[body].moments);
+        ForcingInterval { change: self.record.change_of(body), ..interval }
     }
 
     /// The time range of the motion of a body.

@@ -178,7 +178,7 @@ states! {
         omega: 3, |request| !request.record.is_tangent();
         /// The vertical seen from the body, (n, times, 3), if recorded.
         vertical: 3, |request| match request.record {
-            Record::Rates | Record::Tangent(_) => false,
+            Record::Rates | Record::Tangent(_) | Record::Sensitivity(_) => false,
             Record::Axis => true,
             Record::Attitude => request.scene.has_weight,
         };

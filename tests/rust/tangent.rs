@@ -1,7 +1,7 @@
 //! Displacements: the derivative of the steps, without any change of the motion.
 
 use crate::tests::scene_of;
-use rigid::forcing::{Forcing, ForcingInterval};
+use rigid::forcing::{Forcing, ForcingInterval, ParameterChange};
 use rigid::kernel::{Compiled, Entry, ForcingRows, Group, Kernel, KernelAssignment, System, load};
 use rigid::observe::{Displacement, Growth, Observed};
 use rigid::parallel::Interrupt;
@@ -25,6 +25,9 @@ const BODY: Body = Body {
     attitude: [0.9, 0.3, 0.2, 0.245],
 };
 const DISPLACEMENT: [f64; 6] = [0.5, -0.25, 0.375, 0.3125, 0.4375, -0.5];
+/// A change of moments, weight, damping and torque.
+const CHANGE: [f64; ParameterChange::LEN] =
+    [0.3, -0.2, 0.25, 0.4, -0.3, 0.1, 0.2, 0.1, -0.15, 0.05, 0.02, -0.04, 0.1, 0.3, -0.2];
 
 fn schemes() -> impl Iterator<Item = &'static Scheme> {
     scheme::ALL.iter().copied().filter(|scheme| scheme.has_tangent())
@@ -139,16 +142,22 @@ fn it_does_not_matter_when_a_displacement_is_divided_by_a_power_of_two() {
     }
 }
 
-/// Displacements of all bodies, forward and backward in time.
-fn displacements(scheme: &'static Scheme, tolerance: Option<f64>, threads: usize, isa: Isa) -> Vec<f64> {
+/// Displacements of all bodies, by their start or by parameters, forward and backward in time.
+fn displacements(
+    scheme: &'static Scheme,
+    (tolerance, by_parameters): (Option<f64>, bool),
+    threads: usize,
+    isa: Isa,
+) -> Vec<f64> {
     let bodies: Vec<Body> = (0..70).map(|i| Body { omega: [0.5, 0.4, 0.1 * f64::from(i)], ..BODY }).collect();
-    let starts = vec![DISPLACEMENT; bodies.len()];
+    let (starts, changes) = ([DISPLACEMENT; 70], [ParameterChange::of(&CHANGE); 70]);
+    let record = if by_parameters { Record::Sensitivity(&changes) } else { Record::Tangent(&starts) };
     let request = Request {
         bodies: &bodies,
         scene: scene_of(true),
         forcing: Forcing::NONE,
         solver: Solver::Steps(scheme),
-        record: Record::Tangent(&starts),
+        record,
         schedule: Schedule::Times(&[-1.0, 0.0, 0.7, 3.0]),
         steps: &vec![0.05; bodies.len()],
         refinement: 1.0,
@@ -161,13 +170,18 @@ fn displacements(scheme: &'static Scheme, tolerance: Option<f64>, threads: usize
 #[test]
 fn displacements_have_the_same_bits_on_every_instruction_set_and_number_of_threads() {
     for scheme in schemes() {
-        for tolerance in [None, scheme.is_series().then_some(1e-15)] {
-            let scalar = displacements(scheme, tolerance, 1, Isa::Scalar);
-            assert_equal_bits(&scalar[6..12], &DISPLACEMENT, "at the start");
+        let tolerance = scheme.is_series().then_some(1e-15);
+        for which in [(None, false), (tolerance, false), (None, true), (tolerance, true)] {
+            let scalar = displacements(scheme, which, 1, Isa::Scalar);
+            assert_equal_bits(
+                &scalar[6..12],
+                if which.1 { &[0.0; 6] } else { &DISPLACEMENT },
+                "at the start",
+            );
             for isa in Isa::available() {
                 for threads in [1, 3] {
-                    let other = displacements(scheme, tolerance, threads, isa);
-                    assert_equal_bits(&scalar, &other, &format!("{scheme:?} {isa:?} {threads}"));
+                    let other = displacements(scheme, which, threads, isa);
+                    assert_equal_bits(&scalar, &other, &format!("{scheme:?} {which:?} {isa:?} {threads}"));
                 }
             }
         }
@@ -274,7 +288,7 @@ fn stepped<R: Real, M: Model<R>, L: Layout, S: Stepper<R, M, L, D>, const D: usi
     numbers: &'static Numbers,
     interval: &ForcingInterval<R>,
     step: f64,
-    mut y: [R; D],
+    y: [R; D],
 ) -> [R; D] {
     let weight = if M::HEAVY { BODY.weight } else { [0.0; 3] };
     let p = Parameters {
@@ -282,8 +296,18 @@ fn stepped<R: Real, M: Model<R>, L: Layout, S: Stepper<R, M, L, D>, const D: usi
         weight: weight.map(R::splat),
         step: R::splat(step),
     };
+    stepped_by::<R, M, L, S, D>(numbers, interval, &p, y)
+}
+
+/// One step of a state of a body.
+fn stepped_by<R: Real, M: Model<R>, L: Layout, S: Stepper<R, M, L, D>, const D: usize>(
+    numbers: &'static Numbers,
+    interval: &ForcingInterval<R>,
+    p: &Parameters<R>,
+    mut y: [R; D],
+) -> [R; D] {
     let mut compensation = [R::splat(0.0); D];
-    S::new(&p, interval, numbers).step(&p, &mut y, &mut compensation, &mut Coefficients::new());
+    S::new(p, interval, numbers).step(p, &mut y, &mut compensation, &mut Coefficients::new());
     y
 }
 
@@ -415,6 +439,85 @@ fn a_displacement_is_the_derivative_of_the_step() {
     ] {
         println!("order {order}: {long:e} {short:e}");
         // The error of one step falls with one power more than the order.
+        assert!(short < long * 2.0_f64.powf(-order - 0.5), "order {order}: {long:e} {short:e}");
+        assert!(short > 0.0);
+    }
+}
+
+/// The largest difference of the rates and directions after a step, displaced by a change of parameters, from the
+/// derivative of the step by them, for the rates and for all.
+macro_rules! effects {
+    ([$stepper:ident $($table:ident)?], $numbers:expr, $weight:expr, $interval:expr, $change:expr, $step:expr) => {{
+        const D: usize = ForcedFrame::LEN;
+        const E: usize = ForcedFrameTangent::LEN;
+        const AT: usize = ForcedFrameTangent::TANGENT_AT;
+        let (change, interval): (ParameterChange<f64>, ForcingInterval<f64>) = ($change, $interval);
+        let p = Parameters { moments: BODY.moments, weight: $weight, step: $step };
+        let pair = |x: [f64; 3], change: [f64; 3]| [0, 1, 2].map(|k| dual(x[k], change[k]));
+        let q = Parameters {
+            moments: pair(p.moments, change.moments),
+            weight: pair(p.weight, change.weight),
+            step: dual($step, 0.0),
+        };
+        let mut varied: ForcingInterval<Dual> = interval_of(&interval);
+        varied.body[0] = pair(interval.body[0], change.torque);
+        for k in 0..6 {
+            varied.damping[k].slope = change.damping[k];
+        }
+        let y = stepped_by::<f64, Top<f64>, ForcedFrameTangent, $stepper<$($table,)? f64, Top<f64>>, E>(
+            $numbers, &ForcingInterval { change, ..interval }, &p, start(ForcedFrame::VECTORS),
+        );
+        let z = stepped_by::<Dual, Top<Dual>, ForcedFrame, $stepper<$($table,)? Dual, Top<Dual>>, D>(
+            $numbers, &varied, &q, start::<D>(ForcedFrame::VECTORS).map(|x| dual(x, 0.0)),
+        );
+        let mut found = [0.0_f64; 2];
+        for k in 0..3 {
+            found[0] = found[0].max((y[AT + k] - z[k].slope).abs());
+        }
+        for v in 0..ForcedFrame::VECTORS {
+            let turned = cross(&y[3 + 3 * v..6 + 3 * v], &y[AT + 3..]);
+            for k in 0..3 {
+                found[1] = found[1].max((turned[k] - z[3 + 3 * v + k].slope).abs());
+            }
+        }
+        [found[0], found[0].max(found[1])]
+    }};
+}
+
+/// Without weight and torque in space the rates depend on nothing else: to rounding at any step. Else to the order.
+#[test]
+fn the_effect_of_a_change_of_parameters_is_the_derivative_of_the_step() {
+    let (none, forced, taylor) = (&Numbers::NONE, interval(), scheme::TAYLOR12.any.numbers);
+    let change = ParameterChange::of(&CHANGE);
+    let light = ForcingInterval { space: [[0.0; 3]; 2], ..forced };
+    let of_light = ParameterChange { weight: [0.0; 3], ..change };
+    for step in [0.1, 0.5, 1.0] {
+        for [rates, _] in [
+            effects!([RungeKutta Rk4Tableau], none, [0.0; 3], light, of_light, step),
+            effects!([RungeKutta Dop853Tableau], none, [0.0; 3], light, of_light, step),
+            effects!([Series], taylor, [0.0; 3], light, of_light, step),
+        ] {
+            assert!(rates < 8.0 * f64::EPSILON, "step {step}: {rates:e}");
+        }
+    }
+    for [long, short, order] in [
+        [
+            effects!([RungeKutta Rk4Tableau], none, BODY.weight, forced, change, 0.2)[1],
+            effects!([RungeKutta Rk4Tableau], none, BODY.weight, forced, change, 0.1)[1],
+            4.0,
+        ],
+        [
+            effects!([RungeKutta Dop853Tableau], none, BODY.weight, forced, change, 0.6)[1],
+            effects!([RungeKutta Dop853Tableau], none, BODY.weight, forced, change, 0.3)[1],
+            8.0,
+        ],
+        [
+            effects!([Series], taylor, BODY.weight, forced, change, 0.8)[1],
+            effects!([Series], taylor, BODY.weight, forced, change, 0.4)[1],
+            12.0,
+        ],
+    ] {
+        println!("order {order}: {long:e} {short:e}");
         assert!(short < long * 2.0_f64.powf(-order - 0.5), "order {order}: {long:e} {short:e}");
         assert!(short > 0.0);
     }

@@ -28,7 +28,7 @@ class Request:
         Times of the states (s), ascending; of all bodies or of each.
     method : str
         ``"exact"`` or the name of a scheme.
-    record : {"rates", "axis", "attitude", "tangent"}
+    record : {"rates", "axis", "attitude", "tangent", "sensitivity"}
     max_steps : int
         A body that needs more is not run to its end.
     threads : int
@@ -50,6 +50,7 @@ class Request:
         refinement: float = 1.0,
         *,
         displacements: Floats | None = None,
+        changes: Floats | None = None,
         out: Mapping[str, NDArray[Any]] | None = None,
         single: bool = False,
     ) -> dict[str, Any]:
@@ -57,8 +58,9 @@ class Request:
 
         Between two wanted times a body takes ``refinement`` times the steps, rounded up. Columns of
         ``out``, of shape (n, m, k), are written where they are; other columns of rows are new, in
-        single precision if asked for. Displacements at the start, (n, 6), are recorded instead of
-        the states if the record is ``"tangent"``.
+        single precision if asked for. Displacements are recorded instead of the states if the
+        record is ``"tangent"``, from those at the start, (n, 6), or ``"sensitivity"``, by changes
+        of parameters, (n, 15).
         """
         return _core.simulate(
             **self.batch.columns(),
@@ -71,6 +73,7 @@ class Request:
             refinement=refinement,
             tolerance=self.tolerance,
             displacements=displacements,
+            changes=changes,
             out=out,
             single=single,
         )

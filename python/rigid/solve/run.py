@@ -66,6 +66,12 @@ class Run:
         the rates (rad/s) and a rotation vector in the body (rad), ``R -> R exp(x)``: column ``j``
         is what component ``j`` of a small displacement at ``t = 0`` has become. Infinite beyond the
         range of doubles.
+    sensitivity : ndarray, shape (n, m, 6, k), or None
+        Derivative of the motion by k parameters, from the same start, if it was asked for: the
+        change of the rates (rad/s) and the rotation vector in the body (rad) over the change of
+        each parameter in its SI unit. Zero at ``t = 0``.
+    parameters : tuple of str
+        The names of these parameters, in the order of the columns.
     energy_drift : ndarray, shape (n,)
         Largest error of the energy at a requested time, relative to the kinetic energy at the start
         (plus ``mgl`` for a top). Under torque and damping it is the residual of the power balance
@@ -118,6 +124,8 @@ class Run:
     attitude: NDArray[np.float64] | None
     work: NDArray[np.float64] | None
     tangent: NDArray[np.float64] | None
+    sensitivity: NDArray[np.float64] | None
+    parameters: tuple[str, ...]
     energy_drift: NDArray[np.float64]
     momentum_drift: NDArray[np.float64]
     unit_drift: NDArray[np.float64]

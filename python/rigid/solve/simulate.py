@@ -20,6 +20,7 @@ from .closed_form import RECORDS
 from .error_estimate import ErrorEstimate, closed_form_error, unknown_error
 from .integrate import integrate
 from .methods import EXACT, series_methods
+from .parameters import check_parameters, parameter_changes
 from .plan import Plan
 from .request import Request
 from .run import Run
@@ -47,7 +48,7 @@ def simulate(
     tolerance: float | None = None,
     record: str = "attitude",
     check: bool = True,
-    tangent: bool = False,
+    tangent: bool | str | Sequence[str] = False,
     max_steps: int = 10**9,
     threads: int | None = None,
     dtype: DTypeLike = np.float64,
@@ -101,10 +102,16 @@ def simulate(
         Whether the error is estimated by a second run with shorter steps. Without the second run
         the error is NaN and the status ``UNCHECKED``. An ``accuracy`` always takes it. With a
         method or a step, of more than 32 bodies only 32 are checked.
-    tangent : bool
+    tangent : bool or sequence of str
         Whether the derivative of the motion by its start is returned, as :attr:`Run.tangent`: by
         the ``method`` in the same steps, else by ``"taylor16"`` in its own. It changes no bit of
-        the states.
+        the states. With names of parameters also the derivative by them, from the same start, as
+        :attr:`Run.sensitivity`: ``"I1"``, ``"I2"``, ``"I3"`` (kg m²); of a top ``"mgl"`` (J) and
+        ``"com1"``, ``"com2"``, ``"com3"``, the components of ``com`` with ``mgl`` fixed, as if each
+        were free, or ``"com"`` for the three; ``"damping1"`` to ``"damping3"``, the diagonal of the
+        damping matrix (N m s), or ``"damping"``, one coefficient added to all of it; ``"torque1"``
+        to ``"torque3"``, a constant torque about a body axis, added to what acts (N m). None of
+        them need act on the body.
     max_steps : int
         A body that would need more has the status ``STEP_LIMIT``: it is not run, or it is stopped
         there if there is a tolerance.
@@ -131,9 +138,9 @@ def simulate(
         Naming the argument, its value and the rule: not finite, wrong shape, zero quaternion,
         unsorted times, unknown method or record, step, accuracy or tolerance not positive, a
         tolerance for a method that is no Taylor method, ``"exact"`` for a body without a closed
-        form, a ``tangent`` of a method that has none. Under torque and damping: a method that
-        cannot integrate them, a step with which an explicit method is unstable, a time that the
-        table of the torque does not reach.
+        form, a ``tangent`` of a method that has none, or by a parameter that the scene does not
+        have. Under torque and damping: a method that cannot integrate them, a step with which an
+        explicit method is unstable, a time that the table of the torque does not reach.
 
     Examples
     --------
@@ -147,10 +154,21 @@ def simulate(
     >>> boxes = rigid.FreeBody(rigid.Body([[1.0, 2.0, 2.5], [1.0, 1.0, 1.8]]))  # two bodies
     >>> rigid.simulate(boxes, [0.1, 1.0, 0.1], t=[0.0, 1.0, 2.0]).omega.shape
     (2, 3, 3)
+
+    How the rates of a top after 2 s change with its moments and its weight:
+
+    >>> top = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
+    >>> run = rigid.simulate(top, [0.3, 0.4, 1.0], t=[2.0], tangent=("I1", "I2", "I3", "mgl"))
+    >>> run.parameters, run.sensitivity.shape
+    (('I1', 'I2', 'I3', 'mgl'), (1, 6, 4))
+    >>> scaled = run.sensitivity[0] @ [1.0, 1.6, 0.7, 1.2]  # moments and weight in other units
+    >>> bool(abs(scaled).max() < 1e-13)
+    True
     """
     check_scene(scene, many=True)
     one_of("record", record, RECORDS)
-    if tangent:
+    parameters = check_parameters(tangent, scene)
+    if parameters is not None:
         check_tangent(method)
     given = times_of_each("t", t)
     batch, shape = Batch.from_input(scene, omega, attitude, given.shape[:-1])
@@ -205,9 +223,10 @@ def simulate(
         )
     if states["work"] is not None:
         np.ldexp(states["work"], batch.scale_exponent[:, np.newaxis], out=states["work"])
-    matrices = None
-    if tangent:
-        matrices, words = tangent_of(request, steps, method)
+    matrices = sensitivity = None
+    if parameters is not None:
+        change = parameter_changes(scene, batch, shape, parameters) if parameters else None
+        matrices, sensitivity, words = tangent_of(request, steps, method, change)
         plan = replace(plan, why=(*plan.why, words))
     estimate = ErrorEstimate(target.finish(states, estimate.error), estimate.lost_from)
     spec = {
@@ -218,7 +237,8 @@ def simulate(
         "tolerance": tolerance,
         "record": record,
     }
-    return _to_run({**states, "tangent": matrices}, given, estimate, spec, plan, shape)
+    states = {**states, "tangent": matrices, "sensitivity": sensitivity}
+    return _to_run(states, given, estimate, spec, plan, shape, parameters or ())
 
 
 def _recorded(scene: Scene, record: str) -> tuple[str, ...]:
@@ -301,6 +321,7 @@ def _to_run(
     spec: dict[str, Any],
     plan: Plan,
     shape: Shape,
+    parameters: tuple[str, ...] = (),
 ) -> Run:
     def of_body(values: Any) -> Any:
         if values is None or not shape:
@@ -319,6 +340,8 @@ def _to_run(
         attitude=of_body(states["attitude"]),
         work=of_body(states["work"]),
         tangent=of_body(states["tangent"]),
+        sensitivity=of_body(states.get("sensitivity")),
+        parameters=parameters,
         energy_drift=of_body(states["energy_drift"]),
         momentum_drift=of_body(states["momentum_drift"]),
         unit_drift=of_body(states["unit_drift"]),

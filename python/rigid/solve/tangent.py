@@ -1,7 +1,8 @@
-"""The tangent of a motion: the derivative of rates and attitude by those at the start.
+"""The tangent of a motion: the derivative of rates and attitude by the start and by parameters.
 
 A small displacement of a motion is a change of its rates and a rotation vector in the body. It
-obeys linear equations, which are integrated with the motion: one lane for each column.
+obeys linear equations, which are integrated with the motion: one lane for each column. That of a
+parameter begins at zero, and the change of the parameter is a torque in its equations.
 """
 
 from __future__ import annotations
@@ -44,16 +45,23 @@ def rate_scale(batch: Batch) -> Floats:
     return np.where(scale > 0.0, scale, 1.0)
 
 
-def tangent_of(request: Request, steps: Floats | None, method: str | None) -> tuple[Floats, str]:
-    """The tangent of the bodies of a request, and a sentence about it for the plan.
+def tangent_of(
+    request: Request,
+    steps: Floats | None,
+    method: str | None,
+    change: tuple[Floats, NDArray[np.intc]] | None,
+) -> tuple[Floats, Floats | None, str]:
+    """The tangent of the bodies of a request, that of a change of parameters, and a sentence.
 
     A scheme that the user has named returns the tangent too, with the steps of the motion or the
     same tolerance. Else it is integrated by ``taylor16``, whose errors are those of rounding.
     """
-    if method in tangent_methods():
-        return tangent_matrices(request, steps), f"tangent by {method} too"
-    own = replace(request, method=SECOND, tolerance=ROUNDING)
-    return tangent_matrices(own, None), f"tangent by {SECOND}, its last terms below {ROUNDING:.1e}"
+    words = f"tangent by {method} too"
+    if method not in tangent_methods():
+        request, steps = replace(request, method=SECOND, tolerance=ROUNDING), None
+        words = f"tangent by {SECOND}, its last terms below {ROUNDING:.1e}"
+    matrices = tangent_matrices(request, steps)
+    return matrices, None if change is None else _sensitivity(request, steps, *change), words
 
 
 def tangent_matrices(request: Request, steps: Floats | None) -> Floats:
@@ -72,13 +80,40 @@ def tangent_matrices(request: Request, steps: Floats | None) -> Floats:
         NaN for a body that was not run or whose motion overflows; infinite where the derivative
         leaves the range of doubles.
     """
-    count = len(request.batch)
-    columns = replace(request.select(np.repeat(np.arange(count), 6)), record="tangent")
+    starts = np.tile(np.eye(6), (len(request.batch), 1))
+    return _columns(request, steps, 6, displacements=starts)
+
+
+def _sensitivity(
+    request: Request, steps: Floats | None, changes: Floats, exponents: NDArray[np.intc]
+) -> Floats:
+    """Derivatives of (rates, rotation vector) by parameters, shape (n, m, 6, k)."""
+    rows = np.ascontiguousarray(changes.reshape(-1, changes.shape[2]))
+    found = _columns(request, steps, changes.shape[1], changes=rows)
+    with np.errstate(over="ignore"):
+        return np.ldexp(found, exponents[:, np.newaxis, np.newaxis, :])
+
+
+def _columns(
+    request: Request,
+    steps: Floats | None,
+    width: int,
+    *,
+    displacements: Floats | None = None,
+    changes: Floats | None = None,
+) -> Floats:
+    """Displacements of each body in columns, shape (n, m, 6, width), a lane for each column.
+
+    Their causes are displacements at the start or changes of parameters, (n width, ...).
+    """
+    count, record = len(request.batch), "tangent" if changes is None else "sensitivity"
+    columns = replace(request.select(np.repeat(np.arange(count), width)), record=record)
     found = columns.states(
-        None if steps is None else np.repeat(steps, 6),
-        displacements=np.tile(np.eye(6), (count, 1)),
+        None if steps is None else np.repeat(steps, width),
+        displacements=displacements,
+        changes=changes,
     )
-    matrices = found["tangent"].reshape(count, 6, request.times.shape[-1], 6).transpose(0, 2, 3, 1)
-    moves = np.isin(found["status"][::6], (Status.OK, Status.DRIFTED))
+    matrices = found["tangent"].reshape(count, width, request.times.shape[-1], 6)
+    moves = np.isin(found["status"][::width], (Status.OK, Status.DRIFTED))
     known = np.where(moves[:, None, None, None] & ~np.isfinite(matrices), np.inf, matrices)
-    return np.ascontiguousarray(known)
+    return np.ascontiguousarray(known.transpose(0, 2, 3, 1))
