@@ -100,7 +100,7 @@ def growth(
     scale: NDArray[np.float64],
     of_attitude: bool,
     times: NDArray[np.float64],
-    step: NDArray[np.float64] | None,
+    step: NDArray[np.float64],
     max_steps: int,
     threads: int,
     forcing: Forcing | None = None,

@@ -142,7 +142,22 @@ pub struct BodyColumns<'a> {
 const PART: usize = 1 << 14;
 
 impl<'a> BodyColumns<'a> {
-    pub fn new(
+    /// The columns of the arrays of a request.
+    pub fn of_arrays(
+        moments: &'a PyReadonlyArray2<'_, f64>,
+        weight: &'a PyReadonlyArray2<'_, f64>,
+        omega: &'a PyReadonlyArray2<'_, f64>,
+        attitude: &'a PyReadonlyArray2<'_, f64>,
+    ) -> PyResult<Self> {
+        BodyColumns::new(
+            rows::<3>("moments", moments)?,
+            rows::<3>("weight", weight)?,
+            rows::<3>("omega", omega)?,
+            rows::<4>("attitude", attitude)?,
+        )
+    }
+
+    fn new(
         moments: &'a [[f64; 3]],
         weight: &'a [[f64; 3]],
         omega: &'a [[f64; 3]],
@@ -204,12 +219,8 @@ pub fn bodies_of(
     omega: &PyReadonlyArray2<'_, f64>,
     attitude: &PyReadonlyArray2<'_, f64>,
 ) -> PyResult<Vec<Body>> {
-    bodies(
-        rows::<3>("moments", moments)?,
-        rows::<3>("weight", weight)?,
-        rows::<3>("omega", omega)?,
-        rows::<4>("attitude", attitude)?,
-    )
+    let columns = BodyColumns::of_arrays(moments, weight, omega, attitude)?;
+    Ok(columns.bodies(0..columns.len())?)
 }
 
 /// Flat index of the first element that is not finite.

@@ -10,11 +10,9 @@ use crate::parallel::Interrupt;
 use crate::scene::Scene;
 use crate::scheme::Scheme;
 use crate::simd::Isa;
-use crate::solver::{Solver, default_step};
+use crate::solver::Solver;
 use crate::status::Status;
-use crate::trajectory::{
-    self, Displacements, Growths, MAX_DISPLACEMENTS, Record, Request, Schedule, time_range,
-};
+use crate::trajectory::{self, Displacements, Growths, MAX_DISPLACEMENTS, Record, Request, Schedule};
 use numpy::ndarray::Array3;
 use numpy::{IntoPyArray, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
@@ -37,18 +35,13 @@ pub fn growth<'py>(
     scale: PyReadonlyArray1<'py, f64>,
     of_attitude: bool,
     times: PyReadonlyArray1<'py, f64>,
-    step: Option<PyReadonlyArray1<'py, f64>>,
+    step: PyReadonlyArray1<'py, f64>,
     max_steps: u64,
     threads: usize,
     forcing: Option<PyRef<'py, PyForcing>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (scene, scheme, isa) = (Scene::parse(scene)?, Scheme::parse(method)?, Isa::current()?);
-    let columns = BodyColumns::new(
-        rows::<3>("moments", &moments)?,
-        rows::<3>("weight", &weight)?,
-        rows::<3>("omega", &omega)?,
-        rows::<4>("attitude", &attitude)?,
-    )?;
+    let columns = BodyColumns::of_arrays(&moments, &weight, &omega, &attitude)?;
     let n = columns.len();
     let forcing = forcing_of(forcing.as_ref(), n)?;
     let (times, scale) = (copied("times", &times)?, copied("scale", &scale)?);
@@ -67,18 +60,8 @@ pub fn growth<'py>(
     let each = memory::collected("displacements", starts.len(), each)?;
     let bodies = &columns.bodies(0..n)?;
     let schedule = Schedule::Times(&times);
-    let steps = &match &step {
-        Some(step) => {
-            same_length("step", n, step.len())?;
-            copied("step", step)?
-        }
-        None => {
-            let span = time_range(&times);
-            let own = bodies.iter().enumerate();
-            let own = own.map(|(i, body)| default_step(scheme, body.step_rate(scheme, forcing.of(i), span)));
-            memory::collected("steps", n, own)?
-        }
-    };
+    same_length("step", n, step.len())?;
+    let steps = &copied("step", &step)?;
     let request = Request {
         bodies,
         scene,

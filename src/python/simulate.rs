@@ -75,12 +75,7 @@ pub fn simulate<'py>(
     single: bool,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (scene, solver, isa) = (Scene::parse(scene)?, Solver::parse(method)?, Isa::current()?);
-    let columns = BodyColumns::new(
-        rows::<3>("moments", &moments)?,
-        rows::<3>("weight", &weight)?,
-        rows::<3>("omega", &omega)?,
-        rows::<4>("attitude", &attitude)?,
-    )?;
+    let columns = BodyColumns::of_arrays(&moments, &weight, &omega, &attitude)?;
     let n = columns.len();
     let forcing = forcing_of(forcing.as_ref(), n)?;
     let displacements = match &displacements {
@@ -199,12 +194,7 @@ pub fn fastest_rates<'py>(
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
     Scene::parse(scene)?;
     let method = method.map(Scheme::parse).transpose()?;
-    let columns = BodyColumns::new(
-        rows::<3>("moments", &moments)?,
-        rows::<3>("weight", &weight)?,
-        rows::<3>("omega", &omega)?,
-        rows::<4>("attitude", &attitude)?,
-    )?;
+    let columns = BodyColumns::of_arrays(&moments, &weight, &omega, &attitude)?;
     let forcing = forcing_of(forcing.as_ref(), columns.len())?;
     let spans = span.as_ref().map(|span| rows::<2>("span", span)).transpose()?.unwrap_or(&[[0.0; 2]]);
     if spans.len() != 1 {

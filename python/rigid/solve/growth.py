@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..model.scene import scene_from_dict
 from .plan import Plan
 from .regularity import RESOLVED
-from .status import Status
+from .status import Status, sentences
 
 __all__ = ["Growth"]
 
@@ -120,12 +120,7 @@ class Growth:
         regular: no exponent above 0.05 1/s until t = 200 s; the mean MEGNO is 1.83
         """
         columns = [self.verdict, self.status, self.mean_megno[..., -1], self.exponent[..., -1]]
-        return self._sentences(*(np.atleast_1d(column) for column in (*columns, self.lost_from)))
-
-    def _sentences(self, *columns: NDArray[Any]) -> tuple[Any, ...]:
-        if columns[0].ndim > 1:
-            return tuple(self._sentences(*parts) for parts in zip(*columns, strict=True))
-        return tuple(self._words(*values) for values in zip(*columns, strict=True))
+        return sentences(self._words, *columns, self.lost_from)
 
     def _words(self, verdict: str, status: int, mean: float, exponent: float, lost: float) -> str:
         until = f"until t = {self.t[-1]:g} s; the mean MEGNO is {mean:.3g}"

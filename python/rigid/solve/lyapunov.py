@@ -19,6 +19,7 @@ from .integrate import integrate
 from .methods import EXACT, SECOND
 from .regularity import CHECKPOINTS, RULE
 from .request import Request
+from .saddle import verticals
 from .status import Status
 from .tangent import check_tangent, rate_scale
 
@@ -288,11 +289,7 @@ def _measured(batch: Batch, vectors: Floats, scale: Floats, of: str) -> Floats:
     scaled = _unscaled(vectors, 1.0 / scale)
     if of == "attitude":
         return scaled
-    w, x, y, z = np.moveaxis(np.broadcast_to(batch.attitude, (len(batch), 4)), -1, 0)
-    vertical = np.stack(
-        [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), w * w - x * x - y * y + z * z], axis=-1
-    )
-    turned = np.cross(vertical[:, np.newaxis], scaled[..., 3:])
+    turned = np.cross(verticals(batch)[:, np.newaxis], scaled[..., 3:])
     return np.concatenate([scaled[..., :3], turned], axis=-1)
 
 

@@ -13,7 +13,7 @@ from .. import _core
 from ..model.scene import scene_from_dict
 from .methods import EXACT
 from .plan import Plan
-from .status import Status, error_limit
+from .status import Status, error_limit, sentences
 
 if TYPE_CHECKING:
     from os import PathLike
@@ -185,19 +185,11 @@ class Run:
         flagged: the estimated error is 1 or more from t = 50.8 on; end the run earlier or ask for \
 an accuracy
         """
-        columns = (np.atleast_1d(values) for values in (self.status, self.error, self.lost_from))
-        return self._sentences(*columns)
+        return sentences(self._words, self.status, self.error, self.lost_from)
 
-    def _sentences(self, *columns: NDArray[Any]) -> tuple[Any, ...]:
-        if columns[0].ndim > 1:
-            return tuple(self._sentences(*parts) for parts in zip(*columns, strict=True))
-        return tuple(
-            self._words(Status(status), float(error), float(since))
-            for status, error, since in zip(*columns, strict=True)
-        )
-
-    def _words(self, status: Status, error: float, since: float) -> str:
+    def _words(self, code: int, error: float, since: float) -> str:
         """How a body ended, and what to do."""
+        status = Status(code)
         if status not in (Status.FLAGGED, Status.COARSE):
             return _STATUS_WORDS[status]
         steps_help = self.spec["accuracy"] is None and self.spec["method"] != EXACT

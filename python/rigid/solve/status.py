@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from enum import IntEnum
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["ARRIVED", "Status", "error_limit", "judged_status"]
+__all__ = ["ARRIVED", "Status", "error_limit", "judged_status", "sentences"]
 
 COARSE_ERROR = 1e-3
 """Without a requested accuracy a larger error is called coarse."""
@@ -53,3 +54,14 @@ def judged_status(
         Status.OK,
     )
     return np.where(status == Status.OK, judged, status).astype(np.uint8)
+
+
+def sentences(words: Callable[..., str], *columns: NDArray[Any]) -> tuple[Any, ...]:
+    """What ``words`` says of each body from its values in the columns.
+
+    With several leading axes the sentences are tuples of tuples; one body has one sentence.
+    """
+    columns = tuple(np.atleast_1d(column) for column in columns)
+    if columns[0].ndim > 1:
+        return tuple(sentences(words, *parts) for parts in zip(*columns, strict=True))
+    return tuple(words(*values) for values in zip(*columns, strict=True))
