@@ -124,13 +124,15 @@ def work(kind: str, name: str, record: str) -> list[float]:
     """The parts of the work of a scheme or of the closed form."""
     rates_alone = kind == "driven" and record == "rates"
 
-    def time_(count: int, states: int, steps: int) -> float:
+    def time_(count: int, states: int, steps: int, ends: int = 1) -> float:
         table = bodies(kind, count)
         if rates_alone:
             # Of rates alone that need no directions.
             table = {**table, "scene": "free", "weight": np.zeros((count, 3))}
         times = np.linspace(0.0, STEP * steps, states + 1)[1:]
-        step = None if name == EXACT else np.full(count, STEP)
+        # The last of the bodies makes all the steps; the others make fewer.
+        made = steps - np.arange(count)[::-1] * (ends - 1) / max(count - 1, 1)
+        step = None if name == EXACT else STEP * steps / made
         found = []
         for _ in range(7):
             unit = reference_nanoseconds()
@@ -140,12 +142,13 @@ def work(kind: str, name: str, record: str) -> list[float]:
 
     once, wanted, stepped, many = 1, 65, 257, 8 * LANES
     alone = time_(1, once, 1)
-    step_of_one, step = 0.0, 0.0
+    step_of_one, step, end = 0.0, 0.0, 0.0
     if name != EXACT:
         step_of_one, step = (
             max((time_(count, 1, stepped) - time_(count, 1, 1)) / (stepped - 1), 0.0)
             for count in (1, LANES)
         )
+        end = max((time_(LANES, 1, stepped, LANES) - time_(LANES, 1, stepped)) / (LANES - 1), 0.0)
     of_one = (time_(1, wanted, wanted) - alone) / (wanted - 1) - step_of_one
     first = time_(many, once, 1)
     of_group = (time_(many, wanted, wanted) - first) / (wanted - 1) * LANES / many - step
@@ -153,7 +156,8 @@ def work(kind: str, name: str, record: str) -> list[float]:
     group_state = max(of_one - state, 0.0)
     body = max((first - alone) / many - state - (group_state + step) / LANES, 0.0)
     call = max(alone - body - state - group_state - step_of_one, 0.0)
-    return [float(f"{part:.3g}") for part in (call, body, group_state, state, step_of_one, step)]
+    parts = (call, body, group_state, state, step_of_one, step, end)
+    return [float(f"{part:.3g}") for part in parts]
 
 
 def calibrated_errors(kind: str) -> dict[str, tuple[float, float]]:

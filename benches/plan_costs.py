@@ -31,7 +31,7 @@ def measured_over_planned(rng: np.random.Generator) -> tuple[str, int, float] | 
     """Method, number of bodies and ratio of a random run; None if the method is refused."""
     scene, omega, attitude = random_scene(rng)
     if rng.random() < 0.25:
-        scene = dataclasses.replace(scene, damping=0.1)
+        scene = dataclasses.replace(scene, damping=float(rng.choice([0.1, 1.0, 10.0])))
     bodies = int(rng.choice(BODIES))
     swing = np.linalg.norm(scene.weight) / min(scene.body.moments)
     span = rng.uniform(2.0, 100.0) / (np.linalg.norm(omega) + np.sqrt(swing))

@@ -331,21 +331,23 @@ fn advance(
     legs: &[Leg],
     stop: &Interrupt,
 ) -> Result<(), Error> {
-    let mut ends = [0; LANES];
-    let ends = &mut ends[..legs.len()];
-    ends.iter_mut().zip(legs).for_each(|(end, leg)| *end = leg.steps);
-    ends.sort_unstable();
+    let mut lanes: [usize; LANES] = std::array::from_fn(|lane| lane);
+    let lanes = &mut lanes[..legs.len()];
+    lanes.sort_unstable_by_key(|&lane| legs[lane].steps);
+    set_steps(group, legs);
     if compiled.is_processed() {
-        step_where(group, legs, |leg| leg.steps > 0);
         compiled.enter(group);
     }
-    let mut done = 0;
-    for &mut end in ends {
-        // Of equal ends only the first.
+    let (mut done, mut at_rest) = (0, 0);
+    for (i, &lane) in lanes.iter().enumerate() {
+        let end = legs[lane].steps;
         if end == done {
             continue;
         }
-        step_where(group, legs, |leg| leg.steps > done);
+        for &finished in &lanes[at_rest..i] {
+            group.set_step(finished, 0.0);
+        }
+        at_rest = i;
         while done < end {
             if stop.is_wanted() {
                 return Err(Error::Stopped);
@@ -354,17 +356,17 @@ fn advance(
             compiled.advance(group, forcing_rows, count as usize);
             done += count;
         }
-        if compiled.is_processed() {
-            step_where(group, legs, |leg| leg.steps == end);
-            compiled.leave(group);
-        }
+    }
+    if compiled.is_processed() {
+        set_steps(group, legs);
+        compiled.leave(group);
     }
     Ok(())
 }
 
-/// Sets the steps of some lanes, and makes the others inactive.
-fn step_where(group: &mut Group, legs: &[Leg], goes: impl Fn(&Leg) -> bool) {
+/// Sets the steps of the lanes that move, and makes the others inactive.
+fn set_steps(group: &mut Group, legs: &[Leg]) {
     for (lane, leg) in legs.iter().enumerate() {
-        group.set_step(lane, if goes(leg) { leg.step } else { 0.0 });
+        group.set_step(lane, if leg.steps > 0 { leg.step } else { 0.0 });
     }
 }

@@ -315,7 +315,7 @@ def steps_estimate(
         step=shortest if shortest < np.inf else None,
         steps=int(taken) if counted else None,
         work=_work(scheme, question).of_a_body(
-            bodies, states, _by_group(each) + _begins(method, states)
+            bodies, states, _by_group(each) + _begins(method, states), _ends(each / max(states, 1))
         )
         if counted
         else None,
@@ -343,6 +343,16 @@ def _by_group(steps: Floats) -> float:
     if not len(steps):
         return 0.0
     return float(np.maximum.reduceat(steps, np.arange(0, len(steps), LANES)).mean())
+
+
+def _ends(steps: Floats) -> float:
+    """The mean of how many unlike numbers of steps the bodies of a group make."""
+    if not len(steps) or steps.min() == steps.max():
+        return 1.0
+    groups = np.full((math.ceil(len(steps) / LANES), LANES), np.nan)
+    groups.flat[: len(steps)] = np.ceil(steps)
+    groups.sort(axis=1)
+    return 1.0 + float(np.count_nonzero(np.diff(groups, axis=1) > 0.0)) / len(groups)
 
 
 def _begins(method: str, states: int) -> int:

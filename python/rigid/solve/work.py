@@ -48,6 +48,9 @@ class Work:
         For each wanted state: of a group of bodies side by side, and of a body.
     step_of_one, step : float
         A step of a group with one body, and of a full group.
+    end : float
+        Another end of steps in a group: bodies of unlike steps reach a wanted time one after
+        another, and the others go on.
     """
 
     call: float
@@ -56,15 +59,20 @@ class Work:
     state: float
     step_of_one: float
     step: float
+    end: float
 
-    def of_a_body(self, bodies: int, states: int, steps: float) -> float:
-        """The work of one of so many bodies, each with so many states and steps."""
+    def of_a_body(self, bodies: int, states: int, steps: float, ends: float = 1.0) -> float:
+        """The work of one of so many bodies, each with so many states and steps.
+
+        The bodies of a group reach each wanted time after so many unlike numbers of steps.
+        """
         full, rest = divmod(bodies, LANES)
         step = full * self.step
         if rest:
             share = (math.ceil(rest / PACK) - 1) / (LANES / PACK - 1)
             step += (1.0 - share) * self.step_of_one + share * self.step
-        states_of_groups = states * math.ceil(bodies / LANES) * self.group_state
+        of_a_state = self.group_state + (ends - 1.0) * self.end
+        states_of_groups = states * math.ceil(bodies / LANES) * of_a_state
         of_call = self.call + states_of_groups + steps * step
         return of_call / bodies + self.body + states * self.state
 
