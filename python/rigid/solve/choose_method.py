@@ -41,7 +41,7 @@ from .cost_model import (
     steps_estimate,
     steps_for,
 )
-from .foresight import why_unforeseen
+from .foresight import nearness_of_poles, why_unforeseen
 from .methods import (
     EXACT,
     FALLBACK,
@@ -301,6 +301,8 @@ def choose_method(problem: Problem) -> tuple[Plan, Floats | None]:
     else:
         estimate = _steps_estimate(problem, method, steps)
     error = estimate.error
+    if estimate.unknown is not None:
+        why = [*why, UNKNOWN.format(estimate.unknown)]
     if error is not None and problem.batch is not None and method != EXACT:
         unforeseen = why_unforeseen(problem.batch, problem.times, by_steps=True)
         if unforeseen is not None:
@@ -352,6 +354,9 @@ def _plan_of_any_start(
 def _steps_estimate(problem: Problem, method: str, steps: Floats | None) -> Estimate:
     """Work and error of a scheme, the largest of all classes of bodies."""
     classes, rates = problem.classes(), problem.rates(method)
+    nearness: float | Floats = 1.0
+    if problem.batch is not None and rates is not None:
+        nearness = nearness_of_poles(problem.batch, rates)
     parts = []
     for kind in sorted(set(classes.tolist())):
         mine = slice(None) if len(classes) == 1 else np.flatnonzero(classes == kind)
@@ -364,6 +369,7 @@ def _steps_estimate(problem: Problem, method: str, steps: Floats | None) -> Esti
             None if problem.span is None else _some(problem.span, mine),
             longest[mine] if isinstance(longest, np.ndarray) else longest,
             _damping_rate(problem.scene),
+            _some(nearness, mine),
             states=problem.states,
             bodies=problem.count,
         )

@@ -43,10 +43,6 @@ Floats = NDArray[np.float64]
 ROUNDING = 1e-15
 """Error of an attitude per radian turned that float64 leaves even to a closed form (rad)."""
 
-
-MARGIN = 5.0
-"""The error of the model is that of a body in the middle of many; a plan states this times it."""
-
 PROCESSOR = 1e-12
 """Rounding (rad) of the change of variables before and after the steps of a processed scheme."""
 
@@ -62,13 +58,20 @@ class Scheme:
     """Calibrated constants of a scheme for a class of bodies.
 
     The error of a run is about ``factor theta**order`` per radian turned, ``theta`` being the angle
-    that the body turns in a step, up to ``largest``.
+    that the body turns in a step, up to ``largest``. Of many bodies 95 % err by at most ``margin``
+    times as much.
     """
 
     order: int
     factor: float
+    margin: float
     largest: float
     work: Mapping[str, Work]
+
+    @property
+    def longest(self) -> float:
+        """``largest``, and what roundings add to it: nothing is known of the error beyond."""
+        return 1.01 * self.largest
 
 
 @cache
@@ -88,7 +91,11 @@ def schemes() -> dict[tuple[str, str], Scheme]:
     """The schemes, by name and class of bodies."""
     return {
         (name, kind): Scheme(
-            order_of(name), entry["factor"], entry["largest"], _works(entry["work"])
+            order_of(name),
+            entry["factor"],
+            entry["margin"],
+            entry["largest"],
+            _works(entry["work"]),
         )
         for name, kinds in _calibration()["methods"].items()
         for kind, entry in kinds.items()
@@ -195,12 +202,15 @@ class Estimate:
         Work of a body, in units.
     error : float or None
         Error of the attitude at the end (rad).
+    unknown : str or None
+        Why the model does not tell the error.
     """
 
     step: float | None
     steps: int | None
     work: float | None
     error: float | None
+    unknown: str | None = None
 
 
 @np.errstate(all="ignore")
@@ -267,13 +277,15 @@ def steps_estimate(
     span: float | Floats | None,
     steps: Floats | float | None,
     damping: float = 0.0,
+    nearness: Floats | float = 1.0,
     *,
     states: int = 1,
     bodies: int = MANY,
 ) -> Estimate:
     """Work and error of a scheme.
 
-    The error is that of the model times a margin.
+    The error is that of the model times its margin; that of longer steps than the model knows is
+    None.
 
     Parameters
     ----------
@@ -289,6 +301,8 @@ def steps_estimate(
     damping : float
         The largest damping rate (1/s). The error of a stiff scheme is not known unless its steps
         follow the damping: the model does not contain the layer in which the start is forgotten.
+    nearness : ndarray, shape (n,), or float
+        How many times the angle of a step counts, from the poles of the motion of free bodies.
     states, bodies : int
         Number of requested states of a body, and of bodies of the call.
     """
@@ -304,13 +318,18 @@ def steps_estimate(
     taken = float(each.max(initial=0.0))
     counted = taken < 2.0**63
     scheme = schemes()[method, kind]
-    error = None
-    layer = is_stiff(method) and bool(np.any(steps * damping > LAYER))
-    if span is not None and not layer:
+    error, unknown = None, None
+    turn = np.where(rates > 0.0, rates * steps, 0.0)
+    widest = float(turn.max(initial=0.0))
+    if is_stiff(method) and np.any(steps * damping > LAYER):
+        unknown = f"the steps do not resolve the damping, as those of {LAYER:g} of its time do"
+    elif not widest <= scheme.longest:
+        unknown = f"a step turns a body by {widest:.3g} rad, and the model of {method} holds up to \
+{scheme.largest:g} rad"
+    elif span is not None:
         angles = rates * span
-        turn = np.where(rates > 0.0, rates * steps, 0.0)
         error = ROUNDING * (1.0 + angles) + PROCESSOR * is_processed(method)
-        error += MARGIN * angles * scheme.factor * turn**scheme.order
+        error += scheme.margin * angles * scheme.factor * (turn * nearness) ** scheme.order
     return Estimate(
         step=shortest if shortest < np.inf else None,
         steps=int(taken) if counted else None,
@@ -320,6 +339,7 @@ def steps_estimate(
         if counted
         else None,
         error=_worst(error),
+        unknown=unknown,
     )
 
 
@@ -335,6 +355,7 @@ def costliest(parts: Sequence[Estimate]) -> Estimate:
         steps=of_all("steps", max),
         work=of_all("work", max),
         error=of_all("error", max),
+        unknown=next((part.unknown for part in parts if part.unknown is not None), None),
     )
 
 

@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import _core
 from .arrays import Range, spread_indices
 from .batch import Batch
 from .saddle import separatrices, verticals
 from .separatrix import circulation_terms
 
-__all__ = ["why_unforeseen"]
+__all__ = ["nearness_of_poles", "why_unforeseen"]
 
 Floats = NDArray[np.float64]
 
@@ -25,6 +26,9 @@ NEAR = 0.01
 
 APART = 50.0
 """The models are made for bodies whose moments are less far apart."""
+
+POLE = 7.0
+"""Angle (rad) that bodies of the models turn in the time to the nearest pole of their motion."""
 
 CHAOS = 200.0
 """Angle (rad) after which a top without closed form may be chaotic."""
@@ -80,17 +84,45 @@ def _distances_in_energy(batch: Batch) -> tuple[Floats, Floats]:
     return fastest, np.abs(kinetic / size - fallen)
 
 
+def _ascending(batch: Batch) -> tuple[Floats, Floats]:
+    """Moments and rates of each body, axes in ascending moments; (n, 3) each."""
+    moments = np.broadcast_to(batch.moments, batch.omega.shape)
+    order = np.argsort(moments, axis=1)
+    ascending, rates = (np.take_along_axis(a, order, axis=1) for a in (moments, batch.omega))
+    return ascending, rates
+
+
 def _distance_from_separatrix(batch: Batch) -> Floats:
     """Distance of free bodies from their separatrix, of that of the axis there; (n,).
 
     It is 1 if two moments are equal.
     """
-    moments = np.broadcast_to(batch.moments, batch.omega.shape)
-    order = np.argsort(moments, axis=1)
-    ascending, rates = (np.take_along_axis(a, order, axis=1) for a in (moments, batch.omega))
+    ascending, rates = _ascending(batch)
     first, third = circulation_terms(ascending, rates)
     i1, i2, i3 = ascending.T
     momentum2 = np.sum((ascending * rates) ** 2, axis=1)
     largest = momentum2 * np.where(first > third, (i2 - i1) / i1, (i3 - i2) / i3)
     distance: Floats = np.where(largest > 0.0, np.abs(first - third) / largest, 1.0)
     return distance
+
+
+@np.errstate(all="ignore")
+def nearness_of_poles(batch: Batch, rates: Floats) -> Floats:
+    """How many times shorter steps must be than those of the models for the same error; shape (n,).
+
+    The rates of a free body are elliptic functions of time, and ``K(1 - m)/s`` beside the real
+    times they have poles (Landau & Lifshitz, *Mechanics*, § 37): that is where series end to
+    converge. A flat or slender body has them near. It is 1 for other bodies than free ones.
+    """
+    ascending, omega = _ascending(batch)
+    (i1, i2, i3), (x, y, z) = ascending.T, omega.T**2
+    above_least = i2 * (i2 - i1) * y + i3 * (i3 - i1) * z
+    below_largest = i1 * (i3 - i1) * x + i2 * (i3 - i2) * y
+    terms = (i3 - i2) * above_least, (i2 - i1) * below_largest
+    fast, slow = np.maximum(*terms), np.minimum(*terms)
+    is_free = (slow > 0.0) & ~batch.driven() & ~batch.weight.any(axis=1)
+    ratio = np.sqrt(np.where(is_free, slow / fast, 1.0))
+    (mean,) = _core.elliptic("agm", [np.ones_like(ratio), ratio])
+    time = np.pi / (2.0 * mean) * np.sqrt(i1 * i2 * i3 / fast)
+    nearness: Floats = np.where(is_free, np.fmax(POLE / (rates * time), 1.0), 1.0)
+    return nearness

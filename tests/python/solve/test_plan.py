@@ -15,6 +15,7 @@ from error_survey import random_scene
 from physics import LISTED, METHODS, present, rotation_angle, tilted
 from rigid.model.scene import Scene
 from rigid.solve import work
+from rigid.solve.cost_model import schemes
 from small_maps import small_map
 
 FREE = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
@@ -135,6 +136,21 @@ def test_the_cost_of_a_group_is_that_of_its_slowest_body() -> None:
     assert works[0] < works[1]
 
 
+def test_bodies_of_unlike_steps_cost_an_end_of_the_group_each() -> None:
+    """The fastest makes the same steps beside 31 that arrive before it, one after another."""
+    alike = np.tile([0.0, 0.0, 1.0], (32, 1))
+    unlike = alike * np.linspace(0.7, 1.0, 32)[:, np.newaxis]
+    for method, states in (("rk4", 1), ("hermite9", 1), ("rk4", 5)):
+        options: dict[str, Any] = {"t_end": 1e3, "method": method, "times": states}
+        works = [
+            present_float(rigid.plan(HEAVY, "rates", omega=rows, **options).work)
+            for rows in (alike, unlike)
+        ]
+        end = schemes()[method, "top"].work["rates"].end
+        assert end > 0.5
+        assert works[1] - works[0] == pytest.approx(states * 31 * end / 32, rel=1e-9)
+
+
 def test_each_wanted_state_has_its_cost() -> None:
     runs = [
         rigid.simulate(scene, RATES, t=np.linspace(0.0, 1.0, states), check=False)
@@ -180,6 +196,7 @@ UNFORESEEN: dict[str, tuple[Scene, Any, Any, float, dict[str, Any]]] = {
     "its rest upright": (HEAVY, [0.03, 0.01, 0.02], [3.0, 0.0, -1.0, 0.0], 30.0, {}),
     "near its separatrix": (FREE, [1e-4, 1.0, 1e-4], None, 30.0, {"method": "rk4"}),
     "times apart": (NEEDLE, RATES, None, 30.0, {"method": "dop853"}),
+    "holds up to": (HEAVY, RATES, None, 30.0, {"step": 2.0}),
     "may be chaotic": (HEAVY, RATES, None, 300.0, {"accuracy": 1e-6}),
 }
 
@@ -588,5 +605,25 @@ def test_the_error_of_a_plan_is_seldom_too_small_by_ten() -> None:
         if rigid.condition(scene, omega, t=[5.0])[0] < 100.0:
             error = rotation_angle(present(run.attitude), present(truth.attitude))[0]
             small.append(error > 10.0 * present_float(run.plan.error))
+    assert len(small) >= 50
+    assert np.mean(small) <= 0.02
+
+
+@pytest.mark.parametrize("method", ["dop853", "taylor8", "taylor14", "splitting8", "dmv6"])
+def test_the_error_of_a_plan_is_seldom_too_small_by_ten_for_flat_bodies(method: str) -> None:
+    """Free bodies of three unlike moments, in steps up to the longest that the model knows."""
+    rng = np.random.default_rng(21)
+    longest = schemes()[method, "free"].longest
+    small = []
+    for _ in range(100):
+        parts = rng.uniform(0.05, 1.0, 3) * (1.0, 1.0, 0.1)
+        scene = rigid.FreeBody(rigid.Body(parts.sum() - parts))
+        omega = rng.normal(size=3)
+        step = rng.uniform(0.3, 1.0) * longest / float(np.linalg.norm(omega))
+        run = rigid.simulate(scene, omega, t=[20.0], method=method, step=step, check=False)
+        truth = rigid.simulate(scene, omega, t=[20.0])
+        if run.plan.error is not None:
+            error = rotation_angle(present(run.attitude), present(truth.attitude))[0]
+            small.append(error > 10.0 * run.plan.error)
     assert len(small) >= 50
     assert np.mean(small) <= 0.02
