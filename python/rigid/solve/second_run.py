@@ -27,6 +27,11 @@ TIGHTER = 1000.0
 
 Series of different order may err alike at tolerances that are alike."""
 
+FINEST = 1e-15
+"""With work the second run divides its tolerance so often again, but not below this.
+
+The tolerance is that of the rates: under damping their squares, the power, converge more slowly."""
+
 
 def second_run(
     request: Request, steps: Floats | None, refinement: float, taken: Floats
@@ -43,6 +48,8 @@ def second_run(
         # could show how far it is off at a time within the shorter step.
         last, other = series_methods()[-1:-3:-1]
         tolerance = max(request.tolerance / TIGHTER, np.finfo(np.float64).tiny)
+        if request.batch.forcing is not None:
+            tolerance = min(tolerance, max(tolerance / TIGHTER, FINEST))
         method = other if request.method == last else last
         return replace(second, method=method, tolerance=tolerance).states(None)
     ratio = max(2.0 ** (2.0 / order_of(request.method)), 1.2)

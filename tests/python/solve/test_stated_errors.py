@@ -280,6 +280,25 @@ def test_the_error_of_the_work_is_stated() -> None:
     assert 1e-6 < off <= run.error
 
 
+@pytest.mark.parametrize("method", ["taylor8", "taylor12", "taylor20", "taylor26"])
+def test_the_error_of_the_work_is_stated_by_tolerance(method: str) -> None:
+    """A sphere under torque: w = N/D + (w0 - N/D) exp(-D t/I), and the work is the energy gained.
+
+    The series of the power, of the squares of the rates, converge more slowly than those that the
+    tolerance is about.
+    """
+    moment, damping, t = 0.8, 280.0, 0.25
+    torque, omega = np.array([43.0, -18.0, -17.0]), np.array([1.97, 1.65, 0.69])
+    sphere = rigid.Body((moment,) * 3)
+    scene = rigid.FreeBody(sphere, torque=rigid.Torque.body(torque), damping=damping)
+    late = torque / damping + (omega - torque / damping) * np.exp(-damping * t / moment)
+    at_start, at_end = (0.5 * moment * np.sum(w**2) for w in (omega, late))
+    for tolerance in (1e-3, 5e-5, 1e-6, 1e-8, 1e-10):
+        run = rigid.simulate(scene, omega, t=[t], method=method, tolerance=tolerance)
+        off = abs(float(present(run.work)[0]) - (at_end - at_start)) / at_start
+        assert 1e-14 < off <= run.error
+
+
 # Statuses
 
 
