@@ -60,10 +60,11 @@ class Plan:
         without arrays of the user. None for a criterion, and if the number of bodies is not known.
     error : float or None
         Estimate of the error of the attitude at the end, rad: ``1e-15`` per radian turned, and for
-        a scheme five times the phase error of its order, at most a requested accuracy. None if it
-        is not known: the rates or the horizon are missing, damping is stronger than the steps of a
-        stiff scheme resolve, or ``why`` says what may multiply it: rates that nearly vanish, a
-        saddle, chaos, or moments far apart. Of more than 32 bodies 32 are looked at for that.
+        a scheme what 95 of 100 random bodies keep, at most a requested accuracy. None if it is not
+        known: the rates or the horizon are missing, or ``why`` says what the model does not hold
+        for: a step that turns a body too far, or is too long for its damping, rates that nearly
+        vanish, a saddle, chaos, or moments far apart. Of more than 32 bodies 32 are looked at for
+        the last four.
     """
 
     scene: str
