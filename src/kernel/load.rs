@@ -89,6 +89,33 @@ impl KernelAssignment {
         }
     }
 
+    /// A displacement in the variables of the kernel: a change of momenta, if the kernel integrates them.
+    pub fn displacement(self, displacement: &Displacement, body: &Body) -> Displacement {
+        let [d1, d2, d3, x1, x2, x3] = displacement.start;
+        let (mut d, x) = (self.to_kernel_axes([d1, d2, d3]), self.to_kernel_axes([x1, x2, x3]));
+        let mut inverse_scale = self.to_kernel_axes(displacement.inverse_scale);
+        if self.step.engine.variables() == Variables::Momenta {
+            let moments = self.to_kernel_axes(body.moments);
+            for k in 0..3 {
+                d[k] *= moments[k];
+                inverse_scale[k] /= moments[k];
+            }
+        }
+        Displacement { start: [d[0], d[1], d[2], x[0], x[1], x[2]], inverse_scale, ..*displacement }
+    }
+
+    /// The displacement with these numbers of the kernel: a change of the rates and a rotation vector, in the axes of
+    /// the user.
+    fn displacement_of(self, [mut d, x]: [[f64; 3]; 2], moments: [f64; 3]) -> [f64; 6] {
+        if self.step.engine.variables() == Variables::Momenta {
+            for k in 0..3 {
+                d[k] /= moments[k];
+            }
+        }
+        let ([d1, d2, d3], [x1, x2, x3]) = (self.to_body_axes(d), self.to_body_axes(x));
+        [d1, d2, d3, x1, x2, x3]
+    }
+
     #[inline(always)]
     fn to_kernel_axes(self, [a, b, c]: [f64; 3]) -> [f64; 3] {
         match self.shift {
@@ -210,6 +237,7 @@ pub fn load(group: &mut Group, lane: usize, compiled: Compiled, assignment: Kern
     }
     let unit = assignment.to_kernel_axes(unit);
     let mut y = kernel_state(kernel.system, assignment, body, unit);
+    let displacement = assignment.displacement(&displacement, body);
     if let Some(at) = kernel.system.tangent_at() {
         y[at..at + 6].copy_from_slice(&displacement.start);
     }
@@ -303,10 +331,10 @@ pub fn read(
     let parameters = Parameters { moments, weight: at(&group.weight), step: 0.0 };
     let invariants = compiled.invariants(&parameters, &y);
     let quaternion = kernel.system.quaternion_at();
-    // Systems with a displacement have rates in the axes of the user.
-    let tangent = kernel.system.tangent_at().map(|at| [0, 1, 2, 3, 4, 5].map(|k| y[at + k]));
     let in_rows = kernel.system.has_rows();
     let row = |y: &[f64; MAX_STATE], at: usize| [y[at], y[at + 1], y[at + 2]];
+    let tangent = kernel.system.tangent_at();
+    let tangent = tangent.map(|at| assignment.displacement_of([row(&y, at), row(&y, at + 3)], moments));
     // With a quaternion, the space axes are permuted like the body axes.
     let attitude_and_vertical = match quaternion {
         Some(at) => Some(([y[at], y[at + 1], y[at + 2], y[at + 3]], assignment.to_kernel_axes(VERTICAL))),

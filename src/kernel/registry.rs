@@ -412,7 +412,8 @@ impl System {
     pub fn is_moved_by(self, step: Step) -> bool {
         let Some(code) = code(self, step.engine, Isa::Scalar) else { return false };
         let suits = if self.scene().has_weight { step.moves_weight() } else { step == step.torque_free() };
-        suits && (code.process.is_some() || !step.is_processed())
+        let is_known = self.tangent_at().is_none() || step.has_tangent();
+        suits && is_known && (code.process.is_some() || !step.is_processed())
     }
 }
 

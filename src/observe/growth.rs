@@ -8,14 +8,14 @@ use crate::scene::{Layout, Model, Parameters};
 use crate::scheme::Stepper;
 use crate::special::ln;
 
-/// A displacement at the start, and the norm in which its growth is measured: `|d|^2 / scale^2 + |x|^2` of a change d of
-/// the rates and a rotation vector x, or with the change `gamma x x` of the vertical instead of x.
+/// A displacement at the start, and the norm in which its growth is measured: `|d / scale|^2 + |x|^2` of a change d of the
+/// rates, or momenta in a kernel, and a rotation vector x, or with the change `gamma x x` of the vertical instead of x.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Displacement {
     /// Change of the rates, and rotation vector.
     pub start: [f64; 6],
-    /// One over the unit of the rates.
-    pub inverse_scale: f64,
+    /// One over the unit of each rate.
+    pub inverse_scale: [f64; 3],
     /// Whether the rotation vector counts, not only the change of the vertical.
     pub of_attitude: bool,
 }
@@ -26,7 +26,7 @@ impl Displacement {
 
     /// A displacement whose growth is not observed.
     pub const fn new(start: [f64; 6]) -> Displacement {
-        Displacement { start, inverse_scale: 1.0, of_attitude: true }
+        Displacement { start, inverse_scale: [1.0; 3], of_attitude: true }
     }
 
     /// The vector whose length is the norm of a displacement.
@@ -35,7 +35,8 @@ impl Displacement {
         let [d1, d2, d3, x1, x2, x3] = *displacement;
         let x = [x1, x2, x3];
         let [a, b, c] = if self.of_attitude { x } else { cross(vertical, &x) };
-        [d1 * self.inverse_scale, d2 * self.inverse_scale, d3 * self.inverse_scale, a, b, c]
+        let [s1, s2, s3] = self.inverse_scale;
+        [d1 * s1, d2 * s2, d3 * s3, a, b, c]
     }
 }
 
@@ -60,18 +61,19 @@ impl Growth {
     pub const TIME: usize = 5;
     /// The displacement is 2^shift times its row.
     pub const SHIFT: usize = 6;
+    /// Of the first rate, and two more.
     const INVERSE_SCALE: usize = 7;
     /// 1 if the rotation vector counts, 0 if the change of the vertical counts.
-    const OF_ATTITUDE: usize = 8;
+    const OF_ATTITUDE: usize = 10;
     /// The logarithm of the size at the start.
-    const START: usize = 9;
+    const START: usize = 11;
 
     /// Logarithm of the size of a displacement, which is 2^shift times `[d, x]`. The power of two is added to the
     /// exponent of the square, so the logarithm does not depend on how the size is divided between both.
     #[inline(always)]
     fn log<R: Real>(rows: &Rows<R>, d: [R; 3], x: [R; 3], vertical: [R; 3]) -> R {
-        let scale = rows[Growth::INVERSE_SCALE];
-        let d = [d[0] * scale, d[1] * scale, d[2] * scale];
+        let at = Growth::INVERSE_SCALE;
+        let d = [d[0] * rows[at], d[1] * rows[at + 1], d[2] * rows[at + 2]];
         let turned = cross(&vertical, &x);
         let turn = R::select(R::splat(0.5).lt(rows[Growth::OF_ATTITUDE]), dot(&x, &x), dot(&turned, &turned));
         let square = dot(&d, &d) + turn;
@@ -181,14 +183,14 @@ const _: () = {
 };
 
 impl Observable for Growth {
-    const ROWS: usize = 10;
+    const ROWS: usize = 12;
     const CHANGING: usize = 6;
 
     fn start(start: &Start) -> Rows<f64> {
         let mut rows = super::UNOBSERVED;
         let Displacement { start: [d1, d2, d3, x1, x2, x3], inverse_scale, of_attitude } =
             *start.displacement;
-        rows[Growth::INVERSE_SCALE] = inverse_scale;
+        rows[Growth::INVERSE_SCALE..Growth::OF_ATTITUDE].copy_from_slice(&inverse_scale);
         rows[Growth::OF_ATTITUDE] = if of_attitude { 1.0 } else { 0.0 };
         rows[Growth::START] = Growth::log(&rows, [d1, d2, d3], [x1, x2, x3], start.direction);
         rows

@@ -54,7 +54,7 @@ pub fn growth<'py>(
     }
     let each = starts.iter().enumerate().map(|(index, &start)| Displacement {
         start,
-        inverse_scale: 1.0 / scale[index / count],
+        inverse_scale: [1.0 / scale[index / count]; 3],
         of_attitude,
     });
     let each = memory::collected("displacements", starts.len(), each)?;

@@ -210,11 +210,6 @@ impl Engine {
         }
     }
 
-    /// Whether the engine moves a displacement by the derivative of the step.
-    const fn has_tangent(self) -> bool {
-        matches!(self, Engine::Rk4 | Engine::Dop853 | Engine::Taylor | Engine::CompensatedTaylor)
-    }
-
     /// The flows of a round, if the engine composes exact flows of parts of the motion.
     const fn flows(self) -> Option<&'static [Flow]> {
         match self {
@@ -251,6 +246,17 @@ impl Step {
     /// Whether the step is a Taylor series, which has dense output and may be adaptive.
     pub const fn is_series(self) -> bool {
         matches!(self.engine, Engine::Taylor | Engine::CompensatedTaylor)
+    }
+
+    /// Whether the step moves a displacement by its derivative.
+    pub const fn has_tangent(self) -> bool {
+        match self.engine {
+            Engine::Rk4 | Engine::Dop853 | Engine::Taylor | Engine::CompensatedTaylor => true,
+            Engine::Planar | Engine::ComposedPlanar | Engine::KickRotor => {
+                self.numbers.gradients.is_empty() && !self.is_processed()
+            }
+            _ => false,
+        }
     }
 
     /// Whether the step uses derivatives at the states before.
@@ -339,11 +345,17 @@ impl Scheme {
         self.any.is_processed()
     }
 
-    /// Whether the scheme integrates displacements with the motion.
+    /// Whether the scheme integrates displacements: of all bodies, or of those without forcing by exact flows.
     pub const fn has_tangent(&self) -> bool {
+        let of_free = self.any.has_tangent() && self.symmetric.has_tangent();
+        of_free && (self.has_forced_tangent() || self.any.engine.flows().is_some())
+    }
+
+    /// Whether the scheme integrates displacements of forced bodies, and those by a change of parameters.
+    pub const fn has_forced_tangent(&self) -> bool {
         match self.forced {
-            Some(forced) => self.any.engine.has_tangent() && forced.step.engine.has_tangent(),
-            None => self.any.engine.has_tangent(),
+            Some(forced) => self.any.has_tangent() && forced.step.has_tangent(),
+            None => false,
         }
     }
 
@@ -393,16 +405,20 @@ impl Scheme {
         if is_forced && self.is_stiff() { STIFF } else { SECOND }
     }
 
-    /// Raises an error for a scheme that integrates no displacements.
+    /// Raises an error for a scheme that integrates no displacements, or not those of forced bodies.
     ///
     /// # Errors
     /// Naming the scheme and the rule.
-    pub fn check_tangent(&self) -> Result<(), Error> {
-        if self.has_tangent() {
-            return Ok(());
-        }
-        let rule =
-            "has no tangent: only Runge-Kutta methods and Taylor series return the derivative of their steps";
+    pub fn check_tangent(&self, is_forced: bool) -> Result<(), Error> {
+        let rule = match (self.has_tangent(), self.has_forced_tangent()) {
+            (_, true) => return Ok(()),
+            (true, false) if !is_forced => return Ok(()),
+            (true, false) => "has a tangent without torque and damping only, and none by parameters",
+            _ => {
+                "has no tangent: only Runge-Kutta methods, Taylor series and splittings into rotations return the \
+                 derivative of their steps"
+            }
+        };
         Err(Error::Value { argument: "method", value: format!("'{}'", self.facts.name), rule })
     }
 

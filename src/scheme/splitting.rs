@@ -2,6 +2,9 @@
 //!
 //! The flow of `L_k^2 / 2 I_k` is a rotation about body axis k; the flow of the potential is a kick of the momentum;
 //! between kicks the body drifts freely. Each flow preserves the Poisson structure, so a composition of flows does too.
+//!
+//! A displacement is a change d of the momenta and a rotation vector x in the body, `R -> R exp(hat(x))`. It is moved by the
+//! derivative of each flow, so it is the derivative of the step to rounding, and symplectic at any step.
 
 use super::{Coefficients, Numbers, Stepper, Variables};
 use crate::forcing::ForcingInterval;
@@ -23,6 +26,8 @@ pub enum Flow {
 
 /// Free motion over fractions of a step, exact or of the order in the numbers of a scheme.
 pub trait Drift<R: Real>: Copy {
+    /// Whether the motion moves a displacement too.
+    const HAS_TANGENT: bool = false;
     /// Prepares the constants of the step.
     fn new(p: &Parameters<R>, numbers: &Numbers) -> Self;
     /// Moves the state over a fraction of the step.
@@ -129,6 +134,11 @@ pub(super) fn turn<R: Real, L: Layout, const D: usize>(y: &mut [R; D], axis: usi
         let at = 3 + 3 * v;
         turn_vector(&mut y[at..at + 3], axis, rotation);
     }
+    if L::TANGENT {
+        for at in [L::TANGENT_AT, L::TANGENT_AT + 3] {
+            turn_vector(&mut y[at..at + 3], axis, rotation);
+        }
+    }
     if L::QUATERNION {
         let (s, c) = sincos(angle * R::splat(0.5));
         let at = L::QUATERNION_AT;
@@ -141,6 +151,20 @@ pub(super) fn turn<R: Real, L: Layout, const D: usize>(y: &mut [R; D], axis: usi
     }
 }
 
+/// Turns the body about a principal axis by `factor` times its momentum about this axis.
+#[inline(always)]
+fn turn_by_momentum<R: Real, L: Layout, const D: usize>(y: &mut [R; D], axis: usize, factor: R) {
+    turn::<R, L, D>(y, axis, factor * y[axis]);
+    if L::TANGENT {
+        // The momentum about the axis stays, and so does its change.
+        let (j, k, at) = ((axis + 1) % 3, (axis + 2) % 3, L::TANGENT_AT);
+        let further = factor * y[at + axis];
+        y[at + j] = further.fma(y[k], y[at + j]);
+        y[at + k] = further.fnma(y[j], y[at + k]);
+        y[at + 3 + axis] = y[at + 3 + axis] + further;
+    }
+}
+
 /// The free motion of a body symmetric about axis 3, exact for any step.
 #[derive(Clone, Copy)]
 pub struct ExactRotor<R> {
@@ -150,6 +174,8 @@ pub struct ExactRotor<R> {
 }
 
 impl<R: Real> Drift<R> for ExactRotor<R> {
+    const HAS_TANGENT: bool = true;
+
     #[inline(always)]
     fn new(p: &Parameters<R>, _numbers: &Numbers) -> Self {
         let [i1, _, i3] = p.moments;
@@ -174,6 +200,12 @@ impl<R: Real> Drift<R> for ExactRotor<R> {
                     y[3 + 3 * v + i] = b.fma(r[i], a.fma(p[i], n[i]));
                 }
             }
+            if L::TANGENT {
+                let at = L::TANGENT_AT;
+                let change = [h_over_i1 * y[at], h_over_i1 * y[at + 1], h_over_i1 * y[at + 2]];
+                let x = [y[at + 3], y[at + 4], y[at + 5]];
+                kinematics::put(y, at + 3, turned_by(&w, (z, a, b), &change, x));
+            }
         }
         if L::QUATERNION {
             let at = L::QUATERNION_AT;
@@ -181,10 +213,27 @@ impl<R: Real> Drift<R> for ExactRotor<R> {
             kinematics::put(y, at, kinematics::quaternion_product(&q, &kinematics::rotation_by(&w)));
         }
         if !M::REDUCED {
-            let angle = (fraction * self.spin) * y[2];
-            turn::<R, L, D>(y, 2, angle);
+            turn_by_momentum::<R, L, D>(y, 2, fraction * self.spin);
         }
     }
+}
+
+/// A rotation vector x after the body has turned by w, and further by the change of w: the rotation of x, and the right
+/// Jacobian of the exponential map (Chirikjian, Stochastic Models, Information Theory, and Lie Groups 2, §10.6)
+/// `a + (1 - a) w w.T / z - b hat(w)` on the change, with `z = w.w` and Rodrigues' coefficients a and b.
+#[inline(always)]
+fn turned_by<R: Real>(w: &[R; 3], (z, a, b): (R, R, R), change: &[R; 3], x: [R; 3]) -> [R; 3] {
+    let mut first = *change;
+    kinematics::add_cross(&x, w, &mut first);
+    let second = kinematics::cross(&first, w);
+    // The digits that 1 - a loses are below those of the change, and so is all of it if z underflows.
+    let share = (R::splat(1.0) - a) / z.max(R::splat(f64::MIN_POSITIVE));
+    let along = share * kinematics::dot(w, change);
+    let mut turned = x;
+    for i in 0..3 {
+        turned[i] = along.fma(w[i], b.fma(second[i], a.fma(first[i], x[i])));
+    }
+    turned
 }
 
 /// The code of flow `i` of a round; `NONE` beyond the round.
@@ -202,9 +251,9 @@ pub(super) const DRIFT: usize = 3;
 pub(super) const KICK: usize = 4;
 const NONE: usize = 5;
 
-/// The flow of the potential over a fraction of the step.
+/// The flow of the potential over a fraction of the step. Steps with a force gradient have no tangent.
 #[inline(always)]
-fn kick<R: Real, M: Model<R>, const D: usize>(
+fn kick<R: Real, M: Model<R>, L: Layout, const D: usize>(
     p: &Parameters<R>,
     y: &mut [R; D],
     fraction: f64,
@@ -212,7 +261,16 @@ fn kick<R: Real, M: Model<R>, const D: usize>(
 ) {
     let mut momentum = [y[0], y[1], y[2]];
     let h = R::splat(fraction) * p.step;
-    if gradient == 0.0 {
+    if L::TANGENT {
+        // A kick is linear in the vertical n, which the displacement changes by n x x.
+        let at = L::TANGENT_AT;
+        let (mut change, x) = ([y[at], y[at + 1], y[at + 2]], [y[at + 3], y[at + 4], y[at + 5]]);
+        let mut varied = *y;
+        kinematics::put(&mut varied, 3, kinematics::cross(&kinematics::direction(y, 0), &x));
+        M::kick(p, h, &mut change, &varied);
+        kinematics::put(y, at, change);
+    }
+    if L::TANGENT || gradient == 0.0 {
         M::kick(p, h, &mut momentum, y);
     } else {
         let cubed = (p.step * p.step) * p.step;
@@ -225,7 +283,8 @@ impl<C: Round, R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, L,
     const VARIABLES: Variables = Variables::Momenta;
     // Layouts with two directions have no processor, because the directions are observed.
     const MOVES: bool = !L::BALANCE && (!M::REDUCED || (C::REDUCES && L::VECTORS < 2));
-    const PROCESSED: bool = C::PROCESSED && M::HEAVY && L::VECTORS < 2;
+    const PROCESSED: bool = C::PROCESSED && M::HEAVY && L::VECTORS < 2 && !L::TANGENT;
+    const HAS_TANGENT: bool = <C::Drift<R> as Drift<R>>::HAS_TANGENT;
 
     #[inline(always)]
     fn new(p: &Parameters<R>, _forcing: &ForcingInterval<R>, numbers: &'static Numbers) -> Self {
@@ -257,13 +316,12 @@ impl<C: Round, R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, L,
                     let fraction = fractions[$round * width + $i];
                     if const { flow_code_at::<C>($i) < DRIFT } {
                         let axis = const { flow_code_at::<C>($i) % DRIFT };
-                        let angle = (R::splat(fraction) * self.turn[axis]) * y[axis];
-                        turn::<R, L, D>(y, axis, angle);
+                        turn_by_momentum::<R, L, D>(y, axis, R::splat(fraction) * self.turn[axis]);
                     } else if const { flow_code_at::<C>($i) == DRIFT } {
                         self.drift.flow::<M, L, D>(R::splat(fraction), y);
                     } else {
                         let gradient = if gradients.is_empty() { 0.0 } else { gradients[$round] };
-                        kick::<R, M, D>(p, y, fraction, gradient);
+                        kick::<R, M, L, D>(p, y, fraction, gradient);
                     }
                 }
             )*};
@@ -283,7 +341,7 @@ impl<C: Round, R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, L,
         if let Some(Processor { enter, leave }) = self.numbers.processor {
             let composition = if leaving { leave } else { enter };
             for round in 0..composition.gradients.len() {
-                kick::<R, M, D>(p, y, composition.fractions[2 * round], composition.gradients[round]);
+                kick::<R, M, L, D>(p, y, composition.fractions[2 * round], composition.gradients[round]);
                 self.drift.flow::<M, L, D>(R::splat(composition.fractions[2 * round + 1]), y);
             }
         }

@@ -317,6 +317,7 @@ impl<'a, 'b> FixedBatch<'a, 'b> {
         if !moved {
             // Through the momenta and back, the rates would return rounded.
             now.omega = self.body(lane).omega;
+            now.tangent = now.tangent.map(|_| self.request.record.displacement_of(self.first + member));
         }
         let at = member * self.request.schedule.len() + state;
         self.states.record(member, at, now, (invariants_at_start(group, lane), &mut self.last[lane]));

@@ -83,7 +83,7 @@ pub fn growth(
     assert!((1..=MAX_DISPLACEMENTS).contains(&displacements.count));
     assert_eq!(displacements.each.len(), request.bodies.len() * displacements.count);
     scheme.check(request.scene, false)?;
-    scheme.check_tangent()?;
+    scheme.check_tangent(!request.forcing.is_none())?;
     if !request.forcing.is_none() {
         super::check_forced(request, scheme)?;
     }
@@ -267,12 +267,14 @@ impl GrowthBatch<'_> {
         }
     }
 
-    /// Norm, vertical and displacements of a body.
+    /// Norm, vertical and displacements of a body, in the variables of the kernel.
     fn read(&self, group: &Group, b: usize) -> (Displacement, [f64; 3], [[f64; 6]; MAX_DISPLACEMENTS]) {
         let count = self.displacements.count;
         let at = self.compiled.kernel().system.tangent_at().expect("the system has a displacement");
         let lane = b * count;
-        let norm = self.displacements.each[(self.first + self.members[b]) * count];
+        let (member, index) = (self.members[b], self.first + self.members[b]);
+        let norm = self.displacements.each[index * count];
+        let norm = self.ways[member].assignment.displacement(&norm, &self.request.bodies[index]);
         let vertical = [3, 4, 5].map(|d| group.state[d].0[lane]);
         let mut displacements = [[0.0; 6]; MAX_DISPLACEMENTS];
         for j in 0..count {

@@ -63,7 +63,7 @@ pub fn simulate_into(
         Solver::Steps(scheme) => {
             scheme.check(request.scene, false)?;
             if request.record.is_tangent() {
-                scheme.check_tangent()?;
+                scheme.check_tangent(request.record.is_sensitivity() || !request.forcing.is_none())?;
             }
             if !request.forcing.is_none() {
                 check_forced(request, scheme)?;

@@ -153,7 +153,7 @@ def lyapunov(
         raise ValueError(f"t = {times[0] if len(times) else '[]'}: must be positive times")
     if method == EXACT:
         raise ValueError("method = 'exact': displacements are integrated; name a scheme")
-    check_tangent(method)
+    check_tangent(method, driven=scene.is_driven)
     batch, shape = Batch.from_input(scene, omega, attitude)
     chosen, threads = method or SECOND, resolve_threads(threads)
     plan, steps = choose_method(

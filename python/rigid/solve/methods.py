@@ -70,7 +70,8 @@ class Method:
         Preserves the Poisson structure; a step forward and one back is the identity; ``|L|`` of the
         free body, ``|gamma|`` and ``|q|`` stay as they are, up to rounding.
     tangent : bool
-        Integrates small displacements with the motion.
+        Integrates small displacements with the motion; a symplectic method those of bodies without
+        torque and damping, and none by parameters.
     driven, stiff : bool
         Integrates bodies under torque and damping; is stable for damping of any strength.
     tops, maps : bool
@@ -162,9 +163,10 @@ def series_methods() -> list[str]:
 
 
 @cache
-def tangent_methods() -> tuple[str, ...]:
-    """The names of the schemes that integrate displacements with the motion."""
-    return tuple(method.name for method in methods() if method.tangent)
+def tangent_methods(*, forced: bool = False) -> tuple[str, ...]:
+    """The names of the schemes that integrate displacements, of forced bodies and by parameters."""
+    known = (method for method in methods() if method.tangent)
+    return tuple(method.name for method in known if not (forced and method.symplectic))
 
 
 def driven_methods() -> list[str]:

@@ -169,7 +169,7 @@ def simulate(
     one_of("record", record, RECORDS)
     parameters = check_parameters(tangent, scene)
     if parameters is not None:
-        check_tangent(method)
+        check_tangent(method, driven=scene.is_driven, by_parameters=bool(parameters))
     given = times_of_each("t", t)
     batch, shape = Batch.from_input(scene, omega, attitude, given.shape[:-1])
     times = given if given.ndim == 1 else in_rows(given, shape)

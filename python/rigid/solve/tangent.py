@@ -28,13 +28,16 @@ ROUNDING = 2.0**-53
 """Tolerance of a tangent whose scheme is not given."""
 
 
-def check_tangent(method: str | None) -> None:
+def check_tangent(method: str | None, *, driven: bool, by_parameters: bool = False) -> None:
     """Raise ValueError for a scheme without a tangent; a closed form has an integrated one."""
-    if method not in (None, EXACT, *tangent_methods()):
-        raise ValueError(
-            f"method = {method!r}: has no tangent, because its steps are not differentiated; "
-            f"{', '.join(map(repr, tangent_methods()))} have one"
-        )
+    known = tangent_methods(forced=driven or by_parameters)
+    if method in (None, EXACT, *known):
+        return
+    where = "under torque and damping" if driven else "by parameters"
+    why = "has no tangent, because its steps are not differentiated"
+    if method in tangent_methods():
+        why = f"has no tangent {where}"
+    raise ValueError(f"method = {method!r}: {why}; {', '.join(map(repr, known))} have one")
 
 
 @np.errstate(over="ignore")

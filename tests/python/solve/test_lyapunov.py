@@ -182,6 +182,30 @@ def test_it_is_the_growth_of_a_column_of_the_tangent() -> None:
     np.testing.assert_allclose(found.log_growth, true, rtol=0.0, atol=1e-9)
 
 
+@pytest.mark.parametrize("method", ["splitting", "splitting4", "splitting6", "splitting8"])
+def test_exponents_of_splittings_add_up_to_zero_at_any_step(method: str) -> None:
+    """Their steps keep volumes, whether or not they follow the motion."""
+    for step in (0.02, 0.3):
+        found = rigid.lyapunov(
+            TOP, CHAOTIC, ATTITUDE, t=[5.0, 60.0], of="attitude", exponents=6, method=method,
+            step=step, check=False,
+        )  # fmt: skip
+        assert (np.abs((found.spectrum * found.t[:, None]).sum(axis=1)) < 1e-11).all()
+
+
+@pytest.mark.parametrize("case", DISPLACED, ids=lambda case: case.name)
+def test_growth_by_splittings(case: Displaced) -> None:
+    """Of any body without damping: the error is that of the steps, and the estimate is above it."""
+    if case.scene.is_driven:
+        pytest.skip("splittings have no tangent under damping")
+    found = rigid.lyapunov(
+        case.scene, case.omega, case.attitude, t=case.t, start=case.tangents[0], method="splitting8"
+    )
+    true = case.growth["rates"]
+    assert (np.abs(found.log_growth - true["log_growth"]) <= found.error + 1e-9).all()
+    np.testing.assert_allclose(found.mean_megno, true["mean_megno"], rtol=0.0, atol=1e-2)
+
+
 # --- Verdicts ------------------------------------------------------------------------------------
 
 

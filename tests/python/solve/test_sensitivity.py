@@ -14,7 +14,7 @@ import rigid
 from physics import Floats, present
 from rigid.model.scene import Scene
 
-WITH_TANGENT = [method.name for method in rigid.methods() if method.tangent]
+WITH_TANGENT = [m.name for m in rigid.methods() if m.tangent and not m.symplectic]
 MOMENTS = np.array([1.0, 1.6, 0.7])
 COM = np.array([0.6, 0.0, 0.8])
 OMEGA = np.array([0.3, 0.4, 1.0])
@@ -363,6 +363,14 @@ def test_a_body_that_rests_for_long_takes_few_steps() -> None:
 def test_bad_names_are_refused(scene: str, names: Any, rule: str) -> None:
     with pytest.raises(ValueError, match=rule):
         sensitivity(made(scene), OMEGA, names, t=[1.0])
+
+
+@pytest.mark.parametrize("method", ["splitting", "splitting8", "dmv4"])
+def test_methods_without_it_are_refused_by_name(method: str) -> None:
+    with pytest.raises(
+        ValueError, match=rf"method = '{method}': has no tangent.* 'rk4', .* have one"
+    ):
+        sensitivity(made("top"), OMEGA, "I1", t=[1.0], method=method)
 
 
 @pytest.mark.parametrize("names", [3, 1.5])
