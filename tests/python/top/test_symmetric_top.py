@@ -311,6 +311,19 @@ def test_numbers_of_steady_precession() -> None:
     assert quick.fast / quick.fast_approx == pytest.approx(1.0, abs=1e-6)
 
 
+def test_at_the_least_spin_the_two_precessions_are_one() -> None:
+    """Of random tops, whose least spin is rounded: not sqrt(eps) apart, and never without any."""
+    rng = np.random.default_rng(3)
+    for _ in range(100):
+        across, mgl, tilt = rng.uniform((0.5, 0.1, 0.05), (2.0, 5.0, 1.5))
+        body = rigid.Body((across, across, rng.uniform(0.2, 1.9) * across))
+        heavy = rigid.HeavyTop(body, mgl=mgl)
+        least = top.steady_precession(heavy, tilt, 100.0).spin_min
+        bound = top.steady_precession(heavy, tilt, least)
+        # Four roundings of the bound and four of the two quotients.
+        assert bound.slow == pytest.approx(bound.fast, rel=8.0 * np.finfo(np.float64).eps)
+
+
 # The sleeping top
 
 
