@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields
 from functools import cached_property
@@ -33,7 +34,7 @@ class NominalStarts:
         The scene whose numbers the axes replace.
     moments : (P, 3) principal moments
     weight : (P, 3) ``mgl * com``, zero for a free body
-    own : the numbers of the scene's own that may vary, such as ``mgl``, (P,) each
+    own : the numbers of the scene's own that may vary, such as ``mgl``, (P,) or (P, 3) each
     omega, omega_size : (P, 3) nominal rates and size of their noise, rad/s
     attitude : (P, 4) nominal attitude (w, x, y, z)
     tilt, attitude_size : (P,) rad
@@ -110,7 +111,10 @@ class NominalStarts:
         """The scene of one pixel, with the numbers that the axes set."""
         i1, i2, i3 = self.moments[pixel].tolist()
         damping = None if self.damping is None else self.damping[pixel]
-        own = {name: float(column[pixel]) for name, column in self.own.items()}
+        own = {
+            name: float(column[pixel]) if column.ndim == 1 else tuple(column[pixel].tolist())
+            for name, column in self.own.items()
+        }
         return self.scene.replaced(Body((i1, i2, i3)), damping, **own)
 
 
@@ -164,6 +168,7 @@ def _without_axes(scene: Scene, start: Start, count: int) -> PixelValues:
         one = np.asarray(value, dtype=np.float64)
         return np.broadcast_to(one, (count, *one.shape)).copy()
 
+    com_tilt, com_turn = _angles_of_com(scene)
     return PixelValues(
         moments=each(body.moments),
         sides=each((np.nan,) * 3 if body.sides is None else body.sides),
@@ -171,6 +176,8 @@ def _without_axes(scene: Scene, start: Start, count: int) -> PixelValues:
         own={
             name: each(getattr(scene, name)) for name, field in scene.fields.items() if field.varies
         },
+        com_tilt=each(com_tilt),
+        com_turn=each(com_turn),
         damping=each(np.zeros((3, 3)) if scene.damping is None else scene.damping),
         spin=each(start.spin or 0.0),
         tilt=each(start.tilt),
@@ -178,3 +185,10 @@ def _without_axes(scene: Scene, start: Start, count: int) -> PixelValues:
         omega_size=each(np.broadcast_to(noise, (3,))),
         attitude_size=each(attitude_noise),
     )
+
+
+def _angles_of_com(scene: Scene) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Cosine and sine of both angles of the centre of mass; on axis 3 its azimuth is 0."""
+    first, second, along = getattr(scene, "com", (0.0, 0.0, 1.0))
+    across = math.sqrt(first * first + second * second)
+    return (along, across), (first / across, second / across) if across > 0.0 else (1.0, 0.0)

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from .._checks.arguments import brief, nearest, numbers
 from .._moments import box_moments
 from ..model.scene import Scene
-from ..model.start import Start
+from ..model.start import Start, cos_sin
 
 __all__ = ["PARAMETERS", "Axis", "Parameter", "PixelValues", "check_applicable", "make_axes"]
 
@@ -34,7 +34,11 @@ class PixelValues:
     sides, mass : ndarray, shapes (P, 3), (P,)
         Sides (m) and mass (kg) of a box; NaN for a body that is no box.
     own : dict of str to ndarray, shape (P,)
-        The numbers of the scene's own that may vary, such as ``mgl`` (J) of a heavy top.
+        The numbers of the scene's own that may vary, such as ``mgl`` (J) of a heavy top; vectors
+        have the shape (P, 3).
+    com_tilt, com_turn : ndarray, shape (P, 2)
+        Cosine and sine of the angle from axis 3 to the centre of mass, and of its azimuth from
+        axis 1 towards axis 2.
     damping : ndarray, shape (P, 3, 3)
         Damping in the principal axes, N m s.
     spin, tilt : ndarray, shape (P,)
@@ -49,6 +53,8 @@ class PixelValues:
     sides: Floats
     mass: Floats
     own: dict[str, Floats]
+    com_tilt: Floats
+    com_turn: Floats
     damping: Floats
     spin: Floats
     tilt: Floats
@@ -81,8 +87,8 @@ class Parameter:
     why_not : callable
         ``why_not(scene, start)`` is the reason why the parameter does not apply, or empty.
     sets, reads : str or None
-        The moment that the parameter sets, and the one that it needs: it is applied after the
-        parameter that sets what it reads.
+        The moment or number of the scene that the parameter sets, if it has another name, and the
+        moment that it needs: it is applied after the parameter that sets what it reads.
     describes : str or None
         ``"moments"``, ``"box"`` or ``"damping"`` for a parameter of these; moments and box exclude
         each other.
@@ -144,6 +150,17 @@ def _own(name: str) -> Apply:
 
     def apply(pixels: PixelValues, values: Floats) -> None:
         pixels.own[name] = values
+
+    return apply
+
+
+def _com(name: str) -> Apply:
+    """Set one of the two angles of the centre of mass."""
+
+    def apply(pixels: PixelValues, values: Floats) -> None:
+        setattr(pixels, name, np.stack(cos_sin(values), axis=1))
+        (along, across), (first, second) = pixels.com_tilt.T, pixels.com_turn.T
+        pixels.own["com"] = np.stack([across * first, across * second, along], axis=1)
 
     return apply
 
@@ -290,6 +307,26 @@ PARAMETERS: Mapping[str, Parameter] = {
         _own("mgl"),
         _needs_weight,
         lowest=0.0,
+    ),
+    "com_tilt": Parameter(
+        "tilt of the centre of mass",
+        "rad",
+        "angle from axis 3 to the centre of mass",
+        _com("com_tilt"),
+        _needs_weight,
+        sets="com",
+        lowest=0.0,
+        highest=pi,
+    ),
+    "com_turn": Parameter(
+        "turn of the centre of mass",
+        "rad",
+        "azimuth of the centre of mass, from axis 1 towards axis 2",
+        _com("com_turn"),
+        _needs_weight,
+        sets="com",
+        lowest=-2.0 * pi,
+        highest=2.0 * pi,
     ),
     **{
         f"damping{k}": Parameter(

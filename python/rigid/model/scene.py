@@ -194,7 +194,9 @@ class Scene(ABC):
         """Former name of :attr:`forcing`."""
         return self.forcing
 
-    def replaced(self, body: Body, damping: ArrayLike | None, **own: float) -> Self:
+    def replaced(
+        self, body: Body, damping: ArrayLike | None, **own: float | tuple[float, ...]
+    ) -> Self:
         """The scene with another body, damping and other numbers of its own."""
         kept = {name: getattr(self, name) for name in self.fields}
         return type(self)(body, **{**kept, **own}, torque=self.torque, damping=damping)  # type: ignore[call-arg]
@@ -241,6 +243,8 @@ class Scene(ABC):
             value = getattr(self, name)
             if isinstance(value, np.ndarray):
                 parts.append(f"{name} of each")
+            elif name in varied:
+                parts.append(f"{name} varied")
             elif known.width == 1:
                 parts.append(f"{name} {_numbers([(name, float(value))], varied)}")
             else:
@@ -401,7 +405,7 @@ class HeavyTop(Scene):
     title: ClassVar[str] = "heavy top"
     fields: ClassVar[Mapping[str, Field]] = {
         "mgl": Field(varies=True),
-        "com": Field(width=3, default=(0.0, 0.0, 1.0)),
+        "com": Field(width=3, default=(0.0, 0.0, 1.0), varies=True),
     }
     directions: ClassVar[tuple[str, ...]] = ("gamma",)
 
@@ -443,7 +447,7 @@ class HeavyTop(Scene):
     def weights(self, columns: Mapping[str, Floats], count: int) -> Floats:
         """``mgl com`` (J); shape (count, 3)."""
         mgl = columns.get("mgl", np.full(count, self.mgl))
-        weights: Floats = mgl[:, np.newaxis] * np.array(self.com)
+        weights: Floats = mgl[:, np.newaxis] * columns.get("com", np.array(self.com))
         return weights
 
     @property

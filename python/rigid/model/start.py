@@ -246,7 +246,7 @@ def tilted_rates(
     spin: NDArray[np.float64], axis: int, tilt: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """``spin (cos(tilt) e + sin(tilt) e_before)``, shape (n, 3)."""
-    cosine, sine = _cos_sin(tilt)
+    cosine, sine = cos_sin(tilt)
     omega = np.zeros((spin.size, 3))
     omega[:, axis - 1] = spin * cosine
     omega[:, axis - 2] = spin * sine
@@ -260,7 +260,7 @@ def tilted_attitude(axis: int, tilt: NDArray[np.float64]) -> NDArray[np.float64]
     then turned by ``tilt`` about the first axis of space. Exactly the identity for axis 3 without
     tilt.
     """
-    cosine, sine = _cos_sin(0.5 * tilt)
+    cosine, sine = cos_sin(0.5 * tilt)
     w, x, y, z = _EVEN_PERMUTATION[axis]
     return np.stack(
         [
@@ -273,7 +273,8 @@ def tilted_attitude(axis: int, tilt: NDArray[np.float64]) -> NDArray[np.float64]
     )
 
 
-def _cos_sin(angles: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def cos_sin(angles: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Cosine and sine of some angles up to 2 pi, correctly rounded."""
     # The sine and cosine of NumPy and of the C library differ between machines in the last bit, and
     # a map must not. A grid has few distinct tilts, so each can be evaluated exactly.
     distinct, inverse = np.unique(angles, return_inverse=True)
@@ -282,7 +283,7 @@ def _cos_sin(angles: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[
 
 
 def _cos_sin_rounded(angle: float) -> tuple[float, float]:
-    """Correctly rounded cosine and sine by their Taylor series, for angles up to pi."""
+    """Correctly rounded cosine and sine by their Taylor series, for angles up to 2 pi."""
     with localcontext() as context:
         context.prec = 60
         x = Decimal(angle)

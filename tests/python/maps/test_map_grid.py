@@ -147,6 +147,25 @@ def test_damping_about_an_axis_replaces_that_of_the_scene() -> None:
     assert np.array(scene.damping).tolist() == np.diag([0.0, 0.5, 0.0]).tolist()
 
 
+def test_the_centre_of_mass_has_two_angles() -> None:
+    """Each keeps the other; on axis 3 the azimuth is 0."""
+    leaning = rigid.HeavyTop(TOP.body, mgl=2.0, com=(0.48, 0.36, 0.8))
+    upright = rigid.HeavyTop(TOP.body, mgl=1.5)
+    for scene, angles, com in (
+        (leaning, {"com_tilt": 0.5 * np.pi}, (0.8, 0.6, 0.0)),
+        (leaning, {"com_tilt": np.pi}, (0.0, 0.0, -1.0)),
+        (leaning, {"com_turn": 0.5 * np.pi}, (0.0, 0.6, 0.8)),
+        (leaning, {"com_turn": -np.pi, "com_tilt": 0.1}, (-np.sin(0.1), 0.0, np.cos(0.1))),
+        (leaning, {"com_tilt": 0.1, "com_turn": -np.pi}, (-np.sin(0.1), 0.0, np.cos(0.1))),
+        (upright, {"com_tilt": 0.3}, (np.sin(0.3), 0.0, np.cos(0.3))),
+        (upright, {"com_turn": 0.3}, (0.0, 0.0, 1.0)),
+    ):
+        _, found, _ = first_body(scene, CLOUD, **angles)
+        assert isinstance(found, rigid.HeavyTop)
+        np.testing.assert_allclose(found.com, com, rtol=0.0, atol=4e-16)
+        assert found.mgl == scene.mgl
+
+
 def test_sizes_of_the_noise() -> None:
     # Twice the size is exactly twice the deviate of a start at rest.
     start = rigid.Start(spin=0.0, noise=rigid.uniform(5.0))
@@ -161,7 +180,7 @@ def test_sizes_of_the_noise() -> None:
 def test_every_parameter_is_tested_here() -> None:
     tested = {"mgl", "spin", "tilt", "noise", "attitude_noise", "mass", *"abc"}
     tested |= {f"omega{i}" for i in (1, 2, 3)} | {f"I{i}" for i in (1, 2, 3)}
-    tested |= {f"damping{i}" for i in (1, 2, 3)}
+    tested |= {f"damping{i}" for i in (1, 2, 3)} | {"com_tilt", "com_turn"}
     tested |= {f"I{i}/I{j}" for i in (1, 2, 3) for j in (1, 2, 3) if i != j}
     assert set(PARAMETERS) == tested
 
