@@ -7,7 +7,7 @@ use rigid::body::{Inertia, principal_axes};
 use rigid::error::Error;
 use rigid::exact::derived::{free_quantities, saddle, sign_changes, tilt_time, top_quantities};
 use rigid::forcing::Forcing;
-use rigid::map::{Check, Criterion, Map, MethodChoice, Pixel, clopper_pearson};
+use rigid::map::{Check, Criterion, Map, MethodChoice, Pixel, Rule, clopper_pearson};
 use rigid::parallel::Interrupt;
 use rigid::sample::Law;
 use rigid::scene::{FREE, Scene, TOP};
@@ -182,6 +182,7 @@ fn map(numbers: &mut Bytes) {
     let scene = numbers.scene();
     let laws = [Law::None, Law::Normal, Law::Uniform, Law::Direction];
     let angle = numbers.number();
+    let rule = Rule { sure: angle, low: numbers.number(), high: numbers.number(), ratio: numbers.number() };
     let asked = Map {
         scene,
         forcing: Vec::new(),
@@ -198,6 +199,8 @@ fn map(numbers: &mut Bytes) {
             Criterion::NoFlip,
             Criterion::TiltFromStart(angle),
             Criterion::TiltFromVertical(angle),
+            Criterion::RegularRates(rule),
+            Criterion::RegularAttitude(rule),
         ]),
         axis: numbers.of([-3, -2, -1, 1, 2, 3, 0]),
         t_end: numbers.number(),
@@ -279,7 +282,7 @@ fn names(bytes: &[u8]) {
         Solver::parse(&name).err(),
         Scene::parse(&name).err(),
         Law::parse("law", &name).err(),
-        Criterion::parse(&name, 1.0).err(),
+        Criterion::parse(&name, &[1.0]).err(),
         MethodChoice::parse(&name).err(),
     ];
     assert!(refused.iter().flatten().all(|error| error.to_string().contains(&*name)));

@@ -26,6 +26,14 @@ impl Body {
         to_body_frame(&self.attitude, &VERTICAL)
     }
 
+    /// The unit of changes of the rates, `sqrt(|omega|^2 + mgl / I_min)`; 1 if that is zero.
+    pub fn rate_unit(&self) -> f64 {
+        let square = |v: &[f64; 3]| v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+        let least = self.moments.iter().fold(f64::INFINITY, |a, &b| a.min(b));
+        let unit = (square(&self.omega) + square(&self.weight).sqrt() / least).sqrt();
+        if unit > 0.0 { unit } else { 1.0 }
+    }
+
     /// The kinetic energy at the start.
     pub fn kinetic_energy(&self) -> f64 {
         (0..3).map(|k| 0.5 * self.moments[k] * self.omega[k] * self.omega[k]).sum()

@@ -28,7 +28,7 @@ from .maps.replay import Replay
 from .maps.result import StabilityMap, load_map
 from .maps.spec import MapSpec
 from .model.body import Body
-from .model.criteria import no_flip, tilt_below
+from .model.criteria import no_flip, regular, tilt_below
 from .model.scene import FreeBody, HeavyTop
 from .model.start import Noise, Start, direction, normal, uniform, uniform_attitude
 from .model.torque import Torque
@@ -112,6 +112,7 @@ __all__ = [
     "normal",
     "particles",
     "plan",
+    "regular",
     "report",
     "rotations",
     "simulate",

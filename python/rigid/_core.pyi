@@ -22,6 +22,7 @@ __all__ = [
     "closed_forms",
     "closed_forms_for",
     "default_steps",
+    "displacement_starts",
     "elliptic",
     "fastest_rates",
     "first_not_finite",
@@ -35,6 +36,7 @@ __all__ = [
     "moment_status",
     "moment_status_names",
     "principal_axes",
+    "rate_units",
     "saddles",
     "simulate",
     "state_bytes",
@@ -42,9 +44,12 @@ __all__ = [
     "tilt_times",
     "top_quantities",
     "unit_quaternions",
+    "verdicts",
 ]
 
+CHECKPOINT_PARTS: Sequence[int]
 DRIFT_LIMIT: float
+FIXED_POINT: float
 __version__: str
 
 def available_threads() -> int: ...
@@ -115,6 +120,19 @@ def closed_forms(
 ) -> list[str]: ...
 def first_not_finite(array: NDArray[np.float64]) -> int | None: ...
 def first_slow(omega: NDArray[np.float64], swing: float, least: float) -> int | None: ...
+def displacement_starts() -> NDArray[np.float64]: ...
+def rate_units(
+    *,
+    moments: NDArray[np.float64],
+    weight: NDArray[np.float64],
+    omega: NDArray[np.float64],
+    attitude: NDArray[np.float64],
+) -> NDArray[np.float64]: ...
+def verdicts(
+    first: NDArray[np.float64],
+    second: NDArray[np.float64] | None,
+    limits: Sequence[float],
+) -> list[str]: ...
 def fastest_rates(
     *,
     scene: str,
@@ -126,7 +144,9 @@ def fastest_rates(
     span: NDArray[np.float64] | None = None,
     method: str | None = None,
 ) -> NDArray[np.float64]: ...
-def default_steps(method: str, rates: NDArray[np.float64]) -> NDArray[np.float64]: ...
+def default_steps(
+    method: str, rates: NDArray[np.float64], of_growth: bool = False
+) -> NDArray[np.float64]: ...
 def status_names() -> list[str]: ...
 def closed_forms_for(
     question: str,
@@ -229,7 +249,7 @@ class MapJob:
         attitude_size: NDArray[np.float64],
         criterion: str,
         axis: int,
-        limit: float,
+        limits: Sequence[float],
         t_end: float,
         step: float | None,
         max_steps: int,

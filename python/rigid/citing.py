@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from . import _core
 from ._checks.arguments import brief
-from .solve.methods import AUTO, EXACT, MAP_FALLBACK, Method, methods
+from .solve.methods import AUTO, EXACT, GROWTH_FALLBACK, MAP_FALLBACK, Method, methods
 from .solve.plan import Plan
 
 if TYPE_CHECKING:
@@ -115,9 +115,14 @@ def cite(used: Run | Growth | StabilityMap | Report | Plan | Method | str) -> st
     for form in sorted({_OF_FORM[form] for form in forms}):
         key, note, doi = CLOSED_FORMS[form]
         entries.append(_entry(f"rigid-exact-{key}", note, doi))
-    if hasattr(used, "mean_megno"):
+    if hasattr(used, "log_growth") or _is_displaced(used):
         entries += [_entry(f"rigid-{name}", *of) for name, of in INDICATORS.items()]
     return "\n\n".join(entries)
+
+
+def _is_displaced(used: object) -> bool:
+    """Whether a plan or its result integrates a displacement."""
+    return "displacement" in getattr(getattr(used, "plan", used), "carried", ())
 
 
 def _used(
@@ -133,7 +138,8 @@ def _used(
         return [name for name in names if name != EXACT], list(_OF_FORM) if EXACT in names else []
     plan = used if isinstance(used, Plan) else used.plan
     forms = plan.closed_form.split(", ") if plan.closed_form else []
-    scheme = MAP_FALLBACK if plan.method == AUTO else plan.method
+    fallback = GROWTH_FALLBACK if "displacement" in plan.carried else MAP_FALLBACK
+    scheme = fallback if plan.method == AUTO else plan.method
     return ([] if scheme == EXACT else [scheme]), forms
 
 

@@ -34,6 +34,8 @@ pub enum Question {
     NoFlip(Option<usize>),
     /// Time at which the tilt of this body axis (0 to 2) from the vertical first exceeds an angle.
     TiltFromVertical(usize),
+    /// Whether the motion is regular. It is by theorem, off a separatrix.
+    Regular,
 }
 
 impl Question {
@@ -42,9 +44,9 @@ impl Question {
         bit and its centre of mass on the third axis, and of a top that swings about a principal axis";
 
     /// A description of the bodies that have a closed form for their class.
-    pub const RULE_OF_CLASSES: &str = "closed forms are known of no_flip of a free body, and of \
-        tilt_below(axis=±k, reference='vertical') and no_flip(k) of a top with two moments equal to the bit and its \
-        centre of mass on the third axis k";
+    pub const RULE_OF_CLASSES: &str = "closed forms are known of no_flip and regular of a free body, and of \
+        tilt_below(axis=±k, reference='vertical'), no_flip(k) and regular of a top with two moments equal to the bit \
+        and its centre of mass on the third axis k";
 }
 
 /// The symmetry axis (0 to 2) of a Lagrange top: the other two moments are equal to the bit, and the weight, which is
@@ -82,7 +84,7 @@ impl ClosedForm {
         }
         let axis = lagrange_axis(moments, weight)?;
         let answers = match question {
-            Question::States => true,
+            Question::States | Question::Regular => true,
             Question::NoFlip(asked) => asked == Some(axis),
             Question::TiltFromVertical(asked) => asked == axis,
         };

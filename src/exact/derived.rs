@@ -62,6 +62,25 @@ impl TopQuantities {
     }
 }
 
+/// Whether the motion of a free body or a Lagrange top leads away from an unstable rotation, or is one, to the last bit.
+pub fn is_on_separatrix(isa: Isa, body: &Body) -> bool {
+    if body.weight != [0.0; 3] {
+        return top_quantities(isa, body).is_some_and(|top| top.mc == 0.0 || top.kind == UPRIGHT);
+    }
+    let turning = (0..3).filter(|&k| body.omega[k] != 0.0);
+    match turning.clone().count() {
+        0 => false,
+        1 => turning.into_iter().any(|k| {
+            let [i, j, own] = [k + 1, k + 2, k].map(|axis| body.moments[axis % 3]);
+            i.min(j) < own && own < i.max(j)
+        }),
+        _ => free_quantities(isa, body).parameter[1] == 0.0,
+    }
+}
+
+/// The name of an upright top that falls if it is touched.
+const UPRIGHT: &str = "upright";
+
 /// Time of sign change number `k`, from 0, of a component with these `sign_changes`.
 pub fn sign_change_time([first, interval]: [f64; 2], k: usize) -> f64 {
     let never = first == f64::INFINITY;
@@ -246,7 +265,7 @@ fn upright(body: &Body, form: CanonicalForm) -> Option<TopQuantities> {
     } else if spin * spin >= 4.0 * transverse * weight {
         "sleeping"
     } else {
-        "upright"
+        UPRIGHT
     };
     let tilt = if hanging { PI } else { 0.0 };
     Some(TopQuantities { tilt: [tilt; 2], period: f64::INFINITY, advance: [f64::NAN; 2], mc: 1.0, kind })

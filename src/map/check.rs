@@ -47,7 +47,10 @@ impl Map {
     /// The check with the criterion considered: only a tilt tells how far from its limit it stayed.
     pub(super) fn resolved_check(&self) -> Check {
         match (self.check, self.criterion) {
-            (Check::Doubtful, Criterion::NoFlip) => Check::First(self.samples),
+            (Check::Doubtful, Criterion::TiltFromStart(_) | Criterion::TiltFromVertical(_)) => {
+                Check::Doubtful
+            }
+            (Check::Doubtful, _) => Check::First(self.samples),
             (check, _) => check,
         }
     }

@@ -1,7 +1,8 @@
 //! Classification in closed form: when a sample leaves stability, without its trajectory.
 
 use super::{Class, Criterion, Map, Outcome};
-use crate::exact::{CanonicalForm, ClosedForm, Evaluator, EvaluatorKind, ExitRows, StartRows};
+use crate::exact::derived::is_on_separatrix;
+use crate::exact::{CanonicalForm, ClosedForm, Evaluator, EvaluatorKind, ExitRows, Question, StartRows};
 use crate::observe::Observed;
 use crate::simd::Isa;
 use crate::simd::{LANES, Row};
@@ -64,7 +65,12 @@ impl ExitQuery {
 
 /// Whether the body is classified in closed form.
 pub(super) fn answers(map: &Map, body: &Body) -> bool {
-    ExitQuery::of(map, body).is_some()
+    if map.criterion.rule().is_some() { is_integrable(body) } else { ExitQuery::of(map, body).is_some() }
+}
+
+/// Whether all motions of such a body are regular by theorem.
+fn is_integrable(body: &Body) -> bool {
+    ClosedForm::answering(Question::Regular, body.moments, body.weight).is_some()
 }
 
 /// Samples of one closed form, collected for a full register.
@@ -91,6 +97,16 @@ impl<'a> ClosedFormClassifier<'a> {
     /// Adds the sample if its exit time has a closed form; writes the outcomes of a full register.
     #[inline(always)]
     pub(super) fn take(&mut self, index: usize, body: &Body, outcomes: &mut [Option<Outcome>]) -> bool {
+        if self.map.criterion.rule().is_some() {
+            let is_known = is_integrable(body);
+            if is_known {
+                // Displacements grow exponentially on a separatrix, although nothing is chaotic.
+                let class = if is_on_separatrix(self.isa, body) { Class::Undecided } else { Class::Stable };
+                let status = Status::Finished;
+                outcomes[index] = Some(Outcome { class, status, exact: true, ..Outcome::REFUSED });
+            }
+            return is_known;
+        }
         let Some(query) = ExitQuery::of(self.map, body) else { return false };
         if let Some(left) = query.known {
             outcomes[index] = Some(outcome(self.map, left));

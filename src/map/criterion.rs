@@ -1,6 +1,7 @@
 //! What *stable* means: each criterion with its name, its observable and the directions that a body must carry for it.
 //! Closed forms of a criterion stand in `classify.rs`.
 
+use super::Rule;
 use crate::error::Error;
 use crate::observe::Observed;
 use crate::scene::Scene;
@@ -14,27 +15,38 @@ pub enum Criterion {
     TiltFromStart(f64),
     /// The watched axis stays within this angle of the vertical.
     TiltFromVertical(f64),
+    /// The motion is regular, by the growth of rates and vertical.
+    RegularRates(Rule),
+    /// The motion is regular, by the growth of rates and attitude.
+    RegularAttitude(Rule),
 }
 
-impl Criterion {
-    /// All of them, made from their limit (rad).
-    const ALL: [fn(f64) -> Criterion; 3] =
-        [|_| Criterion::NoFlip, Criterion::TiltFromStart, Criterion::TiltFromVertical];
+/// The numbers of a rule, and how many of them a criterion has.
+const RULE: usize = 4;
 
-    /// The name that Python knows.
-    fn name(self) -> &'static str {
-        match self {
-            Criterion::NoFlip => "no_flip",
-            Criterion::TiltFromStart(_) => "tilt_from_start",
-            Criterion::TiltFromVertical(_) => "tilt_from_vertical",
-        }
-    }
+impl Criterion {
+    /// The names that Python knows, and how many numbers each needs: an angle (rad), or those of a rule in their order.
+    const NAMES: [(&'static str, usize); 5] = [
+        ("no_flip", 0),
+        ("tilt_from_start", 1),
+        ("tilt_from_vertical", 1),
+        ("regular_rates", RULE),
+        ("regular_attitude", RULE),
+    ];
 
     /// The largest angle that the watched axis may tilt; infinite if its tilt is not asked for.
     pub(super) fn limit(self) -> f64 {
         match self {
-            Criterion::NoFlip => f64::INFINITY,
             Criterion::TiltFromStart(angle) | Criterion::TiltFromVertical(angle) => angle,
+            _ => f64::INFINITY,
+        }
+    }
+
+    /// When a run is regular, if that is asked for.
+    pub(super) fn rule(self) -> Option<Rule> {
+        match self {
+            Criterion::RegularRates(rule) | Criterion::RegularAttitude(rule) => Some(rule),
+            _ => None,
         }
     }
 
@@ -43,29 +55,46 @@ impl Criterion {
         match self {
             Criterion::NoFlip => Observed::Flips,
             Criterion::TiltFromStart(_) | Criterion::TiltFromVertical(_) => Observed::Tilt,
+            Criterion::RegularRates(_) | Criterion::RegularAttitude(_) => Observed::Growth,
         }
     }
 
     /// How many directions a body of the scene must carry. Where there is weight, the first is the vertical.
     pub(super) fn directions(self, scene: &Scene) -> usize {
         match self {
-            Criterion::NoFlip => 0,
+            Criterion::NoFlip | Criterion::RegularRates(_) | Criterion::RegularAttitude(_) => 0,
             Criterion::TiltFromStart(_) => 1 + usize::from(scene.has_weight),
             Criterion::TiltFromVertical(_) => 1,
         }
     }
 
-    /// The criterion of that name, with its limit (rad).
+    /// The criterion of that name, with its numbers.
     ///
     /// # Errors
-    /// Naming the known criteria.
-    pub fn parse(name: &str, limit: f64) -> Result<Criterion, Error> {
-        let all = Criterion::ALL.map(|of| of(limit));
-        all.into_iter().find(|criterion| criterion.name() == name).ok_or_else(|| Error::Unknown {
-            argument: "criterion",
-            value: name.into(),
-            known: all.map(Criterion::name).join(", "),
-        })
+    /// Naming the known criteria, or how many numbers the criterion has.
+    pub fn parse(name: &str, limits: &[f64]) -> Result<Criterion, Error> {
+        let found = match (name, limits) {
+            ("no_flip", []) => Criterion::NoFlip,
+            ("tilt_from_start", &[angle]) => Criterion::TiltFromStart(angle),
+            ("tilt_from_vertical", &[angle]) => Criterion::TiltFromVertical(angle),
+            ("regular_rates", &[sure, low, high, ratio]) => {
+                Criterion::RegularRates(Rule { sure, low, high, ratio })
+            }
+            ("regular_attitude", &[sure, low, high, ratio]) => {
+                Criterion::RegularAttitude(Rule { sure, low, high, ratio })
+            }
+            _ => return Err(Criterion::unknown(name, limits.len())),
+        };
+        Ok(found)
+    }
+
+    fn unknown(name: &str, numbers: usize) -> Error {
+        if let Some((_, needed)) = Criterion::NAMES.into_iter().find(|(known, _)| *known == name) {
+            let (expected, got) = (format!("({needed},)"), format!("({numbers},)"));
+            return Error::Shape { argument: "limits", expected, got };
+        }
+        let known = Criterion::NAMES.map(|(name, _)| name).join(", ");
+        Error::Unknown { argument: "criterion", value: name.into(), known }
     }
 }
 
@@ -75,8 +104,13 @@ mod tests {
 
     #[test]
     fn criteria_have_names() {
-        assert_eq!(Criterion::parse("tilt_from_start", 0.5), Ok(Criterion::TiltFromStart(0.5)));
-        let message = Criterion::parse("flip", 0.5).unwrap_err().to_string();
+        assert_eq!(Criterion::parse("tilt_from_start", &[0.5]), Ok(Criterion::TiltFromStart(0.5)));
+        for (name, numbers) in Criterion::NAMES {
+            assert!(Criterion::parse(name, &[0.5; RULE][..numbers]).is_ok(), "{name}");
+            let message = Criterion::parse(name, &[0.5; 2]).unwrap_err().to_string();
+            assert!(message.starts_with("limits: expected shape"), "{message}");
+        }
+        let message = Criterion::parse("flip", &[0.5]).unwrap_err().to_string();
         assert!(message.contains("no_flip, tilt_from_start, tilt_from_vertical"), "{message}");
     }
 }

@@ -1,5 +1,7 @@
 //! Integrates samples side by side: a lane whose sample is finished gets the next sample.
 
+use super::Criterion;
+use super::regular::{self, Course};
 use super::{Class, Map, Outcome, STEP_BLOCK};
 use crate::error::Error;
 use crate::kernel::{Compiled, Kernel};
@@ -17,11 +19,12 @@ use crate::status::{DRIFT_LIMIT, Status};
 /// What the lists of samples of a block are called if they do not fit into memory.
 pub(super) const RUNS: &str = "runs of a block";
 
-/// The sample of an active lane: its index in the block, and its step.
+/// The sample of an active lane: its index in the block, its step, and its way through the checkpoints of regularity.
 #[derive(Clone, Copy)]
 struct LaneTask {
     index: usize,
     step: f64,
+    course: Option<Course>,
 }
 
 /// How samples are integrated.
@@ -71,11 +74,15 @@ impl Map {
         let compiled = Compiled::new(kernel, isa);
         let (mut group, mut forcing_rows) = (Group::inactive(), ForcingRows::NONE);
         let mut lanes: [Option<LaneTask>; LANES] = [None; LANES];
-        // Steps after which each lane is at its horizon; an inactive lane never is.
+        // Steps after which each lane is at its horizon, or is to be looked at; an inactive lane never is.
         let mut target = [f64::INFINITY; LANES];
         let mut samples = samples.iter();
         let mut active = 0;
         let limit = self.criterion.limit();
+        let rule = self.criterion.rule();
+        let of_attitude = matches!(self.criterion, Criterion::RegularAttitude(_));
+        let steps_together = if rule.is_some() { regular::BLOCK } else { STEP_BLOCK };
+        let mut blocks = 0;
         loop {
             for lane in 0..LANES {
                 while lanes[lane].is_none() {
@@ -89,22 +96,26 @@ impl Map {
                     }
                     let step = self.t_end / steps as f64;
                     let assignment = self.assignment(body, cross_check);
+                    let displacement = match rule {
+                        Some(_) => regular::displacement(body, of_attitude, cross_check),
+                        None => Displacement::NONE,
+                    };
+                    let course = rule.map(|rule| {
+                        let norm = assignment.displacement(&displacement, body);
+                        Course::new(rule, norm, self.is_forced(), [steps as f64, self.t_end])
+                    });
                     let interval = (!forcing.is_none()).then(|| forcing.interval(0.0, false, body.moments));
                     let forcing = interval.as_ref().map(|interval| {
                         forcing_rows.set(lane, interval);
                         (interval, body.fastest_rate(forcing, [0.0, self.t_end]))
                     });
-                    let entry = Entry {
-                        body,
-                        forcing,
-                        axis: self.axis,
-                        limit,
-                        step,
-                        displacement: Displacement::NONE,
-                    };
+                    let entry = Entry { body, forcing, axis: self.axis, limit, step, displacement };
                     load(&mut group, lane, compiled, assignment, &entry);
-                    target[lane] = steps as f64;
-                    lanes[lane] = Some(LaneTask { index, step });
+                    if let Some(course) = &course {
+                        course.settle(&mut group, kernel.system, lane);
+                    }
+                    target[lane] = course.map_or(steps as f64, |course| course.next());
+                    lanes[lane] = Some(LaneTask { index, step, course });
                     active += 1;
                 }
             }
@@ -115,15 +126,30 @@ impl Map {
                 if interrupt.is_wanted() {
                     return Err(Error::Stopped);
                 }
-                compiled.advance(&mut group, &forcing_rows, STEP_BLOCK as usize);
+                compiled.advance(&mut group, &forcing_rows, steps_together as usize);
+                if rule.is_some() {
+                    blocks += 1;
+                    let courses = lanes.iter().enumerate();
+                    let courses =
+                        courses.filter_map(|(lane, task)| Some((lane, task.as_ref()?.course.as_ref()?)));
+                    regular::keep_in_range(&mut group, kernel.system, blocks, courses);
+                }
                 if any_done(&group, &target) {
                     break;
                 }
             }
             for lane in 0..LANES {
-                let Some(task) = lanes[lane] else { continue };
+                let Some(task) = &mut lanes[lane] else { continue };
                 if done(&group, lane, target[lane]) {
-                    outcomes[task.index] = Some(Map::outcome(&group, lane, kernel.observed, task.step));
+                    let mut outcome = Map::outcome(&group, lane, kernel.observed, task.step);
+                    if let Some(course) = &mut task.course {
+                        if outcome.class != Class::Failed && !course.look(&mut group, kernel.system, lane) {
+                            target[lane] = course.next();
+                            continue;
+                        }
+                        outcome = course.outcome(&group, lane, outcome);
+                    }
+                    outcomes[task.index] = Some(outcome);
                     lanes[lane] = None;
                     target[lane] = f64::INFINITY;
                     active -= 1;
@@ -158,6 +184,8 @@ impl Map {
             flips: if observed == Observed::Flips { value as u64 } else { 0 },
             left,
             tilt: if observed == Observed::Tilt { value } else { f64::NAN },
+            exponent: f64::NAN,
+            mean_megno: f64::NAN,
             energy_drift,
             momentum_drift,
             unit_drift,

@@ -6,14 +6,16 @@ mod criterion;
 mod draw;
 mod integrate;
 mod interval;
+mod regular;
 mod request;
 mod statistics;
 
 pub use check::Check;
 pub use criterion::Criterion;
 pub use interval::{clopper_pearson, clopper_pearson_of_each};
+pub use regular::{DISPLACEMENTS, PARTS, Rule};
 pub use request::{Map, MethodChoice, Pixel};
-pub use statistics::{Class, Column, Field, Outcome, Statistics};
+pub use statistics::{Class, Column, FIXED_POINT, Field, Outcome, Statistics};
 
 use crate::error::Error;
 use crate::forcing::BodyForcing;
@@ -84,7 +86,7 @@ impl Map {
             is_reduced: false,
             directions: if in_space { 3 } else { self.criterion.directions(self.scene) },
             attitude: false,
-            tangent: false,
+            tangent: self.criterion.rule().is_some(),
         };
         Kernel {
             system: System::carrying(self.scene, step, needs),
@@ -95,7 +97,7 @@ impl Map {
 
     /// The scheme of a run of a sample.
     fn scheme(&self, cross_check: bool) -> &'static Scheme {
-        let scheme = self.method.scheme();
+        let scheme = self.first_scheme();
         if cross_check { scheme.second(self.is_forced()) } else { scheme }
     }
 
@@ -105,23 +107,28 @@ impl Map {
     fn steps_of(&self, body: &Body, forcing: BodyForcing, cross_check: bool) -> u64 {
         let scheme = self.scheme(cross_check);
         let rate = body.step_rate(scheme, forcing, [0.0, self.t_end]);
-        let own = if cross_check { default_step(scheme, rate) } else { self.method.default_step(rate) };
+        let own = if cross_check {
+            default_step(scheme, rate)
+        } else {
+            self.method.default_step(self.criterion.rule().is_some(), rate)
+        };
         let largest = match self.step {
             Some(step) if cross_check => own.min(0.5 * step),
             Some(step) => step,
-            None if cross_check && scheme == self.method.scheme() => 0.5 * own,
+            None if cross_check && scheme == self.first_scheme() => 0.5 * own,
             None => own,
         };
-        let blocks = (self.t_end / largest / STEP_BLOCK as f64).ceil().max(1.0);
+        let [multiple, fewest] = self.whole_steps();
+        let blocks = (self.t_end / largest / multiple as f64).ceil();
         // A NaN or an absurd number becomes one that no limit allows.
-        if blocks < 1e18 { blocks as u64 * STEP_BLOCK } else { u64::MAX }
+        if blocks < 1e17 { (blocks as u64 * multiple).max(fewest) } else { u64::MAX }
     }
 
     /// The classification from both runs of a sample. A cross-check that would take too many steps has no effect.
     fn classification(first: &Outcome, second: Option<&Outcome>) -> Class {
         match second.filter(|second| second.was_run()) {
-            Some(second) if first.class != Class::Failed && second.class != first.class => Class::Undecided,
-            _ => first.class,
+            Some(second) => first.class.agreed(second.class),
+            None => first.class,
         }
     }
 
@@ -204,6 +211,7 @@ impl Map {
     ) -> Result<Vec<(u64, Statistics)>, Error> {
         let begin = thread_nanoseconds();
         let classified = self.classified(start..stop, isa, interrupt)?;
+        let t_end = self.t_end;
         let mut pixels: Vec<(u64, Statistics)> = Vec::new();
         for (at, (pixel, _)) in self.pixels_and_samples(start..stop).enumerate() {
             let index = at + (start - classified.range.start) as usize;
@@ -211,7 +219,7 @@ impl Map {
                 memory::push("statistics of a block", &mut pixels, (pixel, Statistics::NONE))?;
             }
             let statistics = &mut pixels.last_mut().expect("pushed above").1;
-            if let Some(sample) = classified.sample(index) {
+            if let Some(sample) = classified.sample(index, t_end) {
                 statistics.add(&sample);
             }
         }
@@ -240,7 +248,7 @@ impl Map {
         let classified = self.classified(flat..flat + 1, isa, interrupt)?;
         let index = (flat - classified.range.start) as usize;
         let body = classified.bodies[index];
-        Ok(match classified.sample(index) {
+        Ok(match classified.sample(index, self.t_end) {
             Some(sample) => (body, sample.class, *sample.first),
             None => (body, Class::Failed, Outcome::REFUSED),
         })
@@ -261,10 +269,10 @@ struct Classified {
 impl Classified {
     /// A sample as the statistics see it; `None` where the pixel has no body.
     #[inline(always)]
-    fn sample(&self, index: usize) -> Option<Sample<'_>> {
+    fn sample(&self, index: usize, t_end: f64) -> Option<Sample<'_>> {
         let first = self.outcomes[0][index].as_ref()?;
         let second = self.outcomes[1].get(index).and_then(Option::as_ref);
         let audited = self.audited.binary_search(&index).is_ok();
-        Some(Sample { class: Map::classification(first, second), first, second, audited })
+        Some(Sample { class: Map::classification(first, second), first, second, audited, t_end })
     }
 }

@@ -51,21 +51,31 @@ impl MethodChoice {
     }
 
     /// The scheme of the samples that have no closed form. A series by default: what is watched is computed inside its
-    /// steps, so that these may be long.
-    pub fn scheme(self) -> &'static Scheme {
+    /// steps, so that these may be long. The growth of a displacement is a sum over the steps, which Runge-Kutta makes
+    /// faster.
+    pub fn scheme(self, of_growth: bool) -> &'static Scheme {
         match self {
             MethodChoice::Only(Solver::Steps(scheme)) => scheme,
+            _ if of_growth => &scheme::DOP853,
             _ => &scheme::TAYLOR12,
         }
     }
 
     /// The longest step at a rate. Of the default scheme it is three times as long as where a trajectory is wanted to
-    /// rounding: its error is about 1e-8 rad per radian turned, and the check knows it.
-    pub fn default_step(self, rate: f64) -> f64 {
-        let longer = if let MethodChoice::Only(_) = self { 1.0 } else { 3.0 };
-        longer * default_step(self.scheme(), rate)
+    /// rounding: its error is about 1e-8 rad per radian turned, and the check knows it. Whether a motion is chaotic does
+    /// not depend on its digits: its steps are a radian and a quarter of the bound of its rates.
+    pub fn default_step(self, of_growth: bool, rate: f64) -> f64 {
+        let longer = match self {
+            MethodChoice::Only(_) => 1.0,
+            _ if of_growth => GROWTH_STEPS,
+            _ => 3.0,
+        };
+        longer * default_step(self.scheme(of_growth), rate)
     }
 }
+
+/// Steps of the default scheme for the growth of displacements, over those for states: 1.25 rad.
+const GROWTH_STEPS: f64 = 12.5;
 
 /// Everything that the statistics of a map depend on.
 #[derive(Clone, Debug)]
@@ -84,7 +94,7 @@ pub struct Map {
     pub attitude_law: Law,
     /// When a sample is stable.
     pub criterion: Criterion,
-    /// The watched body axis: 1, 2, 3 or -1, -2, -3.
+    /// The watched body axis: 1, 2, 3 or -1, -2, -3; 0 if the criterion watches none.
     pub axis: i32,
     /// Horizon.
     pub t_end: f64,
@@ -107,7 +117,9 @@ impl Map {
     /// Naming the argument.
     pub fn checked(self) -> Result<Map, Error> {
         let refuse = |argument, value: String, rule| Err(Error::Value { argument, value, rule });
-        if !(1..=3).contains(&self.axis.unsigned_abs()) {
+        let has_rule = self.criterion.rule().is_some();
+        let least = if has_rule { 0 } else { 1 };
+        if !(least..=3).contains(&self.axis.unsigned_abs()) {
             return refuse("axis", self.axis.to_string(), "must be 1, 2, 3 or -1, -2, -3");
         }
         if self.samples == 0 {
@@ -123,7 +135,10 @@ impl Map {
         }
         let is_exact = self.method == MethodChoice::Only(Solver::Exact);
         if !is_exact {
-            self.method.scheme().check(self.scene, true)?;
+            self.first_scheme().check(self.scene, true)?;
+            if has_rule {
+                self.first_scheme().check_tangent(self.is_forced())?;
+            }
         }
         if self.is_forced() {
             self.check_forced()?;
@@ -139,6 +154,11 @@ impl Map {
         self.pixels.iter().position(|pixel| pixel.possible && !super::classify::answers(self, &pixel.body))
     }
 
+    /// The scheme of the first run of samples that have no closed form.
+    pub fn first_scheme(&self) -> &'static Scheme {
+        self.method.scheme(self.criterion.rule().is_some())
+    }
+
     /// Whether torque or damping is applied.
     pub(super) fn is_forced(&self) -> bool {
         !self.forcing.is_empty()
@@ -151,7 +171,7 @@ impl Map {
 
     /// Refuses a forcing that the criterion or the method cannot handle.
     fn check_forced(&self) -> Result<(), Error> {
-        let scheme = self.method.scheme();
+        let scheme = self.first_scheme();
         let refuse = |argument, value, rule| Err(Error::Value { argument, value, rule });
         if self.method == MethodChoice::Only(Solver::Exact) {
             let rule = "no classification in closed form is known under torque and damping";

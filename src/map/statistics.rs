@@ -27,10 +27,22 @@ impl Class {
     }
 }
 
+impl Class {
+    /// The class of a sample from those of its two runs. They agree, or one of them is unstable and the other cannot tell.
+    pub fn agreed(self, second: Class) -> Class {
+        match (self, second) {
+            (Class::Failed, _) => Class::Failed,
+            (first, second) if first == second => first,
+            (Class::Unstable, Class::Undecided) | (Class::Undecided, Class::Unstable) => Class::Unstable,
+            _ => Class::Undecided,
+        }
+    }
+}
+
 /// The outcome of one run of one sample.
 #[derive(Clone, Copy, Debug)]
 pub struct Outcome {
-    /// Stable, unstable or failed.
+    /// Stable, unstable or failed; undecided if the run itself cannot tell.
     pub class: Class,
     /// Status at the end of the run.
     pub status: Status,
@@ -40,6 +52,10 @@ pub struct Outcome {
     pub left: f64,
     /// Largest tilt, NaN if no tilt is observed (rad).
     pub tilt: f64,
+    /// Logarithm of the growth of a displacement over the time, at the end; NaN if it is not observed (1/s).
+    pub exponent: f64,
+    /// The mean over the time of MEGNO, at the end; NaN if it is not observed.
+    pub mean_megno: f64,
     /// Largest relative energy error at the ends of blocks of steps.
     pub energy_drift: f64,
     /// Largest relative error of the conserved momentum at the ends of blocks of steps.
@@ -64,6 +80,12 @@ impl Outcome {
         if drift.is_nan() && self.was_run() && !self.exact { f64::INFINITY } else { drift }
     }
 
+    /// A number in units of 2^-20; zero if it is not known. Sums of such numbers do not depend on their order.
+    fn fixed(number: f64) -> i64 {
+        // A NaN becomes zero. Far below 2^63, which no sum reaches then.
+        (number * FIXED_POINT).round().clamp(-LARGEST_FIXED, LARGEST_FIXED) as i64
+    }
+
     /// A sample that was not integrated: one that would need more steps than allowed.
     pub(super) const REFUSED: Outcome = Outcome {
         class: Class::Failed,
@@ -71,6 +93,8 @@ impl Outcome {
         flips: 0,
         left: f64::INFINITY,
         tilt: f64::NAN,
+        exponent: f64::NAN,
+        mean_megno: f64::NAN,
         energy_drift: f64::NAN,
         momentum_drift: f64::NAN,
         unit_drift: f64::NAN,
@@ -80,6 +104,12 @@ impl Outcome {
     };
 }
 
+/// One over the unit of sums in fixed point.
+pub const FIXED_POINT: f64 = (1_u64 << 20) as f64;
+
+/// The largest number in fixed point: no motion that can be integrated has a logarithm of 2^32.
+const LARGEST_FIXED: f64 = (1_u64 << 52) as f64;
+
 /// A sample as the statistics see it: its classification, its run, and the run of the cross-check if there is one.
 pub(super) struct Sample<'a> {
     pub(super) class: Class,
@@ -87,6 +117,8 @@ pub(super) struct Sample<'a> {
     pub(super) second: Option<&'a Outcome>,
     /// The second run did not depend on the outcome of the first.
     pub(super) audited: bool,
+    /// The horizon.
+    pub(super) t_end: f64,
 }
 
 /// Operation that merges the values of two parts of the samples. The result does not depend on the order.
@@ -104,6 +136,13 @@ impl Reduction<u64> for Sum {
     const NONE: u64 = 0;
     fn merged(one: u64, other: u64) -> u64 {
         one + other
+    }
+}
+
+impl Reduction<i64> for Sum {
+    const NONE: i64 = 0;
+    fn merged(one: i64, other: i64) -> i64 {
+        one.saturating_add(other)
     }
 }
 
@@ -150,6 +189,8 @@ pub struct Column {
 pub enum Field {
     /// A whole number.
     Count(fn(&mut Statistics) -> &mut u64),
+    /// A sum in fixed point.
+    Fixed(fn(&mut Statistics) -> &mut i64),
     /// A number.
     Number(fn(&mut Statistics) -> &mut f64),
 }
@@ -214,6 +255,9 @@ macro_rules! field {
     (u64, $name:ident) => {
         Field::Count(|statistics| &mut statistics.$name)
     };
+    (i64, $name:ident) => {
+        Field::Fixed(|statistics| &mut statistics.$name)
+    };
     (f64, $name:ident) => {
         Field::Number(|statistics| &mut statistics.$name)
     };
@@ -250,6 +294,12 @@ columns! {
     /// Earliest loss of stability; infinite if none.
     earliest: f64 Min, "s", "first time of leaving stability", true,
         |s| if s.class == Class::Unstable { s.first.left } else { f64::INFINITY };
+    /// Sum of the growth of displacements over the horizon, at the rate that it had when the run ended.
+    growth: i64 Sum, "2^-20", "sum of exponents times the horizon", true, |s| Outcome::fixed(s.first.exponent * s.t_end);
+    /// Sum of the mean MEGNO.
+    megno: i64 Sum, "2^-20", "sum of mean MEGNO", true, |s| Outcome::fixed(s.first.mean_megno);
+    /// Largest exponent; NaN if none was measured.
+    largest_exponent: f64 Max, "1/s", "largest exponent", true, |s| s.first.exponent;
     /// Steps of all runs.
     steps: u64 Sum, "1", "time steps", true, |s| s.first.steps + s.second.map_or(0, |run| run.steps);
     /// Samples classified in closed form.
@@ -272,7 +322,7 @@ mod tests {
     fn sample(class: Class, left: f64, energy_drift: f64) -> Outcome {
         let momentum_drift = 0.5 * energy_drift;
         let run = Outcome { class, status: Status::Finished, left, steps: 16, ..Outcome::REFUSED };
-        Outcome { energy_drift, momentum_drift, ..run }
+        Outcome { energy_drift, momentum_drift, exponent: 3.0 * energy_drift, mean_megno: 2.0, ..run }
     }
 
     #[test]
@@ -286,7 +336,7 @@ mod tests {
         let of = |part: &[Outcome]| {
             let mut all = Statistics::NONE;
             for first in part {
-                all.add(&Sample { class: first.class, first, second: None, audited: false });
+                all.add(&Sample { class: first.class, first, second: None, audited: false, t_end: 4.0 });
             }
             all
         };
@@ -296,13 +346,14 @@ mod tests {
         assert_eq!(merged, whole);
         assert_eq!([whole.stable, whole.unstable, whole.failed, whole.step_limit], [1, 2, 1, 1]);
         assert_eq!((whole.earliest, whole.energy_drift, whole.steps), (2.0, 1e-7, 48));
+        assert_eq!((whole.megno, whole.largest_exponent), (6 << 20, 3e-7));
     }
 
     #[test]
     fn a_sample_that_overflowed_has_an_infinite_drift() {
         let first = Outcome { status: Status::NotFinite, exact: false, ..Outcome::REFUSED };
         let mut all = Statistics::NONE;
-        all.add(&Sample { class: Class::Failed, first: &first, second: None, audited: false });
+        all.add(&Sample { class: Class::Failed, first: &first, second: None, audited: false, t_end: 4.0 });
         assert_eq!((all.energy_drift, all.not_finite), (f64::INFINITY, 1));
     }
 
@@ -312,6 +363,7 @@ mod tests {
         for (value, column) in Statistics::COLUMNS.iter().enumerate() {
             match column.field {
                 Field::Count(of) => *of(&mut statistics) = value as u64,
+                Field::Fixed(of) => *of(&mut statistics) = value as i64,
                 Field::Number(of) => *of(&mut statistics) = value as f64,
             }
         }

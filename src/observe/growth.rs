@@ -68,6 +68,15 @@ impl Growth {
     /// The logarithm of the size at the start.
     const START: usize = 11;
 
+    /// The logarithm, its largest until now, its mean over the time, and half of the mean of MEGNO.
+    ///
+    /// The mean over the time of `2 (L - mean)` is `2 (mean - mean of mean)`.
+    pub fn logs(rows: &Rows<f64>) -> [f64; 4] {
+        let time = rows[Growth::TIME];
+        let (mean, mean_of_mean) = (rows[Growth::AREA] / time, rows[Growth::MEAN_AREA] / time);
+        [rows[Growth::LOG], rows[Growth::LARGEST], mean, mean - mean_of_mean]
+    }
+
     /// Logarithm of the size of a displacement, which is 2^shift times `[d, x]`. The power of two is added to the
     /// exponent of the square, so the logarithm does not depend on how the size is divided between both.
     #[inline(always)]

@@ -34,8 +34,8 @@ pub fn closed_forms(
 }
 
 /// The name of the closed form that applies to a question for each body from any start, empty if there is none. The
-/// question is "states", "no_flip" or "tilt_from_vertical"; the last two need a body axis, 1 to 3, which is optional
-/// for "no_flip".
+/// question is "states", "regular", "no_flip" or "tilt_from_vertical"; the last two need a body axis, 1 to 3, which is
+/// optional for "no_flip".
 #[pyfunction]
 #[pyo3(signature = (question, *, moments, weight, axis=None))]
 pub fn closed_forms_for(
@@ -52,6 +52,7 @@ pub fn closed_forms_for(
     let axis = axis.map(index).transpose()?;
     let question = match (question, axis) {
         ("states", _) => Question::States,
+        ("regular", _) => Question::Regular,
         ("no_flip", axis) => Question::NoFlip(axis),
         ("tilt_from_vertical", Some(axis)) => Question::TiltFromVertical(axis),
         ("tilt_from_vertical", None) => {
@@ -59,7 +60,7 @@ pub fn closed_forms_for(
             return Err(Error::Value { argument: "axis", value: "None".into(), rule }.into());
         }
         _ => {
-            let known = "states, no_flip, tilt_from_vertical".into();
+            let known = "states, no_flip, tilt_from_vertical, regular".into();
             return Err(Error::Unknown { argument: "question", value: question.into(), known }.into());
         }
     };

@@ -1,9 +1,10 @@
 //! Growth of displacements.
 
-use super::convert::{BodyColumns, copied, interruptible, rows, same_length};
+use super::convert::{BodyColumns, column, copied, interruptible, rows, same_length};
 use super::forcing::PyForcing;
 use super::simulate::forcing_of;
 use crate::error::Error;
+use crate::map::{Class, DISPLACEMENTS, Rule};
 use crate::memory;
 use crate::observe::Displacement;
 use crate::parallel::Interrupt;
@@ -11,10 +12,14 @@ use crate::scene::Scene;
 use crate::scheme::Scheme;
 use crate::simd::Isa;
 use crate::solver::Solver;
+use crate::start::Body;
 use crate::status::Status;
 use crate::trajectory::{self, Displacements, Growths, MAX_DISPLACEMENTS, Record, Request, Schedule};
 use numpy::ndarray::Array3;
-use numpy::{IntoPyArray, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
+use numpy::{
+    IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
+    PyUntypedArrayMethods,
+};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -102,4 +107,56 @@ fn to_dict(
     let status = |&status: &Status| status as u8;
     dict.set_item("status", super::convert::column(py, &growths.status, status)?)?;
     Ok(dict)
+}
+
+/// The displacements that are taken if none are given, (6, 6): rates in the unit of the body, rotation vectors in rad.
+#[pyfunction]
+pub fn displacement_starts(py: Python<'_>) -> PyResult<Bound<'_, PyArray2<f64>>> {
+    DISPLACEMENTS.as_flattened().to_vec().into_pyarray(py).reshape([6, 6])
+}
+
+/// The unit of changes of the rates of each body.
+#[pyfunction]
+#[pyo3(signature = (*, moments, weight, omega, attitude))]
+pub fn rate_units<'py>(
+    py: Python<'py>,
+    moments: PyReadonlyArray2<'py, f64>,
+    weight: PyReadonlyArray2<'py, f64>,
+    omega: PyReadonlyArray2<'py, f64>,
+    attitude: PyReadonlyArray2<'py, f64>,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let columns = BodyColumns::of_arrays(&moments, &weight, &omega, &attitude)?;
+    column(py, &columns.bodies(0..columns.len())?, Body::rate_unit)
+}
+
+/// The verdict on each motion, from its mean MEGNO at the checkpoints of a run and of a second run, by a rule: the
+/// numbers of a criterion of maps.
+#[pyfunction]
+#[pyo3(signature = (first, second, limits))]
+pub fn verdicts(
+    first: PyReadonlyArray2<'_, f64>,
+    second: Option<PyReadonlyArray2<'_, f64>>,
+    limits: [f64; 4],
+) -> PyResult<Vec<&'static str>> {
+    let [sure, low, high, ratio] = limits;
+    let rule = Rule { sure, low, high, ratio };
+    let first = rows::<4>("first", &first)?;
+    let second = second.as_ref().map(|second| rows::<4>("second", second)).transpose()?;
+    if let Some(second) = second {
+        same_length("second", first.len(), second.len())?;
+    }
+    let verdict = |(index, &means): (usize, &[f64; 4])| {
+        let class = rule.class(means);
+        let together = match second.map(|second| rule.class(second[index])) {
+            Some(Class::Failed) => Class::Failed,
+            Some(again) => class.agreed(again),
+            None => class,
+        };
+        match together {
+            Class::Stable => "regular",
+            Class::Unstable => "chaotic",
+            other => other.name(),
+        }
+    };
+    Ok(memory::collected("verdicts", first.len(), first.iter().enumerate().map(verdict))?)
 }

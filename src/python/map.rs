@@ -39,7 +39,7 @@ pub fn map_columns(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
         let entry = PyDict::new(py);
         entry.set_item("name", column.name)?;
         let dtype = match column.field {
-            Field::Count(_) => "int64",
+            Field::Count(_) | Field::Fixed(_) => "int64",
             Field::Number(_) => "float64",
         };
         entry.set_item("dtype", dtype)?;
@@ -85,6 +85,10 @@ fn write_columns(py: Python<'_>, dict: &Bound<'_, PyDict>, pixels: &[Statistics]
                 let values = convert::column(py, pixels, |&(mut pixel)| *of(&mut pixel) as i64)?;
                 dict.set_item(column.name, values)?;
             }
+            Field::Fixed(of) => {
+                let values = convert::column(py, pixels, |&(mut pixel)| *of(&mut pixel))?;
+                dict.set_item(column.name, values)?;
+            }
             Field::Number(of) => {
                 let values = convert::column(py, pixels, |&(mut pixel)| *of(&mut pixel))?;
                 dict.set_item(column.name, values)?;
@@ -113,6 +117,11 @@ fn read_columns(dict: &Bound<'_, PyDict>) -> PyResult<Vec<Statistics>> {
                     .iter_mut()
                     .zip(values.as_array())
                     .for_each(|(pixel, &value)| *of(pixel) = value as u64);
+            }
+            Field::Fixed(of) => {
+                let values = values.extract::<PyReadonlyArray1<'_, i64>>()?;
+                fit(values.as_array().len())?;
+                pixels.iter_mut().zip(values.as_array()).for_each(|(pixel, &value)| *of(pixel) = value);
             }
             Field::Number(of) => {
                 let values = values.extract::<PyReadonlyArray1<'_, f64>>()?;
@@ -189,7 +198,7 @@ keywords! {
         attitude_size: PyReadonlyArray1<'py, f64>,
         criterion: String,
         axis: i32,
-        limit: f64,
+        limits: Vec<f64>,
         t_end: f64,
         step: Option<f64>,
         max_steps: u64,
@@ -240,7 +249,7 @@ impl MapRequest<'_> {
             pixels: memory::collected(PIXELS, pixels, (0..pixels).map(pixel))?,
             omega_law: Law::parse("omega_noise", &self.omega_noise)?,
             attitude_law: Law::parse("attitude_noise", &self.attitude_noise)?,
-            criterion: Criterion::parse(&self.criterion, self.limit)?,
+            criterion: Criterion::parse(&self.criterion, &self.limits)?,
             axis: self.axis,
             t_end: self.t_end,
             step: self.step,
@@ -320,7 +329,7 @@ impl MapJob {
         }
         let (body, class, outcome) =
             interruptible(py, None, |interrupt| self.map.sample(pixel, sample, self.isa, interrupt))??;
-        let Outcome { status, flips, left, tilt, step, steps, exact, .. } = outcome;
+        let Outcome { status, flips, left, tilt, exponent, mean_megno, step, steps, exact, .. } = outcome;
         let dict = PyDict::new(py);
         dict.set_item("omega", body.omega.to_vec().into_pyarray(py))?;
         dict.set_item("attitude", body.attitude.to_vec().into_pyarray(py))?;
@@ -329,12 +338,14 @@ impl MapJob {
         dict.set_item("flips", flips)?;
         dict.set_item("left", if left < f64::INFINITY { left } else { f64::NAN })?;
         dict.set_item("tilt", tilt)?;
+        dict.set_item("exponent", exponent)?;
+        dict.set_item("mean_megno", mean_megno)?;
         dict.set_item("energy_drift", outcome.energy_drift)?;
         dict.set_item("momentum_drift", outcome.momentum_drift)?;
         dict.set_item("unit_drift", outcome.unit_drift)?;
         dict.set_item("step", step)?;
         dict.set_item("steps", steps)?;
-        dict.set_item("method", if exact { Solver::EXACT } else { self.map.method.scheme().facts.name })?;
+        dict.set_item("method", if exact { Solver::EXACT } else { self.map.first_scheme().facts.name })?;
         Ok(dict)
     }
 }

@@ -48,7 +48,7 @@ mod _core {
     #[pymodule_export]
     use super::forcing::PyForcing;
     #[pymodule_export]
-    use super::growth::growth;
+    use super::growth::{displacement_starts, growth, rate_units, verdicts};
     #[pymodule_export]
     use super::map::{MapJob, MapStatistics, clopper_pearson, map_columns};
     #[pymodule_export]
@@ -63,6 +63,14 @@ mod _core {
     /// Largest relative error of energy, momentum or unit lengths of a motion that has not drifted.
     #[pymodule_export]
     const DRIFT_LIMIT: f64 = crate::status::DRIFT_LIMIT;
+
+    /// The horizon over the times at which the mean MEGNO is read to tell whether a motion is regular.
+    #[pymodule_export]
+    const CHECKPOINT_PARTS: [u64; 4] = crate::map::PARTS;
+
+    /// One over the unit of sums in fixed point.
+    #[pymodule_export]
+    const FIXED_POINT: f64 = crate::map::FIXED_POINT;
 
     /// Version of the library.
     #[pymodule_export]
@@ -121,13 +129,14 @@ fn methods(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
     scheme::ALL.iter().copied().map(describe).collect()
 }
 
-/// The names of the schemes that are chosen by default: without a closed form, for the samples of a map and to
-/// cross-check them, and under strong damping.
+/// The names of the schemes that are chosen by default: without a closed form, for the samples of a map, for the growth
+/// of displacements in a map, to cross-check samples, and under strong damping.
 #[pyfunction]
 fn chosen_methods(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let names = PyDict::new(py);
     names.set_item("default", scheme::DEFAULT.facts.name)?;
-    names.set_item("map", MethodChoice::Auto.scheme().facts.name)?;
+    names.set_item("map", MethodChoice::Auto.scheme(false).facts.name)?;
+    names.set_item("growth", MethodChoice::Auto.scheme(true).facts.name)?;
     names.set_item("second", scheme::SECOND.facts.name)?;
     names.set_item("stiff", scheme::STIFF.facts.name)?;
     Ok(names)

@@ -216,16 +216,19 @@ pub fn fastest_rates<'py>(
     Ok(rates.into_pyarray(py))
 }
 
-/// The default steps of a method at these rates, or those of a map that chooses its method; infinite for a rate of zero.
+/// The default steps of a method at these rates, or those of a map that chooses its method, for its samples or for the
+/// growth of their displacements; infinite for a rate of zero.
 #[pyfunction]
+#[pyo3(signature = (method, rates, of_growth=false))]
 pub fn default_steps<'py>(
     py: Python<'py>,
     method: &str,
     rates: PyReadonlyArray1<'py, f64>,
+    of_growth: bool,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let choice = MethodChoice::parse(method)?;
     let rates = copied("rates", &rates)?;
-    column(py, &rates, |&rate| choice.default_step(rate))
+    column(py, &rates, |&rate| choice.default_step(of_growth, rate))
 }
 
 /// Names of the status codes of a run, in the order of the codes.

@@ -46,6 +46,11 @@ impl Frame {
         Frame { count, upper, column: zeros, diagonal: zeros }
     }
 
+    /// Number of displacements.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
     /// Makes displacements orthogonal to those before them (modified Gram-Schmidt) and returns the power of two by which
     /// each was divided. The first is only divided. `norm` measures them; `vertical` is that of the body.
     pub fn settle(

@@ -7,7 +7,7 @@ use super::fixed::{GroupStops, Leg};
 use super::frame::{Frame, MAX_DISPLACEMENTS};
 use super::{Integration, Request, kinds_in, neighbours};
 use crate::error::Error;
-use crate::kernel::{Compiled, Entry, ForcingRows, Group, Kernel, load, reset_time};
+use crate::kernel::{Compiled, Entry, ForcingRows, Group, Kernel, System, load, reset_time};
 use crate::memory;
 use crate::observe::{Displacement, Growth, Observed};
 use crate::parallel::{Interrupt, over_blocks};
@@ -16,7 +16,7 @@ use crate::simd::{Isa, LANES};
 use crate::status::{DRIFT_LIMIT, Status};
 
 /// Steps between two divisions of a displacement, so few that none overflows; of several, so few that they do not align.
-const STEPS_TOGETHER: [u64; 2] = [64, 16];
+pub const STEPS_TOGETHER: [u64; 2] = [64, 16];
 
 /// The displacements of the bodies of a request, and what is wanted.
 #[derive(Clone, Copy)]
@@ -267,48 +267,28 @@ impl GrowthBatch<'_> {
         }
     }
 
+    /// The norm of a body in the variables of the kernel.
+    fn norm(&self, b: usize) -> Displacement {
+        let (member, index) = (self.members[b], self.first + self.members[b]);
+        let norm = self.displacements.each[index * self.displacements.count];
+        self.ways[member].assignment.displacement(&norm, &self.request.bodies[index])
+    }
+
     /// Norm, vertical and displacements of a body, in the variables of the kernel.
     fn read(&self, group: &Group, b: usize) -> (Displacement, [f64; 3], [[f64; 6]; MAX_DISPLACEMENTS]) {
         let count = self.displacements.count;
-        let at = self.compiled.kernel().system.tangent_at().expect("the system has a displacement");
-        let lane = b * count;
-        let (member, index) = (self.members[b], self.first + self.members[b]);
-        let norm = self.displacements.each[index * count];
-        let norm = self.ways[member].assignment.displacement(&norm, &self.request.bodies[index]);
-        let vertical = [3, 4, 5].map(|d| group.state[d].0[lane]);
-        let mut displacements = [[0.0; 6]; MAX_DISPLACEMENTS];
-        for j in 0..count {
-            for k in 0..6 {
-                displacements[j][k] = group.state[at + k].0[lane + j];
-            }
-        }
+        let norm = self.norm(b);
+        let (vertical, displacements) = read(group, self.compiled.kernel().system, b * count, count);
         (norm, vertical, displacements)
     }
 
     /// Makes the displacements of a body orthogonal, and near one in size.
     fn settle(&mut self, group: &mut Group, b: usize) {
         let count = self.displacements.count;
-        let at = self.compiled.kernel().system.tangent_at().expect("the system has a displacement");
-        let (norm, vertical, mut displacements) = self.read(group, b);
+        let norm = self.norm(b);
         let is_damped = self.ways[self.members[b]].is_forced;
-        if !norm.of_attitude {
-            // A turn about the vertical is not seen by this norm. It is removed before it outgrows what is: from the
-            // first only under damping, which shrinks the rest.
-            for displacement in &mut displacements[if is_damped { 0 } else { 1 }..count] {
-                remove_turn(displacement, &vertical);
-            }
-        }
-        let shifts = self.frames[b].settle(&norm, &vertical, &mut displacements[..count]);
-        for j in 0..count {
-            let lane = b * count + j;
-            for k in 0..6 {
-                let rest = &mut group.compensation[at + k].0[lane];
-                // Of a displacement that was changed the lost digits are those of another.
-                *rest = if j == 0 { super::frame::times_power_of_two(*rest, -shifts[0]) } else { 0.0 };
-                group.state[at + k].0[lane] = displacements[j][k];
-            }
-            group.observed[Growth::SHIFT].0[lane] += shifts[j] as f64;
-        }
+        let system = self.compiled.kernel().system;
+        settle(group, system, b * count, &norm, is_damped, &mut self.frames[b]);
     }
 
     /// Writes the growth of a body, number `at` of all.
@@ -316,15 +296,7 @@ impl GrowthBatch<'_> {
         let count = self.displacements.count;
         let lane = b * count;
         let rows = group.observed_in(lane);
-        let (log, time) = (rows[Growth::LOG], rows[Growth::TIME]);
-        let (mean, mean_of_mean) = (rows[Growth::AREA] / time, rows[Growth::MEAN_AREA] / time);
-        // The mean over the time of `2 (L - mean)` is `2 (mean - mean of mean)`.
-        part.logs[LOGS * at..][..LOGS].copy_from_slice(&[
-            log,
-            rows[Growth::LARGEST],
-            mean,
-            mean - mean_of_mean,
-        ]);
+        part.logs[LOGS * at..][..LOGS].copy_from_slice(&Growth::logs(&rows));
         let (norm, vertical, displacements) = self.read(group, b);
         let displacements = &displacements[..count];
         let diagonal = self.frames[b].log_diagonal(&norm, &vertical, displacements);
@@ -349,6 +321,57 @@ impl GrowthBatch<'_> {
             unknown(&mut part.log_gali[count * at..][..count]);
             unknown(&mut part.sali[at..=at]);
         }
+    }
+}
+
+/// The vertical and the displacements of a body in lanes from `lane` on.
+fn read(
+    group: &Group,
+    system: System,
+    lane: usize,
+    count: usize,
+) -> ([f64; 3], [[f64; 6]; MAX_DISPLACEMENTS]) {
+    let at = system.tangent_at().expect("the system has a displacement");
+    let vertical = [3, 4, 5].map(|d| group.state[d].0[lane]);
+    let mut displacements = [[0.0; 6]; MAX_DISPLACEMENTS];
+    for j in 0..count {
+        for k in 0..6 {
+            displacements[j][k] = group.state[at + k].0[lane + j];
+        }
+    }
+    (vertical, displacements)
+}
+
+/// Makes the displacements of a body orthogonal, and near one in size. They are in lanes from `lane` on, as many as the
+/// frame has.
+pub fn settle(
+    group: &mut Group,
+    system: System,
+    lane: usize,
+    norm: &Displacement,
+    is_damped: bool,
+    frame: &mut Frame,
+) {
+    let count = frame.count();
+    let at = system.tangent_at().expect("the system has a displacement");
+    let (vertical, mut displacements) = read(group, system, lane, count);
+    if !norm.of_attitude {
+        // A turn about the vertical is not seen by this norm. It is removed before it outgrows what is: from the
+        // first only under damping, which shrinks the rest.
+        for displacement in &mut displacements[if is_damped { 0 } else { 1 }..count] {
+            remove_turn(displacement, &vertical);
+        }
+    }
+    let shifts = frame.settle(norm, &vertical, &mut displacements[..count]);
+    for j in 0..count {
+        let lane = lane + j;
+        for k in 0..6 {
+            let rest = &mut group.compensation[at + k].0[lane];
+            // Of a displacement that was changed the lost digits are those of another.
+            *rest = if j == 0 { super::frame::times_power_of_two(*rest, -shifts[0]) } else { 0.0 };
+            group.state[at + k].0[lane] = displacements[j][k];
+        }
+        group.observed[Growth::SHIFT].0[lane] += shifts[j] as f64;
     }
 }
 

@@ -11,8 +11,8 @@ mod motion;
 mod request;
 mod states;
 
-pub use frame::MAX_DISPLACEMENTS;
-pub use growth::{Displacements, Growths, growth};
+pub use frame::{Frame, MAX_DISPLACEMENTS};
+pub use growth::{Displacements, Growths, STEPS_TOGETHER, growth, settle};
 pub use motion::{Motion, Torques};
 pub use request::{Record, Request, Schedule, time_range};
 pub use states::{Column, States, StatesPart};

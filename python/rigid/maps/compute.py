@@ -67,22 +67,24 @@ def stability_map(
         One or two parameters and their values, increasing or decreasing; x first, then y. The
         values replace those of the scene and the start. Names: ``I1``, ``I2``, ``I3``; ratios such
         as ``I2/I1`` (which sets ``I2``); sides ``a``, ``b``, ``c`` and ``mass`` of a box; ``mgl``
-        of a top; ``spin``, ``tilt``, ``omega1``, ``omega2``, ``omega3``; ``noise``,
+        of a top, and ``com_tilt``, ``com_turn``: angle of its centre of mass from axis 3, and its
+        azimuth; ``spin``, ``tilt``, ``omega1``, ``omega2``, ``omega3``; ``noise``,
         ``attitude_noise``: the size of the perturbation that the start names; ``damping1``,
         ``damping2``, ``damping3`` (N m s): damping of the rates about the axes.
     samples : int
         Bodies per pixel.
     t_end : float
         Horizon in s: *stable* means stable until then.
-    stable : NoFlip or TiltBelow
-        The criterion, :func:`no_flip` or :func:`tilt_below`.
+    stable : NoFlip, TiltBelow or Regular
+        The criterion, :func:`no_flip`, :func:`tilt_below` or :func:`regular`.
     start : Start, optional
         By default a free body spins at 1 rad/s about the axis of its middle moment with
         ``noise=normal(1e-3)``, and a top at 5 rad/s about axis 3 with
         ``attitude_noise=normal(1e-3)``.
     method : str, optional
         ``"auto"``, the default: each body by closed form where it has one for this criterion, else
-        ``"taylor12"`` in long steps, with an error of about 1e-8 rad for each radian turned.
+        ``"taylor12"`` in long steps, with an error of about 1e-8 rad for each radian turned, or
+        with :func:`regular` ``"dop853"`` in steps of 1.5 rad.
         ``"exact"``: closed forms only. Or one of :func:`rigid.methods`.
     step : float, optional
         Time step of the bodies that are integrated, s; by default chosen for each body from a bound
@@ -97,7 +99,8 @@ def stability_map(
         the one that ran longest, the audit. What the two methods differ by there is the error of
         these bodies. Of the others, those are classified again whose tilt, or whose turn between
         leaving and the horizon, is within 30 times this error of another class, or within 0.02 rad.
-        A flip does not tell by how much it was missed: with ``no_flip`` the default is all bodies.
+        A flip does not tell by how much it was missed: with ``no_flip`` the default is all bodies,
+        and so it is with ``regular``, whose second run has another displacement too.
     rng : int, numpy.random.Generator or SeedSequence, optional
         The seed, or a source of its 128 bits; by default fresh entropy. ``result.spec.seed``
         stores the seed.

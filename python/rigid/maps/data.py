@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
+from ..model.criteria import Regular
 from .spec import MapSpec
 
 __all__ = ["CLASSES", "COLUMNS", "FAILURES", "STATUS", "STORED", "Column", "MapData", "interval"]
@@ -55,6 +56,11 @@ class Column:
     unit: str
     words: str
     reproducible: bool
+
+    @property
+    def counts(self) -> bool:
+        """Whether the numbers of the column count bodies or steps: none is negative."""
+        return self.reduction == "sum" and self.unit == "1"
 
 
 COLUMNS: tuple[Column, ...] = tuple(Column(**row) for row in _core.map_columns())
@@ -160,6 +166,40 @@ class MapData:
             elapsed=elapsed,
             threads=threads,
         )
+
+    @property
+    def chaotic_share(self) -> NDArray[np.float64]:
+        """Share of the bodies that do not meet the criterion, as the chaotic: ``1 - share``."""
+        share: NDArray[np.float64] = 1.0 - self.share
+        return share
+
+    @property
+    def resolution(self) -> float:
+        """The smallest exponent (1/s) that the horizon can show; NaN if none is measured."""
+        stable = self.spec.stable
+        return stable.resolution(self.spec.t_end) if isinstance(stable, Regular) else math.nan
+
+    @property
+    def exponent(self) -> NDArray[np.float64]:
+        """Mean exponent (1/s) of the bodies that were integrated, NaN if none was.
+
+        The exponent of a body is the logarithm of the growth of its displacement over the time that
+        it ran.
+        """
+        return self._mean("growth") / self.spec.t_end
+
+    @property
+    def mean_megno(self) -> NDArray[np.float64]:
+        """Mean over the integrated bodies of their mean MEGNO at the end of their run."""
+        return self._mean("megno")
+
+    def _mean(self, name: str) -> NDArray[np.float64]:
+        """The mean over the integrated bodies of what a column is the sum of, in fixed point."""
+        measured = isinstance(self.spec.stable, Regular) * (self.samples - self.failed - self.exact)
+        mean = np.full(self.spec.shape, np.nan)
+        sums = np.asarray(self.columns[name], dtype=np.float64) / _core.FIXED_POINT
+        np.divide(sums, measured, out=mean, where=measured > 0)
+        return mean
 
     @property
     def complete(self) -> bool:

@@ -47,6 +47,8 @@ def _array_attributes(spec: MapSpec) -> dict[str, dict[str, Any]]:
         "lower": {"long_name": f"lower end of the 95 % interval of the {share}", "units": "1"},
         "upper": {"long_name": f"upper end of the 95 % interval of the {share}", "units": "1"},
         "samples": {"long_name": "bodies done", "units": "1"},
+        "exponent": {"long_name": "mean exponent", "units": "1/s"},
+        "mean_megno": {"long_name": "mean of the mean MEGNO", "units": "1"},
         **{column.name: {"long_name": column.words, "units": column.unit} for column in COLUMNS},
         "status": {
             "long_name": "status of the body",

@@ -30,12 +30,14 @@ if TYPE_CHECKING:
 __all__ = ["file_size", "read_map", "write_map"]
 
 FORMAT = "rigid stability map"
-FORMAT_VERSION = 5
+FORMAT_VERSION = 6
 _AUDIT = frozenset({"audited", "audited_undecided"})
+_GROWTH = frozenset({"growth", "megno", "largest_exponent"})
 MISSING_IN: Mapping[int, frozenset[str]] = {
-    3: _AUDIT | {"unit_drift"},
-    4: _AUDIT,
-    5: frozenset(),
+    3: _AUDIT | _GROWTH | {"unit_drift"},
+    4: _AUDIT | _GROWTH,
+    5: _GROWTH,
+    6: frozenset(),
 }
 """The formats that are read, and the arrays of :data:`STORED` that their files do not have."""
 
@@ -175,6 +177,10 @@ def _read(file: BinaryIO) -> tuple[MapSpec, dict[str, NDArray[Any]]]:
         # Checks did not depend on outcomes then: all were audits.
         arrays["audited"] = arrays["checked"]
         arrays["audited_undecided"] = np.minimum(arrays["checked"], arrays["undecided"])
+    for name in MISSING_IN[version] & _GROWTH:
+        # No displacement was integrated then.
+        unknown = 0 if STORED[name] == np.int64 else np.nan
+        arrays[name] = np.full(spec.shape, unknown, dtype=STORED[name])
     _check_counts(spec, arrays)
     return spec, arrays
 
@@ -251,7 +257,8 @@ def _check_counts(spec: MapSpec, arrays: Mapping[str, NDArray[Any]]) -> None:
     refuse_where(arrays["status"] >= len(STATUS), "status", "is no known code")
     most = np.where(arrays["status"] == 0, spec.samples, 0)
     for name, array in arrays.items():
-        refuse_where(array < 0, name, "must not be negative")
+        if name not in _GROWTH:
+            refuse_where(array < 0, name, "must not be negative")
         if name in CLASSES:
             refuse_where(array > most, name, f"more bodies than samples, {spec.samples}")
     done = np.sum([arrays[name] for name in CLASSES], axis=0)

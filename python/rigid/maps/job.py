@@ -14,7 +14,7 @@ __all__ = ["Work", "to_core"]
 def to_core(spec: MapSpec) -> _core.MapJob:
     """The request of a specification, as the core reads it."""
     grid = spec.grid
-    criterion, axis, limit = spec.stable.core()
+    criterion, axis, limits = spec.stable.core()
     noise, attitude_noise = spec.start.noise, spec.start.attitude_noise
     return _core.MapJob(
         scene=spec.scene.kind,
@@ -29,7 +29,7 @@ def to_core(spec: MapSpec) -> _core.MapJob:
         attitude_size=grid.attitude_size,
         criterion=criterion,
         axis=axis,
-        limit=limit,
+        limits=limits,
         t_end=spec.t_end,
         step=spec.step,
         max_steps=spec.max_steps,

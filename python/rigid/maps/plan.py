@@ -9,7 +9,7 @@ from .. import _core
 from .._moments import possible
 from ..solve.closed_form import closed_forms, listed, why_not
 from ..solve.cost_model import calibration_class_of_any, closed_form_estimate, steps_estimate
-from ..solve.methods import AUTO, EXACT, MAP_FALLBACK
+from ..solve.methods import AUTO, EXACT
 from ..solve.plan import Plan, carried, left_out
 from .spec import MapSpec
 
@@ -26,16 +26,17 @@ def map_plan(spec: MapSpec) -> Plan:
     if spec.is_driven:
         forms = np.full_like(forms, "")
     method, why = _choice(spec, moments, weight, forms)
-    scheme = MAP_FALLBACK if spec.method in (AUTO, EXACT) else spec.method
-    rates = _rates(spec, np.flatnonzero(real), scheme)
+    rates = _rates(spec, np.flatnonzero(real), spec.scheme)
     if method == AUTO:
         rates = rates[forms == ""]
     if method == EXACT:
         estimate = closed_form_estimate(spec.stable, forms, 0, rates, spec.t_end)
     else:
         kind = "driven" if spec.is_driven else calibration_class_of_any(spec.scene)
-        steps = spec.step if spec.step is not None else _core.default_steps(spec.method, rates)
-        estimate = steps_estimate(spec.stable, scheme, kind, rates, spec.t_end, steps)
+        steps: float | Floats | None = spec.step
+        if steps is None:
+            steps = _core.default_steps(spec.method, rates, spec.stable.displaced)
+        estimate = steps_estimate(spec.stable, spec.scheme, kind, rates, spec.t_end, steps)
     return Plan(
         scene=spec.scene.words(spec.varied),
         question=spec.criterion,
@@ -65,8 +66,8 @@ def _choice(
     if closed.any():
         return AUTO, f"{closed.sum():,} of {closed.size:,} pixels have a closed form"
     if spec.is_driven:
-        return MAP_FALLBACK, "no closed form under torque and damping"
-    return MAP_FALLBACK, why_not(spec.stable, moments[0], weight[0])
+        return spec.scheme, "no closed form under torque and damping"
+    return spec.scheme, why_not(spec.stable, moments[0], weight[0])
 
 
 def _rates(spec: MapSpec, pixels: NDArray[np.intp], scheme: str) -> Floats:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..drawing.figure import new_figure
+from ..model.criteria import Regular
 from .data import MapData
 from .parameters import Axis
 from .theory import Curve, Theory, predict
@@ -191,7 +192,10 @@ def _set_scale(ax: Axes, which: str, axis: Axis) -> None:
 
 
 def _share_label(data: MapData) -> str:
-    return f"share stable until t = {data.spec.t_end:g} s"
+    spec = data.spec
+    if isinstance(spec.stable, Regular):
+        return f"share {spec.criterion}"
+    return f"share stable until t = {spec.t_end:g} s"
 
 
 def _title(data: MapData) -> str:
@@ -200,4 +204,5 @@ def _title(data: MapData) -> str:
     detail = f"stable: {spec.criterion}; {bodies} per pixel"
     if not data.complete:
         detail += f"; stopped after {data.samples.sum():,} bodies"
-    return f"{spec.title or f'Stability of a {spec.scene.title}'}\n{detail}"
+    what = "Regular motions" if isinstance(spec.stable, Regular) else "Stability"
+    return f"{spec.title or f'{what} of a {spec.scene.title}'}\n{detail}"

@@ -4,16 +4,20 @@ from __future__ import annotations
 
 import math
 import operator
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .._checks.arguments import brief
-from ..solve.methods import EXACT
-from ..solve.run import Run
+from .._checks.arguments import brief, sorted_times
+from ..model.criteria import Regular
+from ..solve.growth import Growth
+from ..solve.lyapunov import growth_of
+from ..solve.methods import EXACT, SECOND
 from ..solve.simulate import replay_steps, simulate
 from .data import COLUMNS, STATUS, MapData
 from .job import to_core
@@ -23,6 +27,9 @@ __all__ = ["Replay", "replay"]
 
 MOST_STEPS = 10_000_000
 """Most steps of a pixel that is computed again before a replay: some tenths of a second."""
+
+PARTS = 64
+"""The times of a growth, unless others are asked for: a whole number of steps lies between two."""
 
 STEPS_OF_A_BODY = 100
 """The closed form of a body takes about as long as these steps."""
@@ -54,6 +61,8 @@ class Replay:
         Time at which it left stability, s; NaN if it did not.
     tilt : float
         Largest observed tilt (rad), NaN if the criterion is not a tilt limit.
+    exponent, mean_megno : float
+        Exponent (1/s) and mean MEGNO at the end, NaN if no displacement was integrated.
     energy_drift, momentum_drift, unit_drift : float
         Worst drift of the energy, of the conserved momentum (relative) and of the length of the
         directions that were integrated; NaN by closed form, which conserves them.
@@ -61,8 +70,9 @@ class Replay:
         Time step in s; NaN by closed form.
     steps : int
         Time steps taken.
-    run : Run
-        The trajectory until the horizon, with the same method and step.
+    run : Run or Growth
+        The trajectory until the horizon, with the same method and step; the growth of the
+        displacement with :func:`rigid.regular`.
     """
 
     pixel: tuple[int, ...]
@@ -76,12 +86,14 @@ class Replay:
     flips: int
     left: float
     tilt: float
+    exponent: float
+    mean_megno: float
     energy_drift: float
     momentum_drift: float
     unit_drift: float
     step: float
     steps: int
-    run: Run
+    run: Any
 
 
 def replay(
@@ -103,7 +115,10 @@ def replay(
     scene = spec.grid.scene_of(flat)
     start, step = (record["omega"], record["attitude"]), float(record["step"])
     method = record["method"]
-    if method == EXACT:
+    run: Any
+    if isinstance(spec.stable, Regular):
+        run = _growth(spec, flat, record, t)
+    elif method == EXACT:
         times = np.linspace(0.0, spec.t_end, 501) if t is None else t
         run = simulate(scene, *start, t=times, method=method)
     elif not math.isfinite(step):  # it was not run: only its start is known
@@ -129,6 +144,32 @@ def replay(
     )
 
 
+def _growth(spec: MapSpec, pixel: int, record: Mapping[str, Any], t: ArrayLike | None) -> Growth:
+    """The growth of the displacement of a body, at whole numbers of the steps that were taken."""
+    assert isinstance(spec.stable, Regular)
+    step = float(record["step"])
+    taken = math.isfinite(step)
+    times = spec.t_end / PARTS * np.arange(1.0, PARTS + 1.0, dtype=np.float64)
+    if t is not None:
+        times = sorted_times("t", t)
+        if not times.size or times[0] <= 0.0:
+            raise ValueError("t: must be positive times")
+    # Of the very start of the map: an attitude given by a user would be normalised first.
+    start = np.array([record["omega"]]), np.array([record["attitude"]])
+    ((_, batch),) = spec.grid.batches_by_forcing(np.array([pixel]), *start)
+    return growth_of(
+        spec.grid.scene_of(pixel),
+        batch,
+        (),
+        times,
+        of=spec.stable.of,
+        method=record["method"] if taken else SECOND,
+        step=step if taken else None,
+        max_steps=spec.max_steps,
+        threads=1,
+    )
+
+
 def _require_same_bits(data: MapData, flat: int, sample: int) -> None:
     """Raise ValueError if this build computes other numbers for a pixel than the map has.
 
@@ -145,6 +186,8 @@ def _require_same_bits(data: MapData, flat: int, sample: int) -> None:
         if not column.reproducible:
             continue
         new, old = again[column.name], data.columns[column.name].flat[flat]
+        if not whole and not column.counts and column.reduction == "sum":
+            continue  # of terms of both signs
         possible = {"sum": new <= old, "max": not new > old, "min": new >= old}
         same = new == old or math.isnan(old)  # NaN: the map says nothing about it
         if not (same if whole else possible[column.reduction]):

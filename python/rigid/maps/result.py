@@ -46,7 +46,8 @@ class StabilityMap(MapData):
         0 possible body; 1 a moment is not finite; 2 not positive; 3 triangle inequality broken.
     stable, unstable, undecided, failed : ndarray of int64
         Bodies of each class. Undecided: the second method disagrees; in closed form, the body
-        leaves stability within rounding of the horizon.
+        leaves stability within rounding of the horizon. With :func:`rigid.regular` the stable are
+        regular and the unstable chaotic; what is neither yet is undecided.
     step_limit, not_finite, drifted : ndarray of int64
         Why bodies have failed: more than ``max_steps`` steps were needed; overflow; energy,
         momentum or unit lengths off by more than 0.1.
@@ -59,18 +60,30 @@ class StabilityMap(MapData):
         Bodies done, the sum of the four classes.
     share : ndarray
         ``stable / (stable + unstable)``, NaN if there are none.
+    chaotic_share : ndarray
+        ``1 - share``.
     lower, upper : ndarray
         95 % Clopper-Pearson interval of the share, widened by the undecided: they count as unstable
         for ``lower`` and as stable for ``upper``. Whatever the true share of a pixel is, the
         interval of this pixel holds it with a chance of 95 % or more. That is said of each pixel
         alone: of 1000 intervals, up to 50 miss on average.
+    exponent, mean_megno, largest_exponent : ndarray
+        With :func:`rigid.regular`: means over the integrated bodies of their exponent (1/s) and of
+        their mean MEGNO, and the largest exponent. Those of a body are its numbers when its run
+        ended: runs that are clearly chaotic end at a quarter or at half of the horizon. NaN where
+        no body was integrated.
+    growth, megno : ndarray of int64
+        The sums of exponent times horizon and of mean MEGNO in units of ``2**-20``: they do not
+        depend on the order of the bodies.
+    resolution : float
+        The smallest exponent (1/s) that the horizon can show; NaN for other criteria.
     energy_drift, momentum_drift, unit_drift : ndarray
         Worst relative drift of the energy and of the conserved momentum, and worst deviation of the
         length of a direction from one, in each pixel, failed bodies included; a drift above 0.1 is
         why a body counts as ``drifted``. NaN where nothing was integrated, because closed forms do
         not drift, and ``unit_drift`` in a loaded map of format 3, which has no such array.
     earliest : ndarray
-        First time at which a body left stability, s; inf if none did.
+        First time at which a body left stability, or was seen to be chaotic, s; inf if none did.
     steps : ndarray of int64
         Time steps taken.
     exact : ndarray of int64

@@ -19,7 +19,15 @@ from ..model.scene import Scene, scene_from_dict
 from ..model.seed import checked_seed
 from ..model.start import Start
 from ..solve.closed_form import FORCED_RULE, closed_forms, question_words, rule
-from ..solve.methods import AUTO, EXACT, check_method, map_methods
+from ..solve.methods import (
+    AUTO,
+    EXACT,
+    GROWTH_FALLBACK,
+    MAP_FALLBACK,
+    check_method,
+    map_methods,
+)
+from ..solve.tangent import check_tangent
 from .grid import NominalStarts, grid_shape, nominal_starts
 from .parameters import Axis, check_applicable, make_axes
 
@@ -39,15 +47,15 @@ class MapSpec:
     start : Start
     axes : tuple of Axis
         x first, then y.
-    stable : NoFlip or TiltBelow
+    stable : NoFlip, TiltBelow or Regular
         The criterion, with no default left open.
     t_end : float
         Horizon in s.
     samples : int
         Bodies per pixel.
     method : str
-        ``"auto"``: the closed form for each body that has one, else ``"taylor12"``; ``"exact"``:
-        closed forms only; or the name of a scheme.
+        ``"auto"``: the closed form for each body that has one, else ``"taylor12"``, or ``"dop853"``
+        where displacements are integrated; ``"exact"``: closed forms only; or the name of a scheme.
     step : float or None
         Time step of the bodies that are integrated, s; None: the core picks one for each body from
         a bound of its rates.
@@ -109,6 +117,8 @@ class MapSpec:
         if self.scene.torque is not None and self.scene.torque.times:
             raise ValueError("torque: maps accept constant torques only, not a table")
         check_method(self.method, self.scene.kind, watched=True, driven=self.is_driven)
+        if self.stable.displaced and self.method != AUTO:
+            check_tangent(self.method, driven=self.is_driven)
         if self.method == EXACT:
             self._require_closed_forms()
         put("seed", checked_seed("seed", self.seed))
@@ -160,7 +170,14 @@ class MapSpec:
     @property
     def criterion(self) -> str:
         """Criterion and horizon in words."""
-        return f"{self.stable} until t = {self.t_end:g} s"
+        return self.stable.until(self.t_end)
+
+    @property
+    def scheme(self) -> str:
+        """The scheme of the bodies without a closed form."""
+        if self.method not in (AUTO, EXACT):
+            return self.method
+        return GROWTH_FALLBACK if self.stable.displaced else MAP_FALLBACK
 
     def _require_closed_forms(self) -> None:
         """Raise ValueError, naming the first, if a possible body has no closed form."""

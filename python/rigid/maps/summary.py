@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..solve.methods import AUTO, EXACT, MAP_FALLBACK, SECOND
+from ..solve.methods import AUTO, EXACT, SECOND
 from .data import CLASSES, FAILURES, MapData
 from .theory import Theory, disagreement, predict
 
@@ -24,6 +24,7 @@ def summary(data: MapData) -> str:
         ("samples", _samples(data)),
         ("bodies", _bodies(data)),
         ("classes", _classes(data)),
+        *([("exponents", _exponents(data))] if spec.stable.displaced else []),
         ("worst drift", _drift(data)),
         ("theory", _theory(data, predict(spec))),
     ]
@@ -40,7 +41,7 @@ def _method(data: MapData) -> str:
     if exact == done:
         return f"{spec.method}: closed form"
     share = f"closed form for {exact:,} bodies, else " if exact else ""
-    return f"{spec.method}: {share}{MAP_FALLBACK}, {step}"
+    return f"{spec.method}: {share}{spec.scheme}, {step}"
 
 
 def _samples(data: MapData) -> str:
@@ -77,6 +78,13 @@ def _classes(data: MapData) -> str:
         f"{counts[name]:,} {name.replace('_', ' ')}" for name in FAILURES if counts[name]
     )
     return f"{text}: {why}" if why else text
+
+
+def _exponents(data: MapData) -> str:
+    known = data.largest_exponent[~np.isnan(data.largest_exponent)]
+    if not known.size:
+        return "none measured"
+    return f"largest {known.max():.3g} 1/s; none below {data.resolution:.3g} 1/s can be seen"
 
 
 def _drift(data: MapData) -> str:

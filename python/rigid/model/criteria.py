@@ -20,17 +20,23 @@ from .start import Start, body_axis
 
 __all__ = [
     "CRITERIA",
+    "NORMS",
     "Criterion",
     "NoFlip",
+    "Regular",
     "TiltBelow",
     "check_criterion",
     "criterion_from_dict",
     "known_criteria",
     "no_flip",
+    "regular",
     "tilt_below",
 ]
 
 REFERENCES = ("start", "vertical")
+
+NORMS = ("rates", "attitude")
+"""What the growth of a displacement is that of: rates and vertical, or rates and attitude."""
 
 
 class Criterion(ABC):
@@ -41,17 +47,24 @@ class Criterion(ABC):
     name : str
         Name in :data:`CRITERIA`, in map files and saved maps; a function of this name in
         :mod:`rigid` makes the criterion.
+    stays : str
+        A body that meets the criterion, in one word.
     record : {"rates", "axis"}
         The state that must be integrated to observe the criterion.
-    watch_work : float
-        Work that the observation adds to a step of 32 bodies, in the unit of plans.
+    displaced : bool
+        Whether a displacement is integrated with the motion.
     """
 
     __slots__ = ()
 
     name: ClassVar[str]
+    stays: ClassVar[str] = "stable"
     record: ClassVar[str]
-    watch_work: ClassVar[float]
+    displaced: ClassVar[bool] = False
+
+    @abstractmethod
+    def watched(self, step: float) -> float:
+        """Work of a step of 32 bodies with the observation, from that of the step alone."""
 
     @abstractmethod
     def resolved(self, scene: Scene, start: Start | None) -> Self:
@@ -61,8 +74,8 @@ class Criterion(ABC):
         """
 
     @abstractmethod
-    def core(self) -> tuple[str, int, float]:
-        """Name, axis and limit as the core takes them."""
+    def core(self) -> tuple[str, int, tuple[float, ...]]:
+        """Name, axis and limits as the core takes them."""
 
     @abstractmethod
     def closed_form_question(self) -> tuple[str, int | None] | None:
@@ -71,6 +84,10 @@ class Criterion(ABC):
     @abstractmethod
     def check_forced(self) -> None:
         """Raise ValueError if a map cannot observe the criterion under torque and damping."""
+
+    def until(self, t_end: float) -> str:
+        """The criterion with its horizon (s) in words."""
+        return f"{self} until t = {t_end:g} s"
 
     def to_dict(self) -> dict[str, Any]:
         """The criterion as a JSON-able dictionary."""
@@ -83,13 +100,16 @@ class NoFlip(Criterion):
 
     name: ClassVar[str] = "no_flip"
     record: ClassVar[str] = "rates"
-    watch_work: ClassVar[float] = 0.06
 
     axis: int | None = None
 
     def __post_init__(self) -> None:
         if self.axis is not None:
             object.__setattr__(self, "axis", body_axis(self.axis))
+
+    def watched(self, step: float) -> float:
+        """A little more than the step."""
+        return step + 0.06
 
     def resolved(self, scene: Scene, start: Start | None) -> Self:
         """The criterion with the default axis in place of ``None``."""
@@ -101,11 +121,11 @@ class NoFlip(Criterion):
             raise ValueError("no_flip() without an axis: say no_flip(axis) to plan for a top")
         return self
 
-    def core(self) -> tuple[str, int, float]:
-        """Name, axis and limit as the core takes them."""
+    def core(self) -> tuple[str, int, tuple[float, ...]]:
+        """Name, axis and no limits as the core takes them."""
         if self.axis is None:
             raise ValueError("no_flip() without an axis needs a start: call resolved() first")
-        return "no_flip", self.axis, 0.0
+        return "no_flip", self.axis, ()
 
     def closed_form_question(self) -> tuple[str, int | None]:
         """Free bodies have closed forms, and Lagrange tops about their symmetry axis."""
@@ -124,7 +144,6 @@ class TiltBelow(Criterion):
 
     name: ClassVar[str] = "tilt_below"
     record: ClassVar[str] = "axis"
-    watch_work: ClassVar[float] = 0.09
 
     angle: float
     axis: int = 3
@@ -138,6 +157,10 @@ class TiltBelow(Criterion):
         if self.reference is not None:
             one_of("reference", self.reference, REFERENCES)
 
+    def watched(self, step: float) -> float:
+        """A little more than the step."""
+        return step + 0.09
+
     def resolved(self, scene: Scene, start: Start | None) -> Self:
         """The criterion with the default reference in place of ``None``."""
         if scene.directions:
@@ -148,13 +171,13 @@ class TiltBelow(Criterion):
             )
         return replace(self, reference="start")
 
-    def core(self) -> tuple[str, int, float]:
+    def core(self) -> tuple[str, int, tuple[float, ...]]:
         """Name, axis and limit (rad) as the core takes them."""
         if self.reference is None:
             raise ValueError(
                 "tilt_below() without a reference needs a scene: call resolved() first"
             )
-        return f"tilt_from_{self.reference}", self.axis, self.angle
+        return f"tilt_from_{self.reference}", self.axis, (self.angle,)
 
     def closed_form_question(self) -> tuple[str, int] | None:
         """Lagrange tops have closed forms, for the tilt of their axis from the vertical."""
@@ -173,7 +196,75 @@ class TiltBelow(Criterion):
         return f"tilt of axis {self.axis}{origin[self.reference]} below {self.angle:g} rad"
 
 
-CRITERIA: Mapping[str, type[Criterion]] = {known.name: known for known in (NoFlip, TiltBelow)}
+@dataclass(frozen=True, slots=True)
+class Regular(Criterion):
+    """Stable while the motion is regular, not chaotic; made by :func:`regular`."""
+
+    name: ClassVar[str] = "regular"
+    stays: ClassVar[str] = "regular"
+    record: ClassVar[str] = "axis"
+    displaced: ClassVar[bool] = True
+
+    of: str = "rates"
+    sure: float = 2.1
+    low: float = 3.0
+    high: float = 5.0
+    ratio: float = 1.5
+
+    def __post_init__(self) -> None:
+        one_of("of", self.of, NORMS)
+        for name in ("sure", "low", "high", "ratio"):
+            object.__setattr__(self, name, finite_float(name, getattr(self, name), positive=True))
+        if self.sure > self.low:
+            raise ValueError(f"sure = {self.sure:g}: must be at most low = {self.low:g}")
+        if self.low >= self.high:
+            raise ValueError(f"low = {self.low:g}: must be below high = {self.high:g}")
+        if self.ratio <= 1.0:
+            raise ValueError(f"ratio = {self.ratio:g}: must be above 1, the ratio of a power law")
+
+    @property
+    def limits(self) -> tuple[float, float, float, float]:
+        """The numbers of the rule, as the core takes them."""
+        return self.sure, self.low, self.high, self.ratio
+
+    def resolution(self, t_end: float) -> float:
+        """The smallest exponent (1/s) that a horizon (s) can show.
+
+        The mean MEGNO of an exponent is half of it times the horizon.
+        """
+        return 2.0 * self.high / t_end
+
+    def watched(self, step: float) -> float:
+        """More than twice the step: that of the displacement, and its growth."""
+        return 2.3 * step
+
+    def resolved(self, scene: Scene, start: Start | None) -> Self:
+        """The criterion, which leaves nothing open."""
+        return self
+
+    def core(self) -> tuple[str, int, tuple[float, ...]]:
+        """Name, no axis, and the numbers of the rule as the core takes them."""
+        return f"regular_{self.of}", 0, self.limits
+
+    def closed_form_question(self) -> tuple[str, None]:
+        """Free bodies and Lagrange tops are regular by theorem."""
+        return "regular", None
+
+    def check_forced(self) -> None:
+        """Do nothing: displacements are integrated under torque and damping too."""
+
+    def until(self, t_end: float) -> str:
+        """The criterion with its horizon (s) and what this horizon can show, in words."""
+        seen = f"{2.0 * self.high:g}/T = {self.resolution(t_end):g} 1/s"
+        return f"{self} down to {seen} until T = {t_end:g} s"
+
+    def __str__(self) -> str:
+        return "regular" if self.of == "rates" else "regular with its attitude"
+
+
+CRITERIA: Mapping[str, type[Criterion]] = {
+    known.name: known for known in (NoFlip, TiltBelow, Regular)
+}
 """All criteria by their name."""
 
 
@@ -233,6 +324,57 @@ def tilt_below(angle: float, *, axis: int = 3, reference: str | None = None) -> 
     'tilt of axis 3 from the vertical below 0.5 rad'
     """
     return TiltBelow(angle, axis, reference)
+
+
+def regular(
+    of: str = "rates", sure: float = 2.1, low: float = 3.0, high: float = 5.0, ratio: float = 1.5
+) -> Regular:
+    """Stable: the motion is regular, as far as its horizon can tell; unstable: it is chaotic.
+
+    A small displacement of the motion is integrated with it. It grows like a power of the time on
+    regular motions, and exponentially on chaotic ones: the mean MEGNO stays, or doubles with the
+    time. What is neither yet is undecided. A map runs each body twice, by two methods and from two
+    displacements. A body is regular if both runs are; chaotic if one is and the other is not
+    regular.
+
+    Parameters
+    ----------
+    of : {"rates", "attitude"}
+        The size of a displacement, as in :func:`rigid.lyapunov`.
+    sure, low : float
+        A run is regular if its mean MEGNO at the horizon is below ``sure``, or below ``low`` and
+        less than 1/2 above that at half of the horizon. The limit of regular motions is 2.
+    high, ratio : float
+        A run is chaotic if its mean MEGNO is above ``high`` and above ``ratio`` times that at half
+        of the time; at a quarter and at half of the horizon only if it is above twice ``high``: the
+        run then ends. Quadratic growth gives 4 and a ratio of 1, exponential growth a ratio of 2.
+
+    Returns
+    -------
+    Regular
+
+    Raises
+    ------
+    ValueError
+        If ``of`` is unknown, or unless ``sure <= low < high`` and ``ratio > 1``.
+
+    Notes
+    -----
+    *Regular* always means: no exponent above ``2 high / T`` until the horizon ``T``. Free bodies
+    and symmetric tops with their centre of mass on the axis are regular by theorem and not run; on
+    a separatrix, to the last bit, they are undecided.
+
+    References
+    ----------
+    P. M. Cincotta, C. Simó, Astron. Astrophys. Suppl. 147 (2000) 205, doi 10.1051/aas:2000108.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> rigid.regular().until(200.0)
+    'regular down to 10/T = 0.05 1/s until T = 200 s'
+    """
+    return Regular(of, sure, low, high, ratio)
 
 
 def check_criterion(name: str, criterion: object) -> Criterion:

@@ -187,8 +187,9 @@ def plan(
     ----------
     scene : FreeBody or HeavyTop
         The body, or many, with their weight, applied torque and damping.
-    question : {"rates", "axis", "attitude"}, NoFlip or TiltBelow
-        States at given times, or a criterion: :func:`no_flip`, :func:`tilt_below`.
+    question : {"rates", "axis", "attitude"}, NoFlip, TiltBelow or Regular
+        States at given times, or a criterion: :func:`no_flip`, :func:`tilt_below`,
+        :func:`regular`.
     omega, attitude : array_like, optional
         Initial rates and attitudes, as in :func:`simulate`. The step, the number of steps and the
         error follow from the rates; the attitude shows whether a top swings as a pendulum.

@@ -51,9 +51,9 @@ FORCED_RULE = (
 )
 
 _CLASS_RULE = (
-    "closed forms are known of no_flip of a free body, and of tilt_below(axis=±k, "
-    "reference='vertical') and no_flip(k) of a top with two moments equal to the bit and its "
-    "centre of mass on the third axis k"
+    "closed forms are known of no_flip and regular of a free body, and of tilt_below(axis=±k, "
+    "reference='vertical'), no_flip(k) and regular of a top with two moments equal to the bit and "
+    "its centre of mass on the third axis k"
 )
 
 

@@ -386,7 +386,7 @@ def _work(scheme: Scheme, question: str | Criterion) -> Work:
     if isinstance(question, str):
         return scheme.work[question]
     known = scheme.work[question.record]
-    return replace(known, step=known.step + question.watch_work)
+    return replace(known, step=question.watched(known.step))
 
 
 def _worst(errors: Floats | None) -> float | None:

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..model.criteria import Regular
 from ..model.scene import scene_from_dict
 from .plan import Plan
-from .regularity import RESOLVED
 from .status import Status, sentences
 
 __all__ = ["Growth"]
@@ -92,7 +92,7 @@ class Growth:
     @property
     def resolution(self) -> float:
         """The smallest exponent (1/s) that this horizon can show: ``10 / t[-1]``."""
-        return RESOLVED / float(self.t[-1])
+        return Regular().resolution(float(self.t[-1]))
 
     @property
     def pairing(self) -> Floats | None:

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.arguments import numbers, one_of, positive_int, resolve_threads, sorted_times
+from ..model.criteria import NORMS, Regular
 from ..model.scene import Scene, check_scene
 from .arrays import time_span
 from .batch import Batch
@@ -17,7 +18,6 @@ from .choose_method import Problem, choose_method
 from .growth import Growth
 from .integrate import integrate
 from .methods import EXACT, SECOND
-from .regularity import CHECKPOINTS, RULE
 from .request import Request
 from .saddle import verticals
 from .status import Status
@@ -26,23 +26,11 @@ from .tangent import check_tangent, rate_scale
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-__all__ = ["lyapunov"]
+__all__ = ["growth_of", "lyapunov"]
 
 Floats = NDArray[np.float64]
 
-NORMS = ("rates", "attitude")
-"""What the growth is that of: rates and vertical, or rates and attitude."""
-
-STARTS = np.array(
-    [
-        [0.5, -0.25, 0.375, 0.3125, 0.4375, -0.5],
-        [-0.25, 0.5, 0.125, 0.25, -0.375, 0.625],
-        [0.125, 0.25, -0.5, -0.5, 0.25, 0.125],
-        [0.375, -0.5, -0.25, 0.125, 0.625, 0.375],
-        [0.25, 0.125, 0.5, 0.5, -0.125, 0.25],
-        [-0.5, 0.375, 0.25, -0.125, 0.5, -0.625],
-    ]
-)
+STARTS = _core.displacement_starts()
 """Displacements at the start: rates in the unit of the body, rotation vectors in rad. They are
 generic, so that each has a part along the direction that grows most."""
 
@@ -51,6 +39,9 @@ ANOTHER = "taylor20"
 
 LOOKS = 100
 """Number of times at which a motion is compared with a second run."""
+
+CHECKPOINTS = tuple(1.0 / parts for parts in _core.CHECKPOINT_PARTS)
+"""Shares of the horizon at which the mean MEGNO is read for the verdict."""
 
 FEWEST = 64
 """Least number of steps until the first time and the first checkpoint: means need them."""
@@ -155,7 +146,39 @@ def lyapunov(
         raise ValueError("method = 'exact': displacements are integrated; name a scheme")
     check_tangent(method, driven=scene.is_driven)
     batch, shape = Batch.from_input(scene, omega, attitude)
-    chosen, threads = method or SECOND, resolve_threads(threads)
+    return growth_of(
+        scene,
+        batch,
+        shape,
+        times,
+        of=of,
+        count=count,
+        start=start,
+        method=method or SECOND,
+        step=step,
+        check=check,
+        max_steps=positive_int("max_steps", max_steps),
+        threads=resolve_threads(threads),
+    )
+
+
+def growth_of(
+    scene: Scene,
+    batch: Batch,
+    shape: tuple[int, ...],
+    times: Floats,
+    *,
+    of: str,
+    method: str,
+    step: float | None,
+    max_steps: int,
+    threads: int,
+    count: int = 1,
+    start: ArrayLike | None = None,
+    check: bool = True,
+) -> Growth:
+    """The growth of displacements of checked bodies, whose axes are ``shape``."""
+    chosen = method
     plan, steps = choose_method(
         Problem(
             scene=scene,
@@ -168,7 +191,7 @@ def lyapunov(
         )
     )
     every = np.union1d(times, times[-1] * np.array(CHECKPOINTS))
-    run = _Run(batch, every, of, positive_int("max_steps", max_steps), threads)
+    run = _Run(batch, every, of, max_steps, threads)
     vectors = _displacements(batch, start, count, of)
     found = run.growth(chosen, steps, vectors)
     wanted = np.searchsorted(every, times)
@@ -181,11 +204,12 @@ def lyapunov(
     if check:
         again = run.again(ANOTHER if chosen == SECOND else SECOND, vectors[:, 0])
         error = 3.0 * np.abs(again["logs"][0::2, wanted, 0] - log[:, wanted]).max(axis=1)
-        second = 2.0 * again["logs"][1::2, marks, 3]
+        second = np.ascontiguousarray(2.0 * again["logs"][1::2, marks, 3])
         lost_from = _lost_from(batch, times, chosen, steps, run.max_steps, threads)
     else:
         status = np.where(status == Status.OK, Status.UNCHECKED, status).astype(np.uint8)
-    verdict = RULE.verdict(2.0 * mean_megno[:, marks], second)
+    means = np.ascontiguousarray(2.0 * mean_megno[:, marks])
+    verdict = np.array(_core.verdicts(means, second, Regular().limits))
     verdict = np.where(np.isin(status, (Status.OK, Status.UNCHECKED)), verdict, "failed")
 
     def of_body(values: NDArray[Any]) -> Any:

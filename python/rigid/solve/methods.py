@@ -11,6 +11,7 @@ __all__ = [
     "AUTO",
     "EXACT",
     "FALLBACK",
+    "GROWTH_FALLBACK",
     "MAP_FALLBACK",
     "SECOND",
     "STIFF",
@@ -46,6 +47,9 @@ FALLBACK = _CHOSEN["default"]
 
 MAP_FALLBACK = _CHOSEN["map"]
 """The default scheme of the samples of a map without a closed form."""
+
+GROWTH_FALLBACK = _CHOSEN["growth"]
+"""That of a map that measures the growth of displacements."""
 
 SECOND = _CHOSEN["second"]
 """The scheme that classifies the samples of a map again."""

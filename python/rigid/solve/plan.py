@@ -40,7 +40,7 @@ class Plan:
         closed form.
     carried : tuple of str
         Variables computed: ``"omega"``, ``"gamma"`` (the vertical in the body), ``"attitude"``;
-        under torque and damping their ``"work"``.
+        under torque and damping their ``"work"``; ``"displacement"`` of a nearby motion.
     step : float or None
         Longest step (s), the shortest of many bodies; None for a closed form and where the rates
         are not known.
@@ -200,12 +200,15 @@ def carried(scene: Scene, question: Question, method: str) -> tuple[str, ...]:
     exact = method == EXACT
     watched = not isinstance(question, str)
     record = question if isinstance(question, str) else question.record
+    if watched and exact and not scene.is_driven:
+        return ()
+    if not isinstance(question, str) and question.displaced:
+        attitude = ("attitude",) if scene.is_driven else ()
+        return ("omega", "gamma", *attitude, "displacement")
     if scene.is_driven and (watched or not exact):
         bare = record == "rates" and not scene.rates_need_attitude
         variables = ("omega",) if bare else ("omega", "gamma", "attitude")
         return variables if watched else (*variables, "work")
-    if watched and exact:
-        return ()
     turns = bool(scene.directions)
     if exact:
         # The rates of a top and every vertical come from the attitude.

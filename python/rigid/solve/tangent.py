@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import _core
 from .methods import EXACT, SECOND, tangent_methods
 from .request import Request
 from .status import Status
@@ -40,12 +41,11 @@ def check_tangent(method: str | None, *, driven: bool, by_parameters: bool = Fal
     raise ValueError(f"method = {method!r}: {why}; {', '.join(map(repr, known))} have one")
 
 
-@np.errstate(over="ignore")
 def rate_scale(batch: Batch) -> Floats:
     """Unit of the rates, ``sqrt(|omega|² + mgl / I_min)`` at the start; 1 if that is zero."""
-    weight = np.linalg.norm(batch.weight, axis=1) / batch.moments.min(axis=1)
-    scale: Floats = np.sqrt(np.sum(batch.omega**2, axis=1) + weight)
-    return np.where(scale > 0.0, scale, 1.0)
+    return _core.rate_units(
+        moments=batch.moments, weight=batch.weight, omega=batch.omega, attitude=batch.attitude
+    )
 
 
 def tangent_of(

@@ -88,7 +88,7 @@ def test_numbers_of_flips_beyond_any_memory_are_refused() -> None:
         ("rigid.simulate(free, [1.0, 2.0, 3.0], t=times, check=False)", "states of 1 bodies"),
         ("rigid.simulate(top, np.ones((10**4, 3)), t=some, method='rk4')", "states of 10000"),
         ("rigid.exact.jacobi(times, 0.5)", ""),
-        ("_core.MapStatistics(10**8)", "pixels of the map: 13600000000 bytes"),
+        ("_core.MapStatistics(10**8)", "pixels of the map: 16000000000 bytes"),
     ],
 )
 def test_a_limit_of_the_address_space_is_a_memory_error(statement: str, words: str) -> None:

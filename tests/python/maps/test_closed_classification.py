@@ -50,7 +50,7 @@ def judged(
         attitude_size=np.zeros(n),
         criterion=criterion,
         axis=axis,
-        limit=limit,
+        limits=[] if criterion == "no_flip" else [limit],
         t_end=t_end,
         step=STEP,
         max_steps=10**7,

@@ -42,7 +42,7 @@ def job(
         attitude_size=ATTITUDE_SIZE,
         criterion="no_flip",
         axis=3,
-        limit=0.0,
+        limits=(),
         t_end=1e-3,
         step=None,
         max_steps=10**6,

@@ -362,7 +362,7 @@ def test_a_map_of_format_3_is_read_without_unit_drift(
 ) -> None:
     """Format 3 had no `unit_drift` and other intervals: the first is unknown, the others follow."""
     whole = small_map(**REQUESTS["free"])
-    new = ("unit_drift", "audited", "audited_undecided")
+    new = ("unit_drift", "audited", "audited_undecided", "growth", "megno", "largest_exponent")
     old = {name: array for name, array in arrays.items() if name not in new}
     old |= {"lower": old["lower"] - 0.01, "upper": old["upper"] + 0.01}
     header = {**header_of(arrays), "format_version": 3}

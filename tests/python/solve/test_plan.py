@@ -504,7 +504,9 @@ def refused(call: Callable[[], object], kind: type[Exception] = ValueError) -> s
 
 
 STATES_RULE = "closed forms are known of a free body, of a top with two moments equal to the bit"
-CLASS_RULE = "closed forms are known of no_flip of a free body, and of tilt_below(axis=±k"
+CLASS_RULE = (
+    "closed forms are known of no_flip and regular of a free body, and of tilt_below(axis=±k"
+)
 
 
 def test_exact_is_refused_where_there_is_no_closed_form() -> None:

@@ -83,6 +83,9 @@ fn merged(a: Statistics, b: Statistics) -> Statistics {
         momentum_drift: a.momentum_drift.max(b.momentum_drift),
         unit_drift: a.unit_drift.max(b.unit_drift),
         earliest: a.earliest.min(b.earliest),
+        growth: a.growth + b.growth,
+        megno: a.megno + b.megno,
+        largest_exponent: a.largest_exponent.max(b.largest_exponent),
         steps: a.steps + b.steps,
         nanoseconds: 0.0,
     }
@@ -90,7 +93,14 @@ fn merged(a: Statistics, b: Statistics) -> Statistics {
 
 /// The whole map in pieces of `size` samples.
 fn in_pieces(map: &Map, size: u64, threads: usize, isa: Isa) -> Vec<Statistics> {
-    let none = Statistics { energy_drift: 0.0, momentum_drift: 0.0, unit_drift: 0.0, ..Statistics::NONE };
+    // A NaN would not equal itself.
+    let none = Statistics {
+        energy_drift: 0.0,
+        momentum_drift: 0.0,
+        unit_drift: 0.0,
+        largest_exponent: f64::NEG_INFINITY,
+        ..Statistics::NONE
+    };
     let mut all = vec![none; map.pixels.len()];
     for start in (0..map.len()).step_by(size as usize) {
         let (first, part) = map.run(start, map.len().min(start + size), threads, isa, &GO).unwrap();
@@ -132,6 +142,45 @@ fn a_map_does_not_depend_on_the_division_of_the_work() {
         assert!(total.stable > 0 && total.unstable > 0 && total.earliest < map.t_end, "{total:?}");
         assert_eq!(total.exact, if map.scene.has_weight { SAMPLES } else { 4 * SAMPLES });
         assert_eq!(total.steps > 0, map.scene.has_weight, "{total:?}");
+    }
+}
+
+/// Regular and chaotic motions of a top without symmetry, with and without damping; the second pixel is regular by
+/// theorem.
+fn maps_of_growth() -> Vec<Map> {
+    let rule = Rule { sure: 2.1, low: 3.0, high: 5.0, ratio: 1.5 };
+    let taylor = MethodChoice::Only(Solver::Steps(&scheme::TAYLOR16));
+    let mut maps = vec![
+        map(true, MethodChoice::Auto, Criterion::RegularRates(rule), None),
+        map(true, taylor, Criterion::RegularAttitude(rule), Some(0.2)),
+        map(true, MethodChoice::Auto, Criterion::RegularRates(rule), None),
+    ];
+    for map in &mut maps {
+        let top = Body {
+            moments: [1.0, 1.6, 0.7],
+            weight: [0.72, 0.0, 0.96],
+            omega: [0.3, 0.4, 1.0],
+            attitude: [1.0, 0.0, 0.0, 0.0],
+        };
+        map.pixels[0].body = top;
+        map.pixels[1].body.moments = [1.0, 1.0, 0.5];
+        map.pixels[1].body.weight = [0.0, 0.0, 1.0];
+        map.pixels[4].body = Body { omega: [0.1, 0.0, 8.0], ..top };
+        (map.axis, map.t_end, map.samples, map.max_steps) = (0, 150.0, 12, 100_000);
+    }
+    let damping = [1e-4, 2e-4, 1e-4, 0.0, 0.0, 0.0];
+    maps[2].forcing = vec![Forcing::new(&[], &[[0.0; 3]], &[[0.0; 3]], &[damping]).unwrap(); 5];
+    maps
+}
+
+#[test]
+fn classes_of_growth_do_not_depend_on_the_division_of_the_work() {
+    for map in maps_of_growth() {
+        let total = compared(&map);
+        let exact = map.method == MethodChoice::Auto && map.forcing.is_empty();
+        assert!(total.stable > 12 && total.unstable > 0 && total.failed == 12, "{total:?}");
+        assert_eq!(total.exact, if exact { 12 } else { 0 });
+        assert!(total.growth > 0 && total.megno > 0 && total.largest_exponent > 0.05, "{total:?}");
     }
 }
 

@@ -14,7 +14,7 @@ use rigid::forcing::Forcing;
 use rigid::kernel::Group;
 use rigid::kernel::{Compiled, ForcingRows, Kernel, System};
 use rigid::kernel::{Entry, KernelAssignment, load};
-use rigid::map::{Check, Class, Criterion, Map, MethodChoice, Pixel, Statistics};
+use rigid::map::{Check, Class, Criterion, Map, MethodChoice, Pixel, Rule, Statistics};
 use rigid::observe::{Displacement, EXIT_TIME, Flips, Observed, Tilt};
 use rigid::parallel::Interrupt;
 use rigid::sample::{Law, uniforms};

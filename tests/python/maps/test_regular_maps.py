@@ -1,0 +1,306 @@
+"""Maps of regular motions: theorems, the rule, the numbers of a pixel, and their bits."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rigid
+from rigid import _core
+from rigid.maps.parameters import PARAMETERS
+from rigid.model.criteria import criterion_from_dict
+from small_maps import NAMED, assert_same_map, saved_bytes
+
+COM = np.array([0.3, 0.2, 0.93]) / np.linalg.norm([0.3, 0.2, 0.93])
+TOP = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=COM)
+KOVALEVSKAYA = rigid.HeavyTop(rigid.Body((2.0, 2.0, 1.0)), mgl=1.0, com=(1.0, 0.0, 0.0))
+LAGRANGE = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
+BOX = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
+SPIN = rigid.Start(spin=0.0)
+
+
+def regular_map(scene: Any = TOP, **options: Any) -> rigid.StabilityMap:
+    """Tilt and spin of a top, from hanging to upright and from rest to fast."""
+    chosen: dict[str, Any] = {
+        "axes": {"tilt": np.linspace(0.05, 3.09, 8), "spin": np.linspace(0.0, 8.0, 8)},
+        "start": SPIN,
+        "samples": 1,
+        "t_end": 200.0,
+        "stable": rigid.regular(),
+        "rng": 1,
+        "progress": False,
+    }
+    return rigid.stability_map(scene, **{**chosen, **options})
+
+
+CLOUD: dict[str, Any] = {
+    "axes": {"spin": [1.0, 2.9, 7.0]},
+    "start": rigid.Start(spin=0.0, tilt=0.6, attitude_noise=rigid.normal(0.2)),
+    "samples": 24,
+}
+"""Regular, chaotic and undecided bodies in a pixel."""
+
+
+# --- Theorems ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("scene", "undecided"),
+    [(LAGRANGE, 0.002), (BOX, 0.002), (KOVALEVSKAYA, 0.02)],
+    ids=["lagrange", "euler", "kovalevskaya"],
+)
+def test_no_integrable_body_is_called_chaotic(scene: Any, undecided: float) -> None:
+    """All are integrated; the whole of 4096 bodies of each is a long test."""
+    found = regular_map(
+        scene,
+        axes={"spin": [0.5, 1.0, 2.0, 4.0]},
+        start=rigid.Start(spin=0.0, tilt=0.7, noise=rigid.normal(0.3)),
+        samples=64,
+        t_end=100.0,
+        method="dop853",
+    )
+    assert found.unstable.sum() == found.failed.sum() == found.exact.sum() == 0
+    # Three standard deviations above the share of many.
+    allowed = 256 * undecided
+    assert found.undecided.sum() <= allowed + 3.0 * np.sqrt(allowed) + 1.0
+
+
+@pytest.mark.parametrize("scene", [LAGRANGE, BOX, rigid.HeavyTop(BOX.body, mgl=0.0)])
+def test_bodies_with_a_closed_form_are_regular_by_theorem(scene: Any) -> None:
+    start = rigid.Start(spin=0.0, tilt=0.7, noise=rigid.normal(0.3))
+    found = regular_map(scene, axes={"spin": [1.0, 4.0]}, start=start, samples=50, t_end=1e4)
+    assert found.stable.tolist() == found.exact.tolist() == [50, 50]
+    assert found.steps.sum() == 0
+    for values in (found.exponent, found.mean_megno, found.largest_exponent):
+        assert np.isnan(values).all()
+    assert "closed form" in found.summary()
+    assert found.plan.method == "exact"
+
+
+@pytest.mark.parametrize(
+    ("scene", "start", "share"),
+    [
+        # About the middle axis, and on the separatrix: 16 w1² = 9 w3² of moments 4, 8, 9.
+        (BOX, rigid.Start(omega=(0.0, 1.0, 0.0)), np.nan),
+        (BOX, rigid.Start(omega=(1.0, 0.0, 0.0)), 1.0),
+        (BOX, rigid.Start(omega=(0.0, 0.0, 0.0)), 1.0),
+        (
+            rigid.FreeBody(rigid.Body((4.0, 8.0, 9.0))),
+            rigid.Start(omega=(0.375, 0.7, 0.5)),
+            np.nan,
+        ),
+        (
+            rigid.FreeBody(rigid.Body((4.0, 8.0, 9.0))),
+            rigid.Start(omega=(0.375, 0.7, np.nextafter(0.5, 1.0))),
+            1.0,
+        ),
+        # Upright below and above the bound of the sleeping top, 4 rad/s, and hanging.
+        (LAGRANGE, rigid.Start(spin=3.9), np.nan),
+        (LAGRANGE, rigid.Start(spin=4.0), 1.0),
+        (rigid.HeavyTop(LAGRANGE.body, mgl=1.0, com=(0.0, 0.0, -1.0)), rigid.Start(spin=1.0), 1.0),
+    ],
+)
+def test_a_body_on_a_separatrix_is_undecided(scene: Any, start: rigid.Start, share: float) -> None:
+    axis: Any = {"I1": [scene.body.moments[0]]}
+    found = regular_map(scene, axes=axis, start=start, t_end=100.0)
+    assert found.exact.tolist() == [1]
+    np.testing.assert_array_equal(found.share, [share])
+
+
+# --- Chaos ---------------------------------------------------------------------------------------
+
+
+def test_fast_tops_are_regular_and_slow_ones_mostly_chaotic() -> None:
+    found = regular_map()
+    assert found.failed.sum() == 0
+    assert (found.stable[-3:] == 1).all()
+    # 30 % of this top is chaotic: half of what is slower than 3 rad/s.
+    assert 0.2 < np.nanmean(found.chaotic_share) < 0.45
+    assert found.undecided.mean() < 0.1
+    chaotic = found.unstable == 1
+    assert found.resolution == 0.05
+    assert (found.exponent[chaotic] > 0.05).all()
+    assert (found.exponent[found.stable == 1] < 0.05).all()
+    assert (found.mean_megno[found.stable == 1] < 3.0).all()
+    # Clear chaos ends a run at a quarter or at half of the horizon.
+    assert set(found.earliest[chaotic]) <= {50.0, 100.0, 200.0}
+    assert set(found.earliest[~chaotic]) == {np.inf}
+    assert found.earliest[chaotic].min() < 200.0
+
+
+def test_it_is_the_growth_that_lyapunov_measures() -> None:
+    """Bit for bit, by the same steps; and the verdict on it."""
+    found = regular_map(axes={"tilt": [0.3, 2.8], "spin": [0.9, 3.3, 7.1]})
+    verdicts = {"stable": "regular", "unstable": "chaotic", "undecided": "undecided"}
+    for pixel in range(6):
+        body = found.replay(pixel, 0)
+        growth = body.run
+        assert isinstance(growth, rigid.Growth)
+        assert growth.t.shape == (64,)
+        at = np.searchsorted(growth.t, body.left) if np.isfinite(body.left) else -1
+        assert growth.t[at] == (200.0 if at == -1 else body.left)
+        assert growth.exponent[at] == body.exponent
+        assert growth.mean_megno[at] == body.mean_megno
+        assert growth.verdict == verdicts[body.outcome]
+        assert body.exponent == found.largest_exponent.flat[pixel]
+        assert body.exponent == pytest.approx(found.exponent.flat[pixel], abs=1e-8)
+
+
+def test_both_norms_agree_on_what_is_chaotic() -> None:
+    rates, attitude = (regular_map(stable=rigid.regular(of)) for of in ("rates", "attitude"))
+    decided = rates.undecided + attitude.undecided == 0
+    assert (rates.stable[decided] == attitude.stable[decided]).all()
+    assert decided.mean() > 0.85
+
+
+def test_damping_makes_every_motion_regular() -> None:
+    """A top comes to rest, hanging: no displacement grows for ever."""
+    damped = rigid.HeavyTop(TOP.body, mgl=1.2, com=COM, damping=0.1)
+    found = regular_map(damped, axes={"spin": [1.0, 3.0]}, start=rigid.Start(spin=0.0, tilt=2.0))
+    assert found.unstable.sum() == 0
+    assert found.exact.sum() == 0
+    body = found.replay(0, 0)
+    # Its turn about the vertical is removed at other times.
+    assert body.run.exponent[-1] == pytest.approx(body.exponent, rel=1e-12)
+    assert body.exponent < 0.0
+
+
+def test_the_rule_can_be_moved() -> None:
+    """Nothing is chaotic above an unattainable bound, and nothing regular below a tiny one."""
+    never = regular_map(stable=rigid.regular(high=1e6))
+    assert never.unstable.sum() == 0
+    assert never.resolution == 1e4
+    strict = regular_map(stable=rigid.regular(sure=1e-9, low=1e-6))
+    assert strict.stable.sum() == 0
+    plain = regular_map()
+    assert (strict.unstable == plain.unstable).all()
+
+
+def test_the_check_has_another_displacement_and_another_method() -> None:
+    alone, checked = (regular_map(**CLOUD, check=check) for check in (0.0, None))
+    assert alone.checked.sum() == 0
+    assert (checked.checked == checked.samples).all()
+    some = regular_map(**CLOUD, check=0.5)
+    assert (some.checked == 12).all()
+    for name in ("growth", "megno", "largest_exponent"):
+        # Those of the first run, whatever the check says.
+        assert (getattr(alone, name) == getattr(checked, name)).all()
+    assert checked.undecided.sum() > 0
+    assert alone.undecided.sum() > 0
+
+
+# --- Bits and files ------------------------------------------------------------------------------
+
+
+def test_sums_do_not_depend_on_threads_and_chunks(tmp_path: Path) -> None:
+    expected = saved_bytes(regular_map(**CLOUD, threads=1), tmp_path)
+    for options in ({"threads": 2}, {"chunk": 7}, {"threads": 2, "chunk": 31}):
+        assert saved_bytes(regular_map(**CLOUD, **options), tmp_path) == expected
+
+
+def test_means_are_those_of_the_bodies() -> None:
+    """The sums are in units of 2^-20, rounded once for each body."""
+    found = regular_map(**CLOUD, check=0.0)
+    for pixel in range(3):
+        bodies = [found.replay(pixel, sample) for sample in range(24)]
+        exponents = np.array([body.exponent for body in bodies])
+        megno = np.array([body.mean_megno for body in bodies])
+        assert found.exponent[pixel] == pytest.approx(exponents.mean(), abs=2.0**-21 / 200.0)
+        assert found.mean_megno[pixel] == pytest.approx(megno.mean(), abs=2.0**-21)
+        assert found.largest_exponent[pixel] == exponents.max()
+        whole = np.round(exponents * 200.0 * _core.FIXED_POINT).sum()
+        assert found.growth[pixel] == whole
+
+
+def test_a_saved_map_is_loaded_and_replayed(tmp_path: Path) -> None:
+    found = regular_map(**CLOUD)
+    loaded = rigid.load_map(found.save(tmp_path / "map.npz"))
+    assert_same_map(loaded, found)
+    assert loaded.spec == found.spec
+    np.testing.assert_array_equal(loaded.exponent, found.exponent)
+    assert loaded.replay(1, 5).mean_megno == found.replay(1, 5).mean_megno
+
+
+def test_other_criteria_measure_no_exponent() -> None:
+    found = regular_map(stable=rigid.tilt_below(1.0), t_end=10.0)
+    assert np.isnan(found.exponent).all()
+    assert np.isnan(found.mean_megno).all()
+    assert np.isnan(found.largest_exponent).all()
+    assert np.isnan(found.resolution)
+    assert not found.growth.any()
+
+
+def test_all_arrays_are_saved() -> None:
+    assert {"growth", "megno", "largest_exponent"} <= set(NAMED)
+
+
+def test_the_picture_says_what_it_can_see() -> None:
+    pytest.importorskip("matplotlib")
+    ax = regular_map().plot()
+    words = [axis.get_ylabel() for axis in ax.figure.axes]
+    assert "share regular down to 10/T = 0.05 1/s until T = 200 s" in words
+    legend = ax.get_legend()
+    assert legend is not None
+    texts = [text.get_text() for text in legend.get_texts()]
+    assert "undecided > 5 %" in texts
+
+
+def test_the_summary_and_the_plan() -> None:
+    found = regular_map()
+    words = found.summary()
+    assert "regular down to 10/T = 0.05 1/s until T = 200 s" in words
+    assert "auto: dop853, step chosen for each body" in words
+    assert "none below 0.05 1/s can be seen" in words
+    assert found.plan.method == "dop853"
+    assert found.plan.carried == ("omega", "gamma", "displacement")
+    assert "Cincotta" in rigid.cite(found)
+    assert "Cincotta" not in rigid.cite(regular_map(stable=rigid.tilt_below(1.0), t_end=1.0))
+
+
+def test_a_criterion_survives_json() -> None:
+    rule = rigid.regular("attitude", 2.0, 2.5, 6.0, 1.4)
+    assert criterion_from_dict(rule.to_dict()) == rule
+    assert str(rule) == "regular with its attitude"
+
+
+# --- Bad input -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"of": "speed"}, "of = 'speed': must be one of 'rates', 'attitude'"),
+        ({"low": 5.0}, "low = 5: must be below high = 5"),
+        ({"sure": 3.5}, "sure = 3.5: must be at most low = 3"),
+        ({"ratio": 1.0}, "ratio = 1: must be above 1"),
+        ({"high": np.nan}, "high = nan: must be finite"),
+        ({"sure": 0.0}, "sure = 0.0: must be positive"),
+    ],
+)
+def test_a_rule_that_means_nothing_is_refused(arguments: Any, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        rigid.regular(**arguments)
+
+
+def test_methods_without_a_tangent_are_refused() -> None:
+    with pytest.raises(ValueError, match="method = 'midpoint': has no tangent"):
+        regular_map(method="midpoint")
+    with pytest.raises(ValueError, match="no closed form of regular for the body of pixel"):
+        regular_map(method="exact")
+
+
+def test_a_table_of_torques_is_refused() -> None:
+    torque = rigid.Torque.body([[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]], times=[0.0, 200.0])
+    driven = rigid.HeavyTop(TOP.body, mgl=1.2, com=COM, torque=torque)
+    with pytest.raises(ValueError, match="torque: maps accept constant torques only, not a table"):
+        regular_map(driven)
+
+
+def test_a_free_body_has_no_centre_of_mass_to_turn() -> None:
+    for name in ("com_tilt", "com_turn"):
+        assert name in PARAMETERS
+        with pytest.raises(ValueError, match="a free body feels no weight"):
+            regular_map(BOX, axes={name: [0.1]})
