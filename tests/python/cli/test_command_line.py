@@ -231,7 +231,11 @@ def test_help_is_on_stdout(capsys: pytest.CaptureFixture[str]) -> None:
         (["map", "thrown-bix"], ["'thrown-bix'", "did you mean 'thrown-box'?"]),
         (
             ["map", "nonsense"],
-            ["'nonsense'", "falling-top, inertia-triangle, sleeping-top, thrown-box"],
+            [
+                "'nonsense'",
+                "chaotic-com, chaotic-top, falling-top, inertia-triangle, separatrix-web, "
+                "sleeping-top, thrown-box",
+            ],
         ),
         (["map", "smal.toml"], ["smal.toml: cannot be read: No such file or directory"]),
         (["map", "./here"], ["./here: cannot be read: No such file or directory"]),

@@ -385,7 +385,15 @@ def built_in(request: pytest.FixtureRequest) -> tuple[str, rigid.StabilityMap]:
 
 
 def test_there_are_three_built_in_maps() -> None:
-    assert builtin_names() == ["falling-top", "inertia-triangle", "sleeping-top", "thrown-box"]
+    assert builtin_names() == [
+        "chaotic-com",
+        "chaotic-top",
+        "falling-top",
+        "inertia-triangle",
+        "separatrix-web",
+        "sleeping-top",
+        "thrown-box",
+    ]
 
 
 def test_built_in_maps_run_and_nothing_fails(built_in: tuple[str, rigid.StabilityMap]) -> None:

@@ -17,6 +17,8 @@ GALLERY = Path(__file__).parents[3] / "docs" / "gallery"
 @pytest.mark.parametrize(
     "name",
     [
+        "chaotic_com",
+        "chaotic_top",
         "cubic",
         "cycloids",
         "effective_potential",
@@ -24,6 +26,7 @@ GALLERY = Path(__file__).parents[3] / "docs" / "gallery"
         "locus",
         "poinsot",
         "polhodes",
+        "separatrix_web",
         "stability_map",
         "throw",
         "upright_cubic",
