@@ -23,6 +23,7 @@ SCRIPTS = (
     "growth",
     "killed_writers",
     "principal_axes",
+    "regular",
     "result_hashes",
     "stated_errors",
     "there_and_back",
