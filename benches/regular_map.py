@@ -125,7 +125,7 @@ class Rigid:
             "attitude": attitude,
         }
         self.rates = _core.fastest_rates(**self.bodies)
-        columns = {name: self.bodies[name] for name in ("moments", "weight", "omega")}
+        columns = {name: self.bodies[name] for name in ("moments", "weight", "omega", "attitude")}
         self.scale = _core.rate_units(**columns)
         self.displacements = np.tile(_core.displacement_starts()[0], (len(omega), 1))
         self.displacements[:, :3] *= self.scale[:, None]
