@@ -36,8 +36,12 @@ from .reports.compute import report
 from .reports.result import Report
 from .reports.row import Row
 from .reports.stress import Extremes, extremes
+from .sections.crossings import Crossings
+from .sections.poincare import poincare
+from .sections.surface import Section, section
 from .solve.choose_method import plan
 from .solve.chunks import simulate_chunks
+from .solve.frequencies import FrequencyDrift, Lines, frequencies, frequency_drift
 from .solve.growth import Growth
 from .solve.lyapunov import lyapunov
 from .solve.methods import Method, methods
@@ -71,11 +75,14 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Body",
+    "Crossings",
     "Extremes",
     "FreeBody",
+    "FrequencyDrift",
     "Growth",
     "HeavyTop",
     "Interrupted",
+    "Lines",
     "MapSpec",
     "Method",
     "Motion",
@@ -86,6 +93,7 @@ __all__ = [
     "Report",
     "Row",
     "Run",
+    "Section",
     "StabilityMap",
     "Start",
     "Status",
@@ -103,6 +111,8 @@ __all__ = [
     "fixed_axis",
     "frames",
     "free",
+    "frequencies",
+    "frequency_drift",
     "inertia",
     "load_map",
     "lyapunov",
@@ -112,9 +122,11 @@ __all__ = [
     "normal",
     "particles",
     "plan",
+    "poincare",
     "regular",
     "report",
     "rotations",
+    "section",
     "simulate",
     "simulate_chunks",
     "solids",

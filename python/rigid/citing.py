@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from . import _core
 from ._checks.arguments import brief
@@ -13,6 +13,8 @@ from .solve.plan import Plan
 if TYPE_CHECKING:
     from .maps.result import StabilityMap
     from .reports.result import Report
+    from .sections.crossings import Crossings
+    from .solve.frequencies import FrequencyDrift, Lines
     from .solve.growth import Growth
     from .solve.run import Run
 
@@ -69,6 +71,37 @@ INDICATORS: Mapping[str, tuple[str, str]] = {
 }
 """Reference and DOI of the exponents and indicators of :func:`lyapunov`."""
 
+SECTIONS: Mapping[str, tuple[str, str]] = {
+    "poincare": (
+        "H. Poincaré, Les méthodes nouvelles de la mécanique céleste III, Gauthier-Villars (1899)",
+        "",
+    ),
+    "henon": (
+        "M. Hénon, On the numerical computation of Poincaré maps, Physica D 5 (1982) 412-414",
+        "10.1016/0167-2789(82)90034-3",
+    ),
+    "complete": (
+        "S. Schmidt, H. R. Dullin, P. H. Richter, A Poincaré section for the general heavy rigid "
+        "body, SIAM J. Appl. Dyn. Syst. 7 (2008) 371-389",
+        "",
+    ),
+    "descartes": (
+        "F. Rouillier, P. Zimmermann, Efficient isolation of polynomial's real roots, J. Comput. "
+        "Appl. Math. 162 (2004) 33-50",
+        "10.1016/j.cam.2003.08.015",
+    ),
+}
+"""Reference and DOI of the methods of :func:`poincare`."""
+
+LINES: Mapping[str, tuple[str, str]] = {
+    "naff": (
+        "J. Laskar, Frequency analysis for multi-dimensional systems. Global dynamics and "
+        "diffusion, Physica D 67 (1993) 257-281",
+        "10.1016/0167-2789(93)90210-R",
+    ),
+}
+"""Reference and DOI of the method of :func:`frequencies`."""
+
 _OF_FORM: Mapping[str, str] = {
     "axis spin": "spin",
     "free symmetric": "spin",
@@ -78,12 +111,18 @@ _OF_FORM: Mapping[str, str] = {
 }
 
 
-def cite(used: Run | Growth | StabilityMap | Report | Plan | Method | str) -> str:
+Used: TypeAlias = (
+    "Run | Growth | Crossings | Lines | FrequencyDrift"
+    " | StabilityMap | Report | Plan | Method | str"
+)
+
+
+def cite(used: Used) -> str:
     """BibTeX entries of this software and of the methods behind a result.
 
     Parameters
     ----------
-    used : Run, Growth, StabilityMap, Report, Plan, Method or str
+    used : Run, Growth, Crossings, Lines, FrequencyDrift, StabilityMap, Report, Plan, Method or str
         A result, a plan, the name of a method, or ``"exact"`` for the closed forms.
 
     Returns
@@ -117,6 +156,10 @@ def cite(used: Run | Growth | StabilityMap | Report | Plan | Method | str) -> st
         entries.append(_entry(f"rigid-exact-{key}", note, doi))
     if hasattr(used, "log_growth") or _is_displaced(used):
         entries += [_entry(f"rigid-{name}", *of) for name, of in INDICATORS.items()]
+    if hasattr(used, "grazing"):
+        entries += [_entry(f"rigid-{name}", *of) for name, of in SECTIONS.items()]
+    if _is_of_lines(used):
+        entries += [_entry(f"rigid-{name}", *of) for name, of in LINES.items()]
     return "\n\n".join(entries)
 
 
@@ -125,10 +168,15 @@ def _is_displaced(used: object) -> bool:
     return "displacement" in getattr(getattr(used, "plan", used), "carried", ())
 
 
-def _used(
-    used: Run | Growth | StabilityMap | Report | Plan | Method | str,
-) -> tuple[list[str], list[str]]:
+def _is_of_lines(used: object) -> bool:
+    """Whether frequencies were found, by a method that knows no motion."""
+    return hasattr(used, "frequency") or hasattr(used, "drift")
+
+
+def _used(used: Used) -> tuple[list[str], list[str]]:
     """The names of the schemes, and the closed forms."""
+    if _is_of_lines(used):
+        return [], []
     if isinstance(used, Method):
         return [used.name], []
     if isinstance(used, str):
@@ -136,7 +184,8 @@ def _used(
     if hasattr(used, "rows"):
         names = list(dict.fromkeys(row.method for row in used.rows))
         return [name for name in names if name != EXACT], list(_OF_FORM) if EXACT in names else []
-    plan = used if isinstance(used, Plan) else used.plan
+    result: Any = used
+    plan: Plan = used if isinstance(used, Plan) else result.plan
     forms = plan.closed_form.split(", ") if plan.closed_form else []
     fallback = GROWTH_FALLBACK if "displacement" in plan.carried else MAP_FALLBACK
     scheme = fallback if plan.method == AUTO else plan.method

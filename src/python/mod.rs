@@ -6,6 +6,7 @@ mod forcing;
 mod growth;
 mod map;
 mod motion;
+mod section;
 mod simulate;
 mod target;
 
@@ -53,6 +54,8 @@ mod _core {
     use super::map::{MapJob, MapStatistics, clopper_pearson, map_columns};
     #[pymodule_export]
     use super::motion::PyMotion;
+    #[pymodule_export]
+    use super::section::section;
     #[pymodule_export]
     use super::simulate::{default_steps, fastest_rates, simulate, state_bytes, status_names};
     #[pymodule_export]

@@ -9,12 +9,14 @@ mod frame;
 mod growth;
 mod motion;
 mod request;
+mod section;
 mod states;
 
 pub use frame::{Frame, MAX_DISPLACEMENTS};
 pub use growth::{Displacements, Growths, STEPS_TOGETHER, growth, settle};
 pub use motion::{Motion, Torques};
 pub use request::{Record, Request, Schedule, time_range};
+pub use section::{Crossings, Point, Section, Surface, section};
 pub use states::{Column, States, StatesPart};
 
 use crate::error::Error;

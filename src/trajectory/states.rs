@@ -254,17 +254,7 @@ impl StatesPart<'_> {
         if let (Some(now), Some(tangent)) = (&now.tangent, &mut self.tangent) {
             tangent[6 * at..][..6].copy_from_slice(now);
         }
-        let scales = now.balance.map(|balance| balance.scales);
-        for now in [Some(now.invariants), now.invariants_of_attitude].into_iter().flatten() {
-            let [energy, momentum] = [0, 1].map(|i| {
-                let off = (now[i] - invariants[i][0]).abs();
-                match scales {
-                    // Of a body at rest that nothing has moved yet both are zero.
-                    Some(scales) if off == 0.0 && scales[i].is_finite() => 0.0,
-                    Some(scales) => off / (scales[i] + inverse_or_zero(invariants[i][1])),
-                    None => off * invariants[i][1],
-                }
-            });
+        for [energy, momentum] in invariant_errors(&now, invariants).into_iter().flatten() {
             self.energy_drift[body] = worse(self.energy_drift[body], energy);
             self.momentum_drift[body] = worse(self.momentum_drift[body], momentum);
         }
@@ -286,6 +276,24 @@ impl StatesPart<'_> {
             }
         }
     }
+}
+
+/// The relative errors of energy and conserved momentum of a state, and of a top those with the vertical that follows
+/// from its attitude, given start and inverse scale of both.
+pub(super) fn invariant_errors(now: &State, at_start: [[f64; 2]; 2]) -> [Option<[f64; 2]>; 2] {
+    let scales = now.balance.map(|balance| balance.scales);
+    [Some(now.invariants), now.invariants_of_attitude].map(|invariants| {
+        let invariants = invariants?;
+        Some([0, 1].map(|i| {
+            let off = (invariants[i] - at_start[i][0]).abs();
+            match scales {
+                // Of a body at rest that nothing has moved yet both are zero.
+                Some(scales) if off == 0.0 && scales[i].is_finite() => 0.0,
+                Some(scales) => off / (scales[i] + inverse_or_zero(at_start[i][1])),
+                None => off * at_start[i][1],
+            }
+        }))
+    })
 }
 
 /// The scale that this is the inverse of; zero if there is none.

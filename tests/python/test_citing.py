@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 
+import numpy as np
 import pytest
 
 import rigid
@@ -42,6 +43,18 @@ def test_growth_has_the_papers_of_its_indicators() -> None:
         "rigid-taylor16",
         *(f"rigid-{name}" for name in ("lyapunov", "megno", "fli", "sali", "gali")),
     ]
+
+
+def test_sections_and_frequencies_have_their_papers() -> None:
+    points = rigid.poincare(HEAVY, RATES, t_end=5.0)
+    assert keys(rigid.cite(points)) == [
+        "rigid",
+        "rigid-taylor20",
+        *(f"rigid-{name}" for name in ("poincare", "henon", "complete", "descartes")),
+    ]
+    run = rigid.simulate(HEAVY, RATES, t=np.linspace(0.0, 20.0, 201))
+    for used in (rigid.frequencies(run.t, run.omega[:, 0]), rigid.frequency_drift(run)):
+        assert keys(rigid.cite(used)) == ["rigid", "rigid-naff"]
 
 
 def test_results_know_what_they_were_made_with() -> None:

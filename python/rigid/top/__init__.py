@@ -7,11 +7,12 @@ the direction to the centre of mass. For the motion use :func:`rigid.simulate` o
 :mod:`rigid.exact`; this package has the quantities of textbooks. A scene may hold many tops: its
 axes, those of states and those of other numbers broadcast as in NumPy.
 
-The package uses :mod:`rigid.exact`, :mod:`rigid.free` and runs; it imports neither maps nor the
-planner. :mod:`rigid.figures` uses it.
+The package uses :mod:`rigid.exact`, :mod:`rigid.free`, runs and starts of sections; it imports
+neither maps nor the planner. :mod:`rigid.figures` uses it.
 """
 
 from ..exact import SteadyPrecession, steady_precession
+from ..sections.starts import on_surface
 from .constants import HeavyConstants, gravity_torque, heavy_constants, precession_spin_rates
 from .cubic import Roots, f_roots, f_u, nutation_period, time_of, u_of
 from .loci import Advance, FastTop, Locus, advance, classify_locus, fast_top_approx, locus
@@ -45,6 +46,7 @@ __all__ = [
     "heavy_constants",
     "locus",
     "nutation_period",
+    "on_surface",
     "precession_spin_rates",
     "sleeping_top",
     "spin_down",

@@ -88,6 +88,8 @@ SUBJECTS = (
     "stability maps",
     "tangent of a motion",
     "chaos",
+    "Poincaré sections",
+    "frequencies",
     "error against run time",
     "extreme bodies",
     "figures and animations",

@@ -162,3 +162,11 @@ def test_an_allocation_of_the_core_that_fails_harms_no_result() -> None:
     done = run_python(str(script), "--most", "15", check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     assert "stability_map: 15 allocations" in done.stdout
+
+
+@limited
+def test_a_section_without_end_is_refused_when_its_points_do_not_fit() -> None:
+    statement = (
+        "rigid.poincare(free, np.full((64, 3), 1e3), section='gamma1', t_end=1e9, check=False)"
+    )
+    assert "points of a section" in outcome(statement, 64)

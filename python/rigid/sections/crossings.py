@@ -1,0 +1,245 @@
+"""The points of a Poincaré section, and how complete they are."""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._checks.arguments import one_of
+from .._files import published
+from ..solve.plan import Plan
+from ..solve.status import Status
+from .surface import COMPONENTS, Section
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = ["Crossings"]
+
+Floats = NDArray[np.float64]
+
+LABELS = {
+    **{f"omega{i}": rf"$\omega_{i}$ (rad/s)" for i in (1, 2, 3)},
+    **{f"gamma{i}": rf"$\gamma_{i}$" for i in (1, 2, 3)},
+    "t": "$t$ (s)",
+}
+
+_FAILED = {
+    Status.STEP_LIMIT: "step limit: it needs more than max_steps steps",
+    Status.NOT_FINITE: "not finite: a number overflowed",
+    Status.DRIFTED: "drifted: energy or momentum is off; take a smaller tolerance",
+}
+
+
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
+class Crossings:
+    """The result of :func:`poincare`: ``p`` points, body after body, in the order of their times.
+
+    With a single body the axis ``n`` of bodies is absent.
+
+    Attributes
+    ----------
+    t : ndarray, shape (p,)
+        Times (s), positive: a start on the surface is no point.
+    omega, gamma : ndarray, shape (p, 3)
+        Rates (rad/s) and the vertical, in the body.
+    attitude : ndarray, shape (p, 4)
+        Unit quaternions with a positive scalar, body to space.
+    direction : ndarray of int8, shape (p,)
+        1 where the motion rises through the surface, -1 where it falls, 0 where it touches it.
+    slope : ndarray, shape (p,)
+        Rate of what is zero on the surface; of ``"height"`` the second derivative of the height of
+        the centre of mass (1/s²), in units of its distance from the fixed point.
+    body : ndarray of int, shape (p,)
+        Index of the body, in the flat order of all.
+    grazing : ndarray of bool, shape (p,)
+        Points at which the motion turns so near the surface, within 1e-12 of the scale of its
+        rates, that rounding may decide whether it crosses. They are kept whatever their direction.
+    error : ndarray, shape (p,)
+        Estimated error of ``t`` (s): three times what a second run, with a method of another order,
+        makes of the surface at these times, over the slope. NaN without that run.
+    complete : ndarray of bool, shape (n,)
+        Whether every crossing until ``end`` is among the points and no other: the body was run, no
+        point grazes, and the motion is not on the surface all along.
+    end : ndarray, shape (n,)
+        Time until which the points of each body are known (s): ``t_end``, or the time of its last
+        point if it has as many as were asked for.
+    lost_from : ndarray, shape (n,)
+        Time from which on the points are lost to rounding: those of a motion that is as good, but
+        not of this start. Infinite if there is none, NaN without a second run.
+    energy_drift : ndarray, shape (n,)
+        Largest relative error of the energy at the points and at the end.
+    status : ndarray of uint8, shape (n,)
+        A :class:`Status` for each body.
+    stays : ndarray of bool, shape (n,)
+        Whether a motion stays on the surface, as a steady precession does at its height.
+    steps : ndarray of uint64, shape (n,)
+        Steps taken.
+    section : Section
+        The surface.
+    plan : Plan
+        The method and the reasons.
+    spec : dict
+        Scene, method, tolerance, section, end and count, as a dict.
+    """
+
+    t: Floats
+    omega: Floats
+    gamma: Floats
+    attitude: Floats
+    direction: NDArray[np.int8]
+    slope: Floats
+    body: NDArray[np.intp]
+    grazing: NDArray[np.bool_]
+    error: Floats
+    complete: NDArray[np.bool_]
+    end: Floats
+    lost_from: Floats
+    energy_drift: Floats
+    status: NDArray[np.uint8]
+    stays: NDArray[np.bool_]
+    steps: NDArray[np.uint64]
+    section: Section
+    plan: Plan
+    spec: dict[str, Any]
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+    def __repr__(self) -> str:
+        bodies, complete = np.size(self.complete), int(np.count_nonzero(self.complete))
+        whole = "complete" if complete == bodies else f"{complete} of {bodies} complete"
+        each = "1 body" if bodies == 1 else f"{bodies} bodies"
+        return f"<Crossings: {len(self)} points of {each}, {self.section.words()}; {whole}>"
+
+    def component(self, name: str) -> Floats:
+        """A column by its name: ``"omega1"`` to ``"gamma3"``, or ``"t"``; shape (p,)."""
+        one_of("name", name, LABELS)
+        if name == "t":
+            return self.t
+        column: Floats = (self.omega, self.gamma)[COMPONENTS.index(name) // 3][
+            :, COMPONENTS.index(name) % 3
+        ]
+        return column
+
+    def reasons(self) -> tuple[Any, ...]:
+        """How complete the points of each body are, in a sentence each.
+
+        With several leading axes the sentences are tuples of tuples.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> top = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
+        >>> points = rigid.poincare(top, [0.3, 0.4, 1.0], [0.9, 0.3, 0.2, 0.1], t_end=30.0)
+        >>> points.reasons()
+        ('complete: 8 points until t = 30 s',)
+        """
+        counts = np.bincount(self.body, minlength=np.size(self.complete))
+        grazing = np.bincount(self.body[self.grazing], minlength=np.size(self.complete))
+        shape = np.shape(np.atleast_1d(self.complete))
+        columns = (self.complete, self.stays, self.status, self.end, self.lost_from)
+        return self._sentences(
+            counts.reshape(shape),
+            grazing.reshape(shape),
+            *(np.atleast_1d(column) for column in columns),
+        )
+
+    def _sentences(self, *columns: NDArray[Any]) -> tuple[Any, ...]:
+        if columns[0].ndim > 1:
+            return tuple(self._sentences(*parts) for parts in zip(*columns, strict=True))
+        return tuple(self._words(*values) for values in zip(*columns, strict=True))
+
+    def _words(
+        self,
+        count: int,
+        grazing: int,
+        complete: bool,
+        stays: bool,
+        status: int,
+        end: float,
+        lost: float,
+    ) -> str:
+        until = f"{count} points until t = {end:.6g} s"
+        if status in _FAILED:
+            return f"{_FAILED[Status(status)]}; {until}"
+        if stays:
+            return f"not complete: the motion stays on the surface; {until}"
+        if grazing:
+            return f"not complete: at {grazing} of {until} it grazes the surface"
+        words = f"complete: {until}"
+        if np.isfinite(lost):
+            words += f"; from t = {lost:.4g} s on those of a motion close to this one"
+        return words
+
+    def plot(
+        self, x: str = "gamma1", y: str = "omega2", *, ax: Axes | None = None, size: float = 1.0
+    ) -> Axes:
+        """Draw the points, each body in its colour.
+
+        Parameters
+        ----------
+        x, y : str
+            Columns, as in :meth:`component`.
+        ax : matplotlib Axes, optional
+            By default those of a new figure that pyplot does not manage.
+        size : float
+            Area of a point (points²).
+
+        Returns
+        -------
+        matplotlib Axes
+
+        Raises
+        ------
+        ImportError
+            Without matplotlib.
+        """
+        from ..drawing.figure import new_figure
+
+        across, up = self.component(x), self.component(y)
+        if ax is None:
+            ax = new_figure().add_subplot()
+        bodies = np.size(self.complete)
+        # Neighbouring bodies differ in colour: the golden ratio spreads them over the scale.
+        hues = (0.5 * (np.sqrt(5.0) - 1.0) * np.arange(bodies)) % 1.0
+        ax.scatter(
+            across, up, s=size, c=hues[self.body], cmap="turbo", vmin=0.0, vmax=1.0, linewidths=0.0
+        )
+        ax.set(xlabel=LABELS[x], ylabel=LABELS[y])
+        return ax
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Save the points as an ``.npz`` file, which :func:`numpy.load` reads.
+
+        Its arrays are the attributes by name; ``spec`` is a JSON text. The file appears whole or
+        not at all; see :meth:`rigid.StabilityMap.save`.
+
+        Parameters
+        ----------
+        path : path-like
+
+        Returns
+        -------
+        Path
+            The path.
+
+        Raises
+        ------
+        OSError
+            Naming the path, if the file cannot be written.
+        """
+        arrays = {
+            name: np.asarray(getattr(self, name))
+            for name in self.__slots__
+            if isinstance(getattr(self, name), (np.ndarray, np.generic))
+        }
+        with published(path) as file:
+            np.savez(file, allow_pickle=False, spec=np.array(json.dumps(self.spec)), **arrays)
+        return Path(path)

@@ -1,0 +1,313 @@
+"""The points at which motions cross a surface, all of them."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .. import _core
+from .._checks.arguments import brief, finite_float, one_of, positive_int, resolve_threads
+from .._checks.progress import Progress, ProgressOption, reporting
+from ..model.scene import Scene, check_scene
+from ..solve.batch import Batch
+from ..solve.choose_method import Problem, choose_method
+from ..solve.methods import EXACT, series_methods
+from ..solve.request import Request
+from ..solve.status import Status
+from .crossings import Crossings
+from .surface import Section
+from .surface import section as make_section
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
+
+__all__ = ["poincare"]
+
+Floats = NDArray[np.float64]
+
+METHOD, ANOTHER = "taylor20", "taylor16"
+"""The default method, and that of the second run of all others."""
+
+TOLERANCE = 2.0**-57
+"""Size of the last terms of a step: a sixteenth of rounding, which alone is left then."""
+
+LOST = 1e-3
+"""Points whose error, in the scale of what is zero on the surface, is larger are lost."""
+
+TOGETHER = 16
+"""Bodies a thread between two reports of progress."""
+
+
+def poincare(
+    scene: Scene,
+    omega: ArrayLike,
+    attitude: ArrayLike | Rotation | None = None,
+    section: Section | str | None = None,
+    *,
+    t_end: float,
+    count: int | None = None,
+    method: str | None = None,
+    tolerance: float = TOLERANCE,
+    check: bool = True,
+    max_steps: int = 10**9,
+    threads: int | None = None,
+    progress: ProgressOption = False,
+) -> Crossings:
+    """The points at which bodies cross a surface of section: all of them, and no other.
+
+    A Taylor method knows the motion inside each step as a polynomial, and with it what is zero on
+    the surface. Its zeros are isolated by Descartes' rule of signs, so that two crossings in one
+    step are not missed, and no grid of steps has to be fine enough.
+
+    Parameters
+    ----------
+    scene : FreeBody or HeavyTop
+        The body, or many, with their weight, applied torque and damping.
+    omega : array_like, shape (3,) or (..., 3)
+        Angular velocity at ``t = 0`` in the body (rad/s).
+    attitude : array_like, shape (4,) or (..., 4), or scipy Rotation, optional
+        Attitude at ``t = 0``. Default: body and space axes coincide.
+    section : Section or str, optional
+        The surface, made by :func:`section`, or its name. Default: ``"height"``.
+    t_end : float
+        Time at which the motions end (s).
+    count : int, optional
+        Points of a body after which it ends earlier.
+    method : str, optional
+        A Taylor method. Default: ``"taylor20"``.
+    tolerance : float
+        Size of the last terms of a step, relative to the motion. Default: below rounding.
+    check : bool
+        Whether a second run, by a method of another order, estimates the errors of the points.
+    max_steps : int
+        A body that needs more is left there.
+    threads : int, optional
+        Default: ``RIGID_NUM_THREADS``, else the cores that this process may use.
+    progress : None, bool or callable
+        As in :func:`stability_map`; silent by default.
+
+    Returns
+    -------
+    Crossings
+        Named arrays with a row for each point; see :class:`Crossings`.
+
+    Raises
+    ------
+    ValueError
+        Naming the argument, its value and the rule: as :func:`simulate`; a method that is no
+        series, a ``t_end`` that is not positive, ``"height"`` of a body without weight.
+    MemoryError
+        As soon as the points do not fit into the memory of the machine: ask for a ``count``, or
+        for fewer bodies at once.
+
+    Notes
+    -----
+    Points do not depend on the other bodies of a call, nor on threads and instruction set. A start
+    on the surface is no point.
+
+    References
+    ----------
+    H. Poincaré, Les méthodes nouvelles de la mécanique céleste III, Gauthier-Villars (1899).
+    M. Hénon, Physica D 5 (1982) 412 (the time of a crossing). S. Schmidt, H. R. Dullin,
+    P. H. Richter, SIAM J. Appl. Dyn. Syst. 7 (2008) 371 (complete sections). F. Rouillier,
+    P. Zimmermann, J. Comput. Appl. Math. 162 (2004) 33 (zeros by Descartes' rule).
+
+    Examples
+    --------
+    >>> import rigid
+    >>> top = rigid.HeavyTop(rigid.Body((2.0, 2.0, 1.0)), mgl=1.0, com=(1.0, 0.0, 0.0))
+    >>> points = rigid.poincare(top, [0.5, 0.25, 1.5], t_end=100.0)
+    >>> points
+    <Crossings: 25 points of 1 body, centre of mass highest; complete>
+    >>> points.gamma[0].round(3).tolist()
+    [0.643, 0.763, 0.066]
+    """
+    check_scene(scene, many=True)
+    surface = _checked_section(section)
+    end = finite_float("t_end", t_end, positive=True)
+    most = 2**63 - 1 if count is None else positive_int("count", count)
+    tolerance = finite_float("tolerance", tolerance, positive=True)
+    chosen = METHOD if method is None else one_of_series(method)
+    threads = resolve_threads(threads)
+    batch, shape = Batch.from_input(scene, omega, attitude)
+    weight = np.broadcast_to(batch.weight, (len(batch), 3))
+    normals = surface.normals(scene, weight)
+    plan, _ = choose_method(
+        Problem(
+            scene=scene,
+            question="attitude",
+            batch=batch,
+            span=end,
+            method=chosen,
+            step=None,
+            states=0,
+        )
+    )
+    run = _Run(surface, end, most, chosen, tolerance, positive_int("max_steps", max_steps), threads)
+    found = run.points(batch, normals, progress)
+    counts = found.pop("points").astype(np.intp)
+    body = np.repeat(np.arange(len(batch)), counts)
+    error, lost_from = np.full(len(body), np.nan), np.full(len(batch), np.nan)
+    status = found["status"]
+    if check:
+        error, lost_from = run.errors(batch, normals, found, counts, body)
+        status = np.where((status == Status.OK) & np.isfinite(lost_from), Status.FLAGGED, status)
+    else:
+        status = np.where(status == Status.OK, Status.UNCHECKED, status)
+    ended = found["status"] == Status.OK
+    grazing = np.bincount(body[found["grazing"]], minlength=len(batch)) > 0
+
+    def of_body(values: NDArray[Any]) -> Any:
+        return values.reshape(shape) if shape else values[0]
+
+    return Crossings(
+        **{name: found[name] for name in ("omega", "gamma", "attitude", "t", "slope")},
+        direction=found["direction"],
+        grazing=found["grazing"],
+        body=body,
+        error=error,
+        complete=of_body(ended & ~grazing & ~found["stays"]),
+        end=of_body(found["end"]),
+        lost_from=of_body(lost_from),
+        energy_drift=of_body(found["energy_drift"]),
+        status=of_body(status.astype(np.uint8)),
+        stays=of_body(found["stays"]),
+        steps=of_body(found["steps"]),
+        section=surface,
+        plan=plan,
+        spec={
+            "scene": scene.to_dict(),
+            "method": chosen,
+            "tolerance": tolerance,
+            "section": surface.to_dict(),
+            "t_end": end,
+            "count": count,
+        },
+    )
+
+
+def _checked_section(section: Section | str | None) -> Section:
+    if section is None or isinstance(section, str):
+        return make_section(section)
+    if not isinstance(section, Section):
+        raise TypeError(
+            f"section = {brief(section)}: must be made by rigid.section, or a name, or None"
+        )
+    return section
+
+
+def one_of_series(method: str) -> str:
+    """``method`` if it is a Taylor method."""
+    names = series_methods()
+    if method == EXACT or method not in names:
+        raise ValueError(
+            f"method = {brief(method)}: only a Taylor method is a polynomial inside its steps, of "
+            f"which no crossing is missed; take one of {', '.join(map(repr, names))}"
+        )
+    return one_of("method", method, names)
+
+
+class _Run:
+    """What the bodies of a call share."""
+
+    def __init__(
+        self,
+        surface: Section,
+        end: float,
+        most: int,
+        method: str,
+        tolerance: float,
+        max_steps: int,
+        threads: int,
+    ) -> None:
+        self.surface, self.end, self.most = surface, end, most
+        self.method, self.tolerance = method, tolerance
+        self.max_steps, self.threads = max_steps, threads
+
+    def points(
+        self, batch: Batch, normals: Floats, progress: ProgressOption
+    ) -> dict[str, NDArray[Any]]:
+        """The columns of the core for all bodies."""
+        if progress is False:
+            return self._points(batch, normals)
+        began, parts = time.perf_counter(), []
+        size = TOGETHER * self.threads
+        with reporting(progress, len(batch)) as report:
+            for first in range(0, max(len(batch), 1), size):
+                some = np.arange(first, min(first + size, len(batch)))
+                parts.append(self._points(batch.select(some), normals[some]))
+                done, elapsed = first + len(some), time.perf_counter() - began
+                report(Progress(done=done, total=len(batch), elapsed=elapsed, failures=0))
+        return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+
+    def _points(self, batch: Batch, normals: Floats) -> dict[str, NDArray[Any]]:
+        return _core.section(
+            **batch.columns(),
+            method=self.method,
+            normal=np.ascontiguousarray(normals),
+            value=np.full(len(batch), self.surface.value),
+            of_rate=self.surface.is_height,
+            direction=self.surface.direction,
+            end=self.end,
+            count=self.most,
+            tolerance=self.tolerance,
+            max_steps=self.max_steps,
+            threads=self.threads,
+        )
+
+    def errors(
+        self,
+        batch: Batch,
+        normals: Floats,
+        found: dict[str, NDArray[Any]],
+        counts: NDArray[np.intp],
+        body: NDArray[np.intp],
+    ) -> tuple[Floats, Floats]:
+        """Errors of the times (p,), and when the points of each body are lost (n,)."""
+        t, slope = found["t"], np.abs(found["slope"])
+        off = np.full(len(t), np.nan)
+        first = np.concatenate([[0], np.cumsum(counts)])
+        for some in _alike(counts):
+            places = first[some, np.newaxis] + np.minimum(
+                np.arange(counts[some].max()), counts[some, np.newaxis] - 1
+            )
+            states = Request(
+                batch=batch.select(some),
+                times=t[places],
+                method=ANOTHER if self.method != ANOTHER else METHOD,
+                record="axis",
+                max_steps=self.max_steps,
+                threads=self.threads,
+                tolerance=max(1e-3 * self.tolerance, min(self.tolerance, TOLERANCE)),
+            ).states(None)
+            values = self.surface.values(normals[some], states["omega"], states["vertical"])
+            off[places] = np.abs(values)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            error = np.maximum(3.0 * off / slope, np.spacing(t))
+        scale = self._scale(batch, normals)[body]
+        lost_from = np.full(len(batch), np.inf)
+        lost = np.flatnonzero(~(3.0 * off <= LOST * scale))
+        np.minimum.at(lost_from, body[lost], t[lost])
+        return error, lost_from
+
+    def _scale(self, batch: Batch, normals: Floats) -> Floats:
+        """The scale of what is zero on the surface, for each body."""
+        rate = batch.fastest_rates((0.0, self.end))
+        of_omega, of_gamma = np.split(np.abs(normals), 2, axis=1)
+        of_vertical = np.linalg.norm(of_gamma, axis=1) * (rate if self.surface.is_height else 1.0)
+        scale: Floats = np.linalg.norm(of_omega, axis=1) * rate + of_vertical
+        return scale
+
+
+def _alike(counts: NDArray[np.intp]) -> Iterator[NDArray[np.intp]]:
+    """Bodies with points, in parts whose numbers of points differ by a factor of two at most."""
+    order = np.argsort(counts, kind="stable")
+    order = order[counts[order] > 0]
+    while len(order):
+        together = counts[order] <= 2 * counts[order[0]]
+        yield np.sort(order[together])
+        order = order[~together]

@@ -1,0 +1,184 @@
+"""Surfaces of section: what is zero on them, and the direction in which they are crossed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._checks.arguments import brief, finite_float, one_of, vector
+from ..model.scene import HeavyTop, Scene
+
+__all__ = ["COMPONENTS", "HEIGHT", "Section", "section"]
+
+Floats = NDArray[np.float64]
+
+HEIGHT = "height"
+"""The section where the height of the centre of mass turns."""
+
+COMPONENTS = ("omega1", "omega2", "omega3", "gamma1", "gamma2", "gamma3")
+"""Rates (rad/s) and the vertical in the body."""
+
+_WORDS = {1: "rising", -1: "falling", 0: "both ways"}
+
+
+@dataclass(frozen=True, slots=True)
+class Section:
+    """A surface of section, made by :func:`section`.
+
+    Attributes
+    ----------
+    name : str
+        ``"height"``, a component, or ``"plane"`` for one of vectors.
+    omega, gamma : tuple of float
+        Its normal: ``omega·w + gamma·n - value`` is zero on it, for the rates ``w`` and the
+        vertical ``n`` in the body. Both zero for ``"height"``.
+    value : float
+    direction : int
+        1 for rising crossings, -1 for falling ones, 0 for both.
+    """
+
+    name: str
+    omega: tuple[float, float, float]
+    gamma: tuple[float, float, float]
+    value: float
+    direction: int
+
+    @property
+    def is_height(self) -> bool:
+        """Whether the surface follows from the centre of mass of the body."""
+        return self.name == HEIGHT
+
+    def words(self) -> str:
+        """The surface in words."""
+        if self.is_height:
+            turn = {-1: "highest", 1: "lowest", 0: "highest or lowest"}[self.direction]
+            return f"centre of mass {turn}"
+        if self.name in COMPONENTS:
+            return f"{self.name} = {self.value:g}, {_WORDS[self.direction]}"
+        return f"{self.omega}·omega + {self.gamma}·gamma = {self.value:g}, {_WORDS[self.direction]}"
+
+    def normals(self, scene: Scene, weight: Floats) -> Floats:
+        """The normals of bodies with these weights (n, 3); of ``"height"`` those of the height.
+
+        Raises
+        ------
+        ValueError
+            For ``"height"`` of a body without weight.
+        """
+        if not self.is_height:
+            rows = np.array([[*self.omega, *self.gamma]])
+            return np.repeat(rows, len(weight), axis=0)
+        length = np.linalg.norm(weight, axis=1, keepdims=True)
+        if not isinstance(scene, HeavyTop) or not (length > 0.0).all():
+            raise ValueError(
+                "section = 'height': a body without weight has no height that turns; name a "
+                "component, such as 'gamma3'"
+            )
+        return np.concatenate([np.zeros_like(weight), weight / length], axis=1)
+
+    def values(self, normals: Floats, omega: Floats, gamma: Floats) -> Floats:
+        """What is zero on the surface, at states (n, ..., 3) of bodies with these normals."""
+        shape = (len(normals), *(1,) * (omega.ndim - 2), 6)
+        of_omega, of_gamma = np.split(normals.reshape(shape), 2, axis=-1)
+        changes = (np.cross(gamma, omega), 0.0) if self.is_height else (gamma, omega)
+        values: Floats = np.sum(of_gamma * changes[0] + of_omega * changes[1], axis=-1)
+        values -= self.value
+        return values
+
+    def to_dict(self) -> dict[str, Any]:
+        """Name, normal, value and direction."""
+        return {
+            "name": self.name,
+            "omega": list(self.omega),
+            "gamma": list(self.gamma),
+            "value": self.value,
+            "direction": self.direction,
+        }
+
+
+def section(
+    name: str | None = None,
+    value: float = 0.0,
+    direction: int | None = None,
+    *,
+    omega: ArrayLike | None = None,
+    gamma: ArrayLike | None = None,
+) -> Section:
+    """A surface for :func:`poincare`, by name or by vectors.
+
+    Parameters
+    ----------
+    name : str, optional
+        ``"height"``: the height of the centre of mass turns, ``w·(gamma × omega) = 0`` for the
+        weight ``w``. It is the rate of a bounded quantity, so that every motion that comes back
+        crosses it. Or a component: ``"omega1"`` to ``"omega3"``, ``"gamma1"`` to ``"gamma3"``.
+        Default: ``"height"`` without vectors.
+    value : float
+        The value of the component, or of ``omega·w + gamma·n``.
+    direction : {1, -1, 0}, optional
+        Rising or falling crossings, or both. Default: falling for ``"height"``, so its highest
+        positions, else rising.
+    omega, gamma : array_like, shape (3,), optional
+        Instead of a name: the vectors of ``omega·w + gamma·n - value``, for the rates ``w`` and
+        the vertical ``n`` in the body.
+
+    Returns
+    -------
+    Section
+
+    Raises
+    ------
+    ValueError
+        Naming the argument, its value and the rule: an unknown name, a name beside vectors, vectors
+        that are both zero, another direction, a value for ``"height"``, a value that the vertical
+        never has.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> rigid.section("omega3", value=1.5).words()
+    'omega3 = 1.5, rising'
+    >>> rigid.section(gamma=(1.0, 1.0, 0.0), direction=0).words()
+    '(0.0, 0.0, 0.0)·omega + (1.0, 1.0, 0.0)·gamma = 0, both ways'
+    """
+    value = finite_float("value", value)
+    if omega is not None or gamma is not None:
+        if name is not None:
+            raise ValueError(f"name = {brief(name)}: leave the name out beside omega or gamma")
+        of_omega = np.zeros(3) if omega is None else vector("omega", omega, 3)
+        of_gamma = np.zeros(3) if gamma is None else vector("gamma", gamma, 3)
+        if not (of_omega.any() or of_gamma.any()):
+            raise ValueError("omega, gamma: both are zero, so they are no normal of a surface")
+        name = "plane"
+    else:
+        name = one_of("name", HEIGHT if name is None else name, (HEIGHT, *COMPONENTS))
+        of_omega, of_gamma = np.zeros(3), np.zeros(3)
+        if name == HEIGHT and value != 0.0:
+            raise ValueError(f"value = {value}: 'height' takes none: there its rate is zero")
+        if name != HEIGHT:
+            of_each = np.eye(6)[COMPONENTS.index(name)]
+            of_omega, of_gamma = of_each[:3], of_each[3:]
+    if direction is None:
+        direction = -1 if name == HEIGHT else 1
+    if isinstance(direction, bool) or direction not in (-1, 0, 1):
+        raise ValueError(f"direction = {brief(direction)}: must be 1, -1 or 0")
+    reach = float(np.linalg.norm(of_gamma))
+    if name != HEIGHT and not of_omega.any() and abs(value) > reach:
+        raise ValueError(
+            f"value = {value}: never crossed: the vertical has components up to {reach:g} there"
+        )
+    return Section(
+        name=name,
+        omega=_three(of_omega),
+        gamma=_three(of_gamma),
+        value=value,
+        direction=int(direction),
+    )
+
+
+def _three(numbers: Floats) -> tuple[float, float, float]:
+    x, y, z = numbers.tolist()
+    return x, y, z

@@ -1,0 +1,297 @@
+"""The frequencies of a motion: lines of its spectrum, sharper than a Fourier transform."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._checks.arguments import brief, one_of, positive_int, sorted_times
+from .run import Run
+
+__all__ = ["FrequencyDrift", "Lines", "frequencies", "frequency_drift"]
+
+Floats = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+FEWEST = 16
+"""Least number of samples of a signal."""
+
+UNEVEN = 1e-9
+"""Largest deviation of a time from even spacing, in steps."""
+
+PASSES = 12
+"""Most rounds in which each line is found again without the others."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Lines:
+    """Lines of the spectrum of a signal, the strongest first; made by :func:`frequencies`.
+
+    Attributes
+    ----------
+    frequency : ndarray, shape (..., count)
+        Angular frequencies (rad/s); of real signals not negative.
+    amplitude : ndarray of complex, shape (..., count)
+        The signal is about the sum of ``amplitude * exp(i frequency t)``; a real signal is its real
+        part.
+    error : ndarray, shape (..., count)
+        Estimated errors of the frequencies (rad/s).
+    """
+
+    frequency: Floats
+    amplitude: Complex
+    error: Floats
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FrequencyDrift:
+    """The main frequency in both halves of a run; made by :func:`frequency_drift`.
+
+    Attributes
+    ----------
+    first, second : Lines
+        The strongest line of each half.
+    drift : ndarray, shape (...)
+        Change of the frequency between the halves (rad/s), in absolute value.
+    error : ndarray, shape (...)
+        Estimated error of the drift (rad/s).
+    """
+
+    first: Lines
+    second: Lines
+    drift: Floats
+    error: Floats
+
+
+def frequencies(t: ArrayLike, z: ArrayLike, count: int = 1) -> Lines:
+    """The strongest lines of a signal, by Laskar's numerical analysis of fundamental frequencies.
+
+    The frequency at which the product of the signal with ``exp(-i w t)``, under a Hann window, is
+    largest is found by Newton's method from the highest point of a Fourier transform. Its error
+    falls like ``1 / T⁴`` with the length of the signal, that of a transform like ``1 / T``.
+    Several lines are found one after another, then each again without the others.
+
+    Parameters
+    ----------
+    t : array_like, shape (m,)
+        Times (s), ascending at equal distances; at least 16.
+    z : array_like, shape (..., m)
+        Signals, real or complex. ``omega1 + i omega2`` and ``gamma1 + i gamma2`` tell senses of
+        rotation apart.
+    count : int
+        Number of lines.
+
+    Returns
+    -------
+    Lines
+
+    Raises
+    ------
+    ValueError
+        Naming the argument, its value and the rule: times that are not evenly spaced, a signal of
+        another length or with numbers that are not finite, more lines than samples allow.
+
+    Notes
+    -----
+    ``error`` is three times the difference from the frequencies under the square of the window,
+    whose error falls like ``1 / T⁶``. Two lines closer than ``8 pi / T`` are not told apart; of a
+    chaotic signal, which has no lines, error and drift are large.
+
+    References
+    ----------
+    J. Laskar, Physica D 67 (1993) 257 (doi 10.1016/0167-2789(93)90210-R).
+
+    Examples
+    --------
+    >>> import numpy as np, rigid
+    >>> t = np.linspace(0.0, 200.0, 2001)
+    >>> lines = rigid.frequencies(t, 2.0 * np.exp(0.7j * t) + 0.5 * np.exp(-1.9j * t), count=2)
+    >>> lines.frequency.round(9).tolist()
+    [0.7, -1.9]
+    >>> np.abs(lines.amplitude).round(6).tolist()
+    [2.0, 0.5]
+    """
+    times = sorted_times("t", t)
+    count = positive_int("count", count)
+    signals = _signals(z, len(times))
+    if len(times) < FEWEST:
+        raise ValueError(f"t: {len(times)} times, but lines need at least {FEWEST}")
+    if 8 * count > len(times):
+        raise ValueError(f"count = {count}: must be at most an eighth of the {len(times)} times")
+    step = (times[-1] - times[0]) / (len(times) - 1)
+    uneven = np.abs(times - (times[0] + step * np.arange(len(times)))) > UNEVEN * step
+    if uneven.any():
+        place = int(np.flatnonzero(uneven)[0])
+        raise ValueError(f"t[{place}] = {times[place]}: must be evenly spaced")
+    middle = 0.5 * (times[0] + times[-1])
+    found = [_lines(times - middle, signal, count) for signal in signals.reshape(-1, len(times))]
+    shape = (*signals.shape[:-1], count)
+    frequency = np.array([line[0] for line in found]).reshape(shape)
+    amplitude = np.array([line[1] for line in found], dtype=np.complex128).reshape(shape)
+    error = np.array([line[2] for line in found]).reshape(shape)
+    return Lines(frequency, amplitude * np.exp(-1j * frequency * middle), error)
+
+
+def frequency_drift(run: Run, of: str = "omega") -> FrequencyDrift:
+    """The change of the main frequency of a motion between the two halves of a run.
+
+    Regular motions keep their frequencies; in a chaotic motion they wander. The drift is a measure
+    of this which, unlike an exponent, also shows slow diffusion.
+
+    Parameters
+    ----------
+    run : Run
+        A run at evenly spaced times, at least 33 of them.
+    of : {"omega", "gamma"}
+        The signal: ``omega1 + i omega2`` or ``gamma1 + i gamma2``.
+
+    Returns
+    -------
+    FrequencyDrift
+        Of each body, with the axes of the bodies.
+
+    Raises
+    ------
+    ValueError
+        As :func:`frequencies`; for ``"gamma"`` of a run without the vertical.
+
+    Examples
+    --------
+    >>> import numpy as np, rigid
+    >>> top = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
+    >>> starts = [[0.3, 0.4, 1.0], [0.1, 0.0, 20.0]]                   # chaotic and regular
+    >>> t = np.linspace(0.0, 400.0, 20001)
+    >>> run = rigid.simulate(top, starts, [0.9, 0.3, 0.2, 0.1], t=t, check=False)
+    >>> slow, fast = rigid.frequency_drift(run).drift
+    >>> bool(slow > 1e-2), bool(fast < 1e-6)
+    (True, True)
+    """
+    if not isinstance(run, Run):
+        raise TypeError(f"run = {brief(run)}: must be a Run, as rigid.simulate returns")
+    one_of("of", of, ("omega", "gamma"))
+    states = run.omega if of == "omega" else run.gamma
+    if states is None:
+        raise ValueError(f"of = {of!r}: the run has no {of}")
+    if run.t.ndim != 1:
+        raise ValueError("run: its bodies have times of their own; all must share them")
+    signal = states[..., 0] + 1j * states[..., 1]
+    half = (len(run.t) + 1) // 2
+    first = frequencies(run.t[:half], signal[..., :half])
+    second = frequencies(run.t[-half:], signal[..., -half:])
+    return FrequencyDrift(
+        first=first,
+        second=second,
+        drift=np.abs(second.frequency - first.frequency)[..., 0],
+        error=(first.error + second.error)[..., 0],
+    )
+
+
+def _signals(z: ArrayLike, length: int) -> NDArray[np.inexact]:
+    array = np.asarray(z)
+    if array.dtype.kind not in "iufc":
+        raise ValueError(f"z = {brief(z)}: must be an array of numbers")
+    array = array.astype(np.complex128 if array.dtype.kind == "c" else np.float64)
+    if array.ndim == 0 or array.shape[-1] != length:
+        raise ValueError(f"z: expected shape (..., {length}), got {array.shape}")
+    if not np.isfinite(array).all():
+        raise ValueError("z: must be finite")
+    return array
+
+
+def _lines(t: Floats, signal: NDArray[np.inexact], count: int) -> tuple[Floats, Complex, Floats]:
+    """Frequencies, amplitudes in the middle of the signal, and errors."""
+    hann = 1.0 + np.cos(2.0 * np.pi * t / (t[-1] - t[0]))
+    frequency, amplitude = _Analysis(t, signal, hann).lines(count)
+    sharper = _Analysis(t, signal, hann**2)
+    other, _ = sharper.refined(frequency, sharper.amplitudes(frequency))
+    rounding = 8.0 * np.finfo(float).eps * (np.abs(frequency) + 1.0 / (t[-1] - t[0]))
+    return frequency, amplitude, 3.0 * np.abs(other - frequency) + rounding
+
+
+class _Analysis:
+    """A signal at times around zero, under a window."""
+
+    def __init__(self, t: Floats, signal: NDArray[np.inexact], window: Floats) -> None:
+        self.t, self.signal, self.window = t, signal, window / window.sum()
+        self.real = signal.dtype.kind != "c"
+        self.step, self.width = t[1] - t[0], 2.0 * np.pi / (t[-1] - t[0])
+
+    def lines(self, count: int) -> tuple[Floats, Complex]:
+        """The strongest lines, one after another, then each without the others."""
+        frequency, amplitude = np.empty(0), np.empty(0, dtype=np.complex128)
+        for _ in range(count):
+            rest = self.signal - self._sum(frequency, amplitude)
+            frequency = np.append(frequency, self._near(rest, self._highest(rest)))
+            amplitude = self.amplitudes(frequency)
+        frequency, amplitude = self.refined(frequency, amplitude)
+        order = np.argsort(-np.abs(amplitude), kind="stable")
+        return frequency[order], amplitude[order]
+
+    def refined(self, frequency: Floats, amplitude: Complex) -> tuple[Floats, Complex]:
+        """Lines from values close to them."""
+        frequency = frequency.copy()
+        for _ in range(PASSES):
+            before = frequency.copy()
+            for k in range(len(frequency)):
+                others = np.arange(len(frequency)) != k
+                rest = self.signal - self._sum(frequency[others], amplitude[others])
+                if self.real and self._has_mirror(frequency[k]):
+                    # A real line is half a complex one and half its mirror image.
+                    mirror = 0.5 * np.conj(amplitude[k]) * np.exp(-1j * frequency[k] * self.t)
+                    frequency[k] = self._near(rest - mirror, frequency[k])
+                else:
+                    frequency[k] = self._near(rest, frequency[k])
+                amplitude = self.amplitudes(frequency)
+            if np.abs(frequency - before).max() <= 1e-15 * np.abs(frequency).max():
+                break
+        return frequency, amplitude
+
+    def amplitudes(self, frequency: Floats) -> Complex:
+        """Amplitudes of lines by least squares under the window."""
+        root = np.sqrt(self.window)[:, np.newaxis]
+        waves = np.exp(1j * frequency * self.t[:, np.newaxis])
+        if not self.real:
+            found = np.linalg.lstsq(waves * root, self.signal * root[:, 0], rcond=None)[0]
+            return np.asarray(found, dtype=np.complex128)
+        # Re(a exp(i w t)): a cosine and a sine each.
+        both = np.concatenate([waves.real, -waves.imag], axis=1)
+        found = np.linalg.lstsq(both * root, self.signal * root[:, 0], rcond=None)[0]
+        cosine, sine = np.split(np.asarray(found), 2)
+        return np.asarray(cosine + 1j * sine, dtype=np.complex128)
+
+    def _sum(self, frequency: Floats, amplitude: Complex) -> NDArray[np.inexact]:
+        waves: Complex = np.exp(1j * frequency * self.t[:, np.newaxis]) @ amplitude
+        return waves.real if self.real else waves
+
+    def _has_mirror(self, frequency: float) -> bool:
+        """Whether a real line is apart from its mirror image."""
+        return bool(abs(frequency) > 2.0 * self.width)
+
+    def _highest(self, signal: NDArray[np.inexact]) -> float:
+        """The frequency of the highest point of the transform."""
+        size = 4 * len(signal)
+        power = np.abs(np.fft.fft(signal * self.window, size))
+        grid = 2.0 * np.pi * np.fft.fftfreq(size, self.step)
+        if self.real:
+            power = np.where(grid < 0.0, 0.0, power)
+        return float(grid[np.argmax(power)])
+
+    def _near(self, signal: NDArray[np.inexact], frequency: float) -> float:
+        """The maximum of the transform near a frequency, by Newton's method."""
+        weighted = signal * self.window
+        begin = frequency
+        for _ in range(50):
+            wave = weighted * np.exp(-1j * frequency * self.t)
+            value, first, second = wave.sum(), (wave * self.t).sum(), (wave * self.t**2).sum()
+            # Half of the derivatives of the squared absolute value.
+            slope = (np.conj(value) * (-1j) * first).real
+            curvature = abs(first) ** 2 - (np.conj(value) * second).real
+            if not curvature < 0.0:
+                break
+            change = float(np.clip(-slope / curvature, -0.25 * self.width, 0.25 * self.width))
+            frequency += change
+            if abs(change) <= 1e-16 * abs(frequency) or abs(frequency - begin) > self.width:
+                break
+        return frequency

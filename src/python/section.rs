@@ -1,0 +1,104 @@
+//! Poincaré sections.
+
+use super::convert::{BodyColumns, copied, interruptible, rows, same_length};
+use super::forcing::PyForcing;
+use super::simulate::forcing_of;
+use crate::error::Error;
+use crate::memory;
+use crate::parallel::Interrupt;
+use crate::scene::Scene;
+use crate::scheme::Scheme;
+use crate::simd::Isa;
+use crate::solver::{Solver, default_step};
+use crate::trajectory::{self, Crossings, Point, Record, Request, Schedule, Section, Surface};
+use numpy::ndarray::Array2;
+use numpy::{IntoPyArray, PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+/// The points at which bodies cross their surfaces until a time; see `rigid.poincare`.
+#[pyfunction]
+#[pyo3(signature = (*, scene, method, moments, weight, omega, attitude, normal, value, of_rate, direction, end, count, tolerance, max_steps, threads, forcing=None))]
+#[allow(clippy::too_many_arguments)] // The request of `trajectory`, column by column.
+pub fn section<'py>(
+    py: Python<'py>,
+    scene: &str,
+    method: &str,
+    moments: PyReadonlyArray2<'py, f64>,
+    weight: PyReadonlyArray2<'py, f64>,
+    omega: PyReadonlyArray2<'py, f64>,
+    attitude: PyReadonlyArray2<'py, f64>,
+    normal: PyReadonlyArray2<'py, f64>,
+    value: PyReadonlyArray1<'py, f64>,
+    of_rate: bool,
+    direction: i8,
+    end: f64,
+    count: usize,
+    tolerance: f64,
+    max_steps: u64,
+    threads: usize,
+    forcing: Option<PyRef<'py, PyForcing>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let (scene, scheme, isa) = (Scene::parse(scene)?, Scheme::parse(method)?, Isa::current()?);
+    let columns = BodyColumns::new(
+        rows::<3>("moments", &moments)?,
+        rows::<3>("weight", &weight)?,
+        rows::<3>("omega", &omega)?,
+        rows::<4>("attitude", &attitude)?,
+    )?;
+    let n = columns.len();
+    let forcing = forcing_of(forcing.as_ref(), n)?;
+    let (normals, values) = (rows::<6>("normal", &normal)?, copied("value", &value)?);
+    same_length("normal", n, normals.len())?;
+    same_length("value", n, values.len())?;
+    let surfaces = normals.iter().zip(&values).map(|(&normal, &value)| Surface { normal, value });
+    let surfaces = &memory::collected("surfaces", n, surfaces)?;
+    let bodies = &columns.bodies(0..n)?;
+    let times = [end];
+    let own = bodies.iter().enumerate();
+    let own = own.map(|(i, body)| default_step(scheme, body.step_rate(scheme, forcing.of(i), [0.0, end])));
+    let steps = &memory::collected("steps", n, own)?;
+    let request = Request {
+        bodies,
+        scene,
+        forcing,
+        solver: Solver::Steps(scheme),
+        record: Record::Attitude,
+        schedule: Schedule::Times(&times),
+        steps,
+        refinement: 1.0,
+        tolerance: Some(tolerance),
+        max_steps,
+    };
+    let section = Section { surfaces, of_rate, direction, count, end };
+    let run = |stop: &Interrupt| trajectory::section(&request, scheme, &section, threads, isa, stop);
+    to_dict(py, &interruptible(py, None, run)??)
+}
+
+fn to_dict<'py>(py: Python<'py>, all: &[Crossings]) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    let count = all.iter().map(|own| own.points.len()).sum::<usize>();
+    let points = || all.iter().flat_map(|own| &own.points);
+    let flat = |width: usize, number: fn(&Point, usize) -> f64| -> Result<Array2<f64>, Error> {
+        let numbers = points().flat_map(|point| (0..width).map(move |k| number(point, k)));
+        let numbers = memory::collected("points of a section", count * width, numbers)?;
+        Ok(Array2::from_shape_vec([count, width], numbers).expect("as many as counted"))
+    };
+    dict.set_item("omega", flat(3, |point, k| point.omega[k])?.into_pyarray(py))?;
+    dict.set_item("gamma", flat(3, |point, k| point.gamma[k])?.into_pyarray(py))?;
+    dict.set_item("attitude", flat(4, |point, k| point.attitude[k])?.into_pyarray(py))?;
+    let numbers = |number: fn(&Point) -> f64| memory::collected("points", count, points().map(number));
+    dict.set_item("t", numbers(|point| point.time)?.into_pyarray(py))?;
+    dict.set_item("slope", numbers(|point| point.slope)?.into_pyarray(py))?;
+    let directions = memory::collected("points", count, points().map(|point| point.direction))?;
+    dict.set_item("direction", directions.into_pyarray(py))?;
+    let grazing = memory::collected("points", count, points().map(|point| point.grazes))?;
+    dict.set_item("grazing", grazing.into_pyarray(py))?;
+    dict.set_item("points", super::convert::column(py, all, |own| own.points.len() as u64)?)?;
+    dict.set_item("status", super::convert::column(py, all, |own| own.status as u8)?)?;
+    dict.set_item("stays", super::convert::column(py, all, |own| own.stays)?)?;
+    dict.set_item("energy_drift", super::convert::column(py, all, |own| own.energy_drift)?)?;
+    dict.set_item("end", super::convert::column(py, all, |own| own.end)?)?;
+    dict.set_item("steps", super::convert::column(py, all, |own| own.steps)?)?;
+    Ok(dict)
+}

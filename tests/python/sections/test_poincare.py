@@ -1,0 +1,395 @@
+"""Poincaré sections: every point and no other, whatever else is in the call."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rigid
+from physics import METHODS, Floats
+from processes import python_process
+from rigid.rotations import quaternion_to_matrix
+from section_scenes import SECTIONED, Sectioned
+
+ASYMMETRIC = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
+KOVALEVSKAYA = rigid.HeavyTop(rigid.Body((2.0, 2.0, 1.0)), mgl=1.0, com=(1.0, 0.0, 0.0))
+LAGRANGE = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0, com=(0.0, 0.0, 1.0))
+GORYACHEV = rigid.HeavyTop(rigid.Body((4.0, 4.0, 1.0)), mgl=1.0, com=(1.0, 0.0, 0.0))
+BOX = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
+
+SERIES = [method.name for method in METHODS if method.series]
+
+
+def energy(top: rigid.HeavyTop, points: rigid.Crossings) -> Floats:
+    kinetic = 0.5 * np.sum(np.array(top.body.moments) * points.omega**2, axis=1)
+    return np.asarray(kinetic + points.gamma @ np.reshape(top.weight, 3))
+
+
+def l_gamma(top: rigid.HeavyTop, points: rigid.Crossings) -> Floats:
+    return np.asarray(np.sum(np.array(top.body.moments) * points.omega * points.gamma, axis=1))
+
+
+@pytest.mark.parametrize("known", SECTIONED, ids=lambda known: known.name)
+def test_every_point_of_26_digits_and_no_other(known: Sectioned) -> None:
+    found = rigid.poincare(
+        known.scene, known.omega0, known.attitude0, known.section, t_end=known.t_end
+    )
+    assert len(found) == len(known.t)
+    # The chaotic motion magnifies rounding 2e6 times (rigid.condition): 1e-10 is a share of what
+    # its start costs as doubles, and the bits of the result are the same everywhere.
+    np.testing.assert_allclose(found.t, known.t, rtol=0.0, atol=1e-10)
+    np.testing.assert_allclose(found.omega, known.omega, rtol=0.0, atol=1e-10)
+    np.testing.assert_allclose(found.gamma, known.gamma, rtol=0.0, atol=1e-10)
+    np.testing.assert_array_equal(found.direction, known.direction)
+    np.testing.assert_allclose(found.slope, known.slope, rtol=1e-9)
+    assert bool(found.complete)
+    assert not found.grazing.any()
+    assert (found.error < 1e-9).all()
+    assert (np.abs(found.t - known.t) <= found.error + 1e-13).all()
+    vertical = quaternion_to_matrix(found.attitude)[:, 2]
+    np.testing.assert_allclose(vertical, found.gamma, rtol=0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("method", SERIES)
+@pytest.mark.parametrize("known", SECTIONED, ids=lambda known: known.name)
+def test_every_series_finds_the_same_points(known: Sectioned, method: str) -> None:
+    found = rigid.poincare(
+        known.scene,
+        known.omega0,
+        known.attitude0,
+        known.section,
+        t_end=known.t_end,
+        method=method,
+        tolerance=1e-14,
+        check=False,
+    )
+    assert len(found) == len(known.t)
+    # A tolerance of 1e-14, magnified up to 2e6 times.
+    np.testing.assert_allclose(found.t, known.t, rtol=0.0, atol=2e-8)
+
+
+def test_a_longer_tolerance_misses_no_close_pair() -> None:
+    known = next(known for known in SECTIONED if known.name == "section-close-pairs")
+    found = rigid.poincare(
+        known.scene,
+        known.omega0,
+        known.attitude0,
+        known.section,
+        t_end=known.t_end,
+        tolerance=1e-10,
+    )
+    assert np.diff(found.t)[0] == pytest.approx(5.7673e-3, rel=1e-3)
+    assert len(found) == 4
+
+
+def test_a_component_that_only_touches_its_value_grazes() -> None:
+    # The polhode about axis 3 touches the largest |omega1| in every period.
+    omega = np.array([0.3, 0.2, 1.5])
+    quantities = rigid.exact.free_body(BOX, omega)
+    period = float(quantities.period)
+    top = float(quantities.amplitude[0])
+    ends = {}
+    for shift in (-1e-6, 0.0, 1e-6):
+        found = rigid.poincare(
+            BOX,
+            omega,
+            section=rigid.section("omega1", value=top + shift, direction=0),
+            t_end=5.5 * period,
+        )
+        ends[shift] = found
+    assert len(ends[1e-6]) == 0
+    assert bool(ends[1e-6].complete)
+    assert not ends[-1e-6].grazing.any()
+    assert bool(ends[-1e-6].complete)
+    touching = ends[0.0]
+    assert touching.grazing.all()
+    assert not bool(touching.complete)
+    # Each maximum is one point, or the two crossings that rounding makes of it.
+    groups = np.split(touching.t, np.flatnonzero(np.diff(touching.t) > 0.1 * period) + 1)
+    assert len(groups) in (5, 6)
+    assert len(ends[-1e-6]) == 2 * len(groups)
+    np.testing.assert_allclose(np.diff([group[0] for group in groups]), period, atol=1e-5)
+    assert "grazes" in touching.reasons()[0]
+
+
+def test_rising_and_falling_points_are_those_of_both() -> None:
+    both, rising, falling = (
+        rigid.poincare(
+            ASYMMETRIC,
+            [0.3, 0.4, 1.0],
+            section=rigid.section("gamma1", 0.2, direction),
+            t_end=60.0,
+        )
+        for direction in (0, 1, -1)
+    )
+    assert len(both) == len(rising) + len(falling) > 20
+    np.testing.assert_array_equal(both.t[both.direction > 0], rising.t)
+    np.testing.assert_array_equal(both.t[both.direction < 0], falling.t)
+    # They alternate, as crossings of a surface do.
+    assert (both.direction[1:] == -both.direction[:-1]).all()
+    assert (both.slope * both.direction > 0.0).all()
+
+
+def test_heights_turn_highest_or_lowest() -> None:
+    com = np.array([0.6, 0.0, 0.8])
+    highest = rigid.poincare(ASYMMETRIC, [0.3, 0.4, 1.0], t_end=50.0)
+    lowest = rigid.poincare(
+        ASYMMETRIC, [0.3, 0.4, 1.0], section=rigid.section(direction=1), t_end=50.0
+    )
+    t = np.linspace(0.0, 50.0, 5001)
+    height = np.asarray(rigid.simulate(ASYMMETRIC, [0.3, 0.4, 1.0], t=t).gamma) @ com
+    inner = height[1:-1]
+    for points, turns in (
+        (highest, (inner > height[:-2]) & (inner > height[2:])),
+        (lowest, (inner < height[:-2]) & (inner < height[2:])),
+    ):
+        np.testing.assert_allclose(points.t, t[1:-1][turns], atol=0.01)
+    assert (highest.slope < 0.0).all()
+    assert (lowest.slope > 0.0).all()
+
+
+def test_a_plane_of_vectors_is_the_component() -> None:
+    named = rigid.poincare(
+        ASYMMETRIC, [0.3, 0.4, 1.0], section=rigid.section("omega2", 0.1), t_end=90.0
+    )
+    plane = rigid.poincare(
+        ASYMMETRIC,
+        [0.3, 0.4, 1.0],
+        section=rigid.section(omega=(0.0, 1.0, 0.0), value=0.1),
+        t_end=90.0,
+    )
+    np.testing.assert_array_equal(named.t, plane.t)
+    assert len(named) > 5
+
+
+def test_points_keep_the_constants_of_the_motion() -> None:
+    omega, attitude = rigid.top.on_surface(ASYMMETRIC, 2.0, 0.4, count=12, rng=3)
+    points = rigid.poincare(ASYMMETRIC, omega, attitude, t_end=300.0)
+    # Rounding of some thousand steps, as a random walk.
+    np.testing.assert_allclose(energy(ASYMMETRIC, points), 2.0, rtol=0.0, atol=1e-13)
+    np.testing.assert_allclose(l_gamma(ASYMMETRIC, points), 0.4, rtol=0.0, atol=1e-13)
+    np.testing.assert_allclose(np.linalg.norm(points.gamma, axis=1), 1.0, atol=1e-13)
+    rate = np.cross(points.gamma, points.omega) @ np.array([0.6, 0.0, 0.8])
+    np.testing.assert_allclose(rate, 0.0, atol=1e-13)
+    assert points.energy_drift.max() < 1e-13
+    assert points.complete.all()
+
+
+def test_a_start_on_the_surface_is_no_point() -> None:
+    omega, attitude = rigid.top.on_surface(KOVALEVSKAYA, 1.5, 0.5, count=20, rng=5)
+    points = rigid.poincare(KOVALEVSKAYA, omega, attitude, t_end=20.0)
+    assert points.t.min() > 0.1
+
+
+@pytest.mark.parametrize(
+    ("top", "level", "momentum", "constant"),
+    [
+        (LAGRANGE, 2.0, 0.5, lambda w, n: w[:, 2]),
+        (
+            KOVALEVSKAYA,
+            1.5,
+            0.5,
+            lambda w, n: np.abs((w[:, 0] + 1j * w[:, 1]) ** 2 - (n[:, 0] + 1j * n[:, 1])) ** 2,
+        ),
+        (
+            GORYACHEV,
+            1.5,
+            0.0,
+            lambda w, n: w[:, 2] * (w[:, 0] ** 2 + w[:, 1] ** 2) - w[:, 0] * n[:, 2],
+        ),
+    ],
+    ids=["Lagrange", "Kovalevskaya", "Goryachev-Chaplygin"],
+)
+def test_points_of_an_integrable_motion_lie_on_its_curve(
+    top: rigid.HeavyTop,
+    level: float,
+    momentum: float,
+    constant: Callable[[Floats, Floats], Floats],
+) -> None:
+    omega, attitude = rigid.top.on_surface(top, level, momentum, count=8, rng=1)
+    points = rigid.poincare(top, omega, attitude, t_end=400.0)
+    assert points.complete.all()
+    found = constant(points.omega, points.gamma)
+    run = rigid.simulate(top, omega, attitude, t=[0.0])
+    assert run.gamma is not None
+    start = constant(run.omega[:, 0], run.gamma[:, 0])
+    # Rounding of some thousand steps; Goryachev's and Chaplygin's only grows on that level.
+    np.testing.assert_allclose(found, start[points.body], rtol=0.0, atol=1e-11)
+    assert (np.bincount(points.body) > 30).all()
+
+
+def test_every_maximum_of_a_lagrange_top_has_one_height() -> None:
+    omega, attitude = rigid.top.on_surface(LAGRANGE, 2.0, 0.5, count=6, rng=2)
+    points = rigid.poincare(LAGRANGE, omega, attitude, t_end=200.0)
+    for body in range(6):
+        heights = points.gamma[points.body == body, 2]
+        np.testing.assert_allclose(heights, heights[0], atol=1e-12)
+        # One maximum a nutation, and the periods are those of the cubic.
+        known = rigid.top.heavy_constants(LAGRANGE, omega[body], attitude[body])
+        constants: Any = {name: getattr(known, name) for name in ("a", "b", "alpha", "beta")}
+        period = rigid.top.nutation_period(**constants)
+        np.testing.assert_allclose(
+            np.diff(points.t[points.body == body]), float(period), rtol=1e-11
+        )
+
+
+def test_a_free_body_crosses_a_vertical_of_space() -> None:
+    omega = [0.3, 0.2, 1.5]
+    points = rigid.poincare(
+        BOX, omega, [0.9, 0.1, 0.2, 0.3], section=rigid.section("gamma1"), t_end=50.0
+    )
+    exact = rigid.simulate(BOX, omega, [0.9, 0.1, 0.2, 0.3], t=points.t, method="exact")
+    assert exact.attitude is not None
+    vertical = quaternion_to_matrix(exact.attitude)[:, 2]
+    np.testing.assert_allclose(vertical, points.gamma, atol=1e-12)
+    np.testing.assert_allclose(vertical[:, 0], 0.0, atol=1e-12)
+    t = np.linspace(0.0, 50.0, 20001)
+    dense = rigid.simulate(BOX, omega, [0.9, 0.1, 0.2, 0.3], t=t, method="exact")
+    assert dense.attitude is not None
+    gamma1 = quaternion_to_matrix(dense.attitude)[:, 2, 0]
+    assert len(points) == np.count_nonzero((gamma1[:-1] < 0.0) & (gamma1[1:] >= 0.0))
+
+
+def test_torque_and_damping_act_on_the_way_to_a_section() -> None:
+    values = [[0.1, 0.0, 0.0], [0.0, 0.2, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]]
+    torque = rigid.Torque.body(values, times=[0.0, 7.0, 15.0, 41.0])
+    top = rigid.HeavyTop(
+        rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8), torque=torque, damping=0.01
+    )
+    points = rigid.poincare(top, [0.3, 0.4, 1.0], t_end=40.0)
+    run = rigid.simulate(top, [0.3, 0.4, 1.0], t=points.t, method="taylor16")
+    np.testing.assert_allclose(run.omega, points.omega, atol=1e-9)
+    assert run.gamma is not None
+    np.testing.assert_allclose(run.gamma, points.gamma, atol=1e-9)
+    t = np.linspace(0.0, 40.0, 8001)
+    height = np.asarray(rigid.simulate(top, [0.3, 0.4, 1.0], t=t).gamma) @ np.array([0.6, 0.0, 0.8])
+    peaks = (height[1:-1] > height[:-2]) & (height[1:-1] > height[2:])
+    assert len(points) == np.count_nonzero(peaks)
+
+
+def test_the_points_of_a_body_do_not_depend_on_the_others() -> None:
+    rng = np.random.default_rng(1)
+    omega = rng.normal(size=(70, 3))
+    together = rigid.poincare(ASYMMETRIC, omega, t_end=30.0, threads=2)
+    for body in (0, 31, 32, 69):
+        alone = rigid.poincare(ASYMMETRIC, omega[body], t_end=30.0, threads=1)
+        mine = together.body == body
+        for name in ("t", "omega", "gamma", "attitude", "slope", "direction", "error"):
+            np.testing.assert_array_equal(getattr(alone, name), getattr(together, name)[mine], name)
+    parts = rigid.poincare(ASYMMETRIC, omega, t_end=30.0, threads=1, progress=lambda _: None)
+    np.testing.assert_array_equal(parts.t, together.t)
+    assert (np.diff(together.body) >= 0).all()
+
+
+DIGEST = """
+import hashlib, numpy as np, rigid
+top = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
+damped = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, damping=0.02)
+box = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
+omega = np.random.default_rng(1).normal(size=(40, 3))
+for scene, section in ((top, "height"), (top, "omega2"), (damped, "height"), (box, "gamma1")):
+    points = rigid.poincare(scene, omega, section=section, t_end=30.0)
+    for name in ("t", "omega", "gamma", "attitude", "slope", "direction", "error", "steps"):
+        print(hashlib.sha256(getattr(points, name).tobytes()).hexdigest())
+"""
+
+
+def test_every_instruction_set_gives_the_same_bits() -> None:
+    sets = rigid.build_info()["isa_available"]
+    digests = {python_process(DIGEST, RIGID_ISA=isa).stdout for isa in sets}
+    assert len(digests) == 1
+    assert len(digests.pop().split()) == 32
+
+
+def test_a_count_ends_each_body() -> None:
+    rng = np.random.default_rng(2)
+    omega = rng.normal(size=(5, 3))
+    whole = rigid.poincare(ASYMMETRIC, omega, t_end=100.0)
+    some = rigid.poincare(ASYMMETRIC, omega, t_end=100.0, count=4)
+    assert (np.bincount(some.body) == 4).all()
+    for body in range(5):
+        first = whole.t[whole.body == body][:4]
+        np.testing.assert_array_equal(some.t[some.body == body], first)
+        assert some.end[body] == first[-1]
+    assert (whole.end == 100.0).all()
+
+
+def test_a_motion_on_the_surface_stays_there() -> None:
+    # Steady precession of an upright spin: the height never changes.
+    points = rigid.poincare(LAGRANGE, [0.0, 0.0, 5.0], t_end=10.0)
+    assert len(points) == 0
+    assert bool(points.stays)
+    assert not bool(points.complete)
+    assert "stays on the surface" in points.reasons()[0]
+
+
+def test_a_body_at_rest_crosses_nothing() -> None:
+    points = rigid.poincare(BOX, [0.0, 0.0, 0.0], section=rigid.section("gamma1", 0.5), t_end=9.0)
+    assert len(points) == 0
+    assert bool(points.complete)
+
+
+def test_the_error_covers_the_difference_from_a_sharper_run() -> None:
+    loose = rigid.poincare(ASYMMETRIC, [0.3, 0.4, 1.0], t_end=40.0, tolerance=1e-9)
+    sharp = rigid.poincare(ASYMMETRIC, [0.3, 0.4, 1.0], t_end=40.0)
+    assert len(loose) == len(sharp)
+    off = np.abs(loose.t - sharp.t)
+    assert 1e-12 < off.max() < 1e-3
+    assert (off <= 3.0 * loose.error).all()
+
+
+def test_points_of_a_chaotic_motion_are_lost_at_last() -> None:
+    points = rigid.poincare(ASYMMETRIC, [0.3, 0.4, 1.0], [0.9, 0.3, 0.2, 0.1], t_end=400.0)
+    # Its exponent is 0.31: rounding grows to 1e-3 in about 100 s.
+    assert 60.0 < float(points.lost_from) < 250.0
+    assert points.status == rigid.Status.FLAGGED
+    assert bool(points.complete)
+    assert "close to this one" in points.reasons()[0]
+
+
+def test_too_many_steps_and_overflow_have_a_status() -> None:
+    points = rigid.poincare(
+        ASYMMETRIC, [[0.3, 0.4, 1.0], [0.3, 0.4, 1e120]], t_end=1e5, max_steps=100
+    )
+    assert points.status.tolist() == [rigid.Status.STEP_LIMIT] * 2
+    assert not points.complete.any()
+    assert points.end[0] < 1e3
+
+
+def test_leading_axes_of_bodies_are_kept() -> None:
+    omega = np.random.default_rng(4).normal(size=(2, 3, 3))
+    points = rigid.poincare(ASYMMETRIC, omega, t_end=10.0)
+    assert points.complete.shape == points.status.shape == (2, 3)
+    assert points.body.max() == 5
+    assert [len(row) for row in points.reasons()] == [3, 3]
+
+
+def test_a_picture_shows_every_point() -> None:
+    points = rigid.poincare(ASYMMETRIC, [[0.3, 0.4, 1.0], [0.1, 0.2, 2.0]], t_end=50.0)
+    ax = points.plot("gamma1", "omega3")
+    (drawn,) = ax.collections
+    np.testing.assert_array_equal(
+        np.asarray(drawn.get_offsets()), np.stack([points.gamma[:, 0], points.omega[:, 2]], axis=1)
+    )
+    assert (ax.get_xlabel(), ax.get_ylabel()) == (r"$\gamma_1$", r"$\omega_3$ (rad/s)")
+
+
+def test_a_file_has_the_points(tmp_path: Path) -> None:
+    points = rigid.poincare(ASYMMETRIC, [0.3, 0.4, 1.0], t_end=20.0)
+    with np.load(points.save(tmp_path / "points.npz")) as file:
+        for name in (
+            "t",
+            "omega",
+            "gamma",
+            "attitude",
+            "direction",
+            "grazing",
+            "error",
+            "complete",
+        ):
+            np.testing.assert_array_equal(file[name], getattr(points, name))
+        assert '"t_end": 20.0' in str(file["spec"])

@@ -1,0 +1,122 @@
+"""What a section cannot answer is refused with the argument, its value and the rule."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+import rigid
+
+TOP = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
+BOX = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
+RATES = [0.3, 0.4, 1.0]
+LIGHT = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=[1.2, 0.0])
+
+Call = Callable[[], object]
+
+REFUSED: dict[str, tuple[Call, str]] = {
+    "unknown name": (lambda: rigid.section("omega4"), "name = 'omega4': must be one of 'height'"),
+    "name beside vectors": (
+        lambda: rigid.section("omega1", gamma=(0, 0, 1)),
+        "name = 'omega1': leave the name out beside omega or gamma",
+    ),
+    "no normal": (lambda: rigid.section(omega=(0, 0, 0)), "omega, gamma: both are zero"),
+    "direction": (
+        lambda: rigid.section("omega1", direction=2),
+        "direction = 2: must be 1, -1 or 0",
+    ),
+    "value of a height": (lambda: rigid.section(value=0.1), "value = 0.1: 'height' takes none"),
+    "out of reach": (lambda: rigid.section("gamma2", 1.5), "value = 1.5: never crossed"),
+    "plane out of reach": (
+        lambda: rigid.section(gamma=(0.3, 0.4, 0.0), value=0.6),
+        "value = 0.6: never crossed: the vertical has components up to 0.5",
+    ),
+    "not finite": (lambda: rigid.section("omega1", np.inf), "value = inf: must be finite"),
+    "no weight": (
+        lambda: rigid.poincare(BOX, RATES, t_end=1.0),
+        "section = 'height': a body without weight",
+    ),
+    "one of two without weight": (
+        lambda: rigid.poincare(LIGHT, [RATES, RATES], t_end=1.0),
+        "section = 'height': a body without weight",
+    ),
+    "no series": (
+        lambda: rigid.poincare(TOP, RATES, t_end=1.0, method="dop853"),
+        "method = 'dop853': only a Taylor method is a polynomial inside its steps",
+    ),
+    "closed form": (
+        lambda: rigid.poincare(BOX, RATES, section="gamma1", t_end=1.0, method="exact"),
+        "method = 'exact': only a Taylor method",
+    ),
+    "end": (lambda: rigid.poincare(TOP, RATES, t_end=0.0), "t_end = 0.0: must be positive"),
+    "count": (
+        lambda: rigid.poincare(TOP, RATES, t_end=1.0, count=0),
+        "count = 0: must be at least",
+    ),
+    "tolerance": (
+        lambda: rigid.poincare(TOP, RATES, t_end=1.0, tolerance=2.0),
+        "tolerance = 2e0: must be positive and below one",
+    ),
+    "energy": (
+        lambda: rigid.top.on_surface(TOP, -1.3, 0.0, 5),
+        "energy = -1.3: must be at least -1.2 J with l_gamma = 0.0",
+    ),
+    "energy with momentum": (
+        lambda: rigid.top.on_surface(TOP, -1.1, 2.0, 5),
+        "energy = -1.1: must be at least",
+    ),
+    "damped": (
+        lambda: rigid.top.on_surface(
+            rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, damping=0.1), 2.0, 0.1, 5
+        ),
+        "torque or damping changes its energy",
+    ),
+    "surface beyond the energy": (
+        lambda: rigid.top.on_surface(TOP, 2.0, 0.4, 5, section=rigid.section("omega3", 50.0)),
+        "section: 0 of .* random verticals have a crossing",
+    ),
+    "uneven times": (
+        lambda: rigid.frequencies(np.linspace(0.0, 1.0, 50) ** 2, np.zeros(50)),
+        "must be evenly spaced",
+    ),
+    "few times": (lambda: rigid.frequencies([0.0, 1.0], [0.0, 1.0]), "t: 2 times, but lines need"),
+    "many lines": (
+        lambda: rigid.frequencies(np.arange(32.0), np.zeros(32), count=5),
+        "count = 5: must be at most an eighth of the 32 times",
+    ),
+    "length of a signal": (
+        lambda: rigid.frequencies(np.arange(32.0), np.zeros(31)),
+        r"z: expected shape \(..., 32\), got \(31,\)",
+    ),
+    "signal": (
+        lambda: rigid.frequencies(np.arange(32.0), np.full(32, np.nan)),
+        "z: must be finite",
+    ),
+    "text": (lambda: rigid.frequencies(np.arange(32.0), ["a"] * 32), "must be an array of numbers"),
+    "no vertical": (
+        lambda: rigid.frequency_drift(rigid.simulate(BOX, RATES, t=np.arange(64.0)), of="gamma"),
+        "of = 'gamma': the run has no gamma",
+    ),
+    "component": (
+        lambda: rigid.poincare(TOP, RATES, t_end=1.0).component("energy"),
+        "name = 'energy': must be one of",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_bad_input_is_refused_with_its_rule(case: str) -> None:
+    call, message = REFUSED[case]
+    with pytest.raises(ValueError, match=message):
+        call()
+
+
+def test_another_type_is_refused() -> None:
+    with pytest.raises(TypeError, match=r"section = 3: must be made by rigid\.section"):
+        rigid.poincare(TOP, RATES, section=3, t_end=1.0)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match=r"section = 3: must be made by rigid\.section"):
+        rigid.top.on_surface(TOP, 2.0, 0.4, 5, section=3)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="run = 3: must be a Run"):
+        rigid.frequency_drift(3)  # type: ignore[arg-type]

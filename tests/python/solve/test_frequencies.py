@@ -1,0 +1,139 @@
+"""Frequencies of signals and of motions, against sums of lines and closed forms."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import rigid
+from rigid.rotations import quaternion_to_matrix
+
+
+def test_a_single_line_is_found_to_rounding() -> None:
+    t = np.linspace(3.0, 103.0, 1001)
+    for frequency in (0.0, 1e-3, 0.7, -5.0, 20.0):
+        amplitude = 0.3 - 2.0j
+        lines = rigid.frequencies(t, amplitude * np.exp(1j * frequency * t))
+        assert lines.frequency[0] == pytest.approx(frequency, rel=1e-14, abs=1e-15)
+        assert lines.amplitude[0] == pytest.approx(amplitude, rel=1e-11)
+
+
+def test_the_error_falls_with_the_fourth_power_of_the_length() -> None:
+    # One line is asked for, another is there: the order of the Hann window.
+    errors = []
+    lengths = np.array([100.0, 200.0, 400.0, 800.0])
+    for length in lengths:
+        worst = 0.0
+        for phase in np.linspace(0.0, 6.0, 13):
+            t = np.linspace(0.0, length, 4001)
+            z = np.exp(1j * t) + 0.5 * np.exp(1j * (1.5 * t + phase))
+            lines = rigid.frequencies(t, z)
+            worst = max(worst, abs(lines.frequency[0] - 1.0))
+        errors.append(worst)
+    order = -np.polyfit(np.log(lengths), np.log(errors), 1)[0]
+    assert 3.5 < order < 4.5
+
+
+def test_the_error_is_covered() -> None:
+    rng = np.random.default_rng(1)
+    t = np.linspace(0.0, 300.0, 3001)
+    covered, sharp = 0, 0
+    for _ in range(100):
+        frequency = rng.uniform(-5.0, 5.0, 4)
+        while np.diff(np.sort(frequency)).min() < 0.3:
+            frequency = rng.uniform(-5.0, 5.0, 4)
+        amplitude = np.array([1.0, 0.5, 0.2, 0.1]) * np.exp(2j * np.pi * rng.random(4))
+        z = np.exp(1j * t[:, np.newaxis] * frequency) @ amplitude
+        lines = rigid.frequencies(t, z)
+        off = abs(lines.frequency[0] - frequency[0])
+        covered += off <= lines.error[0]
+        sharp += lines.error[0] < 1e-3 * 2.0 * np.pi / 300.0
+    assert covered >= 99
+    assert sharp >= 99
+
+
+def test_several_lines_are_found_without_each_other() -> None:
+    t = np.linspace(0.0, 200.0, 2001)
+    frequency = np.array([0.31, 1.7, -0.9, 4.2])
+    amplitude = np.array([1.0, 0.5j, -0.25, 0.125])
+    z = np.exp(1j * t[:, np.newaxis] * frequency) @ amplitude
+    lines = rigid.frequencies(t, z, count=4)
+    np.testing.assert_allclose(lines.frequency, frequency, rtol=0.0, atol=1e-12)
+    np.testing.assert_allclose(lines.amplitude, amplitude, rtol=0.0, atol=1e-10)
+    assert (lines.error < 1e-11).all()
+
+
+def test_a_real_signal_has_positive_lines() -> None:
+    t = np.linspace(0.0, 150.0, 3001)
+    z = 2.0 * np.cos(0.4 * t + 0.3) + 0.7 * np.sin(2.3 * t)
+    lines = rigid.frequencies(t, z, count=2)
+    np.testing.assert_allclose(lines.frequency, [0.4, 2.3], rtol=0.0, atol=1e-11)
+    expected = [2.0 * np.exp(0.3j), -0.7j]
+    np.testing.assert_allclose(lines.amplitude, expected, rtol=0.0, atol=1e-9)
+
+
+def test_signals_keep_their_axes() -> None:
+    t = np.linspace(0.0, 50.0, 501)
+    rates = np.array([[0.5, 1.0, 2.0], [3.0, 4.0, 5.0]])
+    lines = rigid.frequencies(t, np.exp(1j * rates[..., np.newaxis] * t))
+    assert lines.frequency.shape == lines.error.shape == (2, 3, 1)
+    np.testing.assert_allclose(lines.frequency[..., 0], rates, rtol=1e-13)
+
+
+def test_a_free_body_has_the_frequencies_of_its_polhode_and_precession() -> None:
+    box, omega = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0))), np.array([0.3, 0.2, 1.5])
+    known = rigid.exact.free_body(box, omega)
+    polhode = 2.0 * np.pi / float(known.period)
+    t = np.linspace(0.0, 60.0 * float(known.period), 6001)
+    run = rigid.simulate(box, omega, t=t, method="exact")
+    lines = rigid.frequencies(t, run.omega[:, 0])
+    assert lines.frequency[0] == pytest.approx(polhode, rel=1e-9)
+    # Axis 3 precesses about the angular momentum; its projection across has this mean rate.
+    matrix = quaternion_to_matrix(np.asarray(run.attitude))
+    momentum = matrix[0] @ (np.array([1.0, 2.0, 3.0]) * omega)
+    up = momentum / np.linalg.norm(momentum)
+    across = np.cross(up, [1.0, 0.0, 0.0])
+    across /= np.linalg.norm(across)
+    axis = matrix[:, :, 2]
+    turning = axis @ np.cross(across, up) + 1j * (axis @ across)
+    found = rigid.frequencies(t, turning, count=3).frequency
+    precession = float(known.precession)
+    # The lines of the projection are the precession and sums with multiples of the polhode's.
+    shifts = (found - precession) / polhode
+    np.testing.assert_allclose(shifts, np.round(shifts), atol=1e-8)
+
+
+def test_a_lagrange_top_has_the_frequencies_of_its_nutation_and_precession() -> None:
+    top = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
+    omega, attitude = [0.5, 0.25, 3.0], [0.9, 0.3, 0.2, 0.1]
+    known = rigid.top.heavy_constants(top, omega, attitude)
+    constants = {name: getattr(known, name) for name in ("a", "b", "alpha", "beta")}
+    period = float(rigid.top.nutation_period(**constants))
+    nutation = 2.0 * np.pi / period
+    t = np.linspace(0.0, 80.0 * period, 8001)
+    run = rigid.simulate(top, omega, attitude, t=t, method="exact")
+    axis = quaternion_to_matrix(np.asarray(run.attitude))[:, :, 2]
+    # The other line is the mean height.
+    assert rigid.frequencies(t, axis[:, 2], count=2).frequency.max() == pytest.approx(
+        nutation, rel=1e-9
+    )
+    # The mean rate of the azimuth over whole nutations.
+    azimuth = np.unwrap(np.angle(axis[:, 0] + 1j * axis[:, 1]))
+    precession = (azimuth[8000] - azimuth[0]) / t[8000]
+    lines = rigid.frequencies(t, axis[:, 0] + 1j * axis[:, 1], count=3)
+    shifts = (lines.frequency - precession) / nutation
+    np.testing.assert_allclose(shifts, np.round(shifts), atol=1e-8)
+    assert np.round(shifts[0]) == 0.0
+
+
+def test_a_regular_motion_keeps_its_frequency_and_a_chaotic_one_does_not() -> None:
+    top = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
+    starts = [[0.3, 0.4, 1.0], [0.1, 0.0, 20.0]]
+    t = np.linspace(0.0, 400.0, 20001)
+    run = rigid.simulate(top, starts, [0.9, 0.3, 0.2, 0.1], t=t, check=False)
+    drift = rigid.frequency_drift(run)
+    assert drift.drift.shape == (2,)
+    assert drift.drift[0] > 1e-2
+    assert drift.drift[1] <= max(drift.error[1], 1e-7)
+    of_vertical = rigid.frequency_drift(run, of="gamma")
+    assert of_vertical.drift[1] < 1e-6
