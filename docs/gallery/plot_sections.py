@@ -1,5 +1,5 @@
 r"""Curves and a sea
-=================
+================
 
 Poincaré sections of four tops at the energy 1.5 J: every point at which the centre of mass of a
 motion is highest, forty motions each. Lagrange's, Kovalevskaya's and Goryachev's and Chaplygin's
@@ -29,3 +29,5 @@ for ax, (title, top, momentum, x, y) in zip(axes.flat, PANELS, strict=True):
     points = rigid.poincare(top, omega, attitude, t_end=1e5, count=400, check=False)
     points.plot(x, y, ax=ax, size=0.6)
     ax.set_title(title)
+
+plt.show()

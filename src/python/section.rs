@@ -40,12 +40,7 @@ pub fn section<'py>(
     forcing: Option<PyRef<'py, PyForcing>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (scene, scheme, isa) = (Scene::parse(scene)?, Scheme::parse(method)?, Isa::current()?);
-    let columns = BodyColumns::new(
-        rows::<3>("moments", &moments)?,
-        rows::<3>("weight", &weight)?,
-        rows::<3>("omega", &omega)?,
-        rows::<4>("attitude", &attitude)?,
-    )?;
+    let columns = BodyColumns::of_arrays(&moments, &weight, &omega, &attitude)?;
     let n = columns.len();
     let forcing = forcing_of(forcing.as_ref(), n)?;
     let (normals, values) = (rows::<6>("normal", &normal)?, copied("value", &value)?);

@@ -35,10 +35,13 @@ REPORT = rigid.report(
     progress=False,
 )
 
+POINTS = rigid.poincare(rigid.HeavyTop.example(), [0.5, 0.25, 3.0], t_end=10.0)
+
 #: Every writer of the library, with the suffix of its files.
 WRITERS: dict[str, tuple[str, Callable[[Path], Any]]] = {
     "map": (".npz", lambda path: small_map(samples=1, t_end=1.0).save(path)),
     "report": (".json", REPORT.save),
+    "section": (".npz", POINTS.save),
     "page": (".html", RUN.animate),
     "picture": (".gif", RUN.animate),
 }

@@ -1,8 +1,8 @@
-"""The command line ``rigid``: compute maps and reports, list those built in, describe the build.
+"""The command line ``rigid``: maps, sections and reports, lists of those built in, the build.
 
 ``toml_table`` reports mistakes in a file with their location, ``toml_scene`` reads scene, start and
-criterion, ``toml_map`` and ``toml_report`` the two kinds of files. Uses ``maps`` and ``reports``;
-nothing uses it.
+criterion, ``toml_map``, ``toml_section`` and ``toml_report`` the three kinds of files. Uses
+``maps``, ``sections`` and ``reports``; nothing uses it.
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from io import BytesIO, TextIOWrapper
 from pathlib import Path
-from typing import NoReturn
+from typing import TYPE_CHECKING, NoReturn, TypeAlias
 
-from .._checks.arguments import resolve_threads
+from .._checks.arguments import positive_int, resolve_threads
 from .._checks.progress import heeding_signals, interruptible
 from .._files import published, require_replaceable, require_room
 from ..drawing.figure import new_figure
@@ -30,8 +30,15 @@ from ..model.seed import seed_from
 from ..reports.compute import run_report
 from ..reports.result import Report
 from ..reports.stress import extremes
+from ..sections.crossings import Crossings
+from ..sections.poincare import poincare
+from ..sections.starts import on_surface
 from .toml_map import builtin_names, read_spec
 from .toml_report import read_report, report_names
+from .toml_section import SectionSpec, read_section, section_names
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 __all__ = ["main"]
 
@@ -42,6 +49,9 @@ WRITE_ERROR = 74
 
 SECONDS, LONG_SECONDS = 30.0, 120.0
 """Time limits (s) of ``rigid report`` and ``rigid report --long``."""
+
+POINT_SIZE = 140
+"""About the bytes of a point of a section in a file."""
 
 REPORT_SIZE = 2**20
 """More bytes than the file of a report has."""
@@ -66,6 +76,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             command = {
                 "map": _map,
                 "maps": _maps,
+                "section": _section,
+                "sections": _sections,
                 "report": _report,
                 "reports": _reports,
                 "extremes": _extremes,
@@ -113,6 +125,64 @@ def _maps(options: argparse.Namespace) -> int:
     specs = {name: read_spec(name).spec for name in builtin_names()}
     axes = {name: " x ".join(axis.name for axis in spec.axes) for name, spec in specs.items()}
     return _list({name: f"{spec.title} ({axes[name]})" for name, spec in specs.items()})
+
+
+def _section(options: argparse.Namespace) -> int:
+    spec = read_section(options.section)
+    if options.bodies is not None:
+        spec = dataclasses.replace(spec, bodies=positive_int("--bodies", options.bodies))
+    if options.seed is not None:
+        spec = dataclasses.replace(spec, seed=seed_from(options.seed))
+    stem = _stem(options.out, spec.name, (".npz", ".png"))
+    threads = resolve_threads(options.threads)
+    omega, attitude = on_surface(
+        spec.scene, spec.energy, spec.l_gamma, spec.bodies, spec.section, spec.seed
+    )
+    require_room(_with_suffix(stem, ".npz"), POINT_SIZE * spec.bodies * (spec.points or 1))
+    points = poincare(
+        spec.scene,
+        omega,
+        attitude,
+        spec.section,
+        t_end=spec.t_end,
+        count=spec.points,
+        check=False,
+        threads=threads,
+        progress=None if options.progress else False,
+    )
+    return _finished(_SectionResult(points, spec), stem, ".npz", "section", lambda: f"{points}")
+
+
+def _sections(_options: argparse.Namespace) -> int:
+    specs = {name: read_section(name) for name in section_names()}
+    return _list(
+        {
+            name: f"{spec.title} (energy {spec.energy:g} J, L·gamma {spec.l_gamma:g})"
+            for name, spec in specs.items()
+        }
+    )
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class _SectionResult:
+    """Points with their picture, as :func:`_finished` writes results."""
+
+    points: Crossings
+    spec: SectionSpec
+    complete: bool = True
+    """An interrupted section has no points."""
+
+    def save(self, path: Path) -> Path:
+        return self.points.save(path)
+
+    def plot(self, ax: Axes) -> Axes:
+        drawn = self.points.plot(self.spec.x, self.spec.y, ax=ax)
+        if self.spec.title is not None:
+            drawn.set_title(self.spec.title)
+        return drawn
+
+
+_Result: TypeAlias = StabilityMap | Report | _SectionResult
 
 
 def _report(options: argparse.Namespace) -> int:
@@ -190,9 +260,7 @@ def _speed(result: StabilityMap) -> str:
     return f"{rate:,.0f} bodies per second, {result.elapsed:.2f} s on {threads}"
 
 
-def _finished(
-    result: StabilityMap | Report, stem: Path, suffix: str, what: str, words: Callable[[], str]
-) -> int:
+def _finished(result: _Result, stem: Path, suffix: str, what: str, words: Callable[[], str]) -> int:
     """Save the data; then print words and paths, and draw the picture. Returns the exit code."""
     with interruptible() as stop:
         data = _saved(result, _with_suffix(stem, suffix), what)
@@ -220,7 +288,7 @@ def _finished(
     return 0
 
 
-def _saved(result: StabilityMap | Report, data: Path, what: str) -> Path:
+def _saved(result: _Result, data: Path, what: str) -> Path:
     """Save the data, or raise OSError that tells where the data is instead."""
     try:
         return result.save(data)
@@ -235,7 +303,7 @@ def _saved(result: StabilityMap | Report, data: Path, what: str) -> Path:
         raise OSError(f"{error}; the {what} is safe in {spare}") from None
 
 
-def _drawn(result: StabilityMap | Report) -> bytes:
+def _drawn(result: _Result) -> bytes:
     """The picture as PNG."""
     figure = new_figure()
     result.plot(figure.add_subplot())
@@ -272,6 +340,24 @@ def _parser() -> _Parser:
         "--no-progress", dest="progress", action="store_false", help="no progress bar"
     )
     commands.add_parser("maps", help="list the built-in maps")
+    section = commands.add_parser(
+        "section", help="compute a Poincaré section, write a picture and the data"
+    )
+    section.add_argument(
+        "section", metavar="NAME|FILE.toml", help="a built-in section or a specification"
+    )
+    section.add_argument("--bodies", type=int, metavar="N", help="number of motions")
+    section.add_argument(
+        "--threads", type=int, metavar="N", help="default: all this process may use"
+    )
+    section.add_argument(
+        "--out", metavar="PATH", help="writes PATH.png and PATH.npz (default: ./NAME)"
+    )
+    section.add_argument("--seed", type=int, metavar="N", help="key of the random starts")
+    section.add_argument(
+        "--no-progress", dest="progress", action="store_false", help="no progress bar"
+    )
+    commands.add_parser("sections", help="list the built-in sections")
     report = commands.add_parser("report", help="error against run time of all methods")
     report.add_argument("report", metavar="NAME|FILE.toml", help="a built-in scene or your own")
     report.add_argument("--long", action="store_true", help="the longer horizon, and more time")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 from dataclasses import dataclass
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -240,6 +241,8 @@ class Crossings:
             for name in self.__slots__
             if isinstance(getattr(self, name), (np.ndarray, np.generic))
         }
+        content = BytesIO()
+        np.savez(content, allow_pickle=False, spec=np.array(json.dumps(self.spec)), **arrays)
         with published(path) as file:
-            np.savez(file, allow_pickle=False, spec=np.array(json.dumps(self.spec)), **arrays)
+            file.write(content.getbuffer())
         return Path(path)

@@ -210,7 +210,7 @@ def test_help_is_on_stdout(capsys: pytest.CaptureFixture[str]) -> None:
     ("arguments", "parts"),
     [
         ([], ["the following arguments are required: COMMAND"]),
-        (["mapp"], ["COMMAND", "'mapp'", "'map', 'maps', 'report', 'reports', 'extremes', 'info'"]),
+        (["mapp"], ["COMMAND", "'mapp'", "'map', 'maps', 'section', 'sections', 'report', "]),
         (["map"], ["rigid map: the following arguments are required: NAME|FILE.toml"]),
         (["map", "small.toml", "--sampels", "3"], ["--sampels"]),
         (["map", "small.toml", "--samples", "0"], ["samples = 0: must be at least 1"]),

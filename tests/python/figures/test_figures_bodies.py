@@ -379,7 +379,6 @@ def test_what_cannot_be_drawn_is_refused(call: Any, error: type, message: str) -
         "heavy_top",
         "node_frame",
         "rotating_body",
-        "sections",
         "spring_modes",
         "unit_vector_change",
     ],

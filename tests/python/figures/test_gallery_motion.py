@@ -26,6 +26,7 @@ GALLERY = Path(__file__).parents[3] / "docs" / "gallery"
         "locus",
         "poinsot",
         "polhodes",
+        "sections",
         "separatrix_web",
         "stability_map",
         "throw",
