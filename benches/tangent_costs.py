@@ -3,9 +3,8 @@
     python benches/tangent_costs.py [--repeats N]
 
 Of 512 tops in equal steps, one thread: a displacement with the motion, its growth, and a derivative
-by a parameter, which the system of the forced body integrates, each over the motion alone. A ratio
-is the median of those of runs in turns. Counted are multiply-adds of a step: 18 of a right-hand
-side and 27 of its tangent.
+by a parameter, each over the motion alone. A ratio is the median of those of runs in turns. Counted
+are multiply-adds of a step: 18 of a right-hand side and 27 of its tangent.
 """
 
 from __future__ import annotations

@@ -6,8 +6,8 @@ use super::step::{invariants, prepared, process, step_block};
 use crate::observe::Observed;
 use crate::real::Pack;
 use crate::scene::{
-    Attitude, Axis, AxisAttitude, AxisTangent, FREE, ForcedFrame, ForcedFrameTangent, ForcedRates, Free,
-    Layout, Model, Parameters, Rates, ReducedTop, Scene, TOP, Top, TwoAxes,
+    Attitude, Axis, AxisAttitude, AxisSensitivity, AxisTangent, FREE, ForcedFrame, ForcedFrameTangent,
+    ForcedRates, Free, Layout, Model, Parameters, Rates, ReducedTop, Scene, TOP, Top, TwoAxes,
 };
 use crate::scheme::{
     AffineSplitting, ComposedPlanar, Dop853Tableau, Engine, Exponential, Hermite, ImplicitMidpoint,
@@ -275,6 +275,7 @@ kernels! {
         ForcedRates: FREE, Free, ForcedRates;
         ForcedFrame: TOP, Top, ForcedFrame;
         TopTangent: TOP, Top, AxisTangent;
+        TopSensitivity: TOP, Top, AxisSensitivity;
         ForcedTangent: TOP, Top, ForcedFrameTangent;
     }
     engines {
@@ -318,6 +319,8 @@ pub struct Needs {
     pub attitude: bool,
     /// Whether a displacement is integrated with the motion.
     pub tangent: bool,
+    /// Whether a change of the parameters adds to the displacement.
+    pub is_changed: bool,
 }
 
 /// Properties of a system from its model and its layout.
@@ -328,6 +331,7 @@ struct Traits {
     is_reduced: bool,
     balance_at: Option<usize>,
     tangent_at: Option<usize>,
+    is_changed: bool,
     observed_at: usize,
 }
 
@@ -340,6 +344,7 @@ impl Traits {
             is_reduced: M::REDUCED,
             balance_at: if L::BALANCE { Some(L::BALANCE_AT) } else { None },
             tangent_at: if L::TANGENT { Some(L::TANGENT_AT) } else { None },
+            is_changed: L::CHANGED,
             observed_at: 3 + 3 * L::OBSERVED,
         }
     }
@@ -355,6 +360,7 @@ impl System {
             system.scene() == scene
                 && traits.balance_at.is_some() == needs.is_forced
                 && traits.tangent_at.is_some() == needs.tangent
+                && (traits.is_changed || !needs.is_changed)
                 && traits.is_reduced == needs.is_reduced
                 && traits.vectors >= needs.directions
                 && (!needs.attitude || traits.quaternion_at.is_some() || system.has_rows())
@@ -431,10 +437,12 @@ mod tests {
             directions,
             attitude,
             tangent: false,
+            is_changed: false,
         };
         let reduced = |needs| Needs { is_reduced: true, ..needs };
         let forced = |needs| Needs { is_forced: true, ..needs };
         let tangent = |needs| Needs { tangent: true, ..needs };
+        let changed = |needs| Needs { tangent: true, is_changed: true, ..needs };
         // A series does not integrate a top with a quaternion.
         let (rotations, series) = (scheme::SPLITTING4.any, scheme::TAYLOR8.any);
         for (scene, step, needs, system) in [
@@ -456,6 +464,8 @@ mod tests {
             (&FREE, series, tangent(needs(0, false)), TopTangent),
             (&TOP, series, tangent(needs(0, false)), TopTangent),
             (&FREE, series, forced(tangent(needs(0, false))), ForcedTangent),
+            (&FREE, series, changed(needs(0, false)), TopSensitivity),
+            (&FREE, series, forced(changed(needs(0, false))), ForcedTangent),
         ] {
             assert_eq!(System::carrying(scene, step, needs), system, "{} {needs:?}", scene.kind);
         }

@@ -37,7 +37,7 @@ fn prepared_pack<P: Pack, M: Model<P>, L: Layout, S: Stepper<P, M, L, D>, const 
         weight: load3::<P>(&g.weight, at),
         step: P::load(&g.step.0[at..]),
     };
-    let interval = if L::BALANCE { forcing.load(at) } else { ForcingInterval::none() };
+    let interval = if L::BALANCE || L::CHANGED { forcing.load(at) } else { ForcingInterval::none() };
     (p, S::new(&p, &interval, numbers))
 }
 

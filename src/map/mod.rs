@@ -87,6 +87,7 @@ impl Map {
             directions: if in_space { 3 } else { self.criterion.directions(self.scene) },
             attitude: false,
             tangent: self.criterion.rule().is_some(),
+            is_changed: false,
         };
         Kernel {
             system: System::carrying(self.scene, step, needs),

@@ -212,7 +212,7 @@ impl Observable for Growth {
 }
 
 impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Growth {
-    const FITS: bool = L::TANGENT;
+    const FITS: bool = L::TANGENT && L::BALANCE == L::CHANGED;
 
     #[inline(always)]
     fn after_step<S: Stepper<R, M, L, D>>(

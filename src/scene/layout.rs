@@ -14,6 +14,8 @@ pub trait Layout: Copy {
     const BALANCE: bool = false;
     /// Whether a displacement is integrated with the motion: a change of the rates, and a rotation vector in the body.
     const TANGENT: bool = false;
+    /// Whether a change of the parameters adds to the displacement.
+    const CHANGED: bool = false;
     /// The direction from which a tilt is measured: the last direction, or the vertical of a frame.
     const OBSERVED: usize = if Self::BALANCE { 0 } else { Self::VECTORS.saturating_sub(1) };
     /// Length of the state.
@@ -31,7 +33,10 @@ pub trait Layout: Copy {
 }
 
 macro_rules! layouts {
-    ($($(#[$doc:meta])* $name:ident: $vectors:literal, $quaternion:literal, $balance:literal, $tangent:literal;)*) => {$(
+    ($(
+        $(#[$doc:meta])*
+        $name:ident: $vectors:literal, $quaternion:literal, $balance:literal, $tangent:literal, $changed:literal;
+    )*) => {$(
         $(#[$doc])*
         #[derive(Clone, Copy)]
         pub struct $name;
@@ -40,26 +45,29 @@ macro_rules! layouts {
             const QUATERNION: bool = $quaternion;
             const BALANCE: bool = $balance;
             const TANGENT: bool = $tangent;
+            const CHANGED: bool = $changed;
         }
     )*};
 }
 layouts! {
     /// Rates only.
-    Rates: 0, false, false, false;
+    Rates: 0, false, false, false, false;
     /// Rates and one direction: the vertical of a top, or the initial direction of the observed axis of a free body.
-    Axis: 1, false, false, false;
+    Axis: 1, false, false, false, false;
     /// Rates, the vertical, and the initial direction of the observed axis.
-    TwoAxes: 2, false, false, false;
+    TwoAxes: 2, false, false, false, false;
     /// Rates and attitude.
-    Attitude: 0, true, false, false;
+    Attitude: 0, true, false, false, false;
     /// Rates, vertical and attitude; the rates are equal to those of `Axis` to the bit.
-    AxisAttitude: 1, true, false, false;
+    AxisAttitude: 1, true, false, false, false;
     /// Rates and balance.
-    ForcedRates: 0, false, true, false;
+    ForcedRates: 0, false, true, false, false;
     /// Rates, the space axes z, x and y, and the balance.
-    ForcedFrame: 3, false, true, false;
+    ForcedFrame: 3, false, true, false, false;
     /// Rates, the vertical, and a displacement; the other numbers are equal to those of `Axis` to the bit.
-    AxisTangent: 1, false, false, true;
-    /// Rates, the space axes, the balance and a displacement.
-    ForcedFrameTangent: 3, false, true, true;
+    AxisTangent: 1, false, false, true, false;
+    /// The same with a change of the parameters.
+    AxisSensitivity: 1, false, false, true, true;
+    /// Rates, the space axes, the balance and a displacement, with a change of the parameters.
+    ForcedFrameTangent: 3, false, true, true, true;
 }

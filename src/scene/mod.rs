@@ -9,8 +9,8 @@ mod top;
 pub use forced::Applied;
 pub use free::{FREE, Free};
 pub use layout::{
-    Attitude, Axis, AxisAttitude, AxisTangent, ForcedFrame, ForcedFrameTangent, ForcedRates, Layout, Rates,
-    TwoAxes,
+    Attitude, Axis, AxisAttitude, AxisSensitivity, AxisTangent, ForcedFrame, ForcedFrameTangent, ForcedRates,
+    Layout, Rates, TwoAxes,
 };
 pub use reduced_top::ReducedTop;
 pub use top::{TOP, Top};

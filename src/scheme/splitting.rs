@@ -282,7 +282,7 @@ fn kick<R: Real, M: Model<R>, L: Layout, const D: usize>(
 impl<C: Round, R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, L, D> for Splitting<C, R> {
     const VARIABLES: Variables = Variables::Momenta;
     // Layouts with two directions have no processor, because the directions are observed.
-    const MOVES: bool = !L::BALANCE && (!M::REDUCED || (C::REDUCES && L::VECTORS < 2));
+    const MOVES: bool = !L::BALANCE && !L::CHANGED && (!M::REDUCED || (C::REDUCES && L::VECTORS < 2));
     const PROCESSED: bool = C::PROCESSED && M::HEAVY && L::VECTORS < 2 && !L::TANGENT;
     const HAS_TANGENT: bool = <C::Drift<R> as Drift<R>>::HAS_TANGENT;
 

@@ -4,8 +4,8 @@
 //! are linear in the products of the rates and in the directions, so their derivative is the same model with the changes
 //! of both. A direction n that is fixed in space changes by `n x x` in the body.
 //!
-//! A change of the parameters displaces a body at rest in the displacement too: its effect is a torque of its own, which
-//! forced systems add. No change adds zero.
+//! A change of the parameters displaces a body too that begins without a displacement: its effect is a torque of its own,
+//! in the systems that have one. No change adds zero.
 //!
 //! Runge-Kutta methods and Taylor series commute with differentiation (Hairer, Nørsett, Wanner, Solving ODEs I, §I.14):
 //! the change of the rates of a body without weight is the derivative of the step itself. The rotation vector has an
@@ -102,7 +102,7 @@ pub(super) fn tangent_rate<R: Real, M: Model<R>, L: Layout, const D: usize>(
         [R::splat(0.0); 3]
     };
     let mut rate = variation.rate::<M, L, D>(model, applied, y, torque);
-    if L::BALANCE {
+    if L::CHANGED {
         let [w1, w2, w3] = [y[0], y[1], y[2]];
         let mut changed = applied.changed_torque(&[w2 * w3, w3 * w1, w1 * w2], y);
         let own = applied.changed_applied_torque();

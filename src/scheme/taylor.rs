@@ -219,7 +219,10 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
             let varied = self.varied_torque::<L, D>(unit, &mut space_torques, c, k);
             let mut next = self.next::<L, D>(unit, sums, spin, (c.order(k), k), varied);
             if L::BALANCE {
-                self.add_applied::<L, D>(unit, &mut torques, c, &mut next, (k, &sums.rates));
+                self.add_applied::<L, D>(unit, &mut torques, c, &mut next, k);
+            }
+            if L::CHANGED {
+                self.add_changed::<L, D>(unit, &sums.rates, (c.order(k), k), &mut next);
             }
             c.push(next);
             after.add::<M, L, D>(c.order(0), c.order(k + 1));
@@ -227,7 +230,10 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
             let varied = self.varied_torque::<L, D>(unit, &mut space_torques, c, k + 1);
             let mut next = self.next::<L, D>(unit, after, spin, (c.order(k + 1), k + 1), varied);
             if L::BALANCE {
-                self.add_applied::<L, D>(unit, &mut torques, c, &mut next, (k + 1, &after.rates));
+                self.add_applied::<L, D>(unit, &mut torques, c, &mut next, k + 1);
+            }
+            if L::CHANGED {
+                self.add_changed::<L, D>(unit, &after.rates, (c.order(k + 1), k + 1), &mut next);
             }
             c.push(next);
         }
@@ -308,7 +314,7 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
         torques: &mut Torques<R>,
         c: &Coefficients<R, D>,
         next: &mut [R; D],
-        (k, products): (usize, &[R; 3]),
+        k: usize,
     ) {
         let factor = unit * R::splat(INVERSE[k + 1]);
         let newest = if k == 0 {
@@ -321,9 +327,6 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
         let change = self.applied.over_moments(&newest);
         for i in 0..3 {
             next[i] = factor.fma(change[i], next[i]);
-        }
-        if L::TANGENT {
-            self.add_changed::<L, D>(factor, products, (c.order(k), k), next);
         }
         let mut balance = [R::splat(0.0); 2];
         for j in 0..=k {
@@ -341,11 +344,12 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
     #[inline(always)]
     fn add_changed<L: Layout, const D: usize>(
         &self,
-        factor: R,
+        unit: R,
         products: &[R; 3],
         (of_k, k): (&[R; D], usize),
         next: &mut [R; D],
     ) {
+        let factor = unit * R::splat(INVERSE[k + 1]);
         let mut torque = self.applied.changed_torque(products, of_k);
         let own = self.applied.changed_applied_torque();
         for i in 0..3 {

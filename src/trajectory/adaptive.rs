@@ -199,11 +199,13 @@ impl<'a> AdaptiveBatch<'a> {
     fn enter_interval(&mut self, lane: usize, task: &mut LaneTask, knot: f64) {
         let index = self.first + task.body;
         let forcing = self.request.forcing_of(index);
-        if !self.ways[task.body].is_forced {
+        let (is_forced, backward) = (self.ways[task.body].is_forced, task.backward);
+        if is_forced || self.request.record.is_sensitivity() {
+            self.forcing_rows.set(lane, &self.request.interval_of(index, knot, backward));
+        }
+        if !is_forced {
             return;
         }
-        let backward = task.backward;
-        self.forcing_rows.set(lane, &self.request.interval_of(index, knot, backward));
         reset_time(&mut self.group, self.kernel.kernel().system, lane);
         let never = if backward { f64::NEG_INFINITY } else { f64::INFINITY };
         task.knot = forcing.next_knot(knot, backward).unwrap_or(never);

@@ -285,11 +285,13 @@ impl<'a, 'b> FixedBatch<'a, 'b> {
                     }
                 }
                 let legs = &legs[..self.members.len()];
-                if is_forced {
+                if is_forced || self.request.record.is_sensitivity() {
                     for (lane, index) in self.bodies().enumerate() {
                         let interval = self.request.interval_of(index, next[lane].from, backward);
                         forcing_rows.set(lane, &interval);
-                        reset_time(&mut group, self.compiled.kernel().system, lane);
+                        if is_forced {
+                            reset_time(&mut group, self.compiled.kernel().system, lane);
+                        }
                     }
                 }
                 if !matches!(self.request.schedule, Schedule::Strides(_)) {

@@ -218,7 +218,7 @@ struct Integration {
 impl Integration {
     fn of(request: &Request, scheme: &Scheme, index: usize) -> Self {
         let (body, forcing) = (&request.bodies[index], request.forcing_of(index));
-        let is_forced = !forcing.is_none() || request.record.is_sensitivity();
+        let is_forced = !forcing.is_none();
         let assignment = match request.schedule {
             _ if is_forced => KernelAssignment::of_forced(scheme, body),
             // Strides repeat the steps of a map, which are made in the frame of the body, as are displacements.
@@ -249,6 +249,7 @@ impl Integration {
             directions: if self.acts_in_space { 3 } else { directions },
             attitude: request.record == Record::Attitude,
             tangent: request.record.is_tangent(),
+            is_changed: request.record.is_sensitivity(),
         };
         System::carrying(request.scene, self.assignment.step, needs)
     }

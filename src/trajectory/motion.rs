@@ -175,6 +175,7 @@ impl Motion {
                 directions: 0,
                 attitude: true,
                 tangent: false,
+                is_changed: false,
             };
             let step = assignments[0].step;
             let kernel =

@@ -27,7 +27,7 @@ impl Record<'_> {
         matches!(self, Record::Tangent(_) | Record::Sensitivity(_))
     }
 
-    /// Whether parameters change: a forced system then integrates the displacement of any body.
+    /// Whether parameters change.
     pub fn is_sensitivity(&self) -> bool {
         matches!(self, Record::Sensitivity(_))
     }
