@@ -33,7 +33,7 @@ Floats = NDArray[np.float64]
 MOMENTS = np.array([1.0, 1.6, 0.7])
 COM = np.array([0.3, 0.2, 0.93]) / np.linalg.norm([0.3, 0.2, 0.93])
 MGL, T, TARGETS, REPEATS = 1.2, 200.0, (1e-6, 1e-10), 9
-METHODS = ("dop853", "taylor8", "taylor12", "taylor16")
+METHODS = ("dop853", "taylor12")
 TOP = rigid.HeavyTop(rigid.Body(tuple(MOMENTS)), mgl=MGL, com=COM)
 TILT, SPIN = np.meshgrid(np.linspace(0.05, 3.09, 64), np.linspace(0.0, 8.0, 64))
 

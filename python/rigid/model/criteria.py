@@ -362,7 +362,8 @@ def regular(
     -----
     *Regular* always means: no exponent above ``2 high / T`` until the horizon ``T``. Free bodies
     and symmetric tops with their centre of mass on the axis are regular by theorem and not run; on
-    a separatrix, to the last bit, they are undecided.
+    a separatrix, to the last bit, they are undecided. Other motions on a separatrix may be called
+    chaotic although they are not; a little noise of the start leads off it.
 
     References
     ----------
