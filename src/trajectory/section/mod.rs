@@ -228,6 +228,7 @@ impl<'a> Batch<'a> {
             directions: 1,
             attitude: true,
             tangent: false,
+            is_changed: false,
         };
         let step = way.assignment.step;
         let kernel =
