@@ -179,12 +179,15 @@ def test_built_in_maps_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["maps"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert [line.split()[0] for line in lines] == [
+        "chaotic-com",
+        "chaotic-top",
         "falling-top",
         "inertia-triangle",
+        "separatrix-web",
         "sleeping-top",
         "thrown-box",
     ]
-    assert lines[3].endswith("A thrown box, spinning about its middle axis (b x noise)")
+    assert lines[6].endswith("A thrown box, spinning about its middle axis (b x noise)")
 
 
 def test_info_describes_the_build(capsys: pytest.CaptureFixture[str]) -> None:
