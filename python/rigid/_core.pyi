@@ -7,7 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
+    "CHECKPOINT_PARTS",
     "DRIFT_LIMIT",
+    "FIXED_POINT",
     "Forcing",
     "MapJob",
     "MapStatistics",

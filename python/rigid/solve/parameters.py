@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,7 +44,9 @@ def check_parameters(tangent: bool | str | Sequence[str], scene: Scene) -> tuple
     if isinstance(tangent, bool | np.bool_):
         return () if tangent else None
     given = (tangent,) if isinstance(tangent, str) else tangent
-    names = tuple(given) if isinstance(given, Iterable) else ()
+    # A set has no order, and the columns have one.
+    is_ordered = isinstance(given, Sequence | np.ndarray) and not isinstance(given, bytes)
+    names = tuple(given) if is_ordered else ()
     if not names:
         raise ValueError(f"tangent = {brief(tangent)}: must be True, False or names of parameters")
     weight = (*_OF_WEIGHT, *_GROUPS) if "mgl" in scene.fields else ()
@@ -59,8 +61,8 @@ def check_parameters(tangent: bool | str | Sequence[str], scene: Scene) -> tuple
             )
         for own in _GROUPS.get(name, (name,)):
             if own in every:
-                raise ValueError(f"tangent = {name!r}: {own!r} is named twice")
-            every.append(own)
+                raise ValueError(f"tangent = {brief(tangent)}: {own!r} is named twice")
+            every.append(str(own))
     return tuple(every)
 
 

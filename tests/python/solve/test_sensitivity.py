@@ -355,7 +355,9 @@ def test_a_body_that_rests_for_long_takes_few_steps() -> None:
     [
         ("top", ("I1", "mgL"), r"tangent = 'mgL': is no parameter; known are .*did you mean 'mgl'"),
         ("free", "mgl", r"tangent = 'mgl': a free body has no weight; known are 'I1', "),
-        ("top", ("com2", "com"), r"tangent = 'com': 'com2' is named twice"),
+        ("top", ("com2", "com"), r"tangent = \('com2', 'com'\): 'com2' is named twice"),
+        ("top", {"I1"}, r"tangent = {'I1'}: must be True, False or names of parameters"),
+        ("top", b"I1", r"tangent = b'I1': must be True, False or names of parameters"),
         ("top", (), r"tangent = \(\): must be True, False or names of parameters"),
         ("top", (1,), r"tangent = 1: is no parameter"),
     ],
@@ -363,6 +365,11 @@ def test_a_body_that_rests_for_long_takes_few_steps() -> None:
 def test_bad_names_are_refused(scene: str, names: Any, rule: str) -> None:
     with pytest.raises(ValueError, match=rule):
         sensitivity(made(scene), OMEGA, names, t=[1.0])
+
+
+def test_an_unknown_method_has_no_tangent_to_miss() -> None:
+    with pytest.raises(ValueError, match="method = 'taylor15': must be one of 'exact', 'rk4'"):
+        rigid.simulate(made("top"), OMEGA, t=[1.0], tangent=True, method="taylor15")
 
 
 @pytest.mark.parametrize("method", ["splitting", "splitting8", "dmv4"])
