@@ -209,6 +209,8 @@ fn map(numbers: &mut Bytes) {
         samples: u64::from(numbers.byte()),
         check: Check::First(numbers.byte().into()),
         key: [numbers.byte().into(), u64::MAX],
+        numbers: Vec::new(),
+        first: 0,
     };
     let Some(map) = let_out(asked.checked()) else { return };
     let isa = numbers.isa();

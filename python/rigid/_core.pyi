@@ -279,6 +279,8 @@ class MapJob:
         checked: int | None,
         seed: int,
         forcing: Sequence[Forcing] | None = None,
+        numbers: NDArray[np.uint64] | None = None,
+        first: int = 0,
     ) -> MapJob: ...
     @property
     def status(self) -> NDArray[np.uint8]: ...

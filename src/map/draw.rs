@@ -92,6 +92,11 @@ compiled!(vectors_of, vectors);
 compiled!(attitudes_of, attitudes);
 
 impl Map {
+    /// The numbers that a place draws by: those of its pixel and its sample in the whole map.
+    fn counter(&self, (pixel, sample): (u64, u64)) -> [u64; 2] {
+        [self.numbers.get(pixel as usize).copied().unwrap_or(pixel), self.first + sample]
+    }
+
     /// The starts of a range of samples in pixel-major order; the nominal ones where the pixel has no body.
     pub fn draw(&self, isa: Isa, range: Range<u64>) -> Result<Vec<Body>, Error> {
         // As many as a block has at most.
@@ -105,7 +110,8 @@ impl Map {
             if self.omega_law != Law::None {
                 for (lane, place) in places.iter().enumerate() {
                     let Pixel { body, omega_size, .. } = pixel(place);
-                    draws.set_uniforms(lane, sample::uniforms(self.key, 0, place.1, place.0));
+                    let [number, sample] = self.counter(*place);
+                    draws.set_uniforms(lane, sample::uniforms(self.key, 0, sample, number));
                     for k in 0..3 {
                         draws.sizes[k].0[lane] = omega_size[k];
                         draws.start[k].0[lane] = body.omega[k];
@@ -121,7 +127,8 @@ impl Map {
             if self.attitude_law != Law::None {
                 for (lane, place) in places.iter().enumerate() {
                     let Pixel { body, attitude_size, .. } = pixel(place);
-                    draws.set_uniforms(lane, sample::uniforms(self.key, 1, place.1, place.0));
+                    let [number, sample] = self.counter(*place);
+                    draws.set_uniforms(lane, sample::uniforms(self.key, 1, sample, number));
                     draws.sizes[0].0[lane] = *attitude_size;
                     for k in 0..4 {
                         draws.start[k].0[lane] = body.attitude[k];

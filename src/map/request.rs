@@ -1,5 +1,6 @@
 //! What is asked of a map: the pixels and their samples, the criterion and the method.
 
+use super::check::GROUP;
 use super::{Check, Criterion};
 use crate::error::Error;
 use crate::exact::Question;
@@ -108,6 +109,10 @@ pub struct Map {
     pub check: Check,
     /// Key of the random numbers.
     pub key: [u64; 2],
+    /// The number of each pixel in the map that these are part of; empty: its place.
+    pub numbers: Vec<u64>,
+    /// The number of the first sample of each pixel in that map: whole groups of audits precede it.
+    pub first: u64,
 }
 
 impl Map {
@@ -129,6 +134,9 @@ impl Map {
         if all.is_none_or(|all| all >= 1 << 63) {
             let value = format!("{} in each of {} pixels", self.samples, self.pixels.len());
             return refuse("samples", value, "a map must have fewer than 2**63");
+        }
+        if !self.first.is_multiple_of(GROUP) || self.first >= 1 << 63 {
+            return refuse("first", self.first.to_string(), "must be a multiple of 64 below 2**63");
         }
         if !(self.t_end.is_finite() && self.t_end > 0.0) {
             return refuse("t_end", self.t_end.to_string(), "must be positive and finite");
@@ -217,6 +225,8 @@ mod tests {
             samples: 1,
             check: Check::First(0),
             key: [0; 2],
+            numbers: Vec::new(),
+            first: 0,
         }
     }
 
@@ -226,6 +236,8 @@ mod tests {
         let refused = [
             (Map { axis: 0, ..map() }, "axis = 0"),
             (Map { samples: 0, ..map() }, "samples = 0"),
+            (Map { first: 32, ..map() }, "first = 32"),
+            (Map { first: 1 << 63, ..map() }, "first = 9223372036854775808"),
             (Map { t_end: f64::NAN, ..map() }, "t_end = NaN"),
             (Map { t_end: -1.0, ..map() }, "t_end = -1"),
         ];

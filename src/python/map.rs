@@ -207,10 +207,16 @@ keywords! {
         seed: u128,
         #[pyo3(default)]
         forcing: Option<Vec<PyRef<'py, PyForcing>>>,
+        #[pyo3(default)]
+        numbers: Option<PyReadonlyArray1<'py, u64>>,
+        #[pyo3(default)]
+        first: u64,
     }
 }
 
 impl MapRequest<'_> {
+    const OPTIONAL: [&'static str; 3] = ["forcing", "numbers", "first"];
+
     /// The map, and the status of the moments of each pixel.
     fn map(self) -> PyResult<(Map, Vec<u8>)> {
         let moments = rows::<3>("moments", &self.moments)?;
@@ -236,6 +242,13 @@ impl MapRequest<'_> {
             }
             None => Vec::new(),
         };
+        let numbers = match &self.numbers {
+            Some(numbers) => {
+                same_length("numbers", pixels, numbers.as_array().len())?;
+                memory::collected(PIXELS, pixels, numbers.as_array().iter().copied())?
+            }
+            None => Vec::new(),
+        };
         let pixel = |i: usize| Pixel {
             body: bodies[i],
             omega_size: omega_size[i],
@@ -257,6 +270,8 @@ impl MapRequest<'_> {
             samples: self.samples,
             check: self.checked.map_or(Check::Doubtful, Check::First),
             key: [self.seed as u64, (self.seed >> 64) as u64],
+            numbers,
+            first: self.first,
         };
         Ok((map.checked()?, status))
     }
@@ -268,7 +283,7 @@ impl MapJob {
     #[pyo3(signature = (**request))]
     fn new(request: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
         let given = |name: &str| request.is_some_and(|request| request.contains(name).unwrap_or(false));
-        let missing = |name: &&&str| **name != "forcing" && !given(name);
+        let missing = |name: &&&str| !MapRequest::OPTIONAL.contains(*name) && !given(name);
         if let Some(name) = MapRequest::KEYWORDS.iter().find(missing) {
             return Err(PyTypeError::new_err(format!("MapJob() misses the keyword argument '{name}'")));
         }

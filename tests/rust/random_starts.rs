@@ -226,6 +226,8 @@ fn draws_do_not_shift_each_other() {
             samples,
             check: Check::First(0),
             key: KEY,
+            numbers: Vec::new(),
+            first: 0,
         };
         let flat = pixel * samples + sample;
         map.draw(Isa::Scalar, flat..flat + 1).unwrap()[0]

@@ -123,18 +123,29 @@ def grid_shape(axes: tuple[Axis, ...]) -> tuple[int, ...]:
     return tuple(len(axis.values) for axis in reversed(axes))
 
 
-def nominal_starts(scene: Scene, start: Start, axes: tuple[Axis, ...] = ()) -> NominalStarts:
+def nominal_starts(
+    scene: Scene,
+    start: Start,
+    axes: tuple[Axis, ...] = (),
+    index: NDArray[np.int64] | None = None,
+) -> NominalStarts:
     """The nominal start of every pixel of a grid that :func:`check_applicable` accepts.
 
-    Without axes there is one pixel: the nominal start of the scene.
+    Without axes there is one pixel: the nominal start of the scene. With ``index`` only the pixels
+    with these numbers in C order are made, a row for each.
     """
-    count = prod(grid_shape(axes))
+    shape = grid_shape(axes)
+    flat = np.arange(prod(shape)) if index is None else index
+    count = len(flat)
     pixels = _without_axes(scene, start, count)
-    grids = np.meshgrid(*(np.array(axis.values) for axis in axes))
-    settings = [(axis.parameter, grid) for axis, grid in zip(axes, grids, strict=True)]
+    places = reversed(np.unravel_index(flat, shape)) if axes else ()
+    settings = [
+        (axis.parameter, np.array(axis.values)[place])
+        for axis, place in zip(axes, places, strict=True)
+    ]
     moments_set = {parameter.sets for parameter, _ in settings} - {None}
-    for parameter, grid in sorted(settings, key=lambda one: one[0].reads in moments_set):
-        parameter.apply(pixels, grid.ravel())
+    for parameter, values in sorted(settings, key=lambda one: one[0].reads in moments_set):
+        parameter.apply(pixels, values)
     upright = np.zeros(count)
     if scene.directions:
         attitude, rates_tilt = tilted_attitude(start.axis, pixels.tilt), upright

@@ -6,14 +6,32 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
+from .grid import nominal_starts
 from .spec import MapSpec
 
 __all__ = ["Work", "to_core"]
 
 
-def to_core(spec: MapSpec) -> _core.MapJob:
-    """The request of a specification, as the core reads it."""
+def to_core(
+    spec: MapSpec,
+    pixels: NDArray[np.int64] | None = None,
+    samples: range | None = None,
+) -> _core.MapJob:
+    """The request of a specification, as the core reads it.
+
+    Parameters
+    ----------
+    spec : MapSpec
+    pixels : ndarray of int64, optional
+        Numbers of the pixels in C order of the grid, a row of the request for each; default all.
+        Their samples have the bits that they have in the whole map.
+    samples : range, optional
+        The samples of each pixel, by default all. The first is a multiple of 64.
+    """
+    samples = samples or range(spec.samples)
     grid = spec.grid
+    if pixels is not None:
+        grid = nominal_starts(spec.scene, spec.start, spec.axes, pixels)
     criterion, axis, limits = spec.stable.core()
     noise, attitude_noise = spec.start.noise, spec.start.attitude_noise
     return _core.MapJob(
@@ -33,10 +51,12 @@ def to_core(spec: MapSpec) -> _core.MapJob:
         t_end=spec.t_end,
         step=spec.step,
         max_steps=spec.max_steps,
-        samples=spec.samples,
-        checked=spec.checked_samples,
+        samples=len(samples),
+        checked=spec.checked_samples(samples),
         seed=spec.seed,
         forcing=grid.forcings,
+        numbers=None if pixels is None else pixels.astype(np.uint64),
+        first=samples.start,
     )
 
 

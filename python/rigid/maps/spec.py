@@ -156,16 +156,16 @@ class MapSpec:
         """The numbers of the scene and start that the axes set; a ratio sets its numerator."""
         return tuple(axis.parameter.sets or axis.name for axis in self.axes)
 
-    @property
-    def checked_samples(self) -> int | None:
-        """Number of bodies of each pixel that the second method classifies too, None if it depends.
+    def checked_samples(self, samples: range) -> int | None:
+        """How many of these bodies of a pixel the second method classifies too, None if it depends.
 
         It then depends on the margins of the bodies.
         """
         if self.check is None:
             return None
         # 0.07 * 100 is a little more than 7.
-        return math.ceil(self.check * self.samples * (1.0 - 1e-12))
+        checked = math.ceil(self.check * self.samples * (1.0 - 1e-12))
+        return min(max(checked - samples.start, 0), len(samples))
 
     @property
     def criterion(self) -> str:

@@ -409,6 +409,9 @@ GOOD: dict[str, Any] = {
         ({"attitude": np.zeros((2, 4))}, "attitude: expected shape (1, ...), got (2, ...)"),
         ({"attitude": np.zeros((1, 3))}, "attitude: expected shape (n, 4), C-contiguous"),
         ({"attitude_size": np.zeros(2)}, "attitude_size: expected shape (1, ...), got (2, ...)"),
+        ({"numbers": np.zeros(2, np.uint64)}, "numbers: expected shape (1, ...), got (2, ...)"),
+        ({"first": 32}, "first = 32: must be a multiple of 64 below 2**63"),
+        ({"first": 2**63}, "first = 9223372036854775808: must be a multiple of 64 below 2**63"),
     ],
 )
 def test_the_core_checks_its_request(change: dict[str, Any], message: str) -> None:

@@ -30,6 +30,8 @@ fn map(is_top: bool, method: MethodChoice, criterion: Criterion, step: Option<f6
         samples: SAMPLES,
         check: Check::First(100),
         key: [2026, 11],
+        numbers: Vec::new(),
+        first: 0,
     }
 }
 
