@@ -248,6 +248,11 @@ impl Step {
         matches!(self.engine, Engine::Taylor | Engine::CompensatedTaylor)
     }
 
+    /// Whether the rounding of a fixed step is carried to the next one.
+    pub const fn is_compensated(self) -> bool {
+        matches!(self.engine, Engine::CompensatedTaylor)
+    }
+
     /// Whether the step moves a displacement by its derivative.
     pub const fn has_tangent(self) -> bool {
         match self.engine {

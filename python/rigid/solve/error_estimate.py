@@ -25,8 +25,8 @@ from numpy.typing import NDArray
 from .arrays import Range, intervals, largest, lengths, time_range, time_ranges, time_span
 from .batch import Batch
 from .cost_model import ROUNDING, phase_error
-from .methods import rotations
 from .request import Request, select_states
+from .rounding import REST, common_rounding
 from .saddle import RateSizes, departure, homoclinic, separatrices
 from .second_run import FEW, is_damped_stiffly, second_run
 from .status import Status
@@ -43,24 +43,6 @@ Floats = NDArray[np.float64]
 
 SAFETY = 3.0
 """The difference of two runs times this is stated as the error."""
-
-REST = 1e-13
-"""Rates below this share of the fastest that a body can reach, and of the rate of its swing, are
-those of a body at rest."""
-
-EQUAL_RUNS = 5e-16
-"""Error per radian turned (rad) that rounding may leave in two runs that agree to the bit."""
-
-ROTATION = 1.6e-17
-"""Error (rad) that rounding leaves in each rotation of a splitting.
-
-Equal rotations err in both runs alike, all in one direction."""
-
-DRIFT = 5.6e-17
-"""Relative change of the rates by which rounding may leave each step of a symmetric free body.
-
-A scheme of exact flows turns these rates by the same angle each step: half a unit in the last
-place, always in one direction."""
 
 RINGING = "midpoint"
 """Under strong damping its rates change sign each step and hardly decay: it is not L-stable."""
@@ -171,15 +153,12 @@ def estimate_error(
         return ErrorEstimate(np.zeros(len(batch)), np.full(len(batch), np.inf))
     taken = states["steps"].astype(np.float64)
     rates = batch.fastest_rates(time_ranges(times))
-    floor = EQUAL_RUNS * (1.0 + rates * span) + ROTATION * rotations(method) * taken
-    if rotations(method) and batch.forcing is None:
-        symmetric = np.any(batch.moments == np.roll(batch.moments, 1, axis=1), axis=1)
-        free = ~batch.weight.any(axis=1)
-        floor += np.where(symmetric & free, 0.5 * DRIFT * taken * rates * span, 0.0)
     scale = _fastest_or_swing(batch, rates)
+    fastest = lengths(states["omega"]).max(axis=1)
+    compensated = request.tolerance is not None
+    floor = common_rounding(batch, method, states, rates, scale, span, compensated=compensated)
     again = second_run(request, steps, refinement, taken)
     error = SAFETY * _distances_of_runs(batch, states, again, rates)
-    fastest = lengths(states["omega"]).max(axis=1)
     sizes = RateSizes(fastest, REST * scale, scale)
     error += floor[:, None] + departure(batch, times, sizes) + homoclinic(batch, times, sizes)
     if method == RINGING and batch.forcing is not None:

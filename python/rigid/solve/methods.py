@@ -18,6 +18,7 @@ __all__ = [
     "Method",
     "check_method",
     "driven_methods",
+    "is_compensated",
     "is_multistep",
     "is_processed",
     "is_stiff",
@@ -84,6 +85,9 @@ class Method:
     series, multistep : bool
         Is a Taylor series, which may choose its steps by a tolerance; uses the states before a
         step, and begins anew at each wanted time, which takes as long as a dozen steps.
+    compensated : bool
+        Carries the rounding of a fixed step to the next one, as a Taylor series with a tolerance
+        always does.
     damping_limit : float or None
         The largest product of step and damping rate with which it is stable, infinite if it is
         stiff; None if it is not driven.
@@ -107,6 +111,7 @@ class Method:
     maps: bool
     series: bool
     multistep: bool
+    compensated: bool
     damping_limit: float | None
     angle_per_step: float
     citation: str
@@ -143,6 +148,11 @@ def is_processed(name: str) -> bool:
 def is_multistep(name: str) -> bool:
     """Whether a scheme uses the states before, and so begins anew at each wanted time."""
     return _named(name).multistep
+
+
+def is_compensated(name: str) -> bool:
+    """Whether a scheme carries the rounding of a fixed step to the next one."""
+    return _named(name).compensated
 
 
 def rotations(name: str) -> int:
