@@ -26,6 +26,9 @@ from error_survey import random_scene
 BODIES = (1, 32, 4096)
 WITHIN = 1.5
 
+REPEATS = {1: 25, 32: 5, 4096: 3}
+"""Runs of which the median counts: one body takes microseconds, and the first runs more."""
+
 
 def measured_over_planned(rng: np.random.Generator) -> tuple[str, int, float] | None:
     """Method, number of bodies and ratio of a random run; None if the method is refused."""
@@ -44,7 +47,7 @@ def measured_over_planned(rng: np.random.Generator) -> tuple[str, int, float] | 
     rows = omega * (1.0 + 0.3 * rng.normal(size=(bodies, 3))) if bodies > 1 else omega
     ratios = []
     try:
-        for _ in range(5 if bodies < BODIES[-1] else 3):
+        for _ in range(REPEATS[bodies]):
             unit = reference_nanoseconds()
             run = rigid.simulate(scene, rows, attitude, t=t, threads=1, **options)
             assert run.plan.work is not None
