@@ -15,7 +15,6 @@ and :mod:`~rigid.frames`; :mod:`~rigid.inertia`, :mod:`~rigid.solids` and :mod:`
 from __future__ import annotations
 
 from importlib import import_module
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from . import exact
@@ -23,7 +22,7 @@ from ._checks.progress import Interrupted, Progress
 from ._core import __version__
 from .citing import cite
 from .info import build_info
-from .maps.compute import stability_map
+from .maps.compute import plug_in_store, stability_map
 from .maps.replay import Replay
 from .maps.result import StabilityMap, load_map
 from .maps.spec import MapSpec
@@ -72,6 +71,7 @@ if TYPE_CHECKING:
         statics,
         top,
     )
+    from .store.store import Store, diff, merge, open_store
 
 __all__ = [
     "Body",
@@ -97,12 +97,14 @@ __all__ = [
     "StabilityMap",
     "Start",
     "Status",
+    "Store",
     "Torque",
     "__version__",
     "animation",
     "build_info",
     "cite",
     "condition",
+    "diff",
     "direction",
     "earth",
     "exact",
@@ -116,10 +118,12 @@ __all__ = [
     "inertia",
     "load_map",
     "lyapunov",
+    "merge",
     "meshes",
     "methods",
     "no_flip",
     "normal",
+    "open_store",
     "particles",
     "plan",
     "poincare",
@@ -159,11 +163,16 @@ _LATER = frozenset(
 )
 """Modules that are imported when they are first named."""
 
+_OF_STORE = frozenset(("Store", "diff", "merge", "open_store"))
+"""Names of :mod:`rigid.store.store`, which is imported with the first of them."""
+
 if not TYPE_CHECKING:  # a type checker would take any name for a module
 
-    def __getattr__(name: str) -> ModuleType:
+    def __getattr__(name: str) -> Any:
         if name in _LATER:
             return import_module(f".{name}", __name__)
+        if name in _OF_STORE:
+            return getattr(import_module(".store.store", __name__), name)
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
@@ -177,5 +186,15 @@ def _animate(run: Run, path: str | PathLike[str], **options: Any) -> Path:
 plug_in_animator(_animate)
 
 
+def _run_stored(spec: MapSpec, **options: Any) -> StabilityMap:
+    """:func:`rigid.store.store.run_stored`, imported when it is first called."""
+    from .store.store import run_stored
+
+    return run_stored(spec, **options)
+
+
+plug_in_store(_run_stored)
+
+
 def __dir__() -> list[str]:
-    return sorted(globals().keys() | _LATER)
+    return sorted(globals().keys() | _LATER | _OF_STORE)

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import os
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import _core
-from .._checks.arguments import positive_int, resolve_threads
+from .._checks.arguments import brief, positive_int, resolve_threads
 from .._checks.progress import (
     Interrupted,
     Pace,
@@ -29,7 +30,15 @@ from .parameters import make_axes
 from .result import StabilityMap
 from .spec import MapSpec
 
-__all__ = ["run_map", "stability_map"]
+__all__ = ["plug_in_store", "run_map", "stability_map"]
+
+_stored: list[Callable[..., StabilityMap]] = []
+"""The function that runs maps of a store: its package lies above this one."""
+
+
+def plug_in_store(run_stored: Callable[..., StabilityMap]) -> None:
+    """Tell this module what computes maps that are stored, or that an executor computes."""
+    _stored[:] = [run_stored]
 
 
 def stability_map(
@@ -50,6 +59,10 @@ def stability_map(
     max_steps: int = MapSpec.max_steps,
     title: str | None = MapSpec.title,
     partial: bool = False,
+    store: str | os.PathLike[str] | None = None,
+    executor: Any = None,
+    threads_per_task: int = 1,
+    part: str | tuple[int, int] | None = None,
 ) -> StabilityMap:
     """Monte Carlo stability map: an ensemble of perturbed bodies in every pixel of a grid.
 
@@ -118,6 +131,18 @@ def stability_map(
     partial : bool
         Return the map of the bodies done after Ctrl-C, instead of raising :class:`Interrupted`:
         the program goes on. ``result.complete`` tells whether all bodies were done.
+    store : path-like, optional
+        Folder of a running map, made if there is none. What was computed is there at once, whatever
+        ends the program, and the same call goes on where the rows end. Without ``rng`` the seed of
+        the folder is kept. See :func:`rigid.open_store`.
+    executor : optional
+        Where blocks of pixels are computed: any executor of ``concurrent.futures``, or a client of
+        Dask. By default threads of this process. The numbers do not depend on it.
+    threads_per_task : int
+        Threads of each block on an executor.
+    part : str or tuple of int, optional
+        ``"k/n"`` or ``(k, n)``: only part k of n of the pixels, with ``store``, for jobs that run
+        side by side. Together they are the map.
 
     Returns
     -------
@@ -127,6 +152,11 @@ def stability_map(
     ------
     Interrupted
         After Ctrl-C, unless ``partial`` is set.
+    OSError
+        If rows cannot be stored; those before are kept.
+    RuntimeError
+        If the workers of an executor die. A Dask cluster goes on with other workers, and raises
+        ``rigid.store.store.PoisonedError`` at the end if some blocks always killed theirs.
     ValueError
         For an unknown name (the nearest is suggested), a name without meaning for this scene and
         start, a value out of range, or ``"exact"`` where a body has no closed form. Impossible
@@ -162,6 +192,22 @@ def stability_map(
         seed=seed_from(rng),
         title=title,
     )
+    if store is not None or executor is not None or part is not None:
+        if chunk is not None:
+            raise ValueError(f"chunk = {brief(chunk)}: has no effect with store or executor")
+        if part is not None and store is None:
+            raise ValueError(f"part = {brief(part)}: needs store, where the parts meet")
+        return _stored[0](
+            spec,
+            store=store,
+            seeded=rng is not None,
+            executor=executor,
+            threads=threads,
+            threads_per_task=threads_per_task,
+            part=part,
+            progress=progress,
+            partial=partial,
+        )
     return run_map(spec, threads=threads, progress=progress, chunk=chunk, partial=partial)
 
 

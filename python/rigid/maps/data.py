@@ -110,6 +110,8 @@ class MapData:
         Wall time in s; NaN in a loaded map.
     threads : int
         Threads used; 0 in a loaded map.
+    writers : tuple of dict
+        Receipts of the processes that computed a map of a store.
     """
 
     spec: MapSpec
@@ -121,6 +123,7 @@ class MapData:
     upper: NDArray[np.float64]
     elapsed: float
     threads: int
+    writers: tuple[Mapping[str, Any], ...] = ()
 
     def __getattr__(self, name: str) -> NDArray[Any]:
         if name != "columns" and name in self.columns:
@@ -138,6 +141,7 @@ class MapData:
         *,
         elapsed: float = math.nan,
         threads: int = 0,
+        writers: tuple[Mapping[str, Any], ...] = (),
     ) -> Self:
         """The result that follows from the counted arrays, those named in :data:`STORED`.
 
@@ -165,6 +169,7 @@ class MapData:
             upper=interval(stable + undecided, classified)[1],
             elapsed=elapsed,
             threads=threads,
+            writers=writers,
         )
 
     @property

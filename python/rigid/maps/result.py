@@ -6,7 +6,7 @@ This module combines the data of a map with its pictures, files, theory and repl
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,6 +16,7 @@ from ..solve.plan import Plan
 from .data import MapData
 from .dataset import map_dataset
 from .file import read_map, write_map
+from .identity import receipt
 from .plan import map_plan
 from .plot import plot_map
 from .replay import Replay, replay
@@ -278,6 +279,30 @@ class StabilityMap(MapData):
             as it was.
         """
         return write_map(self, path)
+
+    def receipt(self) -> dict[str, Any]:
+        """What identifies these numbers.
+
+        Returns
+        -------
+        dict
+            ``spec``; ``key``, BLAKE2b-128 of what the numbers depend on; ``fingerprint``,
+            BLAKE2b-256 of the key and of all arrays that follow from it. Both are hexadecimal, and
+            depend on neither machine, instruction set, threads, engine nor order: two computations
+            of one map have one fingerprint. ``seed``, ``version`` and ``complete``; ``writers``,
+            the receipts of the processes that computed it, if it comes from a store.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> ask = dict(axes={"spin": [1.0, 2.0]}, samples=10, t_end=50.0, stable=rigid.no_flip())
+        >>> one, other = (
+        ...     rigid.stability_map(rigid.FreeBody, rng=1, threads=n, **ask) for n in (1, 2)
+        ... )
+        >>> one.receipt()["fingerprint"] == other.receipt()["fingerprint"]
+        True
+        """
+        return receipt(self)
 
     def summary(self) -> str:
         """Summary of computation, largest drift, undecided samples and comparison with theory."""

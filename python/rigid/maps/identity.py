@@ -1,0 +1,107 @@
+"""What identifies a map: its key, which follows from the specification, and its fingerprint."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from .. import _core
+from .data import COLUMNS, STORED, MapData
+from .spec import MapSpec
+
+__all__ = ["SEGMENT", "canonical", "differences", "fingerprint", "head_of", "key_of", "receipt"]
+
+FORMAT = "rigid running map"
+FORMAT_VERSION = 1
+
+SEGMENT = 2**20
+"""Most samples of a unit of work."""
+
+
+def canonical(value: Any) -> bytes:
+    """JSON with sorted keys and without spaces: equal values are equal bytes."""
+    text = json.dumps(value, sort_keys=True, separators=(",", ":"), allow_nan=False)
+    return text.encode()
+
+
+def head_of(spec: MapSpec) -> dict[str, Any]:
+    """The content of ``head.json`` of a running map."""
+    build = _core.build_info()
+    pixels = int(np.prod(spec.shape))
+    return {
+        "format": FORMAT,
+        "format_version": FORMAT_VERSION,
+        "spec": spec.to_dict(),
+        "segment": SEGMENT,
+        "units": pixels * -(-spec.samples // SEGMENT),
+        "columns": [[one.name, one.dtype] for one in COLUMNS if one.reproducible],
+        "version": build["version"],
+        "commit": build.get("commit"),
+    }
+
+
+def key_of(head: Mapping[str, Any]) -> bytes:
+    """BLAKE2b-128 of all that the numbers depend on: who made it and its title are left out."""
+    from hashlib import blake2b  # here and below: takes longer to import than this module
+
+    of_numbers = {name: value for name, value in head.items() if name not in ("version", "commit")}
+    of_numbers["spec"] = {
+        name: value for name, value in head["spec"].items() if name not in ("title", "version")
+    }
+    return blake2b(canonical(of_numbers), digest_size=16).digest()
+
+
+def fingerprint(data: MapData) -> str:
+    """BLAKE2b-256 of the key and of all reproducible arrays, hexadecimal.
+
+    It depends on neither instruction set, threads, engine nor order. No NaN of any bits but one is
+    in the arrays.
+    """
+    from hashlib import blake2b
+
+    digest = blake2b(key_of(head_of(data.spec)), digest_size=32)
+    for name, dtype in STORED.items():
+        array = np.ascontiguousarray(getattr(data, name), dtype=dtype.newbyteorder("<"))
+        if array.dtype.kind == "f":
+            array = np.where(np.isnan(array), np.nan, array)
+        digest.update(array.tobytes())
+    return digest.hexdigest()
+
+
+def receipt(data: MapData) -> dict[str, Any]:
+    """What identifies a map; see :meth:`rigid.StabilityMap.receipt`."""
+    return {
+        "spec": data.spec.to_dict(),
+        "key": key_of(head_of(data.spec)).hex(),
+        "fingerprint": fingerprint(data),
+        "seed": data.spec.seed,
+        "version": data.spec.version,
+        "complete": data.complete,
+        "writers": [dict(writer) for writer in data.writers],
+    }
+
+
+def differences(one: Any, other: Any, path: str = "") -> list[str]:
+    """The paths at which two JSON values differ, with both values, in the order of the first."""
+    if isinstance(one, dict) and isinstance(other, dict):
+        names = [*one, *(name for name in other if name not in one)]
+        return [
+            text
+            for name in names
+            for text in differences(one.get(name), other.get(name), f"{path}.{name}".lstrip("."))
+        ]
+    if isinstance(one, list) and isinstance(other, list) and len(one) == len(other):
+        return [
+            text
+            for index, (first, second) in enumerate(zip(one, other, strict=True))
+            for text in differences(first, second, f"{path}[{index}]")
+        ]
+    return [] if one == other else [f"{path}: {_short(one)} and {_short(other)}"]
+
+
+def _short(value: Any) -> str:
+    text = json.dumps(value)
+    return text if len(text) <= 60 else f"{text[:57]}..."

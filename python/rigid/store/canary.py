@@ -1,0 +1,63 @@
+"""Canaries: stored units that a process computes again before it adds rows of its own.
+
+Another version, a faulty machine or a mixed cluster gives other bytes, and is refused.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from hashlib import blake2b
+
+import numpy as np
+
+from .compute import compute
+from .head import StoreError
+from .rows import Rows, Table, unequal
+
+__all__ = ["canaries", "check_canaries"]
+
+MOST_UNITS = 16
+MOST_SECONDS = 0.5
+"""Bounds of what is computed again."""
+
+MOST_CANDIDATES = 4096
+"""Units whose digests are compared: evenly spaced among those that are known."""
+
+
+def canaries(table: Table, key: bytes) -> Rows:
+    """Up to 16 known rows, always the same of the same rows: those of the least digests.
+
+    Rows that took long are left out; the first is kept.
+    """
+    known = np.flatnonzero(table.known)
+    known = known[:: -(-len(known) // MOST_CANDIDATES) or 1]
+
+    def order(unit: int) -> bytes:
+        return blake2b(unit.to_bytes(8, "little"), digest_size=8, key=key).digest()
+
+    chosen = np.array(sorted(known.tolist(), key=order)[:MOST_UNITS], dtype=np.int64)
+    seconds = 1e-9 * np.cumsum(np.nan_to_num(table.nanoseconds[chosen]))
+    within = seconds <= MOST_SECONDS
+    within[:1] = True
+    rows: Rows = table.rows[np.sort(chosen[within])]
+    return rows
+
+
+def check_canaries(
+    text: str, rows: Rows, threads: int = 1, stop: Callable[[], bool] | None = None
+) -> None:
+    """Compute rows again.
+
+    Raises
+    ------
+    StoreError
+        Naming the first unit and the fields that come out otherwise here.
+    """
+    if not len(rows):
+        return
+    again = compute(text, rows["unit"].copy(), threads, stop)
+    if again is not None and again[0].tobytes() != rows.tobytes():
+        raise StoreError(
+            "this build of rigid, or this machine, does not compute the numbers that are stored: "
+            f"stored and computed: {unequal(rows, again[0])}"
+        )

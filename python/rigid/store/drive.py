@@ -1,0 +1,231 @@
+"""Blocks of units on the threads of this process, or on the workers of an executor."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import _core
+from .canary import check_canaries
+from .compute import Block, compute
+from .head import StoreError
+from .rows import Rows
+
+__all__ = ["Poison", "Sink", "Task", "drive", "executor_of", "run_here"]
+
+Units = NDArray[np.int64]
+
+SHORTEST, LONGEST = 0.3, 60.0
+"""Bounds of the time of a block, s."""
+
+APPENDS = 50.0
+"""A block lasts at least so many times as long as the last append."""
+
+TRIES = 3
+"""A unit whose tasks have failed so often is given up, the last of them with this unit alone."""
+
+HOPELESS = 12
+"""More failures than this without any success are raised."""
+
+GROWTH = 8
+"""A block has at most so many times the units of the one before."""
+
+
+class Sink(Protocol):
+    """Where rows go."""
+
+    def append(self, rows: Rows, nanoseconds: NDArray[np.float32]) -> None:
+        """Keep rows."""
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """What a worker needs besides the units.
+
+    Attributes
+    ----------
+    text : str
+        The specification as JSON.
+    threads : int
+        Threads of the core in each worker.
+    canaries : ndarray of ROW
+        Stored rows that each worker process computes again before its first block.
+    build : tuple of str and (str or None)
+        Version and commit of the driver, which a worker must have; None accepts any.
+    """
+
+    text: str
+    threads: int
+    canaries: Rows
+    build: tuple[str, str | None] | None
+
+
+@dataclass(slots=True)
+class Poison:
+    """Units that were given up, and why."""
+
+    units: list[int] = field(default_factory=list)
+    errors: list[str] = field(default_factory=list)
+
+
+def own_build() -> tuple[str, str | None]:
+    """Version and commit of this process."""
+    build = _core.build_info()
+    return build["version"], build.get("commit")
+
+
+_checked: set[bytes] = set()
+"""The canaries that this process has computed again."""
+
+
+def work(task: Task, units: Units) -> Block:
+    """A block, in a worker."""
+    if task.build is not None and task.build != own_build():
+        raise StoreError(
+            f"a worker has rigid {own_build()}, the driver {task.build}: install one version, or "
+            "pass allow_mixed=True"
+        )
+    token = task.text.encode() + task.canaries.tobytes()
+    if token not in _checked:
+        check_canaries(task.text, task.canaries, task.threads)
+        _checked.clear()
+        _checked.add(token)
+    block = compute(task.text, units, task.threads)
+    assert block is not None
+    return block
+
+
+class Sizes:
+    """The number of units of a block, from the costs seen so far."""
+
+    def __init__(self, samples: int, workers: int) -> None:
+        self.units = max(1, 16 * workers // samples)
+        self._costliest = 0.0
+
+    def note(self, units: int, seconds: float, costliest: float, append: float) -> None:
+        """Fit to a block of so many units, and to the costliest unit seen (s)."""
+        self._costliest = max(self._costliest, costliest)
+        wanted = min(max(SHORTEST, APPENDS * append), LONGEST)
+        fitting = wanted * units / max(seconds, 1e-6)
+        # In case the next block consists of the costliest units only.
+        bounded = 4.0 * wanted / max(self._costliest, 1e-9)
+        self.units = max(1, int(min(fitting, bounded, GROWTH * self.units)))
+
+
+def run_here(
+    text: str,
+    samples: int,
+    todo: Units,
+    sink: Sink,
+    threads: int,
+    stop: Callable[[], bool],
+    note: Callable[[Rows], object],
+) -> None:
+    """Compute units one block after the other, on threads of this process."""
+    sizes, at = Sizes(samples, threads), 0
+    while at < len(todo) and not stop():
+        units = todo[at : at + sizes.units]
+        begin = time.perf_counter()
+        block = compute(text, units, threads, stop)
+        if block is None:
+            return
+        done = time.perf_counter()
+        sink.append(*block)
+        costliest = 1e-9 * float(block[1].max()) / threads
+        sizes.note(len(units), done - begin, costliest, time.perf_counter() - done)
+        at += len(units)
+        note(block[0])
+
+
+def executor_of(executor: Any) -> tuple[Any, int]:
+    """Something with ``submit``, and its number of workers.
+
+    A Dask client is asked for its own executor.
+
+    Raises
+    ------
+    TypeError
+    """
+    if hasattr(executor, "get_executor"):
+        return executor.get_executor(pure=False), max(1, len(executor.nthreads()))
+    if not callable(getattr(executor, "submit", None)):
+        raise TypeError(
+            f"executor = {executor!r}: must have the method submit, as those of concurrent.futures"
+        )
+    return executor, int(getattr(executor, "_max_workers", 8))
+
+
+def drive(
+    task: Task,
+    samples: int,
+    todo: Units,
+    sink: Sink,
+    executor: Executor,
+    workers: int,
+    stop: Callable[[], bool],
+    note: Callable[[Rows], object],
+) -> Poison:
+    """Compute units on the workers of an executor; only this process writes.
+
+    A block whose worker dies is halved and tried again. A pool that breaks ends the run; what was
+    returned is kept.
+    """
+    sizes, at = Sizes(samples, 1), 0
+    waiting: dict[Future[Block], tuple[Units, int]] = {}
+    again: list[tuple[Units, int]] = []
+    poison = Poison()
+    failures, succeeded = 0, False
+
+    def submit() -> Iterator[tuple[Units, int]]:
+        nonlocal at
+        while len(waiting) < 2 * workers and (again or at < len(todo)):
+            if again:
+                yield again.pop()
+            else:
+                units = todo[at : at + sizes.units]
+                at += len(units)
+                yield units, 0
+
+    try:
+        while (again or waiting or at < len(todo)) and not stop():
+            for units, tried in submit():
+                waiting[executor.submit(work, task, units)] = units, tried
+            for future in wait(waiting, timeout=0.1, return_when=FIRST_COMPLETED).done:
+                units, tried = waiting.pop(future)
+                try:
+                    rows, nanoseconds = future.result()
+                except (BrokenExecutor, StoreError):
+                    raise
+                except Exception as error:
+                    failures += 1
+                    if failures > HOPELESS and not succeeded:
+                        raise  # it is not the units
+                    if tried + 1 >= TRIES and len(units) == 1:
+                        poison.units += units.tolist()
+                        poison.errors.append(f"{type(error).__name__}: {error}")
+                    else:
+                        again += [(half, tried + 1) for half in _halves(units)]
+                    continue
+                succeeded = True
+                begin = time.perf_counter()
+                sink.append(rows, nanoseconds)
+                seconds = 1e-9 * float(nanoseconds.sum()) / task.threads
+                append = time.perf_counter() - begin
+                costliest = 1e-9 * float(nanoseconds.max()) / task.threads
+                sizes.note(len(units), seconds, costliest, append)
+                note(rows)
+    finally:
+        for future in waiting:
+            future.cancel()
+    return poison
+
+
+def _halves(units: Units) -> list[Units]:
+    middle = (len(units) + 1) // 2
+    return [half for half in (units[:middle], units[middle:]) if len(half)]

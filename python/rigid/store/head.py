@@ -1,0 +1,104 @@
+"""The specification of a running map: ``head.json``, written once and never changed."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from typing import Any
+
+from .._checks.arguments import one_line
+from ..maps.identity import FORMAT, FORMAT_VERSION, canonical, differences, head_of, key_of
+from ..maps.spec import MapSpec
+
+__all__ = ["Head", "StoreError"]
+
+MOST_BYTES = 2**26
+"""Most bytes of a head: axes of a million values have 25 MB."""
+
+
+class StoreError(ValueError):
+    """A running map is refused: it is none, it is another one, or rows contradict each other."""
+
+
+@dataclass(frozen=True, slots=True)
+class Head:
+    """The specification of a running map, its key and its units of work.
+
+    Attributes
+    ----------
+    spec : MapSpec
+    content : dict
+        All of ``head.json``.
+    key : bytes
+        BLAKE2b-128 of what the numbers depend on.
+    """
+
+    spec: MapSpec
+    content: dict[str, Any]
+    key: bytes
+
+    @property
+    def units(self) -> int:
+        """Number of the units: each pixel has as many as its samples have segments."""
+        return int(self.content["units"])
+
+    @property
+    def segments(self) -> int:
+        """Units of a pixel."""
+        return -(-self.spec.samples // int(self.content["segment"]))
+
+    @classmethod
+    def of(cls, spec: MapSpec) -> Head:
+        """The head of a new running map."""
+        content = json.loads(canonical(head_of(spec)))
+        return cls(spec, content, key_of(content))
+
+    @classmethod
+    def read(cls, text: bytes, path: object) -> Head:
+        """The head in the text of a file.
+
+        Raises
+        ------
+        StoreError
+            Naming the path.
+        """
+        if len(text) > MOST_BYTES:
+            raise StoreError(f"{path} is no running map: its head has more than {MOST_BYTES} B")
+        try:
+            content = json.loads(text)
+        except (ValueError, RecursionError) as error:
+            raise StoreError(f"{path} is no running map: {one_line(error)}") from None
+        if not isinstance(content, dict) or content.get("format") != FORMAT:
+            raise StoreError(f"{path} is no running map: its head is not that of one")
+        version = content.get("format_version")
+        if version != FORMAT_VERSION:
+            raise StoreError(
+                f"{path} has format version {version}, this version of rigid reads {FORMAT_VERSION}"
+            )
+        try:
+            spec = MapSpec.from_dict(content["spec"])
+            expected = head_of(spec)
+        except Exception as error:  # the text may hold anything
+            raise StoreError(f"{path} holds a broken specification: {one_line(error)}") from None
+        for name in ("columns", "segment", "units"):
+            if content.get(name) != expected[name]:
+                made = content.get("version")
+                raise StoreError(
+                    f"{path}: {name} are not those of this version of rigid; version {made} made it"
+                )
+        return cls(spec, content, key_of(content))
+
+    def require_spec(self, spec: MapSpec, path: object) -> None:
+        """Refuse another specification than the stored one, with what differs.
+
+        Raises
+        ------
+        StoreError
+        """
+        kept, asked = self.spec.to_dict(), spec.to_dict()
+        for described in (kept, asked):
+            del described["title"], described["version"]
+        found = differences(kept, asked)
+        if found:
+            shown = "; ".join(found[:5]) + (f"; and {len(found) - 5} more" if found[5:] else "")
+            raise StoreError(f"{path} holds another map (it and the one asked for): {shown}")

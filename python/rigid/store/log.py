@@ -1,0 +1,263 @@
+"""Logs: POSIX tar files of tables of rows, one a writer, which only appends.
+
+A record is a table in the npy format whose name holds its digest. The digest is keyed by the map,
+so that a record of another map is never taken for one of this. A reader accepts a header only if it
+is to the byte the one that a writer makes, and searches on where one is damaged: what is read is
+right, whatever happened to the rest of the file.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+import re
+import tarfile
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from hashlib import blake2b
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..maps.identity import canonical
+from .disk import Buffer, Disk
+from .rows import ROW, Rows
+
+__all__ = ["LOG_NAME", "Found", "Log", "read_log"]
+
+BLOCK = 512
+"""Bytes of a header, and what the length of content is rounded up to."""
+
+SYNC_SECONDS = 0.5
+"""Rows are on the disk after this time at most."""
+
+MOST_MEMBER = 2**30
+"""Most bytes of a member that is read."""
+
+COST = np.dtype("<f4")
+"""The type of a processor time."""
+
+LOG_NAME = re.compile(r"\d{8}T\d{6}Z-[0-9a-f]{12}\.tar")
+WRITER, END = "writer.json", "end.json"
+_RECORD = re.compile(r"(\d{8})-([0-9a-f]{32})\.npy")
+_COSTS = re.compile(r"\d{8}\.ns\.npy")
+_NAME = re.compile(rb"[0-9a-z.\-]{1,60}")
+_SIZE = re.compile(rb"[0-7]{11}")
+
+
+def _header(name: str, size: int) -> bytes:
+    info = tarfile.TarInfo(name)
+    info.size = size
+    return info.tobuf(tarfile.USTAR_FORMAT)
+
+
+def _padding(size: int) -> bytes:
+    return bytes(-size % BLOCK)
+
+
+def _npy_header(dtype: np.dtype[Any], count: int) -> bytes:
+    out = io.BytesIO()
+    fields = {
+        "descr": np.lib.format.dtype_to_descr(dtype),
+        "fortran_order": False,
+        "shape": (count,),
+    }
+    np.lib.format.write_array_header_1_0(out, fields)
+    return out.getvalue()
+
+
+def _digest(key: bytes, *content: Buffer) -> str:
+    digest = blake2b(digest_size=16, key=key)
+    for part in content:
+        digest.update(part)
+    return digest.hexdigest()
+
+
+class Log:
+    """The log of this process.
+
+    Parameters
+    ----------
+    folder : Path
+        The folder of logs.
+    key : bytes
+        The key of the map.
+    receipt : dict
+        Who writes.
+    """
+
+    def __init__(self, folder: Path, key: bytes, receipt: dict[str, Any], disk: Disk) -> None:
+        self._disk, self._key, self._size, self.records = disk, key, 0, 0
+        stamp = time.strftime("%Y%m%dT%H%M%SZ", time.gmtime())
+        self.path = folder / f"{stamp}-{os.urandom(6).hex()}.tar"
+        self._file = disk.create(self.path)
+        try:
+            self._append(self._member(WRITER, canonical(receipt)))
+            disk.synchronise(self._file)
+            disk.synchronise_folder(folder)
+        except BaseException:
+            disk.close(self._file)
+            raise
+        self._synchronised = time.monotonic()
+
+    @staticmethod
+    def _member(name: str, *content: Buffer) -> list[Buffer]:
+        size = sum(len(part) for part in content)
+        return [_header(name, size), *content, _padding(size)]
+
+    def _append(self, buffers: list[Buffer]) -> None:
+        """Append all bytes or none."""
+        views = [memoryview(part) for part in buffers if len(part)]
+        try:
+            while views:
+                written = self._disk.write(self._file, views)
+                while views and written >= len(views[0]):
+                    written -= len(views.pop(0))
+                if written:
+                    views[0] = views[0][written:]
+        except BaseException:
+            # A reader would skip the torn record; without it later ones are found at once.
+            self._disk.cut(self._file, self._size)
+            raise
+        self._size += sum(len(part) for part in buffers)
+
+    def append(self, rows: Rows, nanoseconds: NDArray[np.float32]) -> None:
+        """Append a record."""
+        table: list[Buffer] = [_npy_header(ROW, len(rows)), rows.view(np.uint8).data]
+        costs: list[Buffer] = [_npy_header(COST, len(rows)), nanoseconds.view(np.uint8).data]
+        name = f"{self.records:08d}-{_digest(self._key, *table)}.npy"
+        self._append(
+            [*self._member(name, *table), *self._member(f"{self.records:08d}.ns.npy", *costs)]
+        )
+        self.records += 1
+        if time.monotonic() - self._synchronised >= SYNC_SECONDS:
+            self.synchronise()
+
+    def synchronise(self) -> None:
+        """Write all records through to the disk."""
+        self._disk.synchronise(self._file)
+        self._synchronised = time.monotonic()
+
+    def close(self, end: dict[str, Any] | None) -> None:
+        """End the log: with the reason, or without if it could not be written."""
+        try:
+            if end is not None:
+                self._append([*self._member(END, canonical(end)), bytes(2 * BLOCK)])
+                self.synchronise()
+        finally:
+            self._disk.close(self._file)
+
+
+@dataclass
+class Found:
+    """What else a log holds than rows.
+
+    Attributes
+    ----------
+    writer, end : dict or None
+        The receipt of the writer; why it ended.
+    damage : list of str
+        What could not be read, and where.
+    records : int
+        Records that were read.
+    """
+
+    writer: dict[str, Any] | None = None
+    end: dict[str, Any] | None = None
+    damage: list[str] = field(default_factory=list)
+    records: int = 0
+
+
+def read_log(
+    file: BinaryIO, key: bytes, found: Found
+) -> Iterator[tuple[Rows, NDArray[np.float32] | None]]:
+    """The whole records of a log with their costs, whatever happened to the rest."""
+    length = file.seek(0, os.SEEK_END)
+    at, number, searching = 0, 0, False
+    pending: Rows | None = None
+
+    def note(what: str) -> None:
+        nonlocal searching
+        if not searching:
+            found.damage.append(f"{what} at byte {at}")
+        searching = True
+
+    while at < length:
+        file.seek(at)
+        block = file.read(BLOCK)
+        name, size = _name_and_size(block)
+        record = _RECORD.fullmatch(name)
+        if not name:
+            if any(block) or found.end is None:  # zeros end a log, and follow nothing else
+                note("no header")
+            at += BLOCK
+            continue
+        whole = at + BLOCK + size <= length and size <= MOST_MEMBER
+        content = file.read(size) if whole else b""
+        if not whole or (record and _digest(key, content) != record[2]):
+            note(f"a {'damaged' if whole else 'torn'} {'record' if record else name}")
+            at += BLOCK
+            continue
+        searching = False
+        if pending is not None:
+            is_cost = _COSTS.fullmatch(name) is not None
+            yield pending, _vector(content, COST, len(pending)) if is_cost else None
+            pending = None
+        if record:
+            if int(record[1]) > number:
+                note(f"no record {number}")
+            number = int(record[1]) + 1
+            pending = _vector(content, ROW)
+            if pending is None:
+                note("a record of another kind of rows")
+            else:
+                found.records += 1
+        elif name == WRITER:
+            found.writer = _json(content)
+        elif name == END:
+            found.end = _json(content)
+        elif not _COSTS.fullmatch(name):
+            note(f"an unknown member {name}")
+        searching = False
+        at += BLOCK + size + len(_padding(size))
+    if pending is not None:
+        yield pending, None
+
+
+def _name_and_size(block: bytes) -> tuple[str, int]:
+    """Name and size of the member that begins with these bytes; no name if they are no header."""
+    name, size = block[:100].rstrip(b"\0"), block[124:135]
+    if not (_NAME.fullmatch(name) and _SIZE.fullmatch(size)):
+        return "", 0
+    same = _header(name.decode(), int(size, 8)) == block
+    return (name.decode(), int(size, 8)) if same else ("", 0)
+
+
+def _vector(content: bytes, dtype: np.dtype[Any], count: int | None = None) -> NDArray[Any] | None:
+    """The array in the bytes of an npy file as a log has it, None if it is another one.
+
+    Its header is compared, not interpreted: costs have no digest, and may be anything.
+    """
+    begin = 10 + int.from_bytes(content[8:10], "little")
+    found = (len(content) - begin) // dtype.itemsize
+    if found < 0 or (count is not None and found != count):
+        return None
+    if (
+        content[:begin] != _npy_header(dtype, found)
+        or len(content) != begin + found * dtype.itemsize
+    ):
+        return None
+    return np.frombuffer(content, dtype, offset=begin)
+
+
+def _json(content: bytes) -> dict[str, Any] | None:
+    import json
+
+    try:
+        value = json.loads(content)
+    except (ValueError, RecursionError):
+        return None
+    return value if isinstance(value, dict) else None

@@ -1,0 +1,214 @@
+"""What is missing in a running map, and its computation."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from concurrent.futures import BrokenExecutor
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._checks.arguments import brief
+from .._checks.progress import Progress, ProgressOption, reporting
+from ..maps.data import CLASSES
+from ..maps.result import StabilityMap
+from .canary import canaries, check_canaries
+from .compute import moment_status
+from .drive import Poison, Task, drive, executor_of, own_build, run_here
+from .rows import Rows
+from .running import Folder, Memory
+
+__all__ = ["Outcome", "Part", "carry_on", "missing", "result_of"]
+
+PART_UNITS = 64
+"""Consecutive units of one part."""
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A share of the units, for jobs that run side by side.
+
+    Attributes
+    ----------
+    number, count : int
+        Part ``number`` of ``count``, from 1.
+    """
+
+    number: int = 1
+    count: int = 1
+
+    def __post_init__(self) -> None:
+        if not 1 <= self.number <= self.count:
+            raise ValueError(f"part = {self}: must be k/n with 1 <= k <= n")
+
+    def __str__(self) -> str:
+        return f"{self.number}/{self.count}"
+
+    @classmethod
+    def of(cls, part: str | tuple[int, int] | Part | None) -> Part:
+        """A part from ``"k/n"`` or ``(k, n)``; all units for None."""
+        if part is None:
+            return cls()
+        if isinstance(part, Part):
+            return part
+        try:
+            number, count = part.split("/") if isinstance(part, str) else part
+            return cls(int(number), int(count))
+        except TypeError:
+            raise TypeError(f"part = {brief(part)}: must be 'k/n' or (k, n)") from None
+        except ValueError:
+            raise ValueError(f"part = {brief(part)}: must be k/n with 1 <= k <= n") from None
+
+    def has(self, units: NDArray[np.int64]) -> NDArray[np.bool_]:
+        """Which units are of this part."""
+        mine: NDArray[np.bool_] = units // PART_UNITS % self.count == self.number - 1
+        return mine
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """How a sitting ended.
+
+    Attributes
+    ----------
+    reason : str
+        ``complete``, ``interrupted``, ``waiting`` for other parts, or ``poisoned`` units.
+    poison : Poison
+        Units whose tasks failed three times.
+    """
+
+    reason: str
+    poison: Poison
+
+
+def missing(running: Folder | Memory, status: NDArray[np.uint8]) -> NDArray[np.int64]:
+    """The units that are to be computed now, in order: first a coarse lattice of pixels.
+
+    So an interrupted map is a coarse whole one.
+    """
+    pixels = np.flatnonzero(status == 0)
+    pixels = pixels[np.argsort(-lattice_level(running.head.spec.shape, pixels), kind="stable")]
+    segments = running.head.segments
+    units = (pixels[:, np.newaxis] * segments + np.arange(segments)).ravel()
+    left: NDArray[np.int64] = units[~running.table.known[units]]
+    return left
+
+
+def lattice_level(shape: tuple[int, ...], pixels: NDArray[np.int64]) -> NDArray[np.int64]:
+    """The largest of 1, 2, 4, 8 and 16 that divides all indices of each pixel."""
+    index = np.zeros(len(pixels), np.int64)
+    for part in np.unravel_index(pixels, shape):
+        index |= part
+    index |= 16
+    level: NDArray[np.int64] = index & -index
+    return level
+
+
+def carry_on(
+    running: Folder | Memory,
+    *,
+    threads: int,
+    stop: Callable[[], bool],
+    executor: Any = None,
+    threads_per_task: int = 1,
+    part: Part | None = None,
+    allow_mixed: bool = False,
+    progress: ProgressOption = None,
+) -> Outcome:
+    """Compute what is missing, or this part of it, until it is complete or ``stop()``.
+
+    Raises
+    ------
+    StoreError
+        If this machine computes other numbers than those that are stored.
+    OSError
+        If a row cannot be written; the rows before are kept.
+    RuntimeError
+        If the pool of workers broke.
+    """
+    spec, part = running.head.spec, part or Part()
+    text = spec.to_json()
+    status = moment_status(spec)
+    known = canaries(running.table, running.head.key)
+    checked = reread = False
+    poison = Poison()
+    samples = _unit_samples(running)
+    pool, workers = (None, 1) if executor is None else executor_of(executor)
+    reason = "error"
+    try:
+        while True:
+            todo = missing(running, status)
+            mine = todo[part.has(todo) & ~np.isin(todo, poison.units)]
+            if stop():
+                break
+            if not len(mine):
+                if reread or not len(todo):
+                    break
+                running.read()  # other parts may have gone on
+                reread = True
+                continue
+            running.begin(
+                threads=threads if pool is None else threads_per_task,
+                executor="threads" if pool is None else type(executor).__name__,
+                part=str(part),
+                canaries=known["unit"].tolist(),
+            )
+            total = len(mine) * samples
+            with reporting(progress, total) as report:
+                note = _noting(report, total)
+                if pool is None:
+                    if not checked:
+                        check_canaries(text, known, threads, stop)
+                        checked = True
+                    run_here(text, samples, mine, running, threads, stop, note)
+                else:
+                    task = Task(text, threads_per_task, known, None if allow_mixed else own_build())
+                    found = drive(task, samples, mine, running, pool, workers, stop, note)
+                    poison.units += found.units
+                    poison.errors += found.errors
+        left = missing(running, status)
+        if stop() and len(left):
+            reason = "interrupted"
+        elif poison.units:
+            reason = "poisoned"
+        else:
+            reason = "waiting" if len(left) else "complete"
+    except BrokenExecutor as error:
+        raise RuntimeError(
+            f"the pool of workers broke ({error}); the rows that it returned are kept"
+        ) from None
+    finally:
+        running.end(reason)
+    return Outcome(reason, poison)
+
+
+def result_of(
+    running: Folder | Memory, *, elapsed: float = np.nan, threads: int = 0
+) -> StabilityMap:
+    """The map of the rows that there are."""
+    spec = running.head.spec
+    arrays = {**running.table.arrays(), "status": moment_status(spec)}
+    return StabilityMap.from_arrays(
+        spec, arrays, elapsed=elapsed, threads=threads, writers=tuple(running.writers())
+    )
+
+
+def _unit_samples(running: Folder | Memory) -> int:
+    return -(-running.head.spec.samples // running.head.segments)
+
+
+def _noting(report: Callable[[Progress], object], total: int) -> Callable[[Rows], None]:
+    """A function that counts the bodies of rows."""
+    begin, done, failures = time.perf_counter(), 0, 0
+
+    def note(rows: Rows) -> None:
+        nonlocal done, failures
+        done += sum(int(rows[name].sum()) for name in CLASSES)
+        failures += int(rows["failed"].sum())
+        elapsed = time.perf_counter() - begin
+        report(Progress(done=done, total=max(total, done), elapsed=elapsed, failures=failures))
+
+    return note

@@ -1,0 +1,190 @@
+"""The rows of a running map: those of a folder, with the log of this process, or of the memory."""
+
+from __future__ import annotations
+
+import os
+import platform
+import socket
+import sys
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import _core
+from ..maps.identity import canonical
+from ..maps.spec import MapSpec
+from .disk import DISK, Disk
+from .head import Head, StoreError
+from .log import LOG_NAME, Found, Log, read_log
+from .rows import Rows, Table
+
+__all__ = ["Folder", "Memory", "receipt"]
+
+
+def receipt(**facts: Any) -> dict[str, Any]:
+    """Who writes: build, machine and process."""
+    build = _core.build_info()
+    return {
+        "version": build["version"],
+        "commit": build.get("commit"),
+        "isa": build.get("isa"),
+        "profile": build.get("profile"),
+        "host": socket.gethostname(),
+        "pid": os.getpid(),
+        "system": platform.platform(),
+        "python": sys.version.split()[0],
+        "numpy": np.__version__,
+        "begin": _utc(),
+        **facts,
+    }
+
+
+def _utc() -> str:
+    return time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())
+
+
+class Memory:
+    """A running map that is kept nowhere else."""
+
+    def __init__(self, spec: MapSpec) -> None:
+        self.head = Head.of(spec)
+        self.table = Table(self.head)
+
+    def read(self) -> None:
+        """Nobody else computes rows."""
+
+    def begin(self, **facts: Any) -> None:
+        """There is no log."""
+
+    def append(self, rows: Rows, nanoseconds: NDArray[np.float32]) -> None:
+        """Keep rows."""
+        self.table.add(rows, nanoseconds, "this process")
+
+    def end(self, reason: str) -> None:
+        """There is no log."""
+
+    def writers(self) -> list[dict[str, Any]]:
+        """There is no log."""
+        return []
+
+
+@dataclass(frozen=True, slots=True)
+class LogFacts:
+    """What a log tells besides its rows: its name, its units, and :class:`Found`."""
+
+    name: str
+    units: int
+    found: Found
+
+
+class Folder:
+    """A folder of a running map.
+
+    Attributes
+    ----------
+    path : Path
+    head : Head
+    table : Table
+        The rows of all logs, as last read.
+    logs : list of LogFacts
+        What else they hold.
+    """
+
+    def __init__(self, path: str | os.PathLike[str], disk: Disk = DISK) -> None:
+        self.path, self._disk = Path(path), disk
+        self._log: Log | None = None
+        self._blocks = self._units = 0
+        self.head = self._read_head()
+        self.read()
+
+    @classmethod
+    def at(cls, path: str | os.PathLike[str], spec: MapSpec, disk: Disk = DISK) -> Folder:
+        """The folder of that map; a new one if there is none.
+
+        Raises
+        ------
+        StoreError
+            If the folder holds another map, or other files.
+        """
+        folder = Path(path)
+        if not cls.is_at(folder):
+            # A process may have ended before it wrote the head.
+            if [name for name in disk.names(folder) if name != "logs" and name[:1] != "."]:
+                raise StoreError(f"{folder} is no running map, and is not empty")
+            disk.make_folder(folder / "logs")
+            disk.publish(folder / "head.json", canonical(Head.of(spec).content))
+            disk.synchronise_folder(folder.absolute().parent)
+        found = cls(folder, disk)
+        found.head.require_spec(spec, folder)
+        return found
+
+    @staticmethod
+    def is_at(path: str | os.PathLike[str]) -> bool:
+        """Whether a folder holds a running map."""
+        return Path(path, "head.json").is_file()
+
+    def _read_head(self) -> Head:
+        try:
+            return Head.read(self._disk.read(self.path / "head.json"), self.path)
+        except (FileNotFoundError, NotADirectoryError):
+            raise StoreError(f"{self.path} is no running map: it has no head.json") from None
+
+    def read(self) -> None:
+        """Read the rows of all logs.
+
+        Raises
+        ------
+        StoreError
+            If two logs have other results for a unit.
+        """
+        if self._read_head().key != self.head.key:
+            raise StoreError(f"{self.path}: its head.json was replaced by that of another map")
+        self.table, self.logs = Table(self.head), []
+        folder = self.path / "logs"
+        for name in self._disk.names(folder):
+            if not LOG_NAME.fullmatch(name) or not (folder / name).is_file():
+                continue
+            found, units = Found(), 0
+            with self._disk.opened(folder / name) as file:
+                for rows, nanoseconds in read_log(file, self.head.key, found):
+                    self.table.add(rows, nanoseconds, folder / name)
+                    units += len(rows)
+            self.logs.append(LogFacts(name, units, found))
+
+    def writers(self) -> list[dict[str, Any]]:
+        """The receipt of each log that was read, with its units and why it ended."""
+        return [
+            {
+                **(log.found.writer or {}),
+                **(log.found.end or {}),
+                "log": log.name,
+                "units": log.units,
+            }
+            for log in self.logs
+        ]
+
+    def begin(self, **facts: Any) -> None:
+        """Open the log of this process, unless it is open."""
+        if self._log is None:
+            self._disk.make_folder(self.path / "logs")
+            head = {"key": self.head.key.hex(), **receipt(**facts)}
+            self._log = Log(self.path / "logs", self.head.key, head, self._disk)
+
+    def append(self, rows: Rows, nanoseconds: NDArray[np.float32]) -> None:
+        """Append rows to the log of this process."""
+        assert self._log is not None
+        self._log.append(rows, nanoseconds)
+        self.table.add(rows, nanoseconds, self._log.path)
+        self._blocks += 1
+        self._units += len(rows)
+
+    def end(self, reason: str) -> None:
+        """Close the log of this process, if there is one."""
+        log, self._log = self._log, None
+        if log is not None:
+            facts = {"blocks": self._blocks, "units": self._units, "reason": reason, "end": _utc()}
+            log.close(None if reason == "error" else facts)

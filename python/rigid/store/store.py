@@ -1,0 +1,315 @@
+"""Running maps for users."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from .._checks.arguments import brief, positive_int, resolve_threads
+from .._checks.progress import Interrupted, ProgressOption, interruptible
+from ..maps.result import StabilityMap
+from ..maps.spec import MapSpec
+from .diff import Difference, read_any
+from .diff import diff as diff_maps
+from .merge import merge_into
+from .resume import Outcome, Part, carry_on, result_of
+from .running import Folder, Memory
+from .status import Status, status_of
+from .verify import Verification, verify
+
+__all__ = ["PoisonedError", "Store", "diff", "merge", "open_store"]
+
+
+class PoisonedError(RuntimeError):
+    """Tasks of some units have failed three times; the rest of the map is stored.
+
+    Attributes
+    ----------
+    units : list of int
+        The units.
+    partial : StabilityMap
+        The map without them.
+    """
+
+    def __init__(self, message: str, units: list[int], partial: StabilityMap) -> None:
+        super().__init__(message)
+        self.units, self.partial = units, partial
+
+
+class Store:
+    """A running map: a folder that any number of processes add rows to.
+
+    Made by ``stability_map(..., store=path)``, opened by :func:`open_store`.
+
+    Attributes
+    ----------
+    path : Path
+        The folder.
+    spec : MapSpec
+        Everything the numbers depend on.
+    key : str
+        BLAKE2b-128 of the specification, hexadecimal.
+    """
+
+    def __init__(self, folder: Folder) -> None:
+        self._folder = folder
+
+    def __repr__(self) -> str:
+        done = int(self._folder.table.known.sum())
+        return f"<rigid.Store {os.fspath(self.path)!r}: {done:,} units are stored>"
+
+    @property
+    def path(self) -> Path:
+        """The folder."""
+        return self._folder.path
+
+    @property
+    def spec(self) -> MapSpec:
+        """Everything the numbers depend on."""
+        return self._folder.head.spec
+
+    @property
+    def key(self) -> str:
+        """BLAKE2b-128 of the specification, hexadecimal."""
+        return self._folder.head.key.hex()
+
+    def status(self) -> Status:
+        """What is stored and what is missing, read from the disk now."""
+        self._folder.read()
+        return status_of(self._folder)
+
+    def result(self) -> StabilityMap:
+        """The map of the rows that are stored now; ``complete`` tells whether it is whole."""
+        self._folder.read()
+        return result_of(self._folder)
+
+    def resume(
+        self,
+        *,
+        executor: Any = None,
+        threads: int | None = None,
+        threads_per_task: int = 1,
+        part: str | tuple[int, int] | None = None,
+        progress: ProgressOption = None,
+        partial: bool = False,
+        allow_mixed: bool = False,
+    ) -> StabilityMap:
+        """Compute what is missing; the options are those of :func:`stability_map`.
+
+        Parameters
+        ----------
+        allow_mixed : bool
+            Accept workers of another version or commit of rigid; each must still compute the stored
+            numbers again before its first block.
+
+        Raises
+        ------
+        Interrupted
+            After Ctrl-C, unless ``partial`` is set. What was computed is stored.
+        PoisonedError
+            If tasks of some units failed three times.
+        ValueError
+            If this machine or a worker does not compute the numbers that are stored.
+        OSError
+            If a row cannot be written.
+        """
+        return _run(
+            self._folder,
+            executor=executor,
+            threads=threads,
+            threads_per_task=threads_per_task,
+            part=part,
+            progress=progress,
+            partial=partial,
+            allow_mixed=allow_mixed,
+        )
+
+    def verify(self, share: float = 0.01, *, seed: int = 0, threads: int = 1) -> Verification:
+        """Compute a random share of the stored units again, and compare the bytes.
+
+        A share f finds one of n wrong units with the chance 1 - (1 - f)**n. All digests of the logs
+        are compared as well.
+
+        Parameters
+        ----------
+        share : float
+            Share of the units, in (0, 1].
+        seed : int
+            Of the choice of the units.
+        threads : int
+        """
+        return verify(self.path, share=share, seed=seed, threads=threads)
+
+    def pack(self, path: str | os.PathLike[str]) -> Path | str:
+        """Write the map as one file; see :meth:`StabilityMap.save`."""
+        return self.result().save(path)
+
+
+def open_store(path: str | os.PathLike[str]) -> Store:
+    """Open a running map.
+
+    Parameters
+    ----------
+    path : path-like
+        The folder that ``stability_map(..., store=path)`` has made, or a copy of it.
+
+    Returns
+    -------
+    Store
+
+    Raises
+    ------
+    ValueError
+        If the folder holds no running map, one of another format, or rows that contradict each
+        other. Nothing in it is executed, and nothing outside is read.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile, rigid
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = pathlib.Path(folder, "run.rigid")
+    ...     result = rigid.stability_map(
+    ...         rigid.FreeBody, axes={"spin": [1.0, 2.0]}, samples=10, t_end=50.0,
+    ...         stable=rigid.no_flip(), rng=2026, store=path,
+    ...     )
+    ...     rigid.open_store(path).status().complete
+    True
+    """
+    return Store(Folder(path))
+
+
+def merge(paths: Sequence[str | os.PathLike[str]], into: str | os.PathLike[str]) -> Store:
+    """Merge running maps of one specification; their logs are copied into one folder.
+
+    Parameters
+    ----------
+    paths : sequence of path-like
+        Folders of running maps.
+    into : path-like
+        A new folder, or that of a running map of the same specification.
+
+    Returns
+    -------
+    Store
+
+    Raises
+    ------
+    ValueError
+        If a folder holds another map, with what differs; or if two rows of one unit differ, with
+        the unit and the numbers. Then nothing is written.
+    """
+    if isinstance(paths, (str, bytes)):
+        raise TypeError(f"paths = {brief(paths)}: must be a sequence of folders")
+    return Store(merge_into(paths, into))
+
+
+def diff(
+    one: StabilityMap | str | os.PathLike[str], other: StabilityMap | str | os.PathLike[str]
+) -> Difference:
+    """How two maps differ in specification and numbers.
+
+    Maps of one specification are compared bit by bit, in the pixels that both have. Maps with the
+    same axes are compared by the intervals of their shares.
+
+    Parameters
+    ----------
+    one, other : StabilityMap or path-like
+        Results, saved files, or folders of running maps.
+
+    Returns
+    -------
+    Difference
+        ``same``, ``specification``, ``numbers``; ``str()`` tells them.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> ask = dict(axes={"spin": [1.0, 2.0]}, samples=10, t_end=50.0, stable=rigid.no_flip())
+    >>> one, other = (rigid.stability_map(rigid.FreeBody, rng=rng, **ask) for rng in (1, 2))
+    >>> rigid.diff(one, one).same
+    True
+    >>> rigid.diff(one, other).specification
+    ['seed: 1 and 2']
+    """
+    maps = [data if isinstance(data, StabilityMap) else read_any(data) for data in (one, other)]
+    return diff_maps(*maps)
+
+
+def run_stored(
+    spec: MapSpec,
+    *,
+    store: str | os.PathLike[str] | None,
+    seeded: bool,
+    **options: Any,
+) -> StabilityMap:
+    """The map of a specification in a folder, or in memory; see :func:`rigid.stability_map`."""
+    if store is None:
+        return _run(Memory(spec), **options)
+    if not seeded and Folder.is_at(store):
+        import dataclasses
+
+        # The seed was not asked for: the one that was drawn at the first call is kept.
+        spec = dataclasses.replace(spec, seed=Folder(store).head.spec.seed)
+    return _run(Folder.at(store, spec), **options)
+
+
+def _run(
+    running: Folder | Memory,
+    *,
+    executor: Any,
+    threads: int | None,
+    threads_per_task: int,
+    part: str | tuple[int, int] | None,
+    progress: ProgressOption,
+    partial: bool,
+    allow_mixed: bool = False,
+) -> StabilityMap:
+    workers = resolve_threads(threads)
+    begun = time.perf_counter()
+    with interruptible() as stop:
+        interrupted = False
+        try:
+            outcome = carry_on(
+                running,
+                threads=workers,
+                stop=stop.is_set,
+                executor=executor,
+                threads_per_task=positive_int("threads_per_task", threads_per_task),
+                part=Part.of(part),
+                allow_mixed=allow_mixed,
+                progress=progress,
+            )
+        except KeyboardInterrupt:
+            if stop.is_set():
+                raise  # the second Ctrl-C
+            interrupted, outcome = True, None
+        elapsed = time.perf_counter() - begun
+        result = result_of(running, elapsed=elapsed, threads=workers)
+    if (interrupted or stop.is_set()) and not result.complete and not partial:
+        raise Interrupted(_interrupted_words(running, result), result)
+    if outcome is not None and outcome.poison.units:
+        raise PoisonedError(_poison_words(outcome), outcome.poison.units, result)
+    return result
+
+
+def _interrupted_words(running: Folder | Memory, result: StabilityMap) -> str:
+    possible = int((result.status == 0).sum())
+    done = int((result.samples > 0).sum())
+    if isinstance(running, Memory):
+        return (
+            f"{done:,} of {possible:,} pixels are done; "
+            "the attribute 'partial' of this exception is their map"
+        )
+    return f"{done:,} of {possible:,} pixels are stored; the same call goes on"
+
+
+def _poison_words(outcome: Outcome) -> str:
+    units, errors = outcome.poison.units, outcome.poison.errors
+    shown = ", ".join(map(str, units[:10])) + (", ..." if units[10:] else "")
+    return (
+        f"{len(units):,} units were given up, their tasks failed three times: {shown}; "
+        f"the last error: {errors[-1]}"
+    )

@@ -1,0 +1,238 @@
+"""Rows that are wrong are found: by canaries, verification and merging. Others are never blamed."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import rigid
+from rigid.store.log import Log
+from rigid.store.running import Folder
+from rigid.store.store import Store
+from small_maps import small_map, spec_of
+from stores import SPEC, go_on, numbers, request, stops_after
+
+UNITS = np.array([145, 146, 147, 148, 150, 151])
+
+
+def altered(path: Path, count: int, wrong: int) -> Folder:
+    """A running map of some rows, of which the first are wrong under valid digests."""
+    quiet = path.parent / "quiet"
+    if not quiet.exists():
+        go_on(quiet)
+    rows = Folder(quiet).table.rows[np.flatnonzero(Folder(quiet).table.known)[:count]].copy()
+    rows["stable"][:wrong] += 1
+    folder = Folder.at(path, SPEC)
+    folder.begin()
+    folder.append(rows, np.zeros(count, "<f4"))
+    folder.end("interrupted")
+    return folder
+
+
+@pytest.mark.parametrize("count", [1, 5, 16])
+def test_a_map_with_an_altered_row_among_few_is_refused(tmp_path: Path, count: int) -> None:
+    folder = altered(tmp_path / "run", count, 1)
+    logs = sorted((folder.path / "logs").iterdir())
+    with pytest.raises(ValueError, match=r"not compute the numbers that are stored: .* stable"):
+        rigid.stability_map(**request(store=folder.path))
+    assert len(sorted((folder.path / "logs").iterdir())) == len(logs) + 1  # a log without rows
+    assert Folder(folder.path).table.known.sum() == count
+
+
+def test_right_rows_are_never_refused(tmp_path: Path) -> None:
+    folder = altered(tmp_path / "run", 100, 0)
+    assert go_on(folder.path).reason == "complete"
+
+
+def test_verification_finds_every_altered_row(tmp_path: Path) -> None:
+    folder = altered(tmp_path / "run", 100, 29)
+    found = rigid.open_store(folder.path).verify(1.0)
+    assert (found.units, found.checked, len(found.wrong), found.ok) == (100, 100, 29, False)
+    assert "stable is" in found.wrong[0]
+    some = rigid.open_store(folder.path).verify(0.1, seed=4)
+    assert some.checked == 10
+    assert set(some.wrong) <= set(found.wrong)
+    assert "100 of 100 units were computed again: 29 differ" in str(found)
+    assert rigid.open_store(tmp_path / "quiet").verify(1.0).ok
+
+
+def test_verification_reads_saved_maps(tmp_path: Path) -> None:
+    path = small_map(samples=4).save(tmp_path / "map.npz")
+    from rigid.store.verify import verify
+
+    assert str(verify(path, share=1.0)) == "35 of 35 units were computed again: 0 differ"
+
+
+@pytest.mark.parametrize(("share", "rule"), [(0.0, "must be positive"), (1.5, "at most 1")])
+def test_shares_of_verification_are_checked(tmp_path: Path, share: float, rule: str) -> None:
+    go_on(tmp_path / "run")
+    with pytest.raises(ValueError, match=rule):
+        rigid.open_store(tmp_path / "run").verify(share)
+
+
+def test_rows_that_contradict_each_other_are_refused(tmp_path: Path) -> None:
+    folder = altered(tmp_path / "run", 100, 1)
+    with pytest.raises(ValueError, match=r"quiet: unit \d+ has two results: stable \d+ and \d+"):
+        rigid.merge([folder.path, tmp_path / "quiet"], tmp_path / "merged")
+    assert not (tmp_path / "merged").exists()
+
+
+def test_another_map_is_refused_with_what_differs(tmp_path: Path) -> None:
+    path = tmp_path / "run"
+    go_on(path)
+    with pytest.raises(ValueError, match=r"holds another map .*: seed: 1 and 2"):
+        rigid.stability_map(**request(store=path, rng=2))
+    with pytest.raises(ValueError, match=r"samples: 20 and 21; seed: 1 and 3"):
+        rigid.stability_map(**request(store=path, rng=3, samples=21))
+    go_on(tmp_path / "other", spec=spec_of())
+    with pytest.raises(ValueError, match=r"axes\[0\].values: .* and .*"):
+        rigid.merge([path, tmp_path / "other"], tmp_path / "merged")
+
+
+def test_without_a_seed_the_one_of_the_folder_is_kept(tmp_path: Path) -> None:
+    one, other = (rigid.stability_map(**request(store=tmp_path / "run", rng=None)) for _ in "12")
+    assert one.spec.seed == other.spec.seed
+
+
+def test_a_title_is_no_part_of_the_key(tmp_path: Path) -> None:
+    go_on(tmp_path / "run")
+    result = rigid.stability_map(**request(store=tmp_path / "run", title="Another"))
+    assert result.complete
+    assert len(list((tmp_path / "run" / "logs").iterdir())) == 1
+
+
+HEAD: dict[str, tuple[Callable[[dict[str, object]], object], str]] = {
+    "no JSON": (lambda head: "x", "is no running map: Expecting value"),
+    "other JSON": (lambda head: "[]", "is no running map: its head is not that of one"),
+    "other format": (
+        lambda head: json.dumps({**head, "format_version": 2}),
+        "has format version 2, this version of rigid reads 1",
+    ),
+    "no specification": (
+        lambda head: json.dumps({**head, "spec": {}}),
+        "holds a broken specification",
+    ),
+    "other columns": (
+        lambda head: json.dumps({**head, "columns": [], "version": "9.9.9"}),
+        "columns are not those of this version of rigid; version 9.9.9 made it",
+    ),
+}
+
+
+@pytest.mark.parametrize("change", HEAD)
+def test_heads_that_are_none_are_refused(tmp_path: Path, change: str) -> None:
+    path = tmp_path / "run"
+    go_on(path)
+    edit, message = HEAD[change]
+    head = json.loads((path / "head.json").read_text())
+    (path / "head.json").write_text(str(edit(head)))
+    with pytest.raises(ValueError, match=message):
+        rigid.open_store(path)
+
+
+def test_a_folder_that_is_no_running_map_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"is no running map: it has no head\.json"):
+        rigid.open_store(tmp_path)
+    (tmp_path / "thesis.tex").write_text("mine")
+    with pytest.raises(ValueError, match="is no running map, and is not empty"):
+        rigid.stability_map(**request(store=tmp_path))
+    assert [path.name for path in tmp_path.iterdir()] == ["thesis.tex"]
+
+
+def test_a_head_that_is_replaced_meanwhile_is_noticed(tmp_path: Path) -> None:
+    path = tmp_path / "run"
+    go_on(path, stop=stops_after(1))
+    store = rigid.open_store(path)
+    head = json.loads((path / "head.json").read_text())
+    head["spec"]["seed"] = 5
+    (path / "head.json").write_text(json.dumps(head))
+    with pytest.raises(ValueError, match=r"its head.json was replaced by that of another map"):
+        store.status()
+
+
+@pytest.mark.parametrize(
+    ("options", "error", "message"),
+    [
+        ({"chunk": 5, "store": "x"}, ValueError, "chunk = 5: has no effect with store"),
+        ({"part": "1/2"}, ValueError, "part = '1/2': needs store, where the parts meet"),
+        ({"part": "3/2", "store": "x"}, ValueError, "part = '3/2': must be k/n with 1 <= k <= n"),
+        ({"part": "a", "store": "x"}, ValueError, "part = 'a': must be k/n with 1 <= k <= n"),
+        ({"part": 3, "store": "x"}, TypeError, "part = 3: must be 'k/n' or (k, n)"),
+        ({"threads_per_task": 0, "store": "x"}, ValueError, "threads_per_task = 0: must be"),
+    ],
+)
+def test_options_of_stores_are_checked(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    options: dict[str, object],
+    error: type[Exception],
+    message: str,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(error, match=re.escape(message)):
+        rigid.stability_map(**request(**options))
+
+
+def test_maps_that_are_merged_are_named_one_by_one(tmp_path: Path) -> None:
+    with pytest.raises(TypeError, match="paths = 'a': must be a sequence of folders"):
+        rigid.merge("a", tmp_path)
+    with pytest.raises(ValueError, match="paths: must name at least one running map"):
+        rigid.merge([], tmp_path)
+
+
+def test_differences_of_one_map_are_told_by_column(tmp_path: Path) -> None:
+    folder = altered(tmp_path / "run", 100, 3)
+    found = rigid.diff(folder.path, tmp_path / "quiet")
+    assert not found.same
+    assert found.specification == []
+    assert found.numbers[0].endswith("pixels are in the second only")
+    assert found.numbers[1].startswith("stable: 3 pixels differ, the first at (")
+    assert str(rigid.diff(tmp_path / "quiet", tmp_path / "quiet")) == "no difference"
+
+
+def test_differences_of_two_maps_are_told_by_their_intervals() -> None:
+    one, two, shorter = small_map(rng=1), small_map(rng=2), small_map(t_end=2.0)
+    found = rigid.diff(one, two)
+    assert found.specification == ["seed: 1 and 2"]
+    assert re.match(r"0 of 35 pixels have intervals that do not meet", found.numbers[0])
+    apart = int(re.match(r"(\d+) of", rigid.diff(one, shorter).numbers[0])[1])  # type: ignore[index]
+    assert apart > 3
+    axes = {"I2/I1": [1.2, 1.5]}
+    assert rigid.diff(one, small_map(axes=axes)).numbers == [
+        "the axes differ: the pixels cannot be compared"
+    ]
+
+
+def test_the_fingerprint_is_that_of_the_numbers(tmp_path: Path) -> None:
+    one, same, other = small_map(), small_map(title="x", threads=1), small_map(rng=2)
+    prints = [result.receipt()["fingerprint"] for result in (one, same, other)]
+    assert prints[0] == prints[1] != prints[2]
+    assert rigid.load_map(one.save(tmp_path / "map.npz")).receipt()["fingerprint"] == prints[0]
+
+
+def test_the_status_counts_rows_writers_and_damage(tmp_path: Path) -> None:
+    folder = altered(tmp_path / "run", 10, 0)
+    log = next((folder.path / "logs").iterdir())
+    with log.open("r+b") as file:
+        file.truncate(log.stat().st_size - 1024)
+    status = rigid.open_store(folder.path).status()
+    assert (status.done, status.units - status.missing, status.bodies) == (10, 10, 200)
+    assert not status.complete
+    assert status.writers[0]["units"] == 10
+    assert "10 of" in str(status)
+    assert repr(rigid.open_store(folder.path)).endswith("10 units are stored>")
+    assert isinstance(rigid.open_store(folder.path), Store)
+
+
+def test_two_logs_never_have_one_name(tmp_path: Path) -> None:
+    folder = Folder.at(tmp_path / "run", SPEC)
+    logs = [Log(folder.path / "logs", folder.head.key, {}, folder._disk) for _ in range(3)]
+    assert len({log.path for log in logs}) == 3
+    for log in logs:
+        log.close({})
+    assert numbers(folder.path) == Folder(folder.path).table.rows.tobytes()

@@ -1,0 +1,276 @@
+"""A running map has the bytes of the quiet run, however it was computed."""
+
+from __future__ import annotations
+
+import subprocess
+import time
+from collections.abc import Callable
+from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rigid
+from processes import environment, python_command
+from rigid.maps.data import COLUMNS
+from rigid.store import compute as computing
+from rigid.store import drive as driving
+from rigid.store.drive import Task, drive, own_build
+from rigid.store.resume import Part, lattice_level
+from rigid.store.rows import FIELDS, ROW, Table
+from rigid.store.running import Folder, Memory
+from small_maps import assert_same_map, saved_bytes, small_map
+from stores import SPEC, go_on, numbers, request, stops_after, stored_map
+
+
+@pytest.fixture(scope="module")
+def quiet() -> rigid.StabilityMap:
+    """The map computed at once, without a store."""
+    return rigid.stability_map(**request())
+
+
+def test_rows_are_the_columns_of_maps() -> None:
+    assert ROW.names == ("unit", *FIELDS)
+    assert tuple(column.name for column in COLUMNS if column.reproducible) == FIELDS
+
+
+@pytest.mark.parametrize("threads", [1, 2, 7])
+def test_a_stored_map_has_the_bytes_of_an_unstored_one(
+    tmp_path: Path, quiet: rigid.StabilityMap, threads: int
+) -> None:
+    result = rigid.stability_map(**request(store=tmp_path / "run", threads=threads))
+    assert result.complete
+    assert saved_bytes(result, tmp_path) == saved_bytes(quiet, tmp_path)
+    assert result.receipt()["fingerprint"] == quiet.receipt()["fingerprint"]
+    assert np.isfinite(result.nanoseconds[result.status == 0]).all()
+
+
+def test_integrated_maps_are_stored_too(tmp_path: Path) -> None:
+    result = small_map(store=tmp_path / "run")
+    assert_same_map(result, small_map())
+
+
+def test_one_sitting_after_the_other_computes_nothing_twice(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, quiet: rigid.StabilityMap
+) -> None:
+    monkeypatch.setattr(driving, "GROWTH", 1)  # a unit a block
+    path, sittings = tmp_path / "run", 0
+    while go_on(path, stop=stops_after(30)).reason == "interrupted":
+        sittings += 1
+    assert sittings > 2
+    status = rigid.open_store(path).status()
+    assert (status.missing, status.twice, status.damage) == (0, 0, [])
+    reasons = sorted(writer["reason"] for writer in status.writers)
+    assert reasons == ["complete", *["interrupted"] * sittings]
+    assert saved_bytes(stored_map(path), tmp_path) == saved_bytes(quiet, tmp_path)
+
+
+def test_a_complete_map_is_not_touched_again(tmp_path: Path) -> None:
+    path = tmp_path / "run"
+    go_on(path)
+    before = sorted((path / "logs").iterdir())
+    assert go_on(path).reason == "complete"
+    assert sorted((path / "logs").iterdir()) == before
+
+
+def test_an_interrupted_map_is_a_coarse_whole_one() -> None:
+    pixels = np.arange(9 * 9)
+    level = lattice_level((9, 9), pixels).reshape(9, 9)
+    assert level[0, 0] == 16
+    assert level[8, 0] == level[0, 8] == level[8, 8] == 8
+    assert level[4, 6] == 2
+    assert (level[1::2] == 1).all()
+
+
+@pytest.mark.parametrize("count", [1, 3, 16])
+def test_parts_merged_in_any_order_are_the_map(tmp_path: Path, count: int) -> None:
+    go_on(tmp_path / "quiet")
+    folders = []
+    for number in range(1, count + 1):
+        outcome = go_on(tmp_path / f"{number}", part=Part(number, count))
+        assert outcome.reason == ("complete" if count == 1 else "waiting")
+        folders.append(tmp_path / f"{number}")
+    order = np.random.default_rng(count).permutation(count)
+    merged = rigid.merge([folders[i] for i in order], tmp_path / "merged")
+    assert merged.status().complete
+    assert numbers(tmp_path / "merged") == numbers(tmp_path / "quiet")
+    again = rigid.merge(folders[:1], tmp_path / "merged")  # a part that is there already
+    assert again.status().twice == 0
+
+
+def test_parts_meet_in_one_folder(tmp_path: Path, quiet: rigid.StabilityMap) -> None:
+    options = request(store=tmp_path / "run")
+    results = [rigid.stability_map(**options, part=f"{k}/3") for k in (3, 1, 2)]
+    assert [result.complete for result in results] == [False, False, True]
+    assert_same_map(results[-1], quiet)
+
+
+def test_segments_of_many_samples_merge_to_the_pixel(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    spec = small_map(samples=1).spec
+    many = rigid.MapSpec.from_dict({**spec.to_dict(), "samples": 200})
+    monkeypatch.setattr("rigid.maps.identity.SEGMENT", 64)
+    monkeypatch.setattr(computing, "SEGMENT", 64)
+    go_on(tmp_path / "run", spec=many)
+    folder = Folder(tmp_path / "run")
+    assert folder.head.segments == 4
+    assert folder.table.known.all()
+    assert_same_map(stored_map(tmp_path / "run"), small_map(samples=200))
+
+
+def test_workers_of_a_thread_pool_give_the_same_rows(
+    tmp_path: Path, quiet: rigid.StabilityMap
+) -> None:
+    with ThreadPoolExecutor(3) as pool:
+        result = rigid.stability_map(**request(store=tmp_path / "run", executor=pool))
+        unstored = rigid.stability_map(**request(executor=pool))
+    assert_same_map(result, quiet)
+    assert_same_map(unstored, quiet)
+
+
+def test_workers_of_a_spawn_pool_give_the_same_rows(
+    tmp_path: Path, quiet: rigid.StabilityMap
+) -> None:
+    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
+        result = rigid.stability_map(
+            **request(store=tmp_path / "run", executor=pool, threads_per_task=2)
+        )
+    assert_same_map(result, quiet)
+
+
+def test_a_pool_whose_worker_is_killed_keeps_its_rows(tmp_path: Path) -> None:
+    path = tmp_path / "run"
+    killed = Killed(ProcessPoolExecutor(1, mp_context=get_context("spawn")), after=4)
+    with pytest.raises(RuntimeError, match=r"the pool of workers broke .* are kept"):
+        go_on(path, executor=killed)
+    done = int(Folder(path).table.known.sum())
+    assert done > 0
+    go_on(path)
+    go_on(tmp_path / "quiet")
+    assert numbers(path) == numbers(tmp_path / "quiet")
+    assert Folder(path).table.twice == 0
+
+
+class Killed:
+    """A pool whose workers are killed with a task."""
+
+    def __init__(self, pool: ProcessPoolExecutor, after: int) -> None:
+        self._pool, self._left, self._max_workers = pool, after, 1
+
+    def submit(self, function: Callable[..., Any], *arguments: Any) -> Future[Any]:
+        self._left -= 1
+        if self._left == 0:
+            for process in self._pool._processes.values():
+                process.kill()
+        return self._pool.submit(function, *arguments)
+
+
+class Flaky:
+    """An executor in this process, in which the block with a unit fails each time."""
+
+    def __init__(self, unit: int) -> None:
+        self._unit, self._max_workers = unit, 2
+
+    def submit(self, function: Callable[..., Any], task: Task, units: Any) -> Future[Any]:
+        future: Future[Any] = Future()
+        if self._unit in units:
+            future.set_exception(OSError("the worker is gone"))
+        else:
+            future.set_result(function(task, units))
+        return future
+
+
+def test_a_unit_that_kills_its_workers_is_reported_and_the_rest_goes_on(tmp_path: Path) -> None:
+    unit = 7 * 20 + 8
+    with pytest.raises(rigid.store.store.PoisonedError, match="failed three times") as raised:
+        rigid.stability_map(**request(store=tmp_path / "run", executor=Flaky(unit)))
+    assert raised.value.units == [unit]
+    assert not raised.value.partial.complete
+    assert rigid.open_store(tmp_path / "run").status().missing == 1
+    rigid.open_store(tmp_path / "run").resume(progress=False)
+    assert rigid.open_store(tmp_path / "run").status().complete
+
+
+class Broken:
+    """An executor whose workers cannot work."""
+
+    def submit(self, *_arguments: Any) -> Future[Any]:
+        future: Future[Any] = Future()
+        future.set_exception(ImportError("no rigid here"))
+        return future
+
+
+def test_workers_that_cannot_work_end_the_run(tmp_path: Path) -> None:
+    with pytest.raises(ImportError, match="no rigid here"):
+        rigid.stability_map(**request(store=tmp_path / "run", executor=Broken()))
+
+
+def test_a_worker_of_another_version_is_refused(tmp_path: Path) -> None:
+    folder = Folder.at(tmp_path / "run", SPEC)
+    folder.begin()
+    none = np.zeros(0, ROW)
+    task = Task(SPEC.to_json(), 1, none, ("0.0.0", None))
+    with ThreadPoolExecutor(1) as pool, pytest.raises(ValueError, match="a worker has rigid"):
+        drive(task, 20, np.arange(160, 165), folder, pool, 1, lambda: False, lambda _: None)
+    task = Task(SPEC.to_json(), 1, none, own_build())
+    with ThreadPoolExecutor(1) as pool:
+        drive(task, 20, np.arange(160, 165), folder, pool, 1, lambda: False, lambda _: None)
+    folder.end("interrupted")
+    assert Folder(tmp_path / "run").table.known.sum() == 5
+
+
+def test_an_executor_needs_submit() -> None:
+    with pytest.raises(TypeError, match="executor = 3: must have the method submit"):
+        rigid.stability_map(**request(executor=3))
+
+
+def test_killed_runs_go_on_to_the_same_bytes(tmp_path: Path) -> None:
+    """Each process is killed at a random moment; the long test does it a hundred times."""
+    path, random = tmp_path / "run", np.random.default_rng(1)
+    go_on(tmp_path / "quiet")
+    kills = 0
+    for _ in range(8):
+        process = subprocess.Popen(
+            python_command("-c", SLOW, str(path)), env=environment(), stdout=subprocess.PIPE
+        )
+        assert process.stdout is not None
+        process.stdout.readline()  # rows are written from now on
+        time.sleep(random.uniform(0.0, 0.05))
+        process.kill()
+        kills += process.wait() != 0
+        process.stdout.close()
+    assert kills
+    go_on(path)
+    assert numbers(path) == numbers(tmp_path / "quiet")
+    assert Folder(path).table.twice == 0
+
+
+SLOW = """
+import sys, time
+from pathlib import Path
+from stores import SPEC, Folder, carry_on
+from rigid.store import resume
+def one_by_one(text, samples, todo, sink, threads, stop, note):
+    print("begun", flush=True)
+    for unit in todo:
+        sink.append(*resume_compute(text, [unit]))
+        time.sleep(0.001)
+import numpy as np
+from rigid.store.compute import compute
+def resume_compute(text, units):
+    return compute(text, np.array(units))
+resume.run_here = one_by_one
+carry_on(Folder.at(Path(sys.argv[1]), SPEC), threads=1, stop=lambda: False, progress=False)
+"""
+
+
+def test_the_table_refuses_units_that_the_map_does_not_have() -> None:
+    memory = Memory(SPEC)
+    rows = np.zeros(1, ROW)
+    rows["unit"] = memory.head.units
+    with pytest.raises(ValueError, match="a row of a unit that the map does not have"):
+        Table(memory.head).add(rows, None, "log")
