@@ -88,6 +88,7 @@ SUBJECTS = (
     "stability maps",
     "tangent of a motion",
     "chaos",
+    "running maps",
     "Poincaré sections",
     "frequencies",
     "error against run time",
