@@ -1,8 +1,10 @@
-//! `Forcing`: applied torque over time, and linear damping, of one body or of many; `BodyForcing`: that of one of them.
+//! `Forcing`: applied torque over time, linear damping, and what acts on a satellite, of one body or of many;
+//! `BodyForcing`: that of one of them.
 
 use crate::error::Error;
 use crate::memory;
 use crate::real::Real;
+use crate::satellite::Satellite;
 use crate::special::exp;
 
 /// What the table of a torque is called if it does not fit into memory.
@@ -21,6 +23,8 @@ pub struct ForcingInterval<R> {
     pub rates: [R; 3],
     /// Eigenvectors of the damping rates, as columns.
     pub modes: [[R; 3]; 3],
+    /// Rotor, energy sink and orbit.
+    pub satellite: Satellite<R>,
     /// The change of the parameters that displaces the body, if displacements are integrated.
     pub change: ParameterChange<R>,
 }
@@ -74,6 +78,7 @@ impl<R: Real> ForcingInterval<R> {
             damping: [zero; 6],
             rates: [zero; 3],
             modes: [[zero; 3]; 3],
+            satellite: Satellite::none(),
             change: ParameterChange::none(),
         }
     }
@@ -90,12 +95,14 @@ pub struct Forcing {
     values: Vec<[[f64; 3]; 2]>,
     /// Entries 11, 22, 33, 23, 31, 12 of the damping matrices `D`: the damping torque is `-D omega`.
     dampings: Vec<[f64; 6]>,
+    /// What acts on the bodies as satellites.
+    satellites: Vec<Satellite<f64>>,
 }
 
 impl Forcing {
     /// No applied torque and no damping.
     pub const NONE: &'static Forcing =
-        &Forcing { times: Vec::new(), values: Vec::new(), dampings: Vec::new() };
+        &Forcing { times: Vec::new(), values: Vec::new(), dampings: Vec::new(), satellites: Vec::new() };
 
     /// Torques in the body and in space, given at some times (without times: constant torques), and damping.
     ///
@@ -136,6 +143,7 @@ impl Forcing {
             times: memory::collected(TABLE, times.len(), times.iter().copied())?,
             values: memory::collected(TABLE, body.len(), values)?,
             dampings: memory::collected("damping", dampings.len(), dampings.iter().copied())?,
+            satellites: Vec::new(),
         };
         let rows = [body.len() / wanted, dampings.len()];
         if rows.iter().any(|&rows| rows > 1 && rows != made.bodies()) {
@@ -158,6 +166,23 @@ impl Forcing {
         Ok(made)
     }
 
+    /// The same torques and damping with rotors, energy sinks and orbits: those of each body, or of all.
+    ///
+    /// # Errors
+    /// If numbers are impossible (`Satellite::of`), or those of another number of bodies.
+    pub fn with_satellites(self, rows: &[[f64; Satellite::LEN]]) -> Result<Forcing, Error> {
+        let mut satellites = memory::reserved("satellites", rows.len())?;
+        for row in rows {
+            satellites.push(Satellite::of(row)?);
+        }
+        let (rows, others) = (satellites.len(), self.bodies());
+        if rows > 1 && others > 1 && rows != others {
+            let (expected, got) = (format!("({others}, {})", Satellite::LEN), format!("({rows}, ...)"));
+            return Err(Error::Shape { argument: "satellite", expected, got });
+        }
+        Ok(Forcing { satellites, ..self })
+    }
+
     /// The same forcing.
     ///
     /// # Errors
@@ -167,6 +192,11 @@ impl Forcing {
             times: memory::collected(TABLE, self.times.len(), self.times.iter().copied())?,
             values: memory::collected(TABLE, self.values.len(), self.values.iter().copied())?,
             dampings: memory::collected("damping", self.dampings.len(), self.dampings.iter().copied())?,
+            satellites: memory::collected(
+                "satellites",
+                self.satellites.len(),
+                self.satellites.iter().copied(),
+            )?,
         })
     }
 
@@ -192,6 +222,10 @@ impl Forcing {
                 one @ ([] | [_]) => memory::collected("damping", one.len(), one.iter().copied())?,
                 all => memory::collected("damping", bodies.len(), bodies.iter().map(|&body| all[body]))?,
             },
+            satellites: match &self.satellites[..] {
+                one @ ([] | [_]) => memory::collected("satellites", one.len(), one.iter().copied())?,
+                all => memory::collected("satellites", bodies.len(), bodies.iter().map(|&body| all[body]))?,
+            },
         })
     }
 
@@ -208,7 +242,8 @@ impl Forcing {
 
     /// The number of bodies whose forcing it is; 1 if one forcing serves all.
     pub fn bodies(&self) -> usize {
-        (self.values.len() / self.times.len().max(1)).max(self.dampings.len()).max(1)
+        let tables = self.values.len() / self.times.len().max(1);
+        tables.max(self.dampings.len()).max(self.satellites.len()).max(1)
     }
 
     /// The forcing of one of the bodies.
@@ -223,6 +258,11 @@ impl Forcing {
                 [] => [0.0; 6],
                 [damping] => *damping,
                 dampings => dampings[body],
+            },
+            satellite: match &self.satellites[..] {
+                [] => Satellite::NONE,
+                [satellite] => *satellite,
+                satellites => satellites[body],
             },
         }
     }
@@ -242,15 +282,18 @@ pub struct BodyForcing<'a> {
     values: &'a [[[f64; 3]; 2]],
     /// Entries 11, 22, 33, 23, 31, 12 of the damping matrix.
     damping: [f64; 6],
+    /// Rotor, energy sink and orbit.
+    satellite: Satellite<f64>,
 }
 
 impl BodyForcing<'_> {
     /// No applied torque and no damping.
-    pub const NONE: BodyForcing<'static> = BodyForcing { times: &[], values: &[], damping: [0.0; 6] };
+    pub const NONE: BodyForcing<'static> =
+        BodyForcing { times: &[], values: &[], damping: [0.0; 6], satellite: Satellite::NONE };
 
     /// Whether there is no forcing.
     pub fn is_none(&self) -> bool {
-        self.values.is_empty() && self.damping == [0.0; 6]
+        self.values.is_empty() && self.damping == [0.0; 6] && self.satellite.is_none()
     }
 
     /// The first values; zero if no torque is applied.
@@ -258,9 +301,20 @@ impl BodyForcing<'_> {
         self.values.first().copied().unwrap_or_default()
     }
 
-    /// Whether a torque in space acts at any time: the rates then depend on the attitude.
+    /// Rotor, energy sink and orbit.
+    pub fn satellite(&self) -> &Satellite<f64> {
+        &self.satellite
+    }
+
+    /// Whether there is a rotor, an energy sink or an orbit.
+    pub fn is_satellite(&self) -> bool {
+        !self.satellite.is_none()
+    }
+
+    /// Whether a torque in space or a gravity gradient acts at any time: the rates then depend on the attitude.
     pub fn acts_in_space(&self) -> bool {
-        self.values.iter().any(|[_, space]| space.iter().any(|&x| x != 0.0))
+        self.satellite.orbit_rate != 0.0
+            || self.values.iter().any(|[_, space]| space.iter().any(|&x| x != 0.0))
     }
 
     /// The times between which the torque is linear in time.
@@ -290,6 +344,7 @@ impl BodyForcing<'_> {
             damping: self.damping,
             rates,
             modes,
+            satellite: self.satellite,
             change: ParameterChange::none(),
         }
     }
@@ -369,9 +424,10 @@ impl BodyForcing<'_> {
         inner.chain(std::iter::once(to)).map(area).sum()
     }
 
-    /// Entries 11, 22, 33, 23, 31, 12 of the damping matrix, if no torque is applied at any time.
+    /// Entries 11, 22, 33, 23, 31, 12 of the damping matrix, if nothing else acts at any time.
     pub fn damping_alone(&self) -> Option<[f64; 6]> {
-        self.values.iter().flatten().flatten().all(|&x| x == 0.0).then_some(self.damping)
+        let is_alone = !self.is_satellite() && self.values.iter().flatten().flatten().all(|&x| x == 0.0);
+        is_alone.then_some(self.damping)
     }
 
     /// The rate k, if the forcing is a damping `D = k I` without torque, equal to within the rounding of the products.
@@ -385,16 +441,19 @@ impl BodyForcing<'_> {
         (0..3).map(|i| own[i] / moments[i]).find(fits).filter(|_| diagonal)
     }
 
-    /// The largest `|I^(-1/2) torque|` of all times.
+    /// A bound of `|I^(-1/2) torque|` at all times.
     fn strength(&self, moments: [f64; 3]) -> f64 {
-        self.values.iter().map(|&value| size(moments, value)).fold(0.0, f64::max)
+        let applied = self.values.iter().map(|&value| size(moments, value)).fold(0.0, f64::max);
+        applied + self.satellite.strength(moments)
     }
 
     /// A bound of |omega| between two times around 0, from the power balance. `twice_kinetic` is taken at the start,
     /// `mgl` is the weight, `fall` the energy that the body can gain by falling.
     ///
     /// With `u = |I^(1/2) omega|`, `u' <= |I^(-1/2) torque| - d u`, and `|omega| <= u / sqrt(I_min)`; `d` is the least
-    /// damping rate. Backward in time damping adds energy at the largest rate.
+    /// damping rate. Backward in time damping adds energy at the largest rate. On an orbit u is that of the rates seen
+    /// from the orbit, whose potential is bounded. Rotor and sink add no energy; backward in time a sink adds energy
+    /// without bound, and the rates are taken as if it added none.
     pub fn fastest_rate(
         &self,
         moments: [f64; 3],
@@ -403,8 +462,11 @@ impl BodyForcing<'_> {
     ) -> f64 {
         let least = moments.iter().fold(f64::INFINITY, |a, &b| a.min(b));
         let [d, .., fastest] = self.damping_rates(moments);
-        let (start, reach) = (twice_kinetic.sqrt(), (twice_kinetic + 2.0 * fall).sqrt());
-        let mut forward = reach + self.gain(moments, 0.0, last.max(0.0));
+        let start = twice_kinetic.sqrt();
+        let [reach, turning] = self.satellite.energy_bounds(moments, (twice_kinetic + 2.0 * fall).sqrt());
+        // Damping slows the rates in space, not those seen from the orbit.
+        let drag = |time: f64| if turning > 0.0 { turning * fastest.max(0.0) * time } else { 0.0 };
+        let mut forward = reach + turning + self.gain(moments, 0.0, last.max(0.0)) + drag(last.max(0.0));
         let mut swing = (mgl / least).sqrt();
         if d > 0.0 {
             forward = forward.min(start + (mgl / least.sqrt() + self.strength(moments)) / d);
@@ -413,7 +475,8 @@ impl BodyForcing<'_> {
         let back = first.min(0.0);
         let mut u = forward;
         if back < 0.0 {
-            u = u.max((reach + self.gain(moments, back, 0.0)) * exp(-fastest.max(0.0) * back));
+            let gained = self.gain(moments, back, 0.0) + drag(-back);
+            u = u.max((reach + gained) * exp(-fastest.max(0.0) * back) + turning);
         }
         (u / least.sqrt()).max(swing)
     }

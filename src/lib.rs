@@ -23,6 +23,7 @@ pub mod parallel;
 mod python;
 pub mod real;
 pub mod sample;
+pub mod satellite;
 pub mod scene;
 pub mod scheme;
 pub mod simd;

@@ -158,6 +158,11 @@ pub(crate) fn rates_after_start(body: &Body, interval: &ForcingInterval<f64>, ra
         [interval.body[0].map(|x| x * time * time), interval.body[1].map(|x| x * time * time * time)];
     let [d11, d22, d33, d23, d31, d12] = interval.damping.map(|d| d * time);
     let damping = [[d11, d12, d31], [d12, d22, d23], [d31, d23, d33]];
+    // A rotor and a gravity gradient move a body at rest or in a steady rotation; an energy sink does not.
+    let (rotor, turn) = (interval.satellite.rotor.map(|h| h * time), interval.satellite.orbit_rate * time);
+    let (mut towards, mut ahead) = ([[0.0; 3]; TERMS], [[0.0; 3]; TERMS]);
+    towards[0] = to_body_frame(&body.attitude, &interval.satellite.towards);
+    ahead[0] = to_body_frame(&body.attitude, &interval.satellite.ahead);
     let mut sum = w[0];
     for m in 0..TERMS - 1 {
         let order = (m + 1) as f64;
@@ -166,16 +171,25 @@ pub(crate) fn rates_after_start(body: &Body, interval: &ForcingInterval<f64>, ra
             let mut torque = n[m][y] * c[z] - n[m][z] * c[y] + steady[m][x] - dot(&damping[x], &w[m]);
             torque += if m < 2 { body_torque[m][x] } else { 0.0 };
             torque += if m > 0 { rising[m - 1][x] } else { 0.0 };
+            torque += rotor[y] * w[m][z] - rotor[z] * w[m][y];
             for a in 0..=m {
                 torque += (i[y] - i[z]) * w[a][y] * w[m - a][z];
+                torque += 3.0 * turn * turn * (i[z] - i[y]) * towards[a][y] * towards[m - a][z];
             }
             w[m + 1][x] = torque / i[x] / order;
+            (towards[m + 1][x], ahead[m + 1][x]) =
+                (turn * ahead[m][x] / order, -turn * towards[m][x] / order);
             for row in [&mut n, &mut steady, &mut rising] {
                 let mut turning = 0.0;
                 for a in 0..=m {
                     turning += row[a][y] * w[m - a][z] - row[a][z] * w[m - a][y];
                 }
                 row[m + 1][x] = turning / order;
+            }
+            for row in [&mut towards, &mut ahead] {
+                for a in 0..=m {
+                    row[m + 1][x] += (row[a][y] * w[m - a][z] - row[a][z] * w[m - a][y]) / order;
+                }
             }
             sum[x] += w[m + 1][x];
         }

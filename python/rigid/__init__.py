@@ -28,6 +28,7 @@ from .maps.result import StabilityMap, load_map
 from .maps.spec import MapSpec
 from .model.body import Body
 from .model.criteria import no_flip, regular, tilt_below
+from .model.satellite import EnergySink
 from .model.scene import FreeBody, HeavyTop
 from .model.start import Noise, Start, direction, normal, uniform, uniform_attitude
 from .model.torque import Torque
@@ -76,6 +77,7 @@ if TYPE_CHECKING:
 __all__ = [
     "Body",
     "Crossings",
+    "EnergySink",
     "Extremes",
     "FreeBody",
     "FrequencyDrift",

@@ -3,11 +3,13 @@
 use crate::forcing::{ForcingInterval, ParameterChange};
 use crate::observe::{MAX_ROWS, Rows, UNOBSERVED};
 use crate::real::Pack;
+use crate::satellite::Satellite;
 use crate::scheme::{DERIVATIVES, NODES};
 use crate::simd::{LANES, Row};
 use std::sync::OnceLock;
 
-/// Longest state: rates, three directions, the balance of work, impulse and time, and a displacement.
+/// Longest state: rates, three directions, the balance of work, impulse and time, and a displacement or the angle on an
+/// orbit.
 pub const MAX_STATE: usize = 21;
 
 /// The invariants at the start, and the largest deviation from them at the ends of blocks of steps.
@@ -72,6 +74,8 @@ pub struct ForcingRows {
     pub rates: [Row; 3],
     /// Modes of the damping.
     pub modes: [[Row; 3]; 3],
+    /// The numbers of rotor, energy sink and orbit.
+    pub satellite: [Row; Satellite::LEN],
     /// Changes of moments, weight, damping and torque.
     pub change: [Row; ParameterChange::LEN],
 }
@@ -84,6 +88,7 @@ impl ForcingRows {
         damping: [Row::ZERO; 6],
         rates: [Row::ZERO; 3],
         modes: [[Row::ZERO; 3]; 3],
+        satellite: [Row::ZERO; Satellite::LEN],
         change: [Row::ZERO; ParameterChange::LEN],
     };
 
@@ -103,6 +108,9 @@ impl ForcingRows {
             for m in 0..3 {
                 self.modes[k][m].0[lane] = interval.modes[k][m];
             }
+        }
+        for (row, number) in self.satellite.iter_mut().zip(interval.satellite.numbers()) {
+            row.0[lane] = number;
         }
         let ParameterChange { moments, weight, damping, torque } = &interval.change;
         let numbers = moments.iter().chain(weight).chain(damping).chain(torque);
@@ -130,7 +138,12 @@ impl ForcingRows {
                 interval.modes[k][m] = P::load(&self.modes[k][m].0[at..]);
             }
         }
+        interval.satellite.orbit_rate = P::load(&self.satellite[6].0[at..]);
         for k in 0..3 {
+            interval.satellite.rotor[k] = P::load(&self.satellite[k].0[at..]);
+            interval.satellite.sink[k] = P::load(&self.satellite[3 + k].0[at..]);
+            interval.satellite.towards[k] = P::load(&self.satellite[7 + k].0[at..]);
+            interval.satellite.ahead[k] = P::load(&self.satellite[10 + k].0[at..]);
             interval.change.moments[k] = P::load(&self.change[k].0[at..]);
             interval.change.weight[k] = P::load(&self.change[3 + k].0[at..]);
             interval.change.torque[k] = P::load(&self.change[12 + k].0[at..]);

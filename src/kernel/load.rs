@@ -22,7 +22,8 @@ impl Body {
             return turning;
         }
         let [.., slowing] = forcing.damping_rates(self.moments);
-        (turning * turning + slowing * slowing).sqrt()
+        let own = if forcing.is_satellite() { forcing.satellite().step_rate(self, turning) } else { 0.0 };
+        (turning * turning + slowing * slowing).sqrt() + own
     }
 }
 
@@ -192,6 +193,9 @@ fn kernel_state(
             _ => in_kernel_axes([0.0, 1.0, 0.0]),
         };
         y[3 + 3 * v..6 + 3 * v].copy_from_slice(&direction);
+    }
+    if let Some(at) = system.orbit_at() {
+        y[at] = 1.0;
     }
     if let Some(at) = system.quaternion_at() {
         let [w, x, y1, z] = body.attitude;

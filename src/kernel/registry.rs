@@ -7,7 +7,8 @@ use crate::observe::Observed;
 use crate::real::Pack;
 use crate::scene::{
     Attitude, Axis, AxisAttitude, AxisSensitivity, AxisTangent, FREE, ForcedFrame, ForcedFrameTangent,
-    ForcedRates, Free, Layout, Model, Parameters, Rates, ReducedTop, Scene, TOP, Top, TwoAxes,
+    ForcedRates, Free, Layout, Model, Parameters, Rates, ReducedTop, SatelliteFrame, SatelliteRates, Scene,
+    TOP, Top, TwoAxes,
 };
 use crate::scheme::{
     AffineSplitting, ComposedPlanar, Dop853Tableau, Engine, Exponential, Hermite, ImplicitMidpoint,
@@ -274,6 +275,8 @@ kernels! {
         ReducedTopTwoAxes: TOP, ReducedTop, TwoAxes;
         ForcedRates: FREE, Free, ForcedRates;
         ForcedFrame: TOP, Top, ForcedFrame;
+        SatelliteRates: FREE, Free, SatelliteRates;
+        SatelliteFrame: TOP, Top, SatelliteFrame;
         TopTangent: TOP, Top, AxisTangent;
         TopSensitivity: TOP, Top, AxisSensitivity;
         ForcedTangent: TOP, Top, ForcedFrameTangent;
@@ -311,6 +314,8 @@ pub(super) fn code(system: System, engine: Engine, isa: Isa) -> Option<&'static 
 pub struct Needs {
     /// Whether torque or damping is applied; work, impulse and time are then integrated.
     pub is_forced: bool,
+    /// Whether rotor, energy sink or gravity gradient act.
+    pub is_satellite: bool,
     /// Whether the body is integrated as a reduced top.
     pub is_reduced: bool,
     /// The least number of directions.
@@ -330,6 +335,8 @@ struct Traits {
     quaternion_at: Option<usize>,
     is_reduced: bool,
     balance_at: Option<usize>,
+    is_satellite: bool,
+    orbit_at: Option<usize>,
     tangent_at: Option<usize>,
     is_changed: bool,
     observed_at: usize,
@@ -343,6 +350,8 @@ impl Traits {
             quaternion_at: if L::QUATERNION { Some(L::QUATERNION_AT) } else { None },
             is_reduced: M::REDUCED,
             balance_at: if L::BALANCE { Some(L::BALANCE_AT) } else { None },
+            is_satellite: L::SATELLITE,
+            orbit_at: if L::ORBITS { Some(L::ORBIT_AT) } else { None },
             tangent_at: if L::TANGENT { Some(L::TANGENT_AT) } else { None },
             is_changed: L::CHANGED,
             observed_at: 3 + 3 * L::OBSERVED,
@@ -359,6 +368,7 @@ impl System {
             let traits = system.traits();
             system.scene() == scene
                 && traits.balance_at.is_some() == needs.is_forced
+                && traits.is_satellite == needs.is_satellite
                 && traits.tangent_at.is_some() == needs.tangent
                 && (traits.is_changed || !needs.is_changed)
                 && traits.is_reduced == needs.is_reduced
@@ -387,6 +397,11 @@ impl System {
     /// Index in the state of work, impulse and time; `None` if the system is not forced.
     pub(super) fn balance_at(self) -> Option<usize> {
         self.traits().balance_at
+    }
+
+    /// Index in the state of cosine and sine of the angle on an orbit; `None` without one.
+    pub(super) fn orbit_at(self) -> Option<usize> {
+        self.traits().orbit_at
     }
 
     /// Index in the state of the displacement; `None` without one.
@@ -433,6 +448,7 @@ mod tests {
         use System::*;
         let needs = |directions, attitude| Needs {
             is_forced: false,
+            is_satellite: false,
             is_reduced: false,
             directions,
             attitude,
@@ -441,6 +457,7 @@ mod tests {
         };
         let reduced = |needs| Needs { is_reduced: true, ..needs };
         let forced = |needs| Needs { is_forced: true, ..needs };
+        let satellite = |needs| Needs { is_forced: true, is_satellite: true, ..needs };
         let tangent = |needs| Needs { tangent: true, ..needs };
         let changed = |needs| Needs { tangent: true, is_changed: true, ..needs };
         // A series does not integrate a top with a quaternion.
@@ -460,6 +477,8 @@ mod tests {
             (&FREE, series, forced(needs(1, false)), ForcedFrame),
             (&FREE, series, forced(needs(0, true)), ForcedFrame),
             (&TOP, series, forced(needs(0, false)), ForcedFrame),
+            (&FREE, series, satellite(needs(0, false)), SatelliteRates),
+            (&FREE, series, satellite(needs(0, true)), SatelliteFrame),
             // A free body is a top without weight.
             (&FREE, series, tangent(needs(0, false)), TopTangent),
             (&TOP, series, tangent(needs(0, false)), TopTangent),

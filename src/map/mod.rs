@@ -83,6 +83,7 @@ impl Map {
         let in_space = self.forcing.iter().any(|forcing| forcing.of(0).acts_in_space());
         let needs = Needs {
             is_forced: self.is_forced(),
+            is_satellite: self.is_satellite(),
             is_reduced: false,
             directions: if in_space { 3 } else { self.criterion.directions(self.scene) },
             attitude: false,

@@ -6,6 +6,7 @@ use crate::error::Error;
 use crate::exact::Question;
 use crate::forcing::{BodyForcing, Forcing};
 use crate::sample::Law;
+use crate::satellite::Satellite;
 use crate::scene::Scene;
 use crate::scheme::{self, Scheme};
 use crate::solver::{Solver, default_step};
@@ -146,6 +147,9 @@ impl Map {
             self.first_scheme().check(self.scene, true)?;
             if has_rule {
                 self.first_scheme().check_tangent(self.is_forced())?;
+                if self.is_satellite() {
+                    return Err(Satellite::not_displaced());
+                }
             }
         }
         if self.is_forced() {
@@ -172,6 +176,11 @@ impl Map {
         !self.forcing.is_empty()
     }
 
+    /// Whether rotor, energy sink or gravity gradient act.
+    pub(super) fn is_satellite(&self) -> bool {
+        self.forcing.iter().any(|forcing| forcing.of(0).is_satellite())
+    }
+
     /// The forcing of a pixel.
     pub(super) fn forcing_of(&self, pixel: u64) -> BodyForcing<'_> {
         self.forcing.get(pixel as usize).unwrap_or(Forcing::NONE).of(0)
@@ -186,6 +195,9 @@ impl Map {
             return refuse("method", format!("'{}'", Solver::EXACT), rule);
         }
         scheme.forced_limit()?;
+        if self.is_satellite() {
+            scheme.check_satellite()?;
+        }
         if let Criterion::TiltFromStart(_) = self.criterion {
             let rule = "under torque and damping only the tilt from the vertical is watched";
             return refuse("reference", "'start'".to_string(), rule);

@@ -79,8 +79,7 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Til
         if const { S::HAS_POLYNOMIAL } {
             let first = 3 + 3 * L::OBSERVED;
             let begin_slope = along(&axis, &segment.slopes_at_begin::<S, M, L>(first));
-            let omega = [after[0], after[1], after[2]];
-            let end_slope = along(&axis, &direction_rate(&at_end, &omega)) * p.step;
+            let end_slope = along(&axis, &direction_rate(&at_end, &stepper.turning(after))) * p.step;
             // The cosine has a minimum inside the step.
             let has_minimum = R::select(zero.lt(end_slope), begin_slope, zero).lt(zero);
             if R::any(has_minimum) {

@@ -3,28 +3,36 @@
 use super::convert::{copied, rows, same_length};
 use crate::forcing::{BodyForcing, Forcing};
 use crate::memory;
+use crate::satellite::Satellite;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 
 /// Forcing of the bodies of a request: torques in the body and in space at some times, linear between them (no times:
-/// constant), table after table, and damping, entries 11, 22, 33, 23, 31, 12 of its matrices. One table, or one matrix,
-/// may serve all bodies; without tables no torque is applied.
+/// constant), table after table, damping, entries 11, 22, 33, 23, 31, 12 of its matrices, and the 13 numbers of rotor,
+/// energy sink and orbit. One table, matrix or row may serve all bodies; without tables no torque is applied.
 #[pyclass(frozen, name = "Forcing", module = "rigid._core")]
 pub struct PyForcing(pub Forcing);
 
 #[pymethods]
 impl PyForcing {
     #[new]
-    #[pyo3(signature = (*, times, body, space, damping))]
+    #[pyo3(signature = (*, times, body, space, damping, satellite = None))]
     fn new(
         times: PyReadonlyArray1<'_, f64>,
         body: PyReadonlyArray2<'_, f64>,
         space: PyReadonlyArray2<'_, f64>,
         damping: PyReadonlyArray2<'_, f64>,
+        satellite: Option<PyReadonlyArray2<'_, f64>>,
     ) -> PyResult<Self> {
         let (body, space) = (rows::<3>("torque", &body)?, rows::<3>("torque", &space)?);
         let times = copied("torque times", &times)?;
-        Ok(PyForcing(Forcing::new(&times, body, space, rows::<6>("damping", &damping)?)?))
+        let forcing = Forcing::new(&times, body, space, rows::<6>("damping", &damping)?)?;
+        Ok(PyForcing(match &satellite {
+            Some(satellite) => {
+                forcing.with_satellites(rows::<{ Satellite::LEN }>("satellite", satellite)?)?
+            }
+            None => forcing,
+        }))
     }
 
     /// The forcing of some bodies, in this order.

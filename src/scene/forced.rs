@@ -15,9 +15,9 @@ use crate::real::Real;
 /// The forcing of a body on an interval. Without directions there is no torque in space.
 #[derive(Clone, Copy)]
 pub struct Applied<R> {
-    moments: [R; 3],
+    pub(super) moments: [R; 3],
     inverse: [R; 3],
-    forcing: ForcingInterval<R>,
+    pub(super) forcing: ForcingInterval<R>,
 }
 
 /// Adds a torque in space, in body components, to `sum`.

@@ -2,7 +2,8 @@
 //!
 //! A state is a flat array `[R; D]`: three rates or momenta (the scheme decides which), then `VECTORS` directions that
 //! are fixed in space, in body components, then a quaternion if the attitude is requested, then the balance of a forced
-//! body: work, impulse and time; then a displacement of the motion if its growth is requested.
+//! body: work, impulse and time; then a displacement of the motion if its growth is requested, or cosine and sine of the
+//! angle that a satellite with a frame has turned on its orbit.
 
 /// The variables that are integrated with the rates.
 pub trait Layout: Copy {
@@ -16,10 +17,12 @@ pub trait Layout: Copy {
     const TANGENT: bool = false;
     /// Whether a change of the parameters adds to the displacement.
     const CHANGED: bool = false;
+    /// Whether rotor, energy sink and gravity gradient act.
+    const SATELLITE: bool = false;
     /// The direction from which a tilt is measured: the last direction, or the vertical of a frame.
     const OBSERVED: usize = if Self::BALANCE { 0 } else { Self::VECTORS.saturating_sub(1) };
     /// Length of the state.
-    const LEN: usize = Self::TANGENT_AT + 6 * Self::TANGENT as usize;
+    const LEN: usize = Self::ORBIT_AT + 2 * Self::ORBITS as usize;
     /// Index of the first component of the quaternion.
     const QUATERNION_AT: usize = 3 + 3 * Self::VECTORS;
     /// Index of the balance, which begins with the work.
@@ -30,6 +33,10 @@ pub trait Layout: Copy {
     const TIME_AT: usize = Self::BALANCE_AT + 2;
     /// Index of the displacement, and length of the state without it.
     const TANGENT_AT: usize = Self::BALANCE_AT + 3 * Self::BALANCE as usize;
+    /// Whether the angle on an orbit is integrated.
+    const ORBITS: bool = Self::SATELLITE && Self::VECTORS > 0;
+    /// Index of cosine and sine of the angle on an orbit.
+    const ORBIT_AT: usize = Self::TANGENT_AT + 6 * Self::TANGENT as usize;
 }
 
 macro_rules! layouts {
@@ -70,4 +77,24 @@ layouts! {
     AxisSensitivity: 1, false, false, true, true;
     /// Rates, the space axes, the balance and a displacement, with a change of the parameters.
     ForcedFrameTangent: 3, false, true, true, true;
+}
+
+/// Rates and balance of a satellite without a gravity gradient.
+#[derive(Clone, Copy)]
+pub struct SatelliteRates;
+impl Layout for SatelliteRates {
+    const VECTORS: usize = 0;
+    const QUATERNION: bool = false;
+    const BALANCE: bool = true;
+    const SATELLITE: bool = true;
+}
+
+/// Rates, the space axes z, x and y, the balance and the angle on the orbit of a satellite.
+#[derive(Clone, Copy)]
+pub struct SatelliteFrame;
+impl Layout for SatelliteFrame {
+    const VECTORS: usize = 3;
+    const QUATERNION: bool = false;
+    const BALANCE: bool = true;
+    const SATELLITE: bool = true;
 }

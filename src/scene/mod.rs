@@ -4,15 +4,17 @@ mod forced;
 mod free;
 mod layout;
 mod reduced_top;
+mod satellite;
 mod top;
 
 pub use forced::Applied;
 pub use free::{FREE, Free};
 pub use layout::{
     Attitude, Axis, AxisAttitude, AxisSensitivity, AxisTangent, ForcedFrame, ForcedFrameTangent, ForcedRates,
-    Layout, Rates, TwoAxes,
+    Layout, Rates, SatelliteFrame, SatelliteRates, TwoAxes,
 };
 pub use reduced_top::ReducedTop;
+pub use satellite::SatelliteRate;
 pub use top::{TOP, Top};
 
 use crate::error::Error;

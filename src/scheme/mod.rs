@@ -404,6 +404,32 @@ impl Scheme {
         self.damping_limit() == Some(f64::INFINITY)
     }
 
+    /// Whether the scheme integrates rotors, energy sinks and gravity gradients.
+    pub const fn moves_satellites(&self) -> bool {
+        match self.forced {
+            Some(forced) => {
+                matches!(
+                    forced.step.engine,
+                    Engine::Rk4 | Engine::Dop853 | Engine::Taylor | Engine::CompensatedTaylor
+                )
+            }
+            None => false,
+        }
+    }
+
+    /// Raises an error for a scheme that does not integrate rotors, energy sinks and gravity gradients.
+    ///
+    /// # Errors
+    /// Naming the scheme and the rule.
+    pub fn check_satellite(&self) -> Result<(), Error> {
+        if self.moves_satellites() {
+            return Ok(());
+        }
+        let rule = "moves bodies without rotor, dissipation and gravity gradient only: with them move Runge-Kutta \
+                    methods and Taylor series";
+        Err(Error::Value { argument: "method", value: format!("'{}'", self.facts.name), rule })
+    }
+
     /// The scheme that cross-checks samples classified by this scheme. A scheme for strong damping is cross-checked by
     /// [`STIFF`], because an explicit scheme could need a thousand times the steps.
     pub fn second(&self, is_forced: bool) -> &'static Scheme {
@@ -483,6 +509,9 @@ fn acceleration<R: Real, M: Model<R>, L: Layout, const D: usize>(
     applied: &Applied<R>,
     y: &[R; D],
 ) -> [R; 3] {
+    if L::SATELLITE {
+        return applied.satellite::<M, L, D>(model, y).omega;
+    }
     let [w1, w2, w3] = [y[0], y[1], y[2]];
     let mut rate = model.euler(&[w2 * w3, w3 * w1, w1 * w2], y);
     if L::BALANCE {
@@ -545,6 +574,11 @@ pub trait Stepper<R: Real, M: Model<R>, L: Layout, const D: usize>: Copy {
     #[inline(always)]
     fn expand(&self, _unit: R, _y: &[R; D], _dense: &mut Coefficients<R, D>) {
         unreachable!("only series have coefficients")
+    }
+    /// The angular velocity with which a state turns the frame of the body, for an engine that integrates rates.
+    #[inline(always)]
+    fn turning(&self, y: &[R; D]) -> [R; 3] {
+        [y[0], y[1], y[2]]
     }
     /// Rate of change of the first three numbers of the state.
     fn velocity(&self, p: &Parameters<R>, y: &[R; D]) -> [R; 3];

@@ -6,7 +6,7 @@ use super::{Coefficients, Engine, Facts, Numbers, Scheme, Step, Stepper, Variabl
 use crate::forcing::ForcingInterval;
 use crate::kinematics;
 use crate::real::Real;
-use crate::scene::{Applied, Layout, Model, Parameters};
+use crate::scene::{Applied, Layout, Model, Parameters, SatelliteRate};
 use std::marker::PhantomData;
 
 /// The table of an explicit Runge-Kutta method, `k_i = f(y + h sum_j a_ij k_j)`,
@@ -335,6 +335,9 @@ fn rate<R: Real, M: Model<R>, L: Layout, const D: usize>(
     applied: &Applied<R>,
     y: &[R; D],
 ) -> [R; D] {
+    if L::SATELLITE {
+        return satellite_rate::<R, M, L, D>(model, applied, y);
+    }
     let omega = [y[0], y[1], y[2]];
     let mut dy = *y;
     let change = acceleration::<R, M, L, D>(model, applied, y);
@@ -356,6 +359,30 @@ fn rate<R: Real, M: Model<R>, L: Layout, const D: usize>(
     }
     if L::TANGENT {
         kinematics::put(&mut dy, L::TANGENT_AT, tangent_rate::<R, M, L, D>(model, applied, y, &change));
+    }
+    dy
+}
+
+/// The equations of motion of the whole state of a satellite.
+#[inline(always)]
+fn satellite_rate<R: Real, M: Model<R>, L: Layout, const D: usize>(
+    model: &M,
+    applied: &Applied<R>,
+    y: &[R; D],
+) -> [R; D] {
+    let mut dy = *y;
+    let SatelliteRate { omega, sink, balance } = applied.satellite::<M, L, D>(model, y);
+    kinematics::put(&mut dy, 0, omega);
+    let turning = [y[0] + sink[0], y[1] + sink[1], y[2] + sink[2]];
+    for v in 0..L::VECTORS {
+        let n = kinematics::direction(y, v);
+        kinematics::put(&mut dy, 3 + 3 * v, kinematics::direction_rate(&n, &turning));
+    }
+    kinematics::put(&mut dy, L::BALANCE_AT, balance);
+    dy[L::TIME_AT] = R::splat(1.0);
+    if L::ORBITS {
+        let at = L::ORBIT_AT;
+        kinematics::put(&mut dy, at, applied.orbit_change([y[at], y[at + 1]]));
     }
     dy
 }

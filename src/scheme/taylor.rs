@@ -204,6 +204,8 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
         c.push(*y);
         let spin = y[2];
         let (mut torques, mut space_torques) = (Torques::new(), Torques::new());
+        let mut satellite =
+            SatelliteSeries { sink: Torques::new(), impulse: Torques::new(), centre: Torques::new() };
         for half in 0..self.order / 2 {
             let k = 2 * half;
             let (mut sums, mut after) = (Products::none(), Products::none());
@@ -218,7 +220,10 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
             sums.add::<M, L, D>(c.order(k), c.order(0));
             let varied = self.varied_torque::<L, D>(unit, &mut space_torques, c, k);
             let mut next = self.next::<L, D>(unit, sums, spin, (c.order(k), k), varied);
-            if L::BALANCE {
+            if L::SATELLITE {
+                let series = (&mut torques, &mut satellite);
+                self.add_satellite::<L, D>(unit, &sums.rates, series, c, &mut next, k);
+            } else if L::BALANCE {
                 self.add_applied::<L, D>(unit, &mut torques, c, &mut next, k);
             }
             if L::CHANGED {
@@ -229,7 +234,10 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
             after.add::<M, L, D>(c.order(k + 1), c.order(0));
             let varied = self.varied_torque::<L, D>(unit, &mut space_torques, c, k + 1);
             let mut next = self.next::<L, D>(unit, after, spin, (c.order(k + 1), k + 1), varied);
-            if L::BALANCE {
+            if L::SATELLITE {
+                let series = (&mut torques, &mut satellite);
+                self.add_satellite::<L, D>(unit, &after.rates, series, c, &mut next, k + 1);
+            } else if L::BALANCE {
                 self.add_applied::<L, D>(unit, &mut torques, c, &mut next, k + 1);
             }
             if L::CHANGED {
@@ -340,6 +348,87 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
         next[L::BALANCE_AT + 2] = if k == 0 { unit } else { R::splat(0.0) };
     }
 
+    /// Adds what acts on a satellite to the coefficients of order k + 1, with torque and damping, and computes those of
+    /// the balance and of the angle on the orbit: `Applied::satellite` by Cauchy products.
+    #[inline(always)]
+    fn add_satellite<L: Layout, const D: usize>(
+        &self,
+        unit: R,
+        products: &[R; 3],
+        (torques, series): (&mut Torques<R>, &mut SatelliteSeries<R>),
+        c: &Coefficients<R, D>,
+        next: &mut [R; D],
+        k: usize,
+    ) {
+        let (applied, of_k, zero) = (&self.applied, c.order(k), [R::splat(0.0); 3]);
+        let factor = unit * R::splat(INVERSE[k + 1]);
+        let mut torque = if k == 0 {
+            applied.torque::<L, D>(of_k)
+        } else {
+            let before = times_unit::<R, L, D>(c.order(k - 1), unit);
+            applied.torque_of_order::<L, D>(c.order(0), of_k, &before)
+        };
+        if L::ORBITS {
+            let at = L::ORBIT_AT;
+            let mut centre = zero;
+            for j in 0..=k {
+                let part = applied.towards_centre([c.order(j)[at], c.order(j)[at + 1]], c.order(k - j));
+                centre = [centre[0] + part[0], centre[1] + part[1], centre[2] + part[2]];
+            }
+            series.centre.push(k, centre);
+            let mut squares = zero;
+            for j in 0..=k {
+                // SAFETY: the calls for the orders 0 to k, one each and ascending, have pushed the rows 0 to k.
+                let (a, b) = unsafe { (series.centre.order(j), series.centre.order(k - j)) };
+                squares =
+                    [a[1].fma(b[2], squares[0]), a[2].fma(b[0], squares[1]), a[0].fma(b[1], squares[2])];
+            }
+            let gradient = applied.gravity_gradient(&squares);
+            torque = [torque[0] + gradient[0], torque[1] + gradient[1], torque[2] + gradient[2]];
+            let [cos, sin] = applied.orbit_change([of_k[at], of_k[at + 1]]);
+            put(next, at, [factor * cos, factor * sin]);
+        }
+        let omega = [of_k[0], of_k[1], of_k[2]];
+        let mut impulse = applied.rotor_across(&omega);
+        impulse = [impulse[0] + torque[0], impulse[1] + torque[1], impulse[2] + torque[2]];
+        let mut rate = self.model.euler(products, of_k);
+        let change = applied.over_moments(&impulse);
+        rate = [rate[0] + change[0], rate[1] + change[1], rate[2] + change[2]];
+        let sink = applied.sink(&rate);
+        series.sink.push(k, sink);
+        let rotor = applied.rotor_across(&sink);
+        series.impulse.push(k, [impulse[0] + rotor[0], impulse[1] + rotor[1], impulse[2] + rotor[2]]);
+
+        let (mut by_sink, mut turned) = (rotor, [zero; 3]);
+        for j in 0..=k {
+            // SAFETY: as above.
+            let sink = unsafe { series.sink.order(k - j) };
+            let row = c.order(j);
+            add_cross(&applied.momentum(&[row[0], row[1], row[2]]), sink, &mut by_sink);
+            for v in 0..L::VECTORS {
+                add_cross(&direction(row, v), sink, &mut turned[v]);
+            }
+        }
+        torques.push(k, [torque[0] + by_sink[0], torque[1] + by_sink[1], torque[2] + by_sink[2]]);
+        let change = applied.over_moments(&by_sink);
+        for i in 0..3 {
+            next[i] = factor * (rate[i] + change[i]);
+            for v in 0..L::VECTORS {
+                next[3 + 3 * v + i] = factor.fma(turned[v][i], next[3 + 3 * v + i]);
+            }
+        }
+        let mut balance = [R::splat(0.0); 2];
+        for j in 0..=k {
+            // SAFETY: as above.
+            let (torque, impulse) = unsafe { (torques.order(j), series.impulse.order(j)) };
+            let [power, _] = applied.balance::<L, D>(torque, c.order(k - j));
+            let [_, gained] = applied.balance::<L, D>(impulse, c.order(k - j));
+            balance = [balance[0] + power, balance[1] + gained];
+        }
+        put(next, L::BALANCE_AT, [factor * balance[0], factor * balance[1]]);
+        next[L::TIME_AT] = if k == 0 { unit } else { R::splat(0.0) };
+    }
+
     /// Adds the effect of the change of the parameters to the displacement of order k + 1, whose rates are known.
     #[inline(always)]
     fn add_changed<L: Layout, const D: usize>(
@@ -370,6 +459,14 @@ fn times_unit<R: Real, L: Layout, const D: usize>(of_state: &[R; D], unit: R) ->
         scaled[d] = of_state[d] * unit;
     }
     scaled
+}
+
+/// Coefficients of what acts on a satellite: the turn by the sink, the torque of the impulse, and the direction to the
+/// centre.
+struct SatelliteSeries<R> {
+    sink: Torques<R>,
+    impulse: Torques<R>,
+    centre: Torques<R>,
 }
 
 /// Coefficients of the applied torque, in memory that nobody has to clear.
@@ -467,6 +564,16 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>, L: Layout, const D: usize> S
     #[inline(always)]
     fn expand(&self, unit: R, y: &[R; D], c: &mut Coefficients<R, D>) {
         self.coefficients::<L, D>(unit, y, c);
+    }
+
+    #[inline(always)]
+    fn turning(&self, y: &[R; D]) -> [R; 3] {
+        let omega = [y[0], y[1], y[2]];
+        if !L::SATELLITE {
+            return omega;
+        }
+        let sink = self.applied.satellite::<M, L, D>(&self.model, y).sink;
+        [omega[0] + sink[0], omega[1] + sink[1], omega[2] + sink[2]]
     }
 
     #[inline(always)]

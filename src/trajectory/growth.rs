@@ -84,6 +84,7 @@ pub fn growth(
     assert_eq!(displacements.each.len(), request.bodies.len() * displacements.count);
     scheme.check(request.scene, false)?;
     scheme.check_tangent(!request.forcing.is_none())?;
+    request.check_displaced()?;
     if !request.forcing.is_none() {
         super::check_forced(request, scheme)?;
     }

@@ -66,6 +66,7 @@ pub fn simulate_into(
             scheme.check(request.scene, false)?;
             if request.record.is_tangent() {
                 scheme.check_tangent(request.record.is_sensitivity() || !request.forcing.is_none())?;
+                request.check_displaced()?;
             }
             if !request.forcing.is_none() {
                 check_forced(request, scheme)?;
@@ -96,6 +97,9 @@ pub fn simulate_into(
 /// Refuses a method that does not move forced bodies, a step beyond the stability of an explicit method, and a time at
 /// which the torque is unknown.
 fn check_forced(request: &Request, scheme: &Scheme) -> Result<(), Error> {
+    if (0..request.bodies.len()).any(|index| request.forcing_of(index).is_satellite()) {
+        scheme.check_satellite()?;
+    }
     let is_stable = scheme.forced_limit()? == f64::INFINITY || request.tolerance.is_some();
     let mut last = None;
     for (index, (body, &step)) in request.bodies.iter().zip(request.steps).enumerate() {
@@ -212,6 +216,7 @@ fn over_blocks_of(
 struct Integration {
     assignment: KernelAssignment,
     is_forced: bool,
+    is_satellite: bool,
     acts_in_space: bool,
 }
 
@@ -226,7 +231,12 @@ impl Integration {
             Schedule::Strides(_) => KernelAssignment::of(scheme, body, request.scene),
             _ => KernelAssignment::of_path(scheme, body, request.scene),
         };
-        Integration { assignment, is_forced, acts_in_space: forcing.acts_in_space() }
+        Integration {
+            assignment,
+            is_forced,
+            is_satellite: forcing.is_satellite(),
+            acts_in_space: forcing.acts_in_space(),
+        }
     }
 
     /// Those of the bodies of a block.
@@ -236,8 +246,9 @@ impl Integration {
     }
 
     /// What the bodies of a group share.
-    fn kind(&self) -> (Step, bool, bool, bool) {
-        (self.assignment.step, self.assignment.is_reduced(), self.is_forced, self.acts_in_space)
+    fn kind(&self) -> (Step, bool, bool, bool, bool) {
+        let Integration { assignment, is_forced, is_satellite, acts_in_space } = *self;
+        (assignment.step, assignment.is_reduced(), is_forced, is_satellite, acts_in_space)
     }
 
     /// The system that carries what is recorded and no more.
@@ -245,6 +256,7 @@ impl Integration {
         let directions = if request.record == Record::Axis { 1 } else { 0 };
         let needs = Needs {
             is_forced: self.is_forced,
+            is_satellite: self.is_satellite,
             is_reduced: self.assignment.is_reduced(),
             directions: if self.acts_in_space { 3 } else { directions },
             attitude: request.record == Record::Attitude,

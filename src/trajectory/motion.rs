@@ -132,6 +132,9 @@ impl Motion {
     /// Refuses what `trajectory::simulate` refuses of forced bodies.
     fn check_forced(&self, begin: f64, dt: f64) -> Result<(), Error> {
         self.scheme.forced_limit()?;
+        if self.forcing.of(0).is_satellite() {
+            self.scheme.check_satellite()?;
+        }
         for time in [begin, begin + dt] {
             self.forcing.of(0).check_reaches(time)?;
         }
@@ -171,6 +174,7 @@ impl Motion {
                 memory::collected("bodies of a group", bodies.len(), bodies.iter().map(assignment))?;
             let needs = Needs {
                 is_forced: forced,
+                is_satellite: self.forcing.of(0).is_satellite(),
                 is_reduced: assignments[0].is_reduced(),
                 directions: 0,
                 attitude: true,

@@ -1,6 +1,8 @@
 //! The request of a trajectory: bodies, record and times.
 
+use crate::error::Error;
 use crate::forcing::{BodyForcing, Forcing, ForcingInterval, ParameterChange};
+use crate::satellite::Satellite;
 use crate::scene::Scene;
 use crate::solver::Solver;
 use crate::start::Body;
@@ -124,6 +126,15 @@ impl Request<'_> {
     /// The forcing of a body.
     pub fn forcing_of(&self, body: usize) -> BodyForcing<'_> {
         self.forcing.of(body)
+    }
+
+    /// Refuses displacements of satellites, for which there are no kernels.
+    ///
+    /// # Errors
+    /// If a rotor, an energy sink or a gravity gradient acts on a body.
+    pub fn check_displaced(&self) -> Result<(), Error> {
+        let is_one = (0..self.forcing.bodies()).any(|body| self.forcing_of(body).is_satellite());
+        if is_one { Err(Satellite::not_displaced()) } else { Ok(()) }
     }
 
     /// The forcing of a body from a time to the next knot, and the change of its parameters.

@@ -8,7 +8,8 @@ from typing import Any
 from .._checks.arguments import finite_float
 from ..model.body import Body
 from ..model.criteria import CRITERIA, Criterion
-from ..model.scene import SCENES, Scene
+from ..model.satellite import EnergySink
+from ..model.scene import SCENES, FreeBody, Scene
 from ..model.start import NOISE_KINDS, Noise, Start
 from ..model.torque import Torque
 from .toml_table import Table, as_is, three
@@ -25,6 +26,7 @@ def read_scene(table: Table) -> Scene:
         *("kind", "moments", "box", "mass"),
         *scene.fields,
         *("torque", "torque_in_space", "damping"),
+        *(("dissipation", "rotor", "gravity_gradient") if scene is FreeBody else ()),
     )
     body = _body(table)
     own: dict[str, Any] = {}
@@ -32,16 +34,36 @@ def read_scene(table: Table) -> Scene:
         convert = finite_float if field.width == 1 else three
         if name in table or field.default is None:
             own[name] = table.take(name, convert)
-    return table.build(lambda: scene(body, **own, **_forcing(table)))  # type: ignore[call-arg]
+    acting = {**_forcing(table), **_satellite(table)}
+    return table.build(lambda: scene(body, **own, **acting))  # type: ignore[call-arg]
+
+
+def _satellite(table: Table) -> dict[str, Any]:
+    """Dissipation and rotor, as far as they are given."""
+    found: dict[str, Any] = {}
+    if "dissipation" in table:
+        found["dissipation"] = table.build(lambda: EnergySink(table.take("dissipation", as_is)))
+    if "rotor" in table:
+        found["rotor"] = table.take("rotor", three)
+    return found
 
 
 def _forcing(table: Table) -> dict[str, Any]:
-    """Constant torques in the body and in space, and damping, as far as they are given."""
+    """Constant torques, a gravity gradient, and damping, as far as they are given."""
     torque: Torque | None = None
     for key, make in (("torque", Torque.body), ("torque_in_space", Torque.space)):
         if key in table:
             part = make(table.take(key, as_is))
             torque = part if torque is None else torque + part
+    if "gravity_gradient" in table:
+        orbit = table.table("gravity_gradient")
+        orbit.only("rate", "normal", "towards")
+        directions = {
+            name: orbit.take(name, three) for name in ("normal", "towards") if name in orbit
+        }
+        rate = orbit.take("rate", finite_float)
+        part = orbit.build(lambda: Torque.gravity_gradient(rate=rate, **directions))
+        torque = part if torque is None else torque + part
     return {"torque": torque, "damping": table.take("damping", as_is, default=None)}
 
 

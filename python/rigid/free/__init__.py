@@ -11,6 +11,7 @@ use it.
 
 from .equations import Invariants, PowerBalance, euler_rhs, invariants, power_balance
 from .rolling import Cones, Poinsot, cones, poinsot
+from .satellites import Libration, jacobi_integral, libration
 from .stability import (
     Circulation,
     PermanentRotation,
@@ -37,6 +38,7 @@ __all__ = [
     "Circulation",
     "Cones",
     "Invariants",
+    "Libration",
     "PermanentRotation",
     "Poinsot",
     "PowerBalance",
@@ -50,7 +52,9 @@ __all__ = [
     "gamma_residual",
     "gammas",
     "invariants",
+    "jacobi_integral",
     "jacobian",
+    "libration",
     "local_stability",
     "permanent_rotation",
     "poinsot",

@@ -16,6 +16,7 @@ from ..model.scene import HeavyTop, Scene, check_scene, scene_from_dict
 from ..model.torque import Torque
 from ..rotations.apply import to_body, to_space
 from ..solve.run import Run
+from .satellites import centre
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -200,6 +201,8 @@ def invariants(
         shape = leading_shape({"scene": scene.shape, **_axes(rates, quaternions)})
     momentum = _of_each(scene.body.moments, motion) * rates
     kinetic = 0.5 * (momentum * rates).sum(axis=-1)
+    if scene.rotor is not None:
+        momentum = momentum + _of_each(scene.rotor, motion)
     potential, p_psi = np.zeros_like(kinetic), None
     if "gamma" in scene.directions:
         if vertical is None:
@@ -241,7 +244,7 @@ class PowerBalance:
     Attributes
     ----------
     power : ndarray, shape (..., m)
-        Power of the torque, ``torque·omega`` (W).
+        Power of the torque, ``torque·omega`` (W), less what an energy sink drains.
     rate : ndarray, shape (..., m)
         Rate of change of the kinetic energy (W), by differences of order 2.
     residual : ndarray, shape (..., m)
@@ -264,7 +267,8 @@ def power_balance(
 ) -> PowerBalance:
     """Rate of change of the kinetic energy and power of the torque: ``dT/dt = torque·omega``.
 
-    Ercan 2016, § 9.2. The torque of the weight of a heavy top is included.
+    Ercan 2016, § 9.2. The torques of the weight of a heavy top and of a gravity gradient are
+    included.
 
     Parameters
     ----------
@@ -327,9 +331,36 @@ def power_balance(
         acting = acting + np.cross(vertical, _at_times(scene.weight))
     if torque is not None:
         acting = acting + _body_torque(torque, quaternions, frame)
-    power = (acting * rates).sum(axis=-1)
+    acting = acting + _gravity_gradient(scene, quaternions, times)
+    power = (acting * rates).sum(axis=-1) + _sink_power(scene, rates, acting)
     rate = _time_derivative(kinetic, times)
     return PowerBalance(power=power, rate=rate, residual=rate - power)
+
+
+def _gravity_gradient(scene: Scene, quaternions: Floats | None, times: Floats) -> Floats:
+    """The torque of a gravity gradient, ``3 n² o × I o``; zero without an orbit."""
+    orbit = None if scene.torque is None else scene.torque.orbit
+    if orbit is None:
+        return np.zeros(3)
+    if quaternions is None:
+        raise ValueError("attitude = None: the torque of a gravity gradient needs it")
+    o = centre(orbit, quaternions, times)
+    torque: Floats = 3.0 * orbit.rate**2 * np.cross(o, _at_times(scene.body.moments) * o)
+    return torque
+
+
+def _sink_power(scene: Scene, rates: Floats, acting: Floats) -> Floats | float:
+    """The power of an energy sink, ``omega·(L × I⁻¹ P omega')``."""
+    if scene.dissipation is None:
+        return 0.0
+    moments = _at_times(scene.body.moments)
+    momentum = moments * rates
+    if scene.rotor is not None:
+        momentum = momentum + _at_times(scene.rotor)
+    change = (np.cross(momentum, rates) + acting) / moments
+    turn = _at_times(scene.dissipation.coefficient) * change / moments
+    power: Floats = (rates * np.cross(momentum, turn)).sum(axis=-1)
+    return power
 
 
 def _torque_at(torque: Torque, times: Floats, shape: Shape) -> tuple[Floats, Floats]:

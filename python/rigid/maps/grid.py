@@ -62,7 +62,8 @@ class NominalStarts:
     def forcings(self) -> list[_core.Forcing] | None:
         """Applied torque and damping of each pixel; None if no pixel has any."""
         torque = self.scene.torque
-        if self.damping is None and torque is None:
+        satellite = self.scene.satellite
+        if self.damping is None and torque is None and satellite is None:
             return None
         damping = np.zeros((1, 3, 3)) if self.damping is None else self.damping
         # Pixels of a row mostly share theirs.
@@ -70,7 +71,8 @@ class NominalStarts:
         # Under a torque of zero, bodies without damping are integrated like their neighbours.
         none = Torque.body((0.0, 0.0, 0.0))
         made = [
-            forcing_of(torque or none, checked_damping(matrix.reshape(3, 3))) for matrix in known
+            forcing_of(torque or none, checked_damping(matrix.reshape(3, 3)), satellite=satellite)
+            for matrix in known
         ]
         every = [one for one in made if one is not None]
         return [every[k] for k in np.broadcast_to(of_pixel.ravel(), len(self.moments))]

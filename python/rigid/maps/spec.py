@@ -116,7 +116,13 @@ class MapSpec:
             self.stable.check_forced()
         if self.scene.torque is not None and self.scene.torque.times:
             raise ValueError("torque: maps accept constant torques only, not a table")
-        check_method(self.method, self.scene.kind, watched=True, driven=self.is_driven)
+        check_method(
+            self.method,
+            self.scene.kind,
+            watched=True,
+            driven=self.is_driven,
+            satellite=self.scene.is_satellite,
+        )
         if self.stable.displaced and self.method != AUTO:
             check_tangent(self.method, driven=self.is_driven)
         if self.method == EXACT:

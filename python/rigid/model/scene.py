@@ -10,7 +10,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, Self, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -30,6 +30,7 @@ from .leading import (
     same,
     taken,
 )
+from .satellite import EnergySink, checked_rotor, checked_sink, rotor_words, satellite_rows
 from .start import Start, normal
 from .torque import (
     Damping,
@@ -53,6 +54,9 @@ __all__ = [
 ]
 
 Floats = NDArray[np.float64]
+Vector: TypeAlias = tuple[float, float, float]
+
+_ACTING = ("torque", "damping", "dissipation", "rotor")
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,6 +99,8 @@ class Scene(ABC):
     body : Body
     torque : Torque or None
     damping : 3 tuples of 3 floats, or None
+    dissipation : EnergySink or None
+    rotor : tuple of 3 floats, or None
     """
 
     __slots__ = ()
@@ -107,6 +113,8 @@ class Scene(ABC):
     body: Body
     torque: Torque | None
     damping: Damping | None
+    dissipation: EnergySink | None = None
+    rotor: Vector | Floats | None = None
 
     @classmethod
     @abstractmethod
@@ -134,6 +142,8 @@ class Scene(ABC):
             shapes[name] = axes_of(getattr(self, name), int(known.width > 1))
         shapes["torque"] = () if self.torque is None else self.torque.shape
         shapes["damping"] = axes_of(self.damping, 2)
+        shapes["dissipation"] = () if self.dissipation is None else self.dissipation.shape
+        shapes["rotor"] = axes_of(self.rotor, 1)
         return leading_shape(shapes)
 
     def __len__(self) -> int:
@@ -161,12 +171,18 @@ class Scene(ABC):
             damping = taken(self.damping, 2, shape, index)
             known = matrices_of(damping) if np.any(damping) else None
             object.__setattr__(some, "damping", known)
+        if self.dissipation is not None:
+            sink = checked_sink(self.dissipation.of(shape, index))
+            object.__setattr__(some, "dissipation", sink)
+        if self.rotor is not None:
+            rotor = checked_rotor(taken(self.rotor, 1, shape, index))
+            object.__setattr__(some, "rotor", rotor)
         return some
 
     def __eq__(self, other: object) -> bool:
         if type(other) is not type(self):
             return NotImplemented
-        names = ("body", *self.fields, "torque", "damping")
+        names = ("body", *self.fields, *_ACTING)
         return all(same(getattr(self, name), getattr(other, name)) for name in names)
 
     def __hash__(self) -> int:
@@ -175,8 +191,19 @@ class Scene(ABC):
 
     @property
     def is_driven(self) -> bool:
-        """Whether a torque, or damping that is not zero, was given."""
-        return self.torque is not None or self.damping is not None
+        """Whether a torque, a rotor, or damping or dissipation that is not zero, was given."""
+        return any(getattr(self, name) is not None for name in _ACTING)
+
+    @property
+    def is_satellite(self) -> bool:
+        """Whether a rotor, dissipation or a gravity gradient acts, which few methods integrate."""
+        return self.satellite is not None
+
+    @property
+    def satellite(self) -> Floats | None:
+        """The numbers of rotor, dissipation and orbit, shape (..., 13); None if nothing acts."""
+        orbit = None if self.torque is None else self.torque.orbit
+        return satellite_rows(self.rotor, self.dissipation, orbit)
 
     @property
     def rates_need_attitude(self) -> bool:
@@ -187,7 +214,7 @@ class Scene(ABC):
     @property
     def forcing(self) -> _core.Forcing | None:
         """Torque and damping as the core reads them, None if nothing acts."""
-        return forcing_of(self.torque, self.damping, self.shape)
+        return forcing_of(self.torque, self.damping, self.shape, satellite=self.satellite)
 
     @property
     def outside(self) -> _core.Forcing | None:
@@ -199,6 +226,9 @@ class Scene(ABC):
     ) -> Self:
         """The scene with another body, damping and other numbers of its own."""
         kept = {name: getattr(self, name) for name in self.fields}
+        for name in ("dissipation", "rotor"):
+            if getattr(self, name) is not None:
+                kept[name] = getattr(self, name)
         return type(self)(body, **{**kept, **own}, torque=self.torque, damping=damping)  # type: ignore[call-arg]
 
     def to_dict(self) -> dict[str, Any]:
@@ -216,11 +246,15 @@ class Scene(ABC):
                 # Not read as that of each body when it is read back.
                 damping = damping.reshape(*(1,) * len(self.shape), 3, 3)
             data["damping"] = damping.tolist()
+        if self.dissipation is not None:
+            data["dissipation"] = np.asarray(self.dissipation.coefficient).tolist()
+        if self.rotor is not None:
+            data["rotor"] = np.asarray(self.rotor).tolist()
         return data
 
     def __repr__(self) -> str:
         names = ["body", *self.fields]
-        names += [name for name in ("torque", "damping") if getattr(self, name) is not None]
+        names += [name for name in _ACTING if getattr(self, name) is not None]
         parts = ((name, getattr(self, name)) for name in names)
         values = (
             f"{name} of shape {part.shape}" if isinstance(part, np.ndarray) else f"{name}={part!r}"
@@ -253,6 +287,10 @@ class Scene(ABC):
             parts.append(self.torque.words())
         if self.damping is not None:
             parts.append(damping_words(self.damping))
+        if self.dissipation is not None:
+            parts.append(self.dissipation.words())
+        if self.rotor is not None:
+            parts.append(rotor_words(self.rotor))
         return ", ".join(parts)
 
 
@@ -286,20 +324,27 @@ def _check_body(body: object) -> None:
 class FreeBody(Scene):
     """A body without weight, turning about its centre of mass.
 
-    Euler's equations ``I omega' = (I omega) × omega + torque - D omega`` in the principal axes of
-    the body.
+    Euler's equations ``I omega' = (I omega + h) × omega + torque - D omega`` in the principal axes
+    of the body, ``h`` being the momentum of a rotor.
 
     Parameters
     ----------
     body : Body
         The body, or many.
     torque : Torque, optional
-        Applied torque: :meth:`Torque.body`, :meth:`Torque.space`, or a sum of them.
+        Applied torque: :meth:`Torque.body`, :meth:`Torque.space`, :meth:`Torque.gravity_gradient`,
+        or a sum of them.
     damping : float or array_like, shape (3,) or (3, 3), optional
         Linear damping ``D`` (N m s): one coefficient, one for each body axis, or a symmetric
         positive semi-definite matrix in body axes. Use ``(0, 0, c)`` to damp only the spin. Axes
         before these are those of the bodies: ``(n,)``, ``(n, 3)``, ``(n, 3, 3)``. A shape that can
         be read in two ways, such as ``(3,)`` for three bodies, is refused.
+    dissipation : EnergySink, optional
+        Internal dissipation, which drains energy and keeps the angular momentum in space.
+    rotor : array_like, shape (3,) or (..., 3), optional
+        Angular momentum ``h`` (kg m²/s) of a rotor relative to the body, constant in the body: a
+        gyrostat (Zhukovsky 1885, Volterra 1899). The whole momentum is ``I omega + h``; energies
+        are those of ``omega``, without that of the rotor's own spin.
 
     Attributes
     ----------
@@ -309,7 +354,8 @@ class FreeBody(Scene):
     Raises
     ------
     ValueError
-        If the damping is not symmetric, not finite, or would add energy.
+        If the damping is not symmetric, not finite, or would add energy, or the rotor is not
+        finite.
 
     Examples
     --------
@@ -332,14 +378,24 @@ class FreeBody(Scene):
     body: Body
     torque: Torque | None = field(default=None, kw_only=True)
     damping: Damping | None = field(default=None, kw_only=True)
+    dissipation: EnergySink | None = field(default=None, kw_only=True)
+    rotor: Vector | Floats | None = field(default=None, kw_only=True)
 
     def __init__(
-        self, body: Body, *, torque: Torque | None = None, damping: ArrayLike | None = None
+        self,
+        body: Body,
+        *,
+        torque: Torque | None = None,
+        damping: ArrayLike | None = None,
+        dissipation: EnergySink | None = None,
+        rotor: ArrayLike | None = None,
     ) -> None:
         _check_body(body)
         set_field = object.__setattr__  # the dataclass is frozen
         set_field(self, "body", body)
         set_field(self, "torque", checked_torque(torque))
+        set_field(self, "dissipation", checked_sink(dissipation))
+        set_field(self, "rotor", checked_rotor(rotor))
         set_field(self, "damping", None)
         set_field(self, "damping", checked_damping(damping, self.shape))
         # Raises for parts that do not broadcast.
@@ -499,4 +555,8 @@ def scene_from_dict(data: Mapping[str, Any]) -> Scene:
     body = Body.from_dict(data["body"])
     torque = None if data.get("torque") is None else Torque.from_dict(data["torque"])
     own = {name: data[name] for name in scene.fields}
+    if data.get("dissipation") is not None:
+        own["dissipation"] = EnergySink(data["dissipation"])
+    if data.get("rotor") is not None:
+        own["rotor"] = data["rotor"]
     return scene(body, **own, torque=torque, damping=data.get("damping"))  # type: ignore[call-arg]

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from .. import _core
 from .._checks.arguments import brief, first_place, numbers, shaped, sorted_times
 from .leading import Index, Shape, axes_of, frozen, leading_shape, same, taken
+from .satellite import Orbit
 
 __all__ = [
     "Damping",
@@ -36,9 +37,10 @@ NO_EXPONENT: NDArray[np.intc] = np.zeros(1, dtype=np.intc)
 class Torque:
     """A torque in the body or in space, constant or a table over time, of one body or of each.
 
-    Made by :meth:`body` and :meth:`space`; torques add. Between the times of a table the torque is
-    linear. Two values at one time are a jump. The torque is unknown outside the times of the table,
-    so a run beyond them raises ValueError; if the torque ends, end the table with zeros.
+    Made by :meth:`body`, :meth:`space` and :meth:`gravity_gradient`; torques add. Between the times
+    of a table the torque is linear. Two values at one time are a jump. The torque is unknown
+    outside the times of the table, so a run beyond them raises ValueError; if the torque ends, end
+    the table with zeros.
 
     Attributes
     ----------
@@ -47,6 +49,8 @@ class Torque:
     in_body, in_space : tuple of (float, float, float), or ndarray of shape (..., m, 3)
         Torque (N m) in the body and in space at these times, or always, m being 1; the arrays hold
         those of many bodies and are read-only.
+    orbit : Orbit or None
+        The circular orbit of a gravity gradient.
 
     Examples
     --------
@@ -59,6 +63,7 @@ class Torque:
     times: tuple[float, ...]
     in_body: tuple[Vector, ...] | Floats
     in_space: tuple[Vector, ...] | Floats
+    orbit: Orbit | None = None
 
     @property
     def shape(self) -> Shape:
@@ -67,8 +72,10 @@ class Torque:
 
     def of(self, shape: Shape, index: Index) -> Torque:
         """The torque of some of the bodies of this shape."""
-        parts = (taken(part, 2, shape, index) for part in (self.in_body, self.in_space))
-        return Torque(self.times, *map(_vectors, parts)) if self.shape else self
+        if not self.shape:
+            return self
+        body, space = (taken(part, 2, shape, index) for part in (self.in_body, self.in_space))
+        return Torque(self.times, _vectors(body), _vectors(space), self.orbit)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Torque):
@@ -76,12 +83,15 @@ class Torque:
         return all(same(getattr(self, name), getattr(other, name)) for name in self.__slots__)
 
     def __hash__(self) -> int:
-        return hash((self.times, self.shape or (self.in_body, self.in_space)))
+        return hash((self.times, self.shape or (self.in_body, self.in_space), self.orbit))
 
     def __repr__(self) -> str:
         if self.shape:
             return f"Torque({self.words()}, bodies of shape {self.shape})"
-        return f"Torque(times={self.times}, in_body={self.in_body}, in_space={self.in_space})"
+        orbit = "" if self.orbit is None else f", orbit={self.orbit}"
+        return (
+            f"Torque(times={self.times}, in_body={self.in_body}, in_space={self.in_space}{orbit})"
+        )
 
     @classmethod
     def body(cls, values: ArrayLike, *, times: ArrayLike | None = None) -> Torque:
@@ -106,6 +116,50 @@ class Torque:
     def space(cls, values: ArrayLike, *, times: ArrayLike | None = None) -> Torque:
         """A torque with these components along the axes of space; arguments as in :meth:`body`."""
         return cls._made(values, times, 1)
+
+    @classmethod
+    def gravity_gradient(
+        cls,
+        *,
+        rate: float,
+        normal: ArrayLike = (0.0, 0.0, 1.0),
+        towards: ArrayLike = (1.0, 0.0, 0.0),
+    ) -> Torque:
+        """The torque of the gravity gradient on a circular orbit, ``3 n² o × I o``.
+
+        ``o`` is the direction to the centre; in space it turns about ``normal`` at the rate ``n``.
+        The body is small against the orbit (Hughes, *Spacecraft Attitude Dynamics*, 1986, § 8.1).
+        Its moments are those of the scene; :func:`rigid.free.jacobi_integral` is constant.
+
+        Parameters
+        ----------
+        rate : float
+            Rate ``n`` of the orbit (rad/s), positive.
+        normal : array_like, shape (3,)
+            Unit vector about which the orbit turns, in space.
+        towards : array_like, shape (3,)
+            Unit vector to the centre at ``t = 0``, in space, at right angles to ``normal``.
+
+        Raises
+        ------
+        ValueError
+            If the rate is not positive, a direction is no unit vector, or the two are not at right
+            angles.
+
+        Examples
+        --------
+        A satellite on its orbit, its long axis near the vertical, swings with ``n sqrt(1.5)``:
+
+        >>> import numpy as np, rigid
+        >>> gravity = rigid.Torque.gravity_gradient(rate=1.0)
+        >>> scene = rigid.FreeBody(rigid.Body((1.0, 2.0, 2.0)), torque=gravity)
+        >>> period = 2.0 * np.pi / np.sqrt(1.5)
+        >>> run = rigid.simulate(scene, [0.0, 0.0, 1.001], t=[0.0, period], accuracy=1e-9)
+        >>> [round(rate, 6) for rate in run.omega[-1].tolist()]
+        [0.0, 0.0, 1.001]
+        """
+        none = ((0.0, 0.0, 0.0),)
+        return cls((), none, none, Orbit.of(rate, normal, towards))
 
     @classmethod
     def _made(cls, values: ArrayLike, times: ArrayLike | None, frame: int) -> Torque:
@@ -138,15 +192,19 @@ class Torque:
         ]
         leading_shape({"torque": self.shape, "other torque": other.shape})
         body, space = (_vectors(parts[0][frame] + parts[1][frame]) for frame in (0, 1))
-        return Torque(tuple(knots.tolist()), body, space)
+        if self.orbit is not None and other.orbit is not None:
+            raise ValueError("torque: a body has one orbit, and both torques are gravity gradients")
+        return Torque(tuple(knots.tolist()), body, space, self.orbit or other.orbit)
 
     @property
     def acts_in_space(self) -> bool:
-        """Whether it has a part that is fixed in space: the rates then need the attitude."""
-        return bool(np.any(self.in_space))
+        """Whether a part of it depends on the attitude: then so do the rates."""
+        return self.orbit is not None or bool(np.any(self.in_space))
 
     def at(self, t: ArrayLike) -> tuple[Floats, Floats]:
         """Torque in the body and in space at times ``t`` (m,), shapes (..., m, 3); after a jump.
+
+        A gravity gradient, which depends on the attitude, is not in them.
 
         Raises
         ------
@@ -170,6 +228,10 @@ class Torque:
             for name, values in (("body", self.in_body), ("space", self.in_space))
             if np.any(values)
         ]
+        if self.orbit is not None:
+            gradient = f"gravity gradient of an orbit at {self.orbit.rate:g} rad/s"
+            others = Torque(self.times, self.in_body, self.in_space)
+            return f"{gradient}, {others.words()}" if frames else gradient
         if not frames:
             return "torque zero"
         if self.shape and not self.times:
@@ -192,6 +254,7 @@ class Torque:
             "times": list(self.times),
             "in_body": np.asarray(self.in_body).tolist(),
             "in_space": np.asarray(self.in_space).tolist(),
+            **({} if self.orbit is None else {"orbit": self.orbit.to_dict()}),
         }
 
     @classmethod
@@ -201,7 +264,8 @@ class Torque:
         parts = []
         for make, values in ((cls.body, data["in_body"]), (cls.space, data["in_space"])):
             parts.append(make(values if times else np.asarray(values)[..., 0, :], times=times))
-        return cls(parts[0].times, parts[0].in_body, parts[1].in_space)
+        orbit = None if data.get("orbit") is None else Orbit.from_dict(data["orbit"])
+        return cls(parts[0].times, parts[0].in_body, parts[1].in_space, orbit)
 
 
 def checked_torque(torque: object) -> Torque | None:
@@ -329,17 +393,19 @@ def forcing_of(
     damping: Damping | None,
     shape: Shape = (),
     exponents: NDArray[np.intc] = NO_EXPONENT,
+    satellite: Floats | None = None,
 ) -> _core.Forcing | None:
     """Torque and damping of bodies of this shape as the core reads them; None if nothing acts.
 
-    They are counted in units of ``2**exponents``, one for each body or one for all.
+    They are counted in units of ``2**exponents``, one for each body or one for all. ``satellite``
+    has the numbers of rotor, dissipation and orbit, shape (..., 13).
 
     Raises
     ------
     ValueError
         If they are too large for the unit.
     """
-    if torque is None and damping is None:
+    if torque is None and damping is None and satellite is None:
         return None
     d = np.zeros((3, 3)) if damping is None else np.asarray(damping)
     entries = d[..., [0, 1, 2, 1, 0, 0], [0, 1, 2, 2, 2, 1]]
@@ -357,11 +423,19 @@ def forcing_of(
             raise ValueError(f"{name}: must be below 1e308 times the largest moment")
         return np.ascontiguousarray(found.reshape(prod(found.shape[:-1]), tail[-1]))
 
+    rows = None
+    if satellite is not None:
+        of_body = scaled("rotor or dissipation", satellite[..., :6], 1)
+        of_orbit = satellite[..., 6:].reshape(-1, 7)
+        count = max(len(of_body), len(of_orbit))
+        rows = np.empty((count, 13))
+        rows[:, :6], rows[:, 6:] = of_body, of_orbit[:1]
     return _core.Forcing(
         times=np.array(() if torque is None else torque.times, dtype=np.float64),
         body=scaled("torque", tables[0], 2),
         space=scaled("torque", tables[1], 2),
         damping=scaled("damping", entries, 1),
+        satellite=rows,
     )
 
 

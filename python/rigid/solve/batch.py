@@ -118,7 +118,7 @@ class Batch:
             weight=_scaled("mgl", rows, exponents, shape) if np.count_nonzero(weight) else rows,
             omega=every if len(every) == prod(shape) else np.repeat(every, prod(shape), axis=0),
             attitude=in_rows(attitude, shape),
-            forcing=forcing_of(scene.torque, scene.damping, shape, exponents),
+            forcing=forcing_of(scene.torque, scene.damping, shape, exponents, scene.satellite),
             scale_exponent=exponents,
         )
 

@@ -123,8 +123,14 @@ class Problem:
         if self.method is not None:
             one_of("method", self.method, run_methods())
             watched = not isinstance(self.question, str)
-            driven = self.scene.is_driven
-            check_method(self.method, self.scene.kind, watched=watched, driven=driven)
+            driven, satellite = self.scene.is_driven, self.scene.is_satellite
+            check_method(
+                self.method,
+                self.scene.kind,
+                watched=watched,
+                driven=driven,
+                satellite=satellite,
+            )
         for name in ("step", "accuracy"):
             if getattr(self, name) is not None:
                 value = finite_float(name, getattr(self, name), positive=True)
@@ -444,7 +450,7 @@ def _preferred(problem: Problem, forms: NDArray[np.str_]) -> tuple[str, list[str
 def _scheme(problem: Problem, why: list[str]) -> tuple[str, list[str]]:
     """The scheme of bodies without a closed form: the one for strong damping where it is needed."""
     slowing = _damping_rate(problem.scene)
-    if slowing == 0.0:
+    if slowing == 0.0 or problem.scene.is_satellite:
         return FALLBACK, why
     turning = problem.rates()
     if problem.step is not None:
@@ -483,9 +489,16 @@ def _takes_usual_accuracy(problem: Problem, method: str) -> bool:
     return not asked and isinstance(problem.question, str) and method not in (EXACT, STIFF)
 
 
+def _applicable(scene: Scene) -> list[str]:
+    """The schemes among which the cheapest is taken."""
+    if scene.is_driven:
+        return driven_methods(satellite=scene.is_satellite)
+    return plain_methods()
+
+
 def _usually_cheapest(problem: Problem, method: str, why: list[str]) -> str:
     """The scheme that mostly is the cheapest, where rates or horizon are not known."""
-    names = driven_methods() if problem.scene.is_driven else plain_methods()
+    names = _applicable(problem.scene)
     usual = cheapest(
         USUAL_ACCURACY,
         str(problem.classes()[0]),
@@ -521,7 +534,7 @@ def _accurate(
         if problem.scene.is_driven:
             angles = {
                 name: _largest_angle(problem.batch.fastest_rates(problem.times, name), span)
-                for name in driven_methods()
+                for name in _applicable(problem.scene)
             }
         else:
             angles = dict.fromkeys(plain_methods(), _largest_angle(turning, span))

@@ -77,8 +77,9 @@ class Method:
     tangent : bool
         Integrates small displacements with the motion; a symplectic method those of bodies without
         torque and damping, and none by parameters.
-    driven, stiff : bool
-        Integrates bodies under torque and damping; is stable for damping of any strength.
+    driven, stiff, satellite : bool
+        Integrates bodies under torque and damping; is stable for damping of any strength;
+        integrates them with a rotor, dissipation or a gravity gradient.
     tops, maps : bool
         Integrates bodies with weight, not only free ones; has a state after every step, which a
         map needs, not only at given times.
@@ -107,6 +108,7 @@ class Method:
     tangent: bool
     driven: bool
     stiff: bool
+    satellite: bool
     tops: bool
     maps: bool
     series: bool
@@ -183,9 +185,10 @@ def tangent_methods(*, forced: bool = False) -> tuple[str, ...]:
     return tuple(method.name for method in known if not (forced and method.symplectic))
 
 
-def driven_methods() -> list[str]:
-    """The names of the schemes that move bodies under torque and damping."""
-    return [method.name for method in methods() if method.driven]
+def driven_methods(*, satellite: bool = False) -> list[str]:
+    """The names of the schemes that move bodies under torque and damping, or satellites."""
+    known = (method for method in methods() if method.driven)
+    return [method.name for method in known if method.satellite or not satellite]
 
 
 def plain_methods() -> list[str]:
@@ -198,7 +201,9 @@ def map_methods() -> list[str]:
     return [AUTO, *run_methods()]
 
 
-def check_method(name: str, kind: str, *, watched: bool, driven: bool = False) -> None:
+def check_method(
+    name: str, kind: str, *, watched: bool, driven: bool = False, satellite: bool = False
+) -> None:
     """Raise ValueError if a scheme does not integrate the kind of scene, or cannot be observed."""
     if name not in (AUTO, EXACT):
         _core.check_method(name, kind, watched)
@@ -206,6 +211,11 @@ def check_method(name: str, kind: str, *, watched: bool, driven: bool = False) -
             raise ValueError(
                 f"method = {name!r}: moves bodies without torque and damping only; under them "
                 f"move {', '.join(map(repr, driven_methods()))}"
+            )
+        if satellite and not _named(name).satellite:
+            raise ValueError(
+                f"method = {name!r}: moves bodies without rotor, dissipation and gravity gradient "
+                f"only; with them move {', '.join(map(repr, driven_methods(satellite=True)))}"
             )
 
 

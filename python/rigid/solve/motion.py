@@ -75,7 +75,13 @@ class Motion:
     ) -> None:
         self.scene = check_scene(scene)
         self.method = one_of("method", method, [method.name for method in methods()])
-        check_method(method, scene.kind, watched=False, driven=scene.is_driven)
+        check_method(
+            method,
+            scene.kind,
+            watched=False,
+            driven=scene.is_driven,
+            satellite=scene.is_satellite,
+        )
         batch, shape = Batch.from_input(scene, omega, attitude)
         if len(shape) > 1:
             raise ValueError(f"omega: expected shape (3,) or (n, 3), got bodies of shape {shape}")

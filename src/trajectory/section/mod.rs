@@ -151,20 +151,22 @@ pub fn section(
 struct Way {
     assignment: KernelAssignment,
     is_forced: bool,
+    is_satellite: bool,
 }
 
 impl Way {
     fn of(request: &Request, scheme: &Scheme, index: usize) -> Way {
-        let (body, is_forced) = (&request.bodies[index], !request.forcing_of(index).is_none());
+        let (body, forcing) = (&request.bodies[index], request.forcing_of(index));
+        let (is_forced, is_satellite) = (!forcing.is_none(), forcing.is_satellite());
         let assignment = match is_forced {
             true => KernelAssignment::of_forced(scheme, body),
             false => KernelAssignment::of(scheme, body, &TOP),
         };
-        Way { assignment, is_forced }
+        Way { assignment, is_forced, is_satellite }
     }
 
-    fn kind(&self) -> (Step, bool) {
-        (self.assignment.step, self.is_forced)
+    fn kind(&self) -> (Step, bool, bool) {
+        (self.assignment.step, self.is_forced, self.is_satellite)
     }
 }
 
@@ -224,6 +226,7 @@ impl<'a> Batch<'a> {
         let way = ways[members[0]];
         let needs = Needs {
             is_forced: way.is_forced,
+            is_satellite: way.is_satellite,
             is_reduced: false,
             directions: 1,
             attitude: true,

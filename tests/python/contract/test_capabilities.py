@@ -81,6 +81,8 @@ SUBJECTS = (
     "explicit integration",
     "geometric integration",
     "heavy tops of any shape",
+    "satellites",
+    "libration on an orbit",
     "steps one by one",
     "batches",
     "arrays",

@@ -1,0 +1,150 @@
+"""Satellites on a circular orbit: libration about the position of rest, and the Jacobi integral."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._checks.arguments import brief, shaped
+from .._checks.arrays import attitudes, vectors
+from ..model.body_like import BodyLike, moments_of
+from ..model.satellite import Orbit
+from ..model.scene import Scene, check_scene
+from ..rotations.apply import to_body
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
+
+__all__ = ["Libration", "centre", "jacobi_integral", "libration"]
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Libration:
+    """Small oscillations of a satellite about rest on its orbit, in units of ``rate``.
+
+    Attributes
+    ----------
+    pitch : ndarray, shape (...)
+        Frequency about the normal of the orbit (rad/s), ``n sqrt(3 (I_roll - I_yaw) / I_pitch)``;
+        NaN where rest is unstable in pitch.
+    roll_yaw : ndarray, shape (..., 2)
+        Both frequencies (rad/s) of the coupled motion of roll and yaw, the larger first; NaN where
+        rest is unstable in them.
+    stable : ndarray of bool, shape (...)
+        Whether all of them are real and not zero.
+    region : ndarray of str, shape (...)
+        ``"Lagrange"`` where rest has the least energy, so that dissipation leaves it stable;
+        ``"DeBra-Delp"`` where it is stable without dissipation only; else ``""``.
+    """
+
+    pitch: Floats
+    roll_yaw: Floats
+    stable: NDArray[np.bool_]
+    region: NDArray[np.str_]
+
+
+def libration(body: BodyLike, rate: ArrayLike) -> Libration:
+    """Libration of a satellite whose axes lie along the orbit: roll, pitch and yaw.
+
+    Axis 1 (roll) points along the motion, axis 2 (pitch) along the normal of the orbit, axis 3
+    (yaw) to the centre. With ``k1 = (I2 - I3)/I1`` and ``k3 = (I2 - I1)/I3`` the squares of the
+    frequencies of roll and yaw, over that of the orbit, are the roots of
+    ``x² - (1 + 3 k1 + k1 k3) x + 4 k1 k3`` (Hughes, *Spacecraft Attitude Dynamics*, 1986, § 9.2;
+    DeBra and Delp, *J. Astronaut. Sci.* 8 (1961) 14-17).
+
+    Parameters
+    ----------
+    body : Body, FreeBody or array_like, shape (..., 3)
+        The body, or its moments (kg m²) of roll, pitch and yaw.
+    rate : array_like, shape (...)
+        Rate of the orbit (rad/s), positive.
+
+    Raises
+    ------
+    ValueError
+        If the moments are impossible, or the rate is not positive.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> found = rigid.free.libration((2.0, 2.1, 0.3), rate=1e-3)
+    >>> round(float(found.pitch), 6), found.roll_yaw.round(6).tolist(), str(found.region)
+    (0.001558, [0.001948, 0.000573], 'Lagrange')
+    """
+    moments = moments_of(body)
+    n = shaped("rate", rate, positive=True)
+    roll, pitch, yaw = np.moveaxis(np.asarray(moments, dtype=np.float64), -1, 0)
+    k1, k3 = (pitch - yaw) / roll, (pitch - roll) / yaw
+    squares = 3.0 * (roll - yaw) / pitch
+    half = 0.5 * (1.0 + 3.0 * k1 + k1 * k3)
+    product = 4.0 * k1 * k3
+    with np.errstate(invalid="ignore"):
+        swing = np.where(squares > 0.0, np.sqrt(squares), np.nan)
+        larger = half + np.sqrt(half * half - product)
+        both = np.stack([larger, product / larger], axis=-1)
+        is_real = (product > 0.0) & (half > 0.0) & (half * half > product)
+        coupled = np.where(is_real[..., np.newaxis], np.sqrt(both), np.nan)
+    stable = is_real & (squares > 0.0)
+    region = np.where(stable, np.where(k3 > 0.0, "Lagrange", "DeBra-Delp"), "")
+    return Libration(n * swing, n[..., np.newaxis] * coupled, stable, region)
+
+
+def jacobi_integral(
+    scene: Scene, omega: ArrayLike, attitude: ArrayLike | Rotation, t: ArrayLike
+) -> Floats:
+    """Energy of a satellite in the frame of its orbit (J), constant if nothing else acts.
+
+    ``omega·I omega / 2 + 3 n² o·I o / 2 - n N·L``, with the direction ``o`` to the centre, the
+    normal ``N`` and the rate ``n`` of the orbit, and the angular momentum ``L``, that of a rotor
+    included (Hughes, *Spacecraft Attitude Dynamics*, 1986, § 9.2). It falls by dissipation.
+
+    Parameters
+    ----------
+    scene : FreeBody
+        One satellite with the torque of a gravity gradient.
+    omega : array_like, shape (..., 3)
+        Angular velocities in the body (rad/s).
+    attitude : array_like, shape (..., 4), or scipy Rotation
+        Attitudes.
+    t : array_like, shape (...)
+        Times (s) of the states.
+
+    Raises
+    ------
+    ValueError
+        If no gravity gradient acts, or the shapes do not broadcast.
+
+    Examples
+    --------
+    >>> import numpy as np, rigid
+    >>> gravity = rigid.Torque.gravity_gradient(rate=0.1)
+    >>> scene = rigid.FreeBody(rigid.Body((1.0, 2.0, 2.5)), torque=gravity)
+    >>> t = np.linspace(0.0, 500.0, 6)
+    >>> run = rigid.simulate(scene, [0.1, 0.2, 0.3], t=t, accuracy=1e-9)
+    >>> jacobi = rigid.free.jacobi_integral(scene, run.omega, run.attitude, t)
+    >>> bool(np.ptp(jacobi) < 1e-9 * run.energy()[0])
+    True
+    """
+    torque = check_scene(scene).torque
+    orbit = None if torque is None else torque.orbit
+    if orbit is None:
+        raise ValueError(f"scene = {brief(scene)}: no gravity gradient acts")
+    rates, turned, times = vectors("omega", omega), attitudes(attitude), shaped("t", t)
+    moments = np.asarray(scene.body.moments)
+    o, normal = centre(orbit, turned, times), to_body(turned, orbit.normal)
+    momentum = moments * rates + (0.0 if scene.rotor is None else np.asarray(scene.rotor))
+    twice = np.sum(moments * (rates**2 + 3.0 * orbit.rate**2 * o**2), axis=-1)
+    energy: Floats = 0.5 * twice - orbit.rate * np.sum(normal * momentum, axis=-1)
+    return energy
+
+
+def centre(orbit: Orbit, attitude: Floats, t: Floats) -> Floats:
+    """The direction to the centre in the body at times ``t``, shape (..., 3)."""
+    angle = orbit.rate * t[..., np.newaxis]
+    in_space = np.cos(angle) * np.array(orbit.towards) + np.sin(angle) * np.array(orbit.ahead)
+    return to_body(attitude, in_space)

@@ -1,0 +1,597 @@
+"""What acts on a satellite: an energy sink, a rotor, and the gravity gradient on an orbit."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from numpy.typing import ArrayLike, NDArray
+from scipy.integrate import solve_ivp
+from scipy.spatial.transform import Rotation
+
+import rigid
+from rigid.model.scene import scene_from_dict
+
+Floats = NDArray[np.float64]
+
+METHODS = [method.name for method in rigid.methods() if method.satellite]
+
+BODY = rigid.Body((1.0, 1.7, 2.2))
+ATTITUDE = np.array([0.5, -0.3, 0.7, 0.4]) / np.linalg.norm([0.5, -0.3, 0.7, 0.4])
+OMEGA = np.array([0.4, 1.0, -0.3])
+
+
+def in_space(run: rigid.Run, rotor: ArrayLike = (0.0, 0.0, 0.0)) -> Floats:
+    """The angular momentum in space, shape (m, 3)."""
+    moments = np.array(run.spec["scene"]["body"]["moments"])
+    found: Floats = run.rotation().apply(moments * run.omega + np.array(rotor))
+    return found
+
+
+def attitude_of(run: rigid.Run) -> Floats:
+    assert run.attitude is not None
+    return run.attitude
+
+
+def truth(
+    scene: rigid.FreeBody, omega: Floats, attitude: Floats, times: Floats
+) -> tuple[Floats, Floats]:
+    """The motion by SciPy's Dormand-Prince of order 8, from the equations as they are printed."""
+    moments = np.array(scene.body.moments)
+    h = np.zeros(3) if scene.rotor is None else np.array(scene.rotor)
+    sink = np.zeros(3) if scene.dissipation is None else np.array(scene.dissipation.coefficient)
+    damping = np.zeros((3, 3)) if scene.damping is None else np.array(scene.damping)
+    torque = scene.torque
+    orbit = None if torque is None else torque.orbit
+
+    def rate(t: float, y: Floats) -> Floats:
+        w, matrix = y[:3], y[3:].reshape(3, 3)
+        momentum = moments * w + h
+        acting = np.cross(momentum, w) - damping @ w
+        if torque is not None:
+            acting = acting + torque.in_body[0] + matrix.T @ np.array(torque.in_space[0])
+        if orbit is not None:
+            angle = orbit.rate * t
+            towards = np.cos(angle) * np.array(orbit.towards) + np.sin(angle) * np.array(
+                orbit.ahead
+            )
+            o = matrix.T @ towards
+            acting = acting + 3.0 * orbit.rate**2 * np.cross(o, moments * o)
+        e = sink / moments * (acting / moments)
+        acting = acting + np.cross(momentum, e)
+        v1, v2, v3 = w + e
+        hat = np.array([[0.0, -v3, v2], [v3, 0.0, -v1], [-v2, v1, 0.0]])
+        return np.concatenate([acting / moments, (matrix @ hat).ravel()])
+
+    matrix = Rotation.from_quat(attitude, scalar_first=True).as_matrix()
+    start = np.concatenate([omega, matrix.ravel()])
+    found = solve_ivp(rate, (0.0, times[-1]), start, "DOP853", t_eval=times, rtol=1e-13, atol=1e-14)
+    return found.y[:3].T, found.y[3:].T.reshape(-1, 3, 3)
+
+
+GRAVITY = rigid.Torque.gravity_gradient(rate=0.7)
+EVERYTHING = rigid.FreeBody(
+    BODY,
+    torque=rigid.Torque.gravity_gradient(rate=0.7, normal=(0.0, 0.6, 0.8), towards=(1.0, 0.0, 0.0))
+    + rigid.Torque.body((0.01, 0.0, -0.02))
+    + rigid.Torque.space((0.0, 0.03, 0.01)),
+    damping=(0.01, 0.02, 0.0),
+    dissipation=rigid.EnergySink((0.05, 0.1, 0.02)),
+    rotor=(0.3, -0.2, 0.5),
+)
+SCENES = {
+    "rotor": rigid.FreeBody(BODY, rotor=(0.3, -0.2, 0.5)),
+    "sink": rigid.FreeBody(BODY, dissipation=rigid.EnergySink(0.08)),
+    "orbit": rigid.FreeBody(BODY, torque=GRAVITY),
+    "everything": EVERYTHING,
+}
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("name", SCENES)
+def test_a_fine_integration_of_the_printed_equations_agrees(name: str, method: str) -> None:
+    times = np.linspace(0.0, 8.0, 5)
+    scene = SCENES[name]
+    run = rigid.simulate(scene, OMEGA, ATTITUDE, t=times, method=method, step=1.0 / 256.0)
+    omega, matrices = truth(scene, OMEGA, ATTITUDE, times)
+    # RK4 has an error of some (step)^4, the others of rounding.
+    allowed = 3e-9 if method == "rk4" else 3e-12
+    assert np.abs(run.omega - omega).max() < allowed
+    assert np.abs(run.rotation().as_matrix() - matrices).max() < allowed
+    rates = rigid.simulate(
+        scene, OMEGA, ATTITUDE, t=times, method=method, step=1.0 / 256.0, record="rates"
+    )
+    assert np.abs(rates.omega - omega).max() < allowed
+    # Work and impulse are integrated with the motion.
+    assert max(run.energy_drift, run.momentum_drift) < allowed
+    assert max(rates.energy_drift, rates.momentum_drift) < allowed
+    balance = run.energy() - run.energy()[0] - run.work
+    assert np.abs(balance).max() < allowed
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_errors_fall_with_the_order(method: str) -> None:
+    order = next(known.order for known in rigid.methods() if known.name == method)
+    # Few enough steps that the error is above that of rounding.
+    few = {4: 16, 8: 16, 12: 8, 14: 8, 16: 8, 20: 6, 26: 4}[order]
+    times = np.array([0.0, 4.0])
+    exact, _ = truth(EVERYTHING, OMEGA, ATTITUDE, times)
+    errors = [
+        np.abs(
+            rigid.simulate(
+                EVERYTHING, OMEGA, ATTITUDE, t=times, method=method, step=4.0 / count
+            ).omega
+            - exact
+        ).max()
+        for count in (few, 2 * few)
+    ]
+    assert np.log2(errors[0] / errors[1]) > order - 1.2
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_adaptive_steps_keep_their_tolerance(name: str) -> None:
+    times = np.linspace(0.0, 8.0, 5)
+    exact, _ = truth(SCENES[name], OMEGA, ATTITUDE, times)
+    run = rigid.simulate(SCENES[name], OMEGA, ATTITUDE, t=times, method="taylor16", tolerance=1e-12)
+    assert np.abs(run.omega - exact).max() < 1e-11
+
+
+@pytest.mark.parametrize("accuracy", [1e-3, 1e-6, 1e-9])
+@pytest.mark.parametrize("name", SCENES)
+def test_the_stated_error_is_no_less_than_the_true_one(name: str, accuracy: float) -> None:
+    times = np.linspace(0.0, 12.0, 7)
+    run = rigid.simulate(SCENES[name], OMEGA, ATTITUDE, t=times, accuracy=accuracy)
+    omega, matrices = truth(SCENES[name], OMEGA, ATTITUDE, times)
+    turn = Rotation.from_matrix(matrices).inv() * run.rotation()
+    fastest = np.linalg.norm(omega, axis=1).max()
+    error = max(turn.magnitude().max(), np.linalg.norm(run.omega - omega, axis=1).max() / fastest)
+    # The truth has an error of its own.
+    assert error <= run.error + 2e-13
+    assert run.error <= accuracy
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_the_balance_of_power_of_the_textbook_holds(name: str) -> None:
+    t = np.linspace(0.0, 2.0, 4001)
+    run = rigid.simulate(SCENES[name], OMEGA, ATTITUDE, t=t, method="taylor16")
+    balance = rigid.free.power_balance(run)
+    # Differences of order 2, with steps of 1 / 2000.
+    assert np.abs(balance.residual).max() < 1e-5
+    if name != "rotor":
+        assert np.abs(balance.power).max() > 1e-2
+
+
+# The energy sink.
+
+
+def test_a_symmetric_body_relaxes_by_its_closed_form() -> None:
+    """The tangent of the angle between L and the axis falls exponentially.
+
+    From ``dE/dt = -P |omega'|²`` at constant L: ``tan' = -P (I3 - I1) L² / (I3 I1³) tan``, and the
+    axis turns about L in the body by ``(1/I3 - 1/I1) L cos`` a time.
+    """
+    sink, t = 0.03, np.linspace(0.0, 60.0, 13)
+    for moment in (1.8, 0.4):  # a wheel, and a rod that ends in flat spin
+        body = rigid.Body((1.0, 1.0, moment))
+        scene = rigid.FreeBody(body, dissipation=rigid.EnergySink(sink))
+        omega = np.array([0.6, 0.0, 0.9 / moment])
+        run = rigid.simulate(scene, omega, t=t, method="taylor20")
+        size2 = 0.6**2 + 0.9**2
+        rate = sink * (moment - 1.0) * size2 / moment
+        tangent = 0.6 / 0.9 * np.exp(-rate * t)
+        cosine = 1.0 / np.sqrt(1.0 + tangent**2)
+        size = np.sqrt(size2)
+        np.testing.assert_allclose(run.omega[:, 2], size * cosine / moment, rtol=1e-12)
+        across = np.hypot(run.omega[:, 0], run.omega[:, 1])
+        np.testing.assert_allclose(across, size * cosine * tangent, rtol=1e-11)
+        # The integral of cos over t, with cos = 1 / sqrt(1 + tan²).
+        integral = (np.arcsinh(1.0 / tangent) - np.arcsinh(0.9 / 0.6)) / rate
+        phase = (1.0 - 1.0 / moment) * size * integral
+        turned = (run.omega[:, 0] + 1j * run.omega[:, 1]) / across
+        np.testing.assert_allclose(turned, np.exp(1j * phase), atol=1e-11)
+
+
+def test_momentum_in_space_is_kept_and_the_end_is_a_flat_spin() -> None:
+    body = rigid.Body((0.3, 1.7, 2.0))
+    scene = rigid.FreeBody(body, dissipation=rigid.EnergySink((0.002, 0.004, 0.01)))
+    t = np.linspace(0.0, 12000.0, 41)
+    run = rigid.simulate(scene, [3.0, 0.02, 0.01], ATTITUDE, t=t, method="taylor16")
+    momentum = in_space(run)
+    size = np.linalg.norm(momentum[0])
+    assert np.abs(momentum - momentum[0]).max() < 1e-12 * size
+    energy = run.energy()
+    assert np.all(np.diff(energy) < 1e-14 * energy[0])
+    least = 0.5 * size**2 / 2.0
+    assert abs(energy[-1] - least) < 1e-12 * least
+    # Axis 3 lies along L.
+    along = run.rotation()[-1].apply([0.0, 0.0, 1.0]) @ momentum[0] / size
+    assert 1.0 - abs(along) < 1e-12
+
+
+def test_the_end_of_the_relaxation_is_linear() -> None:
+    """Damping and frequency of the nutation about the axis of the largest moment.
+
+    The linearised motion is ``w1' = a w2 - g p2 b w1``, ``w2' = b w1 + g p1 a w2`` up to factors of
+    the moments; its eigenvalues are those of a matrix of four numbers.
+    """
+    i1, i2, i3 = moments = np.array([1.0, 1.7, 2.2])
+    p1, p2 = 0.02, 0.05
+    spin = 1.4
+    a, b = -(i3 - i2) * spin / i1, (i3 - i1) * spin / i2
+    matrix = np.array(
+        [
+            [-i3 * spin * p2 * b / (i1 * i2), a],
+            [b, i3 * spin * p1 * a / (i1 * i2)],
+        ]
+    )
+    scene = rigid.FreeBody(rigid.Body(moments), dissipation=rigid.EnergySink((p1, p2, 0.7)))
+    values, vectors = np.linalg.eig(matrix)
+    small, t = 1e-6, np.linspace(0.0, 120.0, 25)
+    start = small * np.array([1.0, 0.5])
+    linear = (vectors * np.exp(np.outer(t, values))[:, np.newaxis, :]) @ np.linalg.solve(
+        vectors, start
+    )
+    run = rigid.simulate(scene, [*start, spin], t=t, method="taylor20", record="rates")
+    # The next terms are smaller by the square of the angle.
+    np.testing.assert_allclose(run.omega[:, :2], linear.real, atol=1e-9 * small)
+    rate = -0.5 * np.trace(matrix)
+    closed = 0.5 * i3 * spin**2 / (i1 * i2) * (p2 * (i3 - i1) / i2 + p1 * (i3 - i2) / i1)
+    assert rate == pytest.approx(closed, rel=1e-14)
+    assert values.real == pytest.approx(-closed, rel=1e-12)
+
+
+def test_a_sphere_of_viscous_fluid_lags_by_its_relative_momentum() -> None:
+    """Solve ``nu lap f = 1`` for the flow ``f(r) omega' × r`` in a ball, ``f(a) = 0``."""
+    a, rho, nu = 0.3, 900.0, 0.02
+    r = np.linspace(0.0, a, 20001)
+    flow = (r**2 - a**2) / (10.0 * nu)
+    inside = np.trapezoid(rho * flow * 8.0 * np.pi / 3.0 * r**4, r)
+    sink = rigid.EnergySink.viscous_sphere(a, density=rho, viscosity=nu)
+    assert sink.coefficient[0] == pytest.approx(-inside, rel=1e-7)
+    # f'' + 4 f'/r = 1/nu is the equation of that flow.
+    slope, bend = 2.0 * r[1:] / (10.0 * nu), 2.0 / (10.0 * nu)
+    np.testing.assert_allclose(bend + 4.0 * slope / r[1:], 1.0 / nu)
+
+
+def test_backward_in_time_the_energy_grows() -> None:
+    scene = SCENES["sink"]
+    there = rigid.simulate(scene, OMEGA, t=[0.0, 5.0], method="taylor16")
+    back = rigid.simulate(
+        scene, there.omega[-1], attitude_of(there)[-1], t=[-5.0, 0.0], method="taylor16"
+    )
+    np.testing.assert_allclose(back.omega[0], OMEGA, atol=1e-12)
+
+
+# The rotor.
+
+
+def test_a_rotor_along_the_axis_of_a_symmetric_body_changes_the_nutation() -> None:
+    """``omega3`` is constant, and the rates across turn at ``((I3 - I1) omega3 + h) / I1``."""
+    scene = rigid.FreeBody(rigid.Body((1.2, 1.2, 0.7)), rotor=(0.0, 0.0, 0.9))
+    t = np.linspace(0.0, 50.0, 11)
+    run = rigid.simulate(scene, [0.4, 0.0, 0.8], t=t, method="taylor20")
+    turned = ((0.7 - 1.2) * 0.8 + 0.9) / 1.2 * t
+    exact = np.stack([0.4 * np.cos(turned), 0.4 * np.sin(turned), np.full(11, 0.8)], axis=-1)
+    np.testing.assert_allclose(run.omega, exact, atol=1e-12)
+
+
+@pytest.mark.parametrize("multiplier", [-0.7, 0.4, 1.3, 2.0, 5.0])
+def test_permanent_rotations_of_a_gyrostat_stay(multiplier: float) -> None:
+    """``I omega + h`` is along ``omega`` for ``omega = h / (mu - I)``, with any ``mu``."""
+    moments, rotor = np.array([1.0, 1.7, 2.2]), np.array([0.3, -0.2, 0.5])
+    omega = rotor / (multiplier - moments)
+    scene = rigid.FreeBody(rigid.Body(moments), rotor=rotor)
+    run = rigid.simulate(scene, omega, t=[0.0, 5.0], method="taylor16", step=0.01)
+    np.testing.assert_allclose(run.omega[-1], omega, rtol=1e-9)
+
+
+def test_a_gyrostat_keeps_its_energy_and_its_whole_momentum() -> None:
+    scene = SCENES["rotor"]
+    t = np.linspace(0.0, 300.0, 31)
+    run = rigid.simulate(scene, OMEGA, ATTITUDE, t=t, method="taylor20")
+    momentum = in_space(run, (0.3, -0.2, 0.5))
+    assert np.abs(momentum - momentum[0]).max() < 1e-12
+    np.testing.assert_allclose(run.energy(), run.energy()[0], rtol=1e-12)
+    assert np.abs(np.asarray(run.work)).max() < 1e-12
+    kept = rigid.free.invariants(run)
+    assert kept.L_space is not None
+    np.testing.assert_allclose(kept.L_space, momentum, atol=1e-14)
+    assert kept.drift("L_space") < 1e-12
+
+
+def test_a_rotor_of_a_body_at_rest_does_not_move_it() -> None:
+    scene = rigid.FreeBody(BODY, rotor=(0.0, 0.0, 2.0))
+    run = rigid.simulate(scene, [0.0, 0.0, 0.0], t=[0.0, 10.0])
+    np.testing.assert_array_equal(run.omega, 0.0)
+
+
+# The gravity gradient.
+
+
+def on_orbit(moments: ArrayLike, rate: float = 1.0) -> tuple[rigid.FreeBody, Rotation]:
+    """Roll along the motion, pitch along the normal, yaw towards the centre, at t = 0.
+
+    The normal is z of space and the centre in its direction x, so the motion is along -y.
+    """
+    scene = rigid.FreeBody(rigid.Body(moments), torque=rigid.Torque.gravity_gradient(rate=rate))
+    axes = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [-1.0, 0.0, 0.0]]).T
+    return scene, Rotation.from_matrix(axes)
+
+
+def test_a_satellite_at_rest_on_its_orbit_stays() -> None:
+    scene, attitude = on_orbit((2.0, 2.1, 0.3))
+    t = np.linspace(0.0, 20.0, 5)
+    run = rigid.simulate(scene, [0.0, 1.0, 0.0], attitude, t=t, method="taylor16")
+    np.testing.assert_allclose(run.omega, [[0.0, 1.0, 0.0]] * 5, atol=1e-13)
+
+
+@pytest.mark.parametrize("moments", [(2.0, 2.1, 0.3), (1.5, 1.9, 1.1), (0.9, 1.0, 0.15)])
+def test_librations_have_their_frequencies(moments: tuple[float, float, float]) -> None:
+    """Small swings are sums of cosines of the frequencies of the linearised motion.
+
+    The roots of a straight line through the phases give each frequency to 1e-8.
+    """
+    found = rigid.free.libration(moments, rate=1.0)
+    assert found.stable
+    assert found.region == "Lagrange"
+    scene, attitude = on_orbit(moments)
+    small, count, horizon = 1e-7, 4000, 400.0
+    t = np.linspace(0.0, horizon, count)
+    run = rigid.simulate(
+        scene,
+        [0.6 * small, 1.0 + small, -0.8 * small],
+        attitude,
+        t=t,
+        method="taylor20",
+        record="rates",
+    )
+    for signal, frequencies in (
+        (run.omega[:, 1] - 1.0, [float(found.pitch)]),
+        (run.omega[:, 0], found.roll_yaw.tolist()),
+        (run.omega[:, 2], found.roll_yaw.tolist()),
+    ):
+        # A frequency wrong by d leaves a residue of d t / sqrt(12) of the amplitude.
+        waves = [wave(f * t) for f in frequencies for wave in (np.cos, np.sin)]
+        design = np.stack(waves, axis=-1)
+        amplitudes, *_ = np.linalg.lstsq(design, signal)
+        residue = np.sqrt(np.mean((signal - design @ amplitudes) ** 2))
+        assert residue < 1e-8 * horizon / np.sqrt(12.0) * np.abs(amplitudes).max()
+        for k, frequency in enumerate(frequencies):
+            # The slope of the residue along the wave is the error of the frequency.
+            slope = t * (
+                design[:, 2 * k + 1] * amplitudes[2 * k] - design[:, 2 * k] * amplitudes[2 * k + 1]
+            )
+            off = (signal - design @ amplitudes) @ slope / (slope @ slope)
+            assert abs(off) < 1e-8 * frequency
+
+
+def test_rest_in_the_region_of_debra_and_delp_is_stable_and_its_complement_is_not() -> None:
+    rng = np.random.default_rng(5)
+    sums = 0
+    for _ in range(300):
+        moments = np.sort(rng.uniform(0.05, 1.0, 3))
+        if moments[2] >= moments[0] + moments[1]:
+            continue
+        # In the region of DeBra and Delp roll has the largest moment and pitch the least.
+        moments = rng.permutation(moments) if rng.random() < 0.5 else moments[[2, 0, 1]]
+        found = rigid.free.libration(moments, rate=1.0)
+        # The linearised equations, from differences of the equations of motion.
+        exponents = np.linalg.eigvals(linearised(moments))
+        is_stable = bool(np.abs(exponents.real).max() < 1e-6)
+        assert bool(found.stable) == is_stable, moments
+        if is_stable:
+            frequencies = np.sort([float(found.pitch), *found.roll_yaw])
+            np.testing.assert_allclose(np.sort(exponents.imag)[3:], frequencies, rtol=1e-6)
+            sums += found.region == "DeBra-Delp"
+    assert sums > 3
+
+
+def linearised(own: Floats) -> Floats:
+    """The matrix of small displacements from rest on the orbit, by central differences."""
+    moments = np.array(own)
+
+    def rate(y: Floats) -> Floats:
+        turn = Rotation.from_rotvec(y[:3]).as_matrix().T
+        omega = y[3:] + turn @ np.array([0.0, 1.0, 0.0])
+        o = turn @ np.array([0.0, 0.0, 1.0])
+        acting = np.cross(moments * omega, omega) + 3.0 * np.cross(o, moments * o)
+        normal = turn @ np.array([0.0, 1.0, 0.0])
+        change = acting / moments - np.cross(normal, y[3:])
+        return np.concatenate([y[3:], change])
+
+    step = 1e-5
+    return np.stack(
+        [(rate(step * unit) - rate(-step * unit)) / (2.0 * step) for unit in np.eye(6)], axis=-1
+    )
+
+
+def test_the_jacobi_integral_is_constant_on_the_orbit() -> None:
+    scene = SCENES["orbit"]
+    t = np.linspace(0.0, 200.0, 41)
+    run = rigid.simulate(scene, OMEGA, ATTITUDE, t=t, method="taylor20")
+    jacobi = rigid.free.jacobi_integral(scene, run.omega, run.attitude, t)
+    assert np.ptp(jacobi) < 1e-12 * run.energy().max()
+    assert np.ptp(run.energy()) > 1e-2
+    with_rotor = rigid.FreeBody(BODY, torque=scene.torque, rotor=(0.2, 0.1, -0.4))
+    run = rigid.simulate(with_rotor, OMEGA, ATTITUDE, t=t, method="taylor20")
+    jacobi = rigid.free.jacobi_integral(with_rotor, run.omega, run.attitude, t)
+    assert np.ptp(jacobi) < 1e-12 * run.energy().max()
+
+
+def test_dissipation_on_an_orbit_only_drains_the_jacobi_integral() -> None:
+    """Of attitudes at rest the one of the least energy attracts: pitch along the normal."""
+    scene, _ = on_orbit((1.5, 1.9, 1.1))
+    damped = rigid.FreeBody(scene.body, torque=scene.torque, dissipation=rigid.EnergySink(0.15))
+    t = np.linspace(0.0, 600.0, 301)
+    run = rigid.simulate(damped, [0.2, 0.9, 0.1], ATTITUDE, t=t, method="taylor16")
+    jacobi = rigid.free.jacobi_integral(damped, run.omega, run.attitude, t)
+    assert np.all(np.diff(jacobi) < 1e-12)
+    np.testing.assert_allclose(np.abs(run.omega[-1]), [0.0, 1.0, 0.0], atol=1e-4)
+
+
+def test_on_an_orbit_the_rates_are_bounded() -> None:
+    """The bound from the Jacobi integral holds, and does not grow with the horizon."""
+    rng = np.random.default_rng(3)
+    for _ in range(40):
+        moments = rng.uniform(1.0, 1.9, 3)
+        rate = float(10.0 ** rng.uniform(-2.0, 1.0))
+        scene = rigid.FreeBody(
+            rigid.Body(moments),
+            torque=rigid.Torque.gravity_gradient(rate=rate),
+            rotor=rng.normal(size=3),
+        )
+        omega = rng.normal(size=3)
+        forcing = scene.forcing
+        bounds = [
+            float(
+                rigid._core.fastest_rates(
+                    scene="free",
+                    moments=np.array([moments]),
+                    weight=np.zeros((1, 3)),
+                    omega=omega[np.newaxis],
+                    attitude=np.array([[1.0, 0.0, 0.0, 0.0]]),
+                    forcing=forcing,
+                    span=np.array([[0.0, horizon]]),
+                )[0]
+            )
+            for horizon in (20.0, 1e6)
+        ]
+        assert bounds[0] == bounds[1]
+        run = rigid.simulate(scene, omega, t=np.linspace(0.0, 20.0, 400), record="rates")
+        assert np.linalg.norm(run.omega, axis=1).max() <= bounds[0]
+
+
+# Requests.
+
+
+def test_bodies_in_one_call_have_the_bits_of_one_alone() -> None:
+    rotors = np.array([[0.3, -0.2, 0.5], [0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
+    sinks = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.01, 0.02, 0.03]])
+    many = rigid.FreeBody(BODY, rotor=rotors, dissipation=rigid.EnergySink(sinks))
+    assert many.shape == (3,)
+    assert [one.is_driven for one in many] == [True, False, True]
+    t = np.linspace(0.0, 3.0, 4)
+    run = rigid.simulate(many, OMEGA, t=t, method="dop853", step=0.01)
+    for index, scene in enumerate(many):
+        alone = rigid.simulate(scene, OMEGA, t=t, method="dop853", step=0.01)
+        np.testing.assert_array_equal(run.omega[index], alone.omega)
+        np.testing.assert_array_equal(attitude_of(run)[index], alone.attitude)
+
+
+def test_a_scene_is_read_back_as_it_was() -> None:
+    for scene in (*SCENES.values(), rigid.FreeBody(BODY, rotor=np.ones((2, 3)))):
+        again = scene_from_dict(scene.to_dict())
+        assert again == scene
+        assert again.to_dict() == scene.to_dict()
+
+
+def test_a_scene_is_told_in_words() -> None:
+    words = EVERYTHING.words()
+    assert "gravity gradient of an orbit at 0.7 rad/s" in words
+    assert "dissipation (0.05, 0.1, 0.02)" in words
+    assert "rotor (0.3, -0.2, 0.5)" in words
+    assert "rotor=(0.3, -0.2, 0.5)" in repr(EVERYTHING)
+
+
+def test_nothing_acts_if_all_is_zero() -> None:
+    scene = rigid.FreeBody(BODY, rotor=(0.0, 0.0, 0.0), dissipation=rigid.EnergySink(0.0))
+    assert scene == rigid.FreeBody(BODY)
+    assert rigid.plan(scene, "rates").method == "exact"
+
+
+def test_steps_one_by_one_are_those_of_a_run() -> None:
+    motion = rigid.Motion(EVERYTHING, OMEGA, ATTITUDE, method="rk4")
+    for _ in range(64):
+        motion.step(1.0 / 32.0)
+    run = rigid.simulate(EVERYTHING, OMEGA, ATTITUDE, t=[2.0], method="rk4", step=1.0 / 32.0)
+    np.testing.assert_allclose(motion.omega, run.omega[-1], atol=1e-14)
+
+
+def test_a_chosen_scheme_moves_satellites() -> None:
+    for name, scene in SCENES.items():
+        for accuracy in (1e-3, 1e-10):
+            plan = rigid.plan(scene, "rates", omega=OMEGA, t_end=10.0, accuracy=accuracy)
+            assert plan.method in METHODS, name
+
+
+@pytest.mark.parametrize(
+    ("method", "words"),
+    [("midpoint", "moves bodies without rotor, dissipation and gravity gradient only")],
+)
+def test_a_scheme_that_does_not_move_satellites_is_refused(method: str, words: str) -> None:
+    for scene in SCENES.values():
+        with pytest.raises(ValueError, match=f"method = '{method}': {words}"):
+            rigid.simulate(scene, OMEGA, t=[1.0], method=method)
+
+
+def test_displacements_of_satellites_are_refused() -> None:
+    words = "displacements under a rotor, dissipation or a gravity gradient are not integrated"
+    scene = SCENES["rotor"]
+    with pytest.raises(ValueError, match=words):
+        rigid.condition(scene, OMEGA, t=[1.0])
+    with pytest.raises(ValueError, match=words):
+        rigid.lyapunov(scene, OMEGA, t=[10.0])
+
+
+BAD = [
+    (lambda: rigid.EnergySink(-1.0), r"coefficient = -1.0: must not be negative"),
+    (lambda: rigid.EnergySink((1.0, np.nan, 0.0)), r"coefficient\[1\] = nan: must be finite"),
+    (lambda: rigid.EnergySink((1.0, 2.0)), r"coefficient: expected shape \(\) or \(..., 3\)"),
+    (
+        lambda: rigid.EnergySink.viscous_sphere(0.0, density=1.0, viscosity=1.0),
+        "radius = 0.0: must be positive",
+    ),
+    (lambda: rigid.FreeBody(BODY, rotor=(1.0, 2.0)), r"rotor: expected shape \(..., 3\), got"),
+    (lambda: rigid.Torque.gravity_gradient(rate=0.0), "rate = 0.0: must be positive"),
+    (
+        lambda: rigid.Torque.gravity_gradient(rate=1.0, normal=(1.0, 1.0, 0.0)),
+        r"normal = \[1.0, 1.0, 0.0\]: must be a unit vector",
+    ),
+    (
+        lambda: rigid.Torque.gravity_gradient(rate=1.0, towards=(0.6, 0.0, 0.8)),
+        r"towards = \[0.6, 0.0, 0.8\]: must be at right angles to normal",
+    ),
+    (
+        lambda: GRAVITY + GRAVITY,
+        "torque: a body has one orbit, and both torques are gravity gradients",
+    ),
+    (
+        lambda: rigid.free.jacobi_integral(SCENES["sink"], OMEGA, ATTITUDE, 0.0),
+        "no gravity gradient acts",
+    ),
+    (
+        lambda: (
+            rigid.FreeBody(rigid.Body((1e-300, 1e-300, 1e-300)), rotor=(1e10, 0.0, 0.0)).forcing
+            and rigid.simulate(
+                rigid.FreeBody(rigid.Body((1e-300, 1e-300, 1e-300)), rotor=(1e10, 0.0, 0.0)),
+                OMEGA,
+                t=[1.0],
+            )
+        ),
+        "rotor or dissipation: must be below 1e308 times the largest moment",
+    ),
+]
+
+
+@pytest.mark.parametrize(("call", "message"), BAD)
+def test_bad_numbers_are_refused(call: Callable[[], object], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        call()
+
+
+def test_what_is_no_sink_is_refused() -> None:
+    with pytest.raises(TypeError, match=r"dissipation = 0.1: must be a rigid.EnergySink"):
+        rigid.FreeBody(BODY, dissipation=0.1)  # type: ignore[arg-type]
+
+
+def test_energies_fall_in_order_of_the_sink() -> None:
+    """A weaker sink drains less."""
+    energies = [
+        rigid.simulate(
+            rigid.FreeBody(BODY, dissipation=rigid.EnergySink(p)), OMEGA, t=[20.0], accuracy=1e-9
+        ).energy()[-1]
+        for p in (0.0, 0.01, 0.02, 0.05)
+    ]
+    assert all(weaker > stronger for weaker, stronger in pairwise(energies))
