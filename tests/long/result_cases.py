@@ -51,6 +51,18 @@ SCENES: dict[str, Any] = {
         damping=[[0.2, 0.05, 0.0], [0.05, 0.1, 0.0], [0.0, 0.0, 0.3]],
     ),
     "damped-lagrange-top": rigid.HeavyTop(WHEEL, mgl=1.0, damping=(0.0, 0.0, 0.05)),
+    "gyrostat-with-sink": rigid.FreeBody(
+        rigid.Body((1.0, 1.5, 2.0)),
+        rotor=(0.3, -0.2, 0.5),
+        dissipation=rigid.EnergySink((0.05, 0.1, 0.02)),
+    ),
+    "satellite": rigid.FreeBody(
+        rigid.Body((1.0, 1.5, 2.0)),
+        torque=TORQUE + rigid.Torque.gravity_gradient(rate=0.7, normal=(0.0, 0.6, 0.8)),
+        damping=(0.1, 0.2, 0.05),
+        rotor=(0.3, -0.2, 0.5),
+        dissipation=rigid.EnergySink(0.05),
+    ),
 }
 """Of every kind that the core moves by kernels or closed forms of its own."""
 

@@ -74,7 +74,7 @@ def libration(body: BodyLike, rate: ArrayLike) -> Libration:
     >>> import rigid
     >>> found = rigid.free.libration((2.0, 2.1, 0.3), rate=1e-3)
     >>> round(float(found.pitch), 6), found.roll_yaw.round(6).tolist(), str(found.region)
-    (0.001558, [0.001948, 0.000573], 'Lagrange')
+    (0.001558, [0.001917, 0.000572], 'Lagrange')
     """
     moments = moments_of(body)
     n = shaped("rate", rate, positive=True)

@@ -38,6 +38,8 @@ Symmetric heavy top, damped only about its symmetry axis
     made.
 
 Landau and Lifshitz, *Mechanics*, §§ 35, 37; Goldstein, *Classical Mechanics*, §§ 5.6, 5.7.
+
+Satellites are predicted in :mod:`.satellites`.
 """
 
 from __future__ import annotations
@@ -53,6 +55,7 @@ from .._moments import possible
 from ..model.criteria import NoFlip, TiltBelow
 from ..model.scene import FreeBody, HeavyTop
 from .data import MapData
+from .satellites import NORMAL_REACH, RAYLEIGH_HALF, flat_spin, on_orbit
 from .spec import MapSpec
 
 __all__ = ["Curve", "Theory", "disagreement", "predict"]
@@ -63,12 +66,8 @@ Flags = NDArray[np.bool_]
 SMALL = 0.05
 """Largest perturbation for the law of the middle axis, as a share of the separatrix."""
 
-NORMAL_REACH = 4.0
-"""Largest deviation of normal noise that is considered, in standard deviations (all but 6e-5)."""
-
-# Medians, in standard deviations: of |N(0, 1)|, and of the length of two such components.
+# Median of |N(0, 1)|, in standard deviations.
 _NORMAL_HALF = 0.6744897501960817
-_RAYLEIGH_HALF = math.sqrt(2.0 * math.log(2.0))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -111,7 +110,8 @@ def predict(spec: MapSpec) -> Theory | None:
     Theory or None
     """
     with np.errstate(all="ignore"):  # impossible and degenerate pixels end as NaN
-        known = (predictor(spec) for predictor in (_free_no_flip, _symmetric_top, _falling_top))
+        predictors = (_free_no_flip, _symmetric_top, _falling_top, _satellite)
+        known = (predictor(spec) for predictor in predictors)
         theory = next((theory for theory in known if theory is not None), None)
     return None if theory is None or np.isnan(theory.share).all() else theory
 
@@ -288,7 +288,7 @@ def _symmetric_top(spec: MapSpec) -> Theory | None:
     sleeping = np.abs(axial * spin) / np.sqrt(bound) - 1.0
     curves = {"sleeping-top bound $\\omega_3 = 2\\sqrt{mgl\\,I_1}/I_3$": sleeping}
     released = np.where(
-        grid.attitude_size > 0.0, _RAYLEIGH_HALF * grid.attitude_size, np.abs(grid.tilt)
+        grid.attitude_size > 0.0, RAYLEIGH_HALF * grid.attitude_size, np.abs(grid.tilt)
     )
     verb = "passes" if noise is None else "half pass"
     name = f"{verb} {stable.angle:g} rad by t = {spec.t_end:g} s"
@@ -328,7 +328,7 @@ def _falling_top(spec: MapSpec) -> Theory | None:
     share = np.where(spec.t_end > np.maximum(bound, 0.0) + 2.0 * lag, 0.0, share)
     # Nutation before the bound: the noise must be far below the limit.
     share = np.where(known & (6.0 * grid.attitude_size < stable.angle), share, np.nan)
-    half = falling_lag(mgl, cross, axial, c, stable.angle / (_RAYLEIGH_HALF * grid.attitude_size))
+    half = falling_lag(mgl, cross, axial, c, stable.angle / (RAYLEIGH_HALF * grid.attitude_size))
     until = f"t = {spec.t_end:g} s"
     curves = {
         "onset of the fall $\\omega_3(t) = 2\\sqrt{mgl\\,I_1}/I_3$": bound / spec.t_end - 1.0,
@@ -364,3 +364,11 @@ def _horizon_bound(
     bound = np.where(growing & (crest > edge), np.minimum(tilt, limit), 0.0)
     # The match to the linear stage needs a few times of growth.
     return np.where(growing & (growth * t_end < 3.0), np.nan, bound)
+
+
+# Satellites
+
+
+def _satellite(spec: MapSpec) -> Theory | None:
+    found = flat_spin(spec) or on_orbit(spec)
+    return None if found is None else _theory(spec, *found)

@@ -166,6 +166,9 @@ class TiltBelow(Criterion):
         if scene.directions:
             return self if self.reference else replace(self, reference="vertical")
         if self.reference == "vertical":
+            # Where a torque acts in space, its third axis, and with it the vertical, is integrated.
+            if scene.rates_need_attitude:
+                return self
             raise ValueError(
                 "reference = 'vertical': a free body knows no vertical; use 'start' or a HeavyTop"
             )

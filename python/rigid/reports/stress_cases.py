@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model.body import Body
+from ..model.satellite import EnergySink
 from ..model.scene import FreeBody, HeavyTop, Scene
 from ..model.torque import Torque
 
@@ -54,11 +55,7 @@ class Case:
 
 def cases() -> tuple[Case, ...]:
     """All cases, family by family."""
-    return tuple(
-        case
-        for family in (_shapes, _spherical, _separatrix, _sizes, _tops, _times, _damped, _coarse)
-        for case in family()
-    )
+    return tuple(case for family in _FAMILIES for case in family())
 
 
 TUMBLE = (0.3, -0.5, 1.1)
@@ -215,3 +212,35 @@ def _coarse() -> Iterator[Case]:
             step=step,
             t=40.0 * step,
         )
+
+
+def _satellites() -> Iterator[Case]:
+    """Weak and strong sinks, slow and fast rotors, and orbits slower and faster than the body."""
+    body = Body((1.0, 1.6, 2.0))
+    for power in (-6, -3, -1, 0):
+        sink = EnergySink(10.0**power)
+        yield _satellite(f"sink of 1e{power} I / |omega|", FreeBody(body, dissipation=sink))
+    for power in (-6, -2, 0, 2, 4):
+        h = 10.0**power
+        rotor = (0.6 * h, 0.0, 0.8 * h)
+        scene = FreeBody(body, rotor=rotor)
+        yield _satellite(f"rotor of 1e{power} |L|", scene, t=10.0 / max(1.0, h))
+    for power in (-4, -2, 0, 2):
+        rate = 10.0**power
+        scene = FreeBody(body, torque=Torque.gravity_gradient(rate=rate))
+        yield _satellite(f"orbit of 1e{power} |omega|", scene, t=10.0 / max(1.0, rate))
+    needle = FreeBody(
+        Body((1.0, 1.0 - 5e-4, 1e-3)),
+        torque=Torque.gravity_gradient(rate=1.0),
+        rotor=(0.0, 1.0, 0.0),
+    )
+    yield _satellite("needle with a rotor on an orbit", needle, t=0.1)
+
+
+def _satellite(name: str, scene: FreeBody, t: float = 10.0) -> Case:
+    return Case(family="satellites", name=name, scene=scene, omega=TUMBLE, attitude=TILTED, t=t)
+
+
+_FAMILIES = (
+    *(_shapes, _spherical, _separatrix, _sizes, _tops, _times, _damped, _satellites, _coarse),
+)

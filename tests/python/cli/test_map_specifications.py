@@ -389,10 +389,12 @@ def test_there_are_three_built_in_maps() -> None:
         "chaotic-com",
         "chaotic-top",
         "falling-top",
+        "gravity-gradient",
         "inertia-triangle",
         "separatrix-web",
         "sleeping-top",
         "thrown-box",
+        "tumbling-debris",
     ]
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable
 from itertools import pairwise
 
@@ -12,6 +13,7 @@ from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 import rigid
+from processes import python_process
 from rigid.model.scene import scene_from_dict
 
 Floats = NDArray[np.float64]
@@ -464,6 +466,41 @@ def test_on_an_orbit_the_rates_are_bounded() -> None:
 
 
 # Requests.
+
+
+def print_digests() -> None:
+    """In a process of its own: what mixed bodies come to on an instruction set."""
+    rng = np.random.default_rng(8)
+    omega, attitude = rng.standard_normal((37, 3)), rng.standard_normal((37, 4))
+    for name, scene in SCENES.items():
+        for method in METHODS:
+            for record in ("rates", "axis", "attitude"):
+                run = rigid.simulate(
+                    scene, omega, attitude, t=[-0.2, 0.7], method=method, record=record, check=False
+                )
+                found = (run.omega, run.attitude, run.energy_drift, run.momentum_drift, run.work)
+                numbers = b"".join(np.asarray(part).tobytes() for part in found if part is not None)
+                print(name, method, record, hashlib.sha256(numbers).hexdigest())
+
+
+def test_every_instruction_set_gives_the_same_bytes() -> None:
+    code = "import test_satellites; test_satellites.print_digests()"
+    output = {
+        isa: python_process(code, RIGID_ISA=isa).stdout
+        for isa in rigid.build_info()["isa_available"]
+    }
+    assert len(output["scalar"].splitlines()) == 3 * len(SCENES) * len(METHODS)
+    for isa, found in output.items():
+        assert found == output["scalar"], isa
+
+
+def test_thread_counts_change_no_bit() -> None:
+    omega = np.random.default_rng(9).standard_normal((200, 3))
+    runs = [
+        rigid.simulate(EVERYTHING, omega, t=[1.0], method="rk4", threads=threads, check=False)
+        for threads in (1, 3)
+    ]
+    np.testing.assert_array_equal(runs[0].omega, runs[1].omega)
 
 
 def test_bodies_in_one_call_have_the_bits_of_one_alone() -> None:

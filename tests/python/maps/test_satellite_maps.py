@@ -1,0 +1,121 @@
+"""Maps of satellites: the way to the flat spin, and stable attitudes on an orbit."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rigid
+from rigid.cli.toml_map import read_spec
+from rigid.maps.satellites import time_to_separatrix
+from rigid.maps.spec import MapSpec
+
+
+def coarse(name: str, every: int, samples: int) -> rigid.StabilityMap:
+    """A built-in map with some of its pixels."""
+    values = read_spec(name).spec.to_dict()
+    for axis in values["axes"]:
+        axis["values"] = axis["values"][::every]
+    values["samples"] = samples
+    spec = MapSpec.from_dict(values)
+    return rigid.stability_map(
+        spec.scene,
+        axes={axis.name: axis.values for axis in spec.axes},
+        start=spec.start,
+        stable=spec.stable,
+        samples=samples,
+        t_end=spec.t_end,
+        rng=spec.seed,
+        progress=False,
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "least", "lines"),
+    [
+        ("gravity-gradient", 0.25, ["DeBra-Delp", "pitch stable"]),
+        ("tumbling-debris", 0.4, ["half pass the separatrix"]),
+    ],
+)
+def test_built_in_maps_agree_with_their_theory(name: str, least: float, lines: list[str]) -> None:
+    result = coarse(name, 6, 4)
+    theory = result.theory()
+    assert theory is not None
+    assert not result.failed.any()
+    known = np.isfinite(theory.share) & (result.status == 0)
+    assert known.sum() > least * (result.status == 0).sum()
+    assert {0.0, 1.0} == set(theory.share[known].tolist())
+    np.testing.assert_array_equal(result.share[known], theory.share[known])
+    for curve, words in zip(theory.curves, lines, strict=True):
+        assert curve.label.startswith(words)
+
+
+@pytest.mark.parametrize("moments", [(1.0, 1.7, 2.2), (0.3, 2.0, 1.8), (1.0, 1.05, 1.9)])
+def test_the_separatrix_is_reached_in_the_time_of_the_mean_loss(
+    moments: tuple[float, float, float],
+) -> None:
+    """The weaker the sink, the better the mean over a nutation holds."""
+    spin, across = 1.3, 0.02
+    off = []
+    for sink in (0.02, 0.005):
+        scene = rigid.FreeBody(rigid.Body(moments), dissipation=rigid.EnergySink(sink))
+        i1, i2, i3 = sorted(moments)
+        # The rates across axis 1 whose energy is that of the given rate about the largest axis.
+        start = np.zeros(3)
+        start[0], start[int(np.argmax(moments))] = spin, across
+        expected = float(
+            time_to_separatrix(
+                np.array([moments]), np.full(3, sink), np.array([spin]), np.array([across])
+            )[0]
+        )
+        t = np.linspace(0.0, 1.3 * expected, 4001)
+        run = rigid.simulate(
+            scene, start, t=t, method="taylor16", tolerance=1e-12, record="rates", check=False
+        )
+        w = run.omega[:, np.argsort(moments)]
+        above = i1 * (i2 - i1) * w[:, 0] ** 2 - i3 * (i3 - i2) * w[:, 2] ** 2
+        passed = t[np.flatnonzero(above < 0.0)[0]]
+        off.append(abs(passed / expected - 1.0))
+        flipped = t[np.flatnonzero(run.omega[:, 0] < 0.0)[0]]
+        assert flipped > passed
+    assert off[0] < 0.1
+    assert off[1] < 0.03
+
+
+def test_a_satellite_map_is_replayed_to_the_bit() -> None:
+    scene = rigid.FreeBody(
+        rigid.Body((1.0, 1.6, 2.0)),
+        torque=rigid.Torque.gravity_gradient(rate=0.3),
+        rotor=(0.1, 0.0, 0.2),
+        dissipation=rigid.EnergySink(0.05),
+    )
+    result = rigid.stability_map(
+        scene,
+        axes={"spin": [0.5, 1.0], "I1": [0.8, 1.2]},
+        start=rigid.Start(
+            spin=1.0, axis=2, noise=rigid.normal(1e-2), attitude_noise=rigid.normal(1e-2)
+        ),
+        stable=rigid.no_flip(2),
+        samples=6,
+        t_end=30.0,
+        rng=3,
+        check=0.5,
+        progress=False,
+    )
+    assert result.plan.method in [method.name for method in rigid.methods() if method.satellite]
+    assert not result.failed.any()
+    outcomes = [result.replay(pixel=(1, 1), sample=sample).outcome for sample in range(6)]
+    for name in ("stable", "unstable", "undecided"):
+        assert outcomes.count(name) == getattr(result, name)[1, 1]
+    assert result.theory() is None
+
+
+def test_displacements_of_a_satellite_are_refused_in_maps() -> None:
+    scene = rigid.FreeBody(rigid.Body((1.0, 1.6, 2.0)), rotor=(0.1, 0.0, 0.2))
+    asked: Any = {"axes": {"spin": [0.5, 1.0]}, "samples": 2, "t_end": 10.0, "progress": False}
+    with pytest.raises(ValueError, match="displacements under a rotor, dissipation or a gravity"):
+        rigid.stability_map(scene, stable=rigid.regular(), **asked)
+    with pytest.raises(ValueError, match="method = 'etd4': moves bodies without rotor"):
+        rigid.stability_map(scene, stable=rigid.no_flip(2), method="etd4", **asked)
