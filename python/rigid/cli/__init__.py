@@ -25,6 +25,7 @@ from ..maps.compute import run_map
 from ..maps.file import file_size
 from ..maps.plan import map_plan
 from ..maps.result import StabilityMap
+from ..maps.sequential import checked_half_width, stop_table
 from ..maps.spec import MapSpec
 from ..model.seed import seed_from
 from ..reports.compute import run_report
@@ -33,6 +34,14 @@ from ..reports.stress import extremes
 from ..sections.crossings import Crossings
 from ..sections.poincare import poincare
 from ..sections.starts import on_surface
+from .running_maps import (
+    add_commands,
+    add_options,
+    compute_stored,
+    default_stem,
+    open_and_go_on,
+    run,
+)
 from .toml_map import builtin_names, read_spec
 from .toml_report import read_report, report_names
 from .toml_section import SectionSpec, read_section, section_names
@@ -60,8 +69,10 @@ REPORT_SIZE = 2**20
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit code.
 
-    0: done. 1: `rigid extremes` has found a silent error. 2: refused before any work. 74: a file or
-    the output could not be written. 130, 143: ended by Ctrl-C or SIGTERM.
+    0: done. 1: `rigid extremes` has found a silent error, `rigid diff` a difference, `rigid verify`
+    wrong numbers, or some units of a stored map were given up. 2: refused before any work. 74: a
+    file or the output could not be written. 75: other parts of a stored map are not finished. 130,
+    143: ended by Ctrl-C or SIGTERM.
 
     Parameters
     ----------
@@ -75,6 +86,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             options = _parser().parse_args(arguments)
             command = {
                 "map": _map,
+                "resume": _resume,
+                **dict.fromkeys(("status", "merge", "diff", "verify", "pack"), run),
                 "maps": _maps,
                 "section": _section,
                 "sections": _sections,
@@ -101,19 +114,45 @@ def _map(options: argparse.Namespace) -> int:
     named = read_spec(options.map)
     spec = named.spec
     if options.samples is not None:
-        spec = dataclasses.replace(spec, samples=options.samples)
+        spec = dataclasses.replace(spec, samples=options.samples, half_width=None)
+    if options.half_width is not None:
+        half_width = checked_half_width(options.half_width)
+        most = stop_table(half_width).last
+        spec = dataclasses.replace(spec, half_width=half_width, samples=most)
+    if options.refine is not None:
+        spec = dataclasses.replace(spec, refine=options.refine)
+    if options.budget is not None:
+        spec = dataclasses.replace(spec, budget=options.budget)
     if options.seed is not None:
         spec = dataclasses.replace(spec, seed=seed_from(options.seed))
     stem = _stem(options.out, named.name, (".npz", ".png"))
     threads = resolve_threads(options.threads)
     require_room(_with_suffix(stem, ".npz"), file_size(spec))
     print(f"{'plan':<12}{_plan(spec)}", flush=True)
+    if options.store is not None:
+        seeded = named.seeded or options.seed is not None
+        return _finished_map(compute_stored(spec, options, seeded=seeded), stem)
+    for name in ("part", "dask"):
+        if getattr(options, name) is not None:
+            raise ValueError(f"--{name}: needs --store")
     result = run_map(
         spec, threads=threads, progress=None if options.progress else False, partial=True
     )
+    return _finished_map(result, stem)
+
+
+def _finished_map(result: StabilityMap | int, stem: Path) -> int:
+    """Write a map, and return the exit code; or return the one of a map without a result."""
+    if isinstance(result, int):
+        return result
     return _finished(
         result, stem, ".npz", "map", lambda: f"{result.summary()}\n{'speed':<12}{_speed(result)}"
     )
+
+
+def _resume(options: argparse.Namespace) -> int:
+    stem = _stem(options.out, default_stem(options.store), (".npz", ".png"))
+    return _finished_map(open_and_go_on(options), stem)
 
 
 def _plan(spec: MapSpec) -> str:
@@ -339,6 +378,18 @@ def _parser() -> _Parser:
     map_.add_argument(
         "--no-progress", dest="progress", action="store_false", help="no progress bar"
     )
+    map_.add_argument(
+        "--half-width", type=float, metavar="W", help="bodies until each share is known so well"
+    )
+    map_.add_argument(
+        "--refine", type=int, metavar="K", help="first every K-th pixel, then where shares differ"
+    )
+    map_.add_argument("--budget", type=int, metavar="N", help="most bodies of the map")
+    map_.add_argument(
+        "--store", metavar="DIR", help="keep what is computed in this folder, and go on from there"
+    )
+    add_options(map_)
+    add_commands(commands)
     commands.add_parser("maps", help="list the built-in maps")
     section = commands.add_parser(
         "section", help="compute a Poincaré section, write a picture and the data"

@@ -7,6 +7,7 @@ from decimal import Decimal, localcontext
 
 from .._checks.arguments import finite_float, positive_int
 from ..maps.parameters import PARAMETERS, Axis, check_applicable, make_axes
+from ..maps.sequential import checked_half_width, stop_table
 from ..maps.spec import MapSpec
 from ..model.seed import checked_seed, seed_from
 from ..solve.methods import map_methods
@@ -21,10 +22,19 @@ MOST_VALUES = 100_000
 
 @dataclass(frozen=True, slots=True)
 class NamedSpec:
-    """A specification with its name: that of the built-in map, or the stem of the file."""
+    """A specification with its name: that of the built-in map, or the stem of the file.
+
+    Attributes
+    ----------
+    name : str
+    spec : MapSpec
+    seeded : bool
+        Whether the file tells the seed; otherwise it was drawn.
+    """
 
     name: str
     spec: MapSpec
+    seeded: bool
 
 
 def builtin_names() -> list[str]:
@@ -56,7 +66,8 @@ def read_spec(source: str) -> NamedSpec:
     64
     """
     name, content, file = read_source(source, "map", BUILTIN)
-    return NamedSpec(name, parse_spec(content, file))
+    seeded = "seed" in parsed(content, file).table("run")
+    return NamedSpec(name, parse_spec(content, file), seeded)
 
 
 def parse_spec(content: str, file: str) -> MapSpec:
@@ -75,7 +86,21 @@ def parse_spec(content: str, file: str) -> MapSpec:
     document.build(lambda: check_applicable(scene, start, axes))
     stable = read_criterion(document.table("stable"), scene, start)
     run = document.table("run")
-    run.only("t_end", "samples", "method", "step", "check", "max_steps", "seed")
+    run.only(
+        "t_end",
+        "samples",
+        "half_width",
+        "refine",
+        "budget",
+        "method",
+        "step",
+        "check",
+        "max_steps",
+        "seed",
+    )
+    half_width = run.take("half_width", _half_width, default=None)
+    if half_width is not None and "samples" in run:
+        raise run.error("samples and half_width exclude each other")
     return run.build(
         lambda: MapSpec(
             scene=scene,
@@ -83,7 +108,12 @@ def parse_spec(content: str, file: str) -> MapSpec:
             axes=axes,
             stable=stable,
             t_end=run.take("t_end", finite_float),
-            samples=run.take("samples", positive_int),
+            samples=run.take("samples", positive_int)
+            if half_width is None
+            else stop_table(half_width).last,
+            half_width=half_width,
+            refine=run.take("refine", positive_int, default=None),
+            budget=run.take("budget", positive_int, default=None),
             method=run.choice("method", map_methods(), default=MapSpec.method),
             step=run.take("step", finite_float, default=MapSpec.step),
             check=run.take("check", finite_float, default=MapSpec.check),
@@ -92,6 +122,10 @@ def parse_spec(content: str, file: str) -> MapSpec:
             title=document.take("title", text, default=None),
         )
     )
+
+
+def _half_width(_key: str, value: object) -> float:
+    return checked_half_width(value)
 
 
 def _axes(tables: list[Table]) -> tuple[Axis, ...]:

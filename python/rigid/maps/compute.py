@@ -27,7 +27,9 @@ from ..model.start import Start
 from .data import CLASSES
 from .job import Work, to_core
 from .parameters import make_axes
+from .refine import refined
 from .result import StabilityMap
+from .sequential import checked_half_width, stop_table
 from .spec import MapSpec
 
 __all__ = ["plug_in_store", "run_map", "stability_map"]
@@ -45,7 +47,7 @@ def stability_map(
     scene: Scene | type[Scene],
     *,
     axes: Mapping[str, ArrayLike],
-    samples: int,
+    samples: int | None = None,
     t_end: float,
     stable: Criterion,
     start: Start | None = None,
@@ -63,6 +65,9 @@ def stability_map(
     executor: Any = None,
     threads_per_task: int = 1,
     part: str | tuple[int, int] | None = None,
+    half_width: float | None = None,
+    refine: int | None = None,
+    budget: int | None = None,
 ) -> StabilityMap:
     """Monte Carlo stability map: an ensemble of perturbed bodies in every pixel of a grid.
 
@@ -85,7 +90,7 @@ def stability_map(
         ``attitude_noise``: the size of the perturbation that the start names; ``damping1``,
         ``damping2``, ``damping3`` (N m s): damping of the rates about the axes.
     samples : int
-        Bodies per pixel.
+        Bodies per pixel; or give ``half_width``.
     t_end : float
         Horizon in s: *stable* means stable until then.
     stable : NoFlip, TiltBelow or Regular
@@ -143,6 +148,19 @@ def stability_map(
     part : str or tuple of int, optional
         ``"k/n"`` or ``(k, n)``: only part k of n of the pixels, with ``store``, for jobs that run
         side by side. Together they are the map.
+    half_width : float, optional
+        Instead of ``samples``: a pixel gets 64, 128, ... bodies until the interval of its share is
+        no wider than twice this, in [0.002, 0.25]. The interval is the Clopper-Pearson interval of
+        confidence 0.965, in which undecided and failed bodies may be either. Looking after each 64
+        bodies costs the difference: whatever the true share, the chance that it lies in the
+        reported interval is 0.95 or more.
+    refine : int, optional
+        Leave out pixels that tell nothing new: first every so many rows and columns are computed,
+        and then, where the intervals of the corners of a cell do not meet, what is between. The
+        pixels that are computed have the bits of the full map. A feature between the first rows and
+        columns that touches none of them is not seen.
+    budget : int, optional
+        Most bodies. What tells most is computed first.
 
     Returns
     -------
@@ -178,6 +196,10 @@ def stability_map(
     'perturbation of the rates (rad/s)'
     """
     scene = _scene(scene)
+    if (samples is None) == (half_width is None):
+        raise TypeError("samples, half_width: give one of them")
+    if samples is None:
+        samples = stop_table(checked_half_width(half_width)).last
     spec = MapSpec(
         scene=scene,
         start=scene.default_start() if start is None else start,
@@ -189,6 +211,9 @@ def stability_map(
         step=step,
         check=check,
         max_steps=max_steps,
+        half_width=half_width,
+        refine=refine,
+        budget=budget,
         seed=seed_from(rng),
         title=title,
     )
@@ -220,6 +245,13 @@ def run_map(
     partial: bool = False,
 ) -> StabilityMap:
     """Compute the map of a specification; the options are those of :func:`stability_map`."""
+    if spec.looks is not None or refined(spec):
+        if chunk is not None:
+            raise ValueError(f"chunk = {brief(chunk)}: has no effect with half_width or refine")
+        options = {"executor": None, "threads_per_task": 1, "part": None, "threads": threads}
+        return _stored[0](
+            spec, store=None, seeded=True, progress=progress, partial=partial, **options
+        )
     workers = resolve_threads(threads)
     size = None if chunk is None else positive_int("chunk", chunk)
     job = to_core(spec)

@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 
 from .. import _core
 from ..model.criteria import Regular
+from . import sequential
+from .refine import Stages, filled, refined, stages
 from .spec import MapSpec
 
 __all__ = ["CLASSES", "COLUMNS", "FAILURES", "STATUS", "STORED", "Column", "MapData", "interval"]
@@ -77,14 +79,14 @@ CONFIDENCE = 0.95
 
 
 def interval(
-    successes: NDArray[np.int64], trials: NDArray[np.int64]
+    successes: NDArray[np.int64], trials: NDArray[np.int64], confidence: float = CONFIDENCE
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """The 95 % Clopper-Pearson interval of each share; NaN without trials.
+    """The Clopper-Pearson interval of each share, by default of 95 %; NaN without trials.
 
     Whatever the true share, its own interval holds it with a chance of 95 % or more. C. J. Clopper
     and E. S. Pearson, *Biometrika* 26 (1934) 404.
     """
-    lower, upper = _core.clopper_pearson(successes.ravel(), trials.ravel(), CONFIDENCE)
+    lower, upper = _core.clopper_pearson(successes.ravel(), trials.ravel(), confidence)
     return lower.reshape(successes.shape), upper.reshape(successes.shape)
 
 
@@ -159,14 +161,19 @@ class MapData:
         share = np.full(spec.shape, np.nan)
         np.divide(stable, decided, out=share, where=decided > 0)
         classified = decided + undecided
+        unknown, trials, confidence = undecided, classified, CONFIDENCE
+        if spec.looks is not None:
+            # A failed body may be either, too: the chance of a stop must not depend on failures.
+            unknown, trials = undecided + failed, classified + failed
+            confidence = sequential.CONFIDENCE
         return cls(
             spec=spec,
             columns=columns,
             status=arrays["status"].reshape(spec.shape),
             samples=classified + failed,
             share=share,
-            lower=interval(stable, classified)[0],
-            upper=interval(stable + undecided, classified)[1],
+            lower=interval(stable, trials, confidence)[0],
+            upper=interval(stable + unknown, trials, confidence)[1],
             elapsed=elapsed,
             threads=threads,
             writers=writers,
@@ -208,5 +215,54 @@ class MapData:
 
     @property
     def complete(self) -> bool:
-        """Whether every possible body was computed."""
-        return bool((self.samples[self.status == 0] == self.spec.samples).all())
+        """Whether every body that was asked for was computed."""
+        if refined(self.spec):
+            return not len(self._stages.wanted)
+        return bool(self.finished[self.status == 0].all())
+
+    @property
+    def finished(self) -> NDArray[np.bool_]:
+        """Pixels with all their bodies; with ``half_width`` those that have enough."""
+        looks = self.spec.looks
+        if looks is None:
+            finished: NDArray[np.bool_] = self.samples == self.spec.samples
+            return finished
+        return looks.stops(self.stable, self.undecided + self.failed, self.samples)
+
+    @property
+    def _stages(self) -> Stages:
+        ends = [self.lower, self.upper]
+        return stages(self.spec, self.status, self.finished, self.samples, ends)
+
+    @property
+    def stage(self) -> NDArray[np.uint8]:
+        """The stage of refinement that computes each pixel, 0 without; 255: left out."""
+        if not refined(self.spec):
+            return np.zeros(self.spec.shape, dtype=np.uint8)
+        return self._stages.stage
+
+    @property
+    def cells(self) -> NDArray[np.int64]:
+        """First and last row, first and last column of the cells that refinement did not split."""
+        if not refined(self.spec):
+            return np.zeros((0, 4), dtype=np.int64)
+        return self._stages.cells
+
+    @property
+    def filled(self) -> NDArray[np.float64]:
+        """The share, and between the pixels of a refined map what is interpolated, bilinearly.
+
+        What is interpolated is for pictures. It is never counted.
+        """
+        if not refined(self.spec):
+            return self.share
+        return filled(self.share, self.status, self.finished, self.cells)
+
+    @property
+    def narrow(self) -> NDArray[np.bool_]:
+        """Pixels whose interval is no wider than twice ``half_width``; none without one."""
+        half_width = self.spec.half_width
+        if half_width is None:
+            return np.zeros(self.spec.shape, dtype=np.bool_)
+        narrow: NDArray[np.bool_] = self.upper - self.lower <= 2.0 * half_width
+        return narrow

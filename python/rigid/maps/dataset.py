@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from .data import COLUMNS, STATUS, MapData
+from .refine import refined
 from .spec import MapSpec
 
 if TYPE_CHECKING:
@@ -26,6 +27,11 @@ def map_dataset(data: MapData) -> xarray.Dataset:
         name: (dimensions, getattr(data, name), attributes)
         for name, attributes in _array_attributes(spec).items()
     }
+    if refined(spec):
+        stage = {"long_name": "stage of refinement, 255: left out", "units": "1"}
+        arrays["stage"] = (dimensions, data.stage, stage)
+        long_name = f"share {spec.criterion}, interpolated where it is left out"
+        arrays["share_filled"] = (dimensions, data.filled, {"long_name": long_name, "units": "1"})
     coordinates = {
         name: (name, list(axis.values), {"long_name": axis.name, "units": axis.unit})
         for name, axis in axes

@@ -12,7 +12,7 @@ from .. import _core
 from .data import COLUMNS, STORED, MapData
 from .spec import MapSpec
 
-__all__ = ["SEGMENT", "canonical", "differences", "fingerprint", "head_of", "key_of", "receipt"]
+__all__ = ["canonical", "differences", "fingerprint", "head_of", "key_of", "receipt", "segment_of"]
 
 FORMAT = "rigid running map"
 FORMAT_VERSION = 1
@@ -27,16 +27,26 @@ def canonical(value: Any) -> bytes:
     return text.encode()
 
 
+def segment_of(spec: MapSpec) -> int:
+    """Most samples of a unit of work; the looks of a pixel depend on those before: all of them."""
+    return SEGMENT if spec.looks is None else max(SEGMENT, spec.samples)
+
+
 def head_of(spec: MapSpec) -> dict[str, Any]:
     """The content of ``head.json`` of a running map."""
     build = _core.build_info()
     pixels = int(np.prod(spec.shape))
+    segment = segment_of(spec)
+    looks = None
+    if spec.looks is not None:
+        looks = [spec.looks.samples.tolist(), spec.looks.most.tolist()]
     return {
         "format": FORMAT,
         "format_version": FORMAT_VERSION,
         "spec": spec.to_dict(),
-        "segment": SEGMENT,
-        "units": pixels * -(-spec.samples // SEGMENT),
+        "segment": segment,
+        "units": pixels * -(-spec.samples // segment),
+        "looks": looks,
         "columns": [[one.name, one.dtype] for one in COLUMNS if one.reproducible],
         "version": build["version"],
         "commit": build.get("commit"),

@@ -7,9 +7,10 @@ from numpy.typing import NDArray
 
 from .. import _core
 from .grid import nominal_starts
+from .sequential import LOOK
 from .spec import MapSpec
 
-__all__ = ["Work", "to_core"]
+__all__ = ["Work", "spans", "to_core"]
 
 
 def to_core(
@@ -58,6 +59,16 @@ def to_core(
         numbers=None if pixels is None else pixels.astype(np.uint64),
         first=samples.start,
     )
+
+
+def spans(spec: MapSpec, samples: range) -> list[range]:
+    """Parts of these samples, one for each request to the core.
+
+    If some bodies of each look are checked, a request has one look.
+    """
+    if spec.looks is None or spec.check in (None, 0.0, 1.0):
+        return [samples]
+    return [range(begin, begin + LOOK) for begin in range(samples.start, samples.stop, LOOK)]
 
 
 class Work:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from .._checks.arguments import one_of
 from ..drawing.figure import new_figure
 from ..model.criteria import Regular
 from .data import MapData
@@ -32,7 +33,9 @@ _HATCHED: tuple[tuple[str, dict[str, Any]], ...] = (
 _DASHES: tuple[Literal["solid", "dashed"], ...] = ("solid", "dashed")
 
 
-def plot_map(data: MapData, *, ax: Axes | None = None) -> Axes:
+def plot_map(
+    data: MapData, *, ax: Axes | None = None, cells: bool = False, what: str = "share"
+) -> Axes:
     """Draw a stability map: colour for the share of stable bodies, hatches where it is misleading.
 
     Cells are centred on the values of the axes, in the scale that is drawn: logarithmic where the
@@ -45,6 +48,10 @@ def plot_map(data: MapData, *, ax: Axes | None = None) -> Axes:
         The map to draw.
     ax : matplotlib Axes, optional
         Axes to draw on; by default those of a new figure that pyplot does not manage.
+    cells : bool
+        Draw the borders of the cells of a refined map.
+    what : {"share", "cost"}
+        The share of stable bodies, or the processor time of each pixel (s).
 
     Returns
     -------
@@ -64,10 +71,16 @@ def plot_map(data: MapData, *, ax: Axes | None = None) -> Axes:
     ... )
     >>> result.plot().figure.savefig("map.png")  # doctest: +SKIP
     """
+    one_of("what", what, ("share", "cost"))
     if ax is None:
         ax = new_figure().add_subplot()
-    draw = _draw_plane if len(data.spec.axes) == 2 else _draw_line
-    handles = draw(data, ax, predict(data.spec))
+    if what == "cost":
+        handles = _draw_cost(data, ax)
+    else:
+        draw = _draw_plane if len(data.spec.axes) == 2 else _draw_line
+        handles = draw(data, ax, predict(data.spec))
+    if cells and len(data.spec.axes) == 2:
+        _draw_cells(data, ax)
     _set_scale(ax, "x", data.spec.axes[0])
     ax.set_xlabel(data.spec.axes[0].label)
     ax.set_title(_title(data), loc="left", fontsize="medium")
@@ -90,7 +103,7 @@ def _draw_plane(data: MapData, ax: Axes, theory: Theory | None) -> list[Any]:
     _set_scale(ax, "y", y)
     ax.set_ylabel(y.label)
     mesh = ax.pcolormesh(
-        *edges, np.ma.masked_invalid(data.share), cmap="cividis", vmin=0, vmax=1, rasterized=True
+        *edges, np.ma.masked_invalid(data.filled), cmap="cividis", vmin=0, vmax=1, rasterized=True
     )
     bar = ax.figure.colorbar(mesh, ax=ax, pad=0.02)
     bar.set_label(_share_label(data))
@@ -98,6 +111,35 @@ def _draw_plane(data: MapData, ax: Axes, theory: Theory | None) -> list[Any]:
     for curve, dashes in zip(theory.curves if theory else (), _DASHES, strict=False):
         handles += _draw_curve(data, ax, curve, dashes)
     return handles
+
+
+def _draw_cost(data: MapData, ax: Axes) -> list[Any]:
+    """Processor time of each pixel; white where it is not known."""
+    seconds = 1e-9 * np.where(data.samples > 0, data.nanoseconds, np.nan)
+    label = "processor time of a pixel (s)"
+    if len(data.spec.axes) == 1:
+        ax.plot(data.spec.axes[0].values, seconds, color="#0072b2", marker=".")
+        ax.set_ylabel(label)
+        return []
+    x, y = data.spec.axes
+    _set_scale(ax, "y", y)
+    ax.set_ylabel(y.label)
+    mesh = ax.pcolormesh(
+        _edges(x), _edges(y), np.ma.masked_invalid(seconds), cmap="cividis", rasterized=True
+    )
+    ax.figure.colorbar(mesh, ax=ax, pad=0.02).set_label(label)
+    return []
+
+
+def _draw_cells(data: MapData, ax: Axes) -> None:
+    """The borders of the cells of a refined map, through the pixels that are their corners."""
+    from matplotlib.collections import LineCollection
+
+    x, y = (np.array(axis.values) for axis in data.spec.axes)
+    top, bottom, left, right = data.cells.T
+    turns = ((left, top), (right, top), (right, bottom), (left, bottom), (left, top))
+    outlines = np.stack([np.stack([x[column], y[row]], axis=1) for column, row in turns], axis=1)
+    ax.add_collection(LineCollection(list(outlines), colors="white", linewidths=0.3, alpha=0.6))
 
 
 def _draw_curve(
@@ -147,7 +189,7 @@ def _hatch(data: MapData, ax: Axes, x: NDArray[np.float64], y: NDArray[np.float6
     impossible = data.status != 0
     marked = (
         impossible,
-        ~impossible & (data.samples == 0),
+        ~impossible & (data.samples == 0) & np.isnan(data.filled),
         data.failed > UNDECIDED * data.samples,
         data.undecided > UNDECIDED * data.samples,
     )
@@ -201,6 +243,8 @@ def _share_label(data: MapData) -> str:
 def _title(data: MapData) -> str:
     spec = data.spec
     bodies = "1 body" if spec.samples == 1 else f"{spec.samples} bodies"
+    if spec.half_width is not None:
+        bodies = f"64 to {bodies}"
     detail = f"stable: {spec.criterion}; {bodies} per pixel"
     if not data.complete:
         detail += f"; stopped after {data.samples.sum():,} bodies"

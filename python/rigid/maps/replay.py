@@ -20,7 +20,7 @@ from ..solve.lyapunov import growth_of
 from ..solve.methods import EXACT, SECOND
 from ..solve.simulate import replay_steps, simulate
 from .data import COLUMNS, STATUS, MapData
-from .job import to_core
+from .job import spans, to_core
 from .spec import MapSpec
 
 __all__ = ["Replay", "replay"]
@@ -111,7 +111,8 @@ def replay(
     # The earliest loss of stability is a time, whose last bits tell more than any count does.
     for place, one in ((flat, number), (int(np.argmin(data.earliest)), 0)):
         _require_same_bits(data, place, one)
-    record = to_core(spec).sample(flat, number)
+    (span,) = (part for part in spans(spec, range(spec.samples)) if number in part)
+    record = to_core(spec, samples=span).sample(flat, number - span.start)
     scene = spec.grid.scene_of(flat)
     start, step = (record["omega"], record["attitude"]), float(record["step"])
     method = record["method"]
@@ -180,8 +181,8 @@ def _require_same_bits(data: MapData, flat: int, sample: int) -> None:
     if sample >= bodies:
         return  # the map says nothing about this body
     whole = data.steps.flat[flat] + STEPS_OF_A_BODY * bodies <= MOST_STEPS
-    first = flat * spec.samples + (0 if whole else sample)
-    again = _computed(spec, first, first + (bodies if whole else 1))
+    first = 0 if whole else sample
+    again = _computed(spec, flat, range(first, bodies if whole else first + 1))
     for column in COLUMNS:
         if not column.reproducible:
             continue
@@ -201,11 +202,17 @@ def _require_same_bits(data: MapData, flat: int, sample: int) -> None:
 
 
 @lru_cache(maxsize=64)
-def _computed(spec: MapSpec, first: int, stop: int) -> dict[str, float]:
+def _computed(spec: MapSpec, pixel: int, bodies: range) -> dict[str, float]:
     """The columns of some bodies of one pixel, computed by this build."""
-    part = to_core(spec).run(first, stop, 1)
-    assert part is not None
-    return {column.name: part[column.name][0] for column in COLUMNS}
+    merged = _core.MapStatistics(1)
+    for span in spans(spec, range(spec.samples)):
+        mine = range(max(span.start, bodies.start), min(span.stop, bodies.stop))
+        if len(mine):
+            first = pixel * len(span) - span.start
+            part = to_core(spec, samples=span).run(first + mine.start, first + mine.stop, 1)
+            assert part is not None
+            merged.merge({**part, "first": 0})
+    return {name: values[0] for name, values in merged.arrays().items()}
 
 
 def _pixel_index(pixel: int | tuple[int, ...], shape: tuple[int, ...]) -> tuple[int, ...]:

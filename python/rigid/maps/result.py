@@ -23,6 +23,7 @@ from .replay import Replay, replay
 from .sensitivity import map_condition
 from .summary import summary
 from .theory import Theory, disagreement, predict
+from .zarr_product import write_zarr
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -89,6 +90,12 @@ class StabilityMap(MapData):
         Time steps taken.
     exact : ndarray of int64
         Bodies classified in closed form; they take no steps and are not repeated.
+    narrow : ndarray of bool
+        With ``half_width``, pixels whose interval is no wider than twice that.
+    stage : ndarray of uint8
+        With ``refine`` or ``budget``, the stage that computes a pixel; 255: left out.
+    filled : ndarray
+        The share, interpolated in the pixels that refinement has left out.
     nanoseconds : ndarray
         Processor time spent. A measurement of this machine: not saved, NaN in a loaded map.
     elapsed : float
@@ -213,13 +220,17 @@ class StabilityMap(MapData):
             )
         return map_condition(self.spec, count, resolve_threads(threads))
 
-    def plot(self, ax: Axes | None = None) -> Axes:
+    def plot(self, ax: Axes | None = None, *, cells: bool = False, what: str = "share") -> Axes:
         """Draw the map; see :func:`rigid.maps.plot.plot_map`.
 
         Parameters
         ----------
         ax : matplotlib Axes, optional
             Axes to draw on; by default those of a new figure that needs no display.
+        cells : bool
+            Draw the borders of the cells of a refined map.
+        what : {"share", "cost"}
+            The share of stable bodies, or the processor time of each pixel.
 
         Returns
         -------
@@ -231,7 +242,7 @@ class StabilityMap(MapData):
         ImportError
             Without matplotlib.
         """
-        return plot_map(self, ax=ax)
+        return plot_map(self, ax=ax, cells=cells, what=what)
 
     def to_xarray(self) -> xarray.Dataset:
         """The map as an xarray Dataset.
@@ -252,6 +263,10 @@ class StabilityMap(MapData):
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the map to one data-only ``.npz`` file; :func:`load_map` reads it.
+
+        A name that ends in ``.zarr`` becomes a folder of Zarr version 3, for
+        ``xarray.open_zarr(path, consolidated=False)``. Each array has a CRC-32C. The name must be
+        new.
 
         The file holds the arrays, and the specification as JSON under the name ``spec.json``. It
         holds no measured times, so equal seeds give equal bytes on every machine.
@@ -278,7 +293,8 @@ class StabilityMap(MapData):
             If the file cannot be written, for example because the disk is full. An older file stays
             as it was.
         """
-        return write_map(self, path)
+        write = write_zarr if os.fspath(path).endswith(".zarr") else write_map
+        return write(self, path)
 
     def receipt(self) -> dict[str, Any]:
         """What identifies these numbers.

@@ -30,6 +30,7 @@ from ..solve.methods import (
 from ..solve.tangent import check_tangent
 from .grid import NominalStarts, grid_shape, nominal_starts
 from .parameters import Axis, check_applicable, make_axes
+from .sequential import Looks, checked_half_width, stop_table
 
 __all__ = ["MapSpec"]
 
@@ -65,6 +66,13 @@ class MapSpec:
         Bodies with a closed form need none.
     max_steps : int
         A body that needs more steps counts as failed.
+    half_width : float or None
+        A pixel gets bodies until the interval of its share is no wider than twice this;
+        ``samples`` is the most that it gets.
+    refine : int or None
+        Every so many rows and columns are computed first, and between them what differs.
+    budget : int or None
+        Most bodies of the map.
     seed : int
         Key of the random numbers, 0 <= seed < 2**128.
     title : str or None
@@ -84,6 +92,9 @@ class MapSpec:
     step: float | None = None
     check: float | None = None
     max_steps: int = 1_000_000_000
+    half_width: float | None = None
+    refine: int | None = None
+    budget: int | None = None
     title: str | None = None
     version: str = field(default_factory=lambda: str(_core.build_info()["version"]))
 
@@ -105,6 +116,17 @@ class MapSpec:
         ):
             if count >= 2**63:
                 raise ValueError(f"{name} = {getattr(self, name)}: too many to count")
+        if self.half_width is not None:
+            put("half_width", checked_half_width(self.half_width))
+            last = stop_table(self.half_width).last
+            if self.samples != last:
+                raise ValueError(
+                    f"samples = {self.samples}: with half_width = {self.half_width} they are {last}"
+                )
+        if self.refine is not None:
+            put("refine", positive_int("refine", self.refine, minimum=2))
+        if self.budget is not None:
+            put("budget", positive_int("budget", self.budget))
         if self.step is not None:
             put("step", finite_float("step", self.step, positive=True))
         if self.check is not None:
@@ -170,8 +192,15 @@ class MapSpec:
         if self.check is None:
             return None
         # 0.07 * 100 is a little more than 7.
+        if self.looks is not None:
+            return math.ceil(self.check * len(samples) * (1.0 - 1e-12))
         checked = math.ceil(self.check * self.samples * (1.0 - 1e-12))
         return min(max(checked - samples.start, 0), len(samples))
+
+    @property
+    def looks(self) -> Looks | None:
+        """When the pixels of a sequential map stop; None for a given number of samples."""
+        return None if self.half_width is None else stop_table(self.half_width)
 
     @property
     def criterion(self) -> str:
@@ -213,6 +242,12 @@ class MapSpec:
             "step": self.step,
             "check": self.check,
             "max_steps": self.max_steps,
+            # Maps without these have the bytes that they had before there were any.
+            **{
+                name: getattr(self, name)
+                for name in ("half_width", "refine", "budget")
+                if getattr(self, name) is not None
+            },
             "seed": self.seed,
             "title": self.title,
             "version": self.version,

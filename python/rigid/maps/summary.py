@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from ..solve.methods import AUTO, EXACT, SECOND
 from .data import CLASSES, FAILURES, MapData
+from .refine import refined
 from .theory import Theory, disagreement, predict
 
 __all__ = ["summary"]
@@ -46,6 +47,11 @@ def _method(data: MapData) -> str:
 
 def _samples(data: MapData) -> str:
     text = f"{data.spec.samples} per pixel"
+    if data.spec.half_width is not None:
+        text = (
+            f"64 to {data.spec.samples} per pixel, until the share is known to within "
+            f"{data.spec.half_width:g}: {int(data.narrow.sum()):,} pixels"
+        )
     done = int(data.samples.sum())
     integrated, repeated = done - int(data.exact.sum()), int(data.checked.sum())
     if integrated:
@@ -61,7 +67,14 @@ def _samples(data: MapData) -> str:
 def _bodies(data: MapData) -> str:
     done, possible = int(data.samples.sum()), int((data.status == 0).sum())
     text = f"{done:,}"
-    if not data.complete:
+    if refined(data.spec):
+        computed = int((data.samples > 0).sum())
+        text += f" in {computed:,} of {possible:,} pixels"
+        if not data.complete:
+            text += " (stopped early)"
+    elif data.spec.half_width is not None:
+        text += "" if data.complete else " (stopped early)"
+    elif not data.complete:
         text += f" of {possible * data.spec.samples:,} (stopped early)"
     impossible = data.status.size - possible
     return f"{text}; {impossible:,} impossible pixels" if impossible else text

@@ -89,7 +89,7 @@ def _intervals(one: MapData, other: MapData) -> list[str]:
     apart = known & ((one.lower > other.upper) | (other.lower > one.upper))
     lines = [
         f"{int(apart.sum()):,} of {int(known.sum()):,} pixels have intervals that do not meet "
-        "(equal shares: one of 400 or fewer)"
+        "(of equal shares up to 1 in 400 by chance)"
     ]
     if known.any():
         distance = np.where(known, np.abs(one.share - other.share), -1.0)

@@ -80,7 +80,7 @@ class Head:
             expected = head_of(spec)
         except Exception as error:  # the text may hold anything
             raise StoreError(f"{path} holds a broken specification: {one_line(error)}") from None
-        for name in ("columns", "segment", "units"):
+        for name in ("columns", "looks", "segment", "units"):
             if content.get(name) != expected[name]:
                 made = content.get("version")
                 raise StoreError(

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from .._checks.arguments import brief
 from .._checks.progress import Progress, ProgressOption, reporting
-from ..maps.data import CLASSES
+from ..maps.data import CLASSES, MapData
+from ..maps.refine import lattice_level, refined, stages
 from ..maps.result import StabilityMap
 from .canary import canaries, check_canaries
 from .compute import moment_status
@@ -85,26 +86,27 @@ class Outcome:
 
 
 def missing(running: Folder | Memory, status: NDArray[np.uint8]) -> NDArray[np.int64]:
-    """The units that are to be computed now, in order: first a coarse lattice of pixels.
+    """The units that are to be computed now, in order.
 
-    So an interrupted map is a coarse whole one.
+    First comes a coarse lattice of pixels, so that an interrupted map is a coarse whole one. The
+    next stage of a refined map follows from the rows of those before.
     """
-    pixels = np.flatnonzero(status == 0)
-    pixels = pixels[np.argsort(-lattice_level(running.head.spec.shape, pixels), kind="stable")]
+    spec = running.head.spec
+    if refined(spec):
+        data = _data(running, status)
+        ends = [data.lower, data.upper]
+        pixels = stages(spec, data.status, data.finished, data.samples, ends).wanted
+    else:
+        pixels = np.flatnonzero(status == 0)
+        pixels = pixels[np.argsort(-lattice_level(spec.shape, pixels), kind="stable")]
     segments = running.head.segments
     units = (pixels[:, np.newaxis] * segments + np.arange(segments)).ravel()
     left: NDArray[np.int64] = units[~running.table.known[units]]
     return left
 
 
-def lattice_level(shape: tuple[int, ...], pixels: NDArray[np.int64]) -> NDArray[np.int64]:
-    """The largest of 1, 2, 4, 8 and 16 that divides all indices of each pixel."""
-    index = np.zeros(len(pixels), np.int64)
-    for part in np.unravel_index(pixels, shape):
-        index |= part
-    index |= 16
-    level: NDArray[np.int64] = index & -index
-    return level
+def _data(running: Folder | Memory, status: NDArray[np.uint8]) -> MapData:
+    return MapData.from_arrays(running.head.spec, {**running.table.arrays(), "status": status})
 
 
 def carry_on(

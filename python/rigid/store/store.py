@@ -12,6 +12,7 @@ from .._checks.arguments import brief, positive_int, resolve_threads
 from .._checks.progress import Interrupted, ProgressOption, interruptible
 from ..maps.result import StabilityMap
 from ..maps.spec import MapSpec
+from ..maps.zarr_product import write_zarr_url
 from .diff import Difference, read_any
 from .diff import diff as diff_maps
 from .merge import merge_into
@@ -144,8 +145,23 @@ class Store:
         return verify(self.path, share=share, seed=seed, threads=threads)
 
     def pack(self, path: str | os.PathLike[str]) -> Path | str:
-        """Write the map as one file; see :meth:`StabilityMap.save`."""
-        return self.result().save(path)
+        """Write the map of the rows that are stored now.
+
+        Parameters
+        ----------
+        path : path-like
+            As of :meth:`StabilityMap.save`; or a URL that zarr knows, such as that of a bucket.
+
+        Returns
+        -------
+        Path or str
+            The file, or the URL.
+        """
+        place = os.fspath(path)
+        if "://" not in place:
+            return self.result().save(path)
+        write_zarr_url(self.result(), place)
+        return place
 
 
 def open_store(path: str | os.PathLike[str]) -> Store:

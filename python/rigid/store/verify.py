@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from .._checks.arguments import finite_float
-from ..maps.identity import SEGMENT
+from ..maps.identity import segment_of
 from ..maps.result import load_map
 from .compute import compute
 from .rows import FIELDS, Rows, rows_of
@@ -87,9 +87,9 @@ def _rows(path: str | os.PathLike[str]) -> tuple[Rows, str, int, list[str]]:
         rows: Rows = folder.table.rows[folder.table.known]
         return rows, folder.head.spec.to_json(), folder.head.segments, damage
     result = load_map(path)
-    if result.spec.samples > SEGMENT:
+    if result.spec.samples > segment_of(result.spec):
         raise ValueError(f"{path}: samples of several segments are merged there; verify its store")
-    pixels = np.flatnonzero((result.samples == result.spec.samples).ravel())
+    pixels = np.flatnonzero((result.finished & (result.status == 0)).ravel())
     columns = {name: result.columns[name].ravel()[pixels] for name in FIELDS}
     return rows_of(pixels, columns), result.spec.to_json(), 1, []
 

@@ -16,10 +16,10 @@ import pytest
 import rigid
 from processes import environment, python_command
 from rigid.maps.data import COLUMNS
-from rigid.store import compute as computing
+from rigid.maps.refine import lattice_level
 from rigid.store import drive as driving
 from rigid.store.drive import Task, drive, own_build
-from rigid.store.resume import Part, lattice_level
+from rigid.store.resume import Part
 from rigid.store.rows import FIELDS, ROW, Table
 from rigid.store.running import Folder, Memory
 from small_maps import assert_same_map, saved_bytes, small_map
@@ -114,7 +114,6 @@ def test_segments_of_many_samples_merge_to_the_pixel(
     spec = small_map(samples=1).spec
     many = rigid.MapSpec.from_dict({**spec.to_dict(), "samples": 200})
     monkeypatch.setattr("rigid.maps.identity.SEGMENT", 64)
-    monkeypatch.setattr(computing, "SEGMENT", 64)
     go_on(tmp_path / "run", spec=many)
     folder = Folder(tmp_path / "run")
     assert folder.head.segments == 4

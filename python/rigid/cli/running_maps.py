@@ -1,0 +1,188 @@
+"""Running maps on the command line: maps with a store, and the commands that work on stores."""
+
+from __future__ import annotations
+
+import sys
+import time
+from argparse import ArgumentParser, Namespace
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from .._checks.arguments import resolve_threads
+from .._checks.progress import Interrupted, Progress, ProgressOption
+from ..maps.result import StabilityMap
+from ..maps.spec import MapSpec
+
+__all__ = ["add_commands", "add_options", "compute_stored", "default_stem", "open_and_go_on", "run"]
+
+DIFFERENT = 1
+WAITING = 75
+"""Exit codes."""
+
+LINE_SECONDS = 10.0
+"""Seconds between two lines of progress where there is no terminal."""
+
+
+def add_options(parser: ArgumentParser) -> None:
+    """The options of a map that is stored."""
+    parser.add_argument("--part", metavar="K/N", help="only part K of N of the pixels")
+    parser.add_argument("--dask", metavar="ADDRESS", help="compute on this Dask cluster")
+
+
+def add_commands(commands: Any) -> None:
+    """The commands that work on stores."""
+    resume = commands.add_parser("resume", help="go on with a running map")
+    resume.add_argument("store", metavar="DIR", help="its folder")
+    resume.add_argument("--threads", type=int, metavar="N", help="default: all")
+    resume.add_argument("--out", metavar="PATH", help="writes PATH.png and PATH.npz")
+    resume.add_argument(
+        "--no-progress", dest="progress", action="store_false", help="no progress bar"
+    )
+    add_options(resume)
+    status = commands.add_parser("status", help="what a running map has and lacks")
+    status.add_argument("store", metavar="DIR", help="its folder")
+    merge = commands.add_parser("merge", help="merge running maps of one specification")
+    merge.add_argument("stores", metavar="DIR", nargs="+", help="their folders")
+    merge.add_argument("--into", required=True, metavar="DIR", help="a new folder, or one of these")
+    diff = commands.add_parser("diff", help="how two maps differ")
+    diff.add_argument("one", metavar="A", help="a folder of a running map, or a saved map")
+    diff.add_argument("other", metavar="B", help="another")
+    verify = commands.add_parser("verify", help="compute stored numbers again")
+    verify.add_argument("map", metavar="X", help="a folder of a running map, or a saved map")
+    share = verify.add_mutually_exclusive_group()
+    share.add_argument("--share", type=float, default=0.01, metavar="F", help="default: 0.01")
+    share.add_argument(
+        "--all", dest="share", action="store_const", const=1.0, help="all that is stored"
+    )
+    verify.add_argument("--seed", type=int, default=0, metavar="N", help="of the choice")
+    verify.add_argument("--threads", type=int, metavar="N", help="default: all")
+    pack = commands.add_parser("pack", help="write the map of a store as one file")
+    pack.add_argument("store", metavar="DIR", help="its folder")
+    pack.add_argument("out", metavar="OUT", help="a name in .npz or .zarr, or a URL")
+
+
+def run(options: Namespace) -> int:
+    """Run ``status``, ``merge``, ``diff``, ``verify`` or ``pack``; returns the exit code."""
+    from ..store.store import diff, merge, open_store
+    from ..store.verify import verify
+
+    code = 0
+    if options.command == "status":
+        print(open_store(options.store).status())
+    elif options.command == "merge":
+        print(merge(options.stores, options.into).status())
+    elif options.command == "diff":
+        difference = diff(options.one, options.other)
+        print(difference)
+        code = 0 if difference.same else DIFFERENT
+    elif options.command == "verify":
+        threads = resolve_threads(options.threads)
+        found = verify(options.map, share=options.share, seed=options.seed, threads=threads)
+        print(found)
+        code = 0 if found.ok else DIFFERENT
+    else:
+        print(open_store(options.store).pack(options.out))
+    return code
+
+
+def compute_stored(spec: MapSpec, options: Namespace, *, seeded: bool) -> StabilityMap | int:
+    """The whole map of a specification in ``options.store``, or the exit code."""
+    from ..store.store import run_stored
+
+    if options.part is not None and not seeded:
+        raise ValueError("--part: the file must tell the seed, or --seed: parts need the same one")
+    return _computed(
+        options,
+        lambda **how: run_stored(spec, store=options.store, seeded=seeded, **how),
+    )
+
+
+def open_and_go_on(options: Namespace) -> StabilityMap | int:
+    """The whole map of a folder, or the exit code."""
+    from ..store.store import open_store
+
+    store = open_store(options.store)
+    return _computed(options, store.resume)
+
+
+def _computed(options: Namespace, compute: Any) -> StabilityMap | int:
+    from ..store.store import PoisonedError
+
+    goes_on = f"rigid resume {options.store} goes on"
+    try:
+        with _executor(options.dask) as executor:
+            result: StabilityMap = compute(
+                executor=executor,
+                threads=resolve_threads(options.threads),
+                threads_per_task=1,
+                part=options.part,
+                progress=_progress() if options.progress else False,
+                partial=False,
+            )
+    except Interrupted as stopped:
+        raise KeyboardInterrupt(f"interrupted; {_stored(stopped.partial)}; {goes_on}") from None
+    except PoisonedError as error:
+        print(f"rigid: {error}; {goes_on}", file=sys.stderr)
+        return DIFFERENT
+    except OSError as error:
+        raise OSError(f"{error}; {_stored_in(options.store)}{goes_on}") from None
+    if result.complete:
+        return result
+    print(f"rigid: waits for other parts; {_stored(result)}; {goes_on}", file=sys.stderr)
+    return WAITING
+
+
+def _stored(result: StabilityMap) -> str:
+    done, possible = int((result.samples > 0).sum()), int((result.status == 0).sum())
+    return f"{done:,} of {possible:,} pixels are stored"
+
+
+def _stored_in(path: str) -> str:
+    """How much a folder holds, if it can be read."""
+    from ..store.store import open_store
+
+    try:
+        return f"{_stored(open_store(path).result())}; "
+    except (OSError, ValueError):
+        return ""
+
+
+@contextmanager
+def _executor(address: str | None) -> Iterator[Any]:
+    """A client of the Dask cluster at an address."""
+    if address is None:
+        yield None
+        return
+    try:
+        from distributed import Client
+    except ImportError:
+        raise ValueError("--dask needs Dask: pip install 'rigid[dask]'") from None
+    with Client(address) as client:  # type: ignore[no-untyped-call]
+        yield client
+
+
+def _progress() -> ProgressOption:
+    """A bar in a terminal, else a line every ten seconds."""
+    if sys.stderr is None or sys.stderr.isatty():
+        return None
+    last = time.monotonic()
+
+    def line(progress: Progress) -> None:
+        nonlocal last
+        if time.monotonic() - last >= LINE_SECONDS:
+            last = time.monotonic()
+            print(
+                f"rigid: {progress.done:,} of {progress.total:,} bodies, "
+                f"{progress.rate:,.0f} per second, {progress.remaining:,.0f} s left",
+                file=sys.stderr,
+                flush=True,
+            )
+
+    return line
+
+
+def default_stem(store: str) -> str:
+    """The name of the files of a running map, in the folder beside it."""
+    return str(Path(store.rstrip("/")).with_suffix(""))

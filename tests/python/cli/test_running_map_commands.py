@@ -1,0 +1,243 @@
+"""The commands of running maps: what they do, print and return."""
+
+from __future__ import annotations
+
+import errno
+import os
+import re
+import signal
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import rigid
+from processes import PATIENCE, environment, python_command
+from rigid.cli import main
+from rigid.cli import running_maps as commands
+from rigid.store.disk import Disk
+
+SPEC = """
+title = "A small map"
+[scene]
+kind = "free-body"
+moments = [1.0, 1.5, 2.0]
+[x]
+name = "I1"
+from = 0.4
+to = 1.4
+count = 12
+[y]
+name = "noise"
+from = 1e-3
+to = 0.1
+count = 8
+scale = "log"
+[start]
+spin = 1.0
+axis = 2
+noise = { kind = "normal" }
+[stable]
+criterion = "no_flip"
+[run]
+t_end = 20.0
+samples = 10
+seed = 5
+"""
+
+QUIET = "--no-progress"
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A directory with the specification above, where the commands are run."""
+    (tmp_path / "small.toml").write_text(SPEC)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_a_map_is_stored_and_written(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["map", "small.toml", "--store", "run.rigid", QUIET]) == 0
+    assert main(["map", "small.toml", "--out", "plain", QUIET]) == 0
+    assert Path("small.npz").read_bytes() == Path("plain.npz").read_bytes()
+    assert Path("small.png").stat().st_size > 10_000
+    assert capsys.readouterr().err == ""
+    assert main(["map", "small.toml", "--store", "run.rigid", QUIET]) == 0
+    assert len(list(Path("run.rigid/logs").iterdir())) == 1
+
+
+def test_parts_wait_for_each_other(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["map", "small.toml", "--store", "run.rigid", "--part", "1/2", QUIET]) == 75
+    told = capsys.readouterr().err
+    assert re.fullmatch(
+        r"rigid: waits for other parts; \d+ of \d+ pixels are stored; "
+        r"rigid resume run.rigid goes on\n",
+        told,
+    )
+    assert not Path("small.npz").exists()
+    assert main(["resume", "run.rigid", "--part", "2/2", QUIET]) == 0
+    assert Path("run.npz").exists()
+    assert main(["map", "small.toml", QUIET]) == 0
+    assert main(["diff", "run.npz", "small.npz"]) == 0
+
+
+def test_parts_are_merged(capsys: pytest.CaptureFixture[str]) -> None:
+    for k in "12":
+        main(["map", "small.toml", "--store", f"{k}.rigid", "--part", f"{k}/2", QUIET])
+    assert main(["merge", "2.rigid", "1.rigid", "--into", "all.rigid"]) == 0
+    assert " 0 are missing" in capsys.readouterr().out
+    assert main(["pack", "all.rigid", "all.npz"]) == 0
+    assert rigid.load_map("all.npz").complete
+
+
+def test_the_status_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+    main(["map", "small.toml", "--store", "run.rigid", "--part", "1/2", QUIET])
+    capsys.readouterr()
+    assert main(["status", "run.rigid"]) == 0
+    told = capsys.readouterr().out
+    assert re.search(r"units +\d+ of \d+ are stored, \d+ are missing", told)
+    assert re.search(r"writer +\S+\.tar: \d+ units, rigid .*; waiting", told)
+
+
+def test_numbers_are_verified(capsys: pytest.CaptureFixture[str]) -> None:
+    main(["map", "small.toml", "--store", "run.rigid", QUIET])
+    capsys.readouterr()
+    assert main(["verify", "run.rigid", "--all"]) == 0
+    assert "0 differ" in capsys.readouterr().out
+    assert main(["verify", "small.npz", "--share", "0.5", "--seed", "3"]) == 0
+    log = next(Path("run.rigid/logs").iterdir())
+    content = bytearray(log.read_bytes())
+    content[content.index(b"NUMPY") + 2000] ^= 1  # in the first table
+    log.write_bytes(content)
+    assert main(["verify", "run.rigid"]) == 1
+    assert "damage: " in capsys.readouterr().out
+
+
+def test_differences_are_told(capsys: pytest.CaptureFixture[str]) -> None:
+    for seed in "56":
+        main(["map", "small.toml", "--seed", seed, "--out", seed, QUIET])
+    capsys.readouterr()
+    assert main(["diff", "5.npz", "6.npz"]) == 1
+    assert capsys.readouterr().out.startswith("seed: 5 and 6\n")
+    assert main(["diff", "5.npz", "5.npz"]) == 0
+    assert capsys.readouterr().out == "no difference\n"
+
+
+def test_a_file_asks_for_sequential_and_refined_maps() -> None:
+    text = SPEC.replace("samples = 10", "half_width = 0.1\nrefine = 4\nbudget = 100000")
+    Path("small.toml").write_text(text)
+    assert main(["map", "small.toml", QUIET]) == 0
+    spec = rigid.load_map("small.npz").spec
+    assert (spec.samples, spec.half_width, spec.refine, spec.budget) == (128, 0.1, 4, 100_000)
+    options = ["--half-width", "0.25", "--refine", "3", "--budget", "5000", "--out", "other"]
+    assert main(["map", "small.toml", *options, QUIET]) == 0
+    spec = rigid.load_map("other.npz").spec
+    assert (spec.samples, spec.half_width, spec.refine, spec.budget) == (64, 0.25, 3, 5000)
+    assert main(["map", "small.toml", "--samples", "7", "--out", "fixed", QUIET]) == 0
+    spec = rigid.load_map("fixed.npz").spec
+    assert (spec.samples, spec.half_width) == (7, None)
+
+
+@pytest.mark.parametrize(
+    ("edit", "options", "message"),
+    [
+        ("", ["--part", "1/2"], "--part: needs --store"),
+        ("", ["--dask", "tcp://x"], "--dask: needs --store"),
+        ("", ["--store", "x", "--part", "3/2"], "part = '3/2': must be k/n with 1 <= k <= n"),
+        ("", ["--half-width", "0.7"], "half_width = 0.7: must lie in [0.002, 0.25]"),
+        ("half_width = 0.1", [], "small.toml: [run] samples and half_width exclude each other"),
+        ("seed", ["--store", "x", "--part", "1/2"], "--part: the file must tell the seed, or"),
+    ],
+)
+def test_requests_that_make_no_sense_are_refused(
+    capsys: pytest.CaptureFixture[str], edit: str, options: list[str], message: str
+) -> None:
+    text = SPEC.replace("seed = 5", "") if edit == "seed" else f"{SPEC}{edit}\n"
+    Path("small.toml").write_text(text)
+    assert main(["map", "small.toml", *options, QUIET]) == 2
+    assert message in capsys.readouterr().err
+
+
+def test_another_map_in_the_folder_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    main(["map", "small.toml", "--store", "run.rigid", QUIET])
+    capsys.readouterr()
+    assert main(["map", "small.toml", "--store", "run.rigid", "--seed", "6", QUIET]) == 2
+    told = capsys.readouterr().err
+    assert told.endswith("run.rigid holds another map (it and the one asked for): seed: 5 and 6\n")
+    assert main(["resume", "elsewhere", QUIET]) == 2
+    assert "elsewhere is no running map" in capsys.readouterr().err
+
+
+def test_a_full_disk_is_resumed(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    real, left = Disk.write, iter(range(3))
+
+    def write(disk: Disk, descriptor: int, buffers: list[bytes]) -> int:
+        if next(left, None) is None:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        return real(disk, descriptor, buffers)
+
+    with monkeypatch.context() as full:
+        full.setattr(Disk, "write", write)
+        assert main(["map", "small.toml", "--store", "run.rigid", QUIET]) == 74
+    told = capsys.readouterr().err
+    assert "No space left on device" in told
+    assert re.search(r"[1-9]\d* of \d+ pixels are stored; rigid resume run.rigid goes on", told)
+    assert main(["resume", "run.rigid", "--out", "small", QUIET]) == 0
+    assert rigid.open_store("run.rigid").status().twice == 0
+
+
+SLOW = """
+import sys, time
+from rigid.cli import main
+from rigid.store import drive
+real = drive.compute
+def slow(*arguments):
+    time.sleep(0.05)
+    return real(*arguments)
+drive.compute, drive.GROWTH = slow, 1
+sys.exit(main(["map", "small.toml", "--store", "run.rigid", "--no-progress"]))
+"""
+
+
+@pytest.mark.parametrize(
+    ("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGKILL, -9)]
+)
+def test_signals_end_the_command_and_keep_what_is_computed(
+    folder: Path, number: signal.Signals, code: int
+) -> None:
+    process = subprocess.Popen(
+        python_command("-c", SLOW),
+        env=environment(),
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    logs = folder / "run.rigid" / "logs"
+    while not (logs.is_dir() and any(log.stat().st_size > 8192 for log in logs.iterdir())):
+        assert process.poll() is None
+    process.send_signal(number)
+    told = process.communicate(timeout=PATIENCE)[1]
+    assert process.returncode == code
+    done = int(np.sum(rigid.open_store("run.rigid").result().samples > 0))
+    assert 0 < done < 96
+    if code > 0:
+        assert re.fullmatch(
+            r"rigid: interrupted; \d+ of \d+ pixels are stored; rigid resume run.rigid goes on\n",
+            told,
+        )
+    assert main(["resume", "run.rigid", "--out", "small", QUIET]) == 0
+    assert rigid.open_store("run.rigid").status().twice == 0
+
+
+def test_progress_is_told_line_by_line_where_there_is_no_terminal(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(commands, "LINE_SECONDS", 0.0)
+    assert main(["map", "small.toml", "--store", "run.rigid"]) == 0
+    lines = capsys.readouterr().err.splitlines()
+    assert lines
+    for line in lines:
+        assert re.fullmatch(r"rigid: [\d,]+ of [\d,]+ bodies, [\d,]+ per second, \d+ s left", line)

@@ -1,0 +1,173 @@
+"""Refined maps: which pixels are left out, and that the others are those of the full map."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from matplotlib.axes import Axes
+from matplotlib.collections import QuadMesh
+from numpy.typing import NDArray
+
+import rigid
+from rigid.maps.data import COLUMNS
+from rigid.maps.refine import LEFT_OUT, filled
+from small_maps import assert_same_map, small_map
+
+#: A sharp border, and impossible bodies beyond I2 = 3 I1.
+GRID: dict[str, Any] = {
+    "axes": {"I2/I1": np.linspace(0.4, 3.4, 121), "noise": np.geomspace(1e-3, 0.02, 65)},
+    "method": "auto",
+    "samples": 64,
+}
+
+
+@pytest.fixture(scope="module")
+def full() -> rigid.StabilityMap:
+    return small_map(**GRID)
+
+
+@pytest.fixture(scope="module")
+def refined() -> rigid.StabilityMap:
+    return small_map(**GRID, refine=8)
+
+
+def test_pixels_that_are_computed_have_the_bits_of_the_full_map(
+    full: rigid.StabilityMap, refined: rigid.StabilityMap
+) -> None:
+    assert refined.complete
+    computed = (refined.stage != LEFT_OUT) & (refined.status == 0)
+    np.testing.assert_array_equal(refined.samples > 0, computed)
+    for column in COLUMNS:
+        if column.reproducible:
+            one, other = (data.columns[column.name][computed] for data in (refined, full))
+            np.testing.assert_array_equal(one, other, err_msg=column.name)
+
+
+def test_fewer_bodies_give_the_same_picture(
+    full: rigid.StabilityMap, refined: rigid.StabilityMap
+) -> None:
+    assert refined.samples.sum() < 0.6 * full.samples.sum()
+    possible = full.status == 0
+    assert not np.isnan(refined.filled[possible]).any()
+    assert np.isnan(refined.filled[~possible]).all()
+    truth = small_map(**{**GRID, "samples": 512}, rng=99).share > 0.5
+    wrong = [((share > 0.5) != truth)[possible].sum() for share in (full.share, refined.filled)]
+    assert wrong[1] <= 1.1 * wrong[0] + 2
+
+
+def test_the_first_stage_is_a_coarse_grid(refined: rigid.StabilityMap) -> None:
+    rows, columns = range(0, 65, 8), range(0, 121, 8)
+    first = np.argwhere(refined.stage == 0).tolist()
+    assert first == [[row, column] for row in rows for column in columns]
+    assert sorted(np.unique(refined.stage)) == [0, 1, 2, 3, LEFT_OUT]
+
+
+def test_cells_cover_the_grid_and_those_that_are_split_differ(refined: rigid.StabilityMap) -> None:
+    covered = np.zeros(refined.spec.shape, np.int64)
+    for top, bottom, left, right in refined.cells:
+        covered[top : max(bottom, top + 1), left : max(right, left + 1)] += 1
+        if max(bottom - top, right - left) > 1:
+            corners = [(row, column) for row in (top, bottom) for column in (left, right)]
+            lower = max(np.nan_to_num(refined.lower[c], nan=-1.0) for c in corners)
+            upper = min(np.nan_to_num(refined.upper[c], nan=2.0) for c in corners)
+            assert lower <= upper
+            assert len({int(refined.status[c]) for c in corners}) == 1
+    assert (covered[:-1, :-1] == 1).all()
+
+
+def test_a_map_without_a_border_stays_coarse() -> None:
+    axes = {"spin": np.linspace(1.0, 2.0, 17), "noise": [1e-6, 2e-6]}
+    result = small_map(axes=axes, refine=8, t_end=5.0)
+    assert sorted(np.unique(result.stage)) == [0, LEFT_OUT]
+    assert (result.filled == 1.0).all()
+
+
+def test_maps_of_one_axis_are_refined() -> None:
+    axes = {"I2/I1": np.linspace(1.01, 1.99, 65)}
+    start = rigid.Start(spin=1.0, noise=rigid.normal(3e-3))
+    full = small_map(axes=axes, start=start, method="auto")
+    result = small_map(axes=axes, start=start, method="auto", refine=16)
+    computed = result.samples > 0
+    assert 5 <= computed.sum() < 65
+    np.testing.assert_array_equal(result.stable[computed], full.stable[computed])
+    assert not np.isnan(result.filled).any()
+
+
+def test_what_is_filled_is_bilinear() -> None:
+    y, x = np.mgrid[0:9, 0:9]
+    plane = 0.1 + 0.02 * x + 0.03 * y + 0.005 * x * y
+    known = (x % 8 == 0) & (y % 8 == 0)
+    cells = np.array([[0, 8, 0, 8]])
+    found = filled(np.where(known, plane, np.nan), np.zeros((9, 9), np.uint8), known, cells)
+    np.testing.assert_allclose(found, plane, rtol=0.0, atol=4e-16)
+
+
+def test_a_budget_is_kept_and_a_larger_one_goes_on() -> None:
+    all_bodies = int(small_map(**GRID, refine=8).samples.sum())
+    before = None
+    for budget in (640, 6_400, 32_000, all_bodies):
+        result = small_map(**GRID, refine=8, budget=budget)
+        assert result.complete
+        assert budget - 64 < result.samples.sum() <= budget or budget == all_bodies
+        assert np.isfinite(result.filled[result.status == 0]).mean() > (0.9 if budget > 5e3 else 0)
+        if before is not None:
+            assert (result.samples >= before).all()
+        before = result.samples
+    assert_same_map(result, small_map(**GRID, refine=8, budget=10 * all_bodies))
+
+
+def test_a_budget_without_refinement_gives_a_coarse_whole_map() -> None:
+    result = small_map(**{**GRID, "axes": {"spin": np.linspace(1, 2, 17)}}, budget=5 * 64)
+    assert np.flatnonzero(result.samples).tolist() == [0, 4, 8, 12, 16]
+
+
+def test_parts_and_sittings_give_the_same_stages(
+    refined: rigid.StabilityMap, tmp_path: Path
+) -> None:
+    results: list[rigid.StabilityMap] = []
+    while not results or not results[-1].complete:
+        for part in ("2/2", "1/2"):
+            results.append(small_map(**GRID, refine=8, store=tmp_path / "run", part=part))
+        assert len(results) < 20
+    assert len(results) > 2
+    assert_same_map(results[-1], refined)
+
+
+def test_both_savings_together(full: rigid.StabilityMap) -> None:
+    options = {**GRID, "samples": None, "half_width": 0.1}
+    both = small_map(**options, refine=8)
+    assert both.complete
+    assert both.samples.sum() < 0.6 * small_map(**options).samples.sum()
+
+
+def drawn(axes: Axes) -> NDArray[np.float64]:
+    """The values that a mesh shows."""
+    mesh = next(one for one in axes.collections if isinstance(one, QuadMesh))
+    return np.ma.filled(np.ma.asarray(mesh.get_array(), dtype=float), np.nan)
+
+
+def test_refined_maps_are_saved_drawn_and_described(
+    refined: rigid.StabilityMap, tmp_path: Path
+) -> None:
+    loaded = rigid.load_map(refined.save(tmp_path / "map.npz"))
+    np.testing.assert_array_equal(loaded.stage, refined.stage)
+    np.testing.assert_array_equal(loaded.filled, refined.filled)
+    dataset = refined.to_xarray()
+    np.testing.assert_array_equal(dataset["share_filled"], refined.filled)
+    assert (dataset["stage"].values == refined.stage).all()
+    assert " pixels; " in refined.summary()
+    axes = refined.plot(cells=True)
+    np.testing.assert_array_equal(drawn(axes), refined.filled)
+    assert any(len(one.get_paths()) == len(refined.cells) for one in axes.collections)
+
+
+def test_the_cost_is_drawn(full: rigid.StabilityMap) -> None:
+    axes = full.plot(what="cost")
+    assert np.nansum(drawn(axes)) == pytest.approx(1e-9 * full.nanoseconds.sum())
+    line = small_map(axes={"spin": [1.0, 2.0]}).plot(what="cost")
+    assert line.get_ylabel() == "processor time of a pixel (s)"
+    with pytest.raises(ValueError, match="what = 'price': must be one of 'share', 'cost'"):
+        full.plot(what="price")
