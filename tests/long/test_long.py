@@ -17,6 +17,7 @@ from processes import environment, python_command
 SCRIPTS = (
     "any_scene",
     "closed_forms_against_rk4",
+    "coverage",
     "error_estimates",
     "failed_allocations",
     "fuzz",
@@ -25,6 +26,7 @@ SCRIPTS = (
     "principal_axes",
     "regular",
     "result_hashes",
+    "running_maps",
     "stated_errors",
     "there_and_back",
 )
