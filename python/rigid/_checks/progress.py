@@ -5,6 +5,7 @@ from __future__ import annotations
 import signal
 import sys
 import threading
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -12,6 +13,7 @@ from types import FrameType
 from typing import Any, TypeAlias
 
 from .arguments import brief
+from .notebook import in_notebook
 
 __all__ = [
     "Interrupted",
@@ -75,8 +77,8 @@ def reporting(
     Parameters
     ----------
     option : None, bool or callable
-        ``None``: a tqdm bar if tqdm is installed and stderr is a terminal. ``True``: a tqdm bar
-        anyway. ``False``: silence. A callable gets each progress.
+        ``None``: a tqdm bar if tqdm is installed, and in a terminal or a notebook. ``True``: a tqdm
+        bar anyway. ``False``: silence. A callable gets each progress.
     total : int
         Number of bodies, or of other units of work.
     unit : str
@@ -96,9 +98,11 @@ def reporting(
         raise TypeError(f"progress = {brief(option)}: must be None, True, False or a callable")
     # There is no stderr under pythonw and in some services.
     in_terminal = sys.stderr is not None and sys.stderr.isatty()
-    if option or (option is None and in_terminal):
+    if option or (option is None and (in_terminal or in_notebook())):
         try:
-            from tqdm import tqdm
+            with warnings.catch_warnings():  # tqdm warns where a notebook has no widgets
+                warnings.simplefilter("ignore")
+                from tqdm.auto import tqdm
         except ImportError:
             if option:
                 raise ImportError("a progress bar needs tqdm: pip install 'rigid[maps]'") from None

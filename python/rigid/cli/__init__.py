@@ -1,27 +1,27 @@
 """The command line ``rigid``: maps, sections and reports, lists of those built in, the build.
 
-``toml_table`` reports mistakes in a file with their location, ``toml_scene`` reads scene, start and
-criterion, ``toml_map``, ``toml_section`` and ``toml_report`` the three kinds of files. Uses
-``maps``, ``sections`` and ``reports``; nothing uses it.
+``parser`` has the arguments and help, ``output`` prints and writes. ``toml_table`` reports mistakes
+in a file with their location, ``toml_scene`` reads scene, start and criterion, ``toml_map``,
+``toml_section`` and ``toml_report`` the three kinds of files. Uses ``maps``, ``sections`` and
+``reports``; nothing uses it.
 """
 
 from __future__ import annotations
 
 import argparse
 import dataclasses
-import os
 import sys
-from collections.abc import Callable, Mapping, Sequence
-from io import BytesIO, TextIOWrapper
+from collections.abc import Sequence
+from io import TextIOWrapper
 from pathlib import Path
-from typing import TYPE_CHECKING, NoReturn, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 from .._checks.arguments import positive_int, resolve_threads
-from .._checks.progress import heeding_signals, interruptible
+from .._checks.progress import heeding_signals
 from .._files import published, require_replaceable, require_room
-from ..drawing.figure import new_figure
 from ..info import build_info
 from ..maps.compute import run_map
+from ..maps.data import CLASSES, FAILURES
 from ..maps.file import file_size
 from ..maps.plan import map_plan
 from ..maps.result import StabilityMap
@@ -29,22 +29,17 @@ from ..maps.sequential import checked_half_width, stop_table
 from ..maps.spec import MapSpec
 from ..model.seed import seed_from
 from ..reports.compute import run_report
-from ..reports.result import Report
 from ..reports.stress import extremes
 from ..sections.crossings import Crossings
 from ..sections.poincare import poincare
 from ..sections.starts import on_surface
-from .running_maps import (
-    add_commands,
-    add_options,
-    compute_stored,
-    default_stem,
-    open_and_go_on,
-    run,
-)
-from .toml_map import builtin_names, read_spec
-from .toml_report import read_report, report_names
-from .toml_section import SectionSpec, read_section, section_names
+from .output import Target, finished, print_list, progress_shown, say, target_of
+from .parser import LONG_SECONDS, SECONDS, USAGE_ERROR, make_parser
+from .running_maps import compute_stored, default_stem, open_and_go_on, run
+from .toml_map import MAPS, builtin_names, read_spec
+from .toml_report import REPORTS, read_report, report_names
+from .toml_section import SECTIONS, SectionSpec, read_section, section_names
+from .toml_table import read_source
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -52,18 +47,18 @@ if TYPE_CHECKING:
 __all__ = ["main"]
 
 SILENT_ERROR = 1
-USAGE_ERROR = 2
 WRITE_ERROR = 74
-"""Exit codes; that of an interrupted command is 128 and the number of the signal."""
-
-SECONDS, LONG_SECONDS = 30.0, 120.0
-"""Time limits (s) of ``rigid report`` and ``rigid report --long``."""
+"""Exit codes besides that of ``parser``; an interrupted command ends with 128 and the signal."""
 
 POINT_SIZE = 140
 """About the bytes of a point of a section in a file."""
 
 REPORT_SIZE = 2**20
 """More bytes than the file of a report has."""
+
+_FOLDERS = {"map": MAPS, "section": SECTIONS, "report": REPORTS}
+_COPIED = {"map": "thrown-box", "section": "kovalevskaya", "report": "lagrange-top"}
+"""Where built-in specifications are, and which ``rigid new`` copies."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -83,11 +78,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
         sys.stdout.reconfigure(errors="backslashreplace")  # as stderr: a terminal may be ASCII
     with heeding_signals() as interrupted:
         try:
-            options = _parser().parse_args(arguments)
+            parser = make_parser()
+            options = parser.parse_args(arguments)
+            if options.command is None:
+                say(parser.format_help().rstrip())
+                return 0
+            if getattr(options, "show", False):
+                return _show(options)
             command = {
                 "map": _map,
                 "resume": _resume,
                 **dict.fromkeys(("status", "merge", "diff", "verify", "pack"), run),
+                "new": _new,
                 "maps": _maps,
                 "section": _section,
                 "sections": _sections,
@@ -96,9 +98,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 "extremes": _extremes,
                 "info": _info,
             }[options.command]
-            code = command(options)
-            print(end="", flush=True)
-            return code
+            return command(options)
         except OSError as error:
             print(f"rigid: {error}", file=sys.stderr)
             return WRITE_ERROR
@@ -111,7 +111,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _map(options: argparse.Namespace) -> int:
-    named = read_spec(options.map)
+    named = read_spec(options.map, options.changes)
     spec = named.spec
     if options.samples is not None:
         spec = dataclasses.replace(spec, samples=options.samples, half_width=None)
@@ -125,34 +125,58 @@ def _map(options: argparse.Namespace) -> int:
         spec = dataclasses.replace(spec, budget=options.budget)
     if options.seed is not None:
         spec = dataclasses.replace(spec, seed=seed_from(options.seed))
-    stem = _stem(options.out, named.name, (".npz", ".png"))
+    target = target_of(options.out, named.name, ".npz", force=options.force)
     threads = resolve_threads(options.threads)
-    require_room(_with_suffix(stem, ".npz"), file_size(spec))
-    print(f"{'plan':<12}{_plan(spec)}", flush=True)
+    require_room(target.data, file_size(spec))
+    if not options.json:
+        say(f"{'plan':<12}{_plan(spec)}")
     if options.store is not None:
         seeded = named.seeded or options.seed is not None
-        return _finished_map(compute_stored(spec, options, seeded=seeded), stem)
+        stored = compute_stored(spec, options, seeded=seeded)
+        return _finished_map(stored, target, named.name, options)
     for name in ("part", "dask"):
         if getattr(options, name) is not None:
             raise ValueError(f"--{name}: needs --store")
-    result = run_map(
-        spec, threads=threads, progress=None if options.progress else False, partial=True
-    )
-    return _finished_map(result, stem)
+    result = run_map(spec, threads=threads, progress=progress_shown(options.progress), partial=True)
+    return _finished_map(result, target, named.name, options)
 
 
-def _finished_map(result: StabilityMap | int, stem: Path) -> int:
+def _finished_map(
+    result: StabilityMap | int, target: Target, name: str, options: argparse.Namespace
+) -> int:
     """Write a map, and return the exit code; or return the one of a map without a result."""
     if isinstance(result, int):
         return result
-    return _finished(
-        result, stem, ".npz", "map", lambda: f"{result.summary()}\n{'speed':<12}{_speed(result)}"
+    return finished(
+        result,
+        target,
+        "map",
+        lambda: f"{result.summary()}\n{'speed':<12}{_speed(result)}",
+        (lambda: _map_facts(name, result)) if options.json else None,
     )
 
 
 def _resume(options: argparse.Namespace) -> int:
-    stem = _stem(options.out, default_stem(options.store), (".npz", ".png"))
-    return _finished_map(open_and_go_on(options), stem)
+    stem = default_stem(options.store)
+    target = target_of(options.out, stem, ".npz", force=options.force)
+    return _finished_map(open_and_go_on(options), target, Path(stem).name, options)
+
+
+def _map_facts(name: str, result: StabilityMap) -> dict[str, Any]:
+    """What ``--json`` tells of a map."""
+    theory = result.theory()
+    return {
+        "name": name,
+        "complete": result.complete,
+        "plan": result.plan.to_dict(),
+        **{key: int(result.columns[key].sum()) for key in (*CLASSES, *FAILURES)},
+        "theory": None
+        if theory is None
+        else {"label": theory.label, "disagreeing": int(result.disagreement(theory).sum())},
+        "elapsed": result.elapsed,
+        "threads": result.threads,
+        "spec": result.spec.to_dict(),
+    }
 
 
 def _plan(spec: MapSpec) -> str:
@@ -163,21 +187,25 @@ def _plan(spec: MapSpec) -> str:
 def _maps(options: argparse.Namespace) -> int:
     specs = {name: read_spec(name).spec for name in builtin_names()}
     axes = {name: " x ".join(axis.name for axis in spec.axes) for name, spec in specs.items()}
-    return _list({name: f"{spec.title} ({axes[name]})" for name, spec in specs.items()})
+    print_list(
+        {name: f"{spec.title} ({axes[name]})" for name, spec in specs.items()},
+        as_json=options.json,
+    )
+    return 0
 
 
 def _section(options: argparse.Namespace) -> int:
-    spec = read_section(options.section)
+    spec = read_section(options.section, options.changes)
     if options.bodies is not None:
         spec = dataclasses.replace(spec, bodies=positive_int("--bodies", options.bodies))
     if options.seed is not None:
         spec = dataclasses.replace(spec, seed=seed_from(options.seed))
-    stem = _stem(options.out, spec.name, (".npz", ".png"))
+    target = target_of(options.out, spec.name, ".npz", force=options.force)
     threads = resolve_threads(options.threads)
     omega, attitude = on_surface(
         spec.scene, spec.energy, spec.l_gamma, spec.bodies, spec.section, spec.seed
     )
-    require_room(_with_suffix(stem, ".npz"), POINT_SIZE * spec.bodies * (spec.points or 1))
+    require_room(target.data, POINT_SIZE * spec.bodies * (spec.points or 1))
     points = poincare(
         spec.scene,
         omega,
@@ -187,24 +215,46 @@ def _section(options: argparse.Namespace) -> int:
         count=spec.points,
         check=False,
         threads=threads,
-        progress=None if options.progress else False,
+        progress=progress_shown(options.progress),
     )
-    return _finished(_SectionResult(points, spec), stem, ".npz", "section", lambda: f"{points}")
+    return finished(
+        _SectionResult(points, spec),
+        target,
+        "section",
+        lambda: f"{points}",
+        (lambda: _section_facts(points, spec)) if options.json else None,
+    )
 
 
-def _sections(_options: argparse.Namespace) -> int:
+def _section_facts(points: Crossings, spec: SectionSpec) -> dict[str, Any]:
+    """What ``--json`` tells of a section."""
+    return {
+        "name": spec.name,
+        "section": points.section.to_dict(),
+        "bodies": spec.bodies,
+        "points": len(points),
+        "complete": bool(points.complete.all()),
+        "plan": points.plan.to_dict(),
+        "scene": spec.scene.to_dict(),
+        "seed": spec.seed,
+    }
+
+
+def _sections(options: argparse.Namespace) -> int:
     specs = {name: read_section(name) for name in section_names()}
-    return _list(
+    print_list(
         {
             name: f"{spec.title} (energy {spec.energy:g} J, L·gamma {spec.l_gamma:g})"
             for name, spec in specs.items()
-        }
+        },
+        as_json=options.json,
     )
+    return 0
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class _SectionResult:
-    """Points with their picture, as :func:`_finished` writes results."""
+    """Points with their picture, as :func:`~.output.finished` writes results."""
 
     points: Crossings
     spec: SectionSpec
@@ -221,37 +271,53 @@ class _SectionResult:
         return drawn
 
 
-_Result: TypeAlias = StabilityMap | Report | _SectionResult
-
-
 def _report(options: argparse.Namespace) -> int:
-    named = read_report(options.report, methods=options.method)
+    named = read_report(options.report, options.changes, methods=options.method)
     spec = named.spec
     if options.long:
         spec = dataclasses.replace(spec, t_end=named.t_end_long)
     seconds = options.seconds
     if seconds is None:
         seconds = LONG_SECONDS if options.long else SECONDS
-    stem = _stem(options.out, f"report-{named.name}", (".json", ".png"))
-    require_room(_with_suffix(stem, ".json"), REPORT_SIZE)
+    target = target_of(options.out, f"report-{named.name}", ".json", force=options.force)
+    require_room(target.data, REPORT_SIZE)
     result = run_report(
-        spec, seconds=seconds, progress=None if options.progress else False, partial=True
+        spec, seconds=seconds, progress=progress_shown(options.progress), partial=True
     )
-    return _finished(result, stem, ".json", "report", lambda: f"{result}\n")
+    return finished(
+        result,
+        target,
+        "report",
+        lambda: f"{result}\n",
+        (lambda: {"name": named.name, **result.to_dict()}) if options.json else None,
+    )
 
 
 def _reports(options: argparse.Namespace) -> int:
     specs = {name: read_report(name).spec for name in report_names()}
-    return _list(
-        {name: f"{spec.title} (t = {spec.t_end:g} {spec.unit})" for name, spec in specs.items()}
+    print_list(
+        {name: f"{spec.title} (t = {spec.t_end:g} {spec.unit})" for name, spec in specs.items()},
+        as_json=options.json,
     )
+    return 0
 
 
 def _extremes(options: argparse.Namespace) -> int:
     found = extremes(
-        options.family, method=options.method, progress=None if options.progress else False
+        options.family, method=options.method, progress=progress_shown(options.progress)
     )
-    print(found)
+    if options.json:
+        cells = [
+            {
+                **dataclasses.asdict(dataclasses.replace(cell, case=None)),  # type: ignore[arg-type]
+                "family": cell.case.family,
+                "case": cell.case.name,
+            }
+            for cell in found.cells
+        ]
+        print_list({"counts": found.counts(), "cells": cells}, as_json=True)
+    else:
+        say(str(found))
     for cell in found.wrong:
         print(
             f"rigid: {cell.case.family}, {cell.case.name}, {cell.method}: {cell.error:.1e}, not "
@@ -262,34 +328,40 @@ def _extremes(options: argparse.Namespace) -> int:
 
 
 def _info(options: argparse.Namespace) -> int:
-    return _list({name: _words(value) for name, value in build_info().items()})
+    print_list(build_info(), as_json=options.json)
+    return 0
 
 
-def _words(value: object) -> str:
-    if isinstance(value, (list, tuple)):
-        return ", ".join(map(str, value))
-    return "unknown" if value is None else str(value)
+def _show(options: argparse.Namespace) -> int:
+    """Print the specification of a map, section or report."""
+    kind = options.command
+    if options.changes:
+        raise ValueError("--show prints the file as it is: leave --set out")
+    _, content, _ = read_source(getattr(options, kind), kind, _FOLDERS[kind])
+    say(content.rstrip("\n"))
+    return 0
 
 
-def _stem(out: str | None, name: str, suffixes: tuple[str, ...]) -> Path:
-    """The output path without suffix, checked before the computation starts."""
-    stem = Path(out or name)
-    if stem.suffix in suffixes:
-        stem = stem.with_suffix("")
-    if not stem.name:
-        raise ValueError(f"--out: {str(stem)!r} names a directory, not a file")
-    for suffix in suffixes:
-        try:
-            require_replaceable(_with_suffix(stem, suffix))
-        except FileExistsError as error:
-            raise ValueError(f"--out: {error}") from None
-    if not stem.parent.is_dir():
-        raise ValueError(f"--out: there is no directory {str(stem.parent)!r}")
-    return stem
-
-
-def _with_suffix(stem: Path, suffix: str) -> Path:
-    return stem.with_name(stem.name + suffix)
+def _new(options: argparse.Namespace) -> int:
+    """Write a specification to change."""
+    kind = options.kind
+    name = options.like or _COPIED[kind]
+    path = Path(options.file or f"my-{kind}.toml")
+    if path.suffix != ".toml":
+        raise ValueError(f"file = {str(path)!r}: must end in .toml")
+    _, content, _ = read_source(name, kind, _FOLDERS[kind])
+    try:
+        exists = require_replaceable(path) is not None
+    except FileExistsError as error:
+        raise ValueError(str(error)) from None
+    if exists and not options.force:
+        raise ValueError(
+            f"file = {str(path)!r}: exists; take another name, or replace it with --force"
+        )
+    with published(path) as file:
+        file.write(content.encode())
+    say(f"wrote {path}; change it, then: rigid {kind} {path}")
+    return 0
 
 
 def _speed(result: StabilityMap) -> str:
@@ -297,142 +369,3 @@ def _speed(result: StabilityMap) -> str:
     rate = done / result.elapsed if result.elapsed > 0.0 else 0.0
     threads = f"{result.threads} thread{'s' if result.threads > 1 else ''}"
     return f"{rate:,.0f} bodies per second, {result.elapsed:.2f} s on {threads}"
-
-
-def _finished(result: _Result, stem: Path, suffix: str, what: str, words: Callable[[], str]) -> int:
-    """Save the data; then print words and paths, and draw the picture. Returns the exit code."""
-    with interruptible() as stop:
-        data = _saved(result, _with_suffix(stem, suffix), what)
-    safe = f"the {what} is safe in {data}"
-    picture = _with_suffix(stem, ".png")
-    try:
-        if stop.is_set():
-            raise KeyboardInterrupt
-        print(words())
-        print(f"{'data':<12}{data}", flush=True)
-        try:
-            content = _drawn(result)
-        except ImportError as error:
-            print(f"{'picture':<12}none: {error}", flush=True)
-        else:
-            with published(picture) as file:
-                file.write(content)
-            print(f"{'picture':<12}{picture}", flush=True)
-    except KeyboardInterrupt:
-        raise KeyboardInterrupt(f"interrupted; {safe}, there is no picture") from None
-    except OSError as error:
-        raise OSError(f"{error}; {safe}") from None
-    if not result.complete:
-        raise KeyboardInterrupt(f"interrupted; the {what} written is partial")
-    return 0
-
-
-def _saved(result: _Result, data: Path, what: str) -> Path:
-    """Save the data, or raise OSError that tells where the data is instead."""
-    try:
-        return result.save(data)
-    except OSError as error:
-        import tempfile
-
-        try:
-            folder = tempfile.gettempdir()
-            spare = result.save(Path(folder, f"rigid-{os.urandom(8).hex()}-{data.name}"))
-        except OSError:
-            raise OSError(f"{error}; the {what} is not saved") from None
-        raise OSError(f"{error}; the {what} is safe in {spare}") from None
-
-
-def _drawn(result: _Result) -> bytes:
-    """The picture as PNG."""
-    figure = new_figure()
-    result.plot(figure.add_subplot())
-    content = BytesIO()
-    figure.savefig(content, format="png")
-    return content.getvalue()
-
-
-def _list(lines: Mapping[str, str]) -> int:
-    """Print a description for each name."""
-    width = max(map(len, lines)) + 2
-    for name, text in lines.items():
-        print(f"{name:<{width}}{text}")
-    return 0
-
-
-class _Parser(argparse.ArgumentParser):
-    def error(self, message: str) -> NoReturn:
-        self.exit(USAGE_ERROR, f"{self.prog}: {message}\n")
-
-
-def _parser() -> _Parser:
-    parser = _Parser(prog="rigid", description="Stability of rotating rigid bodies.")
-    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    map_ = commands.add_parser("map", help="compute a stability map, write a picture and the data")
-    map_.add_argument("map", metavar="NAME|FILE.toml", help="a built-in map or a specification")
-    map_.add_argument("--samples", type=int, metavar="N", help="bodies per pixel")
-    map_.add_argument("--threads", type=int, metavar="N", help="default: all this process may use")
-    map_.add_argument(
-        "--out", metavar="PATH", help="writes PATH.png and PATH.npz (default: ./NAME)"
-    )
-    map_.add_argument("--seed", type=int, metavar="N", help="key of the random numbers")
-    map_.add_argument(
-        "--no-progress", dest="progress", action="store_false", help="no progress bar"
-    )
-    map_.add_argument(
-        "--half-width", type=float, metavar="W", help="bodies until each share is known so well"
-    )
-    map_.add_argument(
-        "--refine", type=int, metavar="K", help="first every K-th pixel, then where shares differ"
-    )
-    map_.add_argument("--budget", type=int, metavar="N", help="most bodies of the map")
-    map_.add_argument(
-        "--store", metavar="DIR", help="keep what is computed in this folder, and go on from there"
-    )
-    add_options(map_)
-    add_commands(commands)
-    commands.add_parser("maps", help="list the built-in maps")
-    section = commands.add_parser(
-        "section", help="compute a Poincaré section, write a picture and the data"
-    )
-    section.add_argument(
-        "section", metavar="NAME|FILE.toml", help="a built-in section or a specification"
-    )
-    section.add_argument("--bodies", type=int, metavar="N", help="number of motions")
-    section.add_argument(
-        "--threads", type=int, metavar="N", help="default: all this process may use"
-    )
-    section.add_argument(
-        "--out", metavar="PATH", help="writes PATH.png and PATH.npz (default: ./NAME)"
-    )
-    section.add_argument("--seed", type=int, metavar="N", help="key of the random starts")
-    section.add_argument(
-        "--no-progress", dest="progress", action="store_false", help="no progress bar"
-    )
-    commands.add_parser("sections", help="list the built-in sections")
-    report = commands.add_parser("report", help="error against run time of all methods")
-    report.add_argument("report", metavar="NAME|FILE.toml", help="a built-in scene or your own")
-    report.add_argument("--long", action="store_true", help="the longer horizon, and more time")
-    report.add_argument(
-        "--seconds",
-        type=float,
-        metavar="S",
-        help=f"about how long to measure (default: {SECONDS:g}, with --long {LONG_SECONDS:g})",
-    )
-    report.add_argument(
-        "--method", action="append", metavar="NAME", help="only this one; may be repeated"
-    )
-    report.add_argument(
-        "--out", metavar="PATH", help="writes PATH.png and PATH.json (default: ./report-NAME)"
-    )
-    report.add_argument(
-        "--no-progress", dest="progress", action="store_false", help="no progress bar"
-    )
-    commands.add_parser("reports", help="list the built-in reports")
-    worst = commands.add_parser("extremes", help="extreme and stiff bodies by every method")
-    worst.add_argument("family", nargs="?", metavar="FAMILY", help="only these, such as needle")
-    worst.add_argument("--method", metavar="NAME", help="only this one")
-    worst.add_argument(
-        "--no-progress", dest="progress", action="store_false", help="no progress bar"
-    )
-    commands.add_parser("info", help="describe this build")
-    return parser

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-import time
 from argparse import ArgumentParser, Namespace
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -11,18 +10,16 @@ from pathlib import Path
 from typing import Any
 
 from .._checks.arguments import resolve_threads
-from .._checks.progress import Interrupted, Progress, ProgressOption
+from .._checks.progress import Interrupted
 from ..maps.result import StabilityMap
 from ..maps.spec import MapSpec
+from .output import progress_shown, say
 
 __all__ = ["add_commands", "add_options", "compute_stored", "default_stem", "open_and_go_on", "run"]
 
 DIFFERENT = 1
 WAITING = 75
 """Exit codes."""
-
-LINE_SECONDS = 10.0
-"""Seconds between two lines of progress where there is no terminal."""
 
 
 def add_options(parser: ArgumentParser) -> None:
@@ -37,6 +34,8 @@ def add_commands(commands: Any) -> None:
     resume.add_argument("store", metavar="DIR", help="its folder")
     resume.add_argument("--threads", type=int, metavar="N", help="default: all")
     resume.add_argument("--out", metavar="PATH", help="writes PATH.png and PATH.npz")
+    resume.add_argument("--force", action="store_true", help="replace existing files")
+    resume.add_argument("--json", action="store_true", help="print JSON for other programs")
     resume.add_argument(
         "--no-progress", dest="progress", action="store_false", help="no progress bar"
     )
@@ -70,20 +69,20 @@ def run(options: Namespace) -> int:
 
     code = 0
     if options.command == "status":
-        print(open_store(options.store).status())
+        say(str(open_store(options.store).status()))
     elif options.command == "merge":
-        print(merge(options.stores, options.into).status())
+        say(str(merge(options.stores, options.into).status()))
     elif options.command == "diff":
         difference = diff(options.one, options.other)
-        print(difference)
+        say(str(difference))
         code = 0 if difference.same else DIFFERENT
     elif options.command == "verify":
         threads = resolve_threads(options.threads)
         found = verify(options.map, share=options.share, seed=options.seed, threads=threads)
-        print(found)
+        say(str(found))
         code = 0 if found.ok else DIFFERENT
     else:
-        print(open_store(options.store).pack(options.out))
+        say(str(open_store(options.store).pack(options.out)))
     return code
 
 
@@ -118,7 +117,7 @@ def _computed(options: Namespace, compute: Any) -> StabilityMap | int:
                 threads=resolve_threads(options.threads),
                 threads_per_task=1,
                 part=options.part,
-                progress=_progress() if options.progress else False,
+                progress=progress_shown(options.progress),
                 partial=False,
             )
     except Interrupted as stopped:
@@ -161,26 +160,6 @@ def _executor(address: str | None) -> Iterator[Any]:
         raise ValueError("--dask needs Dask: pip install 'rigid[dask]'") from None
     with Client(address) as client:  # type: ignore[no-untyped-call]
         yield client
-
-
-def _progress() -> ProgressOption:
-    """A bar in a terminal, else a line every ten seconds."""
-    if sys.stderr is None or sys.stderr.isatty():
-        return None
-    last = time.monotonic()
-
-    def line(progress: Progress) -> None:
-        nonlocal last
-        if time.monotonic() - last >= LINE_SECONDS:
-            last = time.monotonic()
-            print(
-                f"rigid: {progress.done:,} of {progress.total:,} bodies, "
-                f"{progress.rate:,.0f} per second, {progress.remaining:,.0f} s left",
-                file=sys.stderr,
-                flush=True,
-            )
-
-    return line
 
 
 def default_stem(store: str) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal, localcontext
 
@@ -11,10 +12,14 @@ from ..maps.sequential import checked_half_width, stop_table
 from ..maps.spec import MapSpec
 from ..model.seed import checked_seed, seed_from
 from ..solve.methods import map_methods
+from .toml_keys import AXIS, MAP, MAP_RUN
 from .toml_scene import read_criterion, read_scene, read_start
 from .toml_table import BUILTIN, Table, as_is, names_in, parsed, read_source, text
 
-__all__ = ["NamedSpec", "builtin_names", "parse_spec", "read_spec"]
+__all__ = ["MAPS", "NamedSpec", "builtin_names", "parse_spec", "read_spec"]
+
+MAPS = BUILTIN
+"""The folder of the built-in maps."""
 
 MOST_VALUES = 100_000
 """Most values that an axis is divided into."""
@@ -39,16 +44,18 @@ class NamedSpec:
 
 def builtin_names() -> list[str]:
     """Names of the built-in maps, sorted."""
-    return names_in(BUILTIN)
+    return names_in(MAPS)
 
 
-def read_spec(source: str) -> NamedSpec:
+def read_spec(source: str, changes: Sequence[str] = ()) -> NamedSpec:
     """Read a built-in map by its name, or a file by its path.
 
     Parameters
     ----------
     source : str
         A path if it ends in ``.toml`` or holds a directory separator, else a name.
+    changes : sequence of str
+        Keys to replace, such as ``"run.t_end=10"``.
 
     Returns
     -------
@@ -65,12 +72,12 @@ def read_spec(source: str) -> NamedSpec:
     >>> read_spec("thrown-box").spec.samples
     64
     """
-    name, content, file = read_source(source, "map", BUILTIN)
-    seeded = "seed" in parsed(content, file).table("run")
-    return NamedSpec(name, parse_spec(content, file), seeded)
+    name, content, file = read_source(source, "map", MAPS)
+    seeded = "seed" in parsed(content, file, changes).table("run")
+    return NamedSpec(name, parse_spec(content, file, changes), seeded)
 
 
-def parse_spec(content: str, file: str) -> MapSpec:
+def parse_spec(content: str, file: str, changes: Sequence[str] = ()) -> MapSpec:
     """The specification that a TOML text describes; ``file`` names it in messages.
 
     Raises
@@ -78,26 +85,15 @@ def parse_spec(content: str, file: str) -> MapSpec:
     SpecError
         See :func:`read_spec`.
     """
-    document = parsed(content, file)
-    document.only("title", "scene", "x", "y", "start", "stable", "run")
+    document = parsed(content, file, changes)
+    document.only(*MAP)
     scene = read_scene(document.table("scene"))
     axes = _axes([document.table(letter) for letter in "xy" if letter == "x" or "y" in document])
     start = read_start(document.table("start"), [axis.name for axis in axes])
     document.build(lambda: check_applicable(scene, start, axes))
     stable = read_criterion(document.table("stable"), scene, start)
     run = document.table("run")
-    run.only(
-        "t_end",
-        "samples",
-        "half_width",
-        "refine",
-        "budget",
-        "method",
-        "step",
-        "check",
-        "max_steps",
-        "seed",
-    )
+    run.only(*MAP_RUN)
     half_width = run.take("half_width", _half_width, default=None)
     if half_width is not None and "samples" in run:
         raise run.error("samples and half_width exclude each other")
@@ -136,7 +132,7 @@ def _axes(tables: list[Table]) -> tuple[Axis, ...]:
 
 
 def _axis(table: Table) -> Axis:
-    table.only("name", "values", "from", "to", "count", "scale")
+    table.only(*AXIS)
     name = table.choice("name", PARAMETERS)
     if "values" in table:
         table.only("name", "values")

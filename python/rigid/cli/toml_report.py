@@ -9,12 +9,13 @@ from .._checks.arguments import finite_float, positive_int
 from ..maps.grid import nominal_starts
 from ..model.seed import checked_seed
 from ..reports.spec import ReportSpec, make_spec
+from .toml_keys import REPORT, REPORT_RUN, REPORT_START
 from .toml_scene import read_scene, read_start
 from .toml_table import BUILTIN, as_is, names_in, parsed, positive, read_source, text
 
-__all__ = ["NamedReport", "parse_report", "read_report", "report_names"]
+__all__ = ["REPORTS", "NamedReport", "parse_report", "read_report", "report_names"]
 
-_REPORTS = BUILTIN / "reports"
+REPORTS = BUILTIN / "reports"
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,10 +29,12 @@ class NamedReport:
 
 def report_names() -> list[str]:
     """Names of the built-in reports, sorted."""
-    return names_in(_REPORTS)
+    return names_in(REPORTS)
 
 
-def read_report(source: str, *, methods: Sequence[str] | None = None) -> NamedReport:
+def read_report(
+    source: str, changes: Sequence[str] = (), *, methods: Sequence[str] | None = None
+) -> NamedReport:
     """Read a built-in report by its name, or a file by its path; see ``read_spec`` of a map.
 
     Examples
@@ -40,22 +43,27 @@ def read_report(source: str, *, methods: Sequence[str] | None = None) -> NamedRe
     >>> read_report("lagrange-top").spec.scene.mgl
     1.0
     """
-    name, content, file = read_source(source, "report", _REPORTS)
-    return parse_report(name, content, file, methods)
+    name, content, file = read_source(source, "report", REPORTS)
+    return parse_report(name, content, file, changes, methods=methods)
 
 
 def parse_report(
-    name: str, content: str, file: str, methods: Sequence[str] | None = None
+    name: str,
+    content: str,
+    file: str,
+    changes: Sequence[str] = (),
+    *,
+    methods: Sequence[str] | None = None,
 ) -> NamedReport:
     """The report that a TOML text describes; ``methods`` replaces those of the text."""
-    document = parsed(content, file)
-    document.only("title", "scene", "start", "run")
+    document = parsed(content, file, changes)
+    document.only(*REPORT)
     scene = read_scene(document.table("scene"))
     nominal = document.table("start")
-    nominal.only("omega", "spin", "axis", "tilt")
+    nominal.only(*REPORT_START)
     start = read_start(nominal, [])
     run = document.table("run")
-    run.only("t_end", "t_end_long", "unit", "bodies", "errors", "seed", "methods")
+    run.only(*REPORT_RUN)
     grid = document.build(lambda: nominal_starts(scene, start))
     t_end = run.take("t_end", finite_float)
     spec = run.build(

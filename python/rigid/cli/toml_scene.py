@@ -12,6 +12,7 @@ from ..model.satellite import EnergySink
 from ..model.scene import SCENES, FreeBody, Scene
 from ..model.start import NOISE_KINDS, Noise, Start
 from ..model.torque import Torque
+from .toml_keys import NOISE, ORBIT, SATELLITE, SCENE, START
 from .toml_table import Table, as_is, three
 
 __all__ = ["read_criterion", "read_scene", "read_start"]
@@ -22,12 +23,9 @@ _KINDS = {scene.title.replace(" ", "-"): scene for scene in SCENES.values()}
 def read_scene(table: Table) -> Scene:
     """The scene of a table ``[scene]``."""
     scene = _KINDS[table.choice("kind", _KINDS)]
-    table.only(
-        *("kind", "moments", "box", "mass"),
-        *scene.fields,
-        *("torque", "torque_in_space", "damping"),
-        *(("dissipation", "rotor", "gravity_gradient") if scene is FreeBody else ()),
-    )
+    others = {name for kind in SCENES.values() for name in kind.fields} - {*scene.fields}
+    others |= set() if scene is FreeBody else {*SATELLITE}
+    table.only(*(key for key in (*SCENE, *SATELLITE) if key not in others))
     body = _body(table)
     own: dict[str, Any] = {}
     for name, field in scene.fields.items():
@@ -57,7 +55,7 @@ def _forcing(table: Table) -> dict[str, Any]:
             torque = part if torque is None else torque + part
     if "gravity_gradient" in table:
         orbit = table.table("gravity_gradient")
-        orbit.only("rate", "normal", "towards")
+        orbit.only(*ORBIT)
         directions = {
             name: orbit.take(name, three) for name in ("normal", "towards") if name in orbit
         }
@@ -82,7 +80,7 @@ def _body(table: Table) -> Body:
 
 def read_start(table: Table, axes: list[str]) -> Start:
     """The start of a table ``[start]``; fields that an axis of the map sets may be omitted."""
-    table.only("omega", "spin", "axis", "tilt", "noise", "attitude_noise")
+    table.only(*START)
     omega = table.take("omega", three, default=None)
     spin = table.take("spin", finite_float, default=0.0 if "spin" in axes else None)
     axis = table.take("axis", as_is, default=3)
@@ -108,7 +106,7 @@ def _noise(table: Table, on_axis: bool) -> Noise:
     if kind == "uniform_attitude":
         table.only("kind")
         return Noise(kind)
-    table.only("kind", "size")
+    table.only(*NOISE)
     if on_axis:
         if "size" in table:
             raise table.error("size is that of the axis; leave it out here")

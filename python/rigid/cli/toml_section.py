@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from .._checks.arguments import finite_float, positive_int
@@ -9,12 +10,13 @@ from ..model.scene import HeavyTop
 from ..model.seed import checked_seed, seed_from
 from ..sections.crossings import LABELS
 from ..sections.surface import COMPONENTS, HEIGHT, Section, section
+from .toml_keys import PLOT, SECTION, SECTION_RUN, SECTION_START, SURFACE
 from .toml_scene import read_scene
 from .toml_table import BUILTIN, Table, as_is, names_in, parsed, positive, read_source, text, three
 
-__all__ = ["SectionSpec", "read_section", "section_names"]
+__all__ = ["SECTIONS", "SectionSpec", "read_section", "section_names"]
 
-_SECTIONS = BUILTIN / "sections"
+SECTIONS = BUILTIN / "sections"
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,10 +55,10 @@ class SectionSpec:
 
 def section_names() -> list[str]:
     """Names of the built-in sections, sorted."""
-    return names_in(_SECTIONS)
+    return names_in(SECTIONS)
 
 
-def read_section(source: str) -> SectionSpec:
+def read_section(source: str, changes: Sequence[str] = ()) -> SectionSpec:
     """Read a built-in section by its name, or a file by its path; see ``read_spec`` of a map.
 
     Examples
@@ -65,9 +67,9 @@ def read_section(source: str) -> SectionSpec:
     >>> read_section("kovalevskaya").scene.body.moments
     (2.0, 2.0, 1.0)
     """
-    name, content, file = read_source(source, "section", _SECTIONS)
-    document = parsed(content, file)
-    document.only("title", "scene", "section", "start", "run", "plot")
+    name, content, file = read_source(source, "section", SECTIONS)
+    document = parsed(content, file, changes)
+    document.only(*SECTION)
     scene = read_scene(document.table("scene"))
     if not isinstance(scene, HeavyTop):
         raise document.table("scene").error(
@@ -75,10 +77,10 @@ def read_section(source: str) -> SectionSpec:
             "those of a heavy-top"
         )
     start, run = document.table("start"), document.table("run")
-    start.only("energy", "l_gamma", "bodies", "seed")
-    run.only("points", "t_end")
+    start.only(*SECTION_START)
+    run.only(*SECTION_RUN)
     plot = document.table("plot")
-    plot.only("x", "y")
+    plot.only(*PLOT)
     return SectionSpec(
         name=name,
         title=document.take("title", text, default=None),
@@ -96,7 +98,7 @@ def read_section(source: str) -> SectionSpec:
 
 
 def _surface(table: Table) -> Section:
-    table.only("name", "omega", "gamma", "value", "direction")
+    table.only(*SURFACE)
     has_vectors = "omega" in table or "gamma" in table
     name = None if has_vectors else table.choice("name", (HEIGHT, *COMPONENTS))
     return table.build(

@@ -80,16 +80,38 @@ def read_source(source: str, what: str, folder: Traversable) -> tuple[str, str, 
         raise SpecError(f"{source}: is not UTF-8 text") from None
 
 
-def parsed(content: str, file: str) -> Table:
-    """The outermost table of a TOML text; ``file`` names it in messages."""
+def parsed(content: str, file: str, changes: Iterable[str] = ()) -> Table:
+    """The outermost table of a TOML text; ``file`` names it in messages.
+
+    ``changes`` are texts such as ``"run.t_end=10"`` that replace keys of the text.
+    """
     if _DEEP_KEY.search(content):
         raise SpecError(f"{file}: a key has more than {MOST_PARTS} parts")
     try:
-        return Table(file, "", tomllib.loads(content))
+        document = tomllib.loads(content)
     except RecursionError:
         raise SpecError(f"{file}: arrays or tables are nested too deeply") from None
     except ValueError as error:  # also of a number of thousands of digits
         raise SpecError(f"{file}: is not valid TOML: {one_line(error)}") from None
+    for change in changes:
+        _change(document, change)
+    return Table(file, "", document)
+
+
+def _change(document: dict[str, Any], change: str) -> None:
+    """Replace a key; a value that is not valid TOML is a word, such as ``run.method=rk4``."""
+    key, equals, value = change.partition("=")
+    *tables, last = parts = [part.strip() for part in key.split(".")]
+    if not equals or not all(parts) or len(parts) > MOST_PARTS:
+        raise SpecError(f"--set {brief(change)}: must be KEY=VALUE, such as run.t_end=10")
+    for part in tables:
+        document = document.setdefault(part, {})
+        if not isinstance(document, dict):
+            raise SpecError(f"--set {brief(change)}: {part!r} is not a table")
+    try:
+        (document[last],) = tomllib.loads(f"value = {value.strip()}").values()
+    except (RecursionError, ValueError):
+        document[last] = value.strip()
 
 
 class Table:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ..rotations.euler import rotation_y, rotation_z
 from ..rotations.so3 import rotate
 from . import colours
-from .figure import new_figure
+from .figure import shown_figure
 
 if TYPE_CHECKING:
     from .arrows import PlaneArrow, SpaceArrow
@@ -54,11 +54,11 @@ def in_plane(ax: Any | None) -> Any:
 def panels(
     axes: Sequence[Any] | None, kinds: Sequence[Kind], *, columns: int | None = None
 ) -> list[Any]:
-    """One axes for each kind: the given axes, or those of a new figure not managed by pyplot."""
+    """One axes for each kind: the given axes, or those of a new figure."""
     if axes is None:
         across = len(kinds) if columns is None else columns
         down = ceil(len(kinds) / across)
-        figure = new_figure()
+        figure = shown_figure()
         if len(kinds) > 1:
             figure.set_size_inches(4.2 * across, 4.0 * down)
         axes = [

@@ -1,19 +1,80 @@
-"""A new figure that needs no display."""
+"""New figures, shown where there is somebody to look, and the HTML that notebooks show."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import base64
+import html
+import sys
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from io import BytesIO
+from typing import TYPE_CHECKING, Any
+
+from .._checks.notebook import in_notebook
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["new_figure"]
+__all__ = ["html_table", "html_text", "html_with_picture", "new_figure", "shown_figure"]
+
+_SIZE: Mapping[str, Any] = {"figsize": (8.0, 6.0), "dpi": 150, "layout": "constrained"}
 
 
 def new_figure() -> Figure:
     """A figure that pyplot does not manage; ImportError if Matplotlib is not installed."""
+    return _figure_class()(**_SIZE)
+
+
+def _figure_class() -> type[Figure]:
     try:
         from matplotlib.figure import Figure
     except ImportError:
         raise ImportError("plotting needs matplotlib: pip install 'rigid[maps]'") from None
-    return Figure(figsize=(8.0, 6.0), dpi=150, layout="constrained")
+    return Figure
+
+
+def shown_figure() -> Figure:
+    """A figure that a notebook or ``plt.show()`` shows.
+
+    pyplot manages it if the program has imported pyplot, or if this is a notebook. Otherwise the
+    figure is that of :func:`new_figure`: it needs no display, and is forgotten with its last name.
+    """
+    _figure_class()
+    if in_notebook():
+        import matplotlib.pyplot  # noqa: F401
+    pyplot: Any = sys.modules.get("matplotlib.pyplot")
+    return new_figure() if pyplot is None else pyplot.figure(**_SIZE)
+
+
+def html_with_picture(draw: Callable[[Any], object], text: str) -> str:
+    """A picture and a text below it, or the text alone if Matplotlib is not installed.
+
+    ``draw`` gets the axes to draw on.
+    """
+    try:
+        figure = new_figure()
+        draw(figure.add_subplot())
+    except ImportError:
+        return html_text(text)
+    content = BytesIO()
+    figure.savefig(content, format="png")
+    data = base64.b64encode(content.getvalue()).decode()
+    first = html.escape(text.partition("\n")[0], quote=True)
+    return f'<img width="640" alt="{first}" src="data:image/png;base64,{data}">{html_text(text)}'
+
+
+def html_text(text: str) -> str:
+    """A text with its lines as they are."""
+    return f'<pre style="white-space: pre-wrap">{html.escape(text)}</pre>'
+
+
+def html_table(rows: Iterable[Sequence[object]], header: Sequence[str] = ()) -> str:
+    """A table, its cells aligned to the left."""
+
+    def line(cells: Iterable[object], tag: str) -> str:
+        content = "".join(
+            f'<{tag} style="text-align: left">{html.escape(str(cell))}</{tag}>' for cell in cells
+        )
+        return f"<tr>{content}</tr>"
+
+    head = f"<thead>{line(header, 'th')}</thead>" if header else ""
+    return f"<table>{head}<tbody>{''.join(line(row, 'td') for row in rows)}</tbody></table>"

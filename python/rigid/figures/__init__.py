@@ -4,9 +4,9 @@ Every figure has two functions. ``x_data`` (or a function of the physics modules
 a frozen dataclass of arrays. ``x`` draws these data on your Matplotlib axes, or on new axes, and
 returns the artists by name, so that you can test, restyle or animate them.
 
-Drawing needs Matplotlib, the extra ``maps``; importing the package does not. pyplot does not manage
-new figures: save them with ``artists.ax.figure.savefig(...)``. All colours and labels are those of
-:mod:`rigid.figures.colours`.
+Drawing needs Matplotlib, the extra ``maps``; importing the package does not. A notebook
+and ``plt.show()`` show new figures; ``artists.ax.figure.savefig(...)`` saves them. All colours and
+labels are those of :mod:`rigid.figures.colours`.
 
 The package uses all physics modules and ``drawing``. No other module uses it.
 """

@@ -142,7 +142,7 @@ def box(body: Body, *, ax: Any | None = None) -> BoxArtists:
     body : Body
         As in :func:`box_data`.
     ax : Axes3D, optional
-        Axes to draw on; by default those of a new figure, which pyplot does not manage.
+        Axes to draw on; by default those of a new figure.
 
     Returns
     -------
@@ -325,7 +325,7 @@ def heavy_top(
     scene, angles, length
         As in :func:`heavy_top_data`.
     ax : Axes3D, optional
-        Axes to draw on; by default those of a new figure, which pyplot does not manage.
+        Axes to draw on; by default those of a new figure.
 
     Returns
     -------

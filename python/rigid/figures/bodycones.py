@@ -155,7 +155,7 @@ def cones(
     body, omega, t
         As in :func:`cones_data`.
     ax : Axes3D, optional
-        Axes to draw on; by default those of a new figure, which pyplot does not manage.
+        Axes to draw on; by default those of a new figure.
 
     Returns
     -------

@@ -136,7 +136,7 @@ def euler_steps(
     angles, point
         As in :func:`euler_steps_data`.
     axes : sequence of 3 Axes3D and Axes, optional
-        Axes to draw on; by default those of a new figure, which pyplot does not manage.
+        Axes to draw on; by default those of a new figure.
 
     Returns
     -------

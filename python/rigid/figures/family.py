@@ -161,7 +161,7 @@ def polhodes(body: BodyLike, *, count: int = 5, ax: Any | None = None) -> Polhod
     body, count
         As in :func:`polhodes_data`.
     ax : Axes3D, optional
-        Axes to draw on; by default those of a new figure, which pyplot does not manage.
+        Axes to draw on; by default those of a new figure.
 
     Returns
     -------

@@ -208,7 +208,7 @@ def locus(
     scene, omega, attitude, t
         As in :func:`locus_data`.
     ax : Axes3D, optional
-        Axes to draw on; by default those of a new figure, which pyplot does not manage.
+        Axes to draw on; by default those of a new figure.
 
     Returns
     -------
@@ -282,8 +282,7 @@ def loci(
     attitude : array_like, shape (4,) or (n, 4), or scipy Rotation, optional
         Attitudes at ``t = 0``; by default body and space axes coincide.
     axes : sequence of n Axes3D, optional
-        Axes to draw on; by default those of a new figure with two columns, which pyplot does not
-        manage.
+        Axes to draw on; by default those of a new figure with two columns.
 
     Returns
     -------

@@ -153,7 +153,7 @@ def effective_potential(
     scene, omega, attitude
         As in :func:`effective_potential_data`.
     ax : Axes, optional
-        Axes to draw on; by default those of a new figure, which pyplot does not manage.
+        Axes to draw on; by default those of a new figure.
 
     Returns
     -------

@@ -164,7 +164,7 @@ def poinsot(run: Run, *, frame: int = 0, ax: Any | None = None) -> PoinsotArtist
     run, frame
         As in :func:`poinsot_data`.
     ax : Axes3D, optional
-        Axes to draw on; by default those of a new figure, which pyplot does not manage.
+        Axes to draw on; by default those of a new figure.
 
     Returns
     -------

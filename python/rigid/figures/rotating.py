@@ -122,7 +122,7 @@ def rotating_body(
     positions, omega
         As in :func:`rotating_body_data`.
     ax : Axes3D, optional
-        Axes to draw on; by default those of a new figure, which pyplot does not manage.
+        Axes to draw on; by default those of a new figure.
 
     Returns
     -------

@@ -157,7 +157,7 @@ def free_top_omega(
     body, omega, t
         As in :func:`free_top_omega_data`.
     ax : Axes3D, optional
-        Axes to draw on; by default those of a new figure, which pyplot does not manage.
+        Axes to draw on; by default those of a new figure.
 
     Returns
     -------
@@ -316,7 +316,7 @@ def coplanar_vectors(
     omega : array_like, shape (3,)
         Angular velocity in the body (rad/s), used for all bodies.
     axes : sequence of Axes, optional
-        Axes to draw on; by default those of a new figure, which pyplot does not manage.
+        Axes to draw on; by default those of a new figure.
 
     Returns
     -------

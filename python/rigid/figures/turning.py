@@ -149,7 +149,7 @@ def active_passive(
     angle, vector
         As in :func:`active_passive_data`.
     axes : sequence of 2 Axes, optional
-        Axes to draw on; by default those of a new figure, which pyplot does not manage.
+        Axes to draw on; by default those of a new figure.
 
     Returns
     -------
@@ -315,7 +315,7 @@ def unit_vector_change(
     angle, unit, about
         As in :func:`unit_vector_change_data`.
     ax : Axes3D, optional
-        Axes to draw on; by default those of a new figure, which pyplot does not manage.
+        Axes to draw on; by default those of a new figure.
 
     Returns
     -------

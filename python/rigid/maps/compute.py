@@ -125,8 +125,8 @@ def stability_map(
     threads : int, optional
         By default ``RIGID_NUM_THREADS``, else the processors this process may use.
     progress : None, bool or callable
-        ``None``: a tqdm bar if tqdm is installed and stderr is a terminal; ``False``: silence; a
-        callable gets a :class:`Progress` after each chunk.
+        ``None``: a tqdm bar if tqdm is installed, in a terminal or a notebook; ``False``: silence;
+        a callable gets a :class:`Progress` after each chunk.
     chunk : int, optional
         Bodies per chunk; by default adapted to about 0.3 s.
     max_steps : int

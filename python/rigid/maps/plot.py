@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._checks.arguments import one_of
-from ..drawing.figure import new_figure
+from ..drawing.figure import shown_figure
 from ..model.criteria import Regular
 from .data import MapData
 from .parameters import Axis
@@ -47,7 +47,7 @@ def plot_map(
     data : MapData
         The map to draw.
     ax : matplotlib Axes, optional
-        Axes to draw on; by default those of a new figure that pyplot does not manage.
+        Axes to draw on; by default those of a new figure.
     cells : bool
         Draw the borders of the cells of a refined map.
     what : {"share", "cost"}
@@ -73,7 +73,7 @@ def plot_map(
     """
     one_of("what", what, ("share", "cost"))
     if ax is None:
-        ax = new_figure().add_subplot()
+        ax = shown_figure().add_subplot()
     if what == "cost":
         handles = _draw_cost(data, ax)
     else:

@@ -95,6 +95,15 @@ class Replay:
     steps: int
     run: Any
 
+    def __repr__(self) -> str:
+        """Place in the map, and how the body ended."""
+        place = ", ".join(f"{name} {value:g}" for name, value in self.parameters.items())
+        left = f" at {self.left:.4g} s" if math.isfinite(self.left) else ""
+        return (
+            f"<Replay: pixel {self.pixel} ({place}), sample {self.sample}; "
+            f"{self.outcome}{left}; {self.method}>"
+        )
+
 
 def replay(
     data: MapData, pixel: int | tuple[int, ...], sample: int, t: ArrayLike | None = None

@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, positive_int, resolve_threads
+from ..drawing.figure import html_with_picture
 from ..solve.plan import Plan
-from .data import MapData
+from .data import CLASSES, MapData
 from .dataset import map_dataset
 from .file import read_map, write_map
 from .identity import receipt
@@ -105,6 +106,22 @@ class StabilityMap(MapData):
     """
 
     __slots__ = ()
+
+    def __repr__(self) -> str:
+        """Scene, grid and the share of each class."""
+        done = int(self.samples.sum())
+        shares = ", ".join(
+            f"{self.columns[name].sum() / done:.1%} {name}" for name in CLASSES if done
+        )
+        axes = " x ".join(axis.name for axis in self.spec.axes)
+        size = " x ".join(str(len(axis.values)) for axis in self.spec.axes)
+        return (
+            f"<StabilityMap: {self.spec.scene.title}, {axes}, {size} pixels; "
+            f"{done:,} bodies: {shares or 'none'}>"
+        )
+
+    def _repr_html_(self) -> str:
+        return html_with_picture(self.plot, self.summary())
 
     @property
     def plan(self) -> Plan:
@@ -226,7 +243,7 @@ class StabilityMap(MapData):
         Parameters
         ----------
         ax : matplotlib Axes, optional
-            Axes to draw on; by default those of a new figure that needs no display.
+            Axes to draw on; by default those of a new figure.
         cells : bool
             Draw the borders of the cells of a refined map.
         what : {"share", "cost"}
@@ -235,7 +252,8 @@ class StabilityMap(MapData):
         Returns
         -------
         matplotlib Axes
-            ``plot().figure.savefig("map.png")`` writes a picture.
+            A notebook and ``plt.show()`` show the picture;
+            ``plot().figure.savefig("map.png")`` writes it.
 
         Raises
         ------

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..drawing.figure import new_figure
+from ..drawing.figure import shown_figure
 from ..solve.methods import EXACT
 from .data import ReportData
 from .row import Row
@@ -42,7 +42,7 @@ def plot_report(report: ReportData, *, ax: Axes | None = None) -> Axes:
     report : ReportData
         The report to draw.
     ax : matplotlib Axes, optional
-        Axes to draw on; by default those of a new figure that pyplot does not manage.
+        Axes to draw on; by default those of a new figure.
 
     Returns
     -------
@@ -54,7 +54,7 @@ def plot_report(report: ReportData, *, ax: Axes | None = None) -> Axes:
         Without matplotlib.
     """
     if ax is None:
-        ax = new_figure().add_subplot()
+        ax = shown_figure().add_subplot()
     spec = report.spec
     ax.set(xscale="log", yscale="log")
     ax.set_xlabel(f"processor time per body and {spec.unit} of motion (ns)")

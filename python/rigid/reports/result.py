@@ -6,6 +6,7 @@ import os
 from typing import TYPE_CHECKING
 
 from .._files import published
+from ..drawing.figure import html_with_picture
 from .data import ReportData
 from .plot import plot_report
 from .table import report_text
@@ -53,7 +54,8 @@ class Report(ReportData):
         Parameters
         ----------
         ax : matplotlib Axes, optional
-            Axes to draw on; by default those of a new figure that pyplot does not manage.
+            Axes to draw on; by default those of a new figure; a notebook and
+            ``plt.show()`` show it.
 
         Raises
         ------
@@ -81,3 +83,11 @@ class Report(ReportData):
 
     def __str__(self) -> str:
         return report_text(self)
+
+    def __repr__(self) -> str:
+        title = self.spec.title or self.spec.scene.words()
+        partial = "" if self.complete else "; partial"
+        return f"<Report: {title}; {len(self.rows)} runs by {len(self.methods)} methods{partial}>"
+
+    def _repr_html_(self) -> str:
+        return html_with_picture(self.plot, str(self))

@@ -13,8 +13,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._checks.arguments import brief
+from .._checks.arguments import one_of
 from .._checks.progress import Progress, ProgressOption, reporting
+from ..drawing.figure import html_text
 from ..solve.error_estimate import distances
 from ..solve.methods import EXACT, run_methods
 from ..solve.run import Run
@@ -81,6 +82,13 @@ class Extremes:
     def wrong(self) -> tuple[Cell, ...]:
         """Results with too large an error and without a flag."""
         return tuple(cell for cell in self.cells if cell.verdict == SILENT_ERROR)
+
+    def __repr__(self) -> str:
+        counts = ", ".join(f"{count} {verdict}" for verdict, count in self.counts().items())
+        return f"<Extremes: {len(self.cells)} cells: {counts}>"
+
+    def _repr_html_(self) -> str:
+        return html_text(str(self))
 
     def counts(self) -> dict[str, int]:
         """Number of cells in each class."""
@@ -162,14 +170,13 @@ def extremes(
     """
     wanted = [case for case in cases() if family in (None, case.family)]
     if not wanted:
-        known = ", ".join(dict.fromkeys(repr(case.family) for case in cases()))
-        raise ValueError(f"family = {brief(family)}: must be one of {known}")
+        one_of("family", family, dict.fromkeys(case.family for case in cases()))
     names = run_methods()
-    if method is not None and method not in names:
-        raise ValueError(f"method = {brief(method)}: must be one of {', '.join(map(repr, names))}")
+    if method is not None:
+        one_of("method", method, names)
     cells: list[Cell] = []
     begun = time.perf_counter()
-    with reporting(progress, len(wanted)) as report:
+    with reporting(progress, len(wanted), unit=" cases") as report:
         for done, case in enumerate(wanted, start=1):
             cells += _cells_of(case, [method] if method else list(names))
             elapsed = time.perf_counter() - begun

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from .._checks.arguments import one_of
 from .._files import published
+from ..drawing.figure import html_with_picture, shown_figure
 from ..solve.plan import Plan
 from ..solve.status import Status
 from .surface import COMPONENTS, Section
@@ -119,6 +120,9 @@ class Crossings:
         each = "1 body" if bodies == 1 else f"{bodies} bodies"
         return f"<Crossings: {len(self)} points of {each}, {self.section.words()}; {whole}>"
 
+    def _repr_html_(self) -> str:
+        return html_with_picture(lambda ax: self.plot(ax=ax), repr(self))
+
     def component(self, name: str) -> Floats:
         """A column by its name: ``"omega1"`` to ``"gamma3"``, or ``"t"``; shape (p,)."""
         one_of("name", name, LABELS)
@@ -189,7 +193,7 @@ class Crossings:
         x, y : str
             Columns, as in :meth:`component`.
         ax : matplotlib Axes, optional
-            By default those of a new figure that pyplot does not manage.
+            By default those of a new figure.
         size : float
             Area of a point (points²).
 
@@ -202,11 +206,9 @@ class Crossings:
         ImportError
             Without matplotlib.
         """
-        from ..drawing.figure import new_figure
-
         across, up = self.component(x), self.component(y)
         if ax is None:
-            ax = new_figure().add_subplot()
+            ax = shown_figure().add_subplot()
         bodies = np.size(self.complete)
         # Neighbouring bodies differ in colour: the golden ratio spreads them over the scale.
         hues = (0.5 * (np.sqrt(5.0) - 1.0) * np.arange(bodies)) % 1.0

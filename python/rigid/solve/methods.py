@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import cache
 
 from .. import _core
+from ..drawing.figure import html_table
 
 __all__ = [
     "AUTO",
@@ -120,7 +121,33 @@ class Method:
     doi: str
 
 
-def methods() -> tuple[Method, ...]:
+class Methods(tuple[Method, ...]):
+    """Schemes, shown as a table."""
+
+    __slots__ = ()
+
+    def _rows(self) -> list[tuple[str, ...]]:
+        marks = ("symplectic", "reversible", "driven", "stiff", "tangent", "tops", "maps")
+        return [
+            (
+                method.name,
+                str(method.order),
+                ", ".join(mark for mark in marks if getattr(method, mark)),
+                method.title,
+            )
+            for method in self
+        ]
+
+    def __repr__(self) -> str:
+        return "\n".join(
+            f"{name:<13}order {order:>2}  {title}" for name, order, _, title in self._rows()
+        )
+
+    def _repr_html_(self) -> str:
+        return html_table(self._rows(), header=("name", "order", "properties", "method"))
+
+
+def methods() -> Methods:
     """All schemes; ``"exact"``, which takes no steps, is not among them.
 
     Examples
@@ -133,8 +160,8 @@ def methods() -> tuple[Method, ...]:
 
 
 @cache
-def _all() -> tuple[Method, ...]:
-    return tuple(Method(**facts) for facts in _core.methods())
+def _all() -> Methods:
+    return Methods(Method(**facts) for facts in _core.methods())
 
 
 def order_of(name: str) -> int:

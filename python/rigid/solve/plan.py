@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..drawing.figure import html_table
 from ..model.scene import Scene
 from .closed_form import Question
 from .methods import EXACT
@@ -130,7 +131,17 @@ class Plan:
         """The plan that :meth:`to_json` wrote."""
         return cls.from_dict(json.loads(text))
 
+    def __repr__(self) -> str:
+        error = "" if self.error is None else f"; error about {self.error:.1e} rad"
+        return f"<Plan: {self.scene}; {self.method_words()}{error}>"
+
     def __str__(self) -> str:
+        return "\n".join(f"{name:<12}{text}" for name, text in self._lines())
+
+    def _repr_html_(self) -> str:
+        return html_table(self._lines())
+
+    def _lines(self) -> list[tuple[str, str]]:
         lines = [
             ("scene", self.scene),
             ("question", self.question),
@@ -143,7 +154,7 @@ class Plan:
         ]
         if self.memory is not None:
             lines.append(("memory", f"{memory_words(self.memory)} for the states"))
-        return "\n".join(f"{name:<12}{text}" for name, text in lines)
+        return lines
 
     def method_words(self) -> str:
         """Method, closed form and steps in a few words."""

@@ -15,7 +15,6 @@ import pytest
 import rigid
 from processes import PATIENCE, environment, python_command
 from rigid.cli import main
-from rigid.cli import running_maps as commands
 from rigid.store.disk import Disk
 
 SPEC = """
@@ -63,7 +62,7 @@ def test_a_map_is_stored_and_written(capsys: pytest.CaptureFixture[str]) -> None
     assert Path("small.npz").read_bytes() == Path("plain.npz").read_bytes()
     assert Path("small.png").stat().st_size > 10_000
     assert capsys.readouterr().err == ""
-    assert main(["map", "small.toml", "--store", "run.rigid", QUIET]) == 0
+    assert main(["map", "small.toml", "--store", "run.rigid", "--force", QUIET]) == 0
     assert len(list(Path("run.rigid/logs").iterdir())) == 1
 
 
@@ -162,7 +161,7 @@ def test_requests_that_make_no_sense_are_refused(
 def test_another_map_in_the_folder_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
     main(["map", "small.toml", "--store", "run.rigid", QUIET])
     capsys.readouterr()
-    assert main(["map", "small.toml", "--store", "run.rigid", "--seed", "6", QUIET]) == 2
+    assert main(["map", "small.toml", "--store", "run.rigid", "--seed", "6", "--force", QUIET]) == 2
     told = capsys.readouterr().err
     assert told.endswith("run.rigid holds another map (it and the one asked for): seed: 5 and 6\n")
     assert main(["resume", "elsewhere", QUIET]) == 2
@@ -235,9 +234,9 @@ def test_signals_end_the_command_and_keep_what_is_computed(
 def test_progress_is_told_line_by_line_where_there_is_no_terminal(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(commands, "LINE_SECONDS", 0.0)
+    monkeypatch.setattr("rigid.cli.output.SECONDS_BETWEEN_LINES", 0.0)
     assert main(["map", "small.toml", "--store", "run.rigid"]) == 0
     lines = capsys.readouterr().err.splitlines()
     assert lines
     for line in lines:
-        assert re.fullmatch(r"rigid: [\d,]+ of [\d,]+ bodies, [\d,]+ per second, \d+ s left", line)
+        assert re.fullmatch(r"rigid: \d+% done after \d+ s, about \d+ s to go", line)

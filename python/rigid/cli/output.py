@@ -1,0 +1,216 @@
+"""What a command prints and writes: the data first, then words, then the picture."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import sys
+from collections.abc import Callable, Mapping
+from io import BytesIO
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol
+
+from .._checks.progress import Progress, ProgressOption, interruptible
+from .._files import published, require_replaceable
+from ..drawing.figure import new_figure
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = ["PICTURES", "Target", "finished", "print_list", "progress_shown", "say", "target_of"]
+
+PICTURES = (".png", ".pdf", ".svg", ".eps", ".jpg", ".jpeg", ".tif", ".tiff", ".webp")
+"""Suffixes of pictures that Matplotlib can write."""
+
+SECONDS_BETWEEN_LINES = 10.0
+"""Time between two lines of progress where stderr is no terminal."""
+
+
+class Result(Protocol):
+    """What a command computes."""
+
+    @property
+    def complete(self) -> bool:
+        """Whether it was not interrupted."""
+
+    def save(self, path: Path) -> Path:
+        """Write the data."""
+
+    def plot(self, ax: Axes) -> Axes:
+        """Draw the picture."""
+
+
+class Target:
+    """The two files of a command.
+
+    Attributes
+    ----------
+    data, picture : Path
+    """
+
+    __slots__ = ("data", "picture")
+
+    def __init__(self, stem: Path, data: str, picture: str) -> None:
+        self.data = stem.with_name(stem.name + data)
+        self.picture = stem.with_name(stem.name + picture)
+
+
+def target_of(out: str | None, name: str, data: str, *, force: bool) -> Target:
+    """The files of ``--out``, checked before the computation starts.
+
+    A suffix of :data:`PICTURES` is that of the picture; ``data`` is that of the data.
+
+    Raises
+    ------
+    ValueError
+        If a name is that of a directory or a folder is missing; if a file exists already, without
+        ``force``.
+    """
+    stem, picture = Path(out or name), ".png"
+    if stem.suffix in PICTURES:
+        picture = stem.suffix
+    if stem.suffix in (data, *PICTURES):
+        stem = stem.with_suffix("")
+    if not stem.name:
+        raise ValueError(f"--out: {str(stem)!r} names a directory, not a file")
+    target = Target(stem, data, picture)
+    for path in (target.data, target.picture):
+        try:
+            exists = require_replaceable(path) is not None
+        except FileExistsError as error:
+            raise ValueError(f"--out: {error}") from None
+        if exists and not force:
+            raise ValueError(
+                f"--out: {str(path)!r} exists; take another name, or replace it with --force"
+            )
+    if not stem.parent.is_dir():
+        raise ValueError(f"--out: there is no directory {str(stem.parent)!r}")
+    return target
+
+
+def say(text: str) -> None:
+    """Print a text. If nobody reads it any more, as in ``rigid maps | head -1``, go on silently."""
+    try:
+        print(text, flush=True)
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def print_list(lines: Mapping[str, Any], *, as_json: bool) -> None:
+    """Print a description for each name, or all as JSON."""
+    if as_json:
+        say(_json(lines))
+        return
+    width = max(map(len, lines)) + 2
+    say("\n".join(f"{name:<{width}}{_words(value)}" for name, value in lines.items()))
+
+
+def _words(value: object) -> str:
+    if isinstance(value, (list, tuple)):
+        return ", ".join(map(str, value))
+    return "unknown" if value is None else str(value)
+
+
+def _json(facts: Mapping[str, Any]) -> str:
+    """JSON text; numbers that are not finite become null, because JSON has none."""
+
+    def checked(value: Any) -> Any:
+        if isinstance(value, Mapping):
+            return {name: checked(part) for name, part in value.items()}
+        if isinstance(value, (list, tuple)):
+            return [checked(part) for part in value]
+        return None if isinstance(value, float) and not math.isfinite(value) else value
+
+    return json.dumps(checked(facts), ensure_ascii=False, allow_nan=False, indent=2)
+
+
+def progress_shown(wanted: bool) -> ProgressOption:
+    """A bar in a terminal, a line every 10 s elsewhere, or nothing."""
+    if not wanted:
+        return False
+    in_terminal = sys.stderr is not None and sys.stderr.isatty()
+    return None if in_terminal or sys.stderr is None else _lines()
+
+
+def _lines() -> Callable[[Progress], None]:
+    shown = 0.0
+
+    def show(progress: Progress) -> None:
+        nonlocal shown
+        if progress.elapsed < shown + SECONDS_BETWEEN_LINES or progress.done == progress.total:
+            return
+        shown = progress.elapsed
+        print(
+            f"rigid: {progress.done / progress.total:.0%} done after {progress.elapsed:.0f} s, "
+            f"about {progress.remaining:.0f} s to go",
+            file=sys.stderr,
+            flush=True,
+        )
+
+    return show
+
+
+def finished(
+    result: Result,
+    target: Target,
+    what: str,
+    words: Callable[[], str],
+    facts: Callable[[], Mapping[str, Any]] | None,
+) -> int:
+    """Save the data; then print words and paths, and draw the picture. Returns the exit code.
+
+    With ``facts`` these and the paths are printed at the end, as JSON, instead of the words.
+    """
+    with interruptible() as stop:
+        data = _saved(result, target.data, what)
+    safe = f"the {what} is safe in {data}"
+    drawn: str | None = None
+    try:
+        if stop.is_set():
+            raise KeyboardInterrupt
+        if facts is None:
+            say(f"{words()}\n{'data':<12}{data}")
+        try:
+            content = _drawn(result, target.picture.suffix)
+        except ImportError as error:
+            line = f"none: {error}"
+        else:
+            with published(target.picture) as file:
+                file.write(content)
+            line = drawn = str(target.picture)
+        if facts is None:
+            say(f"{'picture':<12}{line}")
+        else:
+            say(_json({**facts(), "data": str(data), "picture": drawn}))
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(f"interrupted; {safe}, there is no picture") from None
+    except OSError as error:
+        raise OSError(f"{error}; {safe}") from None
+    if not result.complete:
+        raise KeyboardInterrupt(f"interrupted; the {what} written is partial")
+    return 0
+
+
+def _saved(result: Result, data: Path, what: str) -> Path:
+    """Save the data, or raise OSError that tells where the data is instead."""
+    try:
+        return result.save(data)
+    except OSError as error:
+        import tempfile
+
+        try:
+            folder = tempfile.gettempdir()
+            spare = result.save(Path(folder, f"rigid-{os.urandom(8).hex()}-{data.name}"))
+        except OSError:
+            raise OSError(f"{error}; the {what} is not saved") from None
+        raise OSError(f"{error}; the {what} is safe in {spare}") from None
+
+
+def _drawn(result: Result, suffix: str) -> bytes:
+    """The picture in the format of a suffix."""
+    figure = new_figure()
+    result.plot(figure.add_subplot())
+    content = BytesIO()
+    figure.savefig(content, format=suffix[1:])
+    return content.getvalue()

@@ -1,0 +1,200 @@
+"""The arguments of the command ``rigid``, with examples in every help text."""
+
+from __future__ import annotations
+
+import argparse
+import re
+from typing import NoReturn
+
+from .._checks.arguments import nearest
+from .._core import __version__
+from .running_maps import add_commands, add_options
+
+__all__ = ["LONG_SECONDS", "SECONDS", "USAGE_ERROR", "Parser", "make_parser"]
+
+USAGE_ERROR = 2
+"""Exit code of a command that was refused before any work."""
+
+SECONDS, LONG_SECONDS = 30.0, 120.0
+"""Time limits (s) of ``rigid report`` and ``rigid report --long``."""
+
+_EXAMPLES = {
+    "": """\
+  rigid map thrown-box                compute a built-in map: thrown-box.png, thrown-box.npz
+  rigid maps                          list the built-in maps
+  rigid new map my-map.toml           write a specification to change
+  rigid map my-map.toml               compute it
+  rigid map --help                    more examples
+""",
+    "map": """\
+  rigid map thrown-box
+  rigid map thrown-box --samples 256 --out fine.pdf        a picture for a paper
+  rigid map thrown-box --set run.t_end=2 --out longer      change the specification
+  rigid map --show thrown-box > my-map.toml                print the specification
+  rigid map my-map.toml --json                             facts for other programs
+""",
+    "section": """\
+  rigid section kovalevskaya
+  rigid section kovalevskaya --bodies 40 --out fine.pdf
+  rigid section --show kovalevskaya > my-section.toml
+""",
+    "report": """\
+  rigid report lagrange-top
+  rigid report lagrange-top --method rk4 --method taylor16
+  rigid report --show lagrange-top > my-report.toml
+""",
+    "extremes": """\
+  rigid extremes
+  rigid extremes needle --method taylor16
+""",
+    "new": """\
+  rigid new map                                  writes my-map.toml
+  rigid new map tops.toml --like sleeping-top
+""",
+}
+
+
+class Parser(argparse.ArgumentParser):
+    """A parser that answers mistakes in one line."""
+
+    def commands(self) -> dict[str, argparse.ArgumentParser]:
+        """The parsers of the commands by name."""
+        return {
+            name: parser
+            for action in self._actions
+            if isinstance(action, argparse._SubParsersAction)
+            for name, parser in action.choices.items()
+        }
+
+    def error(self, message: str) -> NoReturn:
+        """End with exit code 2 and one line."""
+        if choice := re.search(r"invalid choice: '(.*?)' \(choose from (.*)\)", message):
+            message += nearest(choice[1], re.findall(r"[\w-]+", choice[2]))
+        self.exit(USAGE_ERROR, f"{self.prog}: {message}\n")
+
+
+def make_parser() -> Parser:
+    """The parser of the command line."""
+    parser = Parser(
+        prog="rigid",
+        description="How rigid bodies rotate, and which of these motions are stable.",
+        epilog=f"examples:\n{_EXAMPLES['']}",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--version", action="version", version=f"rigid {__version__}")
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND")
+
+    def command(name: str, words: str) -> argparse.ArgumentParser:
+        examples = _EXAMPLES.get(name)
+        return commands.add_parser(
+            name,
+            help=words,
+            description=f"{words[0].upper()}{words[1:]}.",
+            epilog=f"examples:\n{examples}" if examples else None,
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        )
+
+    map_ = command("map", "compute a stability map, write a picture and the data")
+    _source(map_, "map", "a built-in map or a specification")
+    map_.add_argument("--samples", type=int, metavar="N", help="bodies per pixel")
+    _threads(map_)
+    _files(map_, ".npz", "./NAME")
+    map_.add_argument("--seed", type=int, metavar="N", help="key of the random numbers")
+    _shown(map_)
+    map_.add_argument(
+        "--half-width", type=float, metavar="W", help="bodies until each share is known so well"
+    )
+    map_.add_argument(
+        "--refine", type=int, metavar="K", help="first every K-th pixel, then where shares differ"
+    )
+    map_.add_argument("--budget", type=int, metavar="N", help="most bodies of the map")
+    map_.add_argument(
+        "--store", metavar="DIR", help="keep what is computed in this folder, and go on from there"
+    )
+    add_options(map_)
+    add_commands(commands)
+    _json(command("maps", "list the built-in maps"))
+
+    section = command("section", "compute a Poincaré section, write a picture and the data")
+    _source(section, "section", "a built-in section or a specification")
+    section.add_argument("--bodies", type=int, metavar="N", help="number of motions")
+    _threads(section)
+    _files(section, ".npz", "./NAME")
+    section.add_argument("--seed", type=int, metavar="N", help="key of the random starts")
+    _shown(section)
+    _json(command("sections", "list the built-in sections"))
+
+    report = command("report", "measure error against run time of all methods")
+    _source(report, "report", "a built-in scene or your own")
+    report.add_argument("--long", action="store_true", help="the longer horizon, and more time")
+    report.add_argument(
+        "--seconds",
+        type=float,
+        metavar="S",
+        help=f"about how long to measure (default: {SECONDS:g}, with --long {LONG_SECONDS:g})",
+    )
+    report.add_argument(
+        "--method", action="append", metavar="NAME", help="only this one; may be repeated"
+    )
+    _files(report, ".json", "./report-NAME")
+    _shown(report)
+    _json(command("reports", "list the built-in reports"))
+
+    worst = command("extremes", "run extreme and stiff bodies by every method")
+    worst.add_argument("family", nargs="?", metavar="FAMILY", help="only these, such as needle")
+    worst.add_argument("--method", metavar="NAME", help="only this one")
+    _shown(worst)
+
+    new = command("new", "write a specification to change, as a commented TOML file")
+    new.add_argument("kind", choices=("map", "section", "report"), help="what it specifies")
+    new.add_argument("file", nargs="?", metavar="FILE.toml", help="default: my-map.toml, and so on")
+    new.add_argument("--like", metavar="NAME", help="the built-in one to copy")
+    new.add_argument("--force", action="store_true", help="replace an existing file")
+
+    _json(command("info", "describe this build: version, instruction set, threads"))
+    return parser
+
+
+def _source(parser: argparse.ArgumentParser, name: str, words: str) -> None:
+    parser.add_argument(name, metavar="NAME|FILE.toml", help=words)
+    parser.add_argument(
+        "--show", action="store_true", help="print the specification and compute nothing"
+    )
+    parser.add_argument(
+        "--set",
+        dest="changes",
+        action="append",
+        default=[],
+        metavar="KEY=VALUE",
+        help="change a key of the specification, such as run.t_end=10; may be repeated",
+    )
+
+
+def _threads(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--threads", type=int, metavar="N", help="default: all this process may use"
+    )
+
+
+def _files(parser: argparse.ArgumentParser, data: str, default: str) -> None:
+    parser.add_argument(
+        "--out",
+        metavar="PATH",
+        help=f"writes PATH.png and PATH{data} (default: {default}); with the suffix .pdf, .svg or "
+        "that of another format the picture has this format",
+    )
+    parser.add_argument("--force", action="store_true", help="replace existing files")
+
+
+def _shown(parser: argparse.ArgumentParser) -> None:
+    _json(parser)
+    parser.add_argument(
+        "--no-progress",
+        dest="progress",
+        action="store_false",
+        help="neither a progress bar in a terminal nor a line every 10 s elsewhere",
+    )
+
+
+def _json(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--json", action="store_true", help="print JSON for other programs")

@@ -1,0 +1,192 @@
+"""The keys of specifications in TOML, with their types, units and meanings.
+
+The readers accept these keys and no others, and the page of the file formats is made from them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from ..maps.spec import MapSpec
+from ..reports.spec import ReportSpec
+
+__all__ = [
+    "AXIS",
+    "MAP",
+    "MAP_RUN",
+    "NOISE",
+    "ORBIT",
+    "PLOT",
+    "REPORT",
+    "REPORT_RUN",
+    "REPORT_START",
+    "SATELLITE",
+    "SCENE",
+    "SECTION",
+    "SECTION_RUN",
+    "SECTION_START",
+    "START",
+    "SURFACE",
+    "Key",
+]
+
+
+@dataclass(frozen=True, slots=True)
+class Key:
+    """A key of a table.
+
+    Attributes
+    ----------
+    kind : str
+        Type of the value.
+    meaning : str
+        What the value says.
+    unit : str
+        Unit of numbers, empty if they have none.
+    default : str
+        Value of a key that is left out; empty if it must be given or there is none.
+    """
+
+    kind: str
+    meaning: str
+    unit: str = ""
+    default: str = ""
+
+
+_TITLE = {"title": Key("text", "title of the picture")}
+_SCENE_TABLE = {"scene": Key("table", "body, weight, torque and damping")}
+
+MAP: Mapping[str, Key] = {
+    **_TITLE,
+    **_SCENE_TABLE,
+    "x": Key("table", "first axis of the grid"),
+    "y": Key("table", "second axis", default="one axis only"),
+    "start": Key("table", "how bodies begin, and how they are perturbed"),
+    "stable": Key("table", "the criterion"),
+    "run": Key("table", "horizon, number of bodies, method"),
+}
+
+REPORT: Mapping[str, Key] = {
+    **_TITLE,
+    **_SCENE_TABLE,
+    "start": Key("table", "how the body begins"),
+    "run": Key("table", "horizon, methods, errors"),
+}
+
+SECTION: Mapping[str, Key] = {
+    **_TITLE,
+    **_SCENE_TABLE,
+    "section": Key("table", "the surface"),
+    "start": Key("table", "energy and number of the motions"),
+    "run": Key("table", "when the motions end"),
+    "plot": Key("table", "the picture"),
+}
+
+SCENE: Mapping[str, Key] = {
+    "kind": Key("text", "`free-body` or `heavy-top`; a heavy top has the keys `mgl` and `com` too"),
+    "moments": Key("3 numbers", "principal moments of inertia, instead of `box`", "kg m²"),
+    "box": Key("3 numbers", "sides of a homogeneous box along axes 1, 2, 3", "m"),
+    "mass": Key("number", "mass of the box", "kg", "1"),
+    "mgl": Key("number", "weight × distance from fixed point to centre of mass", "J"),
+    "com": Key("3 numbers", "direction of the centre of mass in the body", "", "[0, 0, 1]"),
+    "torque": Key("3 numbers", "constant torque in the body", "N m", "none"),
+    "torque_in_space": Key("3 numbers", "constant torque in space", "N m", "none"),
+    "damping": Key("number, 3 or 3×3", "the torque is `-damping * omega`", "N m s/rad", "none"),
+}
+
+SATELLITE: Mapping[str, Key] = {
+    "dissipation": Key("number or 3", "coefficient of an energy sink", "kg m² s", "none"),
+    "rotor": Key("3 numbers", "angular momentum of a rotor at constant speed", "kg m²/s", "none"),
+    "gravity_gradient": Key("table", "the orbit of a gravity gradient", "", "none"),
+}
+"""Further keys of the scene of a free body."""
+
+ORBIT: Mapping[str, Key] = {
+    "rate": Key("number", "orbital rate", "rad/s"),
+    "normal": Key("3 numbers", "normal of the orbit in space", "", "[0, 0, 1]"),
+    "towards": Key("3 numbers", "direction of the centre at `t = 0`", "", "see the torque"),
+}
+
+AXIS: Mapping[str, Key] = {
+    "name": Key("text", "the parameter that varies, see below"),
+    "values": Key("numbers", "its values, instead of `from`, `to` and `count`"),
+    "from": Key("number", "first value"),
+    "to": Key("number", "last value"),
+    "count": Key("whole number", "how many values"),
+    "scale": Key("text", "`linear` or `log`", "", "linear"),
+}
+
+_NOMINAL: Mapping[str, Key] = {
+    "omega": Key("3 numbers", "rates in the body, instead of `spin`", "rad/s"),
+    "spin": Key("number", "rate about `axis`", "rad/s"),
+    "axis": Key("1, 2 or 3", "body axis of the spin and of the tilt", "", "3"),
+    "tilt": Key("number", "angle of the axis from the vertical", "rad", "0"),
+}
+
+START: Mapping[str, Key] = {
+    **_NOMINAL,
+    "noise": Key("table", "random part of the rates", "", "none"),
+    "attitude_noise": Key("table", "random rotation of the attitude", "", "none"),
+}
+
+NOISE: Mapping[str, Key] = {
+    "kind": Key("text", "`normal`, `uniform`, `direction` or `uniform_attitude`"),
+    "size": Key("number or 3", "size; left out if an axis varies it", "rad/s or rad"),
+}
+
+MAP_RUN: Mapping[str, Key] = {
+    "t_end": Key("number", "horizon: *stable* means stable until then", "s"),
+    "samples": Key("whole number", "bodies in each pixel"),
+    "half_width": Key("number", "instead of `samples`: half the width of each interval"),
+    "refine": Key("whole number", "first every such pixel, then where shares differ", "", "1"),
+    "budget": Key("whole number", "most bodies of the map", "", "no limit"),
+    "method": Key("text", "`auto`, `exact` or a method", "", MapSpec.method),
+    "step": Key("number", "time step", "s", "chosen for each body"),
+    "check": Key(
+        "number", "share of the integrated bodies that a second method classifies", "", "by doubt"
+    ),
+    "max_steps": Key(
+        "whole number", "a body that needs more has failed", "", f"{MapSpec.max_steps:,}"
+    ),
+    "seed": Key("whole number", "key of the random numbers", "", "a new one"),
+}
+
+REPORT_START: Mapping[str, Key] = _NOMINAL
+
+REPORT_RUN: Mapping[str, Key] = {
+    "t_end": Key("number", "horizon", "s"),
+    "t_end_long": Key("number", "horizon of `--long`", "s", "t_end"),
+    "unit": Key("text", "name of the unit of time", "", ReportSpec.unit),
+    "bodies": Key("whole number", "perturbed bodies that are measured", "", str(ReportSpec.bodies)),
+    "errors": Key(
+        "numbers", "the errors whose cost is told", "rad", ", ".join(map(str, ReportSpec.errors))
+    ),
+    "seed": Key("whole number", "key of the perturbations", "", str(ReportSpec.seed)),
+    "methods": Key("texts", "the methods to measure", "", "all"),
+}
+
+SURFACE: Mapping[str, Key] = {
+    "name": Key("text", "`height`, or a component such as `gamma1`"),
+    "value": Key("number", "value of the component on the surface", "", "0"),
+    "direction": Key("1, -1 or 0", "rising, falling, or both", "", "-1 for `height`, else 1"),
+    "omega": Key("3 numbers", "weights of the rates: a plane of your own"),
+    "gamma": Key("3 numbers", "weights of the vertical"),
+}
+
+SECTION_START: Mapping[str, Key] = {
+    "energy": Key("number", "energy of all motions", "J"),
+    "l_gamma": Key("number", "vertical component of their angular momentum", "kg m²/s"),
+    "bodies": Key("whole number", "number of motions"),
+    "seed": Key("whole number", "key of the random starts", "", "a new one"),
+}
+
+SECTION_RUN: Mapping[str, Key] = {
+    "points": Key("whole number", "most points of a motion", "", "no limit"),
+    "t_end": Key("number", "longest time", "s"),
+}
+
+PLOT: Mapping[str, Key] = {
+    "x": Key("text", "component along the axis across"),
+    "y": Key("text", "component along the axis upwards"),
+}

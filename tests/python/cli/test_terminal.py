@@ -1,0 +1,199 @@
+"""The command in a terminal: help, versions, templates, JSON, formats; no file is lost."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from test_command_line import SPEC
+
+import rigid
+from rigid.cli import main
+from rigid.cli.output import progress_shown
+from rigid.cli.toml_map import builtin_names
+from rigid.cli.toml_report import report_names
+from rigid.cli.toml_section import section_names
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "small.toml").write_text(SPEC)
+    return tmp_path
+
+
+def refused(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> str:
+    """The line on stderr of a command that is refused before any work."""
+    assert main(arguments) == 2
+    output, errors = capsys.readouterr()
+    assert output == ""
+    assert errors.count("\n") == 1
+    return errors
+
+
+def test_the_version_is_that_of_the_library(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as stop:
+        main(["--version"])
+    assert stop.value.code == 0
+    assert capsys.readouterr().out == f"rigid {rigid.__version__}\n"
+
+
+def test_the_bare_command_shows_help(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([]) == 0
+    output = capsys.readouterr().out
+    assert output.startswith("usage: rigid")
+    assert "rigid map thrown-box" in output
+
+
+@pytest.mark.parametrize("command", ["map", "section", "report", "extremes", "new"])
+def test_help_has_examples_and_they_are_understood(
+    command: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from rigid.cli.parser import make_parser
+
+    with pytest.raises(SystemExit):
+        main([command, "--help"])
+    _, _, examples = capsys.readouterr().out.partition("examples:\n")
+    lines = [line.split("   ")[0].strip() for line in examples.strip("\n").split("\n  ")]
+    assert lines
+    for line in lines:
+        words = line.split(" > ")[0].split()
+        assert words[0] == "rigid"
+        make_parser().parse_args(words[1:])
+
+
+@pytest.mark.parametrize(
+    ("command", "names"),
+    [("map", builtin_names()), ("section", section_names()), ("report", report_names())],
+)
+def test_a_specification_that_is_shown_or_new_can_be_computed(
+    command: str, names: list[str], folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name in names:
+        assert main([command, "--show", name]) == 0
+        shown = capsys.readouterr().out
+        assert main(["new", command, f"{name}.toml", "--like", name]) == 0
+        assert f"rigid {command} {name}.toml" in capsys.readouterr().out
+        assert (folder / f"{name}.toml").read_text() == shown
+    assert main(["new", command]) == 0
+    assert (folder / f"my-{command}.toml").exists()
+
+
+def test_a_new_file_replaces_none_unless_told(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = (folder / "small.toml").read_text()
+    message = refused(["new", "map", "small.toml"], capsys)
+    assert "file = 'small.toml': exists; take another name, or replace it with --force" in message
+    assert (folder / "small.toml").read_text() == before
+    assert main(["new", "map", "small.toml", "--force"]) == 0
+    assert (folder / "small.toml").read_text() != before
+    capsys.readouterr()
+    assert "file = 'small.txt': must end in .toml" in refused(["new", "map", "small.txt"], capsys)
+    (folder / "d.toml").mkdir()
+    assert "must be new or a regular file" in refused(["new", "map", "d.toml"], capsys)
+    assert "no built-in map is called 'x'" in refused(["new", "map", "--like", "x"], capsys)
+
+
+@pytest.mark.parametrize("suffix", [".npz", ".png"])
+def test_results_replace_no_file_unless_told(
+    suffix: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / f"small{suffix}").write_bytes(b"mine")
+    message = refused(["map", "small.toml", "--samples", "1"], capsys)
+    assert f"--out: 'small{suffix}' exists; take another name, or replace it with" in message
+    assert (folder / f"small{suffix}").read_bytes() == b"mine"
+    assert main(["map", "small.toml", "--samples", "1", "--force"]) == 0
+    assert (folder / f"small{suffix}").read_bytes() != b"mine"
+
+
+@pytest.mark.parametrize(
+    ("suffix", "begins"),
+    [(".pdf", b"%PDF"), (".svg", b"<?xml"), (".png", b"\x89PNG"), (".jpg", b"\xff\xd8")],
+)
+def test_the_suffix_chooses_the_format_of_the_picture(
+    suffix: str, begins: bytes, folder: Path
+) -> None:
+    assert main(["map", "small.toml", "--samples", "1", "--out", f"a{suffix}"]) == 0
+    assert (folder / f"a{suffix}").read_bytes().startswith(begins)
+    assert rigid.load_map(folder / "a.npz").complete
+    assert {path.name for path in folder.iterdir()} == {"small.toml", "a.npz", f"a{suffix}"}
+
+
+def test_a_key_of_the_specification_is_set(folder: Path) -> None:
+    changes = ["--set", "run.t_end=5", "--set", "run.method=rk4", "--set", "x.values=[0.9, 1.1]"]
+    assert main(["map", "small.toml", "--set", "title=Other", *changes]) == 0
+    spec = rigid.load_map(folder / "small.npz").spec
+    assert (spec.t_end, spec.method, spec.title) == (5.0, "rk4", "Other")
+    assert spec.axes[0].values == (0.9, 1.1)
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        ("run.t_end", "--set 'run.t_end': must be KEY=VALUE, such as run.t_end=10"),
+        ("run.=3", "--set 'run.=3': must be KEY=VALUE"),
+        ("run.t_end.x=3", "--set 'run.t_end.x=3': 't_end' is not a table"),
+        ("rnu.t_end=3", "unknown key 'rnu'; did you mean 'run'?"),
+        ("run.t_ned=3", "[run] unknown key 't_ned'; did you mean 't_end'?"),
+        ("run.t_end=-3", "[run] t_end = -3.0: must be positive"),
+        ("run.t_end=1\nseed = 4", "[run] t_end = "),
+    ],
+)
+def test_a_wrong_key_is_one_line(
+    change: str, told: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert told in refused(["map", "small.toml", "--set", change], capsys)
+
+
+def test_what_is_shown_is_not_changed(capsys: pytest.CaptureFixture[str]) -> None:
+    message = refused(["map", "--show", "thrown-box", "--set", "run.t_end=3"], capsys)
+    assert "--show prints the file as it is" in message
+
+
+def test_json_tells_a_map(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["map", "small.toml", "--json"]) == 0
+    facts = json.loads(capsys.readouterr().out)
+    result = rigid.load_map(folder / facts["data"])
+    assert rigid.MapSpec.from_dict(facts["spec"]) == result.spec
+    assert facts["stable"] == int(result.stable.sum())
+    assert facts["theory"]["disagreeing"] == int(result.disagreement().sum())
+    assert (folder / facts["picture"]).exists()
+    assert facts["complete"]
+
+
+def test_json_tells_lists_sections_reports_and_the_build(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def told(*arguments: str) -> dict[str, object]:
+        assert main([*arguments, "--json"]) == 0
+        facts: dict[str, object] = json.loads(capsys.readouterr().out)
+        return facts
+
+    assert list(told("maps")) == builtin_names()
+    assert list(told("sections")) == section_names()
+    assert list(told("reports")) == report_names()
+    assert told("info")["version"] == rigid.__version__
+    section = told("section", "kovalevskaya", "--bodies", "1", "--set", "run.points=5")
+    assert (section["bodies"], section["points"]) == (1, 5)
+    report = told("report", "lagrange-top", "--method", "rk4", "--seconds", "0.2")
+    assert report["name"] == "lagrange-top"
+    counts = told("extremes", "spin", "--method", "exact")["counts"]
+    assert isinstance(counts, dict)
+    assert sum(counts.values()) > 0
+
+
+def test_without_a_terminal_a_line_tells_the_progress_every_ten_seconds(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    show = progress_shown(True)
+    assert callable(show)
+    for elapsed in range(1, 36):
+        show(rigid.Progress(done=elapsed, total=36, elapsed=float(elapsed), failures=0))
+    assert capsys.readouterr().err.splitlines() == [
+        "rigid: 28% done after 10 s, about 26 s to go",
+        "rigid: 56% done after 20 s, about 16 s to go",
+        "rigid: 83% done after 30 s, about 6 s to go",
+    ]
+    assert progress_shown(False) is False

@@ -1,0 +1,155 @@
+"""What notebooks, scripts and terminals show of results: pictures, tables, a short line."""
+
+from __future__ import annotations
+
+import base64
+import html
+import re
+from typing import Any
+
+import nbformat
+import numpy as np
+import pytest
+from nbclient import NotebookClient
+
+import rigid
+from processes import environment, python_process
+
+TOP = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
+BOX = rigid.FreeBody(rigid.Body.box(0.25, 0.08, 0.01, mass=0.3))
+
+
+def small_map() -> rigid.StabilityMap:
+    return rigid.stability_map(
+        BOX,
+        axes={"spin": [5.0, 10.0], "noise": [1e-3, 1e-2, 0.1]},
+        start=rigid.Start(spin=10.0, axis=2, noise=rigid.normal(1e-2)),
+        stable=rigid.no_flip(2),
+        t_end=1.0,
+        samples=10,
+        rng=1,
+        progress=False,
+    )
+
+
+@pytest.fixture(scope="module")
+def results() -> dict[str, Any]:
+    """One result of each kind."""
+    mapped = small_map()
+    return {
+        "map": mapped,
+        "replay": mapped.replay(pixel=(2, 0), sample=3),
+        "run": rigid.simulate(BOX, [1e-3, 10.0, 1e-3], t=np.linspace(0.0, 2.0, 50)),
+        "plan": rigid.plan(BOX, "attitude", omega=[1e-3, 10.0, 1e-3], t_end=3600.0),
+        "methods": rigid.methods(),
+        "points": rigid.poincare(TOP, [0.3, 0.4, 1.0], [0.9, 0.3, 0.2, 0.1], t_end=30.0),
+        "report": rigid.report(
+            TOP, [0.3, 0.4, 1.0], t_end=1.0, methods=["rk4"], seconds=0.1, progress=False
+        ),
+        "extremes": rigid.extremes("spin", method="exact", progress=False),
+    }
+
+
+LINES = {
+    "map": r"<StabilityMap: free body, spin x noise, 2 x 3 pixels; 60 bodies: .*% stable, .*>",
+    "replay": r"<Replay: pixel \(2, 0\) \(spin 5, noise 0.1\), sample 3; \w+.*; exact>",
+    "run": r"Run\(one body at 50 times; exact; error .*; ok\)",
+    "plan": r"<Plan: free body, box .*; exact, closed form: free asymmetric; error about .* rad>",
+    "points": r"<Crossings: .*>",
+    "report": r"<Report: heavy top, .*; \d+ runs by 1 methods>",
+    "extremes": r"<Extremes: \d+ cells: \d+ right.*>",
+}
+
+
+@pytest.mark.parametrize("name", LINES)
+def test_a_result_is_named_in_one_short_line(name: str, results: dict[str, Any]) -> None:
+    line = repr(results[name])
+    assert re.fullmatch(LINES[name], line), line
+    assert len(line) < 250
+
+
+def test_methods_are_a_table_of_a_line_each(results: dict[str, Any]) -> None:
+    lines = repr(results["methods"]).splitlines()
+    assert [line.split()[0] for line in lines] == [method.name for method in rigid.methods()]
+    assert max(map(len, lines)) < 160
+
+
+@pytest.mark.parametrize("name", ["map", "points", "report"])
+def test_a_notebook_shows_a_picture_and_its_words(name: str, results: dict[str, Any]) -> None:
+    shown = results[name]._repr_html_()
+    (picture,) = re.findall(r'src="data:image/png;base64,([^"]*)"', shown)
+    content = base64.b64decode(picture)
+    assert content.startswith(b"\x89PNG")
+    assert len(content) > 10_000
+    words = {
+        "map": results["map"].summary(),
+        "points": repr(results["points"]),
+        "report": str(results["report"]),
+    }[name]
+    assert html.escape(words.split()[-1]) in shown
+
+
+@pytest.mark.parametrize(("name", "rows"), [("plan", 9), ("methods", len(rigid.methods()) + 1)])
+def test_a_notebook_shows_a_table(name: str, rows: int, results: dict[str, Any]) -> None:
+    assert results[name]._repr_html_().count("<tr>") == rows
+
+
+def test_words_are_no_markup() -> None:
+    from rigid.drawing.figure import html_table, html_text, html_with_picture
+
+    for shown in (html_text("a<b&c"), html_table([["a<b&c"]], header=["d"])):
+        assert "a&lt;b&amp;c" in shown
+    alt = html_with_picture(lambda ax: ax.plot([0, 1]), 'a "b"\nc')
+    assert 'alt="a &quot;b&quot;"' in alt
+
+
+def test_without_matplotlib_a_notebook_shows_the_words(
+    results: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(__import__("sys").modules, "matplotlib.figure", None)
+    shown = results["map"]._repr_html_()
+    assert "<img" not in shown
+    assert "classes" in shown
+
+
+CODE = """
+import numpy as np, rigid, sys
+TOP = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
+points = rigid.poincare(TOP, [0.3, 0.4, 1.0], [0.9, 0.3, 0.2, 0.1], t_end=30.0)
+"""
+
+
+def test_pyplot_shows_the_pictures_of_a_script_that_imports_it() -> None:
+    python_process(
+        CODE + "import matplotlib; matplotlib.use('agg'); import matplotlib.pyplot as plt\n"
+        "ax = points.plot(); assert [ax.figure.number] == plt.get_fignums()\n"
+        "rigid.figures.box(rigid.Body.box(0.25, 0.08, 0.01))\n"
+        "assert len(plt.get_fignums()) == 2\n"
+        "points._repr_html_(); assert len(plt.get_fignums()) == 2\n"
+    )
+
+
+def test_without_pyplot_a_picture_needs_no_display() -> None:
+    python_process(
+        CODE + "points.plot().figure.canvas.draw(); assert 'matplotlib.pyplot' not in sys.modules"
+    )
+
+
+def test_a_notebook_shows_what_is_plotted(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name, value in environment().items():
+        monkeypatch.setenv(name, value)
+    monkeypatch.setenv("JUPYTER_PLATFORM_DIRS", "1")
+    cells = [CODE, "ax = points.plot()", "points", "rigid.methods()"]
+    new: Any = nbformat.v4
+    notebook = new.new_notebook(
+        cells=[new.new_code_cell(cell) for cell in cells],
+        metadata={"kernelspec": {"name": "python3", "display_name": "Python"}},
+    )
+    NotebookClient(notebook, timeout=120, resources={"metadata": {"path": tmp_path}}).execute()
+    _, plotted, shown, table = (
+        [set(output["data"]) for output in cell.outputs if "data" in output]
+        for cell in notebook.cells
+    )
+    assert any("image/png" in data for data in plotted)
+    assert shown == [{"text/html", "text/plain"}]
+    assert table == [{"text/html", "text/plain"}]
