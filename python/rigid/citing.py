@@ -95,12 +95,17 @@ SECTIONS: Mapping[str, tuple[str, str]] = {
 
 LINES: Mapping[str, tuple[str, str]] = {
     "naff": (
+        "J. Laskar, The chaotic motion of the solar system: a numerical estimate of the size of "
+        "the chaotic zones, Icarus 88 (1990) 266-291",
+        "",
+    ),
+    "frequency-map": (
         "J. Laskar, Frequency analysis for multi-dimensional systems. Global dynamics and "
         "diffusion, Physica D 67 (1993) 257-281",
         "10.1016/0167-2789(93)90210-R",
     ),
 }
-"""Reference and DOI of the method of :func:`frequencies`."""
+"""Reference and DOI of the method and the drift of :func:`frequencies`."""
 
 _OF_FORM: Mapping[str, str] = {
     "axis spin": "spin",

@@ -54,7 +54,7 @@ def test_sections_and_frequencies_have_their_papers() -> None:
     ]
     run = rigid.simulate(HEAVY, RATES, t=np.linspace(0.0, 20.0, 201))
     for used in (rigid.frequencies(run.t, run.omega[:, 0]), rigid.frequency_drift(run)):
-        assert keys(rigid.cite(used)) == ["rigid", "rigid-naff"]
+        assert keys(rigid.cite(used)) == ["rigid", "rigid-naff", "rigid-frequency-map"]
 
 
 def test_results_know_what_they_were_made_with() -> None:

@@ -65,7 +65,8 @@ class Crossings:
         rates, that rounding may decide whether it crosses. They are kept whatever their direction.
     error : ndarray, shape (p,)
         Estimated error of ``t`` (s): three times what a second run, with a method of another order,
-        makes of the surface at these times, over the slope. NaN without that run.
+        makes of the surface, the largest until then, and rounding, over the slope. NaN without that
+        run.
     complete : ndarray of bool, shape (n,)
         Whether every crossing until ``end`` is among the points and no other: the body was run, no
         point grazes, and the motion is not on the surface all along.

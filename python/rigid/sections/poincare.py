@@ -38,6 +38,9 @@ TOLERANCE = 2.0**-57
 LOST = 1e-3
 """Points whose error, in the scale of what is zero on the surface, is larger are lost."""
 
+ROUNDINGS = 4.0
+"""Roundings of what is zero on the surface, in its scale, which two runs may have alike."""
+
 TOGETHER = 16
 """Bodies a thread between two reports of progress."""
 
@@ -285,10 +288,12 @@ class _Run:
                 tolerance=max(1e-3 * self.tolerance, min(self.tolerance, TOLERANCE)),
             ).states(None)
             values = self.surface.values(normals[some], states["omega"], states["vertical"])
-            off[places] = np.abs(values)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            error = np.maximum(3.0 * off / slope, np.spacing(t))
+            # Errors grow along a motion; where two runs agree by chance, those before still count.
+            off[places] = np.maximum.accumulate(np.abs(values), axis=1)
         scale = self._scale(batch, normals)[body]
+        rounding = ROUNDINGS * np.finfo(float).eps * (scale + abs(self.surface.value))
+        with np.errstate(divide="ignore", over="ignore"):
+            error = (3.0 * off + rounding) / slope + np.spacing(t)
         lost_from = np.full(len(batch), np.inf)
         lost = np.flatnonzero(~(3.0 * off <= LOST * scale))
         np.minimum.at(lost_from, body[lost], t[lost])

@@ -71,6 +71,9 @@ class Section:
         if not self.is_height:
             rows = np.array([[*self.omega, *self.gamma]])
             return np.repeat(rows, len(weight), axis=0)
+        # By a power of two, so that no square leaves the range of doubles.
+        largest = np.abs(weight).max(axis=1, keepdims=True, initial=0.0)
+        weight = np.ldexp(weight, -np.frexp(largest)[1])
         length = np.linalg.norm(weight, axis=1, keepdims=True)
         if not isinstance(scene, HeavyTop) or not (length > 0.0).all():
             raise ValueError(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -32,12 +33,13 @@ class Lines:
     Attributes
     ----------
     frequency : ndarray, shape (..., count)
-        Angular frequencies (rad/s); of real signals not negative.
+        Angular frequencies (rad/s); of real signals not negative. NaN where the signal has fewer
+        lines than were asked for: what is left of it is rounding.
     amplitude : ndarray of complex, shape (..., count)
         The signal is about the sum of ``amplitude * exp(i frequency t)``; a real signal is its real
-        part.
+        part. Zero where there is no line.
     error : ndarray, shape (..., count)
-        Estimated errors of the frequencies (rad/s).
+        Estimated errors of the frequencies (rad/s); NaN where there is no line.
     """
 
     frequency: Floats
@@ -96,12 +98,14 @@ def frequencies(t: ArrayLike, z: ArrayLike, count: int = 1) -> Lines:
     Notes
     -----
     ``error`` is three times the difference from the frequencies under the square of the window,
-    whose error falls like ``1 / T⁶``. Two lines closer than ``8 pi / T`` are not told apart; of a
-    chaotic signal, which has no lines, error and drift are large.
+    whose error falls like ``1 / T⁶``, and rounding. Two lines closer than ``8 pi / T`` are not told
+    apart, nor is a real line below ``4 pi / T`` from its mirror image: its error is as large as the
+    rest of the signal makes it. Of a chaotic signal, which has no lines, error and drift are large.
 
     References
     ----------
-    J. Laskar, Physica D 67 (1993) 257 (doi 10.1016/0167-2789(93)90210-R).
+    J. Laskar, Icarus 88 (1990) 266 (the method); Physica D 67 (1993) 257
+    (doi 10.1016/0167-2789(93)90210-R; drift and diffusion).
 
     Examples
     --------
@@ -120,18 +124,28 @@ def frequencies(t: ArrayLike, z: ArrayLike, count: int = 1) -> Lines:
         raise ValueError(f"t: {len(times)} times, but lines need at least {FEWEST}")
     if 8 * count > len(times):
         raise ValueError(f"count = {count}: must be at most an eighth of the {len(times)} times")
+    with np.errstate(over="ignore"):
+        span = times[-1] - times[0]
+    if not 0.0 < span < np.inf:
+        raise ValueError(f"t: from {times[0]} to {times[-1]}: their span must be positive, finite")
+    # By a power of two, which changes no digit, to times of the size of one.
+    unit = int(np.frexp(span)[1])
+    times = np.ldexp(times, -unit)
     step = (times[-1] - times[0]) / (len(times) - 1)
     uneven = np.abs(times - (times[0] + step * np.arange(len(times)))) > UNEVEN * step
     if uneven.any():
         place = int(np.flatnonzero(uneven)[0])
-        raise ValueError(f"t[{place}] = {times[place]}: must be evenly spaced")
+        value = np.ldexp(times[place], unit)
+        raise ValueError(f"t[{place}] = {value}: must be evenly spaced")
     middle = 0.5 * (times[0] + times[-1])
     found = [_lines(times - middle, signal, count) for signal in signals.reshape(-1, len(times))]
     shape = (*signals.shape[:-1], count)
     frequency = np.array([line[0] for line in found]).reshape(shape)
     amplitude = np.array([line[1] for line in found], dtype=np.complex128).reshape(shape)
     error = np.array([line[2] for line in found]).reshape(shape)
-    return Lines(frequency, amplitude * np.exp(-1j * frequency * middle), error)
+    turned = np.where(amplitude == 0.0, 0.0, amplitude * np.exp(-1j * frequency * middle))
+    with np.errstate(over="ignore"):
+        return Lines(np.ldexp(frequency, -unit), turned, np.ldexp(error, -unit))
 
 
 def frequency_drift(run: Run, of: str = "omega") -> FrequencyDrift:
@@ -143,14 +157,14 @@ def frequency_drift(run: Run, of: str = "omega") -> FrequencyDrift:
     Parameters
     ----------
     run : Run
-        A run at evenly spaced times, at least 33 of them.
+        A run at evenly spaced times, at least 31 of them.
     of : {"omega", "gamma"}
         The signal: ``omega1 + i omega2`` or ``gamma1 + i gamma2``.
 
     Returns
     -------
     FrequencyDrift
-        Of each body, with the axes of the bodies.
+        Of each body, with the axes of the bodies; NaN of one whose signal is zero or not finite.
 
     Raises
     ------
@@ -177,6 +191,8 @@ def frequency_drift(run: Run, of: str = "omega") -> FrequencyDrift:
     if run.t.ndim != 1:
         raise ValueError("run: its bodies have times of their own; all must share them")
     signal = states[..., 0] + 1j * states[..., 1]
+    # A body that failed is left out: as one at rest, it has no line.
+    signal = np.where(np.isfinite(signal).all(axis=-1, keepdims=True), signal, 0.0)
     half = (len(run.t) + 1) // 2
     first = frequencies(run.t[:half], signal[..., :half])
     second = frequencies(run.t[-half:], signal[..., -half:])
@@ -189,10 +205,14 @@ def frequency_drift(run: Run, of: str = "omega") -> FrequencyDrift:
 
 
 def _signals(z: ArrayLike, length: int) -> NDArray[np.inexact]:
-    array = np.asarray(z)
+    try:
+        array = np.asarray(z)
+    except ValueError:
+        raise ValueError(f"z = {brief(z)}: must be an array of numbers") from None
     if array.dtype.kind not in "iufc":
         raise ValueError(f"z = {brief(z)}: must be an array of numbers")
-    array = array.astype(np.complex128 if array.dtype.kind == "c" else np.float64)
+    with np.errstate(over="ignore"):
+        array = array.astype(np.complex128 if array.dtype.kind == "c" else np.float64)
     if array.ndim == 0 or array.shape[-1] != length:
         raise ValueError(f"z: expected shape (..., {length}), got {array.shape}")
     if not np.isfinite(array).all():
@@ -202,12 +222,29 @@ def _signals(z: ArrayLike, length: int) -> NDArray[np.inexact]:
 
 def _lines(t: Floats, signal: NDArray[np.inexact], count: int) -> tuple[Floats, Complex, Floats]:
     """Frequencies, amplitudes in the middle of the signal, and errors."""
+    # By a power of two, so that no square leaves the range of doubles.
+    largest = max(float(np.abs(signal.real).max()), float(np.abs(signal.imag).max()))
+    size = int(np.frexp(largest)[1])
+    signal = _times_two_to(signal, -size)
     hann = 1.0 + np.cos(2.0 * np.pi * t / (t[-1] - t[0]))
-    frequency, amplitude = _Analysis(t, signal, hann).lines(count)
+    analysis = _Analysis(t, signal, hann)
+    frequency, amplitude = analysis.lines(count)
     sharper = _Analysis(t, signal, hann**2)
     other, _ = sharper.refined(frequency, sharper.amplitudes(frequency))
-    rounding = 8.0 * np.finfo(float).eps * (np.abs(frequency) + 1.0 / (t[-1] - t[0]))
-    return frequency, amplitude, 3.0 * np.abs(other - frequency) + rounding
+    error = 3.0 * np.abs(other - frequency) + analysis.least_errors(frequency, amplitude)
+    missing = count - len(frequency)
+    return (
+        np.append(frequency, np.full(missing, np.nan)),
+        _times_two_to(np.append(amplitude, np.zeros(missing)), size),
+        np.append(error, np.full(missing, np.nan)),
+    )
+
+
+def _times_two_to(signal: NDArray[np.inexact], power: int) -> Any:
+    if signal.dtype.kind != "c":
+        return np.ldexp(signal, power)
+    with np.errstate(over="ignore"):
+        return np.ldexp(signal.real, power) + 1j * np.ldexp(signal.imag, power)
 
 
 class _Analysis:
@@ -219,15 +256,43 @@ class _Analysis:
         self.step, self.width = t[1] - t[0], 2.0 * np.pi / (t[-1] - t[0])
 
     def lines(self, count: int) -> tuple[Floats, Complex]:
-        """The strongest lines, one after another, then each without the others."""
+        """The strongest lines, one after another, each again without the others.
+
+        At most ``count``: none is looked for in what rounding has left of the signal.
+        """
         frequency, amplitude = np.empty(0), np.empty(0, dtype=np.complex128)
         for _ in range(count):
             rest = self.signal - self._sum(frequency, amplitude)
+            if not np.abs(rest).max() > self._rounding(frequency, amplitude):
+                break
             frequency = np.append(frequency, self._near(rest, self._highest(rest)))
             amplitude = self.amplitudes(frequency)
-        frequency, amplitude = self.refined(frequency, amplitude)
+            frequency, amplitude = self.refined(frequency, amplitude)
         order = np.argsort(-np.abs(amplitude), kind="stable")
         return frequency[order], amplitude[order]
+
+    def least_errors(self, frequency: Floats, amplitude: Complex) -> Floats:
+        """Errors of lines that other windows do not see."""
+        if not len(frequency):
+            return np.empty(0)
+        # The phases of a strong line round, and a weak line is found in what is left.
+        sizes, epsilon = np.abs(amplitude), np.finfo(float).eps
+        span, most = self.t[-1] - self.t[0], np.abs(frequency).max()
+        weak = sizes.max() / (sizes * np.sqrt(len(self.t)))
+        error: Floats = (
+            8.0 * epsilon * (np.abs(frequency) + 1.0 / span + (most + 1.0 / span) * weak)
+        )
+        if self.real:
+            # cos(w t) is 1 - (w t)²/2 there: the rest of the signal bounds w.
+            rest = np.abs(self.signal - self._sum(frequency, amplitude)).max()
+            share = np.minimum(1.0, np.sqrt((rest + epsilon * sizes.max()) / sizes))
+            error += np.where(np.abs(frequency) <= 2.0 * self.width, 2.0 * self.width * share, 0.0)
+        return error
+
+    def _rounding(self, frequency: Floats, amplitude: Complex) -> float:
+        """Size of what rounding leaves of a signal, most of it that of phases."""
+        phase = float(np.abs(frequency * self.t[-1]).max(initial=0.0))
+        return float(16.0 * np.finfo(float).eps * (1.0 + phase) * np.abs(amplitude).sum())
 
     def refined(self, frequency: Floats, amplitude: Complex) -> tuple[Floats, Complex]:
         """Lines from values close to them."""
@@ -244,7 +309,9 @@ class _Analysis:
                 else:
                     frequency[k] = self._near(rest, frequency[k])
                 amplitude = self.amplitudes(frequency)
-            if np.abs(frequency - before).max() <= 1e-15 * np.abs(frequency).max():
+            if np.abs(frequency - before).max(initial=0.0) <= 1e-15 * np.abs(frequency).max(
+                initial=0.0
+            ):
                 break
         return frequency, amplitude
 

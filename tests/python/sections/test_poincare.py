@@ -39,13 +39,29 @@ def test_every_point_of_26_digits_and_no_other(known: Sectioned) -> None:
         known.scene, known.omega0, known.attitude0, known.section, t_end=known.t_end
     )
     assert len(found) == len(known.t)
-    # The chaotic motion magnifies rounding 2e6 times (rigid.condition): 1e-10 is a share of what
-    # its start costs as doubles, and the bits of the result are the same everywhere.
+    # What limits a point is not the section but the motion, which magnifies the rounding of its
+    # start and of its steps by its condition: up to 2e6 = exp(lambda t) of the chaotic one, up to
+    # 1e4 of the others. Four roundings: half an ulp in each of seven numbers of the start, and
+    # those of some hundred steps, a random walk. Over the slope it is an error of the time.
+    condition = np.maximum.accumulate(
+        rigid.condition(known.scene, known.omega0, known.attitude0, t=known.t)
+    )
+    share = 4.0 * np.finfo(float).eps * condition
+    fastest = float(np.linalg.norm(known.scene.weight)) / min(known.scene.body.moments)
+    rate = np.sqrt(np.sum(known.omega0**2) + fastest)
+    scale = 1.0 if any(known.section.gamma) else rate
+    late = share * scale / np.abs(known.slope)
+    np.testing.assert_array_less(np.abs(found.t - known.t), late)
+    np.testing.assert_array_less(np.abs(found.omega - known.omega).max(axis=1), rate * share)
+    np.testing.assert_array_less(np.abs(found.gamma - known.gamma).max(axis=1), share)
+    np.testing.assert_array_equal(found.direction, known.direction)
+    bent = scale * rate * (share + rate * late)
+    np.testing.assert_array_less(np.abs(found.slope - known.slope), bent)
+    # So, of a motion that is not chaotic, every number is known to 1e-10, and here of that one too.
+    assert late.max() < (1e-8 if known.name == "section-w4-chaotic" else 1e-10)
     np.testing.assert_allclose(found.t, known.t, rtol=0.0, atol=1e-10)
     np.testing.assert_allclose(found.omega, known.omega, rtol=0.0, atol=1e-10)
     np.testing.assert_allclose(found.gamma, known.gamma, rtol=0.0, atol=1e-10)
-    np.testing.assert_array_equal(found.direction, known.direction)
-    np.testing.assert_allclose(found.slope, known.slope, rtol=1e-9)
     assert bool(found.complete)
     assert not found.grazing.any()
     assert (found.error < 1e-9).all()
@@ -340,6 +356,35 @@ def test_the_error_covers_the_difference_from_a_sharper_run() -> None:
     off = np.abs(loose.t - sharp.t)
     assert 1e-12 < off.max() < 1e-3
     assert (off <= 3.0 * loose.error).all()
+
+
+def test_the_error_covers_points_whose_two_runs_agree_by_chance() -> None:
+    # Fast tops are regular; a third method knows their points to rounding too. Where the run and
+    # its check agreed by chance, the error was that of the time alone, a sixth of the truth.
+    rng = np.random.default_rng(11)
+    fast = np.concatenate([0.3 * rng.normal(size=(40, 2)), rng.uniform(8.0, 12.0, (40, 1))], axis=1)
+    points = rigid.poincare(ASYMMETRIC, fast, section="gamma1", t_end=12.0)
+    third = rigid.poincare(
+        ASYMMETRIC, fast, section="gamma1", t_end=12.0, method="taylor26", tolerance=1e-17
+    )
+    off = np.abs(points.t - third.t)
+    assert len(off) > 400
+    assert (off <= points.error).all()
+    assert points.error.max() < 1e-12
+
+
+@pytest.mark.parametrize("power", [-265, 250])
+def test_the_unit_of_time_does_not_matter(power: int) -> None:
+    # Powers of two change no digit while all products are normal numbers: those of the smaller
+    # unit are not, whose mgl has a square below all doubles.
+    unit = 2.0**power
+    known = rigid.poincare(ASYMMETRIC, [0.3, 0.4, 1.0], t_end=30.0)
+    top = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2 * unit * unit, com=(0.6, 0.0, 0.8))
+    found = rigid.poincare(top, unit * np.array([0.3, 0.4, 1.0]), t_end=30.0 / unit)
+    rtol = 0.0 if power > 0 else 1e-13
+    np.testing.assert_allclose(found.t * unit, known.t, rtol=rtol)
+    np.testing.assert_allclose(found.gamma, known.gamma, rtol=rtol, atol=rtol)
+    assert bool(found.complete)
 
 
 def test_points_of_a_chaotic_motion_are_lost_at_last() -> None:

@@ -81,6 +81,18 @@ REFUSED: dict[str, tuple[Call, str]] = {
         lambda: rigid.frequencies(np.linspace(0.0, 1.0, 50) ** 2, np.zeros(50)),
         "must be evenly spaced",
     ),
+    "times of no span": (
+        lambda: rigid.frequencies(np.ones(32), np.ones(32)),
+        r"t: from 1\.0 to 1\.0: their span must be positive",
+    ),
+    "span beyond doubles": (
+        lambda: rigid.frequencies(np.linspace(-1.0, 1.0, 32) * 1.5e308, np.ones(32)),
+        "their span must be positive, finite",
+    ),
+    "ragged signal": (
+        lambda: rigid.frequencies(np.arange(32.0), [[1.0, 2.0], [3.0]]),
+        "must be an array of numbers",
+    ),
     "few times": (lambda: rigid.frequencies([0.0, 1.0], [0.0, 1.0]), "t: 2 times, but lines need"),
     "many lines": (
         lambda: rigid.frequencies(np.arange(32.0), np.zeros(32), count=5),

@@ -136,3 +136,90 @@ def test_a_regular_motion_keeps_its_frequency_and_a_chaotic_one_does_not() -> No
     assert drift.drift[1] <= max(drift.error[1], 1e-7)
     of_vertical = rigid.frequency_drift(run, of="gamma")
     assert of_vertical.drift[1] < 1e-6
+
+
+@pytest.mark.parametrize("power", [-1060, -600, 600, 1020])
+def test_the_size_of_a_signal_changes_no_digit_of_its_frequency(power: int) -> None:
+    t = np.linspace(0.0, 200.0, 2001)
+    z = np.exp(0.7j * t) + 0.25 * np.exp(-1.9j * t)
+    lines = rigid.frequencies(t, z, count=2)
+    # Powers of two change no digit, but near the least numbers, which have fewer digits.
+    scaled = np.ldexp(z.real, power) + 1j * np.ldexp(z.imag, power)
+    found = rigid.frequencies(t, scaled, count=2)
+    if power == -1060:
+        np.testing.assert_allclose(found.frequency, [0.7, -1.9], atol=1e-5)
+    else:
+        np.testing.assert_array_equal(found.frequency, lines.frequency)
+        np.testing.assert_array_equal(found.amplitude.real, np.ldexp(lines.amplitude.real, power))
+
+
+@pytest.mark.parametrize("power", [-1000, 1000])
+def test_the_unit_of_time_changes_no_digit_of_a_frequency(power: int) -> None:
+    t = np.linspace(0.0, 200.0, 2001)
+    z = np.exp(0.7j * t)
+    known = rigid.frequencies(t, z)
+    found = rigid.frequencies(np.ldexp(t, power), z)
+    np.testing.assert_array_equal(found.frequency, np.ldexp(known.frequency, -power))
+    np.testing.assert_array_equal(found.error, np.ldexp(known.error, -power))
+
+
+@pytest.mark.parametrize("real", [False, True])
+def test_a_signal_has_no_more_lines_than_it_has(real: bool) -> None:
+    t = np.linspace(0.0, 200.0, 2001)
+    z = 2.0 * np.exp(1.0j * t)
+    lines = rigid.frequencies(t, z.real if real else z, count=3)
+    # A line too many would share the only one: its frequency was off by 1e-8.
+    assert lines.frequency[0] == pytest.approx(1.0, abs=1e-14)
+    assert abs(lines.amplitude[0]) == pytest.approx(2.0, abs=1e-12)
+    assert lines.error[0] < 1e-13
+    assert np.isnan(lines.frequency[1:]).all()
+    assert np.isnan(lines.error[1:]).all()
+    assert (lines.amplitude[1:] == 0.0).all()
+
+
+def test_rates_that_are_zero_have_no_line() -> None:
+    t = np.linspace(0.0, 50.0, 501)
+    for signal in (np.zeros(501), np.zeros(501, dtype=complex)):
+        lines = rigid.frequencies(t, signal, count=2)
+        assert np.isnan(lines.frequency).all()
+        assert (lines.amplitude == 0.0).all()
+
+
+def test_the_error_of_a_real_line_slower_than_the_signal_is_covered() -> None:
+    rng = np.random.default_rng(3)
+    t = np.linspace(0.0, 200.0, 2001)
+    for frequency in (1e-4, 1e-3, 0.005, 0.01, 0.03, 0.05, 0.06):
+        for phase in 2.0 * np.pi * rng.random(8):
+            lines = rigid.frequencies(t, np.cos(frequency * t + phase))
+            off = abs(lines.frequency[0] - frequency)
+            assert off <= lines.error[0] <= 4.0 * np.pi / 100.0
+    # A constant is known to be one: its error is that of rounding, under a square root.
+    constant = rigid.frequencies(t, np.full(2001, 3.0))
+    assert constant.frequency[0] == 0.0
+    assert constant.error[0] < 1e-8
+
+
+def test_weak_lines_beside_strong_ones_are_covered() -> None:
+    rng = np.random.default_rng(4)
+    t = np.linspace(0.0, 200.0, 2001)
+    for _ in range(40):
+        frequency = rng.uniform(-8.0, 8.0, 4)
+        while np.diff(np.sort(frequency)).min() < 8.2 * np.pi / 200.0:
+            frequency = rng.uniform(-8.0, 8.0, 4)
+        amplitude = 10.0 ** np.array([0.0, -1.0, -2.0, -3.0]) * np.exp(2j * np.pi * rng.random(4))
+        lines = rigid.frequencies(t, np.exp(1j * t[:, np.newaxis] * frequency) @ amplitude, count=4)
+        off = np.abs(lines.frequency - frequency)
+        assert (off <= lines.error).all()
+        assert (lines.error < 1e-10).all()
+
+
+def test_a_body_that_fails_or_rests_leaves_the_others_their_drift() -> None:
+    box, t = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0))), np.linspace(0.0, 100.0, 1001)
+    starts = [[0.3, 0.2, 1.5], [1e200, 1e200, 1e200], [0.0, 0.0, 0.0]]
+    run = rigid.simulate(box, starts, t=t, method="dop853", check=False, max_steps=10**6)
+    assert not np.isfinite(run.omega[1]).all()
+    drift = rigid.frequency_drift(run)
+    alone = rigid.frequency_drift(rigid.simulate(box, starts[0], t=t, method="dop853", check=False))
+    assert drift.drift[0] == alone.drift
+    assert np.isnan(drift.drift[1:]).all()
+    assert np.isnan(drift.first.frequency[1:]).all()
