@@ -97,7 +97,11 @@ def missing(running: Folder | Memory, status: NDArray[np.uint8]) -> NDArray[np.i
         ends = [data.lower, data.upper]
         pixels = stages(spec, data.status, data.finished, data.samples, ends).wanted
     else:
-        pixels = np.flatnonzero(status == 0)
+        # Of most maps: nothing is sorted that is done.
+        known = running.table.known[:: running.head.segments]
+        for segment in range(1, running.head.segments):
+            known = known & running.table.known[segment :: running.head.segments]
+        pixels = np.flatnonzero((status == 0) & ~known)
         pixels = pixels[np.argsort(-lattice_level(spec.shape, pixels), kind="stable")]
     segments = running.head.segments
     units = (pixels[:, np.newaxis] * segments + np.arange(segments)).ravel()
@@ -143,7 +147,9 @@ def carry_on(
     try:
         while True:
             todo = missing(running, status)
-            mine = todo[part.has(todo) & ~np.isin(todo, poison.units)]
+            mine = todo[part.has(todo)]
+            if poison.units:
+                mine = mine[~np.isin(mine, poison.units)]
             if stop():
                 break
             if not len(mine):
