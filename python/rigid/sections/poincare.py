@@ -304,7 +304,9 @@ class _Run:
         rate = batch.fastest_rates((0.0, self.end))
         of_omega, of_gamma = np.split(np.abs(normals), 2, axis=1)
         of_vertical = np.linalg.norm(of_gamma, axis=1) * (rate if self.surface.is_height else 1.0)
-        scale: Floats = np.linalg.norm(of_omega, axis=1) * rate + of_vertical
+        # A rate that overflows is that of a body which is not run.
+        with np.errstate(invalid="ignore", over="ignore"):
+            scale: Floats = np.linalg.norm(of_omega, axis=1) * rate + of_vertical
         return scale
 
 

@@ -46,7 +46,8 @@ class Growth:
         Generalised alignment indices ``GALI_2`` to ``GALI_k``; None with one exponent.
     error : ndarray, shape (n,)
         Estimated error of ``log_growth``, the largest at these times: three times the difference
-        from a run with a method of another order. NaN without that run.
+        from a run with a method of another order in other steps, and rounding. NaN without that
+        run.
     lost_from : ndarray, shape (n,)
         Time from which on the motion itself is lost to rounding or truncation: exponents from there
         on are those of a numerical motion. Infinite if there is none, NaN where it is not known.

@@ -46,6 +46,9 @@ CHECKPOINTS = tuple(1.0 / parts for parts in _core.CHECKPOINT_PARTS)
 FEWEST = 64
 """Least number of steps until the first time and the first checkpoint: means need them."""
 
+FEWEST_AGAIN = 91
+"""That of the second run: series of two orders in the same steps round alike, bit by bit."""
+
 
 def lyapunov(
     scene: Scene,
@@ -203,7 +206,9 @@ def growth_of(
     status = found["status"]
     if check:
         again = run.again(ANOTHER if chosen == SECOND else SECOND, vectors[:, 0])
-        error = 3.0 * np.abs(again["logs"][0::2, wanted, 0] - log[:, wanted]).max(axis=1)
+        apart = np.abs(again["logs"][0::2, wanted, 0] - log[:, wanted])
+        rounding = np.finfo(float).eps * np.maximum(1.0, np.abs(log[:, wanted]))
+        error = (3.0 * apart + rounding).max(axis=1)
         second = np.ascontiguousarray(2.0 * again["logs"][1::2, marks, 3])
         lost_from = _lost_from(batch, times, chosen, steps, run.max_steps, threads)
     else:
@@ -252,11 +257,13 @@ class _Run:
         self.max_steps, self.threads = max_steps, threads
         self.scale = rate_scale(batch)
 
-    def growth(self, method: str, steps: Floats | None, vectors: Floats) -> dict[str, Any]:
+    def growth(
+        self, method: str, steps: Floats | None, vectors: Floats, fewest: int = FEWEST
+    ) -> dict[str, Any]:
         """The growth of displacements (n, k, 6) by a method, with its longest steps (s)."""
         if steps is None:
             rates = self.batch.fastest_rates((0.0, float(self.times[-1])), method)
-            steps = np.minimum(_core.default_steps(method, rates), self.times[0] / FEWEST)
+            steps = np.minimum(_core.default_steps(method, rates), self.times[0] / fewest)
         return _core.growth(
             **self.batch.columns(),
             method=method,
@@ -276,14 +283,16 @@ class _Run:
         other = np.where(alike[:, np.newaxis], _unscaled(STARTS[0], self.scale), other)
         pairs = np.stack([first, other], axis=1)
         twice = _Run(self.batch.repeat(2), self.times, self.of, self.max_steps, self.threads)
-        return twice.growth(method, None, pairs.reshape(-1, 1, 6))
+        return twice.growth(method, None, pairs.reshape(-1, 1, 6), FEWEST_AGAIN)
 
 
 def _unscaled(vectors: Floats, scale: Floats) -> Floats:
     """Displacements (n, ..., 6) in rad/s and rad, from those with rates in units of the bodies."""
     unit = np.repeat(scale[:, np.newaxis], 3, axis=1)
     units = np.concatenate([unit, np.ones_like(unit)], axis=1)
-    scaled: Floats = vectors * (units[:, np.newaxis] if vectors.ndim == 3 else units)
+    # A scale that overflows is that of a body which is not run.
+    with np.errstate(invalid="ignore", over="ignore"):
+        scaled: Floats = vectors * (units[:, np.newaxis] if vectors.ndim == 3 else units)
     return scaled
 
 
@@ -298,6 +307,8 @@ def _displacements(batch: Batch, start: ArrayLike | None, count: int, of: str) -
         raise ValueError(f"start: expected shape ({count}, 6), got {np.shape(start)}")
     if not np.isfinite(given).all():
         raise ValueError("start: must be finite")
+    # Growth does not depend on the size: by powers of two, so that no square leaves the doubles.
+    given = np.ldexp(given, -np.frexp(np.abs(given).max(axis=1, keepdims=True))[1])
     several = np.broadcast_to(given, (len(batch), count, 6))
     for body, vectors in enumerate(_measured(batch, several, scale, of)):
         sizes = np.linalg.norm(vectors, axis=1)

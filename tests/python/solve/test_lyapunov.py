@@ -47,6 +47,33 @@ def test_growth_of_26_digits(case: Displaced, of: str) -> None:
         np.testing.assert_allclose(values[known], true[name][known], rtol=1e-6)
 
 
+def test_the_error_of_growth_covers_the_truth_of_26_digits() -> None:
+    """The check of a series in its own steps agreed to the last bit, and the error was zero."""
+    ratios = []
+    for case in DISPLACED:
+        times = case.t[case.t > 0.0]
+        for of in ("rates", "attitude"):
+            found = rigid.lyapunov(
+                case.scene, case.omega, case.attitude, t=times, of=of, start=case.tangents[0]
+            )
+            true = case.growth[of]["log_growth"][case.t > 0.0]
+            ratios.append(np.abs(found.log_growth - true).max() / float(found.error))
+    # The start as doubles differs from that of 26 digits by rounding, which both runs share.
+    assert np.mean(np.array(ratios) <= 1.0) > 0.9
+    assert max(ratios) < 2.0
+
+
+@pytest.mark.parametrize("power", [-1000, -700, 700, 1000])
+def test_the_size_of_a_displacement_does_not_matter(power: int) -> None:
+    start = np.array([1.0, -2.0, 3.0, 1.0, 0.5, -1.0])
+    known, found = (
+        rigid.lyapunov(TOP, [0.3, 0.4, 1.0], t=[10.0, 20.0], start=vector)
+        for vector in (start, np.ldexp(start, power))
+    )
+    np.testing.assert_array_equal(found.log_growth, known.log_growth)
+    np.testing.assert_array_equal(found.mean_megno, known.mean_megno)
+
+
 @pytest.mark.parametrize("case", DISPLACED, ids=lambda case: case.name)
 def test_the_spectrum_is_that_of_a_decomposition_in_26_digits(case: Displaced) -> None:
     """``ln`` of the diagonal of R of the whole matrix, however often it is made orthogonal."""
@@ -325,3 +352,12 @@ def test_bad_arguments_are_refused_by_name(options: dict[str, Any], message: str
     arguments: dict[str, Any] = {"t": [1.0], **options}
     with pytest.raises(ValueError, match=message):
         rigid.lyapunov(TOP, CHAOTIC, **arguments)
+
+
+@pytest.mark.filterwarnings("error")
+def test_rates_whose_square_overflows_fail_without_a_warning() -> None:
+    growth = rigid.lyapunov(TOP, [1e200, 1.0, 1.0], t=[1.0], max_steps=1000)
+    assert growth.verdict == "failed"
+    points = rigid.poincare(TOP, [1e200, 1.0, 1.0], t_end=1.0, max_steps=1000)
+    assert points.status != rigid.Status.OK
+    assert not bool(points.complete)
