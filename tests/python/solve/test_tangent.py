@@ -183,7 +183,7 @@ def test_splittings_are_symplectic_at_any_step(method: str, symmetric: bool) -> 
     So singular values come in pairs ``s s' = 1``, and the volume is kept. They turn tops about the
     vertical and free bodies about every axis as they should: the steps commute with it.
     """
-    scene, omega, attitude = random_tops(300, damped=False)
+    scene, omega, attitude = random_tops(1000, damped=False)
     if symmetric:
         moments = np.array(scene.body.moments)
         # Body k is symmetric about axis k mod 3.
@@ -199,26 +199,29 @@ def test_splittings_are_symplectic_at_any_step(method: str, symmetric: bool) -> 
             tangent=True,
         )  # fmt: skip
         gamma, matrices = present(run.gamma), present(run.tangent)[:, 1]
-        for body, moments in enumerate(np.array(scene.body.moments)):
-            inertia = np.diag(moments)
-            charts = [
-                np.block([[np.zeros((3, 3)), np.eye(3)], [inertia, -0.5 * hat(inertia @ rates)]])
-                for rates in run.omega[body]
-            ]
-            n = charts[1] @ matrices[body] @ np.linalg.inv(charts[0])
-            size = np.linalg.norm(n, 2)
-            assert np.abs(n.T @ form @ n - form).max() < 1e-13 * size**2
-            values = np.linalg.svd(n, compute_uv=False)
-            assert np.abs(values * values[::-1] - 1.0).max() < 1e-13 * size**2
-            turned = matrices[body] @ np.concatenate([np.zeros(3), gamma[body, 0]])
-            away = np.abs(turned - np.concatenate([np.zeros(3), gamma[body, 1]])).max()
-            assert away < 1e-12 * size
-            momenta = [
-                np.concatenate([moments * now, np.cross(moments * rates, now)])
-                for now, rates in zip(gamma[body], run.omega[body], strict=True)
-            ]
-            kept = np.abs(momenta[1] @ matrices[body] - momenta[0]).max()
-            assert kept < 1e-12 * size * np.linalg.norm(momenta[0])
+        moments = np.array(scene.body.moments)[:, np.newaxis]
+        charts = np.zeros((1000, 2, 6, 6))
+        charts[:, :, :3, 3:] = np.eye(3)
+        charts[:, :, 3:, :3] = moments[..., np.newaxis] * np.eye(3)
+        # The columns of the matrix of L × are L × e.
+        columns = np.cross((moments * run.omega)[:, :, np.newaxis], np.eye(3))
+        charts[:, :, 3:, 3:] = -0.5 * np.swapaxes(columns, 2, 3)
+        n = charts[:, 1] @ matrices @ np.linalg.inv(charts[:, 0])
+        size = np.linalg.norm(n, 2, axis=(1, 2))
+        lost = np.abs(np.swapaxes(n, 1, 2) @ form @ n - form).max(axis=(1, 2))
+        assert (lost < 1e-13 * size**2).all()
+        values = np.linalg.svd(n, compute_uv=False)
+        assert (np.abs(values * values[:, ::-1] - 1.0).max(axis=1) < 1e-13 * size**2).all()
+        turns = np.concatenate([np.zeros_like(gamma), gamma], axis=2)
+        turned = np.einsum("nij,nj->ni", matrices, turns[:, 0])
+        # In steps of 4 s, which are far too long, a displacement grows more inside a step than
+        # over it, and what rounds there is lost: 5e-12 of 3e12 of one top with splitting6.
+        least = 1e-12 if step < 1.0 else 1e-11
+        assert (np.abs(turned - turns[:, 1]).max(axis=1) < least * size).all()
+        momenta = np.concatenate([moments * gamma, np.cross(moments * run.omega, gamma)], axis=2)
+        kept = np.abs(np.einsum("ni,nij->nj", momenta[:, 1], matrices) - momenta[:, 0])
+        bound = least * size * np.linalg.norm(momenta[:, 0], axis=1)
+        assert (kept.max(axis=1) < bound).all()
 
 
 def test_damping_shrinks_volumes_by_its_trace() -> None:
