@@ -35,6 +35,9 @@ INTERRUPTED = """
 import signal, threading, time
 import numpy as np, rigid
 
+# A shell that starts the tests in the background lets them ignore it.
+signal.signal(signal.SIGINT, signal.default_int_handler)
+
 def ready(progress=None):
     global said
     if not said:
@@ -49,7 +52,7 @@ def wait():
 said = False
 many = {many}
 if not many:
-    threading.Thread(target=wait).start()
+    threading.Thread(target=wait, daemon=True).start()
 try:
     rigid.stability_map(
         rigid.FreeBody, {size}, stable=rigid.no_flip(), rng=1, progress=ready if many else False,

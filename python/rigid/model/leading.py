@@ -59,9 +59,9 @@ def leading_shape(shapes: Mapping[str, Shape]) -> Shape:
     ValueError
         If they do not broadcast.
     """
-    known = {name: shape for name, shape in shapes.items() if shape}
-    if not known:
+    if not any(shapes.values()):
         return ()
+    known = {name: shape for name, shape in shapes.items() if shape}
     try:
         return np.broadcast_shapes(*known.values())
     except ValueError:

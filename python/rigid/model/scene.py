@@ -140,10 +140,14 @@ class Scene(ABC):
         shapes = {"moments": self.body.shape}
         for name, known in self.fields.items():
             shapes[name] = axes_of(getattr(self, name), int(known.width > 1))
-        shapes["torque"] = () if self.torque is None else self.torque.shape
-        shapes["damping"] = axes_of(self.damping, 2)
-        shapes["dissipation"] = () if self.dissipation is None else self.dissipation.shape
-        shapes["rotor"] = axes_of(self.rotor, 1)
+        if self.torque is not None:
+            shapes["torque"] = self.torque.shape
+        if self.damping is not None:
+            shapes["damping"] = axes_of(self.damping, 2)
+        if self.dissipation is not None:
+            shapes["dissipation"] = self.dissipation.shape
+        if self.rotor is not None:
+            shapes["rotor"] = axes_of(self.rotor, 1)
         return leading_shape(shapes)
 
     def __len__(self) -> int:
@@ -186,7 +190,8 @@ class Scene(ABC):
         return all(same(getattr(self, name), getattr(other, name)) for name in names)
 
     def __hash__(self) -> int:
-        own = () if self.shape else tuple(getattr(self, name) for name in self.fields)
+        values = (getattr(self, name) for name in self.fields)
+        own = tuple(value for value in values if not isinstance(value, np.ndarray))
         return hash((self.kind, self.body, own, self.torque))
 
     @property

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from math import prod
 from typing import TYPE_CHECKING, Any, Self
 
@@ -88,14 +89,19 @@ class Batch:
                 "t": times,
             }
         )
-        # The largest moment is near one in this unit: no product with rates leaves the range of
-        # doubles, and the unit of moments, torques and energies changes no bit of a motion.
-        if scene.body.shape:
-            largest = in_rows(np.max(scene.body.moments, axis=-1, keepdims=True), shape)
-            exponents = np.frexp(largest[:, 0])[1]
+        if scene.shape or scene.is_driven:
+            exponents = _scale_exponents(scene, shape)
+            batch = cls.of_scene(scene, rates, quaternions, shape, exponents)
         else:
-            exponents = np.array([math.frexp(max(scene.body.moments))[1]], dtype=np.intc)
-        batch = cls.of_scene(scene, rates, quaternions, shape, exponents)
+            moments, weight, exponents = _columns_of_one(scene)
+            batch = cls(
+                kind=scene.kind,
+                moments=moments,
+                weight=weight,
+                omega=_row_of_each(rates, shape),
+                attitude=in_rows(quaternions, shape),
+                scale_exponent=exponents,
+            )
         batch._check_time_unit(shape)
         return batch, shape
 
@@ -111,12 +117,11 @@ class Batch:
         """Bodies of a scene with these rates and unit quaternions, as they are."""
         moments, weight = in_rows(np.asarray(scene.body.moments), shape), scene.weight
         rows = in_rows(weight, shape)
-        every = in_rows(omega, shape)
         return cls(
             kind=scene.kind,
             moments=np.ldexp(moments, -exponents[:, np.newaxis]),
             weight=_scaled("mgl", rows, exponents, shape) if np.count_nonzero(weight) else rows,
-            omega=every if len(every) == prod(shape) else np.repeat(every, prod(shape), axis=0),
+            omega=_row_of_each(omega, shape),
             attitude=in_rows(attitude, shape),
             forcing=forcing_of(scene.torque, scene.damping, shape, exponents, scene.satellite),
             scale_exponent=exponents,
@@ -226,6 +231,35 @@ class Batch:
                 f"omega{place}: the rates of the body are {rate:.3g} rad/s at most; "
                 f"they must be zero or reach {SLOWEST:g} rad/s: count the time in another unit"
             )
+
+
+def _row_of_each(vectors: Floats, shape: Shape) -> Floats:
+    """The vectors of bodies of this shape, a row of each."""
+    rows = in_rows(vectors, shape)
+    return rows if len(rows) == prod(shape) else np.repeat(rows, prod(shape), axis=0)
+
+
+def _scale_exponents(scene: Scene, shape: Shape) -> NDArray[np.intc]:
+    """Exponents of the unit in which the largest moment of each body, or of all, is near one.
+
+    No product with rates leaves the range of doubles, and the unit of moments, torques and energies
+    changes no bit of a motion.
+    """
+    if scene.body.shape:
+        largest = in_rows(np.max(scene.body.moments, axis=-1, keepdims=True), shape)
+        return np.frexp(largest[:, 0])[1]
+    return np.array([math.frexp(max(scene.body.moments))[1]], dtype=np.intc)
+
+
+@lru_cache(maxsize=128)
+def _columns_of_one(scene: Scene) -> tuple[Floats, Floats, NDArray[np.intc]]:
+    """Moments, weight and unit of a scene of one body without torque and damping."""
+    exponents = _scale_exponents(scene, ())
+    start = np.zeros(3), np.array(_IDENTITY)
+    batch = Batch.of_scene(scene, *start, (), exponents)
+    for column in (batch.moments, batch.weight, exponents):
+        column.flags.writeable = False
+    return batch.moments, batch.weight, exponents
 
 
 @np.errstate(over="ignore")

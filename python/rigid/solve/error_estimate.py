@@ -98,7 +98,7 @@ def closed_form_error(batch: Batch, times: Floats, omega: Floats) -> ErrorEstima
     if not top and isinstance(span, float) and largest(rates) * span < 0.5 / ROUNDING:
         # No error reaches one.
         error = ROUNDING * (1.0 + rates * span)
-        return ErrorEstimate(error, np.full(len(batch), np.inf))
+        return ErrorEstimate(error, error + np.inf)
     with np.errstate(all="ignore"):
         return _closed_form_error(batch, rates, reached, omega)
 
@@ -163,6 +163,8 @@ def estimate_error(
     error += floor[:, None] + departure(batch, times, sizes) + homoclinic(batch, times, sizes)
     if method == RINGING and batch.forcing is not None:
         error += _ringing(batch, states, times)
+    # Found relative to the rates of the run: relative to the true ones it may be as much larger.
+    error = np.where(error < 1.0, error / (1.0 - error), error)
     # What is not a number is not known.
     error = np.where(np.isfinite(error), error, np.inf)
     if is_damped_stiffly(request) and request.tolerance is None:

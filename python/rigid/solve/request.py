@@ -69,7 +69,7 @@ class Request:
             step=steps,
             max_steps=self.max_steps,
             threads=self.threads,
-            times=np.atleast_2d(self.times),
+            times=self.times if self.times.ndim == 2 else self.times[np.newaxis],
             refinement=refinement,
             tolerance=self.tolerance,
             displacements=displacements,

@@ -228,7 +228,8 @@ def simulate(
         change = parameter_changes(scene, batch, shape, parameters) if parameters else None
         matrices, sensitivity, words = tangent_of(request, steps, method, change)
         plan = replace(plan, why=(*plan.why, words))
-    estimate = ErrorEstimate(target.finish(states, estimate.error), estimate.lost_from)
+    if target is not PLAIN:
+        estimate = ErrorEstimate(target.finish(states, estimate.error), estimate.lost_from)
     spec = {
         "scene": scene.to_dict(),
         "method": plan.method,
@@ -324,9 +325,9 @@ def _to_run(
     parameters: tuple[str, ...] = (),
 ) -> Run:
     def of_body(values: Any) -> Any:
-        if values is None or not shape:
-            return None if values is None else values[0]
-        return values.reshape(*shape, *values.shape[1:])
+        if values is None:
+            return None
+        return values.reshape(*shape, *values.shape[1:]) if shape else values[0]
 
     error, lost_from = estimate.error, estimate.lost_from
     if np.count_nonzero(states["status"]):

@@ -140,6 +140,18 @@ def test_beside_a_homoclinic_motion_two_runs_do_not_share_the_rounding_of_the_st
         assert _true_error(top, run, omega, attitude, t) <= run.error
 
 
+def test_rates_that_nearly_vanish_are_not_compared_with_wrong_ones_alone() -> None:
+    """The motion ends upright, the run swings back: relative to its own rates it errs by 0.8."""
+    body = rigid.Body((1.57621968196454, 2.373628869915154, 2.531250838111608))
+    top = rigid.HeavyTop(body, mgl=2.5708457114854286)
+    attitude = [0.8062589552412132, 0.5915627583725563, 0.0, 0.0]
+    options: dict[str, Any] = {"method": "taylor20", "tolerance": 0.00425626915335737}
+    run = rigid.simulate(
+        top, [-1.5109860493553477, 0.0, 0.0], attitude, t=[11.2387817569], **options
+    )
+    assert run.status == rigid.Status.FLAGGED
+
+
 @pytest.mark.parametrize("method", ["taylor8", "taylor12"])
 def test_a_series_of_higher_order_does_not_err_like_the_run_that_it_checks(method: str) -> None:
     """A quarter of the tolerance left the check an error as large as that of the run."""
