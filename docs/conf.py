@@ -1,10 +1,13 @@
 """The pages of rigid: ``sphinx-build -W -b html docs out``."""
 
-from itertools import groupby
+import sys
 from pathlib import Path
 
 import rigid
-from rigid.maps.parameters import PARAMETERS
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+from generated_pages import write_generated_pages
 
 project = "rigid"
 author = "The rigid developers"
@@ -15,18 +18,26 @@ extensions = [
     "myst_parser",
     "numpydoc",
     "sphinx.ext.autodoc",
+    "sphinx.ext.autosummary",
+    "sphinx.ext.viewcode",
     "sphinx.ext.mathjax",
     "sphinx_gallery.gen_gallery",
 ]
-exclude_patterns = ["gallery/*", "_build"]
+exclude_patterns = ["gallery/*", "_build", "_templates", "generated/*", "api/generated/*.examples*"]
+templates_path = ["_templates"]
 html_theme = "furo"
 html_title = f"rigid {release}"
+html_static_path = ["_static"]
 
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 3
 
 autodoc_member_order = "bysource"
-autodoc_typehints = "none"  # the docstrings say what goes in
+autodoc_typehints = "signature"
+autodoc_typehints_format = "short"
+autodoc_type_aliases = {"ArrayLike": "ArrayLike", "Floats": "Floats", "Scene": "Scene"}
+python_maximum_signature_line_length = 88
+autosummary_generate = True
 numpydoc_show_class_members = False  # members are described where they are
 
 sphinx_gallery_conf = {
@@ -38,17 +49,9 @@ sphinx_gallery_conf = {
     "download_all_examples": False,
     "show_signature": False,
     "remove_config_comments": True,
+    "image_srcset": ["2x"],
+    "backreferences_dir": "api/backreferences",
+    "doc_module": ("rigid",),
 }
 
-
-def write_map_parameters(path: Path) -> None:
-    """Write the table of ``maps.md``: a row for the parameters of one meaning."""
-    lines = ["| names | unit | meaning |", "|---|---|---|"]
-    words = {name: (p.unit, p.meaning.rstrip(" 123")) for name, p in PARAMETERS.items()}
-    for (unit, meaning), names in groupby(words, key=words.__getitem__):
-        listed = ", ".join(f"`{name}`" for name in names)
-        lines.append(f"| {listed} | {'' if unit == '1' else unit} | {meaning} |")
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
-
-
-write_map_parameters(Path(__file__).with_name("map_parameters.txt"))
+write_generated_pages(Path(__file__).parent)

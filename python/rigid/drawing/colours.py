@@ -59,7 +59,7 @@ AXES = (X, Y, Z)
 
 L = Ink(HUES["orange"], r"$\mathbf{L}$")
 OMEGA = Ink(HUES["purple"], r"$\boldsymbol{\omega}$")
-TORQUE = Ink(HUES["orange"], r"$\mathbf{N}$")  # the colour of L, because dL/dt = N
+TORQUE = Ink(HUES["orange"], r"$\boldsymbol{\tau}$")  # the colour of L, because dL/dt = tau
 VELOCITY = Ink(HUES["green"], r"$\mathbf{v}$")
 POSITION = Ink(HUES["black"], r"$\mathbf{r}$")
 VERTICAL = Ink(HUES["black"], r"$\mathbf{e}_3$")

@@ -10,6 +10,7 @@ from types import ModuleType
 import pytest
 
 import rigid
+from rigid.figures.colours import Ink
 
 ROOT = Path(__file__).parents[3]
 TESTS = ROOT / "tests" / "python"
@@ -179,9 +180,26 @@ def test_names_resolve_and_tests_exist(subject: str, names: list[str], tests: li
 
 def test_every_public_module_has_its_page() -> None:
     modules = {name for name in rigid.__all__ if isinstance(getattr(rigid, name), ModuleType)}
-    assert {page.stem for page in (ROOT / "docs" / "api").glob("*.rst")} == {"rigid"} | modules
+    # The page of each module is made from its `__all__` when the site is built.
+    page = (ROOT / "docs" / "api" / "rigid.rst").read_text("utf-8")
+    names = re.findall(r"^   ([A-Za-z_]\w*)$", page, re.M)
+    assert sorted(names) == sorted(set(rigid.__all__) - modules - {"__version__"})
     listed = re.findall(r"^api/(\w+)$", (ROOT / "docs/reference.md").read_text("utf-8"), re.M)
     assert sorted(listed) == sorted({"rigid"} | modules)
+
+
+def test_a_symbol_has_one_meaning_and_pictures_use_it() -> None:
+    page = (ROOT / "docs" / "symbols.md").read_text(encoding="utf-8")
+    symbols = [
+        symbol
+        for cell in re.findall(r"^\| (\$.*?) \|", page, re.MULTILINE)
+        for symbol in re.findall(r"\$(.*?)\$", cell)
+    ]
+    assert len(set(symbols)) == len(symbols)
+    inks = [ink for ink in vars(rigid.figures.colours).values() if isinstance(ink, Ink)]
+    labels = {ink.label[1:-1] for ink in inks if ink.label.startswith("$")}
+    assert len(labels) >= 8
+    assert labels <= set(symbols)
 
 
 # Errata: docstrings and tests cite them by number

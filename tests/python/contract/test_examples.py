@@ -52,7 +52,15 @@ def test_the_public_names_with_arguments_have_examples() -> None:
 
 PAGES = ["README.md"] + [
     f"docs/{name}.md"
-    for name in ("methods", "conventions", "torque_and_damping", "maps", "extremes")
+    for name in (
+        "quickstart",
+        "own_bodies",
+        "methods",
+        "conventions",
+        "torque_and_damping",
+        "maps",
+        "extremes",
+    )
 ]
 
 

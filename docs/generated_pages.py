@@ -1,0 +1,155 @@
+"""Pages and tables that are made from the library itself when the site is built."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Mapping
+from itertools import groupby
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+
+import rigid
+from rigid.cli import toml_keys
+from rigid.cli.parser import make_parser
+from rigid.maps.parameters import PARAMETERS
+from rigid.model.criteria import CRITERIA
+
+__all__ = ["write_generated_pages"]
+
+GROUPS = {
+    "rigid": ["exact"],
+    "Bodies": ["inertia", "solids", "meshes", "particles", "springs", "statics", "fixed_axis"],
+    "Motions": ["free", "top", "earth"],
+    "Rotations": ["rotations", "frames"],
+    "Pictures": ["figures", "animation"],
+}
+"""The modules of the reference, by subject."""
+
+
+def write_generated_pages(docs: Path) -> None:
+    """Write the pages of modules, and the tables and texts that other pages include."""
+    folder = docs / "generated"
+    folder.mkdir(exist_ok=True)
+    _write(docs / "map_parameters.txt", map_parameters())
+    _write(folder / "modules.txt", module_table())
+    _write(folder / "commands.txt", command_help())
+    for name in toml_keys.__all__:
+        table = getattr(toml_keys, name)
+        if isinstance(table, dict):
+            _write(folder / f"toml_{name.lower()}.txt", key_table(table))
+    _write(folder / "toml_criteria.txt", criterion_table())
+    write_film(docs / "_static" / "thrown-box.html")
+    for name in modules():
+        _write(docs / "api" / f"{name}.rst", module_page(name))
+
+
+def write_film(path: Path) -> None:
+    """The film of the first page: a box thrown about its middle axis."""
+    path.parent.mkdir(exist_ok=True)
+    box = rigid.FreeBody(rigid.Body.box(0.25, 0.08, 0.01, mass=0.3))
+    rigid.simulate(box, [0.01, 10.0, 0.01], t=np.linspace(0.0, 6.0, 361)).animate(path)
+
+
+def _write(path: Path, text: str) -> None:
+    """Write a text; a file that would not change keeps its time, so that Sphinx keeps its page."""
+    if not path.exists() or path.read_text(encoding="utf-8") != text:
+        path.write_text(text, encoding="utf-8")
+
+
+def modules() -> list[str]:
+    """The public modules of the package."""
+    return [name for name in rigid.__all__ if isinstance(getattr(rigid, name), ModuleType)]
+
+
+def map_parameters() -> str:
+    """The table of ``maps.md``: a row for the parameters of one meaning."""
+    lines = ["| names | unit | meaning |", "|---|---|---|"]
+    words = {name: (p.unit, p.meaning.rstrip(" 123")) for name, p in PARAMETERS.items()}
+    for (unit, meaning), names in groupby(words, key=words.__getitem__):
+        listed = ", ".join(f"`{name}`" for name in names)
+        lines.append(f"| {listed} | {'' if unit == '1' else unit} | {meaning} |")
+    return "\n".join(lines) + "\n"
+
+
+def module_table() -> str:
+    """The table of ``reference.md``: a line for each module."""
+    lines = ["| module | what is in it |", "|---|---|"]
+    for title, names in GROUPS.items():
+        if title == "rigid":
+            lines.append(
+                "| [`rigid`](api/rigid.rst) | bodies, scenes, runs, plans, maps, reports |"
+            )
+        lines += [
+            f"| [`rigid.{name}`](api/{name}.rst) | {_first_sentence(name)} |" for name in names
+        ]
+    return "\n".join(lines) + "\n"
+
+
+def _first_sentence(name: str) -> str:
+    text = inspect.getdoc(getattr(rigid, name)) or ""
+    return " ".join(text.partition("\n\n")[0].split()).rstrip(".").replace("``", "`")
+
+
+def module_page(name: str) -> str:
+    """The page of a module: its text, and a table of its functions and classes."""
+    module = getattr(rigid, name)
+    full = f"rigid.{name}"
+    own, others = [], []
+    for public in module.__all__:
+        value = getattr(module, public)
+        if inspect.isclass(value) or inspect.isroutine(value):
+            (own if _home(value) in (full, None) else others).append(public)
+    lines = [full, "=" * len(full), "", f".. automodule:: {full}", "   :no-members:", ""]
+    lines += [f".. currentmodule:: {full}", ""]
+    lines += [".. autosummary::", "   :toctree: generated", "", *(f"   {item}" for item in own), ""]
+    if others:
+        elsewhere = ", ".join(f":obj:`~{_home(getattr(module, item))}.{item}`" for item in others)
+        lines += [f"From other modules: {elsewhere}.", ""]
+    if name == "figures":
+        lines += ["Colours", "-------", "", ".. automodule:: rigid.figures.colours", "   :members:"]
+    return "\n".join(lines).rstrip() + "\n"
+
+
+def _home(value: object) -> str | None:
+    """The public module whose own function or class this is."""
+    for name in ["", *modules()]:
+        module = getattr(rigid, name) if name else rigid
+        own = f"rigid.{name}" if name else "rigid"
+        public = getattr(module, "__all__", ())
+        if any(getattr(module, item) is value for item in public) and (
+            not name or value.__module__.startswith(own)
+        ):
+            return own
+    return None
+
+
+def key_table(keys: Mapping[str, toml_keys.Key]) -> str:
+    """The keys of a table of a TOML file."""
+    lines = ["| key | value | unit | default | meaning |", "|---|---|---|---|---|"]
+    for name, key in keys.items():
+        lines.append(f"| `{name}` | {key.kind} | {key.unit} | {key.default} | {key.meaning} |")
+    return "\n".join(lines) + "\n"
+
+
+def criterion_table() -> str:
+    """The criteria of a map with the keys of each."""
+    lines = ["| `criterion` | other keys, with defaults |", "|---|---|"]
+    for name, criterion in CRITERIA.items():
+        keys = []
+        for key, parameter in inspect.signature(criterion).parameters.items():
+            given = parameter.default is not parameter.empty and parameter.default is not None
+            keys.append(f"`{key}`" + (f" = {parameter.default!r}" if given else ""))
+        lines.append(f"| `{name}` | {', '.join(keys) or 'none'} |")
+    return "\n".join(lines) + "\n"
+
+
+def command_help() -> str:
+    """The help of every command."""
+    parser = make_parser()
+    parts = []
+    for name, command in {"": parser, **parser.commands()}.items():
+        title = f"rigid {name}".strip()
+        parts.append(f"## {title}\n\n```text\n{command.format_help().rstrip()}\n```\n")
+    return "\n".join(parts)
