@@ -47,7 +47,7 @@ from .solve.lyapunov import lyapunov
 from .solve.methods import Method, methods
 from .solve.motion import Motion
 from .solve.plan import Plan
-from .solve.run import Run, plug_in_animator
+from .solve.run import Run, load_run, plug_in_animator
 from .solve.sensitivity import condition
 from .solve.simulate import simulate
 from .solve.status import Status
@@ -119,6 +119,7 @@ __all__ = [
     "frequency_drift",
     "inertia",
     "load_map",
+    "load_run",
     "lyapunov",
     "merge",
     "meshes",

@@ -42,6 +42,8 @@ WRITERS: dict[str, tuple[str, Callable[[Path], Any]]] = {
     "map": (".npz", lambda path: small_map(samples=1, t_end=1.0).save(path)),
     "report": (".json", REPORT.save),
     "section": (".npz", POINTS.save),
+    "run": (".npz", RUN.save),
+    "attitude ephemeris": (".aem", lambda path: RUN.to_aem(path, epoch="2026-01-31")),
     "page": (".html", RUN.animate),
     "picture": (".gif", RUN.animate),
 }

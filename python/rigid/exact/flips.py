@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.arguments import positive_int
+from ..model.body import Body
 from ..model.criteria import NoFlip
 from ..model.scene import Scene, check_scene
 from ..model.start import body_axis
@@ -25,7 +26,7 @@ Floats = NDArray[np.float64]
 
 
 def flip_times(
-    scene: Scene,
+    scene: Scene | Body,
     omega: ArrayLike,
     attitude: ArrayLike | Rotation | None = None,
     *,
@@ -66,7 +67,8 @@ def flip_times(
     >>> np.round(np.diff(times), 6)
     array([28.731424, 28.731424])
     """
-    require_unforced(check_scene(scene, many=True))
+    scene = check_scene(scene, many=True)
+    require_unforced(scene)
     number = positive_int("count", count)
     batch, shape = Batch.from_input(scene, omega, attitude)
     axes = _largest(batch.omega) if axis is None else body_axis(axis)

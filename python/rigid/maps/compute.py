@@ -20,6 +20,7 @@ from .._checks.progress import (
     interruptible,
     reporting,
 )
+from ..model.body import Body
 from ..model.criteria import Criterion
 from ..model.scene import Scene, check_scene
 from ..model.seed import seed_from
@@ -44,7 +45,7 @@ def plug_in_store(run_stored: Callable[..., StabilityMap]) -> None:
 
 
 def stability_map(
-    scene: Scene | type[Scene],
+    scene: Scene | Body | type[Scene],
     *,
     axes: Mapping[str, ArrayLike],
     samples: int | None = None,
@@ -78,7 +79,7 @@ def stability_map(
 
     Parameters
     ----------
-    scene : FreeBody, HeavyTop, or one of these classes
+    scene : FreeBody, HeavyTop, Body, or one of the first two classes
         A class means its example: ``FreeBody(Body((1.0, 1.5, 2.0)))`` or
         ``HeavyTop(Body((1.0, 1.0, 0.5)), mgl=1.0)``.
     axes : dict of str to array_like, shape (n,)
@@ -299,7 +300,7 @@ def run_map(
     return result
 
 
-def _scene(scene: Scene | type[Scene]) -> Scene:
+def _scene(scene: Scene | Body | type[Scene]) -> Scene:
     if isinstance(scene, type) and issubclass(scene, Scene):
         return scene.example()
     return check_scene(scene)

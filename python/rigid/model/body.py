@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .._checks.arguments import brief, finite_float, first_place, numbers, shaped, vector
+from .._checks.arguments import finite_float, first_place, numbers, shaped, vector
 from .._moments import box_moments, possible
+from .gravity import checked_properties
 from .leading import (
     Index,
     Shape,
@@ -68,6 +69,10 @@ class Body:
         Mass.
     sides : tuple of float or None
         Sides along the axes 1, 2, 3 of a homogeneous box.
+    about : {"centre", "point"} or None
+        The point of the moments, where it is known: the centre of mass (:meth:`box`, :meth:`cone`
+        and the others that make a body from its shape), or another point that was given. Not
+        compared and not saved.
 
     Raises
     ------
@@ -93,6 +98,7 @@ class Body:
     moments: Moments
     mass: float | Floats | None
     sides: tuple[float, float, float] | None
+    about: str | None = field(init=False, default=None)
 
     def __init__(
         self,
@@ -118,6 +124,7 @@ class Body:
                     f"sides = {sides}: no box of this mass has the moments {checked}; use Body.box"
                 )
         set_field(self, "sides", sides)
+        set_field(self, "about", None)
 
     @property
     def shape(self) -> Shape:
@@ -133,12 +140,13 @@ class Body:
     def __getitem__(self, index: Index) -> Body:
         index_of_bodies(self.shape, index)
         mass = None if self.mass is None else taken(self.mass, 0, self.shape, index)
-        return Body(taken(self.moments, 1, self.shape, index), mass=mass)
+        return Body(taken(self.moments, 1, self.shape, index), mass=mass)._marked(self.about)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Body):
             return NotImplemented
-        return all(same(getattr(self, name), getattr(other, name)) for name in self.__slots__)
+        names = ("moments", "mass", "sides")
+        return all(same(getattr(self, name), getattr(other, name)) for name in names)
 
     def __hash__(self) -> int:
         return hash(self.shape or (self.moments, self.mass, self.sides))
@@ -165,7 +173,7 @@ class Body:
         b = finite_float("b", b, positive=True)
         c = finite_float("c", c, positive=True)
         mass = finite_float("mass", mass, positive=True)
-        return cls(box_moments(a, b, c, mass), mass=mass, sides=(a, b, c))
+        return cls(box_moments(a, b, c, mass), mass=mass, sides=(a, b, c))._marked("centre")
 
     @classmethod
     def from_tensor(cls, tensor: ArrayLike) -> tuple[Body, NDArray[np.float64]]:
@@ -261,8 +269,7 @@ class Body:
     def cone(cls, radius: float, height: float, *, mass: float = 1.0) -> Body:
         """A homogeneous cone (m) about body axis 3, moments about its centre of mass.
 
-        Those of a top standing on its tip are ``Body.from_properties(solids.cone(...), about=[0, 0,
-        0])``.
+        A top standing on its tip is ``HeavyTop.from_mass(cone, com=(0, 0, 3 / 4 * height))``.
 
         Examples
         --------
@@ -312,19 +319,12 @@ class Body:
         >>> top.moments, axes[:, 0]
         ((6.0, 51.0, 51.0), array([0., 0., 1.]))
         """
-        from ..inertia.mass_properties import MassProperties
-
-        if not isinstance(properties, MassProperties):
-            raise TypeError(
-                f"properties = {brief(properties)}: must be a rigid.inertia.MassProperties"
-            )
-        if properties.mass.ndim:
-            raise ValueError(
-                f"properties: expected those of one body, got shape {properties.mass.shape}"
-            )
-        tensor = properties.tensor if about is None else properties.about(vector("about", about, 3))
+        tensor, mass, _ = checked_properties(properties)
+        if about is not None:
+            tensor = properties.about(vector("about", about, 3))
         body, axes = cls.from_tensor(tensor)
-        return cls(body.moments, mass=float(properties.mass)), axes
+        where = "centre" if about is None else "point"
+        return cls(body.moments, mass=mass)._marked(where), axes
 
     @classmethod
     def from_points(
@@ -389,7 +389,13 @@ class Body:
     @classmethod
     def _upright(cls, properties: MassProperties) -> Body:
         """A body whose axes are principal axes."""
-        return cls(np.diagonal(properties.tensor), mass=float(properties.mass))
+        body = cls(np.diagonal(properties.tensor), mass=float(properties.mass))
+        return body._marked("centre")
+
+    def _marked(self, about: str | None) -> Body:
+        """The body itself, just made, which from now on knows the point of its moments."""
+        object.__setattr__(self, "about", about)  # the dataclass is frozen
+        return self
 
     @property
     def gammas(self) -> tuple[float, float, float]:

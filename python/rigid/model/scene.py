@@ -10,15 +10,16 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any, ClassVar, Self, TypeAlias
+from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .._checks.arguments import brief, finite_float, one_of, shaped, unit_vector
+from .._checks.arguments import brief, finite_float, one_of, shaped, unit_vector, vector
 from .._checks.arrays import unit_vectors
 from .body import Body, require_one
+from .gravity import about_pivot, checked_properties
 from .leading import (
     Index,
     Shape,
@@ -41,6 +42,9 @@ from .torque import (
     forcing_of,
     matrices_of,
 )
+
+if TYPE_CHECKING:
+    from ..inertia.mass_properties import MassProperties
 
 __all__ = [
     "SCENES",
@@ -437,7 +441,8 @@ class HeavyTop(Scene):
     Parameters
     ----------
     body : Body
-        Moments about the fixed point (not the centre of mass).
+        Moments about the fixed point, not the centre of mass: :meth:`from_mass` and
+        :meth:`from_properties` compute them.
     mgl : float or array_like, shape (...)
         Mass times gravity times the distance from the fixed point to the centre of mass (J), >= 0.
     com : array_like, shape (3,) or (..., 3), optional
@@ -449,7 +454,8 @@ class HeavyTop(Scene):
     ------
     ValueError
         If ``mgl`` is negative or not finite, ``com`` is not a unit vector, or the damping is not
-        symmetric, not finite, or would add energy.
+        symmetric, not finite, or would add energy; if the body is known by its moments about its
+        centre of mass, as that of :meth:`Body.cone`, and ``mgl`` is not zero.
 
     Examples
     --------
@@ -489,12 +495,120 @@ class HeavyTop(Scene):
         set_field = object.__setattr__  # the dataclass is frozen
         set_field(self, "body", body)
         set_field(self, "mgl", _checked_mgl(mgl))
+        if body.about == "centre" and np.any(self.mgl):
+            raise ValueError(
+                f"body = {body!r}: these are the moments about its centre of mass, a top needs "
+                "those about its fixed point; use rigid.HeavyTop.from_mass(body, com=(x, y, z)), "
+                "with com from the fixed point to the centre of mass in m"
+            )
         set_field(self, "com", _checked_com(com))
         set_field(self, "torque", checked_torque(torque))
         set_field(self, "damping", None)
         set_field(self, "damping", checked_damping(damping, self.shape))
         # Raises for parts that do not broadcast.
         self.shape  # noqa: B018
+
+    @classmethod
+    def from_mass(
+        cls,
+        body: Body,
+        *,
+        com: ArrayLike,
+        mass: float | None = None,
+        g: float = 9.81,
+    ) -> tuple[Self, Floats]:
+        """The top of a body that is fixed at another point than its centre of mass, and its axes.
+
+        Parameters
+        ----------
+        body : Body
+            One body, with its moments about its centre of mass.
+        com : array_like, shape (3,)
+            Centre of mass, from the fixed point, along the axes of ``body`` (m).
+        mass : float, optional
+            Mass (kg); that of the body if it has one.
+        g : float
+            Acceleration of gravity (m/s²).
+
+        Returns
+        -------
+        top : HeavyTop
+            With the moments about the fixed point (Steiner), ``mgl`` and ``com``.
+        axes : ndarray, shape (3, 3)
+            Column k is body axis k + 1 of the top along the axes of ``body``; the identity if the
+            fixed point lies on a principal axis or if the products of inertia vanish otherwise.
+            Moments are ascending if the axes change.
+
+        Raises
+        ------
+        ValueError
+            If there is no mass, a mass that is not that of the body, or moments that are already
+            those about another point.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> cone = rigid.Body.cone(0.05, 0.16, mass=0.2)
+        >>> top, axes = rigid.HeavyTop.from_mass(cone, com=(0, 0, 0.12))
+        >>> round(top.mgl, 5), round(rigid.exact.sleeping_spin(top))
+        (0.23544, 182)
+        """
+        _check_body(body)
+        require_one(body)
+        if body.about == "point":
+            raise ValueError(
+                f"body = {body!r}: these are the moments about another point; a body with those "
+                "about its centre of mass is needed"
+            )
+        if mass is None:
+            if body.mass is None:
+                raise ValueError("mass: is needed, because the body has none")
+            mass = float(body.mass)
+        mass = finite_float("mass", mass, positive=True)
+        if body.mass is not None and not np.isclose(mass, body.mass, rtol=1e-12, atol=0.0):
+            raise ValueError(f"mass = {mass:g}: that of the body is {body.mass:g}")
+        moments, axes, mgl, direction = about_pivot(np.diag(body.moments), mass, com, g)
+        return cls(Body(moments, mass=mass)._marked("point"), mgl=mgl, com=direction), axes
+
+    @classmethod
+    def from_properties(
+        cls,
+        properties: MassProperties,
+        *,
+        pivot: ArrayLike,
+        g: float = 9.81,
+    ) -> tuple[Self, Floats]:
+        """The top with these mass properties, fixed at a pivot, and its axes.
+
+        Parameters
+        ----------
+        properties : MassProperties
+            Mass properties of one body, as :mod:`rigid.solids` and :mod:`rigid.meshes` give them.
+        pivot : array_like, shape (3,)
+            The fixed point (m), in the coordinates of the centre of mass.
+        g : float
+            Acceleration of gravity (m/s²).
+
+        Returns
+        -------
+        top : HeavyTop
+            With the moments about the pivot, ``mgl`` and ``com``.
+        axes : ndarray, shape (3, 3)
+            Column k is body axis k + 1 in the coordinates of ``properties``; the identity if the
+            tensor about the pivot is diagonal, else moments are ascending.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> solid = rigid.solids.cone(0.05, 0.16, mass=0.2)
+        >>> top, axes = rigid.HeavyTop.from_properties(solid, pivot=(0, 0, 0))
+        >>> round(rigid.exact.sleeping_spin(top))
+        182
+        """
+        tensor, mass, centre = checked_properties(properties)
+        com = centre - vector("pivot", pivot, 3)
+        moments, axes, mgl, direction = about_pivot(tensor, mass, com, g)
+        return cls(Body(moments, mass=mass)._marked("point"), mgl=mgl, com=direction), axes
 
     @classmethod
     def example(cls) -> Self:
@@ -536,13 +650,15 @@ SCENES: Mapping[str, type[Scene]] = {scene.kind: scene for scene in (FreeBody, H
 
 
 def check_scene(scene: object, *, many: bool = False) -> Scene:
-    """``scene`` if it is one; of many bodies only where ``many`` allows it."""
+    """``scene`` if it is one, the free body of a body; of many only where ``many`` allows it."""
+    if isinstance(scene, Body):
+        scene = FreeBody(scene)
     if isinstance(scene, Scene):
         if not many:
             require_one(scene)
         return scene
     known = " or ".join(f"rigid.{known.__name__}" for known in SCENES.values())
-    raise TypeError(f"scene = {brief(scene)}: must be a {known}")
+    raise TypeError(f"scene = {brief(scene)}: must be a {known}, or a rigid.Body without weight")
 
 
 def check_heavy_top(scene: object, *, many: bool = False) -> HeavyTop:

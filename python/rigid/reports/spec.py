@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from .. import _core
 from .._checks.arguments import brief, finite_float, numbers, one_of, positive_int, vector
+from ..model.body import Body
 from ..model.scene import Scene, check_scene, scene_from_dict
 from ..model.seed import checked_seed
 from ..solve.batch import Batch
@@ -31,7 +32,7 @@ class ReportSpec:
 
     Attributes
     ----------
-    scene : FreeBody or HeavyTop
+    scene : FreeBody, HeavyTop or Body
         The body with its weight, applied torque and damping.
     omega, attitude : tuple of float
         Nominal start of the ensemble: rates in the body (rad/s), unit quaternion (w, x, y, z).
@@ -96,7 +97,7 @@ class ReportSpec:
 
 
 def make_spec(
-    scene: Scene,
+    scene: Scene | Body,
     omega: ArrayLike,
     attitude: ArrayLike | Rotation | None = None,
     *,
@@ -109,7 +110,7 @@ def make_spec(
     title: str | None = None,
 ) -> ReportSpec:
     """The checked specification of a report; the arguments are those of :func:`rigid.report`."""
-    check_scene(scene)
+    scene = check_scene(scene)
     w1, w2, w3 = vector("omega", omega, 3).tolist()
     batch, shape = Batch.from_input(scene, [w1, w2, w3], attitude)
     if shape:

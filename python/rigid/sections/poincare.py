@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from .. import _core
 from .._checks.arguments import brief, finite_float, one_of, positive_int, resolve_threads
 from .._checks.progress import Progress, ProgressOption, reporting
+from ..model.body import Body
 from ..model.scene import Scene, check_scene
 from ..solve.batch import Batch
 from ..solve.choose_method import Problem, choose_method
@@ -46,7 +47,7 @@ TOGETHER = 16
 
 
 def poincare(
-    scene: Scene,
+    scene: Scene | Body,
     omega: ArrayLike,
     attitude: ArrayLike | Rotation | None = None,
     section: Section | str | None = None,
@@ -68,7 +69,7 @@ def poincare(
 
     Parameters
     ----------
-    scene : FreeBody or HeavyTop
+    scene : FreeBody, HeavyTop or Body
         The body, or many, with their weight, applied torque and damping.
     omega : array_like, shape (3,) or (..., 3)
         Angular velocity at ``t = 0`` in the body (rad/s).
@@ -129,7 +130,7 @@ def poincare(
     >>> points.gamma[0].round(3).tolist()
     [0.643, 0.763, 0.066]
     """
-    check_scene(scene, many=True)
+    scene = check_scene(scene, many=True)
     surface = _checked_section(section)
     end = finite_float("t_end", t_end, positive=True)
     most = 2**63 - 1 if count is None else positive_int("count", count)

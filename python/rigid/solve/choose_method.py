@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.arguments import brief, finite_float, one_of, positive_int
+from ..model.body import Body
 from ..model.criteria import Criterion, known_criteria
 from ..model.scene import Scene, check_scene
 from ..model.start import Start
@@ -175,7 +176,7 @@ class Problem:
 
 
 def plan(
-    scene: Scene,
+    scene: Scene | Body,
     question: Question,
     *,
     omega: ArrayLike | None = None,
@@ -191,7 +192,7 @@ def plan(
 
     Parameters
     ----------
-    scene : FreeBody or HeavyTop
+    scene : FreeBody, HeavyTop or Body
         The body, or many, with their weight, applied torque and damping.
     question : {"rates", "axis", "attitude"}, NoFlip, TiltBelow or Regular
         States at given times, or a criterion: :func:`no_flip`, :func:`tilt_below`,
@@ -245,7 +246,7 @@ def plan(
     >>> rigid.plan(scene, rigid.tilt_below(0.5)).method
     'rk4'
     """
-    check_scene(scene, many=True)
+    scene = check_scene(scene, many=True)
     if omega is None and attitude is not None:
         raise ValueError("attitude: says nothing without omega; give both")
     batch = None if omega is None else Batch.from_input(scene, omega, attitude)[0]

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import numbers, positive_int, times_of_each
+from ..model.body import Body
 from ..model.scene import Scene, check_scene
 from .batch import Batch
 from .run import Run
@@ -23,7 +24,7 @@ Floats = NDArray[np.float64]
 
 
 def simulate_chunks(
-    scene: Scene,
+    scene: Scene | Body,
     omega: ArrayLike,
     attitude: ArrayLike | Rotation | None = None,
     *,
@@ -64,7 +65,7 @@ def simulate_chunks(
     >>> [part.omega.shape for part in parts]
     [(400, 2, 3), (400, 2, 3), (200, 2, 3)]
     """
-    check_scene(scene, many=True)
+    scene = check_scene(scene, many=True)
     size = positive_int("chunk", chunk)
     times = times_of_each("t", t)
     shape = Batch.from_input(scene, omega, attitude, times.shape[:-1])[1] or (1,)

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.arguments import numbers, one_of, positive_int, resolve_threads, sorted_times
+from ..model.body import Body
 from ..model.criteria import NORMS, Regular
 from ..model.scene import Scene, check_scene
 from .arrays import time_span
@@ -51,7 +52,7 @@ FEWEST_AGAIN = 91
 
 
 def lyapunov(
-    scene: Scene,
+    scene: Scene | Body,
     omega: ArrayLike,
     attitude: ArrayLike | Rotation | None = None,
     *,
@@ -73,7 +74,7 @@ def lyapunov(
 
     Parameters
     ----------
-    scene : FreeBody or HeavyTop
+    scene : FreeBody, HeavyTop or Body
         The body, or many, with their weight, applied torque and damping.
     omega : array_like, shape (3,) or (..., 3)
         Angular velocity at ``t = 0`` in the body (rad/s).
@@ -136,7 +137,7 @@ def lyapunov(
     >>> growth.exponent[:, -1].round(2).tolist()
     [0.31, 0.02]
     """
-    check_scene(scene, many=True)
+    scene = check_scene(scene, many=True)
     one_of("of", of, NORMS)
     count = positive_int("exponents", exponents)
     most = 6 if of == "attitude" else 5

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.arguments import one_of, resolve_threads, rows
+from ..model.body import Body
 from ..model.scene import Scene, check_scene
 from .batch import Batch
 from .methods import FALLBACK, check_method, methods
@@ -32,7 +33,7 @@ class Motion:
 
     Parameters
     ----------
-    scene : FreeBody or HeavyTop
+    scene : FreeBody, HeavyTop or Body
         The body with its weight, applied torque and damping.
     omega : array_like, shape (3,) or (n, 3)
         Angular velocity at ``t = 0`` in the body (rad/s).
@@ -66,14 +67,14 @@ class Motion:
 
     def __init__(
         self,
-        scene: Scene,
+        scene: Scene | Body,
         omega: ArrayLike,
         attitude: ArrayLike | Rotation | None = None,
         *,
         method: str = FALLBACK,
         threads: int | None = None,
     ) -> None:
-        self.scene = check_scene(scene)
+        scene = self.scene = check_scene(scene)
         self.method = one_of("method", method, [method.name for method in methods()])
         check_method(
             method,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -10,18 +11,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
+from .._checks.arguments import brief, one_of
 from ..model.scene import scene_from_dict
+from .archive import read_archive, write_archive
+from .attitude_ephemeris import write_aem
 from .methods import EXACT
 from .plan import Plan
 from .status import Status, error_limit, sentences
 
 if TYPE_CHECKING:
+    from datetime import datetime
     from os import PathLike
     from pathlib import Path
 
+    import xarray
+    from matplotlib.axes import Axes
     from scipy.spatial.transform import Rotation
 
-__all__ = ["Run", "plug_in_animator"]
+__all__ = ["Run", "load_run", "plug_in_animator"]
 
 _STATUS_WORDS: Mapping[Status, str] = {
     Status.OK: "ok",
@@ -230,6 +237,225 @@ an accuracy
             raise ValueError("record = 'rates': the potential energy of a top needs its vertical")
         return energy + _along(self.gamma, scene.weight)
 
+    def momentum(self, frame: str = "body") -> NDArray[np.float64]:
+        """Angular momentum ``I omega``, plus that of a rotor (kg m²/s), shape (n, m, 3).
+
+        About the fixed point of a top, else about the centre of mass.
+
+        Parameters
+        ----------
+        frame : {"body", "space"}
+            The axes of its components: those of the body, or those of space, in which the angular
+            momentum of a free body is constant.
+
+        Raises
+        ------
+        ValueError
+            If the frame is another, or is space and the attitude was not recorded.
+
+        Examples
+        --------
+        >>> import numpy as np, rigid
+        >>> run = rigid.simulate(rigid.Body((1.0, 1.5, 2.0)), [0.1, 1.0, 0.2], t=[0.0, 3.0])
+        >>> bool(np.allclose(run.momentum("space"), [0.1, 1.5, 0.4], rtol=1e-13))
+        True
+        """
+        one_of("frame", frame, ("body", "space"))
+        scene = scene_from_dict(self.spec["scene"])
+        momentum = _of_each(np.array(scene.body.moments)) * self.omega
+        if scene.rotor is not None:
+            momentum = momentum + _of_each(np.array(scene.rotor))
+        if frame == "body":
+            return momentum
+        turned: NDArray[np.float64] = _turned(self._recorded_attitude(), momentum)
+        return turned
+
+    def _recorded_attitude(self) -> NDArray[np.float64]:
+        if self.attitude is None:
+            raise ValueError(
+                "record = 'attitude' was not asked for: there is no attitude to return"
+            )
+        return self.attitude
+
+    def save(self, path: str | PathLike[str]) -> Path:
+        """Save the run as an ``.npz`` file of arrays and JSON texts; :func:`load_run` reads it.
+
+        :func:`numpy.load` reads the arrays too, under the names of the attributes. Nothing is
+        pickled. The file appears whole or not at all; see :meth:`rigid.StabilityMap.save`.
+
+        Parameters
+        ----------
+        path : path-like
+
+        Returns
+        -------
+        Path
+            The path.
+
+        Raises
+        ------
+        OSError
+            Naming the path, if the file cannot be written.
+
+        Examples
+        --------
+        >>> import os, tempfile, rigid
+        >>> run = rigid.simulate(rigid.Body((1.0, 1.5, 2.0)), [0.1, 1.0, 0.2], t=[0.0, 3.0])
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     path = run.save(os.path.join(folder, "run.npz"))
+        ...     again = rigid.load_run(path)
+        >>> again
+        Run(one body at 2 times; exact; error 3.0e-15; ok)
+        """
+        arrays = {name: getattr(self, name) for name in _ARRAYS}
+        header = {
+            "parameters": list(self.parameters),
+            "nanoseconds": int(self.nanoseconds),
+            "spec": self.spec,
+            "plan": self.plan.to_dict(),
+        }
+        known = {name: np.asarray(array) for name, array in arrays.items() if array is not None}
+        return write_archive(path, known, header)
+
+    def to_xarray(self) -> xarray.Dataset:
+        """The run as an xarray ``Dataset`` with names, units, and times as a coordinate.
+
+        Raises
+        ------
+        ImportError
+            Without xarray.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> run = rigid.simulate(rigid.Body((1.0, 1.5, 2.0)), [0.1, 1.0, 0.2], t=[0.0, 3.0])
+        >>> run.to_xarray().omega.sel(t=3.0, axis=1).dims
+        ()
+        """
+        try:
+            import xarray
+        except ImportError:
+            raise ImportError("to_xarray() needs xarray: pip install 'rigid[maps]'") from None
+        bodies = tuple(f"body{k or ''}" for k in range(self.status.ndim))
+        arrays: dict[str, Any] = {}
+        for name, (unit, dimensions) in _ARRAYS.items():
+            array = getattr(self, name)
+            if array is not None and name != "t":
+                arrays[name] = ((*bodies, *dimensions), array, {"units": unit})
+        coordinates: dict[str, Any] = {"axis": [1, 2, 3]}
+        if self.attitude is not None:
+            coordinates["part"] = list("wxyz")
+        if self.sensitivity is not None:
+            coordinates["parameter"] = list(self.parameters)
+        if self.t.ndim == 1:
+            coordinates["t"] = ("t", self.t, {"units": "s"})
+        else:
+            # Bodies with times of their own: the times are no common coordinate.
+            arrays["time"] = ((*bodies, "t"), np.broadcast_to(self.t, self.omega.shape[:-1]))
+        attributes = {"spec": json.dumps(self.spec), "plan": self.plan.to_json()}
+        return xarray.Dataset(arrays, coordinates, attributes)
+
+    def plot(self, ax: Axes | None = None, *, body: int | None = None) -> Axes:
+        """Draw the three rates of one body over time.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            Where to draw; a new figure if not given.
+        body : int, optional
+            Which body, where there are many along one axis.
+
+        Returns
+        -------
+        matplotlib Axes
+
+        Raises
+        ------
+        ValueError
+            If there are many bodies and ``body`` names none.
+        ImportError
+            Without matplotlib.
+        """
+        times, omega = self._of_one(body, self.omega)
+        from ..drawing.figure import new_figure
+
+        if ax is None:
+            ax = new_figure().add_subplot()
+        for k in range(3):
+            ax.plot(times, omega[:, k], label=f"$\\omega_{k + 1}$")
+        ax.set(xlabel="t (s)", ylabel="rate in the body (rad/s)")
+        ax.legend()
+        return ax
+
+    def to_aem(
+        self,
+        path: str | PathLike[str],
+        *,
+        epoch: str | datetime,
+        body: int | None = None,
+        object_name: str = "BODY",
+        object_id: str = "NONE",
+        frame: str = "EME2000",
+        body_frame: str = "SC_BODY_1",
+        originator: str = "RIGID",
+    ) -> Path:
+        """Write the attitudes as an attitude ephemeris message (AEM) of CCSDS 504.0-B-1.
+
+        Quaternions are normalised, scalar last, from frame A (space) to frame B (the body), with
+        times in UTC to the microsecond.
+
+        Parameters
+        ----------
+        path : path-like
+        epoch : str or datetime
+            UTC at ``t = 0``, as ``"2026-01-31T12:00:00"``; one with a time zone is converted.
+        body : int, optional
+            Which body, where there are many along one axis.
+        object_name, object_id, frame, body_frame, originator : str
+            The entries ``OBJECT_NAME``, ``OBJECT_ID``, ``REF_FRAME_A``, ``REF_FRAME_B`` and
+            ``ORIGINATOR``.
+
+        Returns
+        -------
+        Path
+            The path.
+
+        Raises
+        ------
+        ValueError
+            If the attitude was not recorded, the epoch is no time, an entry is empty or of several
+            lines, two times share a microsecond, or there are many bodies and ``body`` names none.
+        OSError
+            Naming the path, if the file cannot be written.
+        """
+        times, attitudes = self._of_one(body, self._recorded_attitude())
+        return write_aem(
+            path,
+            times,
+            attitudes,
+            epoch=epoch,
+            object_name=object_name,
+            object_id=object_id,
+            frame=frame,
+            body_frame=body_frame,
+            originator=originator,
+        )
+
+    def _of_one(
+        self, body: int | None, values: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Times and values (m, ...) of one body."""
+        if self.status.ndim == 0 and body is None:
+            return self.t, values
+        if self.status.ndim != 1 or body is None:
+            raise ValueError(
+                f"body = {brief(body)}: must be the index of one of the bodies of shape "
+                f"{self.status.shape}"
+            )
+        if not -len(self.status) <= body < len(self.status):
+            raise ValueError(f"body = {body}: there are {len(self.status)} bodies")
+        return (self.t if self.t.ndim == 1 else self.t[body]), values[body]
+
     def rotation(self) -> Rotation:
         """The attitudes as a SciPy ``Rotation`` of shape ``(n, m)`` (active, body to space).
 
@@ -238,13 +464,10 @@ an accuracy
         ValueError
             If the attitude was not recorded.
         """
-        if self.attitude is None:
-            raise ValueError(
-                "record = 'attitude' was not asked for: there is no attitude to return"
-            )
+        attitude = self._recorded_attitude()
         from scipy.spatial.transform import Rotation
 
-        return Rotation.from_quat(self.attitude, scalar_first=True)
+        return Rotation.from_quat(attitude, scalar_first=True)
 
     def animate(self, path: str | PathLike[str], **options: Any) -> Path:
         """Write the motion to a page or a picture that moves: :func:`rigid.animation.animate`."""
@@ -257,6 +480,81 @@ def _along(vectors: NDArray[np.float64], of_bodies: NDArray[np.float64]) -> NDAr
         return vectors @ of_bodies
     product: NDArray[np.float64] = (vectors @ of_bodies[..., np.newaxis])[..., 0]
     return product
+
+
+def _of_each(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Vectors (3,) of all bodies, or (..., 3) of each, to go with an axis of times."""
+    return vectors if vectors.ndim == 1 else vectors[..., np.newaxis, :]
+
+
+def _turned(attitude: NDArray[np.float64], vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    """``q v q*`` of vectors (..., 3), for quaternions of any length near one."""
+    scalar, axis = attitude[..., :1], attitude[..., 1:]
+    twice = 2.0 * np.cross(axis, vectors)
+    turned: NDArray[np.float64] = vectors + scalar * twice + np.cross(axis, twice)
+    return turned
+
+
+def load_run(path: str | PathLike[str]) -> Run:
+    """Read a run that :meth:`Run.save` wrote.
+
+    Parameters
+    ----------
+    path : path-like
+
+    Returns
+    -------
+    Run
+
+    Raises
+    ------
+    ValueError
+        Naming the path, if the file is damaged or no run.
+    OSError
+        If the file cannot be read.
+    """
+    arrays, header = read_archive(path)
+    try:
+        unknown = arrays.keys() - _ARRAYS.keys()
+        if unknown:
+            raise ValueError(f"unknown arrays {sorted(unknown)}")
+        scene_from_dict(header["spec"]["scene"])
+        fields = {name: arrays.get(name) for name in _ARRAYS}
+        for name in ("t", "omega", "status", "error"):
+            if fields[name] is None:
+                raise ValueError(f"no array {name!r}")
+        run = Run(
+            **fields,  # type: ignore[arg-type]
+            parameters=tuple(header["parameters"]),
+            nanoseconds=int(header["nanoseconds"]),
+            spec=header["spec"],
+            plan=Plan.from_dict(header["plan"]),
+        )
+    except (KeyError, TypeError, ValueError) as error:
+        raise ValueError(
+            f"path = {str(path)!r}: is no run that rigid has saved ({error})"
+        ) from None
+    return run
+
+
+_STATES, _BODIES = ("t",), ()
+_ARRAYS: Mapping[str, tuple[str, tuple[str, ...]]] = {
+    "t": ("s", _STATES),
+    "omega": ("rad/s", (*_STATES, "axis")),
+    "gamma": ("1", (*_STATES, "axis")),
+    "attitude": ("1", (*_STATES, "part")),
+    "work": ("J", _STATES),
+    "tangent": ("", (*_STATES, "row", "column")),
+    "sensitivity": ("", (*_STATES, "row", "parameter")),
+    "energy_drift": ("1", _BODIES),
+    "momentum_drift": ("1", _BODIES),
+    "unit_drift": ("1", _BODIES),
+    "status": ("", _BODIES),
+    "steps": ("", _BODIES),
+    "error": ("", _BODIES),
+    "lost_from": ("s", _BODIES),
+}
+"""Unit and axes, after those of the bodies, of each array of a run."""
 
 
 def plug_in_animator(animator: Callable[..., Path]) -> None:

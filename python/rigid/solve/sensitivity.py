@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import resolve_threads, sorted_times
+from ..model.body import Body
 from ..model.scene import Scene, check_scene
 from .batch import Batch
 from .methods import SECOND
@@ -26,7 +27,7 @@ Floats = NDArray[np.float64]
 
 
 def condition(
-    scene: Scene,
+    scene: Scene | Body,
     omega: ArrayLike,
     attitude: ArrayLike | Rotation | None = None,
     *,
@@ -47,7 +48,7 @@ def condition(
 
     Parameters
     ----------
-    scene : FreeBody or HeavyTop
+    scene : FreeBody, HeavyTop or Body
         The body, or many, with their weight, applied torque and damping.
     omega : array_like, shape (3,) or (..., 3)
         Angular velocity at ``t = 0`` in the body (rad/s).
@@ -82,7 +83,7 @@ def condition(
     >>> print(f"{stable[0]:.0f} {tumbling[0]:.0f}")
     10 490
     """
-    check_scene(scene, many=True)
+    scene = check_scene(scene, many=True)
     batch, shape = Batch.from_input(scene, omega, attitude)
     factors = amplification(batch, sorted_times("t", t), resolve_threads(threads))
     return factors.reshape(*shape, factors.shape[1])

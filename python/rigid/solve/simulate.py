@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from .. import _core
 from .._checks.arguments import finite_float, one_of, positive_int, resolve_threads, times_of_each
+from ..model.body import Body
 from ..model.leading import Shape
 from ..model.scene import Scene, check_scene
 from .arrays import in_rows, largest, time_ranges, time_span
@@ -37,7 +38,7 @@ __all__ = [
 
 
 def simulate(
-    scene: Scene,
+    scene: Scene | Body,
     omega: ArrayLike,
     attitude: ArrayLike | Rotation | None = None,
     *,
@@ -64,7 +65,7 @@ def simulate(
 
     Parameters
     ----------
-    scene : FreeBody or HeavyTop
+    scene : FreeBody, HeavyTop or Body
         The body, or many, with their weight, applied torque and damping.
     omega : array_like, shape (3,) or (..., 3)
         Angular velocity at ``t = 0`` in the body (rad/s). The leading axes of the scene, the rates
@@ -165,7 +166,7 @@ def simulate(
     >>> bool(abs(scaled).max() < 1e-13)
     True
     """
-    check_scene(scene, many=True)
+    scene = check_scene(scene, many=True)
     one_of("record", record, RECORDS)
     parameters = check_parameters(tangent, scene)
     if parameters is not None:

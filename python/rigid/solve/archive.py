@@ -1,0 +1,57 @@
+"""Runs as files: arrays and a JSON text in one archive, without pickles."""
+
+from __future__ import annotations
+
+import json
+import os
+import zipfile
+from collections.abc import Mapping
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._files import published
+
+__all__ = ["read_archive", "write_archive"]
+
+_FORMAT = "rigid run 1"
+
+
+def write_archive(
+    path: str | os.PathLike[str], arrays: Mapping[str, NDArray[Any]], header: Mapping[str, Any]
+) -> Path:
+    """Write arrays and what JSON can hold; the file appears whole or not at all."""
+    content = BytesIO()
+    text = json.dumps({"format": _FORMAT, **header})
+    np.savez(content, allow_pickle=False, header=np.array(text), **arrays)
+    with published(path) as file:
+        file.write(content.getbuffer())
+    return Path(path)
+
+
+def read_archive(
+    path: str | os.PathLike[str],
+) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
+    """Arrays and header of :func:`write_archive`.
+
+    Raises
+    ------
+    ValueError
+        Naming the path, if the file is damaged or no run.
+    OSError
+        If the file cannot be read.
+    """
+    name = os.fspath(path)
+    try:
+        with open(name, "rb") as file, np.load(file, allow_pickle=False) as archive:
+            arrays = {key: archive[key] for key in archive.files}
+        header = json.loads(str(arrays.pop("header")))
+        known = header.pop("format")
+    except (zipfile.BadZipFile, ValueError, KeyError, EOFError, AttributeError, TypeError) as error:
+        raise ValueError(f"path = {name!r}: is no run that rigid has saved ({error})") from None
+    if known != _FORMAT:
+        raise ValueError(f"path = {name!r}: has the format {known!r}, known is {_FORMAT!r}")
+    return arrays, header

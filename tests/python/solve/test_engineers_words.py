@@ -1,0 +1,129 @@
+"""Tops from mass and centre of mass, bodies as scenes: what an engineer has at hand."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import rigid
+from rigid import solids
+
+CONE = rigid.Body.cone(0.05, 0.16, mass=0.2)
+
+
+def tensor_about(masses: np.ndarray, points: np.ndarray, origin: np.ndarray) -> np.ndarray:
+    """Sum over mass points, term by term."""
+    total = np.zeros((3, 3))
+    for mass, point in zip(masses, points - origin, strict=True):
+        total += mass * (point @ point * np.eye(3) - np.outer(point, point))
+    return total
+
+
+def test_a_body_is_the_scene_of_a_free_body() -> None:
+    body, times = rigid.Body((1.0, 1.5, 2.0)), [0.0, 1.0]
+    free, start = rigid.FreeBody(body), [0.1, 1.0, 0.2]
+    assert rigid.simulate(body, start, t=times).omega.tobytes() == (
+        rigid.simulate(free, start, t=times).omega.tobytes()
+    )
+    assert rigid.plan(body, "rates") == rigid.plan(free, "rates")
+    grown = [rigid.condition(scene, start, t=times) for scene in (body, free)]
+    assert np.array_equal(grown[0], grown[1])
+    growth = [rigid.lyapunov(scene, start, t=[1.0]) for scene in (body, free)]
+    assert np.array_equal(growth[0].exponent, growth[1].exponent)
+    motion = rigid.Motion(body, start)
+    motion.step(0.5)
+    assert motion.scene == free
+    assert sum(len(run.omega) for run in rigid.simulate_chunks(body, [start] * 3, t=times)) == 3
+    grid = {"axes": {"I2": [1.4, 1.6]}, "samples": 2, "t_end": 5.0, "rng": 1}
+    of_body = rigid.stability_map(body, stable=rigid.no_flip(), **grid)  # type: ignore[arg-type]
+    of_scene = rigid.stability_map(free, stable=rigid.no_flip(), **grid)  # type: ignore[arg-type]
+    assert np.array_equal(of_body.stable, of_scene.stable)
+
+
+def test_the_sleeping_spin_of_a_cone_on_its_tip() -> None:
+    # I1 = 3/5 m (r²/4 + h²), I3 = 3/10 m r² about the tip, and 3/4 h to the centre of mass.
+    m, r, h, g = 0.2, 0.05, 0.16, 9.81
+    across, along = 0.6 * m * (r * r / 4 + h * h), 0.3 * m * r * r
+    bound = 2.0 * np.sqrt(m * g * 0.75 * h * across) / along
+    top, axes = rigid.HeavyTop.from_mass(CONE, com=(0.0, 0.0, 0.12))
+    assert np.array_equal(axes, np.eye(3))
+    assert top.body.symmetry_axis == 3
+    assert np.isclose(rigid.exact.sleeping_spin(top), bound, rtol=1e-14)
+    solid = solids.cone(r, h, mass=m)
+    other, axes = rigid.HeavyTop.from_properties(solid, pivot=(0, 0, 0), g=g)
+    assert np.isclose(rigid.exact.sleeping_spin(other), bound, rtol=1e-14)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_any_pivot_of_any_body_has_the_moments_of_its_mass_points(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    masses, points = rng.uniform(0.1, 1.0, 7), rng.normal(size=(7, 3))
+    pivot, g = rng.normal(size=3) * 2.0, 3.7
+    top, axes = rigid.HeavyTop.from_properties(
+        rigid.inertia.point_masses(masses, points), pivot=pivot, g=g
+    )
+    mass, centre = masses.sum(), masses @ points / masses.sum()
+    expected = tensor_about(masses, points, pivot)
+    assert np.isclose(np.linalg.det(axes), 1.0, rtol=1e-13)
+    size = np.abs(expected).max()
+    assert np.allclose(axes @ np.diag(top.body.moments) @ axes.T, expected, atol=1e-14 * size)
+    assert np.allclose(axes @ top.weight, mass * g * (centre - pivot), rtol=0, atol=1e-13 * mass)
+    # The same from the body about its centre of mass, whose axes are others.
+    body, own = rigid.Body.from_points(masses, points)
+    again, more = rigid.HeavyTop.from_mass(body, com=own.T @ (centre - pivot), g=g)
+    assert np.allclose(again.body.moments, top.body.moments, rtol=1e-12)
+    assert np.allclose(own @ more @ again.weight, axes @ top.weight, atol=1e-12 * mass)
+
+
+def test_a_balanced_body_needs_no_direction_of_its_centre_of_mass() -> None:
+    top, _ = rigid.HeavyTop.from_mass(CONE, com=(0.0, 0.0, 0.0))
+    assert top.mgl == 0.0
+    assert top.body.moments == CONE.moments
+    assert rigid.HeavyTop(CONE, mgl=0.0).body is CONE
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        CONE,
+        rigid.Body.box(1.0, 2.0, 3.0),
+        rigid.Body.sphere(1.0),
+        rigid.Body.cylinder(1.0, 2.0),
+        rigid.Body.ellipsoid(1.0, 2.0, 3.0),
+        rigid.Body.from_properties(solids.cone(1.0, 2.0))[0],
+        rigid.Body.from_points([1.0, 1.0, 1.0], np.eye(3))[0],
+    ],
+)
+def test_moments_about_the_centre_of_mass_make_no_top(body: rigid.Body) -> None:
+    assert body.about == "centre"
+    with pytest.raises(
+        ValueError, match=r"body = .*centre of mass.*HeavyTop\.from_mass\(body, com"
+    ):
+        rigid.HeavyTop(body, mgl=1.0)
+    top, _ = rigid.HeavyTop.from_mass(body, com=(0.0, 0.0, 1.0), mass=body.mass)  # type: ignore[arg-type]
+    assert top.body.about == "point"
+    with pytest.raises(ValueError, match="about another point"):
+        rigid.HeavyTop.from_mass(top.body, com=(0.0, 0.0, 1.0))
+
+
+def test_what_a_top_from_its_mass_refuses() -> None:
+    bare = rigid.Body((1.0, 2.0, 2.5))
+    with pytest.raises(ValueError, match="mass: is needed"):
+        rigid.HeavyTop.from_mass(bare, com=(0, 0, 1))
+    with pytest.raises(ValueError, match=r"mass = 3: that of the body is 0\.2"):
+        rigid.HeavyTop.from_mass(CONE, com=(0, 0, 1), mass=3.0)
+    with pytest.raises(ValueError, match="com"):
+        rigid.HeavyTop.from_mass(bare, com=(0, 1), mass=1.0)
+    with pytest.raises(ValueError, match="g = -1"):
+        rigid.HeavyTop.from_mass(CONE, com=(0, 0, 1), g=-1.0)
+    with pytest.raises(ValueError, match="expected one body"):
+        rigid.HeavyTop.from_mass(rigid.Body([(1.0, 2.0, 2.5)] * 2), com=(0, 0, 1), mass=1.0)
+    with pytest.raises(TypeError, match="MassProperties"):
+        rigid.HeavyTop.from_properties(CONE, pivot=(0, 0, 0))  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="pivot"):
+        rigid.HeavyTop.from_properties(solids.cone(1.0, 2.0), pivot=(0, 0))
+    many = solids.cone([1.0, 2.0], 2.0)
+    with pytest.raises(ValueError, match="those of one body"):
+        rigid.HeavyTop.from_properties(many, pivot=(0, 0, 0))
+    with pytest.raises(TypeError, match=r"or a rigid\.Body"):
+        rigid.simulate(3, [1, 0, 0], t=[1.0])  # type: ignore[arg-type]

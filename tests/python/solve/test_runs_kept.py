@@ -1,0 +1,180 @@
+"""Runs in files, datasets, pictures and messages; angular momentum in both frames."""
+
+from __future__ import annotations
+
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+import rigid
+
+BODY = rigid.Body((1.0, 1.5, 2.0))
+TIMES = np.linspace(-3.0, 5.0, 9)
+QUATERNION = np.array([0.5, -0.5, 0.1, 0.7]) / np.linalg.norm([0.5, -0.5, 0.1, 0.7])
+
+
+def runs() -> dict[str, rigid.Run]:
+    top = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=[1.2, 0.8], com=(0.6, 0.0, 0.8))
+    driven = rigid.FreeBody(BODY, torque=rigid.Torque.body((0.1, 0.0, 0.0)), damping=0.1)
+    return {
+        "one": rigid.simulate(BODY, [0.1, 1.0, 0.2], QUATERNION, t=TIMES),
+        "many": rigid.simulate(top, [0.1, 1.0, 0.2], QUATERNION, t=TIMES, accuracy=1e-9),
+        "own times": rigid.simulate(BODY, [0.1, 1.0, 0.2], t=[[0.0, 1.0], [1.0, 2.0]]),
+        "rates": rigid.simulate(BODY, [0.1, 1.0, 0.2], t=TIMES, record="rates", dtype=np.float32),
+        "driven": rigid.simulate(driven, [0.1, 1.0, 0.2], t=[0.0, 2.0]),
+        "tangent": rigid.simulate(BODY, [0.1, 1.0, 0.2], t=[0.0, 2.0], tangent=("I1", "damping")),
+    }
+
+
+RUNS = runs()
+
+
+@pytest.fixture(params=RUNS)
+def run(request: pytest.FixtureRequest) -> rigid.Run:
+    return RUNS[request.param]
+
+
+def test_a_run_that_was_saved_is_the_same_run(run: rigid.Run, tmp_path: Path) -> None:
+    again = rigid.load_run(run.save(tmp_path / "run.npz"))
+    for name in rigid.Run.__slots__:
+        one, two = getattr(run, name), getattr(again, name)
+        if isinstance(one, np.ndarray):
+            assert one.dtype == two.dtype, name
+            assert one.shape == two.shape, name
+            assert one.tobytes() == two.tobytes(), name
+        else:
+            assert np.array_equal(one, two, equal_nan=True) if one != one else one == two, name
+    assert repr(again) == repr(run)
+    assert again.reasons() == run.reasons()
+    assert run.save(tmp_path / "again.npz").read_bytes() == (tmp_path / "run.npz").read_bytes()
+
+
+def test_a_damaged_run_is_refused(tmp_path: Path) -> None:
+    path = RUNS["one"].save(tmp_path / "run.npz")
+    whole = path.read_bytes()
+    for damaged in (b"", whole[:100], whole[: len(whole) // 2], whole[:-1], b"x" * 500):
+        path.write_bytes(damaged)
+        with pytest.raises(ValueError, match="is no run that rigid has saved"):
+            rigid.load_run(path)
+    middle = len(whole) // 3
+    path.write_bytes(whole[:middle] + bytes([whole[middle] ^ 1]) + whole[middle + 1 :])
+    with pytest.raises(ValueError, match="is no run that rigid has saved"):
+        rigid.load_run(path)
+    np.savez(path, header=np.array('{"format": "rigid run 9"}'))
+    with pytest.raises(ValueError, match="has the format 'rigid run 9'"):
+        rigid.load_run(path)
+    np.savez(path, header=np.array('{"format": "rigid run 1"}'))
+    with pytest.raises(ValueError, match="is no run"):
+        rigid.load_run(path)
+    np.savez(path, header=np.array('{"format": "rigid run 1"}'), strange=np.zeros(2))
+    with pytest.raises(ValueError, match=r"unknown arrays \['strange'\]"):
+        rigid.load_run(path)
+    with pytest.raises(FileNotFoundError):
+        rigid.load_run(tmp_path / "none.npz")
+
+
+def test_the_angular_momentum_of_a_free_body_is_constant_in_space() -> None:
+    run = RUNS["one"]
+    space = run.momentum("space")
+    expected = Rotation.from_quat(QUATERNION, scalar_first=True).apply(
+        np.array(BODY.moments) * [0.1, 1.0, 0.2]
+    )
+    assert np.allclose(space, expected, rtol=0, atol=1e-14)
+    assert np.array_equal(run.momentum(), run.omega * BODY.moments)
+
+
+def test_the_vertical_angular_momentum_of_a_top_is_constant() -> None:
+    run = RUNS["many"]
+    assert run.gamma is not None
+    space = run.momentum("space")
+    assert np.allclose(space[..., 2], space[:, :1, 2], rtol=0, atol=1e-8)
+    # The same as L·gamma in the body, from the vertical, another variable of the integration.
+    assert np.allclose(space[..., 2], np.vecdot(run.momentum(), run.gamma), atol=1e-13)
+
+
+def test_the_momentum_of_a_gyrostat_has_that_of_its_rotor() -> None:
+    body = rigid.FreeBody(BODY, rotor=(0.0, 0.3, 0.4))
+    run = rigid.simulate(body, [0.1, 1.0, 0.2], t=[0.0, 2.0, 4.0], accuracy=1e-10)
+    assert np.allclose(run.momentum("space"), [0.1, 1.8, 0.8], rtol=0, atol=1e-9)
+
+
+def test_a_dataset_has_the_arrays_units_and_coordinates(run: rigid.Run) -> None:
+    data = run.to_xarray()
+    assert np.array_equal(data.omega.values, run.omega)
+    assert data.omega.attrs["units"] == "rad/s"
+    assert data.sizes["axis"] == 3
+    if run.t.ndim == 1:
+        assert np.array_equal(data.t.values, run.t)
+    else:
+        assert np.array_equal(data.time.values, run.t)
+    for name in ("gamma", "attitude", "work", "tangent", "sensitivity"):
+        assert (name in data) == (getattr(run, name) is not None)
+
+
+def test_a_plot_draws_the_rates_of_one_body() -> None:
+    axes = RUNS["many"].plot(body=1)
+    lines = axes.get_lines()
+    assert len(lines) == 3
+    for k, line in enumerate(lines):
+        assert np.array_equal(line.get_xydata(), np.stack([TIMES, RUNS["many"].omega[1, :, k]], 1))
+    assert len(RUNS["one"].plot(axes).get_lines()) == 6
+
+
+def read_aem(path: Path) -> tuple[dict[str, str], list[str], np.ndarray]:
+    """Entries, epochs and numbers of a message, read by hand."""
+    text = path.read_text("ascii")
+    head, rest = text.split("DATA_START\n")
+    entries = dict(line.split(" = ") for line in head.splitlines() if " = " in line)
+    rows = [line.split() for line in rest.split("DATA_STOP")[0].splitlines()]
+    return entries, [row[0] for row in rows], np.array([row[1:] for row in rows], dtype=float)
+
+
+def test_an_attitude_ephemeris_has_the_frame_rotation_of_the_standard(tmp_path: Path) -> None:
+    run = RUNS["one"]
+    path = run.to_aem(tmp_path / "run.aem", epoch="2026-01-31T14:00:00+02:00", object_name="BOX")
+    entries, epochs, numbers = read_aem(path)
+    assert next(iter(entries)) == "CCSDS_AEM_VERS"
+    assert entries["OBJECT_NAME"] == "BOX"
+    assert (entries["ATTITUDE_DIR"], entries["QUATERNION_TYPE"]) == ("A2B", "LAST")
+    assert entries["START_TIME"] == epochs[0] == "2026-01-31T11:59:57.000000"
+    assert entries["STOP_TIME"] == epochs[-1] == "2026-01-31T12:00:05.000000"
+    assert np.all(np.vecdot(numbers[1:], numbers[:-1]) > 0.0)
+    assert run.attitude is not None
+    for (x, y, z, w), turned in zip(numbers, run.rotation().as_matrix(), strict=True):
+        # Wertz, Spacecraft Attitude Determination and Control, eq. (12-13): components from A to B.
+        first = [w * w + x * x - y * y - z * z, 2 * (x * y + z * w), 2 * (x * z - y * w)]
+        assert np.allclose(first, turned.T[0], rtol=0, atol=1e-14)
+
+
+def test_what_messages_and_pictures_refuse(tmp_path: Path) -> None:
+    one, many, path = RUNS["one"], RUNS["many"], tmp_path / "a.aem"
+    bad: list[tuple[str, rigid.Run, dict[str, Any]]] = [
+        ("epoch = 'soon': must be a datetime", one, {"epoch": "soon"}),
+        ("epoch = 3: must be", one, {"epoch": 3}),
+        ("object_name = ''", one, {"epoch": "2026-01-31", "object_name": ""}),
+        ("frame = ", one, {"epoch": "2026-01-31", "frame": "a\nb"}),
+        ("body = None: must be the index", many, {"epoch": "2026-01-31"}),
+        ("body = 2: there are 2 bodies", many, {"epoch": "2026-01-31", "body": 2}),
+        ("beyond the calendar", one, {"epoch": "9999-12-31T23:59:59"}),
+        ("record = 'attitude' was not", RUNS["rates"], {"epoch": "2026-01-31"}),
+    ]
+    for message, run, options in bad:
+        with pytest.raises(ValueError, match=message):
+            run.to_aem(path, **options)
+    close = rigid.simulate(BODY, [0.1, 1.0, 0.2], t=[0.0, 1e-8])
+    with pytest.raises(ValueError, match="same microsecond"):
+        close.to_aem(path, epoch="2026-01-31")
+    assert not path.exists()
+    with pytest.raises(ValueError, match="frame = 'sky'"):
+        one.momentum("sky")
+    with pytest.raises(ValueError, match="record = 'attitude' was not"):
+        RUNS["rates"].momentum("space")
+    with pytest.raises(ValueError, match="body = None"):
+        many.plot()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert many.to_aem(path, epoch="2026-01-31", body=-1) == path
