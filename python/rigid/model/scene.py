@@ -548,10 +548,10 @@ class HeavyTop(Scene):
         Examples
         --------
         >>> import rigid
-        >>> cone = rigid.Body.cone(0.05, 0.16, mass=0.2)
-        >>> top, axes = rigid.HeavyTop.from_mass(cone, com=(0, 0, 0.12))
+        >>> cone = rigid.Body.cone(0.05, 0.1, mass=0.2)
+        >>> top, axes = rigid.HeavyTop.from_mass(cone, com=(0, 0, 0.075))
         >>> round(top.mgl, 5), round(rigid.exact.sleeping_spin(top))
-        (0.23544, 182)
+        (0.14715, 183)
         """
         _check_body(body)
         require_one(body)
@@ -600,10 +600,10 @@ class HeavyTop(Scene):
         Examples
         --------
         >>> import rigid
-        >>> solid = rigid.solids.cone(0.05, 0.16, mass=0.2)
+        >>> solid = rigid.solids.cone(0.05, 0.1, mass=0.2)
         >>> top, axes = rigid.HeavyTop.from_properties(solid, pivot=(0, 0, 0))
         >>> round(rigid.exact.sleeping_spin(top))
-        182
+        183
         """
         tensor, mass, centre = checked_properties(properties)
         com = centre - vector("pivot", pivot, 3)

@@ -134,7 +134,7 @@ REFUSED: list[tuple[Callable[[], Any], type[Exception], list[str]]] = [
         ["kind = None: must be one of "],
     ),
     # Scene and rates of a run.
-    (run(scene=BODY), TypeError, ["scene = Body(", "must be a rigid.FreeBody or rigid.HeavyTop"]),
+    (run(scene=3), TypeError, ["scene = 3", "must be a rigid.FreeBody or rigid.HeavyTop"]),
     (run([1, NAN, 3]), ValueError, ["omega[1] = nan: must be finite"]),
     (run([RATES, [1, 2, INF]]), ValueError, ["omega[1, 2] = inf: must be finite"]),
     (run([1, 2]), ValueError, ["omega: expected shape (..., 3), got (2,)"]),
