@@ -22,7 +22,9 @@ __all__ = [
     "analogy_table",
     "balance_test",
     "bearing_forces",
+    "bearing_reactions",
     "bearing_torques",
+    "two_plane_balance",
 ]
 
 Floats = NDArray[np.float64]
@@ -230,6 +232,109 @@ def bearing_forces(
     return np.asarray(m * (dw * across + w * w * np.cross(n, across)))
 
 
+@refuses_overflow
+def bearing_reactions(
+    tensor: ArrayLike,
+    mass: ArrayLike,
+    com: ArrayLike,
+    omega: ArrayLike,
+    omega_dot: ArrayLike = 0.0,
+    *,
+    at: ArrayLike,
+    axis: ArrayLike = _E3,
+) -> Floats:
+    """Forces of two bearings on a body that turns about a fixed axis, without weight.
+
+    The two forces perpendicular to the axis have the sum of :func:`bearing_forces`, and their
+    torque about the origin is that of :func:`bearing_torques` perpendicular to the axis.
+
+    Parameters
+    ----------
+    tensor : array_like, shape (..., 3, 3)
+        Tensor of inertia in the body (kg m²), about the origin, which is a point of the axis.
+    mass, com, omega, omega_dot, axis : array_like
+        As in :func:`bearing_forces`.
+    at : array_like, shape (2,)
+        Places of the two bearings along the axis, from the origin (m).
+
+    Returns
+    -------
+    ndarray, shape (..., 2, 3)
+        The forces of the first and of the second bearing, components in the body (N).
+
+    Raises
+    ------
+    ValueError
+        If both bearings are in one place, or for the reasons of the two functions.
+
+    Examples
+    --------
+    >>> from rigid import fixed_axis
+    >>> ball = [[0.01, 0.0, 0.0], [0.0, 0.02, 0.0], [0.0, 0.0, 0.01]]  # 1 kg at x = 0.1 m
+    >>> forces = fixed_axis.bearing_reactions(ball, 1.0, [0.1, 0, 0], 10.0, at=(-1.0, 3.0))
+    >>> forces.tolist()
+    [[-7.5, 0.0, 0.0], [-2.5, 0.0, 0.0]]
+    """
+    first, second = _planes(at)
+    force = bearing_forces(mass, com, omega, omega_dot, axis=axis)
+    torque = bearing_torques(tensor, omega, omega_dot, axis=axis).bearing
+    force, torque = together(com=force, tensor=torque)
+    lever = np.cross(torque, _direction(axis))
+    far = (lever - first * force) / (second - first)
+    near = (second * force - lever) / (second - first)
+    return np.stack([near, far], axis=-2)
+
+
+@refuses_overflow
+def two_plane_balance(
+    tensor: ArrayLike, mass: ArrayLike, com: ArrayLike, *, at: ArrayLike, axis: ArrayLike = _E3
+) -> Floats:
+    """Unbalances to be added in two planes, so that a body turns without load of its bearings.
+
+    A mass ``m`` at the distance ``r`` from the axis is the unbalance ``m r`` in its direction, so
+    ``|u| / r`` is the mass that a workshop adds at the radius ``r``, or takes away opposite to it.
+    The two make the centre of mass lie on the axis and the axis a principal one (ISO 21940-11,
+    balancing of rigid rotors in two planes).
+
+    Parameters
+    ----------
+    tensor, mass, com, axis : array_like
+        As in :func:`bearing_reactions`.
+    at : array_like, shape (2,)
+        Places of the two planes along the axis, from the origin (m).
+
+    Returns
+    -------
+    ndarray, shape (..., 2, 3)
+        The unbalances in the first and in the second plane, components in the body (kg m).
+
+    Raises
+    ------
+    ValueError
+        If both planes are in one place, the mass is negative, the tensor is not symmetric or no
+        body has it, the axis is zero, or an argument is not finite.
+
+    Examples
+    --------
+    >>> from rigid import fixed_axis
+    >>> ball = [[0.01, 0.0, 0.0], [0.0, 0.02, 0.0], [0.0, 0.0, 0.01]]  # 1 kg at x = 0.1 m
+    >>> fixed_axis.two_plane_balance(ball, 1.0, [0.1, 0, 0], at=(-1.0, 1.0)).tolist()
+    [[-0.05, 0.0, 0.0], [-0.05, 0.0, 0.0]]
+    """
+    first, second = _planes(at)
+    inertia, n = _tensor(tensor), _direction(axis)
+    m = shaped("mass", mass)[..., np.newaxis]
+    if (m < 0.0).any():
+        raise ValueError(f"mass = {m[m < 0.0][0]}: must not be negative")
+    # Twice the cross product with the axis is minus the part across the axis.
+    across = np.cross(n, np.cross(n, m * shaped("com", com, 3)))
+    product = np.cross(n, np.cross(n, inertia @ n))  # the integral of z (x, y) over the mass
+    across, product = together(com=across, tensor=product)
+    far = (-product - first * across) / (second - first)
+    near = (second * across + product) / (second - first)
+    return np.asarray(np.stack([near, far], axis=-2) + 0.0)
+
+
 def balance_test(
     tensor: ArrayLike,
     *,
@@ -361,6 +466,13 @@ def _direction(axis: ArrayLike) -> Floats:
         raise ValueError("axis = [0.0, 0.0, 0.0]: an axis needs a direction")
     n = n / largest  # no square leaves the range of doubles
     return np.asarray(n / np.linalg.norm(n))
+
+
+def _planes(at: ArrayLike) -> tuple[float, float]:
+    first, second = vector("at", at, 2).tolist()
+    if first == second:
+        raise ValueError(f"at = {[first, second]}: must be two places along the axis")
+    return first, second
 
 
 def _tensor(tensor: ArrayLike) -> Floats:

@@ -288,3 +288,50 @@ REFUSED: list[tuple[Callable[[], Any], str]] = [
 def test_refusals_name_the_argument_and_the_rule(call: Callable[[], Any], message: str) -> None:
     with pytest.raises(ValueError, match=re.escape(message)):
         call()
+
+
+# Two bearings and two planes
+
+
+@pytest.mark.parametrize("axis", AXES.values(), ids=AXES)
+def test_two_reactions_carry_the_rates_of_change_of_both_momenta(axis: list[float]) -> None:
+    unit, at = np.array(axis) / np.linalg.norm(axis), (-0.7, 1.9)
+    com = MASSES @ ARMS / MASSES.sum()
+    forces = fixed_axis.bearing_reactions(
+        tensor(ARMS), MASSES.sum(), com, rate(TIME), GROWTH, at=at, axis=axis
+    )
+    in_space = forces @ turn(TIME, axis).T
+    force, torque = rates_of_change(TIME, axis)
+    assert np.allclose(in_space.sum(axis=0), force, rtol=0, atol=1e-10)
+    moments = sum(np.cross(z * unit, f) for z, f in zip(at, in_space, strict=True))
+    assert np.allclose(moments, torque - (torque @ unit) * unit, rtol=0, atol=1e-10)
+    assert np.allclose(forces @ unit, 0.0, rtol=0, atol=1e-13)
+
+
+@pytest.mark.parametrize("axis", AXES.values(), ids=AXES)
+def test_masses_added_in_two_planes_free_the_bearings(axis: list[float]) -> None:
+    unit, at, radius = np.array(axis) / np.linalg.norm(axis), (-0.4, 1.1), 0.3
+    com = MASSES @ ARMS / MASSES.sum()
+    added = fixed_axis.two_plane_balance(tensor(ARMS), MASSES.sum(), com, at=at, axis=axis)
+    sizes = np.linalg.norm(added, axis=-1)
+    places = np.outer(at, unit) + radius * added / sizes[:, None]
+    masses, arms = np.append(MASSES, sizes / radius), np.vstack([ARMS, places])
+    whole, centre = tensor(arms, masses), masses @ arms / masses.sum()
+    assert fixed_axis.balance_test(
+        whole, mass=masses.sum(), com=centre, axis=axis, rtol=1e-14
+    ).balanced
+    left = fixed_axis.bearing_reactions(whole, masses.sum(), centre, 10.0, at=(0, 2), axis=axis)
+    before = fixed_axis.bearing_reactions(
+        tensor(ARMS), MASSES.sum(), com, 10.0, at=(0, 2), axis=axis
+    )
+    assert np.abs(left).max() < 1e-13 * np.abs(before).max()
+
+
+def test_two_places_must_differ_and_masses_be_positive() -> None:
+    body = (np.eye(3), 1.0, [0.0, 0.0, 0.0])
+    with pytest.raises(ValueError, match=r"at = \[1\.0, 1\.0\]: must be two places"):
+        fixed_axis.bearing_reactions(*body, 1.0, at=(1, 1))
+    with pytest.raises(ValueError, match="at"):
+        fixed_axis.two_plane_balance(*body, at=(1, 2, 3))
+    with pytest.raises(ValueError, match="mass = -1"):
+        fixed_axis.two_plane_balance(np.eye(3), -1.0, [0, 0, 0], at=(1, 2))

@@ -305,7 +305,7 @@ an accuracy
         ...     path = run.save(os.path.join(folder, "run.npz"))
         ...     again = rigid.load_run(path)
         >>> again
-        Run(one body at 2 times; exact; error 3.0e-15; ok)
+        Run(one body at 2 times; exact; error 5.4e-15; ok)
         """
         arrays = {name: getattr(self, name) for name in _ARRAYS}
         header = {

@@ -22,6 +22,7 @@ from .steady import (
     SpinDown,
     sleeping_top,
     spin_down,
+    spin_from_precession,
     upright_f,
 )
 
@@ -50,6 +51,7 @@ __all__ = [
     "precession_spin_rates",
     "sleeping_top",
     "spin_down",
+    "spin_from_precession",
     "steady_precession",
     "time_of",
     "turning_angles",

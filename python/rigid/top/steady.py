@@ -9,16 +9,17 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import exact
 from .._checks.arguments import shaped
-from .._checks.arrays import finite_array
+from .._checks.arrays import finite_array, require
 from .._checks.overflow import refuses_overflow
 from ..model.scene import HeavyTop
-from .constants import over_tops, symmetric
+from .constants import over_tops, symmetric, tilts
 
 __all__ = [
     "SleepingTop",
     "SpinDown",
     "sleeping_top",
     "spin_down",
+    "spin_from_precession",
     "upright_f",
 ]
 
@@ -77,6 +78,51 @@ def sleeping_top(scene: HeavyTop, spin: ArrayLike) -> SleepingTop:
     bound = exact.sleeping_spin(scene)
     (size,) = over_tops(scene, spin=np.abs(finite_array("spin", spin)))
     return SleepingTop(stable=size >= bound, margin=size / bound - 1.0, spin_min=bound)
+
+
+@refuses_overflow
+def spin_from_precession(scene: HeavyTop, tilt: ArrayLike, precession: ArrayLike) -> Floats:
+    """The spin with which a Lagrange top precesses steadily at a measured rate.
+
+    ``I3 spin = I1 W cos(tilt) + mgl / W``, the condition of :func:`rigid.exact.steady_precession`
+    (Goldstein, *Classical Mechanics*, § 5.7).
+
+    Parameters
+    ----------
+    scene : HeavyTop
+        A Lagrange top with weight, as in :func:`rigid.exact.lagrange_top`, or many.
+    tilt : array_like, shape (...)
+        Angle of the centre of mass from the upward vertical (rad), in [0, pi].
+    precession : array_like, shape (...)
+        Rate ``W`` about the upward vertical (rad/s), not zero. All broadcast.
+
+    Returns
+    -------
+    ndarray, shape (...)
+        Rate about the body axis through the centre of mass, a component of ``omega`` (rad/s).
+
+    Raises
+    ------
+    ValueError
+        If the top is no Lagrange top or has no weight, the precession is zero, or an argument is
+        not finite or out of range.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> scene = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
+    >>> slow = rigid.exact.steady_precession(scene, tilt=1.0, spin=8.0).slow
+    >>> round(float(rigid.top.spin_from_precession(scene, 1.0, slow)), 12)
+    8.0
+    """
+    exact.sleeping_spin(scene)  # raises if the scene is no Lagrange top with weight
+    symmetry = symmetric(scene)
+    rate = finite_array("precession", precession)
+    require("precession", rate, rate != 0.0, "must not be zero")
+    angle, rate = over_tops(scene, tilt=tilts(tilt), precession=rate)
+    momentum = symmetry.across * rate * np.cos(angle) + scene.mgl / rate
+    spin: Floats = symmetry.side * momentum / symmetry.along
+    return spin[()]
 
 
 @refuses_overflow

@@ -320,3 +320,17 @@ def test_the_equation_of_precession() -> None:
     np.testing.assert_allclose(left, I3 * SPIN * no - 2 * I1 * np.cos(th) * no * ph, atol=1e-9)
     printed = I3 * SPIN * no - I1 * np.sin(2 * th) * no * ph
     assert np.abs(printed - left).max() > 0.02 * np.abs(left).max()
+
+
+@pytest.mark.parametrize("com", [(0.0, 0.0, 1.0), (0.0, 0.0, -1.0)])
+def test_a_measured_precession_tells_the_spin(com: tuple[float, float, float]) -> None:
+    scene = rigid.HeavyTop(rigid.Body((1.3, 1.3, 0.5)), mgl=0.9, com=com)
+    for tilt in (0.4, 1.4, 2.5):
+        for spin in (9.0, -7.0):
+            found = rigid.exact.steady_precession(scene, tilt, spin)
+            for rate in (found.slow, found.fast):
+                assert np.isclose(
+                    rigid.top.spin_from_precession(scene, tilt, rate), spin, rtol=1e-13
+                )
+    with pytest.raises(ValueError, match=r"precession = 0\.0: must not be zero"):
+        rigid.top.spin_from_precession(scene, 1.0, 0.0)
