@@ -43,7 +43,7 @@ WRITERS: dict[str, tuple[str, Callable[[Path], Any]]] = {
     "report": (".json", REPORT.save),
     "section": (".npz", POINTS.save),
     "run": (".npz", RUN.save),
-    "attitude ephemeris": (".aem", lambda path: RUN.to_aem(path, epoch="2026-01-31")),
+    "ephemeris": (".aem", lambda path: RUN.to_aem(path, epoch="2026-01-31")),
     "page": (".html", RUN.animate),
     "picture": (".gif", RUN.animate),
 }
