@@ -41,7 +41,9 @@ WITHOUT_FMA = re.compile(r"^(fma|rint|roundeven)$")
 COPIES = re.compile(r"^(memcpy|memset|memmove)$")
 MAY_COPY = {
     "the plain path is not for speed": re.compile(r"::scalar::"),
-    "a state of 15 components is in memory, not in registers": re.compile(r"::ForcedFrame\b"),
+    "a state of 15 components is in memory, not in registers": re.compile(
+        r"::(ForcedFrame|SatelliteFrame)\b"
+    ),
     "the set-up of a pack copies the tables of its drift": re.compile(r"::KickMoserVeselov\b"),
     "the set-up of a pack copies the functions of its damping": re.compile(r"::Exponential<"),
     "only a step with an event computes its polynomial": re.compile(r"::Hermite<"),

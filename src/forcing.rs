@@ -311,6 +311,11 @@ impl BodyForcing<'_> {
         !self.satellite.is_none()
     }
 
+    /// Whether no torque is applied and nothing damps: rotor, sink and orbit are not asked about.
+    pub fn is_torque_free(&self) -> bool {
+        self.values.iter().flatten().flatten().all(|&x| x == 0.0) && self.damping == [0.0; 6]
+    }
+
     /// Whether a torque in space or a gravity gradient acts at any time: the rates then depend on the attitude.
     pub fn acts_in_space(&self) -> bool {
         self.satellite.orbit_rate != 0.0

@@ -110,18 +110,20 @@ impl Satellite<f64> {
     }
 
     /// What rotor and sink add to the rate that the steps of a body follow, whose rates reach `fastest`: the nutation
-    /// `|h| / I` by the rotor, and the turn `e` by the sink with the relaxation that it causes.
-    pub(crate) fn step_rate(&self, body: &Body, fastest: f64) -> f64 {
+    /// `|h| / I` by the rotor, and the turn `e` by the sink with the relaxation that it causes. The momentum in space is
+    /// constant if there is no torque, `is_torque_free`.
+    pub(crate) fn step_rate(&self, body: &Body, fastest: f64, is_torque_free: bool) -> f64 {
         let [least, largest] = range(body.moments);
-        let size = |v: &[f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let rotor = size(&self.rotor);
-        let momentum = largest * fastest + rotor;
-        let torque = (largest - least) * fastest * fastest + rotor * fastest;
-        let gradient = self.strength(body.moments) * least.sqrt();
-        let sink = self.sink.iter().fold(0.0_f64, |a, &b| a.max(b)) / (least * least);
-        let turn = sink * (torque + gradient);
-        let relaxation = sink * momentum * momentum / least;
-        rotor / least + turn.max(relaxation)
+        let size = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let rotor = size(self.rotor);
+        let momentum = if is_torque_free && self.orbit_rate == 0.0 {
+            size([0, 1, 2].map(|k| body.moments[k] * body.omega[k] + self.rotor[k]))
+        } else {
+            largest * fastest + rotor
+        };
+        let torque = momentum * fastest + self.strength(body.moments) * least.sqrt();
+        let sink = (0..3).map(|k| self.sink[k] / (body.moments[k] * body.moments[k])).fold(0.0, f64::max);
+        rotor / least + (sink * torque).max(sink * momentum * momentum / least)
     }
 }
 

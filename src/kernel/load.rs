@@ -22,7 +22,10 @@ impl Body {
             return turning;
         }
         let [.., slowing] = forcing.damping_rates(self.moments);
-        let own = if forcing.is_satellite() { forcing.satellite().step_rate(self, turning) } else { 0.0 };
+        let own = match forcing.is_satellite() {
+            true => forcing.satellite().step_rate(self, turning, forcing.is_torque_free()),
+            false => 0.0,
+        };
         (turning * turning + slowing * slowing).sqrt() + own
     }
 }

@@ -1,6 +1,6 @@
 """Is what a run says of its error true? Random runs that are hard on it, against 128-bit numbers.
 
-    python tests/long/stated_errors.py [--scenes 7000] [--seed 1] [--from 0]
+    python tests/long/stated_errors.py [--scenes 7000] [--seed 1] [--from 0] [--satellites]
 
 A run is right if its true error is at most the larger of the error asked for and the error stated.
 It is also right if its status is not ``ok``, or if a few roundings of the inputs change the motion
@@ -22,6 +22,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "shared"))
 
+from adversarial import KINDS, SATELLITES
 from verdicts import VERDICTS, Finding, judge
 
 MOST_SILENT, MOST_EXCESS = 1 / 2000, 3.0
@@ -31,13 +32,17 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--scenes", type=int, default=7000)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--satellites", action="store_true", help="random satellites only")
     parser.add_argument("--from", type=int, default=0, dest="first", help="number of the first")
     chosen = parser.parse_args()
     numbers = range(chosen.first, chosen.first + chosen.scenes)
     findings: list[Finding] = []
     begin = time.perf_counter()
     with ProcessPoolExecutor() as pool:
-        for finding in pool.map(partial(judge, seed=chosen.seed), numbers, chunksize=8):
+        kinds = SATELLITES if chosen.satellites else KINDS
+        for finding in pool.map(
+            partial(judge, seed=chosen.seed, kinds=kinds), numbers, chunksize=8
+        ):
             findings.append(finding)
             silent = sum(one.verdict == "SILENT" for one in findings)
             seconds = time.perf_counter() - begin

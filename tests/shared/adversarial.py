@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -298,7 +298,45 @@ def many_turns(rng: np.random.Generator) -> Start:
     return Start(free, omega, rng.normal(size=4), 1.0, 1000.0, ("even", "last", "last"))
 
 
-KINDS: Mapping[str, tuple[float, Callable[[np.random.Generator], Start]]] = {
+def satellite(rng: np.random.Generator) -> Start:
+    """A rotor, a sink and an orbit, one or some of them, with or without torque and damping."""
+    shape = moments(rng)
+    body = rigid.Body(shape)
+    omega = rng.normal(size=3) * decades(rng, -1.0, 1.0)
+    rate = float(np.linalg.norm(omega))
+    outside: dict[str, Any] = {}
+    acts = rng.random(3) < 0.55
+    acts[rng.integers(3)] = True
+    longest = 100.0
+    if acts[0]:
+        rotor = direction(rng) * decades(rng, -3.0, 1.0) * rate * float(np.median(shape))
+        outside["rotor"] = rotor
+        rate += float(np.linalg.norm(rotor)) / min(shape)
+    if acts[1]:
+        size = decades(rng, -4.0, -0.5) * float(min(shape)) / rate
+        each = rng.random(3) if rng.random() < 0.5 else np.ones(3)
+        outside["dissipation"] = rigid.EnergySink(size * each)
+    if acts[2]:
+        normal, other = direction(rng), rng.normal(size=3)
+        towards = np.cross(normal, other) / np.linalg.norm(np.cross(normal, other))
+        speed = decades(rng, -3.0, 0.5) * rate
+        outside["torque"] = rigid.Torque.gravity_gradient(
+            rate=speed, normal=normal, towards=towards
+        )
+        rate += 2.0 * speed
+    if rng.random() < 0.25:
+        own = torque(rng, rate**2 * decades(rng, -3.0, -0.5), 120.0 / rate)
+        outside["torque"] = own + outside["torque"] if "torque" in outside else own
+    if rng.random() < 0.25:
+        outside["damping"] = damping(rng, decades(rng, -4.0, -1.0) * rate)
+    return Start(rigid.FreeBody(body, **outside), omega, rng.normal(size=4), rate, longest)
+
+
+Kinds: TypeAlias = Mapping[str, tuple[float, Callable[[np.random.Generator], Start]]]
+
+SATELLITES: Kinds = {"satellite": (1.0, satellite)}
+
+KINDS: Kinds = {
     "anything": (0.16, anything),
     "near rest": (0.12, near_rest),
     "saddle": (0.12, saddle),
@@ -342,15 +380,17 @@ def wanted(rng: np.random.Generator, start: Start, *, short: bool) -> Floats:
     return np.clip(t, reach[0], reach[-1]) if reach else t
 
 
-def random_case(rng: np.random.Generator) -> Case:
+def random_case(rng: np.random.Generator, kinds: Kinds = KINDS) -> Case:
     """One of the kinds, with a method and what is asked of it."""
-    kind = str(rng.choice(list(KINDS), p=[weight for weight, _ in KINDS.values()]))
-    start = KINDS[kind][1](rng)
+    kind = str(rng.choice(list(kinds), p=[weight for weight, _ in kinds.values()]))
+    start = kinds[kind][1](rng)
     scene = start.scene
     able = [
         one
         for one in EVERY_METHOD
-        if (one.driven or not scene.is_driven) and (one.tops or not scene.directions)
+        if (one.driven or not scene.is_driven)
+        and (one.tops or not scene.directions)
+        and (one.satellite or not scene.is_satellite)
     ]
     options: dict[str, Any] = {}
     mode = rng.choice(["default", "method", "step", "tolerance"], p=[0.3, 0.35, 0.15, 0.2])

@@ -1,7 +1,8 @@
 /* The motion of a rigid body in 128-bit numbers, by Taylor series with steps of their own.
 
-   I w' = (I w) x w - weight x gamma + body + R^T space - D w,  gamma = R^T e3,  q' = q (0, w) / 2.
-   The torques body and space are constant, or linear between the times of a table. */
+   I w' = L x w - weight x gamma + body + R^T space - D w + 3 n^2 o x I o + L x e,  gamma = R^T e3,
+   L = I w + rotor,  q' = q (0, w + e) / 2,  I e = sink (w' without e),  o = R^T (cos towards + sin ahead)
+   with the angle n t. The torques body and space are constant, or linear between the times of a table. */
 
 #include <math.h>
 #include <stddef.h>
@@ -14,6 +15,7 @@ typedef struct {
     const double *moments, *weight, *damping; /* 3, 3, 3 x 3 */
     ptrdiff_t knots;                          /* 0: the torques are constant */
     const double *times, *body, *space;       /* knots, and 3 for each knot, or 3 */
+    const double *rotor, *sink, *orbit;       /* 3, 3, and the rate, 3 towards, 3 ahead */
 } Scene;
 
 /* The torques on a piece of the table: values now, slopes, and where the piece ends. */
@@ -24,6 +26,7 @@ typedef struct {
 /* Coefficients of the rates and of the quaternion. */
 typedef struct {
     quad w[3][ORDER + 1], q[4][ORDER + 1];
+    quad u[2][ORDER + 1]; /* cosine and sine of the angle on the orbit */
 } Series;
 
 static void line(const Scene *s, const double *values, ptrdiff_t k, quad t, quad *now, quad *slope)
@@ -96,9 +99,10 @@ static const int SIGN[4][3] = {{-1, -1, -1}, {1, -1, 1}, {1, 1, -1}, {-1, 1, 1}}
 static void expand(const Scene *s, const Piece *piece, int in_space, Series *x)
 {
     quad r[3][3] = {{0}}, before[3][3];
-    const double *I = s->moments, *weight = s->weight;
+    quad rows[3][3][ORDER + 1], o[3][ORDER + 1], e[3][ORDER + 1], momentum[3][ORDER + 1], turn[3][ORDER + 1];
+    const double *I = s->moments, *weight = s->weight, *orbit = s->orbit;
     for (int n = 0; n < ORDER; n++) {
-        if (in_space || any(weight)) {
+        if (in_space || any(weight) || orbit[0] != 0) {
             quad p[4][4];
             for (int i = 0; i < 4; i++)
                 for (int j = i; j < 4; j++)
@@ -108,6 +112,21 @@ static void expand(const Scene *s, const Piece *piece, int in_space, Series *x)
                     before[i][j] = r[i][j];
             matrix(p, r);
         }
+        for (int i = 0; i < 3; i++)
+            momentum[i][n] = I[i] * x->w[i][n] + (n == 0 ? s->rotor[i] : 0);
+        if (orbit[0] != 0) {
+            for (int i = 0; i < 3; i++) {
+                for (int a = 0; a < 3; a++)
+                    rows[a][i][n] = r[a][i];
+                o[i][n] = 0;
+                for (int a = 0; a < 3; a++)
+                    o[i][n] += orbit[1 + a] * product(rows[a][i], x->u[0], n)
+                        + orbit[4 + a] * product(rows[a][i], x->u[1], n);
+            }
+            x->u[0][n + 1] = -(quad)orbit[0] * x->u[1][n] / (n + 1);
+            x->u[1][n + 1] = (quad)orbit[0] * x->u[0][n] / (n + 1);
+        }
+        quad whole[3];
         for (int i = 0; i < 3; i++) {
             int j = (i + 1) % 3, k = (i + 2) % 3;
             quad torque = n == 0 ? piece->body[i] : n == 1 ? piece->body_slope[i] : 0;
@@ -122,12 +141,24 @@ static void expand(const Scene *s, const Piece *piece, int in_space, Series *x)
                         torque += before[a][i] * piece->space_slope[a];
                 }
             }
+            torque += s->rotor[j] * x->w[k][n] - s->rotor[k] * x->w[j][n];
+            if (orbit[0] != 0 && I[j] != I[k])
+                torque += 3 * (quad)orbit[0] * orbit[0] * ((quad)I[k] - I[j]) * product(o[j], o[k], n);
+            whole[i] = torque;
+            e[i][n] = s->sink[i] * torque / I[i] / I[i];
+            turn[i][n] = x->w[i][n] + e[i][n];
+        }
+        for (int i = 0; i < 3; i++) {
+            int j = (i + 1) % 3, k = (i + 2) % 3;
+            quad torque = whole[i];
+            if (any(s->sink))
+                torque += product(momentum[j], e[k], n) - product(momentum[k], e[j], n);
             x->w[i][n + 1] = torque / I[i] / (n + 1);
         }
         for (int i = 0; i < 4; i++) {
             quad sum = 0;
             for (int a = 0; a < 3; a++)
-                sum += SIGN[i][a] * product(x->q[FACTOR[i][a]], x->w[a], n);
+                sum += SIGN[i][a] * product(x->q[FACTOR[i][a]], turn[a], n);
             x->q[i][n + 1] = sum / 2 / (n + 1);
         }
     }
@@ -187,12 +218,14 @@ static quad energy(const Scene *s, const quad *state, quad *gamma)
    A record is w, q, gamma and the work since the start. Returns the number of steps, or -1 if
    there would be more than the limit. */
 long motion(const double *moments, const double *weight, const double *damping, ptrdiff_t knots,
-            const double *times, const double *body, const double *space, const double *omega,
+            const double *times, const double *body, const double *space, const double *satellite,
+            const double *omega,
             const double *attitude, ptrdiff_t count, const double *wanted, double tolerance,
             long limit, double *high, double *low)
 {
-    const Scene scene = {moments, weight, damping, knots, times, body, space};
-    quad state[STATE], gamma[3], square = 0, t = 0;
+    const Scene scene = {moments, weight, damping, knots, times, body, space, satellite, satellite + 3,
+                         satellite + 6};
+    quad state[STATE], angle[2] = {1, 0}, gamma[3], square = 0, t = 0;
     int in_space = 0;
     for (ptrdiff_t k = 0; k < (knots ? knots : 1); k++)
         in_space |= any(space + 3 * k);
@@ -214,6 +247,8 @@ long motion(const double *moments, const double *weight, const double *damping, 
         Series x;
         for (int i = 0; i < STATE; i++)
             (i < 3 ? x.w[i] : x.q[i - 3])[0] = state[i];
+        for (int i = 0; i < 2; i++)
+            x.u[i][0] = angle[i];
         expand(&scene, &piece, in_space, &x);
         quad end = piece.end;
         const long double step = longest(&x, tolerance);
@@ -231,6 +266,8 @@ long motion(const double *moments, const double *weight, const double *damping, 
         }
         for (int i = 0; i < STATE; i++)
             state[i] = value(i < 3 ? x.w[i] : x.q[i - 3], end - t);
+        for (int i = 0; i < 2 && satellite[6] != 0; i++)
+            angle[i] = value(x.u[i], end - t);
         t = end;
         if (++steps > limit)
             return -1;

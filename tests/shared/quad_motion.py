@@ -91,7 +91,7 @@ def _library() -> ctypes.CDLL:
     numbers, size = np.ctypeslib.ndpointer(np.float64, flags="C"), ctypes.c_ssize_t
     library.motion.restype = ctypes.c_long
     library.motion.argtypes = [
-        *(numbers, numbers, numbers, size, numbers, numbers, numbers, numbers, numbers),
+        *(numbers, numbers, numbers, size, numbers, numbers, numbers, numbers, numbers, numbers),
         *(size, numbers, ctypes.c_double, ctypes.c_long, numbers, numbers),
     ]
     return library
@@ -130,6 +130,7 @@ def motion(
         np.array(values, dtype=np.float64).reshape(-1, 3)
         for values in ((torque.in_body, torque.in_space) if torque else (np.zeros(3), np.zeros(3)))
     )
+    satellite = np.zeros(13) if scene.satellite is None else np.array(scene.satellite)
     wanted = np.array(times, dtype=np.float64)
     high, low = np.empty((2, len(wanted), RECORD))
     for side, outward in ((wanted < 0.0, slice(None, None, -1)), (wanted >= 0.0, slice(None))):
@@ -140,7 +141,7 @@ def motion(
         steps = _library().motion(
             *(np.ascontiguousarray(scene.body.moments if moments is None else moments),),
             *(np.ascontiguousarray(scene.weight if weight is None else weight), damping),
-            *(len(knots), knots, body, space),
+            *(len(knots), knots, body, space, satellite),
             *(np.array(omega, dtype=np.float64), np.array(attitude, dtype=np.float64)),
             *(len(there), there, tolerance, limit, records[0], records[1]),
         )

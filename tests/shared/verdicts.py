@@ -8,7 +8,7 @@ import numpy as np
 
 import quad_motion
 import rigid
-from adversarial import Case, random_case
+from adversarial import KINDS, Case, Kinds, random_case
 from physics import ROUNDOFF, Floats
 from quad_motion import Motion
 from rigid.solve.arrays import time_range
@@ -140,9 +140,9 @@ def _apart(case: Case, one: Motion, other: Motion, run: rigid.Run) -> float:
     return float(np.max(worst))
 
 
-def judge(number: int, seed: int) -> Finding:
+def judge(number: int, seed: int, kinds: Kinds = KINDS) -> Finding:
     """The verdict of one random run; the same for the same numbers."""
-    case = random_case(np.random.default_rng([seed, number]))
+    case = random_case(np.random.default_rng([seed, number]), kinds)
     method = str(case.options.get("method", "default"))
     try:
         run, row = case.run()

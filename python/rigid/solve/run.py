@@ -66,8 +66,8 @@ class Run:
     attitude : ndarray, shape (n, m, 4), or None
         Quaternion, scalar first, body to space, if it was recorded. Not renormalised.
     work : ndarray, shape (n, m), or None
-        Work done on the body by torque and damping since ``t = 0`` (J), integrated with the motion;
-        None for a scene without them.
+        Work done on the body by torque, damping and dissipation since ``t = 0`` (J), integrated
+        with the motion; None for a scene without them.
     tangent : ndarray, shape (n, m, 6, 6), or None
         Derivative of the motion by its start, if it was asked for. Rows and columns are a change of
         the rates (rad/s) and a rotation vector in the body (rad), ``R -> R exp(x)``: column ``j``
@@ -85,7 +85,8 @@ class Run:
         ``dE/dt = torque·omega - omega·D omega``: the error of the energy minus the ``work``,
         relative to the energy that the body can reach. ``"etd4"`` and ``"splitting"`` compute the
         work from the change of kinetic energy, so for a body without weight this residual is zero
-        by construction and is no measure of the error.
+        by construction and is no measure of the error. The energy of a satellite is that of
+        ``omega``: the work is that of the gravity gradient and the energy sink too.
     momentum_drift : ndarray, shape (n,)
         Largest error of the conserved angular momentum at a requested time. For a free body it is
         the error of ``|L|`` relative to ``|L|``; for a top, the error of ``L·gamma`` relative to

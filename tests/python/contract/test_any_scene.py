@@ -215,6 +215,48 @@ def test_under_torque_and_damping_the_status_is_true(
         )
 
 
+@st.composite
+def satellites(draw: st.DrawFn) -> Scene:
+    """Rotors, sinks and orbits over twelve decades beside the moments and a rate of one."""
+    body = draw(bodies())
+    size = max(body.moments)
+    rotor = draw(st.none() | decades(-6, 6).map(lambda h: h * size))
+    sink = draw(st.none() | decades(-6, 6).map(lambda p: p * size))
+    rate = draw(st.none() | decades(-6, 6))
+    return rigid.FreeBody(
+        body,
+        rotor=None if rotor is None else rotor * draw(directions()),
+        dissipation=None if sink is None else rigid.EnergySink(sink),
+        torque=None if rate is None else rigid.Torque.gravity_gradient(rate=rate),
+    )
+
+
+@pytest.mark.parametrize("method", ["rk4", "dop853", "taylor12", "taylor16"])
+@STEADY
+@given(
+    scene=satellites(),
+    omega=rates(),
+    attitude=quaternions(),
+    t=st.lists(st.floats(-10, 100), max_size=4).map(sorted),
+    step=st.none() | decades(-3, 3),
+)
+def test_of_satellites_the_status_is_true(
+    method: str, scene: Scene, omega: list[float], attitude: list[float], **options: Any
+) -> None:
+    run = rigid.simulate(
+        scene, omega, attitude, method=method, max_steps=20_000, check=False, **options
+    )
+    states = [run.omega, run.attitude]
+    if run.status in ARRIVED:
+        assert all(np.all(np.isfinite(present(array))) for array in states)
+    else:
+        assert run.status in (
+            rigid.Status.STEP_LIMIT,
+            rigid.Status.NOT_FINITE,
+            rigid.Status.DRIFTED,
+        )
+
+
 # --- What is not valid ----------------------------------------------------------------------------
 
 NOT_NUMBERS = st.sampled_from([float("nan"), float("inf"), -float("inf")])

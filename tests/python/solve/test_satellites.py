@@ -12,9 +12,12 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
+import quad_motion
 import rigid
+from adversarial import SATELLITES
 from processes import python_process
 from rigid.model.scene import scene_from_dict
+from verdicts import judge
 
 Floats = NDArray[np.float64]
 
@@ -632,3 +635,23 @@ def test_energies_fall_in_order_of_the_sink() -> None:
         for p in (0.0, 0.01, 0.02, 0.05)
     ]
     assert all(weaker > stronger for weaker, stronger in pairwise(energies))
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_points_of_a_section_lie_on_it(name: str) -> None:
+    points = rigid.poincare(SCENES[name], OMEGA, ATTITUDE, "omega2", t_end=40.0)
+    assert len(points.t) >= 3
+    omega, _ = truth(SCENES[name], OMEGA, ATTITUDE, np.array([0.0, *points.t]))
+    assert np.abs(omega[1:, 1]).max() < 1e-10
+
+
+@pytest.mark.skipif(not quad_motion.is_available(), reason="no 128-bit numbers")
+def test_stated_errors_of_random_satellites_are_true() -> None:
+    """Rotors, sinks and orbits of all sizes against 128-bit numbers of another program.
+
+    ``tests/long/stated_errors.py --satellites`` runs more of them.
+    """
+    findings = [judge(number, 1, SATELLITES) for number in range(40)]
+    verdicts = [one.verdict for one in findings]
+    assert verdicts.count("SILENT") == 0
+    assert verdicts.count("right") > 30
