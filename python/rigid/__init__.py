@@ -41,6 +41,7 @@ from .sections.poincare import poincare
 from .sections.surface import Section, section
 from .solve.choose_method import plan
 from .solve.chunks import simulate_chunks
+from .solve.fit import Fit, fit
 from .solve.frequencies import FrequencyDrift, Lines, frequencies, frequency_drift
 from .solve.growth import Growth
 from .solve.lyapunov import lyapunov
@@ -79,6 +80,7 @@ __all__ = [
     "Crossings",
     "EnergySink",
     "Extremes",
+    "Fit",
     "FreeBody",
     "FrequencyDrift",
     "Growth",
@@ -112,6 +114,7 @@ __all__ = [
     "exact",
     "extremes",
     "figures",
+    "fit",
     "fixed_axis",
     "frames",
     "free",

@@ -1,0 +1,167 @@
+"""Parameters from noisy rates: right within their stated errors, honest about what is not told."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rigid
+
+T = np.linspace(0.0, 25.0, 150)
+START = np.array([0.2, 1.0, 0.3])
+
+
+def measured(scene: Any, sigma: float, seed: int, start: Any = START, **options: Any) -> Any:
+    run = rigid.simulate(scene, start, t=T, check=False, **options)
+    noise = np.random.default_rng(seed).normal(size=run.omega.shape)
+    return run.omega + sigma * noise
+
+
+def test_errors_of_many_fits_have_the_stated_covariance() -> None:
+    truth, guess = rigid.Body((1.0, 1.6, 2.2)), rigid.Body((1.0, 1.4, 2.0))
+    free, sigma = ("I2/I1", "I3/I1", "omega"), 0.02
+    right = np.array([1.6, 2.2, *START])
+    fits = [
+        rigid.fit(guess, T, omega=measured(truth, sigma, seed), sigma=sigma, free=free)
+        for seed in range(40)
+    ]
+    # The squared distance in units of the covariance has mean 5 and variance 10 (chi-squared).
+    distances = [
+        (one.values - right) @ np.linalg.solve(one.covariance, one.values - right) for one in fits
+    ]
+    assert abs(np.mean(distances) - 5.0) < 4.0 * np.sqrt(10.0 / 40)
+    left = T.size * 3 - 5
+    assert abs(np.mean([one.chi2 for one in fits]) - left) < 4.0 * np.sqrt(2 * left / 40)
+    assert not any(one.undetermined or one.at_bounds for one in fits)
+
+
+def test_without_noise_the_parameters_come_back() -> None:
+    truth = rigid.FreeBody(rigid.Body((1.0, 1.6, 2.2)), damping=np.diag([0.0, 0.01, 0.02]))
+    guess = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.3)), damping=np.diag([0.0, 0.0, 0.01]))
+    found = rigid.fit(
+        guess,
+        T,
+        omega=measured(truth, 0.0, 0, method="taylor16"),
+        sigma=1e-3,
+        free=("I2/I1", "I3/I1", "damping2", "damping3", "omega"),
+        start=START + 0.05,
+    )
+    assert np.allclose(found.values, [1.6, 2.2, 0.01, 0.02, *START], rtol=0, atol=1e-8)
+    assert found["damping3"] == found.values[3]
+    assert np.allclose(found.scene.body.moments, (1.0, 1.6, 2.2), rtol=1e-8)
+    assert np.allclose(found.omega, START, atol=1e-8)
+
+
+def test_free_motion_tells_ratios_of_moments_only() -> None:
+    body = rigid.Body((1.0, 1.6, 2.2))
+    rates = measured(body, 0.01, 3)
+    found = rigid.fit(body, T, omega=rates, sigma=0.01, free=("I1", "I2", "I3", "omega"))
+    assert found.undetermined == (
+        "not determined by the data: equal relative changes of I1, I2, I3",
+    )
+    assert np.isinf(found.std[:3]).all()
+    assert np.isfinite(found.std[3:]).all()
+    ratios = rigid.fit(body, T, omega=rates, sigma=0.01, free=("I2/I1", "I3/I1", "omega"))
+    assert np.isclose(found["I2"] / found["I1"], ratios["I2/I1"], rtol=1e-6)
+    assert ratios.undetermined == ()
+
+
+def test_a_rotation_about_one_axis_tells_no_moment() -> None:
+    found = rigid.fit(
+        rigid.Body((1.0, 1.6, 2.2)),
+        T,
+        omega=np.tile([0.0, 0.0, 1.0], (T.size, 1)),
+        sigma=0.01,
+        free="I2/I1",
+    )
+    assert found.undetermined == ("not determined by the data: I2/I1",)
+
+
+def test_weight_tells_the_moments_themselves() -> None:
+    top = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
+    # Short: over long times the sum of squares of a chaotic top has many minima.
+    short = T[T < 5.0]
+    rates = measured(top, 0.0, 0, accuracy=1e-12)[: short.size]
+    guess = rigid.HeavyTop(rigid.Body((1.05, 1.5, 0.75)), mgl=1.2, com=(0.6, 0.0, 0.8))
+    found = rigid.fit(guess, short, omega=rates, sigma=1e-3, free=("I1", "I2", "I3"))
+    assert np.allclose(found.values, (1.0, 1.6, 0.7), rtol=1e-7)
+    assert found.undetermined == ()
+    every = rigid.fit(guess, short, omega=rates, sigma=1e-3, free=("I1", "I2", "I3", "mgl"))
+    assert every.undetermined == (
+        "not determined by the data: equal relative changes of I1, I2, I3, mgl",
+    )
+    weight = rigid.fit(top, short, omega=rates, sigma=1e-3, free="mgl")
+    assert np.isclose(weight["mgl"], 1.2, rtol=1e-8)
+
+
+def test_no_fit_leaves_what_a_body_can_have() -> None:
+    flat = rigid.Body((1.0, 1.5, 2.5))  # at the edge: I3 = I1 + I2
+    for seed in range(6):
+        rates = measured(flat, 0.05, seed)
+        for free in (("I3",), ("I2/I1", "I3/I1"), ("I1", "I2", "I3")):
+            found = rigid.fit(rigid.Body((1.0, 1.2, 1.4)), T, omega=rates, sigma=0.05, free=free)
+            i = np.array(found.scene.body.moments)
+            assert np.all(2.0 * i <= i.sum())
+    undamped = rigid.Body((1.0, 1.5, 2.0))
+    ends = [
+        rigid.fit(
+            rigid.FreeBody(undamped, damping=0.01),
+            T,
+            omega=measured(undamped, 0.05, seed),
+            sigma=0.05,
+            free=("damping1", "damping2", "damping3"),
+        )
+        for seed in range(4)
+    ]
+    assert all((one.values >= 0.0).all() for one in ends)
+    assert any("is zero, the least that it can be" in " ".join(one.at_bounds) for one in ends)
+
+
+@pytest.mark.parametrize("free", [("I2",), ("I1/I3", "I2/I3"), ("I1", "I2/I1"), ("I1", "I2", "I3")])
+def test_each_derivative_is_that_of_the_residuals(free: tuple[str, ...]) -> None:
+    from rigid.solve.fit import _Model
+
+    scene = rigid.FreeBody(rigid.Body((1.0, 1.6, 2.2)))
+    model = _Model(scene, START, free)
+    x, base = model.first, model.base + model.steer @ model.first
+    values, slopes = model.told(base)
+    moments = dict(zip(("I1", "I2", "I3"), (1.0, 1.6, 2.2), strict=True))
+    expected = [eval(name, dict(moments)) for name in free]
+    assert np.allclose(values, expected, rtol=1e-8)
+    assert np.allclose(model.at(x)[0].body.moments, (1.0, 1.6, 2.2), rtol=1e-8)
+    for k in range(len(base)):
+        step = 1e-6 * np.eye(len(base))[k]
+        change = (model.told(base + step)[0] - model.told(base - step)[0]) / 2e-6
+        assert np.allclose(change, slopes[:, k], atol=1e-8)
+
+
+BODY = rigid.Body((1.0, 1.6, 2.2))
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"free": "I4"}, r"free = 'I4': is no parameter of a free body; known are 'I1'"),
+        ({"free": "mgl"}, "free = 'mgl': is no parameter of a free body"),
+        ({"free": ()}, "must be names of parameters"),
+        ({"free": ("I1", "I1")}, "'I1' is named twice"),
+        ({"free": ("I1", "I1/I2")}, "one moment varies by two"),
+        ({"omega": np.zeros((3, 3))}, r"omega: expected shape \(150, 3\), got \(3, 3\)"),
+        ({"sigma": 0.0}, "sigma = 0"),
+        ({"t": T + 1.0}, "start: is needed, because the first time is not 0"),
+        ({"start": [1.0, 2.0]}, "start"),
+        ({"t": [0.0], "omega": np.ones((1, 3)), "free": ("I1", "omega")}, "4 parameters, but 3"),
+    ],
+)
+def test_what_a_fit_refuses(options: dict[str, Any], message: str) -> None:
+    given: dict[str, Any] = {"t": T, "omega": np.ones((150, 3)), "sigma": 0.1, "free": "I1"}
+    with pytest.raises(ValueError, match=message):
+        rigid.fit(BODY, **{**given, **options})
+
+
+def test_damping_across_axes_is_not_fitted() -> None:
+    scene = rigid.FreeBody(BODY, damping=[[0.1, 0.05, 0.0], [0.05, 0.1, 0.0], [0.0, 0.0, 0.1]])
+    with pytest.raises(ValueError, match="damping is fitted along the axes"):
+        rigid.fit(scene, T, omega=np.ones((150, 3)), sigma=0.1, free="damping1")
