@@ -190,7 +190,7 @@ fn map(numbers: &mut Bytes) {
         pixels: numbers.list(3, |numbers| Pixel {
             body: numbers.body(scene),
             omega_size: numbers.vector(),
-            attitude_size: numbers.number(),
+            attitude_size: numbers.vector(),
             possible: numbers.below(4) > 0,
         }),
         omega_law: numbers.of(laws),

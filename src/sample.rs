@@ -101,7 +101,7 @@ pub fn vector<R: Real>(law: Law, u: [R; 4]) -> [R; 3] {
 
 /// A perturbed attitude: `q` turned in the body by a rotation vector of the distribution, or a uniform random attitude.
 #[inline(always)]
-pub fn attitude<R: Real>(law: Law, size: R, q: [R; 4], u: [R; 4]) -> [R; 4] {
+pub fn attitude<R: Real>(law: Law, size: [R; 3], q: [R; 4], u: [R; 4]) -> [R; 4] {
     match law {
         Law::None => q,
         Law::UniformAttitude => {
@@ -112,7 +112,7 @@ pub fn attitude<R: Real>(law: Law, size: R, q: [R; 4], u: [R; 4]) -> [R; 4] {
         }
         _ => {
             let v = vector(law, u);
-            quaternion_product(&q, &rotation_by(&[size * v[0], size * v[1], size * v[2]]))
+            quaternion_product(&q, &rotation_by(&[size[0] * v[0], size[1] * v[1], size[2] * v[2]]))
         }
     }
 }

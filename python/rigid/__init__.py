@@ -25,6 +25,7 @@ from .info import build_info
 from .maps.compute import plug_in_store, stability_map
 from .maps.replay import Replay
 from .maps.result import StabilityMap, load_map
+from .maps.samples import Outcomes, Starts
 from .maps.spec import MapSpec
 from .model.body import Body
 from .model.criteria import no_flip, regular, tilt_below
@@ -91,6 +92,7 @@ __all__ = [
     "Method",
     "Motion",
     "Noise",
+    "Outcomes",
     "Plan",
     "Progress",
     "Replay",
@@ -100,6 +102,7 @@ __all__ = [
     "Section",
     "StabilityMap",
     "Start",
+    "Starts",
     "Status",
     "Store",
     "Torque",

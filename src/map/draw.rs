@@ -44,8 +44,8 @@ fn vectors<P: Pack>(law: Law, draws: &mut Draws) {
 #[inline(always)]
 fn attitudes<P: Pack>(law: Law, draws: &mut Draws) {
     for at in (0..LANES).step_by(P::LANES) {
-        let size = P::load(&draws.sizes[0].0[at..]);
-        let q = sample::attitude(law, size, load(&draws.start, at), load::<P>(&draws.uniforms, at));
+        let [s0, s1, s2, _] = load::<P>(&draws.sizes, at);
+        let q = sample::attitude(law, [s0, s1, s2], load(&draws.start, at), load(&draws.uniforms, at));
         for k in 0..4 {
             q[k].store(&mut draws.start[k].0[at..]);
         }
@@ -102,6 +102,12 @@ impl Map {
         // As many as a block has at most.
         let count = (range.end - range.start) as usize;
         let places = memory::collected("starts of a block", count, self.pixels_and_samples(range))?;
+        self.draw_at(isa, &places)
+    }
+
+    /// The starts of samples, given by pixel and number in the pixel.
+    pub fn draw_at(&self, isa: Isa, places: &[(u64, u64)]) -> Result<Vec<Body>, Error> {
+        let count = places.len();
         let pixel = |place: &(u64, u64)| &self.pixels[place.0 as usize];
         let bodies = places.iter().map(|place| pixel(place).body);
         let mut bodies = memory::collected("starts of a block", count, bodies)?;
@@ -129,7 +135,9 @@ impl Map {
                     let Pixel { body, attitude_size, .. } = pixel(place);
                     let [number, sample] = self.counter(*place);
                     draws.set_uniforms(lane, sample::uniforms(self.key, 1, sample, number));
-                    draws.sizes[0].0[lane] = *attitude_size;
+                    for k in 0..3 {
+                        draws.sizes[k].0[lane] = attitude_size[k];
+                    }
                     for k in 0..4 {
                         draws.start[k].0[lane] = body.attitude[k];
                     }

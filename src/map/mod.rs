@@ -235,6 +235,58 @@ impl Map {
         Ok(pixels)
     }
 
+    /// Samples of strictly ascending flat numbers: each with its start, its classification and the outcome of its first
+    /// run, with the bits of the map.
+    ///
+    /// # Errors
+    /// If they do not fit into memory, or `interrupt` is set.
+    pub fn samples_at(
+        &self,
+        flat: &[u64],
+        threads: usize,
+        isa: Isa,
+        interrupt: &Interrupt,
+    ) -> Result<Vec<(Body, Class, Outcome)>, Error> {
+        // Samples of one group are classified together, and neighbours side by side.
+        let mut parts: Vec<Range<usize>> = Vec::new();
+        for (at, &sample) in flat.iter().enumerate() {
+            match parts.last_mut() {
+                Some(part) if (part.len() as u64) < BLOCK && self.belong_together(flat[at - 1], sample) => {
+                    part.end = at + 1;
+                }
+                _ => memory::push("parts of the samples", &mut parts, at..at + 1)?,
+            }
+        }
+        let Some(first) = self.pixels.first() else { return Ok(Vec::new()) };
+        let nothing = (first.body, Class::Failed, Outcome::REFUSED);
+        let all = Mutex::new(memory::filled("outcomes of the samples", flat.len(), nothing)?);
+        over_blocks(0..parts.len() as u64, threads, interrupt, |part| {
+            let part = parts[part as usize].clone();
+            let classified = self.classified(flat[part.start]..flat[part.end - 1] + 1, isa, interrupt)?;
+            let mut all = all.lock().expect("copying does not panic");
+            for at in part {
+                let index = (flat[at] - classified.range.start) as usize;
+                all[at] = self.verdict(&classified, index);
+            }
+            Ok(())
+        })?;
+        Ok(all.into_inner().expect("copying does not panic"))
+    }
+
+    /// Whether a sample and a later one are classified in one go.
+    fn belong_together(&self, sample: u64, later: u64) -> bool {
+        later == sample + 1 || later < self.with_groups(sample..sample + 1).end
+    }
+
+    /// A classified sample: its start, its class and the outcome of its first run.
+    fn verdict(&self, classified: &Classified, index: usize) -> (Body, Class, Outcome) {
+        let body = classified.bodies[index];
+        match classified.sample(index, self.t_end) {
+            Some(sample) => (body, sample.class, *sample.first),
+            None => (body, Class::Failed, Outcome::REFUSED),
+        }
+    }
+
     /// One sample alone: its start, its classification and the outcome of its first run, with the bits of the map.
     ///
     /// # Errors
@@ -248,12 +300,7 @@ impl Map {
     ) -> Result<(Body, Class, Outcome), Error> {
         let flat = pixel * self.samples + sample;
         let classified = self.classified(flat..flat + 1, isa, interrupt)?;
-        let index = (flat - classified.range.start) as usize;
-        let body = classified.bodies[index];
-        Ok(match classified.sample(index, self.t_end) {
-            Some(sample) => (body, sample.class, *sample.first),
-            None => (body, Class::Failed, Outcome::REFUSED),
-        })
+        Ok(self.verdict(&classified, (flat - classified.range.start) as usize))
     }
 }
 

@@ -19,8 +19,8 @@ pub struct Pixel {
     pub body: Body,
     /// Size of the perturbation of each rate.
     pub omega_size: [f64; 3],
-    /// Size of the perturbation of the attitude (rad).
-    pub attitude_size: f64,
+    /// Sizes of the components of the perturbation of the attitude (rad).
+    pub attitude_size: [f64; 3],
     /// Whether such a body exists.
     pub possible: bool,
 }

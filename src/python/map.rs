@@ -195,7 +195,7 @@ keywords! {
         omega_size: PyReadonlyArray2<'py, f64>,
         attitude: PyReadonlyArray2<'py, f64>,
         attitude_noise: String,
-        attitude_size: PyReadonlyArray1<'py, f64>,
+        attitude_size: PyReadonlyArray2<'py, f64>,
         criterion: String,
         axis: i32,
         limits: Vec<f64>,
@@ -225,7 +225,7 @@ impl MapRequest<'_> {
         let status = memory::collected(PIXELS, pixels, status)?;
         let omega_size = rows::<3>("omega_size", &self.omega_size)?;
         same_length("omega_size", pixels, omega_size.len())?;
-        let attitude_size = self.attitude_size.as_array();
+        let attitude_size = rows::<3>("attitude_size", &self.attitude_size)?;
         same_length("attitude_size", pixels, attitude_size.len())?;
         let omega = rows::<3>("omega", &self.omega)?;
         same_length("omega", pixels, omega.len())?;
@@ -276,6 +276,20 @@ impl MapRequest<'_> {
         Ok((map.checked()?, status))
     }
 }
+
+/// A number of an outcome and its name.
+type OutcomeNumber = (&'static str, fn(&Outcome) -> f64);
+
+const OUTCOME_NUMBERS: [OutcomeNumber; 8] = [
+    ("left", |one| if one.left < f64::INFINITY { one.left } else { f64::NAN }),
+    ("tilt", |one| one.tilt),
+    ("exponent", |one| one.exponent),
+    ("mean_megno", |one| one.mean_megno),
+    ("energy_drift", |one| one.energy_drift),
+    ("momentum_drift", |one| one.momentum_drift),
+    ("unit_drift", |one| one.unit_drift),
+    ("step", |one| one.step),
+];
 
 #[pymethods]
 impl MapJob {
@@ -362,5 +376,64 @@ impl MapJob {
         dict.set_item("steps", steps)?;
         dict.set_item("method", if exact { Solver::EXACT } else { self.map.first_scheme().facts.name })?;
         Ok(dict)
+    }
+
+    /// The starts of samples, numbered pixel by pixel: rates (n, 3) and attitudes (n, 4), one after the other.
+    fn starts<'py>(
+        &self,
+        py: Python<'py>,
+        samples: PyReadonlyArray1<'py, u64>,
+    ) -> PyResult<[Bound<'py, PyArray1<f64>>; 2]> {
+        let flat = self.numbers(&samples)?;
+        let count = self.map.samples;
+        let places = flat.iter().map(|sample| (sample / count, sample % count));
+        let places = memory::collected("samples", flat.len(), places)?;
+        let bodies = py.detach(|| self.map.draw_at(self.isa, &places))?;
+        let omega = bodies.iter().flat_map(|body| body.omega);
+        let attitude = bodies.iter().flat_map(|body| body.attitude);
+        Ok([
+            memory::collected("rates", 3 * bodies.len(), omega)?.into_pyarray(py),
+            memory::collected("attitudes", 4 * bodies.len(), attitude)?.into_pyarray(py),
+        ])
+    }
+
+    /// What became of samples, numbered pixel by pixel in ascending order: arrays of a number each. `class` and `status`
+    /// are codes in the order of the classes and of the statuses; `exact` is 1 for a closed form.
+    fn outcomes<'py>(
+        &self,
+        py: Python<'py>,
+        samples: PyReadonlyArray1<'py, u64>,
+        threads: usize,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let flat = self.numbers(&samples)?;
+        if !flat.is_sorted_by(|one, next| one < next) {
+            let rule = "must be in ascending order, each once";
+            return Err(Error::Value { argument: "samples", value: "of the map".into(), rule }.into());
+        }
+        let all = interruptible(py, None, |interrupt| {
+            self.map.samples_at(&flat, threads.max(1), self.isa, interrupt)
+        })??;
+        let dict = PyDict::new(py);
+        dict.set_item("class", convert::column(py, &all, |(_, class, _)| *class as u8)?)?;
+        dict.set_item("status", convert::column(py, &all, |(.., one)| one.status as u8)?)?;
+        dict.set_item("exact", convert::column(py, &all, |(.., one)| one.exact)?)?;
+        dict.set_item("flips", convert::column(py, &all, |(.., one)| one.flips as i64)?)?;
+        dict.set_item("steps", convert::column(py, &all, |(.., one)| one.steps as i64)?)?;
+        for (name, of) in OUTCOME_NUMBERS {
+            dict.set_item(name, convert::column(py, &all, |(.., one)| of(one))?)?;
+        }
+        Ok(dict)
+    }
+}
+
+impl MapJob {
+    /// The numbers of samples, if the map has such samples.
+    fn numbers(&self, samples: &PyReadonlyArray1<'_, u64>) -> PyResult<Vec<u64>> {
+        let samples = samples.as_array();
+        if let Some(sample) = samples.iter().find(|&&sample| sample >= self.map.len()) {
+            let value = format!("{sample} of {}", self.map.len());
+            return Err(Error::Value { argument: "samples", value, rule: "must be an index" }.into());
+        }
+        Ok(memory::collected("numbers of samples", samples.len(), samples.iter().copied())?)
     }
 }

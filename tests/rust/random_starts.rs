@@ -165,7 +165,7 @@ fn attitudes_are_uniform() {
     }
     let mut trace = Mean::new("trace", 0.0, 1.0);
     for sample in 0..N {
-        let q = attitude(Law::UniformAttitude, 7.0, [0.6, 0.8, 0.0, 0.0], uniforms(KEY, 1, sample, 3));
+        let q = attitude(Law::UniformAttitude, [7.0; 3], [0.6, 0.8, 0.0, 0.0], uniforms(KEY, 1, sample, 3));
         for i in 0..4 {
             for (mean, value) in
                 means[4 * i..].iter_mut().zip([q[i], q[i] * q[i], q[i] * q[(i + 1) % 4], q[i].powi(4)])
@@ -188,7 +188,7 @@ fn a_perturbed_attitude() {
     for law in [Law::Normal, Law::Uniform, Law::Direction] {
         for size in [0.0, 1e-9, 0.3, 2.0] {
             let u = uniforms(KEY, 1, 17, 4);
-            let got = attitude(law, size, q, u);
+            let got = attitude(law, [size; 3], q, u);
             let by = UnitQuaternion::from_scaled_axis(Vector3::from(vector(law, u)) * size);
             let wanted = Quaternion::new(q[0], q[1], q[2], q[3]) * by.into_inner();
             let miss = (Quaternion::new(got[0], got[1], got[2], got[3]) - wanted).norm();
@@ -196,7 +196,7 @@ fn a_perturbed_attitude() {
             assert!(miss < 6.0 * f64::EPSILON, "{law:?} {size}: {miss:e}");
         }
     }
-    assert_eq!(attitude(Law::None, 0.3, q, [0.1; 4]), q);
+    assert_eq!(attitude(Law::None, [0.3; 3], q, [0.1; 4]), q);
 }
 
 /// Each distribution takes one block of four numbers, so the draws of one part of a start do not change those of
@@ -210,7 +210,7 @@ fn draws_do_not_shift_each_other() {
         attitude: [0.8, 0.4, -0.4, 0.2],
     };
     let draw = |omega_law, attitude_law, samples, pixel, sample| {
-        let pixel_of = Pixel { body, omega_size: [0.5, 0.25, 2.0], attitude_size: 0.1, possible: true };
+        let pixel_of = Pixel { body, omega_size: [0.5, 0.25, 2.0], attitude_size: [0.1; 3], possible: true };
         let map = Map {
             scene: &FREE,
             forcing: Vec::new(),
@@ -248,7 +248,7 @@ fn draws_do_not_shift_each_other() {
         let turned = draw(Law::None, law, 10, 1, 6);
         assert_eq!(turned.omega, body.omega);
         // Block 1.
-        assert_eq!(turned.attitude, attitude(law, 0.1, body.attitude, uniforms(KEY, 1, 6, 1)));
+        assert_eq!(turned.attitude, attitude(law, [0.1; 3], body.attitude, uniforms(KEY, 1, 6, 1)));
         for other in laws {
             assert_eq!(draw(other, law, 1000, 1, 6).attitude, turned.attitude);
         }

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 import rigid
 from rigid.maps.data import STORED
-from rigid.model.scene import Scene
 
 Floats = NDArray[np.float64]
 
@@ -19,9 +18,7 @@ Floats = NDArray[np.float64]
 NAMED = (*STORED, "samples", "share", "lower", "upper")
 
 
-def small_map(
-    scene: Scene | type[rigid.FreeBody] | type[rigid.HeavyTop] = rigid.FreeBody, **options: Any
-) -> rigid.StabilityMap:
+def small_map(scene: Any = rigid.FreeBody, **options: Any) -> rigid.StabilityMap:
     """An integrated map of 5 x 7 pixels across the flip of a free body, unless told otherwise."""
     chosen: dict[str, Any] = {
         "method": "rk4",

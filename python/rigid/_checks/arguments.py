@@ -37,7 +37,7 @@ __all__ = [
 
 MOST_THREADS = 1024
 
-MESSAGE = 400
+MESSAGE = 800
 """Most characters of a message about the content of a file."""
 
 

@@ -24,7 +24,7 @@ from ..maps.compute import run_map
 from ..maps.data import CLASSES, FAILURES
 from ..maps.file import file_size
 from ..maps.plan import map_plan
-from ..maps.result import StabilityMap
+from ..maps.result import StabilityMap, load_map
 from ..maps.sequential import checked_half_width, stop_table
 from ..maps.spec import MapSpec
 from ..model.seed import seed_from
@@ -36,7 +36,7 @@ from ..sections.starts import on_surface
 from .output import Target, finished, print_list, progress_shown, say, target_of
 from .parser import LONG_SECONDS, SECONDS, USAGE_ERROR, make_parser
 from .running_maps import compute_stored, default_stem, open_and_go_on, run
-from .toml_map import MAPS, builtin_names, read_spec
+from .toml_map import MAPS, NamedSpec, builtin_names, read_spec
 from .toml_report import REPORTS, read_report, report_names
 from .toml_section import SECTIONS, SectionSpec, read_section, section_names
 from .toml_table import read_source
@@ -111,7 +111,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _map(options: argparse.Namespace) -> int:
-    named = read_spec(options.map, options.changes)
+    named = _named_map(options.map, options.changes)
     spec = named.spec
     if options.samples is not None:
         spec = dataclasses.replace(spec, samples=options.samples, half_width=None)
@@ -177,6 +177,17 @@ def _map_facts(name: str, result: StabilityMap) -> dict[str, Any]:
         "threads": result.threads,
         "spec": result.spec.to_dict(),
     }
+
+
+def _named_map(source: str, changes: Any) -> NamedSpec:
+    """The map to compute: built in, in a TOML file, or that of an older result."""
+    path = Path(source)
+    if path.suffix != ".npz":
+        return read_spec(source, changes)
+    if changes:
+        raise ValueError("--set: changes a TOML file; an older result has --samples and --seed")
+    # Beside the older result, which stays as it is.
+    return NamedSpec(f"{path.stem}-again", load_map(path).spec.replace(), seeded=True)
 
 
 def _plan(spec: MapSpec) -> str:

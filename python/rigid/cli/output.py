@@ -11,9 +11,12 @@ from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
+import numpy as np
+
 from .._checks.progress import Progress, ProgressOption, interruptible
 from .._files import published, require_replaceable
 from ..drawing.figure import new_figure
+from ..maps.result import StabilityMap
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -209,8 +212,12 @@ def _saved(result: Result, data: Path, what: str) -> Path:
 
 def _drawn(result: Result, suffix: str) -> bytes:
     """The picture in the format of a suffix."""
-    figure = new_figure()
-    result.plot(figure.add_subplot())
+    if isinstance(result, StabilityMap) and len(result.spec.axes) > 2:
+        # Many pictures in one figure.
+        figure = np.ravel(result.plot())[0].figure
+    else:
+        figure = new_figure()
+        result.plot(figure.add_subplot())
     content = BytesIO()
     figure.savefig(content, format=suffix[1:])
     return content.getvalue()

@@ -62,6 +62,7 @@ MAP: Mapping[str, Key] = {
     **_SCENE_TABLE,
     "x": Key("table", "first axis of the grid"),
     "y": Key("table", "second axis", default="one axis only"),
+    "z": Key("table", "third axis; then axis4, and so on", default="two axes only"),
     "start": Key("table", "how bodies begin, and how they are perturbed"),
     "stable": Key("table", "the criterion"),
     "run": Key("table", "horizon, number of bodies, method"),

@@ -7,7 +7,14 @@ from dataclasses import dataclass
 from decimal import Decimal, localcontext
 
 from .._checks.arguments import finite_float, positive_int
-from ..maps.parameters import PARAMETERS, Axis, check_applicable, make_axes
+from ..maps.parameters import (
+    MOST_AXES,
+    PARAMETERS,
+    Axis,
+    axis_letter,
+    check_applicable,
+    make_axes,
+)
 from ..maps.sequential import checked_half_width, stop_table
 from ..maps.spec import MapSpec
 from ..model.seed import checked_seed, seed_from
@@ -86,9 +93,11 @@ def parse_spec(content: str, file: str, changes: Sequence[str] = ()) -> MapSpec:
         See :func:`read_spec`.
     """
     document = parsed(content, file, changes)
-    document.only(*MAP)
+    letters = [axis_letter(place) for place in range(MOST_AXES)]
+    given = [letter for letter in letters if letter in document]
+    document.only(*dict.fromkeys((*MAP, *letters[: len(given) + 1])))
     scene = read_scene(document.table("scene"))
-    axes = _axes([document.table(letter) for letter in "xy" if letter == "x" or "y" in document])
+    axes = _axes([document.table(letter) for letter in letters[: max(1, len(given))]])
     start = read_start(document.table("start"), [axis.name for axis in axes])
     document.build(lambda: check_applicable(scene, start, axes))
     stable = read_criterion(document.table("stable"), scene, start)
@@ -97,13 +106,15 @@ def parse_spec(content: str, file: str, changes: Sequence[str] = ()) -> MapSpec:
     half_width = run.take("half_width", _half_width, default=None)
     if half_width is not None and "samples" in run:
         raise run.error("samples and half_width exclude each other")
+    # The longest horizon of an axis follows from its values.
+    longest = {"default": 1.0} if "t_end" in (axis.name for axis in axes) else {}
     return run.build(
         lambda: MapSpec(
             scene=scene,
             start=start,
             axes=axes,
             stable=stable,
-            t_end=run.take("t_end", finite_float),
+            t_end=run.take("t_end", finite_float, **longest),
             samples=run.take("samples", positive_int)
             if half_width is None
             else stop_table(half_width).last,
@@ -127,7 +138,10 @@ def _half_width(_key: str, value: object) -> float:
 def _axes(tables: list[Table]) -> tuple[Axis, ...]:
     axes = tuple(_axis(table) for table in tables)
     if len({axis.name for axis in axes}) < len(axes):
-        raise tables[-1].error(f"name = {axes[-1].name!r}: is already that of [x]")
+        names = [axis.name for axis in axes]
+        place = next(place for place, name in enumerate(names) if name in names[:place])
+        first = axis_letter(names.index(names[place]))
+        raise tables[place].error(f"name = {names[place]!r}: is already that of [{first}]")
     return axes
 
 

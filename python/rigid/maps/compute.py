@@ -27,7 +27,8 @@ from ..model.seed import seed_from
 from ..model.start import Start
 from .data import CLASSES
 from .job import Work, to_core
-from .parameters import make_axes
+from .own import OwnScene
+from .parameters import Axis, make_axes
 from .refine import refined
 from .result import StabilityMap
 from .sequential import checked_half_width, stop_table
@@ -45,22 +46,22 @@ def plug_in_store(run_stored: Callable[..., StabilityMap]) -> None:
 
 
 def stability_map(
-    scene: Scene | Body | type[Scene],
+    scene: Scene | Body | type[Scene] | Callable[..., Scene] | MapSpec,
     *,
-    axes: Mapping[str, ArrayLike],
+    axes: Mapping[str, ArrayLike] | None = None,
     samples: int | None = None,
-    t_end: float,
-    stable: Criterion,
+    t_end: float | None = None,
+    stable: Criterion | None = None,
     start: Start | None = None,
     method: str | None = None,
-    step: float | None = MapSpec.step,
-    check: float | None = MapSpec.check,
+    step: float | None = None,
+    check: float | None = None,
     rng: int | np.random.Generator | np.random.SeedSequence | None = None,
     threads: int | None = None,
     progress: ProgressOption = None,
     chunk: int | None = None,
-    max_steps: int = MapSpec.max_steps,
-    title: str | None = MapSpec.title,
+    max_steps: int | None = None,
+    title: str | None = None,
     partial: bool = False,
     store: str | os.PathLike[str] | None = None,
     executor: Any = None,
@@ -79,19 +80,29 @@ def stability_map(
 
     Parameters
     ----------
-    scene : FreeBody, HeavyTop, Body, or one of the first two classes
+    scene : FreeBody, HeavyTop, Body, one of the first two classes, callable, or MapSpec
         A class means its example: ``FreeBody(Body((1.0, 1.5, 2.0)))`` or
-        ``HeavyTop(Body((1.0, 1.0, 0.5)), mgl=1.0)``.
+        ``HeavyTop(Body((1.0, 1.0, 0.5)), mgl=1.0)``. A function makes the scene from its own
+        parameters: its arguments are axes of the map, arrays with a number for each pixel, and it
+        returns a scene of as many bodies. A specification, such as ``result.spec`` of an
+        older map, says everything but ``threads``, ``progress``, ``chunk`` and ``partial``;
+        :meth:`MapSpec.replace` changes it.
     axes : dict of str to array_like, shape (n,)
-        One or two parameters and their values, increasing or decreasing; x first, then y. The
+        Parameters and their values, increasing or decreasing; x first, then y, and so on. The
         values replace those of the scene and the start. Names: ``I1``, ``I2``, ``I3``; ratios such
         as ``I2/I1`` (which sets ``I2``); sides ``a``, ``b``, ``c`` and ``mass`` of a box; ``mgl``
-        of a top, and ``com_tilt``, ``com_turn``: angle of its centre of mass from axis 3, and its
-        azimuth; ``spin``, ``tilt``, ``omega1``, ``omega2``, ``omega3``; ``noise``,
-        ``attitude_noise``: the size of the perturbation that the start names; ``damping1``,
-        ``damping2``, ``damping3`` (N m s): damping of the rates about the axes.
+        of a top, ``com1``, ``com2``, ``com3``: components towards its centre of mass, of which the
+        direction counts, or ``com_tilt``, ``com_turn``: angle of the centre of mass from axis 3,
+        and its azimuth; ``spin``, ``tilt``, ``omega1``, ``omega2``, ``omega3``; ``noise``,
+        ``attitude_noise``: the size of the perturbation that the start names, or of one component:
+        ``noise1``, ``noise2``, ``noise3``, ``attitude_noise1``, ``attitude_noise2``,
+        ``attitude_noise3``; ``damping1``, ``damping2``, ``damping3`` (N m s): damping of the rates
+        about the axes; ``torque1``, ``torque2``, ``torque3`` (N m): constant torque about them;
+        ``limit``: the angle of the criterion; ``t_end``: the horizon. All horizons and limits see
+        the same bodies, each by a run of its own.
     samples : int
-        Bodies per pixel; or give ``half_width``.
+        Bodies per pixel; or give ``half_width``. One of them is required, as ``axes``, ``t_end``
+        and ``stable`` are, unless ``scene`` is a specification.
     t_end : float
         Horizon in s: *stable* means stable until then.
     stable : NoFlip, TiltBelow or Regular
@@ -130,8 +141,8 @@ def stability_map(
         a callable gets a :class:`Progress` after each chunk.
     chunk : int, optional
         Bodies per chunk; by default adapted to about 0.3 s.
-    max_steps : int
-        A body that needs more steps counts as failed.
+    max_steps : int, optional
+        A body that needs more steps counts as failed; by default 1e9.
     title : str, optional
         For plots and files.
     partial : bool
@@ -176,6 +187,8 @@ def stability_map(
     RuntimeError
         If the workers of an executor die. A Dask cluster goes on with other workers, and raises
         ``rigid.store.store.PoisonedError`` at the end if some blocks always killed theirs.
+    TypeError
+        If a required argument is missing, or one contradicts a specification.
     ValueError
         For an unknown name (the nearest is suggested), a name without meaning for this scene and
         start, a value out of range, or ``"exact"`` where a body has no closed form. Impossible
@@ -196,29 +209,29 @@ def stability_map(
     >>> result.plot().get_ylabel()
     'perturbation of the rates (rad/s)'
     """
-    scene = _scene(scene)
-    if (samples is None) == (half_width is None):
-        raise TypeError("samples, half_width: give one of them")
-    if samples is None:
-        samples = stop_table(checked_half_width(half_width)).last
-    spec = MapSpec(
-        scene=scene,
-        start=scene.default_start() if start is None else start,
-        axes=make_axes(axes),
-        stable=stable,
-        t_end=t_end,
-        samples=samples,
-        method=MapSpec.method if method is None else method,
-        step=step,
-        check=check,
-        max_steps=max_steps,
-        half_width=half_width,
-        refine=refine,
-        budget=budget,
-        seed=seed_from(rng),
-        title=title,
-    )
+    asked = {
+        "axes": axes,
+        "samples": samples,
+        "t_end": t_end,
+        "stable": stable,
+        "start": start,
+        "method": method,
+        "step": step,
+        "check": check,
+        "rng": rng,
+        "max_steps": max_steps,
+        "half_width": half_width,
+        "refine": refine,
+        "budget": budget,
+        "title": title,
+    }
+    given = {name: value for name, value in asked.items() if value is not None}
+    spec = _as_it_is(scene, given) if isinstance(scene, MapSpec) else _spec(scene, given)
     if store is not None or executor is not None or part is not None:
+        if spec.own is not None:
+            raise ValueError(
+                "scene: other processes have no functions; give neither store nor executor"
+            )
         if chunk is not None:
             raise ValueError(f"chunk = {brief(chunk)}: has no effect with store or executor")
         if part is not None and store is None:
@@ -226,7 +239,7 @@ def stability_map(
         return _stored[0](
             spec,
             store=store,
-            seeded=rng is not None,
+            seeded=rng is not None or isinstance(scene, MapSpec),
             executor=executor,
             threads=threads,
             threads_per_task=threads_per_task,
@@ -235,6 +248,51 @@ def stability_map(
             partial=partial,
         )
     return run_map(spec, threads=threads, progress=progress, chunk=chunk, partial=partial)
+
+
+def _as_it_is(spec: MapSpec, given: Mapping[str, Any]) -> MapSpec:
+    """A specification that is run again, by this version of rigid."""
+    if given:
+        name, value = next(iter(given.items()))
+        field = "seed" if name == "rng" else name
+        raise TypeError(
+            f"{name} = {brief(value)}: the specification has its own; change it by "
+            f"spec.replace({field}=...)"
+        )
+    return spec.replace()
+
+
+def _spec(
+    scene: Scene | Body | type[Scene] | Callable[..., Scene], given: dict[str, Any]
+) -> MapSpec:
+    if isinstance(given.get("axes"), Mapping) and "t_end" in given["axes"]:
+        given.setdefault("t_end", 1.0)  # the longest one is taken from the values
+    missing = [name for name in ("axes", "t_end", "stable") if name not in given]
+    if missing:
+        raise TypeError(f"stability_map() misses {' and '.join(missing)}")
+    if ("samples" in given) == ("half_width" in given):
+        raise TypeError("samples, half_width: give one of them")
+    if "samples" not in given:
+        given["samples"] = stop_table(checked_half_width(given["half_width"])).last
+    if not isinstance(scene, type | Scene | Body) and callable(scene):
+        known, given["own"], given["axes"] = _own_scene(scene, given["axes"])
+    else:
+        known = _scene(scene)
+        given["axes"] = make_axes(given["axes"])
+    given.setdefault("start", known.default_start())
+    return MapSpec(scene=known, seed=seed_from(given.pop("rng", None)), **given)
+
+
+def _own_scene(
+    function: Callable[..., Any], given: Mapping[str, ArrayLike]
+) -> tuple[Scene, OwnScene, tuple[Axis, ...]]:
+    """The scene of the first pixel, the function that makes those of all, and the axes."""
+    if not isinstance(given, Mapping):
+        make_axes(given)
+    own = OwnScene.of(function, given)
+    axes = make_axes(given, own.names)
+    first = own.made({axis.name: np.array(axis.values[:1]) for axis in axes})
+    return (first[0] if first.shape else first), own, axes
 
 
 def run_map(

@@ -187,7 +187,10 @@ class MapData:
 
     @property
     def resolution(self) -> float:
-        """The smallest exponent (1/s) that the horizon can show; NaN if none is measured."""
+        """The smallest exponent (1/s) that the horizon can show; NaN if none is measured.
+
+        Where the horizon is an axis, that of the longest one.
+        """
         stable = self.spec.stable
         return stable.resolution(self.spec.t_end) if isinstance(stable, Regular) else math.nan
 
@@ -198,7 +201,7 @@ class MapData:
         The exponent of a body is the logarithm of the growth of its displacement over the time that
         it ran.
         """
-        return self._mean("growth") / self.spec.t_end
+        return self._mean("growth") / self.spec.horizons
 
     @property
     def mean_megno(self) -> NDArray[np.float64]:

@@ -18,9 +18,11 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
-from .._checks.arguments import first_place, one_line
+from .._checks.arguments import one_line
 from .._files import published
-from .data import CLASSES, FAILURES, STATUS, STORED, MapData
+from .counts import GROWTH, check_counts
+from .data import STORED, MapData
+from .parameters import MOST_AXES, axis_letter
 from .spec import MapSpec
 
 if TYPE_CHECKING:
@@ -32,11 +34,10 @@ __all__ = ["file_size", "read_map", "write_map"]
 FORMAT = "rigid stability map"
 FORMAT_VERSION = 6
 _AUDIT = frozenset({"audited", "audited_undecided"})
-_GROWTH = frozenset({"growth", "megno", "largest_exponent"})
 MISSING_IN: Mapping[int, frozenset[str]] = {
-    3: _AUDIT | _GROWTH | {"unit_drift"},
-    4: _AUDIT | _GROWTH,
-    5: _GROWTH,
+    3: _AUDIT | GROWTH | {"unit_drift"},
+    4: _AUDIT | GROWTH,
+    5: GROWTH,
     6: frozenset(),
 }
 """The formats that are read, and the arrays of :data:`STORED` that their files do not have."""
@@ -70,8 +71,8 @@ def write_map(data: MapData, path: str | os.PathLike[str]) -> Path:
 
     target = Path(path)
     arrays: dict[str, NDArray[Any]] = {_SPEC: np.frombuffer(_header(data.spec), dtype=np.uint8)}
-    for name, axis in zip(("x", "y"), data.spec.axes, strict=False):
-        arrays[name] = np.array(axis.values)
+    for place, axis in enumerate(data.spec.axes):
+        arrays[axis_letter(place)] = np.array(axis.values)
     for name in (*STORED, *_DERIVED):
         arrays[name] = getattr(data, name)
     with published(target) as whole:
@@ -177,11 +178,15 @@ def _read(file: BinaryIO) -> tuple[MapSpec, dict[str, NDArray[Any]]]:
         # Checks did not depend on outcomes then: all were audits.
         arrays["audited"] = arrays["checked"]
         arrays["audited_undecided"] = np.minimum(arrays["checked"], arrays["undecided"])
-    for name in MISSING_IN[version] & _GROWTH:
+    for name in MISSING_IN[version] & GROWTH:
         # No displacement was integrated then.
         unknown = 0 if STORED[name] == np.int64 else np.nan
         arrays[name] = np.full(spec.shape, unknown, dtype=STORED[name])
-    _check_counts(spec, arrays)
+
+    def refuse(message: str) -> None:
+        raise _FileError(f"is damaged: {message}")
+
+    check_counts(spec, arrays, refuse)
     return spec, arrays
 
 
@@ -217,7 +222,7 @@ def _specification(data: Any, most: int) -> MapSpec:
     """The specification of a file whose arrays have at most so many pixels."""
     try:
         axes = [len(axis["values"]) for axis in data["axes"]]
-        if len(axes) > 2 or math.prod(axes) > most:
+        if len(axes) > MOST_AXES or math.prod(axes) > most:
             raise ValueError(f"axes: {len(axes)} of lengths {axes}, the arrays are smaller")
         return MapSpec.from_dict(data)
     except Exception as error:  # the text may hold anything
@@ -244,28 +249,3 @@ def _read_array(
             raise _FileError(f"is damaged: {name} has not the size of its shape {found}")
         content = np.frombuffer(file.read(), dtype=kind)
     return content.reshape(found, order="F" if fortran else "C").astype(dtype)
-
-
-def _check_counts(spec: MapSpec, arrays: Mapping[str, NDArray[Any]]) -> None:
-    """Refuse numbers that no computation gives."""
-
-    def refuse_where(bad: NDArray[np.bool_], name: str, rule: str) -> None:
-        if bad.any():
-            index, place = first_place(bad)
-            raise _FileError(f"is damaged: {name}{place} = {arrays[name][index]}: {rule}")
-
-    refuse_where(arrays["status"] >= len(STATUS), "status", "is no known code")
-    most = np.where(arrays["status"] == 0, spec.samples, 0)
-    for name, array in arrays.items():
-        if name not in _GROWTH:
-            refuse_where(array < 0, name, "must not be negative")
-        if name in CLASSES:
-            refuse_where(array > most, name, f"more bodies than samples, {spec.samples}")
-    done = np.sum([arrays[name] for name in CLASSES], axis=0)
-    refuse_where(done > most, CLASSES[0], f"the classes have more bodies than {spec.samples}")
-    for name in (*FAILURES, "checked", "exact"):
-        refuse_where(arrays[name] > done, name, "more bodies than the classes")
-    for name, whole in (("audited", "checked"), ("audited_undecided", "undecided")):
-        refuse_where(arrays[name] > arrays[whole], name, f"more bodies than {whole}")
-    failures = np.sum([arrays[name] for name in FAILURES], axis=0)
-    refuse_where(failures != arrays["failed"], "failed", "must be the sum of its reasons")

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from math import prod
 
@@ -17,7 +16,7 @@ from ..model.scene import Scene
 from ..model.start import Start, tilted_attitude, tilted_rates
 from ..model.torque import Torque, checked_damping, forcing_of
 from ..solve.batch import Batch
-from .parameters import Axis, PixelValues
+from .parameters import Axis, PixelValues, in_order
 
 __all__ = ["NominalStarts", "grid_shape", "nominal_starts"]
 
@@ -32,13 +31,17 @@ class NominalStarts:
     ----------
     scene : FreeBody or HeavyTop
         The scene whose numbers the axes replace.
+    made : FreeBody or HeavyTop, or None
+        The scene of all pixels, if a function of the user made it.
     moments : (P, 3) principal moments
     weight : (P, 3) ``mgl * com``, zero for a free body
     own : the numbers of the scene's own that may vary, such as ``mgl``, (P,) or (P, 3) each
     omega, omega_size : (P, 3) nominal rates and size of their noise, rad/s
     attitude : (P, 4) nominal attitude (w, x, y, z)
-    tilt, attitude_size : (P,) rad
+    tilt : (P,) rad
+    attitude_size : (P, 3) sizes of the rotation vectors of the attitude noise, rad
     damping : (P, 3, 3), or None if nothing damps
+    torque : (P, 3) constant torque in the body, or None if the axes set none
     """
 
     scene: Scene
@@ -51,6 +54,8 @@ class NominalStarts:
     tilt: Floats
     attitude_size: Floats
     damping: Floats | None
+    torque: Floats | None
+    made: Scene | None = None
 
     def __post_init__(self) -> None:
         for column in fields(self):
@@ -61,21 +66,45 @@ class NominalStarts:
     @cached_property
     def forcings(self) -> list[_core.Forcing] | None:
         """Applied torque and damping of each pixel; None if no pixel has any."""
-        torque = self.scene.torque
-        satellite = self.scene.satellite
-        if self.damping is None and torque is None and satellite is None:
+        scene = self.scene
+        if self.made is not None:
+            return self._forcings_of_each(self.made)
+        if all(one is None for one in (self.damping, self.torque, scene.torque, scene.satellite)):
             return None
-        damping = np.zeros((1, 3, 3)) if self.damping is None else self.damping
+        count = len(self.moments)
+        damping = np.zeros((count, 3, 3)) if self.damping is None else self.damping
+        torque = np.zeros((count, 3)) if self.torque is None else self.torque
+        rows = np.concatenate([damping.reshape(-1, 9), torque], axis=1)
         # Pixels of a row mostly share theirs.
-        known, of_pixel = np.unique(damping.reshape(-1, 9), axis=0, return_inverse=True)
+        known, of_pixel = np.unique(rows, axis=0, return_inverse=True)
         # Under a torque of zero, bodies without damping are integrated like their neighbours.
         none = Torque.body((0.0, 0.0, 0.0))
         made = [
-            forcing_of(torque or none, checked_damping(matrix.reshape(3, 3)), satellite=satellite)
-            for matrix in known
+            forcing_of(
+                self._torque(row[9:]) or none,
+                checked_damping(row[:9].reshape(3, 3)),
+                satellite=scene.satellite,
+            )
+            for row in known
         ]
         every = [one for one in made if one is not None]
-        return [every[k] for k in np.broadcast_to(of_pixel.ravel(), len(self.moments))]
+        return [every[k] for k in of_pixel.ravel()]
+
+    def _forcings_of_each(self, made: Scene) -> list[_core.Forcing] | None:
+        """Applied torque and damping of each pixel, where all of these may differ."""
+        if not made.is_driven and self.damping is None and self.torque is None:
+            return None
+        none = forcing_of(Torque.body((0.0, 0.0, 0.0)), None)
+        assert none is not None
+        return [self.scene_of(pixel).forcing or none for pixel in range(len(self.moments))]
+
+    def _torque(self, in_body: Floats) -> Torque | None:
+        """The torque of a pixel whose axes set this part of it."""
+        given = self.scene.torque
+        if self.torque is None:
+            return given
+        part = Torque.body(in_body)
+        return part if given is None else replace(given, in_body=part.in_body)
 
     def batches_by_forcing(
         self, of_pixel: NDArray[np.intp], omega: Floats, attitude: Floats
@@ -117,11 +146,15 @@ class NominalStarts:
             name: float(column[pixel]) if column.ndim == 1 else tuple(column[pixel].tolist())
             for name, column in self.own.items()
         }
-        return self.scene.replaced(Body((i1, i2, i3)), damping, **own)
+        base = self.scene if self.made is None or not self.made.shape else self.made[pixel]
+        scene = base.replaced(Body((i1, i2, i3)), damping, **own)
+        if self.torque is not None:
+            object.__setattr__(scene, "torque", self._torque(self.torque[pixel]))
+        return scene
 
 
 def grid_shape(axes: tuple[Axis, ...]) -> tuple[int, ...]:
-    """Shape of the arrays of a map: ``(ny, nx)`` or ``(nx,)``."""
+    """Shape of the arrays of a map: ``(..., ny, nx)``, the first axis last."""
     return tuple(len(axis.values) for axis in reversed(axes))
 
 
@@ -130,24 +163,26 @@ def nominal_starts(
     start: Start,
     axes: tuple[Axis, ...] = (),
     index: NDArray[np.int64] | None = None,
+    made: Scene | None = None,
 ) -> NominalStarts:
     """The nominal start of every pixel of a grid that :func:`check_applicable` accepts.
 
     Without axes there is one pixel: the nominal start of the scene. With ``index`` only the pixels
-    with these numbers in C order are made, a row for each.
+    with these numbers in C order are made, a row for each. ``made`` is the scene of all pixels if a
+    function of the user made it.
     """
     shape = grid_shape(axes)
     flat = np.arange(prod(shape)) if index is None else index
     count = len(flat)
-    pixels = _without_axes(scene, start, count)
-    places = reversed(np.unravel_index(flat, shape)) if axes else ()
-    settings = [
-        (axis.parameter, np.array(axis.values)[place])
-        for axis, place in zip(axes, places, strict=True)
-    ]
-    moments_set = {parameter.sets for parameter, _ in settings} - {None}
-    for parameter, values in sorted(settings, key=lambda one: one[0].reads in moments_set):
-        parameter.apply(pixels, values)
+    if made is not None and made.shape and index is not None:
+        made = made[index]
+    pixels = _without_axes(made or scene, start, count)
+    places = list(reversed(np.unravel_index(flat, shape))) if axes else []
+    for k in in_order(axes):
+        axes[k].parameter.apply(pixels, np.array(axes[k].values)[places[k]])
+    if "com" in pixels.own and not np.isfinite(pixels.own["com"]).all():
+        raise ValueError("axes: com1, com2 and com3 must not all be zero: they are a direction")
+    kinds = {axis.parameter.describes for axis in axes}
     upright = np.zeros(count)
     if scene.directions:
         attitude, rates_tilt = tilted_attitude(start.axis, pixels.tilt), upright
@@ -156,7 +191,6 @@ def nominal_starts(
     omega = pixels.omega
     if start.omega is None:
         omega = tilted_rates(pixels.spin, start.axis, rates_tilt)
-    damped = any(parameter.describes == "damping" for parameter, _ in settings)
     return NominalStarts(
         scene=scene,
         moments=pixels.moments,
@@ -167,7 +201,11 @@ def nominal_starts(
         attitude=attitude,
         tilt=pixels.tilt,
         attitude_size=pixels.attitude_size,
-        damping=pixels.damping if damped or scene.damping is not None else None,
+        damping=pixels.damping
+        if "damping" in kinds or (made or scene).damping is not None
+        else None,
+        torque=pixels.torque if "torque" in kinds else None,
+        made=made,
     )
 
 
@@ -177,31 +215,42 @@ def _without_axes(scene: Scene, start: Start, count: int) -> PixelValues:
     noise = 0.0 if start.noise is None else start.noise.size
     attitude_noise = 0.0 if start.attitude_noise is None else start.attitude_noise.size
 
-    def each(value: ArrayLike) -> Floats:
-        one = np.asarray(value, dtype=np.float64)
-        return np.broadcast_to(one, (count, *one.shape)).copy()
+    def each(value: ArrayLike, width: int = 0) -> Floats:
+        """A number of all bodies, or of each; ``width`` axes are those of one."""
+        array = np.asarray(value, dtype=np.float64)
+        shape = array.shape[array.ndim - width :]
+        return np.broadcast_to(array, (count, *shape)).copy()
 
-    com_tilt, com_turn = _angles_of_com(scene)
+    torque = np.zeros(3) if scene.torque is None else np.asarray(scene.torque.in_body)[..., 0, :]
+    com = each(getattr(scene, "com", (0.0, 0.0, 1.0)), 1)
+    com_tilt, com_turn = _angles_of_com(com)
     return PixelValues(
-        moments=each(body.moments),
-        sides=each((np.nan,) * 3 if body.sides is None else body.sides),
+        moments=each(body.moments, 1),
+        sides=each((np.nan,) * 3 if body.sides is None else body.sides, 1),
         mass=each(np.nan if body.mass is None else body.mass),
         own={
-            name: each(getattr(scene, name)) for name, field in scene.fields.items() if field.varies
+            name: each(getattr(scene, name), int(field.width > 1))
+            for name, field in scene.fields.items()
+            if field.varies
         },
-        com_tilt=each(com_tilt),
-        com_turn=each(com_turn),
-        damping=each(np.zeros((3, 3)) if scene.damping is None else scene.damping),
+        com=com,
+        com_tilt=com_tilt,
+        com_turn=com_turn,
+        damping=each(np.zeros((3, 3)) if scene.damping is None else scene.damping, 2),
+        torque=each(torque, 1),
         spin=each(start.spin or 0.0),
         tilt=each(start.tilt),
-        omega=each(start.omega or (0.0, 0.0, 0.0)),
-        omega_size=each(np.broadcast_to(noise, (3,))),
-        attitude_size=each(attitude_noise),
+        omega=each(start.omega or (0.0, 0.0, 0.0), 1),
+        omega_size=each(np.broadcast_to(noise, (3,)), 1),
+        attitude_size=each(np.broadcast_to(attitude_noise, (3,)), 1),
     )
 
 
-def _angles_of_com(scene: Scene) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Cosine and sine of both angles of the centre of mass; on axis 3 its azimuth is 0."""
-    first, second, along = getattr(scene, "com", (0.0, 0.0, 1.0))
-    across = math.sqrt(first * first + second * second)
-    return (along, across), (first / across, second / across) if across > 0.0 else (1.0, 0.0)
+def _angles_of_com(com: Floats) -> tuple[Floats, Floats]:
+    """Cosine and sine of both angles of centres of mass; on axis 3 the azimuth is 0."""
+    first, second, along = com.T
+    across = np.sqrt(first * first + second * second)
+    off = across > 0.0
+    length = np.where(off, across, 1.0)
+    turn = np.where(off, first / length, 1.0), np.where(off, second / length, 0.0)
+    return np.stack([along, across], axis=1), np.stack(turn, axis=1)

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable, Iterator
+from typing import Any, TypeAlias
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,14 +14,101 @@ from .grid import nominal_starts
 from .sequential import LOOK
 from .spec import MapSpec
 
-__all__ = ["Work", "spans", "to_core"]
+__all__ = ["Job", "Jobs", "Work", "spans", "to_core"]
+
+
+class Jobs:
+    """The requests of the parts of a map, together: the interface of ``_core.MapJob``.
+
+    Parameters
+    ----------
+    jobs : list of (MapJob, ndarray of int64)
+        The request of each part, and which of all pixels asked for are its own, ascending.
+    samples : int
+        Samples of each pixel.
+    """
+
+    def __init__(self, jobs: list[tuple[_core.MapJob, NDArray[np.int64]]], samples: int) -> None:
+        self._jobs, self._samples = jobs, samples
+        self.status = np.empty(sum(len(rows) for _, rows in jobs), dtype=np.uint8)
+        for job, rows in jobs:
+            self.status[rows] = job.status
+
+    def run(
+        self,
+        start: int,
+        stop: int,
+        threads: int,
+        interrupted: Callable[[], bool] | None = None,
+    ) -> dict[str, Any] | None:
+        """As ``MapJob.run``: the range is one range of each part."""
+        first, last = start // self._samples, -(-stop // self._samples)
+        merged: dict[str, Any] = {"first": first}
+        for job, rows in self._jobs:
+            begin, end = (self._within(rows, sample) for sample in (start, stop))
+            if begin == end:
+                continue
+            part = job.run(begin, end, threads, interrupted)
+            if part is None:
+                return None
+            at = rows[begin // self._samples : -(-end // self._samples)] - first
+            for name, values in part.items():
+                if name != "first":
+                    merged.setdefault(name, np.empty(last - first, dtype=values.dtype))
+                    merged[name][at] = values
+        return merged
+
+    def _within(self, rows: NDArray[np.int64], sample: int) -> int:
+        """How many samples of these rows come before a sample of all."""
+        row, within = divmod(sample, self._samples)
+        before = int(np.searchsorted(rows, row))
+        is_own = before < len(rows) and rows[before] == row
+        return before * self._samples + (within if is_own else 0)
+
+    def sample(self, pixel: int, sample: int) -> dict[str, Any]:
+        """As ``MapJob.sample``."""
+        for job, rows in self._jobs:
+            at = int(np.searchsorted(rows, pixel))
+            if at < len(rows) and rows[at] == pixel:
+                return job.sample(at, sample)
+        raise ValueError(f"pixel = {pixel} of {len(self.status)}: must be an index")
+
+    def starts(self, samples: NDArray[np.uint64]) -> list[NDArray[np.float64]]:
+        """As ``MapJob.starts``."""
+        omega, attitude = (np.empty((len(samples), width)) for width in (3, 4))
+        for job, mine, own in self._split(samples):
+            found = job.starts(own)
+            omega[mine], attitude[mine] = found[0].reshape(-1, 3), found[1].reshape(-1, 4)
+        return [omega.ravel(), attitude.ravel()]
+
+    def outcomes(self, samples: NDArray[np.uint64], threads: int) -> dict[str, NDArray[Any]]:
+        """As ``MapJob.outcomes``."""
+        merged: dict[str, NDArray[Any]] = {}
+        for job, mine, own in self._split(samples):
+            for name, values in job.outcomes(own, threads).items():
+                merged.setdefault(name, np.empty(len(samples), dtype=values.dtype))
+                merged[name][mine] = values
+        return merged
+
+    def _split(
+        self, samples: NDArray[np.uint64]
+    ) -> Iterator[tuple[_core.MapJob, NDArray[np.intp], NDArray[np.uint64]]]:
+        """The request of each part with its own of the samples, and their numbers there."""
+        pixel, within = np.divmod(samples.astype(np.int64), self._samples)
+        for job, rows in self._jobs:
+            mine = np.flatnonzero(np.isin(pixel, rows))
+            own = np.searchsorted(rows, pixel[mine]) * self._samples + within[mine]
+            yield job, mine, own.astype(np.uint64)
+
+
+Job: TypeAlias = _core.MapJob | Jobs
 
 
 def to_core(
     spec: MapSpec,
     pixels: NDArray[np.int64] | None = None,
     samples: range | None = None,
-) -> _core.MapJob:
+) -> Job:
     """The request of a specification, as the core reads it.
 
     Parameters
@@ -30,6 +121,20 @@ def to_core(
         The samples of each pixel, by default all. The first is a multiple of 64.
     """
     samples = samples or range(spec.samples)
+    if len(spec.parts) == 1 and spec.parts[0].spec is spec:
+        return _one(spec, pixels, samples)
+    asked = np.arange(math.prod(spec.shape)) if pixels is None else pixels
+    jobs = []
+    for part in spec.parts:
+        rows = np.flatnonzero(np.isin(asked, part.pixels))
+        if len(rows):
+            own = np.searchsorted(part.pixels, asked[rows])
+            jobs.append((_one(part.spec, own, samples), rows))
+    return Jobs(jobs, len(samples))
+
+
+def _one(spec: MapSpec, pixels: NDArray[np.int64] | None, samples: range) -> _core.MapJob:
+    """The request of a map of one horizon and one limit."""
     grid = spec.grid
     if pixels is not None:
         grid = nominal_starts(spec.scene, spec.start, spec.axes, pixels)

@@ -5,7 +5,7 @@ A new parameter is one row of :data:`PARAMETERS`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import pi
 from typing import TypeAlias
@@ -18,7 +18,17 @@ from .._moments import box_moments
 from ..model.scene import Scene
 from ..model.start import Start, cos_sin
 
-__all__ = ["PARAMETERS", "Axis", "Parameter", "PixelValues", "check_applicable", "make_axes"]
+__all__ = [
+    "MOST_AXES",
+    "PARAMETERS",
+    "Axis",
+    "Parameter",
+    "PixelValues",
+    "axis_letter",
+    "check_applicable",
+    "in_order",
+    "make_axes",
+]
 
 Floats = NDArray[np.float64]
 
@@ -36,16 +46,20 @@ class PixelValues:
     own : dict of str to ndarray, shape (P,)
         The numbers of the scene's own that may vary, such as ``mgl`` (J) of a heavy top; vectors
         have the shape (P, 3).
+    com : ndarray, shape (P, 3)
+        Components towards the centre of mass, of any length.
     com_tilt, com_turn : ndarray, shape (P, 2)
         Cosine and sine of the angle from axis 3 to the centre of mass, and of its azimuth from
         axis 1 towards axis 2.
     damping : ndarray, shape (P, 3, 3)
         Damping in the principal axes, N m s.
+    torque : ndarray, shape (P, 3)
+        Constant torque in the body, N m.
     spin, tilt : ndarray, shape (P,)
         Rate about the axis of the start (rad/s) and angle to it (rad).
     omega : ndarray, shape (P, 3)
         Rates of a start that is given by its rates (rad/s).
-    omega_size, attitude_size : ndarray, shapes (P, 3), (P,)
+    omega_size, attitude_size : ndarray, shape (P, 3)
         Sizes of the noise, rad/s and rad.
     """
 
@@ -53,9 +67,11 @@ class PixelValues:
     sides: Floats
     mass: Floats
     own: dict[str, Floats]
+    com: Floats
     com_tilt: Floats
     com_turn: Floats
     damping: Floats
+    torque: Floats
     spin: Floats
     tilt: Floats
     omega: Floats
@@ -90,8 +106,9 @@ class Parameter:
         The moment or number of the scene that the parameter sets, if it has another name, and the
         moment that it needs: it is applied after the parameter that sets what it reads.
     describes : str or None
-        ``"moments"``, ``"box"`` or ``"damping"`` for a parameter of these; moments and box exclude
-        each other.
+        What the parameter is one of, such as ``"moments"``; some kinds exclude each other.
+    of_run : bool
+        Whether it is a number of the whole request, such as the horizon, and not one of a body.
     lowest, highest : float
         Range of the values.
     open_end : bool
@@ -109,6 +126,7 @@ class Parameter:
     lowest: float = -np.inf
     highest: float = np.inf
     open_end: bool = False
+    of_run: bool = False
 
     @property
     def rule(self) -> str:
@@ -165,6 +183,19 @@ def _com(name: str) -> Apply:
     return apply
 
 
+def _com_component(index: int) -> Apply:
+    """Set one component towards the centre of mass; the direction counts, the length does not."""
+
+    def apply(pixels: PixelValues, values: Floats) -> None:
+        pixels.com[:, index] = values
+        first, second, third = pixels.com.T
+        with np.errstate(invalid="ignore", over="ignore"):
+            length = np.sqrt(first * first + second * second + third * third)
+            pixels.own["com"] = pixels.com / length[:, np.newaxis]
+
+    return apply
+
+
 def _box(apply_to_box: Apply) -> Apply:
     """Replace a side or the mass of a box, and let the moments follow."""
 
@@ -186,8 +217,17 @@ def _ratio(i: int, j: int) -> Apply:
     return apply
 
 
-def _noise(pixels: PixelValues, values: Floats) -> None:
-    pixels.omega_size[:] = values[:, np.newaxis]
+def _every_component(name: str) -> Apply:
+    """Replace all components of an array by one number."""
+
+    def apply(pixels: PixelValues, values: Floats) -> None:
+        getattr(pixels, name)[:] = values[:, np.newaxis]
+
+    return apply
+
+
+def _nothing(_pixels: PixelValues, _values: Floats) -> None:
+    """Set nothing in the pixels: the parameter is one of the whole request."""
 
 
 # Where each parameter applies
@@ -214,6 +254,12 @@ def _needs_diagonal_damping(scene: Scene, _start: Start) -> str:
     return ""
 
 
+def _needs_constant_torque(scene: Scene, _start: Start) -> str:
+    if scene.torque is not None and scene.torque.times:
+        return "the torque of the scene is a table"
+    return ""
+
+
 def _needs_spin(_scene: Scene, start: Start) -> str:
     if start.spin is None:
         return "the start is given by omega; use omega1, omega2, omega3 or Start(spin=...)"
@@ -230,15 +276,33 @@ def _needs_omega(_scene: Scene, start: Start) -> str:
     return "the start is given by spin; use Start(omega=...)" if start.omega is None else ""
 
 
-def _needs_noise(_scene: Scene, start: Start) -> str:
+def _needs_size_of_noise(_scene: Scene, start: Start) -> str:
     if start.noise is None:
         return "the start has no noise; say its kind, as in Start(noise=rigid.normal(0))"
+    return ""
+
+
+def _needs_noise(scene: Scene, start: Start) -> str:
+    reason = _needs_size_of_noise(scene, start)
+    if reason:
+        return reason
+    assert start.noise is not None
     if isinstance(start.noise.size, tuple):
         return "the noise of the start has a size for each component; give it a single one"
     return ""
 
 
 def _needs_attitude_noise(scene: Scene, start: Start) -> str:
+    reason = _needs_size_of_attitude_noise(scene, start)
+    if reason:
+        return reason
+    assert start.attitude_noise is not None
+    if isinstance(start.attitude_noise.size, tuple):
+        return "the attitude noise has a size for each component; give it a single one"
+    return ""
+
+
+def _needs_size_of_attitude_noise(scene: Scene, start: Start) -> str:
     if not scene.rates_need_attitude:
         return f"{_ATTITUDE_UNFELT}; use noise"
     if start.attitude_noise is None:
@@ -308,6 +372,18 @@ PARAMETERS: Mapping[str, Parameter] = {
         _needs_weight,
         lowest=0.0,
     ),
+    **{
+        f"com{k}": Parameter(
+            f"$c_{k}$",
+            "1",
+            f"component {k} towards the centre of mass; only the direction counts",
+            _com_component(k - 1),
+            _needs_weight,
+            sets="com",
+            describes="com component",
+        )
+        for k in (1, 2, 3)
+    },
     "com_tilt": Parameter(
         "tilt of the centre of mass",
         "rad",
@@ -315,6 +391,7 @@ PARAMETERS: Mapping[str, Parameter] = {
         _com("com_tilt"),
         _needs_weight,
         sets="com",
+        describes="com angle",
         lowest=0.0,
         highest=pi,
     ),
@@ -325,6 +402,7 @@ PARAMETERS: Mapping[str, Parameter] = {
         _com("com_turn"),
         _needs_weight,
         sets="com",
+        describes="com angle",
         lowest=-2.0 * pi,
         highest=2.0 * pi,
     ),
@@ -337,6 +415,17 @@ PARAMETERS: Mapping[str, Parameter] = {
             _needs_diagonal_damping,
             describes="damping",
             lowest=0.0,
+        )
+        for k in (1, 2, 3)
+    },
+    **{
+        f"torque{k}": Parameter(
+            f"$N_{k}$",
+            "N m",
+            f"constant torque about body axis {k}",
+            _component("torque", k - 1),
+            _needs_constant_torque,
+            describes="torque",
         )
         for k in (1, 2, 3)
     },
@@ -366,20 +455,70 @@ PARAMETERS: Mapping[str, Parameter] = {
         "perturbation of the rates",
         "rad/s",
         "size of the rate noise",
-        _noise,
+        _every_component("omega_size"),
         _needs_noise,
+        describes="noise",
         lowest=0.0,
     ),
+    **{
+        f"noise{k}": Parameter(
+            rf"perturbation of $\omega_{k}$",
+            "rad/s",
+            f"size of the noise of rate {k}",
+            _component("omega_size", k - 1),
+            _needs_size_of_noise,
+            describes="noise component",
+            lowest=0.0,
+        )
+        for k in (1, 2, 3)
+    },
     "attitude_noise": Parameter(
         "perturbation of the attitude",
         "rad",
         "size of the attitude noise",
-        _whole("attitude_size"),
+        _every_component("attitude_size"),
         _needs_attitude_noise,
+        describes="attitude noise",
         lowest=0.0,
+    ),
+    **{
+        f"attitude_noise{k}": Parameter(
+            f"perturbation of the attitude about axis {k}",
+            "rad",
+            f"size of component {k} of the rotation vector of the attitude noise",
+            _component("attitude_size", k - 1),
+            _needs_size_of_attitude_noise,
+            describes="attitude noise component",
+            lowest=0.0,
+        )
+        for k in (1, 2, 3)
+    },
+    "limit": Parameter(
+        "limit",
+        "rad",
+        "angle that the criterion allows",
+        _nothing,
+        lowest=0.0,
+        highest=pi,
+        open_end=True,
+        of_run=True,
+    ),
+    "t_end": Parameter(
+        "$t_{end}$", "s", "horizon", _nothing, lowest=0.0, open_end=True, of_run=True
     ),
 }
 """The parameters by name, in the order of messages and of the documentation."""
+
+MOST_AXES = 32
+"""As many as all versions of NumPy allow."""
+
+EXCLUSIVE = (
+    ("box", "moments", "the moments of a box follow from its sides"),
+    ("com angle", "com component", "both say where the centre of mass is"),
+    ("noise", "noise component", "both say how large the noise is"),
+    ("attitude noise", "attitude noise component", "both say how large the noise is"),
+)
+"""Kinds of parameters that exclude each other, and why."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -388,11 +527,13 @@ class Axis:
 
     name: str
     values: tuple[float, ...]
+    own: bool = False
+    """Whether it is an argument of the function that makes the scene."""
 
     @property
     def parameter(self) -> Parameter:
         """The row of :data:`PARAMETERS` that the axis varies."""
-        return PARAMETERS[self.name]
+        return _own_parameter(self.name) if self.own else PARAMETERS[self.name]
 
     @property
     def unit(self) -> str:
@@ -420,24 +561,33 @@ class Axis:
         return f"{self.name} from {self.values[0]:g} to {self.values[-1]:g}{unit} ({count})"
 
 
-def make_axes(axes: Mapping[str, ArrayLike]) -> tuple[Axis, ...]:
+def _own_parameter(name: str) -> Parameter:
+    """The parameter of a function that makes the scene."""
+    return Parameter(name, "1", "argument of the function of the scene", _nothing)
+
+
+def make_axes(axes: Mapping[str, ArrayLike], own: Container[str] = ()) -> tuple[Axis, ...]:
     """The axes of a map from names and values; x first, then y.
+
+    The names in ``own`` are arguments of the function that makes the scene.
 
     Raises
     ------
     ValueError
-        For an unknown name, more than two axes, or values that are not finite, not one-dimensional,
-        not strictly increasing or decreasing, or out of the range of the parameter.
+        For an unknown name, no axes or more than 32, or values that are not finite, not
+        one-dimensional, not strictly increasing or decreasing, or out of range.
     """
     if not isinstance(axes, Mapping):
         raise TypeError(f"axes = {brief(axes)}: must be a dict of names and values")
-    if len(axes) not in (1, 2):
-        raise ValueError(f"axes: expected 1 or 2 parameters (x, then y), got {len(axes)}")
-    return tuple(_axis(name, values) for name, values in axes.items())
+    if not 1 <= len(axes) <= MOST_AXES:
+        raise ValueError(
+            f"axes: expected 1 to {MOST_AXES} parameters (x, then y, ...), got {len(axes)}"
+        )
+    return tuple(_axis(name, values, name in own) for name, values in axes.items())
 
 
-def _axis(name: str, values: ArrayLike) -> Axis:
-    if name not in PARAMETERS:
+def _axis(name: str, values: ArrayLike, own: bool) -> Axis:
+    if not own and name not in PARAMETERS:
         raise ValueError(
             f"axes: unknown parameter {brief(name)}{nearest(name, PARAMETERS)}"
             f" (known: {', '.join(PARAMETERS)})"
@@ -451,11 +601,12 @@ def _axis(name: str, values: ArrayLike) -> Axis:
     steps = np.diff(array)
     if not ((steps > 0).all() or (steps < 0).all()):
         raise ValueError(f"axes[{name!r}]: must increase or decrease strictly")
-    rejected = np.flatnonzero(PARAMETERS[name].rejects(array))
+    axis = Axis(name, tuple(array.tolist()), own)
+    rejected = np.flatnonzero(axis.parameter.rejects(array))
     if rejected.size:
         bad = int(rejected[0])
-        raise ValueError(f"axes[{name!r}][{bad}] = {array[bad]:g}: {PARAMETERS[name].rule}")
-    return Axis(name, tuple(array.tolist()))
+        raise ValueError(f"axes[{name!r}][{bad}] = {array[bad]:g}: {axis.parameter.rule}")
+    return axis
 
 
 def check_applicable(scene: Scene, start: Start, axes: Iterable[Axis]) -> None:
@@ -464,28 +615,53 @@ def check_applicable(scene: Scene, start: Start, axes: Iterable[Axis]) -> None:
         raise ValueError(f"attitude_noise = {start.attitude_noise.describe()}: {_ATTITUDE_UNFELT}")
     if not scene.directions and start.omega is not None and start.tilt != 0.0:
         raise ValueError("tilt has no effect on a free body started by omega; use Start(spin=...)")
-    moments, boxes = [], []
+    axes = tuple(axes)
     for axis in axes:
         reason = axis.parameter.why_not(scene, start)
         if reason:
             raise ValueError(f"axes: {axis.name!r} does not apply: {reason}")
-        if axis.parameter.describes == "moments":
-            moments.append(axis)
-        elif axis.parameter.describes == "box":
-            boxes.append(axis)
-    if boxes and moments:
-        raise ValueError(
-            f"axes: {moments[0].name!r} and {boxes[0].name!r} exclude each other: "
-            "the moments of a box follow from its sides"
+    for one, other, reason in EXCLUSIVE:
+        first, second = (
+            [axis.name for axis in axes if axis.parameter.describes == kind]
+            for kind in (one, other)
         )
-    if len(moments) == 2:
-        _check_two_moments(*moments)
+        if first and second:
+            raise ValueError(f"axes: {second[0]!r} and {first[0]!r} exclude each other: {reason}")
+    _check_moments([axis for axis in axes if axis.parameter.describes == "moments"])
 
 
-def _check_two_moments(one: Axis, other: Axis) -> None:
-    """Raise ValueError if two axes set one moment, or the same ratio of moments."""
-    first, second = one.parameter, other.parameter
-    if first.sets == second.sets:
-        raise ValueError(f"axes: {one.name!r} and {other.name!r} both set {first.sets}")
-    if first.reads == second.sets and second.reads == first.sets:
-        raise ValueError(f"axes: {one.name!r} and {other.name!r} set the same ratio")
+def _check_moments(axes: Sequence[Axis]) -> None:
+    """Raise ValueError if axes set one moment twice, or say a ratio of moments twice."""
+    setters: dict[str, Axis] = {}
+    for axis in axes:
+        moment = axis.parameter.sets
+        assert moment is not None
+        if moment in setters:
+            raise ValueError(f"axes: {setters[moment].name!r} and {axis.name!r} both set {moment}")
+        setters[moment] = axis
+    for axis in axes:
+        seen, at = [axis.name], axis.parameter.reads
+        while at in setters:
+            if setters[at] is axis:
+                both = " and ".join(map(repr, seen))
+                what = "the same ratio" if len(seen) == 2 else "ratios that depend on each other"
+                raise ValueError(f"axes: {both} set {what}")
+            seen.append(setters[at].name)
+            at = setters[at].parameter.reads
+
+
+def in_order(axes: Iterable[Axis]) -> list[int]:
+    """Places of axes in an order in which each moment is set before it is read."""
+    every = list(axes)
+    setters = {axis.parameter.sets: axis for axis in every}
+
+    def depth(axis: Axis) -> int:
+        before = setters.get(axis.parameter.reads) if axis.parameter.reads else None
+        return 0 if before is None else 1 + depth(before)
+
+    return sorted(range(len(every)), key=lambda place: depth(every[place]))
+
+
+def axis_letter(place: int) -> str:
+    """The name of an axis by its place, for tables, files and pictures: x, y, z, axis4, ..."""
+    return "xyz"[place] if place < 3 else f"axis{place + 1}"

@@ -38,7 +38,7 @@ def map_plan(spec: MapSpec) -> Plan:
             steps = _core.default_steps(spec.method, rates, spec.stable.displaced)
         estimate = steps_estimate(spec.stable, spec.scheme, kind, rates, spec.t_end, steps)
     return Plan(
-        scene=spec.scene.words(spec.varied),
+        scene=spec.scene_words,
         question=spec.criterion,
         closed_form=listed(forms) if method in (AUTO, EXACT) else None,
         method=method,

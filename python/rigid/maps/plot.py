@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .._checks.arguments import one_of
+from .._checks.arguments import finite_float, nearest, one_of
 from ..drawing.figure import shown_figure
 from ..model.criteria import Regular
 from .data import MapData
@@ -18,6 +20,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 __all__ = ["plot_map"]
+
+Floats = NDArray[np.float64]
 
 UNDECIDED = 0.05
 """Cells with more than this share of undecided (or of failed) bodies are hatched."""
@@ -33,14 +37,60 @@ _HATCHED: tuple[tuple[str, dict[str, Any]], ...] = (
 _DASHES: tuple[Literal["solid", "dashed"], ...] = ("solid", "dashed")
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _View:
+    """What is drawn of a map: all of it, or a slice along one or two of its axes."""
+
+    data: MapData
+    axes: tuple[Axis, ...]
+    share: Floats
+    filled: Floats
+    nanoseconds: Floats
+    lower: Floats
+    upper: Floats
+    status: NDArray[np.uint8]
+    samples: NDArray[np.int64]
+    failed: NDArray[np.int64]
+    undecided: NDArray[np.int64]
+    theory: Theory | None
+
+    @classmethod
+    def of(cls, data: MapData, theory: Theory | None, at: Mapping[int, int]) -> _View:
+        """The slice at these places of these axes, by their numbers."""
+        axes = data.spec.axes
+        index = tuple(at.get(k, slice(None)) for k in reversed(range(len(axes))))
+        if theory is not None:
+            curves = tuple(Curve(one.label, one.field[index]) for one in theory.curves)
+            theory = Theory(theory.label, theory.share[index], curves)
+        return cls(
+            data=data,
+            axes=tuple(axis for k, axis in enumerate(axes) if k not in at),
+            theory=theory,
+            **{name: getattr(data, name)[index] for name in _DRAWN},
+        )
+
+
+_DRAWN = (
+    *("share", "filled", "nanoseconds", "lower", "upper"),
+    *("status", "samples", "failed", "undecided"),
+)
+
+
 def plot_map(
-    data: MapData, *, ax: Axes | None = None, cells: bool = False, what: str = "share"
-) -> Axes:
+    data: MapData,
+    *,
+    ax: Axes | None = None,
+    cells: bool = False,
+    what: str = "share",
+    at: Mapping[str, float] | None = None,
+) -> Axes | NDArray[np.object_]:
     """Draw a stability map: colour for the share of stable bodies, hatches where it is misleading.
 
     Cells are centred on the values of the axes, in the scale that is drawn: logarithmic where the
     values are geometric. Lines are the predictions of theory. A map with one axis is drawn as the
-    share with its 95 % interval.
+    share with its 95 % interval. A map with three or four axes is drawn as small pictures of its
+    first two, side by side for the values of the third and one below the other for those of the
+    fourth.
 
     Parameters
     ----------
@@ -52,15 +102,20 @@ def plot_map(
         Draw the borders of the cells of a refined map.
     what : {"share", "cost"}
         The share of stable bodies, or the processor time of each pixel (s).
+    at : dict of str to float, optional
+        Values of axes, by their names: the slice of the map there is drawn.
 
     Returns
     -------
-    matplotlib Axes
+    matplotlib Axes, or an ndarray of them
+        The array, of shape (values of the fourth axis, values of the third), for small pictures.
 
     Raises
     ------
     ImportError
         Without matplotlib.
+    ValueError
+        If the map has no such axis or value, or more axes are left than can be drawn.
 
     Examples
     --------
@@ -72,18 +127,103 @@ def plot_map(
     >>> result.plot().figure.savefig("map.png")  # doctest: +SKIP
     """
     one_of("what", what, ("share", "cost"))
-    if ax is None:
-        ax = shown_figure().add_subplot()
+    fixed = _places(data, at or {})
+    free = [k for k in range(len(data.spec.axes)) if k not in fixed]
+    theory = predict(data.spec)
+    if len(free) <= 2:
+        if ax is None:
+            ax = shown_figure().add_subplot()
+        view = _View.of(data, theory, fixed)
+        _draw(view, ax, _title(data, fixed), what)
+        if cells and len(view.axes) == len(data.spec.axes) == 2:
+            _draw_cells(data, ax)
+        return ax
+    single = ax is not None or what != "share"
+    if single or len(free) > 4:
+        names = ", ".join(data.spec.axes[k].name for k in free[2:])
+        raise ValueError(
+            f"at: must give values of {names}: "
+            + ("one picture shows two axes" if single else "small pictures show four axes")
+        )
+    return _small_pictures(data, theory, fixed, free)
+
+
+def _places(data: MapData, at: Mapping[str, float]) -> dict[int, int]:
+    """Number and place of each axis that is fixed."""
+    axes = data.spec.axes
+    names = [axis.name for axis in axes]
+    fixed = {}
+    for name, value in at.items():
+        if name not in names:
+            raise ValueError(f"at: {name!r} is no axis of the map{nearest(name, names)}")
+        values = np.array(axes[names.index(name)].values)
+        wanted = finite_float(f"at[{name!r}]", value)
+        place = int(np.argmin(np.abs(values - wanted)))
+        if abs(values[place] - wanted) > 1e-9 * np.abs(values).max():
+            raise ValueError(
+                f"at[{name!r}] = {wanted:g}: is no value of the axis; the nearest is "
+                f"{values[place]:g}"
+            )
+        fixed[names.index(name)] = place
+    if len(fixed) == len(axes):
+        raise ValueError("at: must leave an axis to draw")
+    return fixed
+
+
+def _small_pictures(
+    data: MapData, theory: Theory | None, fixed: Mapping[int, int], free: Sequence[int]
+) -> NDArray[np.object_]:
+    """A picture of the first two free axes for each value of the others."""
+    across, *down = free[2:]
+    columns = len(data.spec.axes[across].values)
+    rows = len(data.spec.axes[down[0]].values) if down else 1
+    figure: Any = shown_figure()
+    figure.set_size_inches(max(8.0, 2.6 * columns), max(3.2, 2.4 * rows) + 0.8)
+    panels: NDArray[np.object_] = figure.subplots(
+        rows, columns, squeeze=False, sharex=True, sharey=True
+    )
+    mesh: Any = None
+    handles: dict[Any, Any] = {}
+    for row, column in np.ndindex(rows, columns):
+        here = {across: column, **({down[0]: row} if down else {})}
+        view = _View.of(data, theory, {**fixed, **here})
+        panel: Any = panels[row, column]
+        mesh, found = _plane(view, panel)
+        handles |= {handle.get_label(): handle for handle in found}
+        panel.set_title(_values(data, here), fontsize="small")
+    figure.supxlabel(data.spec.axes[free[0]].label)
+    figure.supylabel(data.spec.axes[free[1]].label)
+    figure.suptitle(_title(data, fixed), x=0.01, ha="left", fontsize="medium")
+    figure.colorbar(mesh, ax=panels, pad=0.02).set_label(_share_label(data))
+    if handles:
+        figure.legend(
+            handles=list(handles.values()),
+            loc="outside lower left",
+            ncols=2,
+            frameon=False,
+            fontsize="small",
+        )
+    return panels
+
+
+def _values(data: MapData, at: Mapping[int, int]) -> str:
+    """The values of some axes in words."""
+    axes = data.spec.axes
+    return ", ".join(
+        f"{axes[k].name} = {axes[k].values[place]:g}"
+        + ("" if axes[k].unit == "1" else f" {axes[k].unit}")
+        for k, place in at.items()
+    )
+
+
+def _draw(view: _View, ax: Axes, title: str, what: str) -> None:
     if what == "cost":
-        handles = _draw_cost(data, ax)
+        handles = _draw_cost(view, ax)
     else:
-        draw = _draw_plane if len(data.spec.axes) == 2 else _draw_line
-        handles = draw(data, ax, predict(data.spec))
-    if cells and len(data.spec.axes) == 2:
-        _draw_cells(data, ax)
-    _set_scale(ax, "x", data.spec.axes[0])
-    ax.set_xlabel(data.spec.axes[0].label)
-    ax.set_title(_title(data), loc="left", fontsize="medium")
+        handles = _draw_plane(view, ax) if len(view.axes) == 2 else _draw_line(view, ax)
+    _set_scale(ax, "x", view.axes[0])
+    ax.set_xlabel(view.axes[0].label)
+    ax.set_title(title, loc="left", fontsize="medium")
     if handles:
         ax.legend(
             handles=handles,
@@ -94,34 +234,41 @@ def plot_map(
             frameon=False,
             fontsize="small",
         )
-    return ax
 
 
-def _draw_plane(data: MapData, ax: Axes, theory: Theory | None) -> list[Any]:
-    x, y = data.spec.axes
-    edges = _edges(x), _edges(y)
-    _set_scale(ax, "y", y)
-    ax.set_ylabel(y.label)
-    mesh = ax.pcolormesh(
-        *edges, np.ma.masked_invalid(data.filled), cmap="cividis", vmin=0, vmax=1, rasterized=True
-    )
+def _draw_plane(view: _View, ax: Axes) -> list[Any]:
+    mesh, handles = _plane(view, ax)
+    ax.set_ylabel(view.axes[1].label)
     bar = ax.figure.colorbar(mesh, ax=ax, pad=0.02)
-    bar.set_label(_share_label(data))
-    handles = _hatch(data, ax, *edges)
-    for curve, dashes in zip(theory.curves if theory else (), _DASHES, strict=False):
-        handles += _draw_curve(data, ax, curve, dashes)
+    bar.set_label(_share_label(view.data))
     return handles
 
 
-def _draw_cost(data: MapData, ax: Axes) -> list[Any]:
+def _plane(view: _View, ax: Axes) -> tuple[Any, list[Any]]:
+    """The colours and the hatches of a plane, and the lines of theory."""
+    x, y = view.axes
+    edges = _edges(x), _edges(y)
+    _set_scale(ax, "x", x)
+    _set_scale(ax, "y", y)
+    mesh = ax.pcolormesh(
+        *edges, np.ma.masked_invalid(view.filled), cmap="cividis", vmin=0, vmax=1, rasterized=True
+    )
+    handles = _hatch(view, ax, *edges)
+    curves = view.theory.curves if view.theory else ()
+    for curve, dashes in zip(curves, _DASHES, strict=False):
+        handles += _draw_curve(view, ax, curve, dashes)
+    return mesh, handles
+
+
+def _draw_cost(view: _View, ax: Axes) -> list[Any]:
     """Processor time of each pixel; white where it is not known."""
-    seconds = 1e-9 * np.where(data.samples > 0, data.nanoseconds, np.nan)
+    seconds = 1e-9 * np.where(view.samples > 0, view.nanoseconds, np.nan)
     label = "processor time of a pixel (s)"
-    if len(data.spec.axes) == 1:
-        ax.plot(data.spec.axes[0].values, seconds, color="#0072b2", marker=".")
+    if len(view.axes) == 1:
+        ax.plot(view.axes[0].values, seconds, color="#0072b2", marker=".")
         ax.set_ylabel(label)
         return []
-    x, y = data.spec.axes
+    x, y = view.axes
     _set_scale(ax, "y", y)
     ax.set_ylabel(y.label)
     mesh = ax.pcolormesh(
@@ -143,12 +290,12 @@ def _draw_cells(data: MapData, ax: Axes) -> None:
 
 
 def _draw_curve(
-    data: MapData, ax: Axes, curve: Curve, dashes: Literal["solid", "dashed"]
+    view: _View, ax: Axes, curve: Curve, dashes: Literal["solid", "dashed"]
 ) -> list[Any]:
     from matplotlib.lines import Line2D
     from matplotlib.patheffects import Normal, Stroke
 
-    x, y = data.spec.axes
+    x, y = view.axes
     if min(curve.field.shape) < 2:
         return []  # no plane to draw a line in
     lines = ax.contour(
@@ -163,35 +310,35 @@ def _draw_curve(
     return [handle]
 
 
-def _draw_line(data: MapData, ax: Axes, theory: Theory | None) -> list[Any]:
-    (axis,) = data.spec.axes
+def _draw_line(view: _View, ax: Axes) -> list[Any]:
+    (axis,) = view.axes
     values = np.array(axis.values)
     edges = _edges(axis)
     band = ax.fill_between(
-        values, data.lower, data.upper, color="#0072b2", alpha=0.25, linewidth=0.0
+        values, view.lower, view.upper, color="#0072b2", alpha=0.25, linewidth=0.0
     )
     band.set_label("95 % interval")
-    (line,) = ax.plot(values, data.share, color="#0072b2", marker=".", label="share")
+    (line,) = ax.plot(values, view.share, color="#0072b2", marker=".", label="share")
     handles: list[Any] = [line, band]
-    if theory:
-        handles += ax.plot(values, theory.share, "--", color="black", lw=1.2, label="theory")
-    handles += _hatch(data, ax, edges, np.array([-0.02, 1.02]))
+    if view.theory:
+        handles += ax.plot(values, view.theory.share, "--", color="black", lw=1.2, label="theory")
+    handles += _hatch(view, ax, edges, np.array([-0.02, 1.02]))
     ax.set_ylim(-0.02, 1.02)
-    ax.set_ylabel(_share_label(data))
+    ax.set_ylabel(_share_label(view.data))
     return handles
 
 
-def _hatch(data: MapData, ax: Axes, x: NDArray[np.float64], y: NDArray[np.float64]) -> list[Any]:
+def _hatch(view: _View, ax: Axes, x: NDArray[np.float64], y: NDArray[np.float64]) -> list[Any]:
     """Hatch cells that are impossible, not computed, or hold many failed or undecided bodies."""
     from matplotlib.patches import PathPatch
     from matplotlib.path import Path
 
-    impossible = data.status != 0
+    impossible = view.status != 0
     marked = (
         impossible,
-        ~impossible & (data.samples == 0) & np.isnan(data.filled),
-        data.failed > UNDECIDED * data.samples,
-        data.undecided > UNDECIDED * data.samples,
+        ~impossible & (view.samples == 0),
+        view.failed > UNDECIDED * view.samples,
+        view.undecided > UNDECIDED * view.samples,
     )
     handles = []
     for (label, style), cells in zip(_HATCHED, marked, strict=True):
@@ -237,10 +384,12 @@ def _share_label(data: MapData) -> str:
     spec = data.spec
     if isinstance(spec.stable, Regular):
         return f"share {spec.criterion}"
+    if "t_end" in spec.varied:
+        return "share stable until $t_{end}$"
     return f"share stable until t = {spec.t_end:g} s"
 
 
-def _title(data: MapData) -> str:
+def _title(data: MapData, at: Mapping[int, int]) -> str:
     spec = data.spec
     bodies = "1 body" if spec.samples == 1 else f"{spec.samples} bodies"
     if spec.half_width is not None:
@@ -248,5 +397,7 @@ def _title(data: MapData) -> str:
     detail = f"stable: {spec.criterion}; {bodies} per pixel"
     if not data.complete:
         detail += f"; stopped after {data.samples.sum():,} bodies"
+    if at:
+        detail += f"; {_values(data, at)}"
     what = "Regular motions" if isinstance(spec.stable, Regular) else "Stability"
     return f"{spec.title or f'{what} of a {spec.scene.title}'}\n{detail}"

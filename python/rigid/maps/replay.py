@@ -23,7 +23,7 @@ from .data import COLUMNS, STATUS, MapData
 from .job import spans, to_core
 from .spec import MapSpec
 
-__all__ = ["Replay", "replay"]
+__all__ = ["Replay", "pixel_index", "replay"]
 
 MOST_STEPS = 10_000_000
 """Most steps of a pixel that is computed again before a replay: some tenths of a second."""
@@ -42,7 +42,7 @@ class Replay:
     Attributes
     ----------
     pixel : tuple of int
-        Index in the arrays of the map, ``[y, x]`` or ``[x]``.
+        Index in the arrays of the map, ``[..., y, x]``.
     sample : int
         Number of the body in its pixel, from 0.
     parameters : dict
@@ -110,7 +110,7 @@ def replay(
 ) -> Replay:
     """One body of a map again; see :meth:`rigid.StabilityMap.replay`."""
     spec = data.spec
-    index = _pixel_index(pixel, spec.shape)
+    index = pixel_index(pixel, spec.shape)
     number = operator.index(sample)
     if not 0 <= number < spec.samples:
         raise IndexError(f"sample = {brief(sample)}: must lie in 0 .. {spec.samples - 1}")
@@ -120,21 +120,22 @@ def replay(
     # The earliest loss of stability is a time, whose last bits tell more than any count does.
     for place, one in ((flat, number), (int(np.argmin(data.earliest)), 0)):
         _require_same_bits(data, place, one)
-    (span,) = (part for part in spans(spec, range(spec.samples)) if number in part)
-    record = to_core(spec, samples=span).sample(flat, number - span.start)
-    scene = spec.grid.scene_of(flat)
+    part, own = spec.part_of(flat)
+    (span,) = (one for one in spans(part, range(part.samples)) if number in one)
+    record = to_core(part, samples=span).sample(own, number - span.start)
+    scene = part.grid.scene_of(own)
     start, step = (record["omega"], record["attitude"]), float(record["step"])
     method = record["method"]
     run: Any
     if isinstance(spec.stable, Regular):
-        run = _growth(spec, flat, record, t)
+        run = _growth(part, own, record, t)
     elif method == EXACT:
-        times = np.linspace(0.0, spec.t_end, 501) if t is None else t
+        times = np.linspace(0.0, part.t_end, 501) if t is None else t
         run = simulate(scene, *start, t=times, method=method)
     elif not math.isfinite(step):  # it was not run: only its start is known
         run = simulate(scene, *start, t=[0.0], method=method)
     elif t is None:
-        total = round(min(spec.t_end / step, spec.max_steps))
+        total = round(min(part.t_end / step, spec.max_steps))
         ends = np.linspace(0, total, min(total, 500) + 1).astype(np.int64)
         strides = np.diff(ends, prepend=0).tolist()
         run = replay_steps(scene, *start, method=method, step=step, strides=strides)
@@ -224,7 +225,8 @@ def _computed(spec: MapSpec, pixel: int, bodies: range) -> dict[str, float]:
     return {name: values[0] for name, values in merged.arrays().items()}
 
 
-def _pixel_index(pixel: int | tuple[int, ...], shape: tuple[int, ...]) -> tuple[int, ...]:
+def pixel_index(pixel: int | tuple[int, ...], shape: tuple[int, ...]) -> tuple[int, ...]:
+    """The index of a pixel in arrays of this shape."""
     if isinstance(pixel, tuple):
         index = tuple(operator.index(part) for part in pixel)
         inside = len(index) == len(shape) and all(

@@ -6,6 +6,7 @@ This module combines the data of a map with its pictures, files, theory and repl
 from __future__ import annotations
 
 import os
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from .._checks.arguments import brief, positive_int, resolve_threads
 from ..drawing.figure import html_with_picture
 from ..solve.plan import Plan
+from .counts import counted
 from .data import CLASSES, MapData
 from .dataset import map_dataset
 from .file import read_map, write_map
@@ -21,7 +23,9 @@ from .identity import receipt
 from .plan import map_plan
 from .plot import plot_map
 from .replay import Replay, replay
+from .samples import Outcomes, Starts, outcomes, starts
 from .sensitivity import map_condition
+from .spec import MapSpec
 from .summary import summary
 from .theory import Theory, disagreement, predict
 from .zarr_product import write_zarr
@@ -36,7 +40,7 @@ __all__ = ["StabilityMap", "load_map"]
 
 
 class StabilityMap(MapData):
-    """Result of :func:`stability_map`: named arrays of grid shape, indexed ``[y, x]`` or ``[x]``.
+    """Result of :func:`stability_map`: named arrays of grid shape, indexed ``[..., y, x]``.
 
     Every column of the core is an attribute; :data:`rigid.maps.data.COLUMNS` has their types, units
     and meanings.
@@ -121,7 +125,14 @@ class StabilityMap(MapData):
         )
 
     def _repr_html_(self) -> str:
-        return html_with_picture(self.plot, self.summary())
+        axes = self.spec.axes
+        first = {axis.name: axis.values[0] for axis in axes[2:]}
+
+        def draw(ax: Axes) -> None:
+            """Of more than two axes the first plane."""
+            self.plot(ax, at=first)
+
+        return html_with_picture(draw, self.summary())
 
     @property
     def plan(self) -> Plan:
@@ -161,7 +172,7 @@ class StabilityMap(MapData):
         Parameters
         ----------
         pixel : int or tuple of int
-            Index in the arrays, ``[y, x]`` or ``[x]``; one integer counts in C order.
+            Index in the arrays, ``[..., y, x]``; one integer counts in C order.
         sample : int
             Number of the body in its pixel, from 0.
         t : array_like, optional
@@ -196,6 +207,130 @@ class StabilityMap(MapData):
         (501, 3)
         """
         return replay(self, pixel, sample, t)
+
+    def starts(self, sample: ArrayLike = 0) -> Starts:
+        """Starts of some bodies of every pixel, with the bits that they have in the map.
+
+        Parameters
+        ----------
+        sample : int or array_like of int
+            Number of the body in its pixel, from 0, or an array of numbers.
+
+        Returns
+        -------
+        Starts
+            ``omega`` and ``attitude`` of shape ``(*grid, *sample, 3)`` and ``(..., 4)``.
+
+        Raises
+        ------
+        IndexError
+            If the map has no such sample.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> result = rigid.stability_map(
+        ...     rigid.FreeBody, axes={"spin": [1.0, 2.0]}, samples=10, t_end=50.0,
+        ...     stable=rigid.no_flip(), rng=2026,
+        ... )
+        >>> result.starts(range(10)).omega.shape
+        (2, 10, 3)
+        >>> bool((result.starts(3).omega[1] == result.replay(1, 3).omega).all())
+        True
+        """
+        return starts(self, sample)
+
+    def outcomes(
+        self,
+        sample: ArrayLike = 0,
+        *,
+        pixel: int | tuple[int, ...] | None = None,
+        threads: int | None = None,
+    ) -> Outcomes:
+        """What became of some bodies of every pixel, or of one pixel: they are classified again.
+
+        Where a criterion audits groups of 64 bodies, the whole group of a body is classified.
+
+        Parameters
+        ----------
+        sample : int or array_like of int
+            Number of the body in its pixel, from 0, or an array of numbers.
+        pixel : int or tuple of int, optional
+            Index of one pixel, as in :meth:`replay`.
+        threads : int, optional
+            Default: ``RIGID_NUM_THREADS``, else the cores that this process may use.
+
+        Returns
+        -------
+        Outcomes
+            Arrays of shape ``(*grid, *sample)``, or of the shape of ``sample`` for one pixel.
+
+        Raises
+        ------
+        IndexError
+            If the map has no such pixel or sample.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> result = rigid.stability_map(
+        ...     rigid.FreeBody, axes={"spin": [1.0, 2.0]}, samples=100, t_end=50.0,
+        ...     stable=rigid.no_flip(), rng=2026,
+        ... )
+        >>> bodies = result.outcomes(range(100))
+        >>> bool(((bodies.outcome == "stable").sum(axis=1) == result.stable).all())
+        True
+        """
+        return outcomes(self, sample, pixel, resolve_threads(threads))
+
+    @classmethod
+    def from_counts(
+        cls,
+        spec: MapSpec,
+        *,
+        stable: ArrayLike,
+        unstable: ArrayLike,
+        undecided: ArrayLike = 0,
+        **columns: ArrayLike,
+    ) -> StabilityMap:
+        """A map from counts that were made elsewhere: with intervals, picture, file and theory.
+
+        Parameters
+        ----------
+        spec : MapSpec
+            What was asked. ``spec.samples`` is at least the number of bodies of each pixel.
+        stable, unstable, undecided : array_like of int, grid shape
+            Bodies of each class; a number is that of every pixel.
+        **columns : array_like, grid shape
+            Other arrays of the map by their names in :data:`rigid.maps.data.STORED`. Failed bodies
+            are given by their reasons ``step_limit``, ``not_finite`` and ``drifted``. What is not
+            given is 0 if it counts, and NaN else.
+
+        Returns
+        -------
+        StabilityMap
+            :meth:`replay` computes its bodies and refuses if their numbers are other ones.
+
+        Raises
+        ------
+        TypeError
+            If counts are not whole numbers, or a column is unknown.
+        ValueError
+            If a shape is not that of the grid, or no computation gives such counts.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> spec = rigid.MapSpec(
+        ...     scene=rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0))), start=rigid.Start(spin=1.0),
+        ...     axes={"spin": [1.0, 2.0]}, stable=rigid.no_flip(), t_end=50.0, samples=100, seed=0,
+        ... )
+        >>> made = rigid.StabilityMap.from_counts(spec, stable=[90, 20], unstable=[10, 80])
+        >>> made.share, made.upper.round(3)
+        (array([0.9, 0.2]), array([0.951, 0.292]))
+        """
+        given = {"stable": stable, "unstable": unstable, "undecided": undecided, **columns}
+        return cls.from_arrays(spec, counted(spec, given))
 
     def condition(self, samples: int = 1, *, threads: int | None = None) -> NDArray[np.float64]:
         """Factor by which the motions of each pixel magnify a small change of their start.
@@ -237,7 +372,14 @@ class StabilityMap(MapData):
             )
         return map_condition(self.spec, count, resolve_threads(threads))
 
-    def plot(self, ax: Axes | None = None, *, cells: bool = False, what: str = "share") -> Axes:
+    def plot(
+        self,
+        ax: Axes | None = None,
+        *,
+        cells: bool = False,
+        what: str = "share",
+        at: Mapping[str, float] | None = None,
+    ) -> Any:
         """Draw the map; see :func:`rigid.maps.plot.plot_map`.
 
         Parameters
@@ -248,19 +390,25 @@ class StabilityMap(MapData):
             Draw the borders of the cells of a refined map.
         what : {"share", "cost"}
             The share of stable bodies, or the processor time of each pixel.
+        at : dict of str to float, optional
+            Values of axes by their names, to draw the slice of the map there.
 
         Returns
         -------
-        matplotlib Axes
+        matplotlib Axes, or an ndarray of them
             A notebook and ``plt.show()`` show the picture;
-            ``plot().figure.savefig("map.png")`` writes it.
+            ``plot().figure.savefig("map.png")`` writes it. A map with three or four axes is drawn
+            as small pictures: an array of Axes of shape (values of the fourth axis, values of the
+            third).
 
         Raises
         ------
         ImportError
             Without matplotlib.
+        ValueError
+            If the map has no such axis or value, or more axes are left than can be drawn.
         """
-        return plot_map(self, ax=ax, cells=cells, what=what)
+        return plot_map(self, ax=ax, cells=cells, what=what, at=at)
 
     def to_xarray(self) -> xarray.Dataset:
         """The map as an xarray Dataset.
@@ -343,13 +491,18 @@ class StabilityMap(MapData):
         return summary(self)
 
 
-def load_map(path: str | os.PathLike[str]) -> StabilityMap:
+def load_map(
+    path: str | os.PathLike[str], *, scene: Callable[..., Any] | None = None
+) -> StabilityMap:
     """Read a map that :meth:`StabilityMap.save` wrote.
 
     Parameters
     ----------
     path : path-like
         The file.
+    scene : callable, optional
+        The function that made the scenes, if one did: the file has the digest of its source alone.
+        Without it the map can be read and drawn, but not computed again.
 
     Returns
     -------
@@ -378,4 +531,5 @@ def load_map(path: str | os.PathLike[str]) -> StabilityMap:
     ...     rigid.load_map(path).spec == result.spec
     True
     """
-    return StabilityMap.from_arrays(*read_map(path))
+    spec, arrays = read_map(path)
+    return StabilityMap.from_arrays(spec.with_functions(scene=scene), arrays)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,6 +18,11 @@ Floats = NDArray[np.float64]
 
 def map_condition(spec: MapSpec, samples: int, threads: int) -> Floats:
     """The median condition of the first samples of each pixel at the horizon of a map."""
+    if len(spec.parts) > 1:
+        whole = np.empty(math.prod(spec.shape))
+        for part in spec.parts:
+            whole[part.pixels] = map_condition(part.spec, samples, threads).ravel()
+        return whole.reshape(spec.shape)
     job = to_core(spec)
     possible = np.flatnonzero(job.status == 0)
     drawn = [job.sample(int(pixel), sample) for pixel in possible for sample in range(samples)]

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .. import _core
-from .._checks.arguments import brief, finite_float, one_of, positive_int
+from .._checks.arguments import brief, finite_float, nearest, one_of, positive_int
 from .._moments import possible
 from ..model.criteria import Criterion, check_criterion, criterion_from_dict
 from ..model.scene import Scene, scene_from_dict
@@ -29,10 +31,28 @@ from ..solve.methods import (
 )
 from ..solve.tangent import check_tangent
 from .grid import NominalStarts, grid_shape, nominal_starts
+from .own import OwnScene
 from .parameters import Axis, check_applicable, make_axes
 from .sequential import Looks, checked_half_width, stop_table
 
-__all__ = ["MapSpec"]
+__all__ = ["MapPart", "MapSpec"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MapPart:
+    """The pixels of a map under one horizon and one limit, as a map of their own.
+
+    Attributes
+    ----------
+    spec : MapSpec
+        The map without the axes ``t_end`` and ``limit``.
+    pixels : ndarray of int64
+        Numbers of its pixels in the whole map, in C order of both.
+    """
+
+    spec: MapSpec
+    pixels: NDArray[np.int64]
+
 
 MOST_TITLE = 1000
 """Most characters of a title, so that a file of a map has a known size."""
@@ -47,11 +67,11 @@ class MapSpec:
     scene : FreeBody or HeavyTop
     start : Start
     axes : tuple of Axis
-        x first, then y.
+        x first, then y, and so on. The constructor takes a dict of names and values too.
     stable : NoFlip, TiltBelow or Regular
         The criterion, with no default left open.
     t_end : float
-        Horizon in s.
+        Horizon in s; the longest one if it is an axis.
     samples : int
         Bodies per pixel.
     method : str
@@ -77,6 +97,9 @@ class MapSpec:
         Key of the random numbers, 0 <= seed < 2**128.
     title : str or None
         At most 1000 characters.
+    own : OwnScene or None
+        The function that makes the scenes of the pixels from its arguments, the axes; ``scene`` is
+        that of the first pixel then.
     version : str
         Version of rigid.
     """
@@ -96,6 +119,7 @@ class MapSpec:
     refine: int | None = None
     budget: int | None = None
     title: str | None = None
+    own: OwnScene | None = None
     version: str = field(default_factory=lambda: str(_core.build_info()["version"]))
 
     def __post_init__(self) -> None:
@@ -104,10 +128,20 @@ class MapSpec:
 
         if not isinstance(self.start, Start):
             raise TypeError(f"start = {brief(self.start)}: must be a rigid.Start")
+        if isinstance(self.axes, Mapping):
+            put("axes", make_axes(self.axes, () if self.own is None else self.own.names))
+        for name in () if self.own is None else self.own.names:
+            if name not in (axis.name for axis in self.axes):
+                raise ValueError(f"axes: the function of the scene needs an axis {name!r}")
         check_criterion("stable", self.stable)
         check_applicable(self.scene, self.start, self.axes)
         put("stable", self.stable.resolved(self.scene, self.start))
+        for axis in self.axes:
+            if axis.name == "t_end":
+                put("t_end", max(axis.values))
         put("t_end", finite_float("t_end", self.t_end, positive=True))
+        if "limit" in self.varied and self.stable.limited is None:
+            raise ValueError(f"axes: 'limit' does not apply: {self.stable} limits no angle")
         put("samples", positive_int("samples", self.samples))
         put("max_steps", positive_int("max_steps", self.max_steps))
         for name, count in (
@@ -147,7 +181,7 @@ class MapSpec:
         )
         if self.stable.displaced and self.method != AUTO:
             check_tangent(self.method, driven=self.is_driven)
-        if self.method == EXACT:
+        if self.method == EXACT and not self.misses_functions:
             self._require_closed_forms()
         put("seed", checked_seed("seed", self.seed))
         if self.title is not None and not isinstance(self.title, str):
@@ -162,21 +196,115 @@ class MapSpec:
     @property
     def is_driven(self) -> bool:
         """Whether torque or damping act in some pixel."""
-        damped = any(axis.parameter.describes == "damping" for axis in self.axes)
-        return damped or self.scene.is_driven
+        driven = any(axis.parameter.describes in ("damping", "torque") for axis in self.axes)
+        return driven or (self.made or self.scene).is_driven
+
+    @cached_property
+    def made(self) -> Scene | None:
+        """The scene of all pixels, if a function makes it and is known."""
+        if self.own is None or self.own.source.function is None:
+            return None
+        places = np.unravel_index(np.arange(math.prod(self.shape)), self.shape)
+        values = {
+            axis.name: np.array(axis.values)[place]
+            for axis, place in zip(self.axes, reversed(places), strict=True)
+        }
+        return self.own.made(values)
+
+    @property
+    def misses_functions(self) -> bool:
+        """Whether the map cannot be computed until its functions are given again."""
+        return self.own is not None and self.own.source.function is None
+
+    def with_functions(self, *, scene: Callable[..., Any] | None = None) -> MapSpec:
+        """The specification of a file with its functions, which a file cannot hold.
+
+        Parameters
+        ----------
+        scene : callable, optional
+            The function that makes the scenes.
+
+        Returns
+        -------
+        MapSpec
+
+        Raises
+        ------
+        ValueError
+            If the map has no such function, or one of another source.
+        """
+        if scene is None:
+            return self
+        if self.own is None:
+            raise ValueError("scene: no function makes the scenes of this map")
+        own = dataclasses.replace(self.own, source=self.own.source.given("scene", scene))
+        return dataclasses.replace(self, own=own)
+
+    @property
+    def scene_words(self) -> str:
+        """The scene in words."""
+        if self.own is not None:
+            return self.own.words(self.scene.title)
+        return self.scene.words(self.varied)
+
+    @cached_property
+    def parts(self) -> tuple[MapPart, ...]:
+        """The maps that this one consists of: one for each horizon and each limit on its axes.
+
+        They draw by the numbers of their own pixels: the bodies of all parts are the same.
+        """
+        runs = [place for place, axis in enumerate(self.axes) if axis.parameter.of_run]
+        count = math.prod(self.shape)
+        if not runs:
+            return (MapPart(self, np.arange(count)),)
+        places = list(reversed(np.unravel_index(np.arange(count), self.shape)))
+        others = tuple(axis for axis in self.axes if not axis.parameter.of_run)
+        parts = []
+        for index in np.ndindex(*(len(self.axes[place].values) for place in runs)):
+            changes: dict[str, Any] = {"axes": others}
+            mine = np.ones(count, dtype=np.bool_)
+            for place, at in zip(runs, index, strict=True):
+                value = self.axes[place].values[at]
+                mine &= places[place] == at
+                if self.axes[place].name == "t_end":
+                    changes["t_end"] = value
+                else:
+                    assert self.stable.limited is not None
+                    limited: Any = {self.stable.limited: value}
+                    changes["stable"] = dataclasses.replace(self.stable, **limited)  # type: ignore[type-var]
+            parts.append(MapPart(self.replace(**changes), np.flatnonzero(mine)))
+        return tuple(parts)
+
+    def part_of(self, pixel: int) -> tuple[MapSpec, int]:
+        """The part that a pixel, by its number in C order, belongs to, and its number there."""
+        for part in self.parts:
+            at = int(np.searchsorted(part.pixels, pixel))
+            if at < len(part.pixels) and part.pixels[at] == pixel:
+                return part.spec, at
+        raise IndexError(f"pixel = {pixel}: lies outside the map of shape {self.shape}")
+
+    @property
+    def horizons(self) -> NDArray[np.float64]:
+        """The horizon of every pixel, s; grid shape."""
+        ends = np.empty(math.prod(self.shape))
+        for part in self.parts:
+            ends[part.pixels] = part.spec.t_end
+        return ends.reshape(self.shape)
 
     @cached_property
     def grid(self) -> NominalStarts:
         """The nominal start of every pixel, computed once."""
-        return nominal_starts(self.scene, self.start, self.axes)
+        if self.own is not None and self.made is None:
+            self.own.source.call("scene")
+        return nominal_starts(self.scene, self.start, self.axes, made=self.made)
 
     def __getstate__(self) -> dict[str, Any]:
-        """The fields without the grid, which follows from them."""
+        """The fields without what follows from them."""
         return {name: getattr(self, name) for name in self.__dataclass_fields__}
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Shape of the arrays: ``(ny, nx)`` or ``(nx,)``."""
+        """Shape of the arrays: ``(..., ny, nx)``, the first axis last."""
         return grid_shape(self.axes)
 
     @property
@@ -205,7 +333,9 @@ class MapSpec:
     @property
     def criterion(self) -> str:
         """Criterion and horizon in words."""
-        return self.stable.until(self.t_end)
+        words = self.stable.until(self.t_end)
+        varied = [name for name in ("limit", "t_end") if name in self.varied]
+        return f"{words}, {' and '.join(varied)} varied" if varied else words
 
     @property
     def scheme(self) -> str:
@@ -229,6 +359,46 @@ class MapSpec:
                 f"of pixel {pixel}, moments ({values}); {rule(self.stable)}"
             )
 
+    def replace(self, **changes: Any) -> MapSpec:
+        """The specification with other fields; :func:`rigid.stability_map` runs it.
+
+        Parameters
+        ----------
+        **changes
+            Fields by their names; ``axes`` may be a dict of names and values.
+
+        Returns
+        -------
+        MapSpec
+            Of this version of rigid, which would compute it.
+
+        Raises
+        ------
+        TypeError
+            For an unknown field.
+        ValueError
+            As :func:`rigid.stability_map`.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> spec = rigid.MapSpec(
+        ...     scene=rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0))), start=rigid.Start(spin=1.0),
+        ...     axes={"spin": [1.0, 2.0]}, stable=rigid.no_flip(), t_end=50.0, samples=4, seed=1,
+        ... )
+        >>> rigid.stability_map(spec.replace(samples=10)).samples
+        array([10, 10])
+        """
+        known = [name for name in self.__dataclass_fields__ if name != "version"]
+        for name in changes:
+            if name not in known:
+                raise TypeError(
+                    f"{name}: is no field of a specification{nearest(name, known)} "
+                    f"(known: {', '.join(known)})"
+                )
+        kept = {name: getattr(self, name) for name in known}
+        return MapSpec(**{**kept, **changes})
+
     def to_dict(self) -> dict[str, Any]:
         """The specification as a JSON-able dictionary; :meth:`from_dict` is its inverse."""
         return {
@@ -250,6 +420,7 @@ class MapSpec:
             },
             "seed": self.seed,
             "title": self.title,
+            **({} if self.own is None else {"own": self.own.to_dict()}),
             "version": self.version,
         }
 
@@ -259,7 +430,11 @@ class MapSpec:
         values = dict(data)
         values["scene"] = scene_from_dict(values["scene"])
         values["start"] = Start.from_dict(values["start"])
-        values["axes"] = make_axes({axis["name"]: axis["values"] for axis in values["axes"]})
+        if values.get("own") is not None:
+            values["own"] = OwnScene.from_dict(values["own"])
+        names = values["own"].names if values.get("own") else ()
+        axes = {axis["name"]: axis["values"] for axis in values["axes"]}
+        values["axes"] = make_axes(axes, names)
         values["stable"] = criterion_from_dict(values["stable"])
         return cls(**values)
 

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from ..solve.methods import AUTO, EXACT, SECOND
 from .data import CLASSES, FAILURES, MapData
+from .parameters import axis_letter
 from .refine import refined
 from .theory import Theory, disagreement, predict
 
@@ -17,9 +18,9 @@ def summary(data: MapData) -> str:
     """Summary of computation, largest drift, undecided samples and comparison with theory."""
     spec = data.spec
     lines = [
-        ("scene", spec.scene.words(spec.varied)),
+        ("scene", spec.scene_words),
         ("start", spec.start.describe([axis.name for axis in spec.axes])),
-        *((letter, str(axis)) for letter, axis in zip("xy", spec.axes, strict=False)),
+        *((axis_letter(place), str(axis)) for place, axis in enumerate(spec.axes)),
         ("stable", spec.criterion),
         ("method", _method(data)),
         ("samples", _samples(data)),

@@ -109,11 +109,34 @@ def predict(spec: MapSpec) -> Theory | None:
     -------
     Theory or None
     """
+    if spec.misses_functions:
+        return None
+    if len(spec.parts) > 1:
+        return _of_parts(spec)
     with np.errstate(all="ignore"):  # impossible and degenerate pixels end as NaN
-        predictors = (_free_no_flip, _symmetric_top, _falling_top, _satellite)
+        predictors = [_free_no_flip, _symmetric_top, _falling_top, _satellite]
+        if spec.own is not None or spec.grid.torque is not None:
+            # The others read the scene of all pixels.
+            predictors = [_free_no_flip]
         known = (predictor(spec) for predictor in predictors)
         theory = next((theory for theory in known if theory is not None), None)
     return None if theory is None or np.isnan(theory.share).all() else theory
+
+
+def _of_parts(spec: MapSpec) -> Theory | None:
+    """The predictions for all horizons and limits of a map, without lines."""
+    found = [predict(part.spec) for part in spec.parts]
+    known = [theory for theory in found if theory is not None]
+    if not known:
+        return None
+    share = np.full(math.prod(spec.shape), np.nan)
+    for part, theory in zip(spec.parts, found, strict=True):
+        if theory is not None:
+            share[part.pixels] = theory.share.ravel()
+    label = known[0].label
+    if len({theory.label for theory in known}) > 1:
+        label = f"{label}, and so for the other horizons and limits"
+    return Theory(label, share.reshape(spec.shape), ())
 
 
 def disagreement(data: MapData, theory: Theory | None) -> Flags:
@@ -273,8 +296,10 @@ def _symmetric_top(spec: MapSpec) -> Theory | None:
     spin = grid.omega[:, axis - 1]
     about_axis = np.abs(grid.omega).sum(axis=1) == np.abs(spin)
     known = possible(grid.moments) & about_axis & (cross == grid.moments[:, axis - 3])
-    known &= (grid.tilt == 0.0) | (grid.attitude_size == 0.0)
-    known &= (grid.tilt != 0.0) | (grid.attitude_size > 0.0)
+    size = grid.attitude_size[:, 0]
+    known &= (grid.attitude_size == size[:, np.newaxis]).all(axis=1)
+    known &= (grid.tilt == 0.0) | (size == 0.0)
+    known &= (grid.tilt != 0.0) | (size > 0.0)
 
     momentum = (axial * spin) ** 2
     bound = 4.0 * mgl * cross
@@ -282,14 +307,12 @@ def _symmetric_top(spec: MapSpec) -> Theory | None:
         _nutation_bound(momentum, mgl * cross, stable.angle),
         _horizon_bound(momentum, mgl, cross, stable.angle, spec.t_end),
     )
-    chance = -np.expm1(-0.5 * (critical / grid.attitude_size) ** 2)
-    share = np.where(grid.attitude_size > 0.0, chance, np.abs(grid.tilt) < critical)
+    chance = -np.expm1(-0.5 * (critical / size) ** 2)
+    share = np.where(size > 0.0, chance, np.abs(grid.tilt) < critical)
     share = np.where(known, share, np.nan)
     sleeping = np.abs(axial * spin) / np.sqrt(bound) - 1.0
     curves = {"sleeping-top bound $\\omega_3 = 2\\sqrt{mgl\\,I_1}/I_3$": sleeping}
-    released = np.where(
-        grid.attitude_size > 0.0, RAYLEIGH_HALF * grid.attitude_size, np.abs(grid.tilt)
-    )
+    released = np.where(size > 0.0, RAYLEIGH_HALF * size, np.abs(grid.tilt))
     verb = "passes" if noise is None else "half pass"
     name = f"{verb} {stable.angle:g} rad by t = {spec.t_end:g} s"
     curves[name] = np.where(known, critical - released, np.nan)
@@ -321,14 +344,16 @@ def _falling_top(spec: MapSpec) -> Theory | None:
     spin = grid.omega[:, k]
     known = possible(grid.moments) & (cross == grid.moments[:, k - 2]) & (grid.tilt == 0.0)
     known &= ~others.any(axis=(1, 2)) & (np.abs(grid.omega).sum(axis=1) == np.abs(spin))
+    size = grid.attitude_size[:, 0]
+    known &= (grid.attitude_size == size[:, np.newaxis]).all(axis=1)
     bound = np.log(np.abs(axial * spin) / (2.0 * np.sqrt(mgl * cross))) * axial / c
-    lag = falling_lag(mgl, cross, axial, c, stable.angle / (1e-3 * grid.attitude_size))
+    lag = falling_lag(mgl, cross, axial, c, stable.angle / (1e-3 * size))
     # A tilt of a thousandth of the noise or less is drawn once in two million samples.
     share = np.where(spec.t_end < bound, 1.0, np.nan)
     share = np.where(spec.t_end > np.maximum(bound, 0.0) + 2.0 * lag, 0.0, share)
     # Nutation before the bound: the noise must be far below the limit.
-    share = np.where(known & (6.0 * grid.attitude_size < stable.angle), share, np.nan)
-    half = falling_lag(mgl, cross, axial, c, stable.angle / (RAYLEIGH_HALF * grid.attitude_size))
+    share = np.where(known & (6.0 * size < stable.angle), share, np.nan)
+    half = falling_lag(mgl, cross, axial, c, stable.angle / (RAYLEIGH_HALF * size))
     until = f"t = {spec.t_end:g} s"
     curves = {
         "onset of the fall $\\omega_3(t) = 2\\sqrt{mgl\\,I_1}/I_3$": bound / spec.t_end - 1.0,

@@ -53,6 +53,8 @@ class Criterion(ABC):
         The state that must be integrated to observe the criterion.
     displaced : bool
         Whether a displacement is integrated with the motion.
+    limited : str or None
+        The angle (rad) that the axis ``limit`` of a map sets.
     """
 
     __slots__ = ()
@@ -61,6 +63,7 @@ class Criterion(ABC):
     stays: ClassVar[str] = "stable"
     record: ClassVar[str]
     displaced: ClassVar[bool] = False
+    limited: ClassVar[str | None] = None
 
     @abstractmethod
     def watched(self, step: float) -> float:
@@ -144,6 +147,7 @@ class TiltBelow(Criterion):
 
     name: ClassVar[str] = "tilt_below"
     record: ClassVar[str] = "axis"
+    limited: ClassVar[str | None] = "angle"
 
     angle: float
     axis: int = 3

@@ -29,8 +29,8 @@ class Noise:
     kind : str
         One of ``"normal"``, ``"uniform"``, ``"direction"``, ``"uniform_attitude"``.
     size : float or tuple of 3 floats
-        Factor of the law: rad/s for rates (one number, or one for each body axis), rad for an
-        attitude (one number).
+        Factor of the law, one number or one for each body axis: rad/s for rates, rad for an
+        attitude.
     """
 
     kind: str
@@ -182,10 +182,6 @@ class Start:
         if self.noise is not None and self.noise.kind == "uniform_attitude":
             raise ValueError(
                 "noise = uniform_attitude(): rates have no attitude; use attitude_noise"
-            )
-        if self.attitude_noise is not None and isinstance(self.attitude_noise.size, tuple):
-            raise ValueError(
-                f"attitude_noise: its size must be one number (rad), got {self.attitude_noise.size}"
             )
 
     def to_dict(self) -> dict[str, Any]:

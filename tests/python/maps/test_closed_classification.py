@@ -47,7 +47,7 @@ def judged(
         omega_size=np.zeros((n, 3)),
         attitude=scenes.attitude,
         attitude_noise="none",
-        attitude_size=np.zeros(n),
+        attitude_size=np.zeros((n, 3)),
         criterion=criterion,
         axis=axis,
         limits=[] if criterion == "no_flip" else [limit],

@@ -12,10 +12,10 @@ from scipy import stats
 from scipy.spatial.transform import Rotation
 
 import rigid
+from drawn_again import EPS, box_muller, turn
 from rigid import _core
 from small_maps import Floats, small_map
 
-EPS = 2.0**-52
 RATES, ATTITUDE = 0, 1  # blocks of draws
 SEEDS = (0, 2026, 2**64 - 1, 2**64 + 5, 3 << 64, 2**128 - 1)
 PIXELS, SAMPLES = 3, 5
@@ -39,7 +39,7 @@ def job(
         omega_size=OMEGA_SIZE,
         attitude=np.ascontiguousarray(NOMINAL.as_quat(scalar_first=True)),
         attitude_noise=attitude,
-        attitude_size=ATTITUDE_SIZE,
+        attitude_size=np.repeat(ATTITUDE_SIZE[:, None], 3, axis=1),
         criterion="no_flip",
         axis=3,
         limits=(),
@@ -73,24 +73,6 @@ def uniforms(block: int, seed: int) -> NDArray[np.longdouble]:
             for pixel in range(PIXELS)
         ],
         dtype=np.longdouble,
-    )
-
-
-def turn(u: NDArray[np.longdouble]) -> NDArray[np.longdouble]:
-    """The angle of a uniform, rounded to a double as the core rounds it."""
-    return (2.0 * np.pi * u.astype(np.float64)).astype(np.longdouble)
-
-
-def box_muller(u: NDArray[np.longdouble]) -> NDArray[np.longdouble]:
-    """Three standard normals from four uniforms."""
-    first, second = (np.sqrt(-2.0 * np.log(1.0 - u[..., k])) for k in (0, 2))
-    return np.stack(
-        [
-            first * np.cos(turn(u[..., 1])),
-            first * np.sin(turn(u[..., 1])),
-            second * np.cos(turn(u[..., 3])),
-        ],
-        axis=-1,
     )
 
 

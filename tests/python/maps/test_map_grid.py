@@ -181,6 +181,11 @@ def test_every_parameter_is_tested_here() -> None:
     tested = {"mgl", "spin", "tilt", "noise", "attitude_noise", "mass", *"abc"}
     tested |= {f"omega{i}" for i in (1, 2, 3)} | {f"I{i}" for i in (1, 2, 3)}
     tested |= {f"damping{i}" for i in (1, 2, 3)} | {"com_tilt", "com_turn"}
+    # In test_map_axes.py:
+    tested |= {
+        f"{name}{i}" for name in ("com", "torque", "noise", "attitude_noise") for i in (1, 2, 3)
+    }
+    tested |= {"limit", "t_end"}
     tested |= {f"I{i}/I{j}" for i in (1, 2, 3) for j in (1, 2, 3) if i != j}
     assert set(PARAMETERS) == tested
 

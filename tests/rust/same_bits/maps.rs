@@ -9,7 +9,7 @@ fn map(is_top: bool, method: MethodChoice, criterion: Criterion, step: Option<f6
     let pixel = |number, symmetric| Pixel {
         body: body(number, is_top, symmetric),
         omega_size: [0.3, 0.2, 0.1],
-        attitude_size: 0.1,
+        attitude_size: [0.1; 3],
         possible: true,
     };
     let mut pixels = vec![pixel(1, false), pixel(2, true), pixel(5, false), pixel(6, false), pixel(7, false)];

@@ -115,7 +115,7 @@ fn body(number: u64, is_top: bool, symmetric: bool) -> Body {
     } else if is_top {
         weight = u(2).map(|x| 2.0 * x - 1.0)[..3].try_into().unwrap();
     }
-    let attitude = rigid::sample::attitude(Law::UniformAttitude, 0.0, [1.0, 0.0, 0.0, 0.0], u(3));
+    let attitude = rigid::sample::attitude(Law::UniformAttitude, [0.0; 3], [1.0, 0.0, 0.0, 0.0], u(3));
     Body { moments, weight, omega: [x, y, z], attitude }
 }
 

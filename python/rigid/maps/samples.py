@@ -1,0 +1,158 @@
+"""Many bodies of a map again: their starts, and what became of each."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._checks.arguments import brief
+from ..solve.methods import EXACT
+from ..solve.status import Status
+from .data import CLASSES, MapData
+from .job import to_core
+from .replay import pixel_index
+
+__all__ = ["Outcomes", "Starts", "outcomes", "starts"]
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Starts:
+    """Starts of bodies of a map, as it drew them; NaN where no body is possible.
+
+    Attributes
+    ----------
+    omega : ndarray, shape ``(*grid, *sample, 3)``
+        Rates in the body, rad/s.
+    attitude : ndarray, shape ``(*grid, *sample, 4)``
+        Quaternions (w, x, y, z).
+    """
+
+    omega: Floats
+    attitude: Floats
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Outcomes:
+    """What became of bodies of a map, each as the map classified it.
+
+    All arrays have the shape ``(*grid, *sample)``, or that of the samples of one pixel.
+
+    Attributes
+    ----------
+    outcome : ndarray of str
+        ``"stable"``, ``"unstable"``, ``"undecided"`` or ``"failed"``; empty where no body is
+        possible.
+    left : ndarray
+        Time at which a body left stability, s; NaN if it did not.
+    tilt : ndarray
+        Largest observed tilt (rad), NaN if the criterion is not a tilt limit.
+    exponent, mean_megno : ndarray
+        Exponent (1/s) and mean MEGNO at the end, NaN if no displacement was integrated.
+    flips, steps : ndarray of int64
+        Sign changes seen, and time steps taken.
+    status : ndarray of uint8
+        Codes of :class:`rigid.Status` at the end of the integration.
+    method : ndarray of str
+        ``"exact"`` for a closed form, else the scheme.
+    energy_drift, momentum_drift, unit_drift : ndarray
+        Drifts as in :class:`Replay`; NaN by closed form.
+    step : ndarray
+        Time step, s; NaN by closed form.
+    """
+
+    outcome: NDArray[np.str_]
+    left: Floats
+    tilt: Floats
+    exponent: Floats
+    mean_megno: Floats
+    flips: NDArray[np.int64]
+    steps: NDArray[np.int64]
+    status: NDArray[np.uint8]
+    method: NDArray[np.str_]
+    energy_drift: Floats
+    momentum_drift: Floats
+    unit_drift: Floats
+    step: Floats
+
+
+_NUMBERS = (
+    *("left", "tilt", "exponent", "mean_megno"),
+    *("energy_drift", "momentum_drift", "unit_drift", "step"),
+)
+
+
+def starts(data: MapData, sample: ArrayLike) -> Starts:
+    """Starts of bodies of all pixels; see :meth:`rigid.StabilityMap.starts`."""
+    spec = data.spec
+    numbers = _samples(sample, spec.samples)
+    flat, possible = _flat(data, numbers)
+    found = [
+        part.reshape(-1, width)
+        for part, width in zip(to_core(spec).starts(flat), (3, 4), strict=True)
+    ]
+    arrays = []
+    for part in found:
+        every = np.full((possible.size, part.shape[1]), np.nan)
+        every[possible.ravel()] = part
+        arrays.append(every.reshape(*spec.shape, *numbers.shape, part.shape[1]))
+    return Starts(omega=arrays[0], attitude=arrays[1])
+
+
+def outcomes(
+    data: MapData,
+    sample: ArrayLike,
+    pixel: int | tuple[int, ...] | None,
+    threads: int,
+) -> Outcomes:
+    """What became of bodies; see :meth:`rigid.StabilityMap.outcomes`."""
+    spec = data.spec
+    numbers = _samples(sample, spec.samples)
+    flat, possible = _flat(data, numbers, pixel)
+    asked, of_each = np.unique(flat, return_inverse=True)
+    found = to_core(spec).outcomes(asked, threads)
+    shape = numbers.shape if pixel is not None else (*spec.shape, *numbers.shape)
+
+    def each(values: NDArray[np.generic], nothing: object) -> NDArray[np.generic]:
+        every = np.full(possible.shape, nothing, dtype=values.dtype)
+        every[possible] = values[of_each]
+        return every.reshape(shape)
+
+    method = np.where(found["exact"], EXACT, spec.scheme)
+    return Outcomes(
+        outcome=each(np.array(CLASSES)[found["class"]], ""),  # type: ignore[arg-type]
+        method=each(method, ""),  # type: ignore[arg-type]
+        status=each(found["status"], Status.NOT_FINITE),  # type: ignore[arg-type]
+        flips=each(found["flips"], 0),  # type: ignore[arg-type]
+        steps=each(found["steps"], 0),  # type: ignore[arg-type]
+        **{name: each(found[name], np.nan) for name in _NUMBERS},  # type: ignore[arg-type]
+    )
+
+
+def _samples(sample: ArrayLike, count: int) -> NDArray[np.int64]:
+    """Numbers of samples, each of 0 .. count - 1."""
+    numbers = np.asarray(sample)
+    if numbers.dtype.kind not in "iu":
+        raise TypeError(f"sample = {brief(sample)}: must be a whole number, or an array of them")
+    outside = (numbers < 0) | (numbers >= count)
+    if outside.any():
+        bad = int(numbers[outside].flat[0])
+        raise IndexError(f"sample = {bad}: must lie in 0 .. {count - 1}")
+    return numbers.astype(np.int64)
+
+
+def _flat(
+    data: MapData, numbers: NDArray[np.int64], pixel: int | tuple[int, ...] | None = None
+) -> tuple[NDArray[np.uint64], NDArray[np.bool_]]:
+    """Numbers among all samples of the map, and which of those asked for are possible bodies."""
+    spec = data.spec
+    pixels = np.arange(math.prod(spec.shape))
+    if pixel is not None:
+        pixels = np.array([np.ravel_multi_index(pixel_index(pixel, spec.shape), spec.shape)])
+    flat = (pixels[:, np.newaxis] * spec.samples + numbers.ravel()).ravel()
+    possible = (data.status.ravel()[pixels] == 0).repeat(numbers.size)
+    return flat[possible].astype(np.uint64), possible
