@@ -23,7 +23,14 @@ extensions = [
     "sphinx.ext.mathjax",
     "sphinx_gallery.gen_gallery",
 ]
-exclude_patterns = ["gallery/*", "_build", "_templates", "generated/*", "api/generated/*.examples*"]
+exclude_patterns = [
+    "gallery/*",
+    "tutorials/*",
+    "_build",
+    "_templates",
+    "generated/*",
+    "api/generated/*.examples*",
+]
 templates_path = ["_templates"]
 html_theme = "furo"
 html_title = f"rigid {release}"
@@ -41,8 +48,8 @@ autosummary_generate = True
 numpydoc_show_class_members = False  # members are described where they are
 
 sphinx_gallery_conf = {
-    "examples_dirs": "gallery",
-    "gallery_dirs": "figures",
+    "examples_dirs": ["gallery", "tutorials"],
+    "gallery_dirs": ["figures", "tutorial_pages"],
     "filename_pattern": r"/plot_",
     "within_subsection_order": "FileNameSortKey",
     "abort_on_example_error": True,

@@ -1,0 +1,30 @@
+"""The tutorials run as notebooks and show pictures; their numbers are checked where they stand."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import nbformat
+import pytest
+from nbclient import NotebookClient
+
+from processes import environment
+
+TUTORIALS = Path(__file__).parents[3] / "docs" / "tutorials"
+
+
+@pytest.mark.parametrize("path", sorted(TUTORIALS.glob("plot_*.py")), ids=lambda path: path.stem)
+def test_a_tutorial_runs_as_a_notebook_and_shows_pictures(
+    path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name, value in environment().items():
+        monkeypatch.setenv(name, value)
+    new: Any = nbformat.v4
+    cells = [new.new_code_cell(cell) for cell in path.read_text(encoding="utf-8").split("# %%\n")]
+    notebook = new.new_notebook(
+        cells=cells, metadata={"kernelspec": {"name": "python3", "display_name": "Python"}}
+    )
+    NotebookClient(notebook, timeout=300, resources={"metadata": {"path": tmp_path}}).execute()
+    outputs = [output for cell in notebook.cells for output in cell.get("outputs", [])]
+    assert any("image/png" in output.get("data", {}) for output in outputs)
