@@ -158,13 +158,11 @@ def estimate_error(
     compensated = request.tolerance is not None
     floor = common_rounding(batch, method, states, rates, scale, span, compensated=compensated)
     again = second_run(request, steps, refinement, taken)
-    error = SAFETY * _distances_of_runs(batch, states, again, rates)
+    error = _stated_distances(batch, states, again, rates)
     sizes = RateSizes(fastest, REST * scale, scale)
     error += floor[:, None] + departure(batch, times, sizes) + homoclinic(batch, times, sizes)
     if method == RINGING and batch.forcing is not None:
         error += _ringing(batch, states, times)
-    # Found relative to the rates of the run: relative to the true ones it may be as much larger.
-    error = np.where(error < 1.0, error / (1.0 - error), error)
     # What is not a number is not known.
     error = np.where(np.isfinite(error), error, np.inf)
     if is_damped_stiffly(request) and request.tolerance is None:
@@ -177,18 +175,22 @@ def estimate_error(
     return estimate
 
 
-def _distances_of_runs(
+def _stated_distances(
     batch: Batch, states: Mapping[str, Any], again: Mapping[str, Any], rates: Floats
 ) -> Floats:
-    """Distance of the states of two runs, their work included, shape (n, m)."""
+    """What the distance of the states of two runs is stated as, their work included, (n, m)."""
     scale = _fastest_or_swing(batch, rates)
-    apart = distances(states, again, REST * scale, scale)
+    rest = REST * scale
+    apart = SAFETY * distances(states, again, rest, scale)
+    # Relative to the rates of the runs: relative to the true ones it may be as much larger.
+    of_rates = SAFETY * _rate_distances(states, again, rest, scale)
+    apart = np.where(of_rates < 1.0, np.maximum(apart, of_rates / (1.0 - of_rates)), apart)
     if states["work"] is None:
         return apart
     # The fastest rate is reached about the axis of the least moment.
     energy = 0.5 * batch.moments.min(axis=1) * rates**2
     work = np.abs(states["work"] - again["work"]) / np.where(energy > 0.0, energy, 1.0)[:, None]
-    largest: Floats = np.maximum(apart, work)
+    largest: Floats = np.maximum(apart, SAFETY * work)
     return largest
 
 
@@ -242,8 +244,8 @@ def _count_turns(request: Request, taken: Floats, estimate: ErrorEstimate) -> No
     steps = gaps.sum() / taken[some]
     rates = dense.batch.fastest_rates(time_range(dense.times))
     both = dense.states(steps), second_run(dense, steps, 1.0, taken[some])
-    apart = _distances_of_runs(dense.batch, *both, rates)
-    error = np.where(np.isfinite(apart), SAFETY * apart, np.inf)
+    apart = _stated_distances(dense.batch, *both, rates)
+    error = np.where(np.isfinite(apart), apart, np.inf)
     largest = error.max(axis=1)
     larger = largest > estimate.error[some]
     found = ErrorEstimate(largest, _lost_from(error, dense.times))
@@ -270,10 +272,7 @@ def distances(
     verticals and of the angle between the attitudes. Rates that are all below ``rest`` are compared
     with ``scale``.
     """
-    rates, others = states["omega"], other["omega"]
-    size = np.maximum(*(lengths(run).max(axis=1, initial=0.0) for run in (rates, others)))
-    size = np.where(size > rest, size, np.where(np.asarray(scale) > 0.0, scale, 1.0))
-    parts = [lengths(rates - others) / size[:, None]]
+    parts = [_rate_distances(states, other, rest, scale)]
     if states["vertical"] is not None:
         parts.append(lengths(states["vertical"] - other["vertical"]))
     if states["attitude"] is not None:
@@ -282,3 +281,17 @@ def distances(
         parts.append(2.0 * apart)
     largest: Floats = reduce(np.maximum, parts)
     return largest
+
+
+def _rate_distances(
+    states: Mapping[str, Any],
+    other: Mapping[str, Any],
+    rest: Floats | float,
+    scale: Floats | float,
+) -> Floats:
+    """``|d omega|`` over the largest ``|omega|`` of two runs, or over ``scale`` at rest; (n, m)."""
+    rates, others = states["omega"], other["omega"]
+    size = np.maximum(*(lengths(run).max(axis=1, initial=0.0) for run in (rates, others)))
+    size = np.where(size > rest, size, np.where(np.asarray(scale) > 0.0, scale, 1.0))
+    apart: Floats = lengths(rates - others) / size[:, None]
+    return apart
