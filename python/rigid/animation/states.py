@@ -25,7 +25,9 @@ def scene_of(run: object, body: int | None = None) -> Scene:
 
 
 def states_of(run: Run, body: int | None = None) -> tuple[Floats, Floats]:
-    """Angular velocities (m, 3) and attitudes (m, 4) of one body of a run."""
+    """Angular velocities (m, 3) and attitudes (m, 4) of one body of a run, in principal axes."""
+    if run.frame is not None:
+        run = run.in_frame(None)
     if run.attitude is None:
         raise ValueError(
             f"record = {run.spec['record']!r}: record = 'attitude' is needed to show the motion"

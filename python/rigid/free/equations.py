@@ -412,6 +412,7 @@ def _states(
     if isinstance(motion, Run):
         if omega is not None or attitude is not None:
             raise ValueError("omega, attitude: a run has its own states")
+        motion = motion.in_frame(None) if motion.frame is not None else motion
         scene = scene_from_dict(motion.spec["scene"])
         omega, attitude, vertical = motion.omega, motion.attitude, motion.gamma
     else:

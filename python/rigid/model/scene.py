@@ -16,9 +16,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .._checks.arguments import brief, finite_float, one_of, shaped, unit_vector, vector
+from .._checks.arguments import brief, finite_float, numbers, one_of, shaped, unit_vector, vector
 from .._checks.arrays import unit_vectors
 from .body import Body, require_one
+from .frame import checked_frame, turned, turned_matrix
 from .gravity import about_pivot, checked_properties
 from .leading import (
     Index,
@@ -240,6 +241,31 @@ class Scene(ABC):
                 kept[name] = getattr(self, name)
         return type(self)(body, **{**kept, **own}, torque=self.torque, damping=damping)  # type: ignore[call-arg]
 
+    def _turn_into_principal_axes(self, frame: ArrayLike) -> None:
+        """Take the vectors of the scene, just made, from the axes of a drawing."""
+        back = checked_frame(frame).T
+        set_field = object.__setattr__  # the dataclass is frozen
+        for name, known in self.fields.items():
+            if known.width == 3:
+                value = getattr(self, name)
+                set_field(self, name, _unit(name, turned(back, np.asarray(value))))
+        if self.torque is not None:
+            set_field(self, "torque", self.torque.turned(back))
+        if self.rotor is not None:
+            set_field(self, "rotor", checked_rotor(turned(back, np.asarray(self.rotor))))
+        if self.damping is not None:
+            given = np.asarray(self.damping)
+            alike = given == given[..., :1, :1] * np.eye(3)
+            if not alike.all():  # the same in all directions stays so to the bit
+                set_field(self, "damping", matrices_of(turned_matrix(back, given)))
+        if self.dissipation is not None:
+            parts = np.asarray(self.dissipation.coefficient)
+            if not (parts == parts[..., :1]).all():
+                raise ValueError(
+                    f"dissipation = {brief(self.dissipation)}: has coefficients along the "
+                    "principal axes; with a frame give one number"
+                )
+
     def to_dict(self) -> dict[str, Any]:
         """The scene as a dict of numbers."""
         data: dict[str, Any] = {"kind": self.kind, "body": self.body.to_dict()}
@@ -324,6 +350,14 @@ def _numbers(values: Iterable[tuple[str, float]], varied: Container[str]) -> str
     )
 
 
+def _unit(name: str, vectors: Floats) -> Vector | Floats:
+    """Unit vectors in the form of a field: a tuple, or a read-only array of many."""
+    if vectors.ndim > 1:
+        return frozen(unit_vectors(name, vectors))
+    first, second, third = unit_vector(name, vectors, 3).tolist()
+    return first, second, third
+
+
 def _check_body(body: object) -> None:
     if not isinstance(body, Body):
         raise TypeError(f"body = {brief(body)}: must be a rigid.Body")
@@ -354,6 +388,10 @@ class FreeBody(Scene):
         Angular momentum ``h`` (kg m²/s) of a rotor relative to the body, constant in the body: a
         gyrostat (Zhukovsky 1885, Volterra 1899). The whole momentum is ``I omega + h``; energies
         are those of ``omega``, without that of the rotor's own spin.
+    frame : array_like, shape (3, 3), optional
+        The axes in which torques in the body, damping and rotor are given, if they are not the
+        principal axes: ``axes`` as :meth:`Body.from_tensor` returns them. The scene keeps
+        principal components.
 
     Attributes
     ----------
@@ -364,7 +402,8 @@ class FreeBody(Scene):
     ------
     ValueError
         If the damping is not symmetric, not finite, or would add energy, or the rotor is not
-        finite.
+        finite; if the frame is no rotation matrix, or an energy sink differs along the axes, with
+        a frame: it has no components off its diagonal.
 
     Examples
     --------
@@ -398,6 +437,7 @@ class FreeBody(Scene):
         damping: ArrayLike | None = None,
         dissipation: EnergySink | None = None,
         rotor: ArrayLike | None = None,
+        frame: ArrayLike | None = None,
     ) -> None:
         _check_body(body)
         set_field = object.__setattr__  # the dataclass is frozen
@@ -409,6 +449,8 @@ class FreeBody(Scene):
         set_field(self, "damping", checked_damping(damping, self.shape))
         # Raises for parts that do not broadcast.
         self.shape  # noqa: B018
+        if frame is not None:
+            self._turn_into_principal_axes(frame)
 
     @classmethod
     def example(cls) -> Self:
@@ -447,8 +489,8 @@ class HeavyTop(Scene):
         Mass times gravity times the distance from the fixed point to the centre of mass (J), >= 0.
     com : array_like, shape (3,) or (..., 3), optional
         Unit vector from the fixed point to the centre of mass in the body. Default ``(0, 0, 1)``.
-    torque, damping : optional
-        As in :class:`FreeBody`.
+    torque, damping, frame : optional
+        As in :class:`FreeBody`; ``com`` too is given in the frame.
 
     Raises
     ------
@@ -490,6 +532,7 @@ class HeavyTop(Scene):
         com: ArrayLike = (0.0, 0.0, 1.0),
         torque: Torque | None = None,
         damping: ArrayLike | None = None,
+        frame: ArrayLike | None = None,
     ) -> None:
         _check_body(body)
         set_field = object.__setattr__  # the dataclass is frozen
@@ -501,12 +544,14 @@ class HeavyTop(Scene):
                 "those about its fixed point; use rigid.HeavyTop.from_mass(body, com=(x, y, z)), "
                 "with com from the fixed point to the centre of mass in m"
             )
-        set_field(self, "com", _checked_com(com))
+        set_field(self, "com", _unit("com", numbers("com", com)))
         set_field(self, "torque", checked_torque(torque))
         set_field(self, "damping", None)
         set_field(self, "damping", checked_damping(damping, self.shape))
         # Raises for parts that do not broadcast.
         self.shape  # noqa: B018
+        if frame is not None:
+            self._turn_into_principal_axes(frame)
 
     @classmethod
     def from_mass(
@@ -636,13 +681,6 @@ def _checked_mgl(value: ArrayLike) -> float | Floats:
     if not np.ndim(value):
         return finite_float("mgl", value, nonnegative=True)
     return frozen(shaped("mgl", value, nonnegative=True))
-
-
-def _checked_com(value: ArrayLike) -> tuple[float, float, float] | Floats:
-    if np.ndim(value) > 1:
-        return frozen(unit_vectors("com", value))
-    first, second, third = unit_vector("com", value, 3).tolist()
-    return first, second, third
 
 
 SCENES: Mapping[str, type[Scene]] = {scene.kind: scene for scene in (FreeBody, HeavyTop)}

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.arguments import brief, first_place, numbers, shaped, sorted_times
+from .frame import turned
 from .leading import Index, Shape, axes_of, frozen, leading_shape, same, taken
 from .satellite import Orbit
 
@@ -195,6 +196,11 @@ class Torque:
         if self.orbit is not None and other.orbit is not None:
             raise ValueError("torque: a body has one orbit, and both torques are gravity gradients")
         return Torque(tuple(knots.tolist()), body, space, self.orbit or other.orbit)
+
+    def turned(self, axes: Floats) -> Torque:
+        """The torque with other body axes: the part in the body becomes ``axes @ torque``."""
+        body = turned(axes, np.asarray(self.in_body))
+        return Torque(self.times, _vectors(body), self.in_space, self.orbit)
 
     @property
     def acts_in_space(self) -> bool:

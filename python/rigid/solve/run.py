@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.arguments import brief, one_of
+from ..model.frame import attitudes_in_frame, attitudes_in_principal_axes, checked_frame, turned
 from ..model.scene import scene_from_dict
 from .archive import read_archive, write_archive
 from .attitude_ephemeris import write_aem
@@ -29,6 +30,9 @@ if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
 __all__ = ["Run", "load_run", "plug_in_animator"]
+
+_ROUNDING_OF_TURN = 1e-15
+"""Error of components that are turned into other axes: a sum of three products."""
 
 _STATUS_WORDS: Mapping[Status, str] = {
     Status.OK: "ok",
@@ -121,7 +125,7 @@ class Run:
     nanoseconds : int
         Processor time of the states, of all threads together; not that of the second run.
     spec : dict
-        Scene, method, step, accuracy, tolerance and record, as a dict.
+        Scene, method, step, accuracy, tolerance and record, as a dict; the scene in principal axes.
     plan : Plan
         The method, the omissions and the reasons.
     """
@@ -164,6 +168,75 @@ class Run:
         bodies = f"{self.status.size:,} bod{'y' if self.status.size == 1 else 'ies'}"
         parts = [f"{bodies} at {times}", self.plan.method, error]
         return f"Run({'; '.join(parts)}; {', '.join(ends) or 'nothing'})"
+
+    @property
+    def frame(self) -> NDArray[np.float64] | None:
+        """The body axes of all components, shape (3, 3): see :meth:`in_frame`.
+
+        None: the principal axes.
+        """
+        frame = self.spec.get("frame")
+        return None if frame is None else np.array(frame)
+
+    def in_frame(self, frame: ArrayLike | None) -> Run:
+        """The same motion with components along other axes of the body.
+
+        Rates, vertical, attitude, tangent and sensitivity are turned; :meth:`momentum`,
+        :meth:`rotation` and :meth:`to_aem` follow them. :meth:`energy` does not depend on axes.
+
+        Parameters
+        ----------
+        frame : array_like, shape (3, 3), or None
+            Column k is the direction of principal axis k + 1 along the new axes, as
+            :meth:`Body.from_tensor` returns ``axes``; None: the principal axes.
+
+        Returns
+        -------
+        Run
+            The ``error`` is larger by 1e-15, the rounding of a turn.
+
+        Raises
+        ------
+        ValueError
+            If the frame is no rotation matrix to 1e-9.
+
+        Examples
+        --------
+        >>> import numpy as np, rigid
+        >>> body, axes = rigid.Body.from_tensor([[2.0, 0.3, 0.0], [0.3, 2.5, 0.1], [0, 0.1, 3.0]])
+        >>> run = rigid.simulate(body, axes.T @ [0.0, 0.0, 1.0], t=[0.0, 1.0]).in_frame(axes)
+        >>> bool(np.allclose(run.omega[0], [0.0, 0.0, 1.0]))
+        True
+        """
+        frame = None if frame is None else checked_frame(frame)
+        run = self
+        if run.frame is not None:
+            known = run.attitude
+            back = None if known is None else attitudes_in_principal_axes(run.frame, known)
+            run = run._turned(run.frame.T, back)
+        if frame is not None:
+            known = run.attitude
+            run = run._turned(frame, None if known is None else attitudes_in_frame(frame, known))
+        spec = {name: value for name, value in run.spec.items() if name != "frame"}
+        if frame is not None:
+            spec["frame"] = frame.tolist()
+        return replace(run, spec=spec)
+
+    def _turned(self, axes: NDArray[np.float64], attitude: NDArray[np.float64] | None) -> Run:
+        """The run with ``axes @ v`` for all vectors in the body, and these attitudes."""
+        gamma, tangent, sensitivity = self.gamma, self.tangent, self.sensitivity
+        if tangent is not None:
+            rows = _turned_rows(axes, tangent)
+            tangent = np.swapaxes(_turned_rows(axes, np.swapaxes(rows, -1, -2)), -1, -2)
+        return replace(
+            self,
+            omega=turned(axes, self.omega),
+            gamma=None if gamma is None else turned(axes, gamma),
+            attitude=attitude,
+            tangent=tangent,
+            sensitivity=None if sensitivity is None else _turned_rows(axes, sensitivity),
+            error=self.error + _ROUNDING_OF_TURN,
+        )
 
     @property
     def flagged(self) -> NDArray[np.bool_]:
@@ -231,12 +304,13 @@ an accuracy
         True
         """
         scene = scene_from_dict(self.spec["scene"])
-        energy: NDArray[np.float64] = 0.5 * _along(self.omega**2, np.array(scene.body.moments))
+        run = self if self.frame is None else self.in_frame(None)
+        energy: NDArray[np.float64] = 0.5 * _along(run.omega**2, np.array(scene.body.moments))
         if not scene.weight.any():
             return energy
-        if self.gamma is None:
+        if run.gamma is None:
             raise ValueError("record = 'rates': the potential energy of a top needs its vertical")
-        return energy + _along(self.gamma, scene.weight)
+        return energy + _along(run.gamma, scene.weight)
 
     def momentum(self, frame: str = "body") -> NDArray[np.float64]:
         """Angular momentum ``I omega``, plus that of a rotor (kg m²/s), shape (n, m, 3).
@@ -246,8 +320,8 @@ an accuracy
         Parameters
         ----------
         frame : {"body", "space"}
-            The axes of its components: those of the body, or those of space, in which the angular
-            momentum of a free body is constant.
+            The axes of its components: those of the body, which are those of :attr:`frame`, or
+            those of space, in which the angular momentum of a free body is constant.
 
         Raises
         ------
@@ -263,13 +337,14 @@ an accuracy
         """
         one_of("frame", frame, ("body", "space"))
         scene = scene_from_dict(self.spec["scene"])
-        momentum = _of_each(np.array(scene.body.moments)) * self.omega
+        axes = self.frame
+        omega = self.omega if axes is None else turned(axes.T, self.omega)
+        momentum = _of_each(np.array(scene.body.moments)) * omega
         if scene.rotor is not None:
             momentum = momentum + _of_each(np.array(scene.rotor))
-        if frame == "body":
-            return momentum
-        turned: NDArray[np.float64] = _turned(self._recorded_attitude(), momentum)
-        return turned
+        if axes is not None:
+            momentum = turned(axes, momentum)
+        return momentum if frame == "body" else _in_space(self._recorded_attitude(), momentum)
 
     def _recorded_attitude(self) -> NDArray[np.float64]:
         if self.attitude is None:
@@ -488,12 +563,21 @@ def _of_each(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
     return vectors if vectors.ndim == 1 else vectors[..., np.newaxis, :]
 
 
-def _turned(attitude: NDArray[np.float64], vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+def _turned_rows(axes: NDArray[np.float64], matrices: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The rows of rates and those of a rotation vector turned, of matrices (..., 6, k)."""
+    rows = np.swapaxes(matrices, -1, -2)
+    with np.errstate(invalid="ignore"):
+        halves = [turned(axes, rows[..., :3]), turned(axes, rows[..., 3:])]
+    both = np.swapaxes(np.concatenate(halves, axis=-1), -1, -2)
+    return np.where(np.isnan(both) & ~np.isnan(matrices).any(), np.inf, both)
+
+
+def _in_space(attitude: NDArray[np.float64], vectors: NDArray[np.float64]) -> NDArray[np.float64]:
     """``q v q*`` of vectors (..., 3), for quaternions of any length near one."""
     scalar, axis = attitude[..., :1], attitude[..., 1:]
     twice = 2.0 * np.cross(axis, vectors)
-    turned: NDArray[np.float64] = vectors + scalar * twice + np.cross(axis, twice)
-    return turned
+    moved: NDArray[np.float64] = vectors + scalar * twice + np.cross(axis, twice)
+    return moved
 
 
 def load_run(path: str | PathLike[str]) -> Run:
@@ -520,6 +604,8 @@ def load_run(path: str | PathLike[str]) -> Run:
         if unknown:
             raise ValueError(f"unknown arrays {sorted(unknown)}")
         scene_from_dict(header["spec"]["scene"])
+        if "frame" in header["spec"]:
+            checked_frame(header["spec"]["frame"])
         fields = {name: arrays.get(name) for name in _ARRAYS}
         for name in ("t", "omega", "status", "error"):
             if fields[name] is None:

@@ -11,7 +11,9 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from .. import _core
 from .._checks.arguments import finite_float, one_of, positive_int, resolve_threads, times_of_each
+from .._checks.arrays import attitudes, vectors
 from ..model.body import Body
+from ..model.frame import attitudes_in_principal_axes, checked_frame, turned
 from ..model.leading import Shape
 from ..model.scene import Scene, check_scene
 from .arrays import in_rows, largest, time_ranges, time_span
@@ -36,6 +38,8 @@ __all__ = [
     "simulate",
 ]
 
+_IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
+
 
 def simulate(
     scene: Scene | Body,
@@ -54,6 +58,7 @@ def simulate(
     threads: int | None = None,
     dtype: DTypeLike = np.float64,
     out: Mapping[str, NDArray[Any]] | None = None,
+    frame: ArrayLike | None = None,
 ) -> Run:
     """States of one body or many at the given times, by closed form if there is one.
 
@@ -124,6 +129,10 @@ def simulate(
     out : mapping of str to ndarray, optional
         Arrays to be filled, by the names of the attributes of :class:`Run` with an axis of times:
         C-contiguous, of the shape that the run has, float64 or float32. The run refers to them.
+    frame : array_like, shape (3, 3), optional
+        The body axes of ``omega`` and ``attitude`` and of all results, if they are not the
+        principal axes: ``axes`` as :meth:`Body.from_tensor` returns them. The scene has its own
+        ``frame=``. The start is rounded once when it is turned; see :meth:`Run.in_frame`.
 
     Returns
     -------
@@ -140,8 +149,9 @@ def simulate(
         unsorted times, unknown method or record, step, accuracy or tolerance not positive, a
         tolerance for a method that is no Taylor method, ``"exact"`` for a body without a closed
         form, a ``tangent`` of a method that has none, or by a parameter that the scene does not
-        have. Under torque and damping: a method that cannot integrate them, a step with which an
-        explicit method is unstable, a time that the table of the torque does not reach.
+        have, a frame that is no rotation matrix, a frame together with ``out``. Under torque and
+        damping: a method that cannot integrate them, a step with which an explicit method is
+        unstable, a time that the table of the torque does not reach.
 
     Examples
     --------
@@ -155,6 +165,16 @@ def simulate(
     >>> boxes = rigid.FreeBody(rigid.Body([[1.0, 2.0, 2.5], [1.0, 1.0, 1.8]]))  # two bodies
     >>> rigid.simulate(boxes, [0.1, 1.0, 0.1], t=[0.0, 1.0, 2.0]).omega.shape
     (2, 3, 3)
+
+    A body in the axes of its drawing, which are not its principal axes:
+
+    >>> tensor = [[2.0, 0.3, 0.0], [0.3, 2.5, 0.1], [0.0, 0.1, 3.0]]
+    >>> body, axes = rigid.Body.from_tensor(tensor)
+    >>> run = rigid.simulate(body, [0.0, 0.0, 1.0], t=[0.0, 1.0], frame=axes)
+    >>> bool(np.allclose(run.omega[0], [0.0, 0.0, 1.0]))
+    True
+    >>> bool(np.allclose(run.momentum("space"), np.array(tensor) @ [0.0, 0.0, 1.0]))
+    True
 
     How the rates of a top after 2 s change with its moments and its weight:
 
@@ -171,6 +191,13 @@ def simulate(
     parameters = check_parameters(tangent, scene)
     if parameters is not None:
         check_tangent(method, driven=scene.is_driven, by_parameters=bool(parameters))
+    if frame is not None:
+        if out is not None:
+            raise ValueError("frame, out: exclude each other, states in a frame are new arrays")
+        frame = checked_frame(frame)
+        omega = turned(frame.T, vectors("omega", omega))
+        given_attitude = _IDENTITY if attitude is None else attitudes(attitude)
+        attitude = attitudes_in_principal_axes(frame, given_attitude)
     given = times_of_each("t", t)
     batch, shape = Batch.from_input(scene, omega, attitude, given.shape[:-1])
     times = given if given.ndim == 1 else in_rows(given, shape)
@@ -240,7 +267,8 @@ def simulate(
         "record": record,
     }
     states = {**states, "tangent": matrices, "sensitivity": sensitivity}
-    return _to_run(states, given, estimate, spec, plan, shape, parameters or ())
+    run = _to_run(states, given, estimate, spec, plan, shape, parameters or ())
+    return run if frame is None else run.in_frame(frame)
 
 
 def _recorded(scene: Scene, record: str) -> tuple[str, ...]:
