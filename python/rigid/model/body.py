@@ -149,7 +149,10 @@ class Body:
         return all(same(getattr(self, name), getattr(other, name)) for name in names)
 
     def __hash__(self) -> int:
-        return hash(self.shape or (self.moments, self.mass, self.sides))
+        moments = self.moments
+        if isinstance(moments, np.ndarray):
+            return hash(moments.shape)
+        return hash((moments, self.mass, self.sides))
 
     def __repr__(self) -> str:
         if self.shape:

@@ -195,8 +195,8 @@ class Scene(ABC):
         return all(same(getattr(self, name), getattr(other, name)) for name in names)
 
     def __hash__(self) -> int:
-        values = (getattr(self, name) for name in self.fields)
-        own = tuple(value for value in values if not isinstance(value, np.ndarray))
+        values = [getattr(self, name) for name in self.fields]
+        own = tuple([value for value in values if not isinstance(value, np.ndarray)])
         return hash((self.kind, self.body, own, self.torque))
 
     @property

@@ -25,7 +25,8 @@ __all__ = ["Batch"]
 
 Floats = NDArray[np.float64]
 
-_IDENTITY = (1.0, 0.0, 0.0, 0.0)
+_IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
+_IDENTITY.flags.writeable = False
 
 SLOWEST = 1e-140
 """Squares of slower rates, and their products, would underflow (rad/s)."""
@@ -81,15 +82,16 @@ class Batch:
             unit of the moments.
         """
         rates, quaternions = vectors("omega", omega), _attitudes(attitude)
+        own = scene.shape
         shape = leading_shape(
             {
-                "scene": scene.shape,
+                "scene": own,
                 "omega": rates.shape[:-1],
                 "attitude": quaternions.shape[:-1],
                 "t": times,
             }
         )
-        if scene.shape or scene.is_driven:
+        if own or scene.is_driven:
             exponents = _scale_exponents(scene, shape)
             batch = cls.of_scene(scene, rates, quaternions, shape, exponents)
         else:
@@ -255,7 +257,7 @@ def _scale_exponents(scene: Scene, shape: Shape) -> NDArray[np.intc]:
 def _columns_of_one(scene: Scene) -> tuple[Floats, Floats, NDArray[np.intc]]:
     """Moments, weight and unit of a scene of one body without torque and damping."""
     exponents = _scale_exponents(scene, ())
-    start = np.zeros(3), np.array(_IDENTITY)
+    start = np.zeros(3), _IDENTITY
     batch = Batch.of_scene(scene, *start, (), exponents)
     for column in (batch.moments, batch.weight, exponents):
         column.flags.writeable = False
@@ -282,5 +284,5 @@ def _scaled(name: str, values: Floats, exponents: NDArray[np.intc], shape: Shape
 def _attitudes(attitude: ArrayLike | Rotation | None) -> Floats:
     """Unit quaternions, shape (..., 4)."""
     if attitude is None:
-        return np.array(_IDENTITY)
+        return _IDENTITY
     return attitudes(attitude)

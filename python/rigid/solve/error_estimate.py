@@ -94,10 +94,13 @@ def closed_form_error(batch: Batch, times: Floats, omega: Floats) -> ErrorEstima
     reached = time_ranges(times)
     rates = batch.fastest_rates(reached)
     top = batch.forcing is None and np.count_nonzero(batch.weight)
-    span = time_span(times)
-    if not top and isinstance(span, float) and largest(rates) * span < 0.5 / ROUNDING:
-        # No error reaches one.
-        error = ROUNDING * (1.0 + rates * span)
+    span = reached[1] - reached[0]
+    if not top and isinstance(span, float) and (fastest := largest(rates)) * span < 0.5 / ROUNDING:
+        # No error reaches one. One number is multiplied faster outside of an array.
+        if len(rates) == 1:
+            error = np.array([ROUNDING * (1.0 + fastest * span)])
+        else:
+            error = ROUNDING * (1.0 + rates * span)
         return ErrorEstimate(error, error + np.inf)
     with np.errstate(all="ignore"):
         return _closed_form_error(batch, rates, reached, omega)

@@ -42,8 +42,12 @@ def judged_status(
     status: NDArray[np.uint8], error: NDArray[np.float64], spec: dict[str, Any]
 ) -> NDArray[np.uint8]:
     """The status of bodies whose error is known: only a small error leaves them ``OK``."""
-    limit = min(error_limit(spec), COARSE_ERROR) if spec["accuracy"] is None else error_limit(spec)
-    if not np.count_nonzero(status) and np.count_nonzero(error < limit) == len(error):
+    limit = COARSE_ERROR if spec["accuracy"] is None else error_limit(spec)
+    if len(error) == 1:  # without reductions, which are slow
+        fine = not status[0] and error[0] < limit
+    else:
+        fine = not np.count_nonzero(status) and np.count_nonzero(error < limit) == len(error)
+    if fine:
         return status
     coarse = (
         (error > COARSE_ERROR) if spec["accuracy"] is None else np.zeros_like(error, dtype=bool)
