@@ -9,13 +9,16 @@ size, so that a mesh far from the origin, a tiny mesh and a huge mesh lose no di
 
 from __future__ import annotations
 
+import os
+from pathlib import Path
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._checks.arguments import first_place, shaped
+from ._checks.arguments import finite_float, first_place, one_line, one_of, shaped
 from .inertia.mass_properties import MassProperties, tensor_of_squares
 
-__all__ = ["mesh_properties"]
+__all__ = ["file_properties", "mesh_properties", "read_mesh"]
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -25,6 +28,12 @@ _SLIVER = 1e-14
 
 _ROUNDING = 1e-15
 """Rounding error of a sum of volumes, relative to its terms."""
+
+_SAME_CORNER = 4.0 * float(np.finfo(np.float32).eps)
+"""Corners are one if they differ by less than this share of the largest coordinate: files of
+meshes hold single precision, and each triangle its own copy of its corners."""
+
+_READ_FORMATS = ("obj", "off", "ply", "stl")
 
 
 def mesh_properties(
@@ -102,6 +111,130 @@ def mesh_properties(
         centre=middle + unit[..., None] * (inner + rest),
         tensor=total[..., None, None] * tensor_of_squares(square),
     )
+
+
+def read_mesh(
+    path: str | os.PathLike[str], *, unit: float = 1.0, kind: str | None = None
+) -> tuple[Floats, Indices]:
+    """Corners and triangles of a file in STL, OBJ, PLY or OFF, for :func:`mesh_properties`.
+
+    Corners that the file repeats are merged, as STL repeats them for each triangle. Polygons become
+    triangles, and several objects one mesh. The file is read by trimesh, extra ``mesh``.
+
+    Parameters
+    ----------
+    path : path-like
+    unit : float
+        One unit of the file in m: 0.001 for a file in mm. Files do not tell their unit.
+    kind : {"stl", "obj", "ply", "off"}, optional
+        Format of the file, if the suffix does not tell it.
+
+    Returns
+    -------
+    vertices : ndarray, shape (v, 3)
+        Corners (m).
+    faces : ndarray of int, shape (f, 3)
+
+    Raises
+    ------
+    ValueError
+        Naming the path: for another format, or a file without triangles.
+    OSError
+        If the file cannot be read.
+    ImportError
+        Without trimesh.
+
+    Examples
+    --------
+    >>> import os, tempfile, trimesh
+    >>> from rigid import meshes
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = os.path.join(folder, "box.stl")
+    ...     _ = trimesh.creation.box((250.0, 80.0, 10.0)).export(path)
+    ...     vertices, faces = meshes.read_mesh(path, unit=0.001)
+    >>> vertices.shape, faces.shape
+    ((8, 3), (12, 3))
+    """
+    file = Path(path)
+    unit = finite_float("unit", unit, positive=True)
+    if kind is None and file.suffix.lower()[1:] not in _READ_FORMATS:
+        known = ", ".join(f".{name}" for name in _READ_FORMATS)
+        raise ValueError(f"path = {str(path)!r}: the suffix must be one of {known}; or give kind")
+    kind = one_of("kind", kind or file.suffix.lower()[1:], _READ_FORMATS)
+    try:
+        import trimesh
+    except ImportError:
+        raise ImportError("meshes of files need trimesh: pip install 'rigid[mesh]'") from None
+    with open(file, "rb") as stream:
+        try:
+            mesh = trimesh.load_mesh(stream, file_type=kind, process=False)
+            corners = np.array(mesh.vertices, dtype=np.float64).reshape(-1, 3)
+            triangles = np.array(mesh.faces, dtype=np.int64).reshape(-1, 3)
+        except Exception as error:  # a reader fails in many ways at a damaged file
+            raise ValueError(
+                f"path = {str(path)!r}: cannot be read as {kind} ({one_line(error)})"
+            ) from None
+    if not len(triangles):
+        raise ValueError(f"path = {str(path)!r}: has no triangles that can be read as {kind}")
+    if not np.isfinite(corners).all():
+        raise ValueError(f"path = {str(path)!r}: a corner is not finite")
+    vertices, faces = _merged(corners, triangles)
+    return unit * vertices, faces
+
+
+def file_properties(
+    path: str | os.PathLike[str],
+    *,
+    density: float | None = None,
+    mass: float | None = None,
+    unit: float = 1.0,
+    kind: str | None = None,
+) -> MassProperties:
+    """Mass, centre and tensor of inertia of the homogeneous solid in a file of a closed mesh.
+
+    Parameters
+    ----------
+    path, unit, kind
+        As in :func:`read_mesh`.
+    density, mass
+        As in :func:`mesh_properties`.
+
+    Returns
+    -------
+    MassProperties
+        In the axes of the file, lengths in m.
+
+    Raises
+    ------
+    ValueError, OSError, ImportError
+        As :func:`read_mesh` and :func:`mesh_properties`, naming the path.
+    """
+    vertices, faces = read_mesh(path, unit=unit, kind=kind)
+    try:
+        return mesh_properties(vertices, faces, density=density, mass=mass)
+    except ValueError as error:
+        reason = str(error).replace("; corners stored several times must be merged first", "")
+        raise ValueError(f"path = {str(path)!r}: {reason}") from None
+
+
+def _merged(corners: Floats, triangles: Indices) -> tuple[Floats, Indices]:
+    """Corners in one place made one; triangles that lose a corner by this are left out."""
+    near = _SAME_CORNER * float(np.abs(corners).max())
+    label = np.zeros(len(corners), dtype=np.int64)
+    count = 0
+    # Groups are cut at gaps along one axis after the other until no axis has a gap.
+    while True:
+        for axis in range(3):
+            order = np.lexsort((corners[:, axis], label))
+            far = np.diff(corners[order, axis]) > near
+            label[order] = np.cumsum(np.concatenate([[0], far | (np.diff(label[order]) > 0)]))
+        if label.max() == count:
+            break
+        count = int(label.max())
+    _, first = np.unique(label, return_index=True)
+    faces = label[triangles]
+    whole = (faces != np.roll(faces, 1, axis=1)).all(axis=1)
+    return corners[first], faces[whole]
 
 
 def _triangles(faces: ArrayLike, count: int) -> Indices:

@@ -26,6 +26,8 @@ from .leading import (
 )
 
 if TYPE_CHECKING:
+    from os import PathLike
+
     from ..inertia.mass_properties import MassProperties
 
 __all__ = [
@@ -388,6 +390,75 @@ class Body:
         return cls.from_properties(
             mesh_properties(vertices, faces, density=density, mass=mass), about=about
         )
+
+    @classmethod
+    def from_stl(
+        cls,
+        path: str | PathLike[str],
+        *,
+        density: float | None = None,
+        mass: float | None = None,
+        unit: float = 1.0,
+        about: ArrayLike | None = None,
+    ) -> tuple[Body, NDArray[np.float64]]:
+        """The homogeneous body in an STL file, and its principal axes; needs trimesh.
+
+        Parameters
+        ----------
+        path : path-like
+            File of a closed mesh whose triangles are counterclockwise seen from outside.
+        density : float, optional
+            Density (kg/m³); 1 if neither density nor mass is given.
+        mass : float, optional
+            Mass (kg). Pass either the mass or the density.
+        unit : float
+            One unit of the file in m: 0.001 for a file in mm.
+        about
+            As for :meth:`from_properties`, whose results these are, in the axes of the file.
+
+        Raises
+        ------
+        ValueError
+            Naming the path, if the file has no triangles, or the mesh is open, not consistently
+            oriented or inside out; see :func:`rigid.meshes.mesh_properties`.
+        OSError
+            If the file cannot be read.
+        ImportError
+            Without trimesh, extra ``mesh``.
+
+        Examples
+        --------
+        >>> import os, tempfile, rigid, trimesh
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     path = os.path.join(folder, "box.stl")
+        ...     _ = trimesh.creation.box((250.0, 80.0, 10.0)).export(path)
+        ...     body, axes = rigid.Body.from_stl(path, mass=0.3, unit=0.001)
+        >>> [round(moment, 9) for moment in body.moments]
+        [0.0001625, 0.001565, 0.0017225]
+        """
+        from ..meshes import file_properties
+
+        properties = file_properties(path, density=density, mass=mass, unit=unit, kind="stl")
+        return cls.from_properties(properties, about=about)
+
+    @classmethod
+    def from_obj(
+        cls,
+        path: str | PathLike[str],
+        *,
+        density: float | None = None,
+        mass: float | None = None,
+        unit: float = 1.0,
+        about: ArrayLike | None = None,
+    ) -> tuple[Body, NDArray[np.float64]]:
+        """The homogeneous body in an OBJ file, and its principal axes.
+
+        Parameters, results and errors are those of :meth:`from_stl`; polygons become triangles.
+        """
+        from ..meshes import file_properties
+
+        properties = file_properties(path, density=density, mass=mass, unit=unit, kind="obj")
+        return cls.from_properties(properties, about=about)
 
     @classmethod
     def _upright(cls, properties: MassProperties) -> Body:

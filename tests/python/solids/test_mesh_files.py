@@ -1,0 +1,161 @@
+"""Bodies from files of closed meshes, against closed forms of the solids."""
+
+from __future__ import annotations
+
+import struct
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from numpy.typing import NDArray
+
+import rigid
+from rigid import meshes
+
+Floats = NDArray[np.float64]
+
+CUBE = np.array([[x, y, z] for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])
+SQUARES = np.array(
+    [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+)
+TRIANGLES = np.concatenate([SQUARES[:, [0, 1, 2]], SQUARES[:, [0, 2, 3]]])
+CORNER = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+CORNER_FACES = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+
+
+def binary_stl(path: Path, corners: Floats, faces: NDArray[np.int64]) -> Path:
+    """Each triangle with a normal, three corners in single precision and two bytes."""
+    triangles = corners[faces].reshape(-1, 9)
+    rows = b"".join(struct.pack("<12fH", 0, 0, 0, *row, 0) for row in triangles)
+    path.write_bytes(b" " * 80 + struct.pack("<I", len(faces)) + rows)
+    return path
+
+
+def ascii_stl(path: Path, corners: Floats, faces: NDArray[np.int64]) -> Path:
+    lines = ["solid part"]
+    for face in corners[faces]:
+        lines += ["facet normal 0 0 0", "outer loop"]
+        lines += [f"vertex {x:.9e} {y:.9e} {z:.9e}" for x, y, z in face]
+        lines += ["endloop", "endfacet"]
+    path.write_text("\n".join([*lines, "endsolid part"]))
+    return path
+
+
+def obj(path: Path, corners: Floats, faces: NDArray[np.int64]) -> Path:
+    lines = ["mtllib none.mtl", "o part", *(f"v {x} {y} {z}" for x, y, z in corners.tolist())]
+    lines += ["f " + " ".join(str(k + 1) for k in face) for face in faces.tolist()]
+    path.write_text("\n".join(lines))
+    return path
+
+
+WRITERS = {"a.stl": ascii_stl, "b.stl": binary_stl, "c.obj": obj}
+
+
+@pytest.mark.parametrize("name", WRITERS)
+def test_a_cube_of_a_file_is_the_cube(name: str, tmp_path: Path) -> None:
+    path = WRITERS[name](tmp_path / name, 60.0 * CUBE, TRIANGLES)
+    vertices, faces = meshes.read_mesh(path, unit=0.001)
+    assert vertices.shape == (8, 3)
+    assert faces.shape == (12, 3)
+    load = rigid.Body.from_obj if name.endswith("obj") else rigid.Body.from_stl
+    body, _ = load(path, mass=3.0, unit=0.001)
+    # m a² / 6; 60 is a number of single precision.
+    assert np.allclose(body.moments, 3.0 * 0.06**2 / 6.0, rtol=1e-14)
+    assert body.mass == 3.0
+    dense, _ = load(path, density=7800.0, unit=0.001)
+    assert dense.mass is not None
+    assert np.isclose(dense.mass, 7800.0 * 0.06**3, rtol=1e-14)
+    about_corner, _ = load(path, mass=3.0, unit=0.001, about=(0.0, 0.0, 0.0))
+    assert np.isclose(about_corner.moments[0], 3.0 * 0.06**2 / 6.0, rtol=1e-13)
+    assert np.isclose(about_corner.moments[2], 11.0 / 12.0 * 3.0 * 0.06**2, rtol=1e-13)
+
+
+def test_squares_of_an_obj_file_become_triangles(tmp_path: Path) -> None:
+    path = obj(tmp_path / "squares.obj", CUBE, SQUARES)
+    assert np.allclose(rigid.Body.from_obj(path)[0].moments, 1.0 / 6.0, rtol=1e-14)
+
+
+def test_a_corner_of_a_cube(tmp_path: Path) -> None:
+    # x, y, z >= 0, x + y + z <= 1: about the corner I = m/5 on the diagonal, products -m/20.
+    path = binary_stl(tmp_path / "corner.stl", CORNER, CORNER_FACES)
+    found = meshes.file_properties(path, mass=20.0)
+    assert np.allclose(found.centre, 0.25, rtol=1e-15)
+    about = found.about([0.0, 0.0, 0.0])
+    assert np.allclose(about, 5.0 * np.eye(3) - np.ones((3, 3)), rtol=0, atol=1e-13)
+
+
+def test_an_icosahedron_and_finer_and_finer_balls(tmp_path: Path) -> None:
+    golden = (1.0 + np.sqrt(5.0)) / 2.0
+    solid = trimesh.creation.icosahedron()
+    edge = float(solid.edges_unique_length.mean())
+    path = obj(tmp_path / "icosahedron.obj", solid.vertices, solid.faces)
+    moments = rigid.Body.from_obj(path, mass=10.0)[0].moments
+    assert np.allclose(moments, golden**2 * edge**2, rtol=1e-12)
+    off = []
+    for k in (2, 3, 4):
+        ball = trimesh.creation.icosphere(subdivisions=k)
+        path = binary_stl(tmp_path / f"{k}.stl", ball.vertices, ball.faces)
+        off.append(1.0 - rigid.Body.from_stl(path, mass=2.5)[0].moments[0])
+    # Inscribed, so smaller, with an error of order 2 in the edge.
+    assert off[2] > 0.0
+    assert np.allclose([off[0] / off[1], off[1] / off[2]], 4.0, rtol=0.05)
+
+
+def test_corners_that_differ_by_rounding_are_one(tmp_path: Path) -> None:
+    rng = np.random.default_rng(3)
+    matrix = rigid.rotations.exp_so3([0.4, -0.3, 0.8])
+    corners = 1000.0 * CUBE @ matrix.T + [300.0, -200.0, 50.0]
+    triangles = corners[TRIANGLES].reshape(-1, 3)
+    ulp = np.spacing(np.abs(triangles).max().astype(np.float32))
+    jittered = triangles + ulp * rng.choice([-1.0, 0.0, 1.0], size=triangles.shape)
+    path = binary_stl(tmp_path / "jitter.stl", jittered, np.arange(36).reshape(-1, 3))
+    vertices, faces = meshes.read_mesh(path)
+    assert (len(vertices), len(faces)) == (8, 12)
+    body, _ = rigid.Body.from_stl(path, mass=6.0)
+    assert np.allclose(body.moments, 1e6, rtol=1e-6)  # ulp of 1300 in single precision: 1.2e-4
+
+
+def test_two_parts_and_triangles_without_extent(tmp_path: Path) -> None:
+    far = np.concatenate([CUBE, CUBE + np.array([5.0, 0.0, 0.0])])
+    both = np.concatenate([TRIANGLES, 8 + TRIANGLES, [[0, 1, 1]]])
+    path = binary_stl(tmp_path / "two.stl", far, both)
+    found = meshes.file_properties(path, density=1.0)
+    assert np.isclose(found.mass, 2.0, rtol=1e-15)
+    assert np.allclose(found.centre, [3.0, 0.5, 0.5], rtol=1e-15)
+
+
+def test_what_is_no_closed_mesh_is_refused(tmp_path: Path) -> None:
+    opened = binary_stl(tmp_path / "open.stl", CUBE, TRIANGLES[1:])
+    with pytest.raises(ValueError, match=r"path = '.*open\.stl': .*is open \(3 such edges\)"):
+        rigid.Body.from_stl(opened, mass=1.0)
+    inside = binary_stl(tmp_path / "inside.stl", CUBE, TRIANGLES[:, ::-1])
+    with pytest.raises(ValueError, match=r"path = '.*inside\.stl': .* the mesh is inside out"):
+        rigid.Body.from_stl(inside, mass=1.0)
+    flipped = TRIANGLES.copy()
+    flipped[0] = flipped[0, ::-1]
+    turned = obj(tmp_path / "turned.obj", CUBE, flipped)
+    with pytest.raises(ValueError, match=r"turned\.obj': .* not consistently oriented"):
+        rigid.Body.from_obj(turned, mass=1.0)
+
+
+def test_what_is_no_mesh_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for content in (b"", b"garbage", b"solid x\nfacet\nendsolid"):
+        (tmp_path / "bad.stl").write_bytes(content)
+        with pytest.raises(ValueError, match=r"path = '.*bad\.stl': (has no triangles|cannot be)"):
+            rigid.Body.from_stl(tmp_path / "bad.stl")
+    with pytest.raises(FileNotFoundError, match="none"):
+        rigid.Body.from_stl(tmp_path / "none.stl")
+    with pytest.raises(ValueError, match=r"path = 'part\.step': the suffix must be one of \.obj"):
+        meshes.read_mesh("part.step")
+    with pytest.raises(ValueError, match="kind = 'step': must be one of"):
+        meshes.read_mesh("part.step", kind="step")
+    with pytest.raises(ValueError, match=r"unit = 0\.0: must be positive"):
+        meshes.read_mesh("part.stl", unit=0.0)
+    infinite = obj(tmp_path / "inf.obj", np.where(CUBE > 0, np.inf, CUBE), TRIANGLES)
+    with pytest.raises(ValueError, match=r"inf\.obj': a corner is not finite"):
+        meshes.read_mesh(infinite)
+    monkeypatch.setitem(sys.modules, "trimesh", None)
+    with pytest.raises(ImportError, match=r"need trimesh: pip install 'rigid\[mesh\]'"):
+        rigid.Body.from_stl(tmp_path / "bad.stl")
