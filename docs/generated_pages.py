@@ -19,7 +19,7 @@ from rigid.model.criteria import CRITERIA
 __all__ = ["write_generated_pages"]
 
 GROUPS = {
-    "rigid": ["exact"],
+    "rigid": ["exact", "units"],
     "Bodies": ["inertia", "solids", "meshes", "particles", "springs", "statics", "fixed_axis"],
     "Motions": ["free", "top", "earth"],
     "Rotations": ["rotations", "frames"],

@@ -9,7 +9,7 @@ The modules of the textbook are imported on first access, for example ``rigid.pa
 :mod:`~rigid.particles`, :mod:`~rigid.statics` and :mod:`~rigid.springs`; :mod:`~rigid.rotations`
 and :mod:`~rigid.frames`; :mod:`~rigid.inertia`, :mod:`~rigid.solids` and :mod:`~rigid.meshes`;
 :mod:`~rigid.fixed_axis`, :mod:`~rigid.free`, :mod:`~rigid.top` and :mod:`~rigid.earth`;
-:mod:`~rigid.figures` and :mod:`~rigid.animation`.
+:mod:`~rigid.figures` and :mod:`~rigid.animation`; :mod:`~rigid.units`.
 """
 
 from __future__ import annotations
@@ -73,6 +73,7 @@ if TYPE_CHECKING:
         springs,
         statics,
         top,
+        units,
     )
     from .store.store import Store, diff, merge, open_store
 
@@ -150,6 +151,7 @@ __all__ = [
     "top",
     "uniform",
     "uniform_attitude",
+    "units",
 ]
 
 _LATER = frozenset(
@@ -168,6 +170,7 @@ _LATER = frozenset(
         "springs",
         "statics",
         "top",
+        "units",
     )
 )
 """Modules that are imported when they are first named."""

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
+from .quantities import without_unit
 
 __all__ = [
     "brief",
@@ -77,9 +78,18 @@ def one_of(argument: str, value: object, known: Iterable[str]) -> str:
 
 
 def finite_float(
-    name: str, value: object, *, positive: bool = False, nonnegative: bool = False
+    name: str,
+    value: object,
+    *,
+    positive: bool = False,
+    nonnegative: bool = False,
+    unit: str | None = None,
 ) -> float:
-    """``value`` as a finite float; positive or not negative if required."""
+    """``value`` as a finite float; positive or not negative if required.
+
+    A quantity is taken in ``unit``, by default that of :data:`.quantities.UNITS`.
+    """
+    value = without_unit(name, value, unit)
     if isinstance(value, np.ndarray) and value.ndim == 0:
         value = value[()]
     if isinstance(value, bool) or not isinstance(value, Real):
@@ -108,8 +118,12 @@ def positive_int(name: str, value: object, *, minimum: int = 1) -> int:
     return int(value)
 
 
-def numbers(name: str, value: ArrayLike) -> NDArray[np.float64]:
-    """``value`` as contiguous and aligned floats; those beyond 1.8e308 become infinite."""
+def numbers(name: str, value: ArrayLike, unit: str | None = None) -> NDArray[np.float64]:
+    """``value`` as contiguous and aligned floats; those beyond 1.8e308 become infinite.
+
+    A quantity is taken in ``unit``, by default that of :data:`.quantities.UNITS`.
+    """
+    value = without_unit(name, value, unit)
     _refuse_masked(name, value)
     try:
         array = np.asarray(value)
@@ -167,12 +181,13 @@ def shaped(
     *shape: int | None,
     positive: bool = False,
     nonnegative: bool = False,
+    unit: str | None = None,
 ) -> NDArray[np.float64]:
     """``value`` as a finite array whose last axes have that shape; the leading ones are free.
 
-    None means any length.
+    None means any length. A quantity is taken in ``unit``, as :func:`numbers` does.
     """
-    array = numbers(name, value)
+    array = numbers(name, value, unit)
     last = array.shape[max(array.ndim - len(shape), 0) :]
     if last != shape and (
         len(last) < len(shape)

@@ -592,7 +592,7 @@ def _axis(name: str, values: ArrayLike, own: bool) -> Axis:
             f"axes: unknown parameter {brief(name)}{nearest(name, PARAMETERS)}"
             f" (known: {', '.join(PARAMETERS)})"
         )
-    array = numbers(f"axes[{name!r}]", values)
+    array = numbers(f"axes[{name!r}]", values, None if own else PARAMETERS[name].unit)
     if array.ndim != 1 or array.size == 0:
         raise ValueError(f"axes[{name!r}]: expected shape (n,) with n >= 1, got {array.shape}")
     if not np.isfinite(array).all():

@@ -174,9 +174,9 @@ class Body:
         >>> [round(moment * 12e4 / 0.3) for moment in book.moments]
         [65, 626, 689]
         """
-        a = finite_float("a", a, positive=True)
-        b = finite_float("b", b, positive=True)
-        c = finite_float("c", c, positive=True)
+        a = finite_float("a", a, positive=True, unit="m")
+        b = finite_float("b", b, positive=True, unit="m")
+        c = finite_float("c", c, positive=True, unit="m")
         mass = finite_float("mass", mass, positive=True)
         return cls(box_moments(a, b, c, mass), mass=mass, sides=(a, b, c))._marked("centre")
 
@@ -228,9 +228,9 @@ class Body:
         """
         from .. import solids
 
-        a = finite_float("a", a, positive=True)
-        b = finite_float("b", b, positive=True)
-        c = finite_float("c", c, positive=True)
+        a = finite_float("a", a, positive=True, unit="m")
+        b = finite_float("b", b, positive=True, unit="m")
+        c = finite_float("c", c, positive=True, unit="m")
         return cls._upright(solids.ellipsoid(a, b, c, mass=_mass(mass)))
 
     @classmethod

@@ -173,7 +173,7 @@ class Orbit:
             If the rate is not positive, a direction is no unit vector, or the two are not at right
             angles.
         """
-        n = finite_float("rate", rate, positive=True)
+        n = finite_float("rate", rate, positive=True, unit="rad/s")
         axis, begin = unit_vector("normal", normal, 3), unit_vector("towards", towards, 3)
         along = float(axis @ begin)
         if abs(along) > 1e-9:

@@ -279,7 +279,7 @@ def _centred(
 
 
 def _size(name: str, value: ArrayLike) -> Floats:
-    return shaped(name, value, nonnegative=True)
+    return shaped(name, value, nonnegative=True, unit="m")
 
 
 def _hollow(radius: ArrayLike, inner: ArrayLike) -> tuple[Floats, Floats]:

@@ -85,6 +85,8 @@ SUBJECTS = (
     "satellites",
     "libration on an orbit",
     "steps one by one",
+    "axes of a drawing",
+    "units",
     "batches",
     "arrays",
     "only what is asked for",

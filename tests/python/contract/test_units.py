@@ -1,0 +1,166 @@
+"""Quantities with units become numbers in SI units at the door, or are refused in words."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pint
+import pytest
+
+import rigid
+from rigid import solids, units
+from rigid._checks.quantities import UNITS
+
+REGISTRY: Any = pint.UnitRegistry()
+Q: Any = REGISTRY.Quantity
+
+
+def test_constants_are_those_of_pint() -> None:
+    assert np.isclose(units.rpm, Q(1.0, "rpm").to("rad/s").magnitude, rtol=1e-15)
+    assert np.isclose(units.degree, Q(1.0, "degree").to("rad").magnitude, rtol=1e-15)
+
+
+def test_pint_knows_every_unit_of_the_tables() -> None:
+    known = [unit for some in UNITS.values() for unit in some]
+    known += [row.unit for row in rigid.maps.parameters.PARAMETERS.values() if row.unit != "1"]
+    base = {str(REGISTRY.parse_units(unit).dimensionality) for unit in known}
+    assert len(base) > 8
+    for unit in known:
+        one = Q(1.0, unit)
+        assert np.isclose(one.to_base_units().magnitude, 1.0, rtol=1e-12), unit
+
+
+def test_a_body_of_millimetres_and_grams() -> None:
+    sides = [Q(250.0, "mm"), Q(8.0, "cm"), Q(0.01, "m")]
+    book = rigid.Body.box(*sides, mass=Q(300.0, "g"))
+    assert np.allclose(book.moments, rigid.Body.box(0.25, 0.08, 0.01, mass=0.3).moments, rtol=1e-15)
+    tensor = np.array([[2.0, 0.1, 0.0], [0.1, 3.0, 0.0], [0.0, 0.0, 4.0]])
+    body, _ = rigid.Body.from_tensor(Q(tensor, "g cm²"))
+    assert np.allclose(body.moments, rigid.Body.from_tensor(1e-7 * tensor)[0].moments, rtol=1e-14)
+    bodies = rigid.Body(Q([[1.0, 2.0, 2.5], [1.0, 1.0, 1.5]], "kg m²"), mass=Q([1.0, 2.0], "kg"))
+    assert bodies[1].mass == 2.0
+    slab = solids.box(*sides, mass=Q(300.0, "g"))
+    assert np.allclose(np.diagonal(slab.tensor), book.moments, rtol=1e-15)
+    faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
+    corner, _ = rigid.Body.from_mesh(
+        Q(60.0 * np.eye(4, 3, -1), "mm"), faces, density=Q(7.8, "g/cm³")
+    )
+    assert isinstance(corner.mass, float)
+    assert np.isclose(corner.mass, 7800.0 * 0.06**3 / 6.0, rtol=1e-14)
+
+
+def test_a_top_of_millimetres() -> None:
+    cone = rigid.Body.cone(Q(3.0, "cm"), Q(5.0, "cm"), mass=Q(100.0, "g"))
+    centre = [Q(0.0, "mm"), Q(0.0, "mm"), Q(37.5, "mm")]
+    top, _ = rigid.HeavyTop.from_mass(cone, com=centre, g=Q(9.81, "m/s**2"))
+    same, _ = rigid.HeavyTop.from_mass(rigid.Body.cone(0.03, 0.05, mass=0.1), com=[0, 0, 0.0375])
+    assert np.isclose(top.mgl, same.mgl, rtol=1e-14)
+    assert np.allclose(top.body.moments, same.body.moments, rtol=1e-14)
+    assert rigid.HeavyTop(same.body, mgl=Q(1000.0, "mJ")).mgl == 1.0
+
+
+def test_a_run_in_turns_a_minute_and_minutes() -> None:
+    wheel = rigid.Body((1.0, 1.0, 1.8))
+    scene = rigid.FreeBody(
+        wheel,
+        torque=rigid.Torque.body(Q([0.0, 0.0, 300.0], "N mm")),
+        damping=Q(0.1, "N m / (rad/s)"),
+        rotor=Q([0.0, 0.0, 1.0], "kg m²/s"),
+    )
+    other = rigid.FreeBody(
+        wheel, torque=rigid.Torque.body([0.0, 0.0, 0.3]), damping=0.1, rotor=[0.0, 0.0, 1.0]
+    )
+    assert scene == other
+    start = Q([0.0, 0.0, 30.0], "rpm")
+    run = rigid.simulate(scene, start, t=Q([0.0, 0.1], "minute"), step=Q(5.0, "ms"), method="rk4")
+    same = rigid.simulate(
+        other, np.array([0.0, 0.0, 30.0]) * units.rpm, t=[0.0, 6.0], step=0.005, method="rk4"
+    )
+    assert np.allclose(run.omega, same.omega, rtol=1e-14)
+    assert np.array_equal(run.t, same.t)
+
+
+def test_a_start_and_a_map_in_degrees() -> None:
+    start = rigid.Start(
+        spin=Q(60.0, "rpm"),
+        tilt=Q(5.0, "degree"),
+        noise=rigid.normal(Q(0.1, "degree/s")),
+    )
+    assert start.spin is not None
+    assert np.isclose(start.spin, 2.0 * np.pi, rtol=1e-15)
+    assert np.isclose(start.tilt, np.radians(5.0), rtol=1e-15)
+    assert np.isclose(start.noise.size, np.radians(0.1), rtol=1e-15)  # type: ignore[union-attr]
+    assert np.isclose(rigid.normal(Q(1.0, "degree")).size, units.degree, rtol=1e-15)
+    result = rigid.stability_map(
+        rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0))),
+        axes={"spin": Q([30.0, 60.0], "rpm"), "I2/I1": [1.2, 1.4]},
+        samples=2,
+        t_end=Q(0.5, "minute"),
+        stable=rigid.no_flip(),
+        rng=1,
+    )
+    assert np.allclose(result.spec.axes[0].values, [np.pi, 2.0 * np.pi], rtol=1e-15)
+    assert result.spec.t_end == 30.0
+    assert np.isclose(rigid.tilt_below(Q(30.0, "degree")).angle, np.pi / 6.0, rtol=1e-15)
+
+
+BODY = rigid.Body((1.0, 1.5, 2.0))
+REFUSED: dict[str, tuple[Callable[[], object], str]] = {
+    "rates in metres": (
+        lambda: rigid.simulate(BODY, Q([1.0, 0.0, 0.0], "m"), t=[1.0]),
+        r"omega in meter: must be in rad/s or a unit of its kind",
+    ),
+    "hertz": (
+        lambda: rigid.simulate(BODY, Q([1.0, 0.0, 0.0], "kHz"), t=[1.0]),
+        r"omega in kilohertz: a rate is in rad/s, rpm or degrees per second",
+    ),
+    "a list of quantities": (
+        lambda: rigid.simulate(BODY, [0.0, 0.0, Q(1.0, "kg")], t=[1.0]),
+        r"omega in kilogram: must be in rad/s",
+    ),
+    "time in radians": (
+        lambda: rigid.simulate(BODY, [1.0, 0.0, 0.0], t=Q([1.0], "rad")),
+        r"t in radian: must be in s or",
+    ),
+    "a mass in metres": (
+        lambda: rigid.Body.box(1.0, 2.0, 3.0, mass=Q(1.0, "m")),
+        r"mass in meter: must be in kg",
+    ),
+    "a side in kilograms": (
+        lambda: rigid.Body.box(Q(1.0, "kg"), 2.0, 3.0),
+        r"a in kilogram: must be in m or",
+    ),
+    "noise": (
+        lambda: rigid.normal(Q(1.0, "s")),
+        r"size in second: must be in rad/s or rad or a unit of its kind",
+    ),
+    "an axis": (
+        lambda: rigid.maps.parameters.make_axes({"spin": Q([1.0], "N")}),
+        r"axes\['spin'\] in newton: must be in rad/s",
+    ),
+    "a ratio": (
+        lambda: rigid.maps.parameters.make_axes({"I2/I1": Q([1.0], "kg")}),
+        r"axes\['I2/I1'\] in kilogram: takes numbers without units",
+    ),
+    "no unit": (
+        lambda: rigid.simulate(BODY, [1.0, 0.0, 0.0], t=[1.0], accuracy=Q(1.0, "m")),
+        r"accuracy in meter: takes numbers without units",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_a_quantity_of_another_kind_is_refused(name: str) -> None:
+    call, message = REFUSED[name]
+    with pytest.raises(ValueError, match=message):
+        call()
+
+
+def test_no_unit_is_lost_in_silence() -> None:
+    # Arguments that the table does not know refuse a unit instead of dropping it.
+    with pytest.raises(ValueError, match="takes numbers without units"):
+        rigid.exact.agm(Q(1.0, "m"), 2.0)
+    share = Q(1e-4, "percent")
+    assert rigid.simulate(BODY, [1.0, 0.1, 0.0], t=[1.0], accuracy=share).spec["accuracy"] < 2e-6
