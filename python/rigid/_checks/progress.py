@@ -23,6 +23,7 @@ __all__ = [
     "heeding_signals",
     "interruptible",
     "reporting",
+    "terminated",
 ]
 
 CHUNK_SECONDS = 0.3
@@ -201,6 +202,15 @@ def interruptible() -> Iterator[threading.Event]:
             signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
+_terminated = threading.Event()
+"""Set by SIGTERM, in :func:`heeding_signals`."""
+
+
+def terminated() -> bool:
+    """Whether SIGTERM, and not Ctrl-C, ends the command."""
+    return _terminated.is_set()
+
+
 @contextmanager
 def heeding_signals() -> Iterator[Callable[[], int]]:
     """Handle SIGTERM as SIGINT (Ctrl-C), and SIGINT even if the process started with it ignored.
@@ -216,12 +226,10 @@ def heeding_signals() -> Iterator[Callable[[], int]]:
     callable
         Exit code of a command that was interrupted: 128 and the number of the signal.
     """
-    terminated = False
 
     def terminate(_number: int, _frame: FrameType | None) -> None:
-        nonlocal terminated
-        if not terminated:
-            terminated = True
+        if not _terminated.is_set():
+            _terminated.set()
             signal.raise_signal(signal.SIGINT)
 
     before: dict[signal.Signals, Any] = {}
@@ -231,7 +239,8 @@ def heeding_signals() -> Iterator[Callable[[], int]]:
         if signal.getsignal(signal.SIGTERM) is signal.SIG_DFL:
             before[signal.SIGTERM] = signal.signal(signal.SIGTERM, terminate)
     try:
-        yield lambda: 128 + (signal.SIGTERM if terminated else signal.SIGINT)
+        yield lambda: 128 + (signal.SIGTERM if _terminated.is_set() else signal.SIGINT)
     finally:
+        _terminated.clear()
         for number, handler in before.items():
             signal.signal(number, handler)

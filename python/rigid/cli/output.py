@@ -128,15 +128,15 @@ def _json(facts: Mapping[str, Any]) -> str:
     return json.dumps(checked(facts), ensure_ascii=False, allow_nan=False, indent=2)
 
 
-def progress_shown(wanted: bool) -> ProgressOption:
-    """A bar in a terminal, a line every 10 s elsewhere, or nothing."""
+def progress_shown(wanted: bool, who: str = "") -> ProgressOption:
+    """A bar in a terminal, a line every 10 s elsewhere that names who works, or nothing."""
     if not wanted:
         return False
     in_terminal = sys.stderr is not None and sys.stderr.isatty()
-    return None if in_terminal or sys.stderr is None else _lines()
+    return None if in_terminal or sys.stderr is None else _lines(who)
 
 
-def _lines() -> Callable[[Progress], None]:
+def _lines(who: str) -> Callable[[Progress], None]:
     shown = 0.0
 
     def show(progress: Progress) -> None:
@@ -145,8 +145,8 @@ def _lines() -> Callable[[Progress], None]:
             return
         shown = progress.elapsed
         print(
-            f"rigid: {progress.done / progress.total:.0%} done after {progress.elapsed:.0f} s, "
-            f"about {progress.remaining:.0f} s to go",
+            f"rigid: {who}{progress.done / progress.total:.0%} done after "
+            f"{progress.elapsed:.0f} s, about {progress.remaining:.0f} s to go",
             file=sys.stderr,
             flush=True,
         )

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from .._checks.arguments import resolve_threads
-from .._checks.progress import Interrupted
+from .._checks.progress import Interrupted, terminated
 from ..maps.result import StabilityMap
 from ..maps.spec import MapSpec
 from .output import progress_shown, say
@@ -117,11 +117,14 @@ def _computed(options: Namespace, compute: Any) -> StabilityMap | int:
                 threads=resolve_threads(options.threads),
                 threads_per_task=1,
                 part=options.part,
-                progress=progress_shown(options.progress),
+                progress=progress_shown(
+                    options.progress, "" if options.part is None else f"part {options.part}: "
+                ),
                 partial=False,
             )
     except Interrupted as stopped:
-        raise KeyboardInterrupt(f"interrupted; {_stored(stopped.partial)}; {goes_on}") from None
+        how = "terminated" if terminated() else "interrupted"
+        raise KeyboardInterrupt(f"{how}; {_stored(stopped.partial)}; {goes_on}") from None
     except PoisonedError as error:
         print(f"rigid: {error}; {goes_on}", file=sys.stderr)
         return DIFFERENT

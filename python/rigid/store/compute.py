@@ -10,23 +10,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from ..maps.grid import nominal_starts
 from ..maps.identity import segment_of
 from ..maps.job import spans, to_core
 from ..maps.sequential import Looks
 from ..maps.spec import MapSpec
 from .rows import Rows, rows_of
 
-__all__ = ["Block", "compute", "moment_status"]
+__all__ = ["Block", "compute"]
 
 Columns = dict[str, NDArray[Any]]
 """Arrays by the name of their column."""
 
 Block = tuple[Rows, NDArray[np.float32]]
 """Rows and the processor time of each, ns."""
-
-PIXELS_TOGETHER = 2**16
-"""Pixels whose moments are made at a time."""
 
 
 @lru_cache(maxsize=4)
@@ -61,9 +57,9 @@ def compute(
     spec, units = _spec(text), np.sort(units)
     size = segment_of(spec)
     segments = -(-spec.samples // size)
-    rows, costs = [], []
-    for segment in np.unique(units % segments):
-        mine = units[units % segments == segment]
+    blocks = []
+    for segment in np.unique(units % segments) if segments > 1 else (0,):
+        mine = units[units % segments == segment] if segments > 1 else units
         samples = range(int(segment) * size, min((int(segment) + 1) * size, spec.samples))
         if spec.looks is None:
             columns = _columns(spec, mine // segments, samples, threads, stop)
@@ -71,11 +67,12 @@ def compute(
             columns = _sequential(spec, spec.looks, mine, threads, stop)
         if columns is None:
             return None
-        rows.append(rows_of(mine, columns))
-        costs.append(columns["nanoseconds"].astype("<f4"))
-    together = np.concatenate(rows)
-    order = np.argsort(together["unit"], kind="stable")
-    return together[order], np.concatenate(costs)[order]
+        blocks.append((rows_of(mine, columns), columns["nanoseconds"].astype("<f4")))
+    if len(blocks) == 1:
+        return blocks[0]
+    rows, costs = (np.concatenate(parts) for parts in zip(*blocks, strict=True))
+    order = np.argsort(rows["unit"], kind="stable")
+    return rows[order], costs[order]
 
 
 def _columns(
@@ -136,14 +133,3 @@ def _sequential(
         unknown = all_columns["undecided"] + all_columns["failed"]
         active &= ~looks.stops(all_columns["stable"], unknown, samples)
     return all_columns
-
-
-def moment_status(spec: MapSpec) -> NDArray[np.uint8]:
-    """The status of the moments of each pixel in C order: 0 where the body is possible."""
-    pixels = int(np.prod(spec.shape))
-    status = np.empty(pixels, np.uint8)
-    for begin in range(0, pixels, PIXELS_TOGETHER):
-        index = np.arange(begin, min(begin + PIXELS_TOGETHER, pixels))
-        starts = nominal_starts(spec.scene, spec.start, spec.axes, index)
-        status[index] = _core.moment_status(starts.moments)
-    return status

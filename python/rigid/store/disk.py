@@ -76,6 +76,10 @@ class Disk:
         """The content of a small file."""
         return path.read_bytes()
 
+    def modified(self, path: Path) -> float:
+        """When a file was last written, in seconds of ``time.time``."""
+        return path.stat().st_mtime
+
     @contextmanager
     def opened(self, path: Path) -> Iterator[BinaryIO]:
         """A file to read."""

@@ -6,14 +6,22 @@ import json
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import _core
 from .._checks.arguments import one_line
+from ..maps.grid import nominal_starts
 from ..maps.identity import FORMAT, FORMAT_VERSION, canonical, differences, head_of, key_of
 from ..maps.spec import MapSpec
 
-__all__ = ["Head", "StoreError"]
+__all__ = ["Head", "StoreError", "moment_status"]
 
 MOST_BYTES = 2**26
 """Most bytes of a head: axes of a million values have 25 MB."""
+
+PIXELS_TOGETHER = 2**16
+"""Pixels whose moments are made at a time."""
 
 
 class StoreError(ValueError):
@@ -102,3 +110,14 @@ class Head:
         if found:
             shown = "; ".join(found[:5]) + (f"; and {len(found) - 5} more" if found[5:] else "")
             raise StoreError(f"{path} holds another map (it and the one asked for): {shown}")
+
+
+def moment_status(spec: MapSpec) -> NDArray[np.uint8]:
+    """The status of the moments of each pixel in C order: 0 where the body is possible."""
+    pixels = int(np.prod(spec.shape))
+    status = np.empty(pixels, np.uint8)
+    for begin in range(0, pixels, PIXELS_TOGETHER):
+        index = np.arange(begin, min(begin + PIXELS_TOGETHER, pixels))
+        starts = nominal_starts(spec.scene, spec.start, spec.axes, index)
+        status[index] = _core.moment_status(starts.moments)
+    return status

@@ -12,12 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._checks.arguments import brief
-from .._checks.progress import Progress, ProgressOption, reporting
+from .._checks.progress import Progress, ProgressOption, reporting, terminated
 from ..maps.data import CLASSES, MapData
 from ..maps.refine import lattice_level, refined, stages
 from ..maps.result import StabilityMap
 from .canary import canaries, check_canaries
-from .compute import moment_status
 from .drive import Poison, Task, drive, executor_of, own_build, run_here
 from .rows import Rows
 from .running import Folder, Memory
@@ -76,7 +75,8 @@ class Outcome:
     Attributes
     ----------
     reason : str
-        ``complete``, ``interrupted``, ``waiting`` for other parts, or ``poisoned`` units.
+        ``complete``, ``interrupted`` by Ctrl-C, ``terminated`` by SIGTERM, ``waiting`` for other
+        parts, or ``poisoned`` units.
     poison : Poison
         Units whose tasks failed three times.
     """
@@ -85,15 +85,16 @@ class Outcome:
     poison: Poison
 
 
-def missing(running: Folder | Memory, status: NDArray[np.uint8]) -> NDArray[np.int64]:
+def missing(running: Folder | Memory) -> NDArray[np.int64]:
     """The units that are to be computed now, in order.
 
-    First comes a coarse lattice of pixels, so that an interrupted map is a coarse whole one. The
-    next stage of a refined map follows from the rows of those before.
+    First comes a coarse lattice of pixels, so that an interrupted map is a coarse whole one. Within
+    a lattice those come first that are likely to take longest, so that no worker is left alone with
+    them at the end. The next stage of a refined map follows from the rows of those before.
     """
-    spec = running.head.spec
+    spec, status = running.head.spec, running.status
     if refined(spec):
-        data = _data(running, status)
+        data = _data(running)
         ends = [data.lower, data.upper]
         pixels = stages(spec, data.status, data.finished, data.samples, ends).wanted
     else:
@@ -102,15 +103,28 @@ def missing(running: Folder | Memory, status: NDArray[np.uint8]) -> NDArray[np.i
         for segment in range(1, running.head.segments):
             known = known & running.table.known[segment :: running.head.segments]
         pixels = np.flatnonzero((status == 0) & ~known)
-        pixels = pixels[np.argsort(-lattice_level(spec.shape, pixels), kind="stable")]
+        level = lattice_level(spec.shape, pixels)
+        pixels = pixels[np.lexsort((-_likely_cost(running, pixels, level), -level))]
     segments = running.head.segments
     units = (pixels[:, np.newaxis] * segments + np.arange(segments)).ravel()
     left: NDArray[np.int64] = units[~running.table.known[units]]
     return left
 
 
-def _data(running: Folder | Memory, status: NDArray[np.uint8]) -> MapData:
-    return MapData.from_arrays(running.head.spec, {**running.table.arrays(), "status": status})
+def _likely_cost(
+    running: Folder | Memory, pixels: NDArray[np.int64], level: NDArray[np.int64]
+) -> NDArray[np.float32]:
+    """The processor time of the pixel of the next coarser lattice beside each, 0 if unknown."""
+    shape, segments = running.head.spec.shape, running.head.segments
+    stride = 2 * level
+    beside = [index // stride * stride for index in np.unravel_index(pixels, shape)]
+    cost = running.table.nanoseconds[np.ravel_multi_index(beside, shape) * segments]
+    return np.nan_to_num(cost)
+
+
+def _data(running: Folder | Memory) -> MapData:
+    arrays = {**running.table.arrays(), "status": running.status}
+    return MapData.from_arrays(running.head.spec, arrays)
 
 
 def carry_on(
@@ -137,7 +151,6 @@ def carry_on(
     """
     spec, part = running.head.spec, part or Part()
     text = spec.to_json()
-    status = moment_status(spec)
     known = canaries(running.table, running.head.key)
     checked = reread = False
     poison = Poison()
@@ -146,7 +159,7 @@ def carry_on(
     reason = "error"
     try:
         while True:
-            todo = missing(running, status)
+            todo = missing(running)
             mine = todo[part.has(todo)]
             if poison.units:
                 mine = mine[~np.isin(mine, poison.units)]
@@ -177,9 +190,9 @@ def carry_on(
                     found = drive(task, samples, mine, running, pool, workers, stop, note)
                     poison.units += found.units
                     poison.errors += found.errors
-        left = missing(running, status)
+        left = missing(running)
         if stop() and len(left):
-            reason = "interrupted"
+            reason = "terminated" if terminated() else "interrupted"
         elif poison.units:
             reason = "poisoned"
         else:
@@ -198,7 +211,7 @@ def result_of(
 ) -> StabilityMap:
     """The map of the rows that there are."""
     spec = running.head.spec
-    arrays = {**running.table.arrays(), "status": moment_status(spec)}
+    arrays = {**running.table.arrays(), "status": running.status}
     return StabilityMap.from_arrays(
         spec, arrays, elapsed=elapsed, threads=threads, writers=tuple(running.writers())
     )

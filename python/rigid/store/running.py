@@ -8,6 +8,7 @@ import socket
 import sys
 import time
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,7 @@ from .. import _core
 from ..maps.identity import canonical
 from ..maps.spec import MapSpec
 from .disk import DISK, Disk
-from .head import Head, StoreError
+from .head import Head, StoreError, moment_status
 from .log import LOG_NAME, Found, Log, read_log
 from .rows import Rows, Table
 
@@ -47,12 +48,21 @@ def _utc() -> str:
     return time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())
 
 
+def _seconds(nanoseconds: NDArray[np.float32] | None) -> float:
+    return 0.0 if nanoseconds is None else 1e-9 * float(np.nansum(nanoseconds, dtype=np.float64))
+
+
 class Memory:
     """A running map that is kept nowhere else."""
 
     def __init__(self, spec: MapSpec) -> None:
         self.head = Head.of(spec)
         self.table = Table(self.head)
+
+    @cached_property
+    def status(self) -> NDArray[np.uint8]:
+        """The status of the moments of each pixel in C order."""
+        return moment_status(self.head.spec)
 
     def read(self) -> None:
         """Nobody else computes rows."""
@@ -74,10 +84,25 @@ class Memory:
 
 @dataclass(frozen=True, slots=True)
 class LogFacts:
-    """What a log tells besides its rows: its name, its units, and :class:`Found`."""
+    """What a log tells besides its rows.
+
+    Attributes
+    ----------
+    name : str
+    units : int
+        Its rows.
+    seconds : float
+        Their processor time.
+    written : float
+        When it was last written, in seconds of :func:`time.time`.
+    found : Found
+        What else it holds.
+    """
 
     name: str
     units: int
+    seconds: float
+    written: float
     found: Found
 
 
@@ -97,9 +122,15 @@ class Folder:
     def __init__(self, path: str | os.PathLike[str], disk: Disk = DISK) -> None:
         self.path, self._disk = Path(path), disk
         self._log: Log | None = None
-        self._blocks = self._units = 0
+        self._receipt: dict[str, Any] = {}
+        self._blocks, self._units, self._seconds = 0, 0, 0.0
         self.head = self._read_head()
         self.read()
+
+    @cached_property
+    def status(self) -> NDArray[np.uint8]:
+        """The status of the moments of each pixel in C order."""
+        return moment_status(self.head.spec)
 
     @classmethod
     def at(cls, path: str | os.PathLike[str], spec: MapSpec, disk: Disk = DISK) -> Folder:
@@ -148,21 +179,24 @@ class Folder:
         for name in self._disk.names(folder):
             if not LOG_NAME.fullmatch(name) or not (folder / name).is_file():
                 continue
-            found, units = Found(), 0
+            found, units, seconds = Found(), 0, 0.0
+            written = self._disk.modified(folder / name)
             with self._disk.opened(folder / name) as file:
                 for rows, nanoseconds in read_log(file, self.head.key, found):
                     self.table.add(rows, nanoseconds, folder / name)
                     units += len(rows)
-            self.logs.append(LogFacts(name, units, found))
+                    seconds += _seconds(nanoseconds)
+            self.logs.append(LogFacts(name, units, seconds, written, found))
 
     def writers(self) -> list[dict[str, Any]]:
-        """The receipt of each log that was read, with its units and why it ended."""
+        """The receipt of each log, with its units, its processor time, and why it ended."""
         return [
             {
                 **(log.found.writer or {}),
                 **(log.found.end or {}),
                 "log": log.name,
                 "units": log.units,
+                "seconds": log.seconds,
             }
             for log in self.logs
         ]
@@ -171,8 +205,10 @@ class Folder:
         """Open the log of this process, unless it is open."""
         if self._log is None:
             self._disk.make_folder(self.path / "logs")
-            head = {"key": self.head.key.hex(), **receipt(**facts)}
-            self._log = Log(self.path / "logs", self.head.key, head, self._disk)
+            self._receipt = {"key": self.head.key.hex(), **receipt(**facts)}
+            self._blocks = self._units = 0
+            self._seconds = 0.0
+            self._log = Log(self.path / "logs", self.head.key, self._receipt, self._disk)
 
     def append(self, rows: Rows, nanoseconds: NDArray[np.float32]) -> None:
         """Append rows to the log of this process."""
@@ -181,10 +217,15 @@ class Folder:
         self.table.add(rows, nanoseconds, self._log.path)
         self._blocks += 1
         self._units += len(rows)
+        self._seconds += _seconds(nanoseconds)
 
     def end(self, reason: str) -> None:
         """Close the log of this process, if there is one."""
         log, self._log = self._log, None
         if log is not None:
             facts = {"blocks": self._blocks, "units": self._units, "reason": reason, "end": _utc()}
-            log.close(None if reason == "error" else facts)
+            end = None if reason == "error" else facts
+            log.close(end)
+            found = Found(writer=self._receipt, end=end, records=self._blocks)
+            own = LogFacts(log.path.name, self._units, self._seconds, time.time(), found)
+            self.logs = [log for log in self.logs if log.name != own.name] + [own]

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import time
+from calendar import timegm
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..maps.data import CLASSES
-from .compute import moment_status
-from .resume import missing
-from .running import Folder
+from .resume import Part, missing
+from .running import Folder, LogFacts
 
 __all__ = ["Status", "status_of"]
 
@@ -32,8 +34,10 @@ class Status:
     damage : list of str
         What could not be read in the logs, and where; its units count as missing.
     writers : list of dict
-        The receipt of each log: build, machine, process; with ``log``, ``units``, ``blocks`` and
-        ``reason``, why it ended. Without a reason the process runs or was killed.
+        The receipt of each log: build, machine, process, part; with ``log``, ``units``, ``seconds``
+        of processor time, ``blocks`` and ``reason``, why it ended. Without a reason the process
+        runs or was killed; then ``silent`` (s) tells when it last wrote, ``missing`` how many units
+        its part lacks, and ``remaining`` (s) how long it takes at its pace, NaN if it has none yet.
     seconds, remaining : float
         Processor time of the stored rows, and about that of the missing; NaN if it is not known.
     """
@@ -65,33 +69,67 @@ class Status:
         if self.twice:
             lines.append(("twice", f"{self.twice:,} rows were computed twice, with equal bytes"))
         for writer in self.writers:
-            who = f"{writer['log']}: {writer['units']:,} units"
+            part = writer.get("part", "1/1")
+            who = f"{writer['log']}: {'' if part == '1/1' else f'part {part}, '}"
+            what = f"{writer['units']:,} units in {writer['seconds']:.3g} s of processor time"
             build = f"rigid {writer.get('version')} {writer.get('commit') or ''}".strip()
-            how = writer.get("reason") or "running or killed"
-            lines.append(("writer", f"{who}, {build}, {writer.get('host')}; {how}"))
+            lines.append(("writer", f"{who}{what}, {build}, {writer.get('host')}; {_how(writer)}"))
         lines += [("damage", text) for text in self.damage]
         return "\n".join(f"{name:<12}{text}" for name, text in lines)
 
 
+def _how(writer: dict[str, Any]) -> str:
+    """Why a writer ended, or how far it is."""
+    if writer.get("reason"):
+        return str(writer["reason"])
+    left = f"its part lacks {writer['missing']:,} units"
+    if writer["missing"] and writer["remaining"] < np.inf:
+        left += f", about {writer['remaining']:.0f} s at its pace"
+    return f"running or killed, wrote {writer['silent']:.0f} s ago, {left}"
+
+
+def _writers(folder: Folder, left: NDArray[np.int64]) -> list[dict[str, Any]]:
+    """The receipts of the logs; with what is left to do where a writer has not ended."""
+    return [
+        writer if log.found.end else {**writer, **_pace(log, left)}
+        for writer, log in zip(folder.writers(), folder.logs, strict=True)
+    ]
+
+
+def _pace(log: LogFacts, left: NDArray[np.int64]) -> dict[str, Any]:
+    """How long a writer has been silent, and what its part lacks."""
+    receipt = log.found.writer or {}
+    try:
+        lacks = int(Part.of(receipt.get("part")).has(left).sum())
+        begun = float(timegm(time.strptime(receipt["begin"], "%Y-%m-%dT%H:%M:%SZ")))
+    except (KeyError, TypeError, ValueError):  # a damaged log may have no receipt
+        lacks, begun = len(left), log.written
+    pace = log.units / (log.written - begun) if log.written > begun else 0.0
+    return {
+        "silent": max(0.0, time.time() - log.written),
+        "missing": lacks,
+        "remaining": lacks / pace if pace > 0.0 else np.nan,
+    }
+
+
 def status_of(folder: Folder) -> Status:
     """What a running map has and lacks."""
-    spec, table = folder.head.spec, folder.table
-    status = moment_status(spec)
-    left = len(missing(folder, status))
+    table, todo = folder.table, missing(folder)
+    left = len(todo)
     rows = table.rows[table.known]
     costs = table.nanoseconds[table.known].astype(np.float64)
     seconds = 1e-9 * float(np.nansum(costs))
     mean = seconds / max(1, int((~np.isnan(costs)).sum())) if len(rows) else np.nan
     return Status(
         key=folder.head.key.hex(),
-        units=int((status == 0).sum()) * folder.head.segments,
+        units=int((folder.status == 0).sum()) * folder.head.segments,
         done=len(rows),
         missing=left,
         bodies=sum(int(rows[name].sum()) for name in CLASSES),
         failed=int(rows["failed"].sum()),
         twice=table.twice,
         damage=[f"{log.name}: {text}" for log in folder.logs for text in log.found.damage],
-        writers=folder.writers(),
+        writers=_writers(folder, todo),
         seconds=seconds,
         remaining=mean * left if left else 0.0,
     )

@@ -96,7 +96,7 @@ def test_the_status_is_told(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["status", "run.rigid"]) == 0
     told = capsys.readouterr().out
     assert re.search(r"units +\d+ of \d+ are stored, \d+ are missing", told)
-    assert re.search(r"writer +\S+\.tar: \d+ units, rigid .*; waiting", told)
+    assert re.search(r"writer +\S+\.tar: part 1/2, \d+ units in .* rigid .*; waiting", told)
 
 
 def test_numbers_are_verified(capsys: pytest.CaptureFixture[str]) -> None:
@@ -202,10 +202,15 @@ sys.exit(main(["map", "small.toml", "--store", "run.rigid", "--no-progress"]))
 
 
 @pytest.mark.parametrize(
-    ("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGKILL, -9)]
+    ("number", "code", "how"),
+    [
+        (signal.SIGINT, 130, "interrupted"),
+        (signal.SIGTERM, 143, "terminated"),
+        (signal.SIGKILL, -9, None),
+    ],
 )
 def test_signals_end_the_command_and_keep_what_is_computed(
-    folder: Path, number: signal.Signals, code: int
+    folder: Path, number: signal.Signals, code: int, how: str | None
 ) -> None:
     process = subprocess.Popen(
         python_command("-c", SLOW),
@@ -220,11 +225,18 @@ def test_signals_end_the_command_and_keep_what_is_computed(
     process.send_signal(number)
     told = process.communicate(timeout=PATIENCE)[1]
     assert process.returncode == code
-    done = int(np.sum(rigid.open_store("run.rigid").result().samples > 0))
+    store = rigid.open_store("run.rigid")
+    done = int(np.sum(store.result().samples > 0))
     assert 0 < done < 96
+    (writer,) = store.status().writers
+    assert writer.get("reason") == how
+    assert writer["units"] == done
+    if how is None:
+        assert writer["missing"] == store.status().missing
+        assert "running or killed, wrote " in str(store.status())
     if code > 0:
         assert re.fullmatch(
-            r"rigid: interrupted; \d+ of \d+ pixels are stored; rigid resume run.rigid goes on\n",
+            rf"rigid: {how}; \d+ of \d+ pixels are stored; rigid resume run.rigid goes on\n",
             told,
         )
     assert main(["resume", "run.rigid", "--out", "small", QUIET]) == 0
@@ -235,8 +247,10 @@ def test_progress_is_told_line_by_line_where_there_is_no_terminal(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr("rigid.cli.output.SECONDS_BETWEEN_LINES", 0.0)
-    assert main(["map", "small.toml", "--store", "run.rigid"]) == 0
-    lines = capsys.readouterr().err.splitlines()
-    assert lines
-    for line in lines:
-        assert re.fullmatch(r"rigid: \d+% done after \d+ s, about \d+ s to go", line)
+    for part, code, who in (("1/2", 75, "part 1/2: "), (None, 0, "")):
+        more = [] if part is None else ["--part", part]
+        assert main(["map", "small.toml", "--store", "run.rigid", *more]) == code
+        lines = [line for line in capsys.readouterr().err.splitlines() if "waits" not in line]
+        assert lines
+        for line in lines:
+            assert re.fullmatch(rf"rigid: {who}\d+% done after \d+ s, about \d+ s to go", line)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import subprocess
 import time
 from collections.abc import Callable
@@ -15,11 +16,12 @@ import pytest
 
 import rigid
 from processes import environment, python_command
+from rigid._checks.progress import heeding_signals
 from rigid.maps.data import COLUMNS
 from rigid.maps.refine import lattice_level
 from rigid.store import drive as driving
 from rigid.store.drive import Task, drive, own_build
-from rigid.store.resume import Part
+from rigid.store.resume import Part, carry_on, missing
 from rigid.store.rows import FIELDS, ROW, Table
 from rigid.store.running import Folder, Memory
 from small_maps import assert_same_map, saved_bytes, small_map
@@ -66,6 +68,49 @@ def test_one_sitting_after_the_other_computes_nothing_twice(
     reasons = sorted(writer["reason"] for writer in status.writers)
     assert reasons == ["complete", *["interrupted"] * sittings]
     assert saved_bytes(stored_map(path), tmp_path) == saved_bytes(quiet, tmp_path)
+
+
+def test_a_partial_map_tells_why_its_writer_ended(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(driving, "GROWTH", 1)
+    reports = iter(range(100))
+
+    def end(_progress: rigid.Progress) -> None:
+        if next(reports) == 3:
+            signal.raise_signal(signal.SIGTERM)
+
+    with heeding_signals(), pytest.raises(rigid.Interrupted) as raised:
+        rigid.stability_map(**request(store=tmp_path / "run", threads=1, progress=end))
+    (writer,) = raised.value.partial.receipt()["writers"]
+    assert writer["reason"] == "terminated"
+    assert writer["units"] == (raised.value.partial.samples > 0).sum()
+    # The next sitting, of the same process, is not terminated.
+    folder = Folder(tmp_path / "run")
+    assert carry_on(folder, threads=1, stop=stops_after(9), progress=False).reason == "interrupted"
+    assert [writer["reason"] for writer in folder.writers()] == ["terminated", "interrupted"]
+
+
+def test_a_coarse_lattice_comes_first_and_in_it_what_is_likely_to_take_long(tmp_path: Path) -> None:
+    folder = Folder.at(tmp_path / "run", SPEC)
+    shape, before = SPEC.shape, missing(folder)
+    level = lattice_level(shape, before)
+    assert (np.diff(level) <= 0).all()
+    go_on(tmp_path / "quiet")
+    rows = Folder(tmp_path / "quiet").table.rows
+    known = before[level >= 4]
+    cost = np.arange(len(known), dtype="<f4")
+    folder.begin()
+    folder.append(rows[known], cost)
+    folder.end("interrupted")
+    after = missing(folder)
+    assert set(after) == set(before) - set(known)
+    mine = after[lattice_level(shape, after) == 2]
+    beside = [index // 4 * 4 for index in np.unravel_index(mine, shape)]
+    likely = folder.table.nanoseconds[np.ravel_multi_index(beside, shape)]
+    likely = np.where(np.isnan(likely), 0.0, likely)  # no body is possible there
+    assert (np.diff(likely) <= 0).all()
+    assert len(np.unique(likely)) > 5
 
 
 def test_a_complete_map_is_not_touched_again(tmp_path: Path) -> None:
