@@ -55,6 +55,8 @@ PAGES = ["README.md"] + [
     for name in (
         "quickstart",
         "own_bodies",
+        "measurements",
+        "results",
         "methods",
         "conventions",
         "torque_and_damping",
