@@ -9,7 +9,7 @@ from .._checks.arguments import brief
 from ..model.scene import Scene, scene_from_dict
 from ..solve.run import Run
 
-__all__ = ["require_unforced", "scene_of", "states_of"]
+__all__ = ["rates_of", "require_unforced", "scene_of", "states_of"]
 
 Floats = NDArray[np.float64]
 
@@ -32,26 +32,43 @@ def states_of(run: Run, body: int | None = None) -> tuple[Floats, Floats]:
         raise ValueError(
             f"record = {run.spec['record']!r}: record = 'attitude' is needed to show the motion"
         )
-    omega, attitude = run.omega, run.attitude
+    index = _index_of(run, body)
+    omega, attitude = run.omega[index], run.attitude[index]
+    if not (np.isfinite(omega).all() and np.isfinite(attitude).all()):
+        raise ValueError("status: states that are not finite cannot be shown")
+    return omega, attitude
+
+
+def rates_of(run: Run, body: int | None = None) -> Floats:
+    """Angular velocities (m, 3) of one body of a run, in principal axes."""
+    if run.frame is not None:
+        run = run.in_frame(None)
+    omega: Floats = run.omega[_index_of(run, body)]
+    if not np.isfinite(omega).all():
+        raise ValueError("status: states that are not finite cannot be shown")
+    return omega
+
+
+def _index_of(run: Run, body: int | None) -> tuple[int, ...]:
+    """The index of one body of a run: empty if the run has a single one."""
+    omega = run.omega
     if run.t.ndim > 1:
         raise ValueError(f"t of shape {run.t.shape}: needs times that all bodies share, (m,)")
     if omega.ndim > 3:
         raise ValueError(f"omega of shape {omega.shape}: needs one axis of bodies, (n, m, 3)")
-    if omega.ndim == 3:
-        bodies = len(omega)
-        if body is None and bodies != 1:
-            raise ValueError(f"body = None: the run has {bodies} bodies, choose one by its index")
-        index = 0 if body is None else body
-        if isinstance(index, bool) or not isinstance(index, (int, np.integer)):
-            raise TypeError(f"body = {brief(body)}: must be a whole number")
-        if not -bodies <= index < bodies:
-            raise ValueError(f"body = {brief(body)}: the run has {bodies} bodies")
-        omega, attitude = omega[index], attitude[index]
-    elif body is not None:
-        raise ValueError(f"body = {body}: the run has a single body")
-    if not (np.isfinite(omega).all() and np.isfinite(attitude).all()):
-        raise ValueError("status: states that are not finite cannot be shown")
-    return omega, attitude
+    if omega.ndim < 3:
+        if body is not None:
+            raise ValueError(f"body = {body}: the run has a single body")
+        return ()
+    bodies = len(omega)
+    if body is None and bodies != 1:
+        raise ValueError(f"body = None: the run has {bodies} bodies, choose one by its index")
+    index = 0 if body is None else body
+    if isinstance(index, bool) or not isinstance(index, (int, np.integer)):
+        raise TypeError(f"body = {brief(body)}: must be a whole number")
+    if not -bodies <= index < bodies:
+        raise ValueError(f"body = {brief(body)}: the run has {bodies} bodies")
+    return (int(index),)
 
 
 def require_unforced(scene: Scene, what: str) -> None:

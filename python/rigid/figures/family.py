@@ -9,12 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import exact, free
-from .._checks.arguments import positive_int
+from .._checks.arguments import brief, positive_int
+from ..animation.states import rates_of, require_unforced, scene_of
 from ..drawing import colours
 from ..drawing.axes3d import arrow, curve, fit, in_space, label
 from ..drawing.shapes import ellipsoid_faces
 from ..drawing.sides import sides, surface
 from ..model.body_like import BodyLike, moments_of
+from ..model.scene import FreeBody
+from ..solve.run import Run
 
 __all__ = ["Polhodes", "PolhodesArtists", "polhodes", "polhodes_data"]
 
@@ -39,6 +42,8 @@ class Polhodes:
         The axis 1, 2 or 3 that each polhode encircles, with the sign of the rate about this axis.
     separatrix : ndarray, shape (2, m, 3)
         The two ellipses through the ends of the middle axis, which separate the polhodes.
+    path : ndarray, shape (k, 3), or None
+        The path of a run on the same ellipsoid.
     """
 
     moments: Floats
@@ -46,6 +51,7 @@ class Polhodes:
     curves: Floats
     axis: NDArray[np.int8]
     separatrix: Floats
+    path: Floats | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -62,6 +68,8 @@ class PolhodesArtists:
         The polhodes on the visible and on the hidden side of the ellipsoid.
     separatrix : tuple of 2 Line3D
         The visible parts of the separating ellipses.
+    path : Line3D or None
+        The visible part of the path of the run.
     ellipsoid : Poly3DCollection
         The ellipsoid.
     axes : tuple of 3 SpaceArrow
@@ -73,17 +81,19 @@ class PolhodesArtists:
     seen: tuple[Any, ...]
     hidden: tuple[Any, ...]
     separatrix: tuple[Any, ...]
+    path: Any
     ellipsoid: Any
     axes: tuple[Any, ...]
 
 
-def polhodes_data(body: BodyLike, *, count: int = 5, samples: int = 361) -> Polhodes:
+def polhodes_data(body: BodyLike | Run, *, count: int = 5, samples: int = 361) -> Polhodes:
     """Data of the figure :func:`polhodes`, by Jacobi's functions.
 
     Parameters
     ----------
-    body : Body, FreeBody or array_like, shape (3,)
-        A body with three different moments.
+    body : Body, FreeBody, Run or array_like, shape (3,)
+        A body with three different moments; or a run of one, without torque and damping, whose own
+        polhode then is the ``path``.
     count : int
         Number of polhodes around each end of the axes of the smallest and of the largest moment.
     samples : int
@@ -97,7 +107,8 @@ def polhodes_data(body: BodyLike, *, count: int = 5, samples: int = 361) -> Polh
     Raises
     ------
     ValueError
-        If no body has the moments, or two of them are equal.
+        If no body has the moments, or two of them are equal; if a run has several bodies, is at
+        rest or under torque or damping.
 
     Examples
     --------
@@ -106,6 +117,9 @@ def polhodes_data(body: BodyLike, *, count: int = 5, samples: int = 361) -> Polh
     >>> data.curves.shape, sorted(set(data.axis.tolist()))
     ((20, 361, 3), [-3, -1, 1, 3])
     """
+    path = None
+    if isinstance(body, Run):
+        path, body = _path_of(body)
     moments = moments_of(body)
     if moments.shape != (3,) or len(set(moments.tolist())) < 3:
         raise ValueError(
@@ -146,10 +160,25 @@ def polhodes_data(body: BodyLike, *, count: int = 5, samples: int = 361) -> Polh
         curves=np.concatenate([curves, -curves]),
         axis=np.concatenate([known.axis, -known.axis]),
         separatrix=separatrix,
+        path=path,
     )
 
 
-def polhodes(body: BodyLike, *, count: int = 5, ax: Any | None = None) -> PolhodesArtists:
+def _path_of(run: Run) -> tuple[Floats, FreeBody]:
+    """The rates of a run on the ellipsoid whose largest semi-axis is 1 rad/s, and its scene."""
+    scene = scene_of(run)
+    if not isinstance(scene, FreeBody):
+        raise TypeError(f"scene = {brief(scene)}: polhodes are those of a rigid.FreeBody")
+    require_unforced(scene, "a polhode")
+    omega = rates_of(run)
+    moments = np.array(scene.body.moments)
+    size = np.sqrt((omega[0] ** 2 * moments).sum() / moments.min())
+    if size == 0.0:
+        raise ValueError("omega = [0, 0, 0]: a body at rest has no polhode")
+    return omega / size, scene
+
+
+def polhodes(body: BodyLike | Run, *, count: int = 5, ax: Any | None = None) -> PolhodesArtists:
     """Draw the polhodes of one energy on the inertia ellipsoid, with the separatrix.
 
     Polhodes encircle the axes of the largest and of the smallest moment: rotations about these axes
@@ -201,6 +230,11 @@ def polhodes(body: BodyLike, *, count: int = 5, ax: Any | None = None) -> Polhod
         near, far = sides(ellipse, data.moments * ellipse, towards)
         separatrix.append(curve(ax, near, "black", linewidth=2.0, zorder=5))
         curve(ax, far, "black", linewidth=0.8, alpha=0.35, zorder=2)
+    path = None
+    if data.path is not None:
+        near, far = sides(data.path, data.moments * data.path, towards)
+        path = curve(ax, near, colours.OMEGA.colour, linewidth=3.0, zorder=5.5)
+        curve(ax, far, colours.OMEGA.colour, linewidth=1.5, alpha=0.5, zorder=2)
     arrows = []
     names = {int(order[0]): "least", int(order[1]): "middle", int(order[2]): "largest"}
     length = np.full(3, 0.3)
@@ -220,6 +254,7 @@ def polhodes(body: BodyLike, *, count: int = 5, ax: Any | None = None) -> Polhod
         seen=tuple(seen),
         hidden=tuple(hidden),
         separatrix=tuple(separatrix),
+        path=path,
         ellipsoid=ellipsoid,
         axes=tuple(arrows),
     )

@@ -203,7 +203,10 @@ def poinsot(
     """
     moments, rates = moments_of(body, rod=True), vectors("omega", omega)
     if rates.ndim < 2 or rates.shape[-2] == 0:
-        raise ValueError(f"omega: expected shape (..., m, 3) with m > 0, got {rates.shape}")
+        raise ValueError(
+            f"omega: expected the states of a motion, shape (..., m, 3) with m > 0, got "
+            f"{rates.shape}"
+        )
     momentum = moments * rates[..., 0, :]
     size = np.linalg.norm(momentum, axis=-1)
     require("|L|", size, size > 0.0, "a body without angular momentum has no invariable plane")

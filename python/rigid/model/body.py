@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.arguments import finite_float, first_place, numbers, shaped, vector
+from .._checks.quantities import without_unit
 from .._moments import box_moments, possible
 from .gravity import checked_properties
 from .leading import (
@@ -162,10 +163,11 @@ class Body:
         return f"Body(moments={self.moments}, mass={self.mass}, sides={self.sides})"
 
     @classmethod
-    def box(cls, a: float, b: float, c: float, *, mass: float = 1.0) -> Body:
+    def box(cls, a: ArrayLike, b: ArrayLike, c: ArrayLike, *, mass: ArrayLike = 1.0) -> Body:
         """A homogeneous box with sides ``a``, ``b``, ``c`` (m) along the body axes 1, 2, 3.
 
-        ``I = mass/12 (b² + c², a² + c², a² + b²)``.
+        ``I = mass/12 (b² + c², a² + c², a² + b²)``. Sizes and masses of the solids may be arrays,
+        which broadcast: then there are many bodies.
 
         Examples
         --------
@@ -174,11 +176,15 @@ class Body:
         >>> [round(moment * 12e4 / 0.3) for moment in book.moments]
         [65, 626, 689]
         """
-        a = finite_float("a", a, positive=True, unit="m")
-        b = finite_float("b", b, positive=True, unit="m")
-        c = finite_float("c", c, positive=True, unit="m")
-        mass = finite_float("mass", mass, positive=True)
-        return cls(box_moments(a, b, c, mass), mass=mass, sides=(a, b, c))._marked("centre")
+        a, b, c = _length("a", a), _length("b", b), _length("c", c)
+        mass = _mass(mass)
+        sizes = _together(a=a, b=b, c=c, mass=mass)
+        if sizes == ():
+            sides = (float(a), float(b), float(c))
+            return cls(box_moments(a, b, c, mass), mass=mass, sides=sides)._marked("centre")
+        from .. import solids
+
+        return cls._upright(solids.box(a, b, c, mass=mass))
 
     @classmethod
     def from_tensor(cls, tensor: ArrayLike) -> tuple[Body, NDArray[np.float64]]:
@@ -217,7 +223,7 @@ class Body:
         return cls(moments), np.array(axes)
 
     @classmethod
-    def ellipsoid(cls, a: float, b: float, c: float, *, mass: float = 1.0) -> Body:
+    def ellipsoid(cls, a: ArrayLike, b: ArrayLike, c: ArrayLike, *, mass: ArrayLike = 1.0) -> Body:
         """A homogeneous ellipsoid with semi-axes ``a``, ``b``, ``c`` (m) along the body axes.
 
         Examples
@@ -228,13 +234,12 @@ class Body:
         """
         from .. import solids
 
-        a = finite_float("a", a, positive=True, unit="m")
-        b = finite_float("b", b, positive=True, unit="m")
-        c = finite_float("c", c, positive=True, unit="m")
-        return cls._upright(solids.ellipsoid(a, b, c, mass=_mass(mass)))
+        a, b, c, mass = _length("a", a), _length("b", b), _length("c", c), _mass(mass)
+        _together(a=a, b=b, c=c, mass=mass)
+        return cls._upright(solids.ellipsoid(a, b, c, mass=mass))
 
     @classmethod
-    def sphere(cls, radius: float, *, inner: float = 0.0, mass: float = 1.0) -> Body:
+    def sphere(cls, radius: ArrayLike, *, inner: ArrayLike = 0.0, mass: ArrayLike = 1.0) -> Body:
         """A homogeneous ball, hollow up to the radius ``inner`` (m): :func:`rigid.solids.sphere`.
 
         Examples
@@ -245,13 +250,19 @@ class Body:
         """
         from .. import solids
 
-        radius = finite_float("radius", radius, positive=True)
-        inner = finite_float("inner", inner, nonnegative=True)
-        return cls._upright(solids.sphere(radius, inner=inner, mass=_mass(mass)))
+        radius = _length("radius", radius)
+        inner, mass = _length("inner", inner, zero=True), _mass(mass)
+        _together(radius=radius, inner=inner, mass=mass)
+        return cls._upright(solids.sphere(radius, inner=inner, mass=mass))
 
     @classmethod
     def cylinder(
-        cls, radius: float, height: float, *, inner: float = 0.0, mass: float = 1.0
+        cls,
+        radius: ArrayLike,
+        height: ArrayLike,
+        *,
+        inner: ArrayLike = 0.0,
+        mass: ArrayLike = 1.0,
     ) -> Body:
         """A homogeneous cylinder (m) about body axis 3: :func:`rigid.solids.cylinder`.
 
@@ -265,13 +276,14 @@ class Body:
         """
         from .. import solids
 
-        radius = finite_float("radius", radius, positive=True)
-        height = finite_float("height", height, nonnegative=True)
-        inner = finite_float("inner", inner, nonnegative=True)
-        return cls._upright(solids.cylinder(radius, height, inner=inner, mass=_mass(mass)))
+        radius = _length("radius", radius)
+        height = _length("height", height, zero=True)
+        inner, mass = _length("inner", inner, zero=True), _mass(mass)
+        _together(radius=radius, height=height, inner=inner, mass=mass)
+        return cls._upright(solids.cylinder(radius, height, inner=inner, mass=mass))
 
     @classmethod
-    def cone(cls, radius: float, height: float, *, mass: float = 1.0) -> Body:
+    def cone(cls, radius: ArrayLike, height: ArrayLike, *, mass: ArrayLike = 1.0) -> Body:
         """A homogeneous cone (m) about body axis 3, moments about its centre of mass.
 
         A top standing on its tip is ``HeavyTop.from_mass(cone, com=(0, 0, 3 / 4 * height))``.
@@ -284,9 +296,10 @@ class Body:
         """
         from .. import solids
 
-        radius = finite_float("radius", radius, positive=True)
-        height = finite_float("height", height, positive=True)
-        return cls._upright(solids.cone(radius, height, mass=_mass(mass)))
+        radius = _length("radius", radius)
+        height, mass = _length("height", height), _mass(mass)
+        _together(radius=radius, height=height, mass=mass)
+        return cls._upright(solids.cone(radius, height, mass=mass))
 
     @classmethod
     def from_properties(
@@ -463,8 +476,8 @@ class Body:
     @classmethod
     def _upright(cls, properties: MassProperties) -> Body:
         """A body whose axes are principal axes."""
-        body = cls(np.diagonal(properties.tensor), mass=float(properties.mass))
-        return body._marked("centre")
+        moments = np.diagonal(properties.tensor, axis1=-2, axis2=-1)
+        return cls(moments, mass=properties.mass)._marked("centre")
 
     def _marked(self, about: str | None) -> Body:
         """The body itself, just made, which from now on knows the point of its moments."""
@@ -512,8 +525,24 @@ class Body:
         return cls(data["moments"], mass=data.get("mass"), sides=data.get("sides"))
 
 
-def _mass(value: object) -> float:
+def _mass(value: ArrayLike) -> float | Floats:
+    value = without_unit("mass", value)
+    if np.ndim(value):
+        return shaped("mass", value, positive=True)
     return finite_float("mass", value, positive=True)
+
+
+def _together(**sizes: float | Floats) -> Shape:
+    """The axes of bodies with these sizes; ValueError if they do not broadcast."""
+    return leading_shape({name: np.shape(size) for name, size in sizes.items()})
+
+
+def _length(name: str, value: ArrayLike, *, zero: bool = False) -> float | Floats:
+    """A size in m, or an array of sizes: positive, or not negative."""
+    value = without_unit(name, value, "m")
+    if np.ndim(value):
+        return shaped(name, value, positive=not zero, nonnegative=zero)
+    return finite_float(name, value, positive=not zero, nonnegative=zero)
 
 
 def require_one(value: Any) -> None:

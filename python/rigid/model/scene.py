@@ -350,6 +350,14 @@ def _numbers(values: Iterable[tuple[str, float]], varied: Container[str]) -> str
     )
 
 
+def _checked_com(value: ArrayLike) -> Vector | Floats:
+    try:
+        return _unit("com", numbers("com", value))
+    except ValueError as error:
+        hint = "; HeavyTop.from_mass takes com in m" if "unit vector" in str(error) else ""
+        raise ValueError(f"{error}{hint}") from None
+
+
 def _unit(name: str, vectors: Floats) -> Vector | Floats:
     """Unit vectors in the form of a field: a tuple, or a read-only array of many."""
     if vectors.ndim > 1:
@@ -544,7 +552,7 @@ class HeavyTop(Scene):
                 "those about its fixed point; use rigid.HeavyTop.from_mass(body, com=(x, y, z)), "
                 "with com from the fixed point to the centre of mass in m"
             )
-        set_field(self, "com", _unit("com", numbers("com", com)))
+        set_field(self, "com", _checked_com(com))
         set_field(self, "torque", checked_torque(torque))
         set_field(self, "damping", None)
         set_field(self, "damping", checked_damping(damping, self.shape))

@@ -177,7 +177,7 @@ class Problem:
 
 def plan(
     scene: Scene | Body,
-    question: Question,
+    question: Question = "attitude",
     *,
     omega: ArrayLike | None = None,
     attitude: ArrayLike | Rotation | None = None,

@@ -133,6 +133,33 @@ def test_a_motion_stays_on_its_polhode() -> None:
         assert apart.max() < 2e-3  # half the distance of two points of the curve
 
 
+def test_the_polhode_of_a_run_lies_on_the_ellipsoid_of_the_family() -> None:
+    body = rigid.Body((1.0, 2.0, 3.0))
+    run = rigid.simulate(body, [0.1, 5.0, 0.2], t=np.linspace(0.0, 9.0, 91), record="rates")
+    data = figures.polhodes_data(run)
+    assert data.path is not None
+    moments = np.array(body.moments)
+    assert np.allclose((data.path**2 * moments).sum(axis=1), 1.0, rtol=1e-13)
+    assert np.allclose(data.path / run.omega, data.path[0, 0] / run.omega[0, 0], rtol=1e-12)
+    drawn = figures.polhodes(run)
+    assert drawn.path.get_color() == figures.colours.OMEGA.colour
+    assert figures.polhodes(body).path is None
+
+
+@pytest.mark.parametrize(
+    ("scene", "omega", "message"),
+    [
+        (rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)), damping=0.1), [0, 1, 0], "without torque"),
+        (rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0))), [0, 0, 0], "at rest has no polhode"),
+        (rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0))), np.eye(3), "the run has 3 bodies"),
+    ],
+)
+def test_runs_without_a_polhode_are_refused(scene: Any, omega: Any, message: str) -> None:
+    run = rigid.simulate(scene, omega, t=[0.0, 1.0])
+    with pytest.raises(ValueError, match=message):
+        figures.polhodes_data(run)
+
+
 def test_the_picture_of_polhodes_carries_the_family() -> None:
     drawn = figures.polhodes((1.0, 2.0, 3.0), count=3)
     data = drawn.data

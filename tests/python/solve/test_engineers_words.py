@@ -127,3 +127,42 @@ def test_what_a_top_from_its_mass_refuses() -> None:
         rigid.HeavyTop.from_properties(many, pivot=(0, 0, 0))
     with pytest.raises(TypeError, match=r"or a rigid\.Body"):
         rigid.simulate(3, [1, 0, 0], t=[1.0])  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("name", ["box", "ellipsoid", "sphere", "cylinder", "cone"])
+def test_sizes_of_many_solids_make_many_bodies(name: str) -> None:
+    make = getattr(rigid.Body, name)
+    sizes = {"box": [1.0, 0.5], "ellipsoid": [1.0, 0.5], "sphere": []}.get(name, [0.7])
+    many = make(np.array([0.3, 0.4]), *sizes, mass=[1.0, 2.0])
+    for k, (first, mass) in enumerate([(0.3, 1.0), (0.4, 2.0)]):
+        one = make(first, *sizes, mass=mass)
+        assert many[k].moments == one.moments
+        assert many[k].mass == one.mass
+    assert many.about == "centre"
+    with pytest.raises(ValueError, match=r"mass \(3,\): the axes of the bodies do not broadcast"):
+        make(np.array([0.3, 0.4]), *sizes, mass=[1.0, 2.0, 3.0])
+    with pytest.raises(ValueError, match=r"\[1\] = -1\.0: must be positive"):
+        make([0.3, -1.0], *sizes)
+
+
+def test_an_axis_of_a_map_may_be_a_size_of_a_solid() -> None:
+    result = rigid.stability_map(
+        lambda length: rigid.FreeBody(rigid.Body.box(length, 0.5, 0.2)),
+        axes={"length": [0.8, 1.2]},
+        start=rigid.Start(omega=(0.1, 1.0, 0.1)),
+        stable=rigid.no_flip(2),
+        samples=2,
+        t_end=5.0,
+        rng=1,
+    )
+    assert result.stable.shape == (2,)
+
+
+def test_what_is_asked_first_has_an_answer() -> None:
+    body = rigid.Body((1.0, 1.0, 0.5))
+    with pytest.raises(ValueError, match=r"length is 0\.12; HeavyTop\.from_mass takes com in m"):
+        rigid.HeavyTop(body, mgl=1.0, com=[0.0, 0.0, 0.12])
+    with pytest.raises(ValueError, match=r"omega: expected the states of a motion, shape"):
+        rigid.free.poinsot(body, [0.0, 0.1, 1.0])
+    asked = {"omega": [0.1, 0.0, 1.0], "t_end": 5.0}
+    assert rigid.plan(body, **asked) == rigid.plan(body, "attitude", **asked)  # type: ignore[arg-type]
