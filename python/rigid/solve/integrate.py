@@ -139,9 +139,7 @@ def _refine(
             # What the start forgets at once needs short steps there, not everywhere.
             refinement = DIVISION**attempt
         else:
-            steps[pending] /= [
-                _step_reduction(float(estimate.error[body]), accuracy, order) for body in pending
-            ]
+            steps[pending] /= _step_reductions(estimate.error[pending], accuracy, order)
         some = request.select(pending)
         shorter = some.states(steps[pending], refinement)
         again = estimate_error(some, shorter, steps[pending], refinement)
@@ -155,9 +153,11 @@ def _refine(
     return estimate
 
 
-def _step_reduction(error: float, accuracy: float, order: int) -> float:
-    """The factor by which steps must shrink for an error to fall below the accuracy."""
-    return float(np.clip((2.0 * error / accuracy) ** (1.0 / order), 1.05, 8.0))
+def _step_reductions(errors: Floats, accuracy: float, order: int) -> Floats:
+    """The factors by which steps must shrink for errors to fall below the accuracy."""
+    # Powers of single floats: those of an array have other bits on other processors.
+    factors = [(2.0 * error / accuracy) ** (1.0 / order) for error in errors.tolist()]
+    return np.clip(factors, 1.05, 8.0)
 
 
 def _replace_states(
