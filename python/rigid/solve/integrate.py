@@ -157,7 +157,8 @@ def _step_reductions(errors: Floats, accuracy: float, order: int) -> Floats:
     """The factors by which steps must shrink for errors to fall below the accuracy."""
     # Powers of single floats: those of an array have other bits on other processors.
     factors = [(2.0 * error / accuracy) ** (1.0 / order) for error in errors.tolist()]
-    return np.clip(factors, 1.05, 8.0)
+    reductions: Floats = np.clip(np.array(factors), 1.05, 8.0)
+    return reductions
 
 
 def _replace_states(
