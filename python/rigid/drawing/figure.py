@@ -19,9 +19,15 @@ __all__ = ["html_table", "html_text", "html_with_picture", "new_figure", "shown_
 _SIZE: Mapping[str, Any] = {"figsize": (8.0, 6.0), "dpi": 150, "layout": "constrained"}
 
 
-def new_figure() -> Figure:
-    """A figure that pyplot does not manage; ImportError if Matplotlib is not installed."""
-    return _figure_class()(**_SIZE)
+def new_figure(height: float = 6.0) -> Figure:
+    """A figure of this height (inches) that pyplot does not manage.
+
+    Raises
+    ------
+    ImportError
+        If Matplotlib is not installed.
+    """
+    return _figure_class()(**{**_SIZE, "figsize": (8.0, height)})
 
 
 def _figure_class() -> type[Figure]:
@@ -45,13 +51,13 @@ def shown_figure() -> Figure:
     return new_figure() if pyplot is None else pyplot.figure(**_SIZE)
 
 
-def html_with_picture(draw: Callable[[Any], object], text: str) -> str:
+def html_with_picture(draw: Callable[[Any], object], text: str, *, height: float = 6.0) -> str:
     """A picture and a text below it, or the text alone if Matplotlib is not installed.
 
-    ``draw`` gets the axes to draw on.
+    ``draw`` gets the axes to draw on, of a figure 8 inches wide and of this height.
     """
     try:
-        figure = new_figure()
+        figure = new_figure(height)
         draw(figure.add_subplot())
     except ImportError:
         return html_text(text)

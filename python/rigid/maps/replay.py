@@ -7,21 +7,26 @@ import operator
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.arguments import brief, sorted_times
+from ..drawing.figure import html_text, html_with_picture
 from ..model.criteria import Regular
 from ..solve.growth import Growth
 from ..solve.lyapunov import growth_of
 from ..solve.methods import EXACT, SECOND
+from ..solve.run import Run
 from ..solve.simulate import replay_steps, simulate
 from .data import COLUMNS, STATUS, MapData
 from .job import spans, to_core
 from .spec import MapSpec
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 __all__ = ["Replay", "pixel_index", "replay"]
 
@@ -103,6 +108,26 @@ class Replay:
             f"<Replay: pixel {self.pixel} ({place}), sample {self.sample}; "
             f"{self.outcome}{left}; {self.method}>"
         )
+
+    def _repr_html_(self) -> str:
+        """The rates over time, and when the body left."""
+        if not isinstance(self.run, Run) or len(self.run.t) < 2:
+            return html_text(repr(self))
+
+        def draw(ax: Axes) -> None:
+            self.run.plot(ax)
+            if math.isfinite(self.left):
+                ax.axvline(self.left, color="black", linestyle="--", linewidth=1.0)
+                ax.annotate(
+                    "left",
+                    (self.left, 1.0),
+                    xycoords=("data", "axes fraction"),
+                    xytext=(3.0, -3.0),
+                    textcoords="offset points",
+                    va="top",
+                )
+
+        return html_with_picture(draw, repr(self), height=3.0)
 
 
 def replay(

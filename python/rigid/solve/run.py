@@ -169,6 +169,20 @@ class Run:
         parts = [f"{bodies} at {times}", self.plan.method, error]
         return f"Run({'; '.join(parts)}; {', '.join(ends) or 'nothing'})"
 
+    def _repr_html_(self) -> str:
+        """The rates over time, of the first body of many, and the line of the run."""
+        from ..drawing.figure import html_text, html_with_picture
+
+        words = repr(self)
+        many = self.status.ndim > 0
+        if self.status.ndim > 1 or not self.status.size or self.omega.shape[-2] < 2:
+            return html_text(words)
+        if self.status.size > 1:
+            words += "\nThe picture shows body 0."
+        return html_with_picture(
+            lambda ax: self.plot(ax, body=0 if many else None), words, height=3.0
+        )
+
     @property
     def frame(self) -> NDArray[np.float64] | None:
         """The body axes of all components, shape (3, 3): see :meth:`in_frame`.
@@ -432,7 +446,7 @@ an accuracy
         return xarray.Dataset(arrays, coordinates, attributes)
 
     def plot(self, ax: Axes | None = None, *, body: int | None = None) -> Axes:
-        """Draw the three rates of one body over time.
+        """Draw the three rates of one body over time, in the colours of its axes.
 
         Parameters
         ----------
@@ -453,12 +467,13 @@ an accuracy
             Without matplotlib.
         """
         times, omega = self._of_one(body, self.omega)
-        from ..drawing.figure import new_figure
+        from ..drawing.colours import AXES
+        from ..drawing.figure import shown_figure
 
         if ax is None:
-            ax = new_figure().add_subplot()
-        for k in range(3):
-            ax.plot(times, omega[:, k], label=f"$\\omega_{k + 1}$")
+            ax = shown_figure().add_subplot()
+        for k, ink in enumerate(AXES):
+            ax.plot(times, omega[:, k], color=ink.colour, label=f"$\\omega_{k + 1}$")
         ax.set(xlabel="t (s)", ylabel="rate in the body (rad/s)")
         ax.legend()
         return ax

@@ -14,6 +14,7 @@ from nbclient import NotebookClient
 
 import rigid
 from processes import environment, python_process
+from rigid.drawing.figure import html_table, html_text, html_with_picture
 
 TOP = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
 BOX = rigid.FreeBody(rigid.Body.box(0.25, 0.08, 0.01, mass=0.3))
@@ -74,7 +75,7 @@ def test_methods_are_a_table_of_a_line_each(results: dict[str, Any]) -> None:
     assert max(map(len, lines)) < 160
 
 
-@pytest.mark.parametrize("name", ["map", "points", "report"])
+@pytest.mark.parametrize("name", ["map", "points", "report", "run", "replay"])
 def test_a_notebook_shows_a_picture_and_its_words(name: str, results: dict[str, Any]) -> None:
     shown = results[name]._repr_html_()
     (picture,) = re.findall(r'src="data:image/png;base64,([^"]*)"', shown)
@@ -85,8 +86,21 @@ def test_a_notebook_shows_a_picture_and_its_words(name: str, results: dict[str, 
         "map": results["map"].summary(),
         "points": repr(results["points"]),
         "report": str(results["report"]),
+        "run": repr(results["run"]),
+        "replay": repr(results["replay"]),
     }[name]
     assert html.escape(words.split()[-1]) in shown
+
+
+def test_a_run_shows_the_first_body_and_what_has_no_picture_its_line() -> None:
+    starts, times = [[1e-3, 10.0, 1e-3]] * 3, [0.0, 1.0, 2.0]
+    assert "body 0" in rigid.simulate(BOX, starts, t=times)._repr_html_()
+    for run in (
+        rigid.simulate(BOX, starts[0], t=[1.0]),
+        rigid.simulate(BOX, np.empty((0, 3)), t=times),
+        rigid.simulate(BOX, np.ones((2, 2, 3)), t=times),
+    ):
+        assert run._repr_html_() == html_text(repr(run))
 
 
 @pytest.mark.parametrize(("name", "rows"), [("plan", 9), ("methods", len(rigid.methods()) + 1)])
@@ -95,8 +109,6 @@ def test_a_notebook_shows_a_table(name: str, rows: int, results: dict[str, Any])
 
 
 def test_words_are_no_markup() -> None:
-    from rigid.drawing.figure import html_table, html_text, html_with_picture
-
     for shown in (html_text("a<b&c"), html_table([["a<b&c"]], header=["d"])):
         assert "a&lt;b&amp;c" in shown
     alt = html_with_picture(lambda ax: ax.plot([0, 1]), 'a "b"\nc')
@@ -117,6 +129,7 @@ import numpy as np, rigid, sys
 TOP = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
 points = rigid.poincare(TOP, [0.3, 0.4, 1.0], [0.9, 0.3, 0.2, 0.1], t_end=30.0)
 """
+RUN = "run = rigid.simulate(TOP, [0.3, 0.4, 1.0], t=np.linspace(0.0, 3.0, 31))"
 
 
 def test_pyplot_shows_the_pictures_of_a_script_that_imports_it() -> None:
@@ -139,17 +152,19 @@ def test_a_notebook_shows_what_is_plotted(tmp_path: Any, monkeypatch: pytest.Mon
     for name, value in environment().items():
         monkeypatch.setenv(name, value)
     monkeypatch.setenv("JUPYTER_PLATFORM_DIRS", "1")
-    cells = [CODE, "ax = points.plot()", "points", "rigid.methods()"]
+    cells = [CODE, "ax = points.plot()", "points", "rigid.methods()", RUN, "run", "ax = run.plot()"]
     new: Any = nbformat.v4
     notebook = new.new_notebook(
         cells=[new.new_code_cell(cell) for cell in cells],
         metadata={"kernelspec": {"name": "python3", "display_name": "Python"}},
     )
     NotebookClient(notebook, timeout=120, resources={"metadata": {"path": tmp_path}}).execute()
-    _, plotted, shown, table = (
+    _, plotted, shown, table, _, strip, rates = (
         [set(output["data"]) for output in cell.outputs if "data" in output]
         for cell in notebook.cells
     )
     assert any("image/png" in data for data in plotted)
     assert shown == [{"text/html", "text/plain"}]
     assert table == [{"text/html", "text/plain"}]
+    assert strip == [{"text/html", "text/plain"}]
+    assert any("image/png" in data for data in rates)
