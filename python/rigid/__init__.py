@@ -29,6 +29,7 @@ from .maps.samples import Outcomes, Starts
 from .maps.spec import MapSpec
 from .model.body import Body
 from .model.criteria import no_flip, regular, tilt_below
+from .model.events import Event, crosses, turns
 from .model.satellite import EnergySink
 from .model.scene import FreeBody, HeavyTop
 from .model.start import Noise, Start, direction, normal, uniform, uniform_attitude
@@ -42,14 +43,16 @@ from .sections.poincare import poincare
 from .sections.surface import Section, section
 from .solve.choose_method import plan
 from .solve.chunks import simulate_chunks
+from .solve.events import Events
 from .solve.fit import Fit, fit
 from .solve.frequencies import FrequencyDrift, Lines, frequencies, frequency_drift
 from .solve.growth import Growth
 from .solve.lyapunov import lyapunov
 from .solve.methods import Method, methods
 from .solve.motion import Motion
+from .solve.other_times import states_at as _states_at
 from .solve.plan import Plan
-from .solve.run import Run, load_run, plug_in_animator
+from .solve.run import Run, load_run, plug_in_animator, plug_in_evaluator
 from .solve.sensitivity import condition
 from .solve.simulate import simulate
 from .solve.status import Status
@@ -81,6 +84,8 @@ __all__ = [
     "Body",
     "Crossings",
     "EnergySink",
+    "Event",
+    "Events",
     "Extremes",
     "Fit",
     "FreeBody",
@@ -112,6 +117,7 @@ __all__ = [
     "build_info",
     "cite",
     "condition",
+    "crosses",
     "diff",
     "direction",
     "earth",
@@ -149,6 +155,7 @@ __all__ = [
     "statics",
     "tilt_below",
     "top",
+    "turns",
     "uniform",
     "uniform_attitude",
     "units",
@@ -196,6 +203,7 @@ def _animate(run: Run, path: str | PathLike[str], **options: Any) -> Path:
 
 
 plug_in_animator(_animate)
+plug_in_evaluator(_states_at)
 
 
 def _run_stored(spec: MapSpec, **options: Any) -> StabilityMap:

@@ -1,4 +1,4 @@
-//! Poincaré sections.
+//! Poincaré sections and events.
 
 use super::convert::{BodyColumns, copied, interruptible, rows, same_length};
 use super::forcing::PyForcing;
@@ -10,15 +10,17 @@ use crate::scene::Scene;
 use crate::scheme::Scheme;
 use crate::simd::Isa;
 use crate::solver::{Solver, default_step};
-use crate::trajectory::{self, Crossings, Point, Record, Request, Schedule, Section, Surface};
+use crate::trajectory::{self, Crossings, Point, Record, Request, Schedule, Section, Surface, SurfaceKind};
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// The points at which bodies cross their surfaces until a time; see `rigid.poincare`.
+/// The points at which bodies cross their surfaces until a time; see `rigid.poincare` and `rigid.simulate`. A kind of
+/// surface is whether it is of a rate, its direction, and whether its points count; the surfaces of each body are
+/// neighbours in `normal`, `momentum` and `value`.
 #[pyfunction]
-#[pyo3(signature = (*, scene, method, moments, weight, omega, attitude, normal, value, of_rate, direction, end, count, tolerance, max_steps, threads, forcing=None))]
+#[pyo3(signature = (*, scene, method, moments, weight, omega, attitude, kinds, normal, momentum, value, ends, count, closed, tolerance, max_steps, threads, forcing=None))]
 #[allow(clippy::too_many_arguments)] // The request of `trajectory`, column by column.
 pub fn section<'py>(
     py: Python<'py>,
@@ -28,12 +30,13 @@ pub fn section<'py>(
     weight: PyReadonlyArray2<'py, f64>,
     omega: PyReadonlyArray2<'py, f64>,
     attitude: PyReadonlyArray2<'py, f64>,
+    kinds: Vec<(bool, i8, bool)>,
     normal: PyReadonlyArray2<'py, f64>,
+    momentum: PyReadonlyArray2<'py, f64>,
     value: PyReadonlyArray1<'py, f64>,
-    of_rate: bool,
-    direction: i8,
-    end: f64,
+    ends: PyReadonlyArray1<'py, f64>,
     count: usize,
+    closed: bool,
     tolerance: f64,
     max_steps: u64,
     threads: usize,
@@ -43,15 +46,23 @@ pub fn section<'py>(
     let columns = BodyColumns::of_arrays(&moments, &weight, &omega, &attitude)?;
     let n = columns.len();
     let forcing = forcing_of(forcing.as_ref(), n)?;
-    let (normals, values) = (rows::<6>("normal", &normal)?, copied("value", &value)?);
-    same_length("normal", n, normals.len())?;
-    same_length("value", n, values.len())?;
-    let surfaces = normals.iter().zip(&values).map(|(&normal, &value)| Surface { normal, value });
-    let surfaces = &memory::collected("surfaces", n, surfaces)?;
+    let many = n * kinds.len();
+    let (normals, momenta) = (rows::<6>("normal", &normal)?, rows::<3>("momentum", &momentum)?);
+    let (values, ends) = (copied("value", &value)?, copied("ends", &ends)?);
+    let given = [("normal", normals.len()), ("momentum", momenta.len()), ("value", values.len())];
+    for (name, length) in given {
+        same_length(name, many, length)?;
+    }
+    same_length("ends", n, ends.len())?;
+    let surface =
+        |index: usize| Surface { normal: normals[index], momentum: momenta[index], value: values[index] };
+    let surfaces = &memory::collected("surfaces", many, (0..many).map(surface))?;
+    let kind = |&(of_rate, direction, counts): &(bool, i8, bool)| SurfaceKind { of_rate, direction, counts };
+    let kinds = &memory::collected("surfaces", kinds.len(), kinds.iter().map(kind))?;
     let bodies = &columns.bodies(0..n)?;
-    let times = [end];
-    let own = bodies.iter().enumerate();
-    let own = own.map(|(i, body)| default_step(scheme, body.step_rate(scheme, forcing.of(i), [0.0, end])));
+    let own = bodies.iter().zip(&ends).enumerate();
+    let own =
+        own.map(|(i, (body, &end))| default_step(scheme, body.step_rate(scheme, forcing.of(i), [0.0, end])));
     let steps = &memory::collected("steps", n, own)?;
     let request = Request {
         bodies,
@@ -59,13 +70,13 @@ pub fn section<'py>(
         forcing,
         solver: Solver::Steps(scheme),
         record: Record::Attitude,
-        schedule: Schedule::Times(&times),
+        schedule: Schedule::TimesOfEach(&ends, 1),
         steps,
         refinement: 1.0,
         tolerance: Some(tolerance),
         max_steps,
     };
-    let section = Section { surfaces, of_rate, direction, count, end };
+    let section = Section { kinds, surfaces, count, ends: &ends, closed };
     let run = |stop: &Interrupt| trajectory::section(&request, scheme, &section, threads, isa, stop);
     to_dict(py, &interruptible(py, None, run)??)
 }
@@ -85,6 +96,8 @@ fn to_dict<'py>(py: Python<'py>, all: &[Crossings]) -> PyResult<Bound<'py, PyDic
     let numbers = |number: fn(&Point) -> f64| memory::collected("points", count, points().map(number));
     dict.set_item("t", numbers(|point| point.time)?.into_pyarray(py))?;
     dict.set_item("slope", numbers(|point| point.slope)?.into_pyarray(py))?;
+    let kinds = memory::collected("points", count, points().map(|point| point.kind))?;
+    dict.set_item("kind", kinds.into_pyarray(py))?;
     let directions = memory::collected("points", count, points().map(|point| point.direction))?;
     dict.set_item("direction", directions.into_pyarray(py))?;
     let grazing = memory::collected("points", count, points().map(|point| point.grazes))?;
@@ -92,6 +105,7 @@ fn to_dict<'py>(py: Python<'py>, all: &[Crossings]) -> PyResult<Bound<'py, PyDic
     dict.set_item("points", super::convert::column(py, all, |own| own.points.len() as u64)?)?;
     dict.set_item("status", super::convert::column(py, all, |own| own.status as u8)?)?;
     dict.set_item("stays", super::convert::column(py, all, |own| own.stays)?)?;
+    dict.set_item("stopped", super::convert::column(py, all, |own| own.stopped)?)?;
     dict.set_item("energy_drift", super::convert::column(py, all, |own| own.energy_drift)?)?;
     dict.set_item("end", super::convert::column(py, all, |own| own.end)?)?;
     dict.set_item("steps", super::convert::column(py, all, |own| own.steps)?)?;

@@ -16,7 +16,7 @@ pub use frame::{Frame, MAX_DISPLACEMENTS};
 pub use growth::{Displacements, Growths, STEPS_TOGETHER, growth, settle};
 pub use motion::{Motion, Torques};
 pub use request::{Record, Request, Schedule, time_range};
-pub use section::{Crossings, Point, Section, Surface, section};
+pub use section::{Crossings, Point, Section, Surface, SurfaceKind, section};
 pub use states::{Column, States, StatesPart};
 
 use crate::error::Error;

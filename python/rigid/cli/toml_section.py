@@ -6,10 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from .._checks.arguments import finite_float, positive_int
+from ..model.events import COMPONENTS
 from ..model.scene import HeavyTop
 from ..model.seed import checked_seed, seed_from
 from ..sections.crossings import LABELS
-from ..sections.surface import COMPONENTS, HEIGHT, Section, section
+from ..sections.surface import HEIGHT, Section, section
 from .toml_keys import PLOT, SECTION, SECTION_RUN, SECTION_START, SURFACE
 from .toml_scene import read_scene
 from .toml_table import BUILTIN, Table, as_is, names_in, parsed, positive, read_source, text, three

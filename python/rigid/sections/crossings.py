@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 from .._checks.arguments import one_of
 from .._files import published
 from ..drawing.figure import html_with_picture, shown_figure
+from ..model.events import COMPONENTS
 from ..solve.plan import Plan
 from ..solve.status import Status
-from .surface import COMPONENTS, Section
+from .surface import Section
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

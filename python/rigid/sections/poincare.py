@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .. import _core
 from .._checks.arguments import brief, finite_float, one_of, positive_int, resolve_threads
-from .._checks.progress import Progress, ProgressOption, reporting
+from .._checks.progress import ProgressOption
 from ..model.body import Body
 from ..model.scene import Scene, check_scene
 from ..solve.batch import Batch
 from ..solve.choose_method import Problem, choose_method
 from ..solve.methods import EXACT, series_methods
-from ..solve.request import Request
 from ..solve.status import Status
+from ..solve.surfaces import METHOD, TOLERANCE, Search, Surfaces
 from .crossings import Crossings
 from .surface import Section
 from .surface import section as make_section
@@ -29,21 +26,6 @@ if TYPE_CHECKING:
 __all__ = ["poincare"]
 
 Floats = NDArray[np.float64]
-
-METHOD, ANOTHER = "taylor20", "taylor16"
-"""The default method, and that of the second run of all others."""
-
-TOLERANCE = 2.0**-57
-"""Size of the last terms of a step: a sixteenth of rounding, which alone is left then."""
-
-LOST = 1e-3
-"""Points whose error, in the scale of what is zero on the surface, is larger are lost."""
-
-ROUNDINGS = 4.0
-"""Roundings of what is zero on the surface, in its scale, which two runs may have alike."""
-
-TOGETHER = 16
-"""Bodies a thread between two reports of progress."""
 
 
 def poincare(
@@ -133,7 +115,7 @@ def poincare(
     scene = check_scene(scene, many=True)
     surface = _checked_section(section)
     end = finite_float("t_end", t_end, positive=True)
-    most = 2**63 - 1 if count is None else positive_int("count", count)
+    most = None if count is None else positive_int("count", count)
     tolerance = finite_float("tolerance", tolerance, positive=True)
     chosen = METHOD if method is None else one_of_series(method)
     threads = resolve_threads(threads)
@@ -151,14 +133,30 @@ def poincare(
             states=0,
         )
     )
-    run = _Run(surface, end, most, chosen, tolerance, positive_int("max_steps", max_steps), threads)
-    found = run.points(batch, normals, progress)
+    search = Search(
+        batch=batch,
+        surfaces=Surfaces(
+            kinds=((surface.is_height, surface.direction, True),),
+            normal=normals[:, np.newaxis],
+            momentum=np.zeros((len(batch), 1, 3)),
+            value=np.full((len(batch), 1), surface.value),
+            rotor=np.zeros((len(batch), 3)),
+        ),
+        ends=np.full(len(batch), end),
+        count=most,
+        method=chosen,
+        closed=False,
+        tolerance=tolerance,
+        max_steps=positive_int("max_steps", max_steps),
+        threads=threads,
+    )
+    found = search.points(progress)
     counts = found.pop("points").astype(np.intp)
     body = np.repeat(np.arange(len(batch)), counts)
     error, lost_from = np.full(len(body), np.nan), np.full(len(batch), np.nan)
     status = found["status"]
     if check:
-        error, lost_from = run.errors(batch, normals, found, counts, body)
+        error, lost_from = search.errors(found, counts, body)
         status = np.where((status == Status.OK) & np.isfinite(lost_from), Status.FLAGGED, status)
     else:
         status = np.where(status == Status.OK, Status.UNCHECKED, status)
@@ -174,12 +172,12 @@ def poincare(
         grazing=found["grazing"],
         body=body,
         error=error,
-        complete=of_body(ended & ~grazing & ~found["stays"]),
+        complete=of_body(ended & ~grazing & (found["stays"] == 0)),
         end=of_body(found["end"]),
         lost_from=of_body(lost_from),
         energy_drift=of_body(found["energy_drift"]),
         status=of_body(status.astype(np.uint8)),
-        stays=of_body(found["stays"]),
+        stays=of_body(found["stays"] > 0),
         steps=of_body(found["steps"]),
         section=surface,
         plan=plan,
@@ -213,109 +211,3 @@ def one_of_series(method: str) -> str:
             f"which no crossing is missed; take one of {', '.join(map(repr, names))}"
         )
     return one_of("method", method, names)
-
-
-class _Run:
-    """What the bodies of a call share."""
-
-    def __init__(
-        self,
-        surface: Section,
-        end: float,
-        most: int,
-        method: str,
-        tolerance: float,
-        max_steps: int,
-        threads: int,
-    ) -> None:
-        self.surface, self.end, self.most = surface, end, most
-        self.method, self.tolerance = method, tolerance
-        self.max_steps, self.threads = max_steps, threads
-
-    def points(
-        self, batch: Batch, normals: Floats, progress: ProgressOption
-    ) -> dict[str, NDArray[Any]]:
-        """The columns of the core for all bodies."""
-        if progress is False:
-            return self._points(batch, normals)
-        began, parts = time.perf_counter(), []
-        size = TOGETHER * self.threads
-        with reporting(progress, len(batch)) as report:
-            for first in range(0, max(len(batch), 1), size):
-                some = np.arange(first, min(first + size, len(batch)))
-                parts.append(self._points(batch.select(some), normals[some]))
-                done, elapsed = first + len(some), time.perf_counter() - began
-                report(Progress(done=done, total=len(batch), elapsed=elapsed, failures=0))
-        return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
-
-    def _points(self, batch: Batch, normals: Floats) -> dict[str, NDArray[Any]]:
-        return _core.section(
-            **batch.columns(),
-            method=self.method,
-            normal=np.ascontiguousarray(normals),
-            value=np.full(len(batch), self.surface.value),
-            of_rate=self.surface.is_height,
-            direction=self.surface.direction,
-            end=self.end,
-            count=self.most,
-            tolerance=self.tolerance,
-            max_steps=self.max_steps,
-            threads=self.threads,
-        )
-
-    def errors(
-        self,
-        batch: Batch,
-        normals: Floats,
-        found: dict[str, NDArray[Any]],
-        counts: NDArray[np.intp],
-        body: NDArray[np.intp],
-    ) -> tuple[Floats, Floats]:
-        """Errors of the times (p,), and when the points of each body are lost (n,)."""
-        t, slope = found["t"], np.abs(found["slope"])
-        off = np.full(len(t), np.nan)
-        first = np.concatenate([[0], np.cumsum(counts)])
-        for some in _alike(counts):
-            places = first[some, np.newaxis] + np.minimum(
-                np.arange(counts[some].max()), counts[some, np.newaxis] - 1
-            )
-            states = Request(
-                batch=batch.select(some),
-                times=t[places],
-                method=ANOTHER if self.method != ANOTHER else METHOD,
-                record="axis",
-                max_steps=self.max_steps,
-                threads=self.threads,
-                tolerance=max(1e-3 * self.tolerance, min(self.tolerance, TOLERANCE)),
-            ).states(None)
-            values = self.surface.values(normals[some], states["omega"], states["vertical"])
-            # Errors grow along a motion; where two runs agree by chance, those before still count.
-            off[places] = np.maximum.accumulate(np.abs(values), axis=1)
-        scale = self._scale(batch, normals)[body]
-        rounding = ROUNDINGS * np.finfo(float).eps * (scale + abs(self.surface.value))
-        with np.errstate(divide="ignore", over="ignore"):
-            error = (3.0 * off + rounding) / slope + np.spacing(t)
-        lost_from = np.full(len(batch), np.inf)
-        lost = np.flatnonzero(~(3.0 * off <= LOST * scale))
-        np.minimum.at(lost_from, body[lost], t[lost])
-        return error, lost_from
-
-    def _scale(self, batch: Batch, normals: Floats) -> Floats:
-        """The scale of what is zero on the surface, for each body."""
-        rate = batch.fastest_rates((0.0, self.end))
-        of_omega, of_gamma = np.split(np.abs(normals), 2, axis=1)
-        of_vertical = np.linalg.norm(of_gamma, axis=1) * (rate if self.surface.is_height else 1.0)
-        # A rate that overflows is that of a body which is not run.
-        with np.errstate(invalid="ignore", over="ignore"):
-            scale: Floats = np.linalg.norm(of_omega, axis=1) * rate + of_vertical
-        return scale
-
-
-def _alike(counts: NDArray[np.intp]) -> Iterator[NDArray[np.intp]]:
-    """Bodies with points, in parts whose numbers of points differ by a factor of two at most."""
-    order = np.argsort(counts, kind="stable")
-    order = order[counts[order] > 0]
-    while len(order):
-        together = counts[order] <= 2 * counts[order[0]]
-        yield np.sort(order[together])
-        order = order[~together]

@@ -9,17 +9,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, finite_float, one_of, vector
+from ..model.events import COMPONENTS
 from ..model.scene import HeavyTop, Scene
 
-__all__ = ["COMPONENTS", "HEIGHT", "Section", "section"]
+__all__ = ["HEIGHT", "Section", "section"]
 
 Floats = NDArray[np.float64]
 
 HEIGHT = "height"
 """The section where the height of the centre of mass turns."""
-
-COMPONENTS = ("omega1", "omega2", "omega3", "gamma1", "gamma2", "gamma3")
-"""Rates (rad/s) and the vertical in the body."""
 
 _WORDS = {1: "rising", -1: "falling", 0: "both ways"}
 
@@ -81,15 +79,6 @@ class Section:
                 "component, such as 'gamma3'"
             )
         return np.concatenate([np.zeros_like(weight), weight / length], axis=1)
-
-    def values(self, normals: Floats, omega: Floats, gamma: Floats) -> Floats:
-        """What is zero on the surface, at states (n, ..., 3) of bodies with these normals."""
-        shape = (len(normals), *(1,) * (omega.ndim - 2), 6)
-        of_omega, of_gamma = np.split(normals.reshape(shape), 2, axis=-1)
-        changes = (np.cross(gamma, omega), 0.0) if self.is_height else (gamma, omega)
-        values: Floats = np.sum(of_gamma * changes[0] + of_omega * changes[1], axis=-1)
-        values -= self.value
-        return values
 
     def to_dict(self) -> dict[str, Any]:
         """Name, normal, value and direction."""

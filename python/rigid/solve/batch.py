@@ -129,6 +129,11 @@ class Batch:
             scale_exponent=exponents,
         )
 
+    @classmethod
+    def of_start(cls, scene: Scene, omega: Floats, attitude: Floats, shape: Shape) -> Self:
+        """The bodies whose rates and attitudes another batch of the scene had, as they are."""
+        return cls.of_scene(scene, omega, attitude, shape, _scale_exponents(scene, shape))
+
     def __len__(self) -> int:
         return len(self.omega)
 

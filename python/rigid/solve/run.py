@@ -16,6 +16,7 @@ from ..model.frame import attitudes_in_frame, attitudes_in_principal_axes, check
 from ..model.scene import scene_from_dict
 from .archive import read_archive, write_archive
 from .attitude_ephemeris import write_aem
+from .events import Events, columns_of, from_columns
 from .methods import EXACT
 from .plan import Plan
 from .status import Status, error_limit, sentences
@@ -29,14 +30,14 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from scipy.spatial.transform import Rotation
 
-__all__ = ["Run", "load_run", "plug_in_animator"]
+__all__ = ["Run", "load_run", "plug_in_animator", "plug_in_evaluator"]
 
 _ROUNDING_OF_TURN = 1e-15
 """Error of components that are turned into other axes: a sum of three products."""
 
 _STATUS_WORDS: Mapping[Status, str] = {
     Status.OK: "ok",
-    Status.STOPPED: "stopped when the question was answered",
+    Status.STOPPED: "stopped with its last event",
     Status.STEP_LIMIT: (
         "step limit: it needs more than max_steps steps; raise max_steps, take longer steps or a "
         "method of higher order"
@@ -83,6 +84,15 @@ class Run:
         each parameter in its SI unit. Zero at ``t = 0``.
     parameters : tuple of str
         The names of these parameters, in the order of the columns.
+    events : tuple of Events
+        What happened in each of the given events, then in those of ``until``; see :class:`Events`.
+    end : ndarray, shape (n,), or None
+        Time at which the record of each body ends (s), if there are events: its last time, or that
+        of the event of ``until`` that it ended with. States at later times are NaN.
+    start_omega : ndarray, shape (n, 3)
+        Angular velocity at ``t = 0`` along the principal axes, whatever the :attr:`frame` (rad/s).
+    start_attitude : ndarray, shape (n, 4)
+        Attitude of the principal axes at ``t = 0``.
     energy_drift : ndarray, shape (n,)
         Largest error of the energy at a requested time, relative to the kinetic energy at the start
         (plus ``mgl`` for a top). Under torque and damping it is the residual of the power balance
@@ -138,6 +148,10 @@ class Run:
     tangent: NDArray[np.float64] | None
     sensitivity: NDArray[np.float64] | None
     parameters: tuple[str, ...]
+    events: tuple[Events, ...]
+    end: NDArray[np.float64] | None
+    start_omega: NDArray[np.float64]
+    start_attitude: NDArray[np.float64]
     energy_drift: NDArray[np.float64]
     momentum_drift: NDArray[np.float64]
     unit_drift: NDArray[np.float64]
@@ -150,6 +164,7 @@ class Run:
     plan: Plan
 
     _animator: ClassVar[Callable[..., Path]]
+    _evaluator: ClassVar[Callable[..., Run]]
 
     def __repr__(self) -> str:
         """Size, method, largest known error, and how many bodies ended how."""
@@ -195,7 +210,7 @@ class Run:
     def in_frame(self, frame: ArrayLike | None) -> Run:
         """The same motion with components along other axes of the body.
 
-        Rates, vertical, attitude, tangent and sensitivity are turned; :meth:`momentum`,
+        Rates, vertical, attitude, tangent, sensitivity and events are turned; :meth:`momentum`,
         :meth:`rotation` and :meth:`to_aem` follow them. :meth:`energy` does not depend on axes.
 
         Parameters
@@ -227,10 +242,18 @@ class Run:
         if run.frame is not None:
             known = run.attitude
             back = None if known is None else attitudes_in_principal_axes(run.frame, known)
-            run = run._turned(run.frame.T, back)
+            events = tuple(
+                one.turned(run.frame.T, attitudes_in_principal_axes(run.frame, one.attitude))
+                for one in run.events
+            )
+            run = replace(run._turned(run.frame.T, back), events=events)
         if frame is not None:
             known = run.attitude
+            events = tuple(
+                one.turned(frame, attitudes_in_frame(frame, one.attitude)) for one in run.events
+            )
             run = run._turned(frame, None if known is None else attitudes_in_frame(frame, known))
+            run = replace(run, events=events)
         spec = {name: value for name, value in run.spec.items() if name != "frame"}
         if frame is not None:
             spec["frame"] = frame.tolist()
@@ -298,6 +321,41 @@ an accuracy
             f"flagged: the estimated error is {error:.1e}, above the {self._limit:g} asked for; "
             "end the run earlier or ask for a larger error"
         )
+
+    def at(self, t: ArrayLike) -> Run:
+        """The run at other times, anywhere between its first and its last, with their error.
+
+        States are not interpolated. A closed form is evaluated at these times. With a
+        ``tolerance`` the body takes the steps of the run again, and each state is a value of the
+        series of its step: both have the bits of a run in which these times had been wanted. Other
+        runs are made again by the same method with steps of the same length, which end at these
+        times. So ask for many times at once.
+
+        Parameters
+        ----------
+        t : array_like, shape (k,) or (..., k)
+            Times (s), in any order. Leading axes give each body times of its own.
+
+        Returns
+        -------
+        Run
+            With these times in the place of the wanted ones, its own ``error`` and ``status``, and
+            neither tangent nor events. NaN after the end of a body that an event has ended.
+
+        Raises
+        ------
+        ValueError
+            If a time is not finite or outside the run, or if the axes do not match the bodies.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> box = rigid.Body((1.0, 2.0, 3.0))
+        >>> run = rigid.simulate(box, [0.1, 1.0, 0.2], t=[0.0, 100.0])
+        >>> run.at([50.0, 7.0])
+        Run(one body at 2 times; exact; error 7.8e-14; ok)
+        """
+        return self._evaluator(self, t)
 
     def energy(self) -> NDArray[np.float64]:
         """Kinetic and potential energy ``omega·I omega / 2 + mgl com·gamma`` (J), shape (n, m).
@@ -405,7 +463,8 @@ an accuracy
             "plan": self.plan.to_dict(),
         }
         known = {name: np.asarray(array) for name, array in arrays.items() if array is not None}
-        return write_archive(path, known, header)
+        header["events"] = [one.event.to_dict() for one in self.events]
+        return write_archive(path, {**known, **columns_of(self.events)}, header)
 
     def to_xarray(self) -> xarray.Dataset:
         """The run as an xarray ``Dataset`` with names, units, and times as a coordinate.
@@ -433,8 +492,7 @@ an accuracy
             if array is not None and name != "t":
                 arrays[name] = ((*bodies, *dimensions), array, {"units": unit})
         coordinates: dict[str, Any] = {"axis": [1, 2, 3]}
-        if self.attitude is not None:
-            coordinates["part"] = list("wxyz")
+        coordinates["part"] = list("wxyz")
         if self.sensitivity is not None:
             coordinates["parameter"] = list(self.parameters)
         if self.t.ndim == 1:
@@ -615,19 +673,21 @@ def load_run(path: str | PathLike[str]) -> Run:
     """
     arrays, header = read_archive(path)
     try:
-        unknown = arrays.keys() - _ARRAYS.keys()
+        events = from_columns(arrays, header.get("events", []))
+        unknown = arrays.keys() - _ARRAYS.keys() - columns_of(events).keys()
         if unknown:
             raise ValueError(f"unknown arrays {sorted(unknown)}")
         scene_from_dict(header["spec"]["scene"])
         if "frame" in header["spec"]:
             checked_frame(header["spec"]["frame"])
         fields = {name: arrays.get(name) for name in _ARRAYS}
-        for name in ("t", "omega", "status", "error"):
+        for name in ("t", "omega", "start_omega", "start_attitude", "status", "error"):
             if fields[name] is None:
                 raise ValueError(f"no array {name!r}")
         run = Run(
             **fields,  # type: ignore[arg-type]
             parameters=tuple(header["parameters"]),
+            events=events,
             nanoseconds=int(header["nanoseconds"]),
             spec=header["spec"],
             plan=Plan.from_dict(header["plan"]),
@@ -648,6 +708,9 @@ _ARRAYS: Mapping[str, tuple[str, tuple[str, ...]]] = {
     "work": ("J", _STATES),
     "tangent": ("", (*_STATES, "row", "column")),
     "sensitivity": ("", (*_STATES, "row", "parameter")),
+    "end": ("s", _BODIES),
+    "start_omega": ("rad/s", ("axis",)),
+    "start_attitude": ("1", ("part",)),
     "energy_drift": ("1", _BODIES),
     "momentum_drift": ("1", _BODIES),
     "unit_drift": ("1", _BODIES),
@@ -666,3 +729,8 @@ def plug_in_animator(animator: Callable[..., Path]) -> None:
     import them; the top package registers the function.
     """
     Run._animator = staticmethod(animator)
+
+
+def plug_in_evaluator(evaluator: Callable[[Run, ArrayLike], Run]) -> None:
+    """Let :meth:`Run.at` call ``evaluator(run, t)``, whose module imports this one."""
+    Run._evaluator = staticmethod(evaluator)

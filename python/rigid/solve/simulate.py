@@ -10,24 +10,32 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from .. import _core
-from .._checks.arguments import finite_float, one_of, positive_int, resolve_threads, times_of_each
+from .._checks.arguments import (
+    brief,
+    finite_float,
+    one_of,
+    positive_int,
+    resolve_threads,
+    times_of_each,
+)
 from .._checks.arrays import attitudes, vectors
 from ..model.body import Body
+from ..model.events import Event, checked_events
 from ..model.frame import attitudes_in_principal_axes, checked_frame, turned
-from ..model.leading import Shape
 from ..model.scene import Scene, check_scene
 from .arrays import in_rows, largest, time_ranges, time_span
 from .batch import Batch
 from .choose_method import Problem, choose_method, closed_form_plan
 from .closed_form import RECORDS
 from .error_estimate import ErrorEstimate, closed_form_error, unknown_error
+from .events import check_event_method, find_events
 from .integrate import integrate
+from .made_run import end_records, to_run
 from .methods import EXACT, series_methods
 from .parameters import check_parameters, parameter_changes
-from .plan import Plan
 from .request import Request
 from .run import Run
-from .status import Status, judged_status
+from .surfaces import METHOD
 from .tangent import check_tangent, tangent_of
 from .target import PLAIN, Target
 
@@ -54,6 +62,9 @@ def simulate(
     record: str = "attitude",
     check: bool = True,
     tangent: bool | str | Sequence[str] = False,
+    events: Event | Sequence[Event] | None = None,
+    until: Event | Sequence[Event] | None = None,
+    count: int | None = None,
     max_steps: int = 10**9,
     threads: int | None = None,
     dtype: DTypeLike = np.float64,
@@ -118,6 +129,18 @@ def simulate(
         damping matrix (N m s), or ``"damping"``, one coefficient added to all of it; ``"torque1"``
         to ``"torque3"``, a constant torque about a body axis, added to what acts (N m). None of
         them need act on the body.
+    events : Event or sequence of Event, optional
+        What to watch, made by :func:`crosses` and :func:`turns`: :attr:`Run.events` tells when it
+        happens, from 0 to the last time, and the states then. Events are found by the closed form
+        or by a Taylor method, in steps of its own; they change no bit of the states. Without a
+        method that has no closed form the method is a Taylor method.
+    until : Event or sequence of Event, optional
+        Events that end the record of a body: its later states are NaN, :attr:`Run.end` is the time
+        of its last event, and its status ``STOPPED`` unless its error is large. They are watched
+        too.
+    count : int, optional
+        The number of events that end the record: of those of ``until`` together, by default the
+        first; without ``until`` of all events together, by default none.
     max_steps : int
         A body that would need more has the status ``STEP_LIMIT``: it is not run, or it is stopped
         there if there is a tolerance.
@@ -149,9 +172,10 @@ def simulate(
         unsorted times, unknown method or record, step, accuracy or tolerance not positive, a
         tolerance for a method that is no Taylor method, ``"exact"`` for a body without a closed
         form, a ``tangent`` of a method that has none, or by a parameter that the scene does not
-        have, a frame that is no rotation matrix, a frame together with ``out``. Under torque and
-        damping: a method that cannot integrate them, a step with which an explicit method is
-        unstable, a time that the table of the torque does not reach.
+        have, a frame that is no rotation matrix, a frame together with ``out``, events of a method
+        that is neither the closed form nor a Taylor method, or of a run that goes backward. Under
+        torque and damping: a method that cannot integrate them, a step with which an explicit
+        method is unstable, a time that the table of the torque does not reach.
 
     Examples
     --------
@@ -188,6 +212,11 @@ def simulate(
     """
     scene = check_scene(scene, many=True)
     one_of("record", record, RECORDS)
+    watched: tuple[Event, ...] = ()
+    if events is not None or until is not None or count is not None:
+        watched, counted = checked_events(events, until)
+        count = _checked_count(count, watched, until)
+        check_event_method(method)
     parameters = check_parameters(tangent, scene)
     if parameters is not None:
         check_tangent(method, driven=scene.is_driven, by_parameters=bool(parameters))
@@ -226,6 +255,9 @@ def simulate(
             states=times.shape[-1],
         )
         plan, steps = choose_method(problem)
+        if watched and plan.method != EXACT and plan.method not in series_methods():
+            plan, steps = choose_method(replace(problem, method=METHOD))
+            plan = replace(plan, why=("a Taylor series knows the events inside its steps",))
     if tolerance is not None:
         own = f"each body takes its own steps, last terms below {tolerance:g}"
         plan = replace(plan, why=(*plan.why, own), step=None, steps=None, work=None, error=None)
@@ -238,10 +270,31 @@ def simulate(
         threads=resolve_threads(threads),
         tolerance=tolerance,
     )
+    found = None
+    if watched:
+        _check_forward(given)
+        found = find_events(
+            scene,
+            batch,
+            shape,
+            np.asarray(time_ranges(times)[1]),
+            watched,
+            counted,
+            count,
+            frame=frame,
+            method=plan.method,
+            tolerance=tolerance,
+            check=check,
+            max_steps=request.max_steps,
+            threads=request.threads,
+        )
+        if found.stopped.any():
+            # States are computed up to the end of a body, and so are their errors.
+            request = replace(request, times=np.minimum(times, found.last))
     if plan.method == EXACT:
         states = request.states(None, out=target.given, single=target.single)
         batch.note_rates(states["fastest_rate"])
-        estimate = closed_form_error(batch, times, states["omega"])
+        estimate = closed_form_error(batch, request.times, states["omega"])
         worst = largest(estimate.error)
         plan = plan.with_error(worst if worst < 1.0 else None)
     else:
@@ -267,8 +320,25 @@ def simulate(
         "record": record,
     }
     states = {**states, "tangent": matrices, "sensitivity": sensitivity}
-    run = _to_run(states, given, estimate, spec, plan, shape, parameters or ())
+    if found is not None:
+        end_records(states, times, found.last)
+    run = to_run(states, given, estimate, spec, plan, batch, shape, parameters or (), found)
     return run if frame is None else run.in_frame(frame)
+
+
+def _checked_count(count: int | None, watched: Sequence[Event], until: object) -> int | None:
+    """The number of events that end the record of a body, None if none do."""
+    if count is None:
+        return None if until is None else 1
+    if not watched:
+        raise ValueError(f"count = {brief(count)}: of which events? give events or until")
+    return positive_int("count", count)
+
+
+def _check_forward(times: NDArray[np.float64]) -> None:
+    """Raise ValueError for times before the start, at which no events are found."""
+    if times.size and times.min() < 0.0:
+        raise ValueError(f"t = {times.min():g}: events are found forward in time, from t = 0")
 
 
 def _recorded(scene: Scene, record: str) -> tuple[str, ...]:
@@ -320,7 +390,7 @@ def replay_steps(
         "record": "attitude",
     }
     # The map that this body comes from has its own check of the error.
-    return _to_run(states, times, unknown_error(1), spec, plan, ())
+    return to_run(states, times, unknown_error(1), spec, plan, batch, ())
 
 
 def _checked_tolerance(
@@ -342,44 +412,3 @@ def _checked_tolerance(
             f"{', '.join(map(repr, series_methods()))} choose their steps by a tolerance"
         )
     return tolerance
-
-
-def _to_run(
-    states: dict[str, Any],
-    times: NDArray[np.float64],
-    estimate: ErrorEstimate,
-    spec: dict[str, Any],
-    plan: Plan,
-    shape: Shape,
-    parameters: tuple[str, ...] = (),
-) -> Run:
-    def of_body(values: Any) -> Any:
-        if values is None:
-            return None
-        return values.reshape(*shape, *values.shape[1:]) if shape else values[0]
-
-    error, lost_from = estimate.error, estimate.lost_from
-    if np.count_nonzero(states["status"]):
-        unknown = np.isin(states["status"], (Status.STEP_LIMIT, Status.NOT_FINITE))
-        error, lost_from = (np.where(unknown, np.nan, values) for values in (error, lost_from))
-    states["status"] = judged_status(states["status"], error, spec)
-    return Run(
-        t=times,
-        omega=of_body(states["omega"]),
-        gamma=of_body(states["vertical"]),
-        attitude=of_body(states["attitude"]),
-        work=of_body(states["work"]),
-        tangent=of_body(states["tangent"]),
-        sensitivity=of_body(states.get("sensitivity")),
-        parameters=parameters,
-        energy_drift=of_body(states["energy_drift"]),
-        momentum_drift=of_body(states["momentum_drift"]),
-        unit_drift=of_body(states["unit_drift"]),
-        status=of_body(states["status"]),
-        steps=of_body(states["steps"]),
-        error=of_body(error),
-        lost_from=of_body(lost_from),
-        nanoseconds=states["nanoseconds"],
-        spec=spec,
-        plan=plan,
-    )

@@ -20,7 +20,7 @@ class Status(IntEnum):
 
     OK = 0  #: at the last requested time
     FINISHED = 0  #: another name of OK
-    STOPPED = 1  #: when a map had classified the body
+    STOPPED = 1  #: with an event of ``until``, or when a map had classified the body
     STEP_LIMIT = 2  #: it would have needed more than ``max_steps``: not run, or stopped there
     NOT_FINITE = 3  #: overflow or NaN: too long a step, or a phase beyond 2**50 turns
     DRIFTED = 4  #: energy, momentum or unit lengths off by more than 0.1: the step is too long

@@ -1,14 +1,18 @@
-//! Poincaré sections: the points at which motions cross a surface, all of them, by Taylor series with adaptive steps.
+//! Poincaré sections and events: the points at which motions cross surfaces, all of them, by Taylor series with adaptive
+//! steps.
 //!
-//! The series of a step is the motion inside it, and what is zero on the surface is linear in rates and vertical, or the
-//! rate of such a quantity. So it is a polynomial inside each step, whose zeros can be counted. In most steps a sum of
-//! its coefficients shows that there is none.
+//! The series of a step is the motion inside it, and what is zero on a surface is a polynomial in the state, or the rate
+//! of such a quantity. So it is a polynomial inside each step, whose zeros can be counted. In most steps a sum of its
+//! coefficients shows that there is none. A body with a closed form may begin each step at its state in closed form:
+//! the errors of steps then do not add up.
 
+mod watch;
 mod zeros;
 
 use super::states::{invariant_errors, worse};
 use super::{Request, check_forced, invariants_at_start, kinds_in};
 use crate::error::Error;
+use crate::exact::{CanonicalForm, Evaluator, EvaluatorKind, Question, StartRows, StateRows};
 use crate::kernel::{AdaptiveSteps, Compiled, Entry, ForcingRows, Group, Kernel, KernelAssignment};
 use crate::kernel::{Needs, State, System, load, read, reset_time, unload};
 use crate::memory;
@@ -16,11 +20,13 @@ use crate::observe::Observed;
 use crate::parallel::{Interrupt, over_blocks};
 use crate::scene::TOP;
 use crate::scheme::{Scheme, Step};
-use crate::simd::{Isa, LANES, Row};
+use crate::simd::{Isa, LANES};
+use crate::start::Body;
 use crate::status::{DRIFT_LIMIT, Status};
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
-use zeros::{Polynomial, Side, TERMS};
+use watch::Watch;
+use zeros::{Polynomial, Side, TERMS, Zero};
 
 /// Most bodies in a block.
 const BLOCK: usize = 256;
@@ -34,32 +40,54 @@ const NOISE: f64 = 64.0 * f64::EPSILON;
 /// Extrema up to this, in the same scale, graze: states are seldom known better.
 const NEAR: f64 = 1e-12;
 
-/// A surface: `normal . (omega, gamma) = value`, or where the rate of the left side is zero.
+/// Error of a closed form, per radian.
+const CLOSED_ERROR: f64 = 1e-15;
+
+/// Most kinds of surfaces of a section.
+pub const MOST_KINDS: usize = 32;
+
+/// A surface: `normal . (omega, gamma) + momentum . L = value` for the angular momentum `L` in space, or where the rate
+/// of the left side is zero.
 #[derive(Clone, Copy, Debug)]
 pub struct Surface {
     /// Of the rates, then of the vertical in the body.
     pub normal: [f64; 6],
+    /// Of the angular momentum in space, that of a rotor included.
+    pub momentum: [f64; 3],
     /// The value; zero for a rate.
     pub value: f64,
 }
 
-/// The section that is wanted.
-pub struct Section<'a> {
-    /// The surface of each body.
-    pub surfaces: &'a [Surface],
-    /// Whether the rate of `normal . (omega, gamma)` is zero on the surface.
+/// What the surfaces of all bodies that are of one kind share.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfaceKind {
+    /// Whether the rate of the left side is zero on the surface.
     pub of_rate: bool,
     /// 1 for rising crossings, -1 for falling ones, 0 for both.
     pub direction: i8,
-    /// Most points of a body.
+    /// Whether its points are counted.
+    pub counts: bool,
+}
+
+/// The section that is wanted.
+pub struct Section<'a> {
+    /// The kinds of surfaces, at most `MOST_KINDS`.
+    pub kinds: &'a [SurfaceKind],
+    /// The surfaces of each body, one of each kind, body after body.
+    pub surfaces: &'a [Surface],
+    /// Number of points that count after which a body ends.
     pub count: usize,
-    /// Time at which the motions end.
-    pub end: f64,
+    /// Time at which the motion of each body ends.
+    pub ends: &'a [f64],
+    /// Whether each step begins at the state in closed form.
+    pub closed: bool,
 }
 
 /// A point of a section.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
+    /// Index of the kind of its surface.
+    pub kind: u32,
     /// Time.
     pub time: f64,
     /// Rates in the body.
@@ -83,14 +111,18 @@ pub struct Crossings {
     pub points: Vec<Point>,
     /// How the body ended.
     pub status: Status,
-    /// Whether the motion stays on the surface for a whole step or longer.
-    pub stays: bool,
+    /// A bit for each kind of surface on which the motion stays for a whole step or longer.
+    pub stays: u32,
+    /// Whether the body ended with a point that counts, the last that was asked for.
+    pub stopped: bool,
     /// Largest relative error of the energy at a point or at the end.
     pub energy_drift: f64,
-    /// Time at which the motion was left: that of the last point if there are enough.
+    /// Time at which the motion was left: that of the last point if it was stopped there.
     pub end: f64,
     /// Steps of the body.
     pub steps: u64,
+    /// Number of points that count.
+    counted: u64,
 }
 
 /// The points of all bodies of a request, which has a tolerance; its schedule is ignored.
@@ -107,9 +139,14 @@ pub fn section(
     stop: &Interrupt,
 ) -> Result<Vec<Crossings>, Error> {
     let n = request.bodies.len();
-    assert_eq!(section.surfaces.len(), n);
+    assert_eq!(section.surfaces.len(), n * section.kinds.len());
+    assert_eq!(section.ends.len(), n);
     scheme.check(request.scene, false)?;
     let refused = |argument, value, rule| Err(Error::Value { argument, value, rule });
+    if section.kinds.len() > MOST_KINDS {
+        let rule = "a run watches 32 at most";
+        return refused("events", section.kinds.len().to_string(), rule);
+    }
     if !scheme.is_series() {
         let rule = "only a Taylor method is a polynomial inside its steps, of which no crossing is missed";
         return refused("method", format!("'{}'", scheme.facts.name), rule);
@@ -124,10 +161,12 @@ pub fn section(
     let none = Crossings {
         points: Vec::new(),
         status: Status::Finished,
-        stays: false,
+        stays: 0,
+        stopped: false,
         energy_drift: 0.0,
         end: 0.0,
         steps: 0,
+        counted: 0,
     };
     let mut all = memory::filled("sections of bodies", n, none)?;
     let points = AtomicU64::new(0);
@@ -135,8 +174,10 @@ pub fn section(
     let blocks = all.chunks_mut(size).enumerate().map(|(index, part)| (index * size, part));
     over_blocks(blocks, threads, stop, |(first, crossings)| {
         let block = first..first + crossings.len();
-        let ways = block.clone().map(|index| Way::of(request, scheme, index));
-        let ways = memory::collected("bodies of a block", block.len(), ways)?;
+        let mut ways = memory::reserved("bodies of a block", block.len())?;
+        for index in block.clone() {
+            ways.push(Way::of(request, scheme, index, section.closed)?);
+        }
         for members in kinds_in(block.clone(), |index| ways[index - first].kind())? {
             let batch = Batch::new(request, section, &ways, block.clone(), &members, isa, &points)?;
             batch.run(crossings, stop)?;
@@ -152,21 +193,27 @@ struct Way {
     assignment: KernelAssignment,
     is_forced: bool,
     is_satellite: bool,
+    /// The closed form that gives the state at the begin of each step.
+    form: Option<CanonicalForm>,
 }
 
 impl Way {
-    fn of(request: &Request, scheme: &Scheme, index: usize) -> Way {
+    fn of(request: &Request, scheme: &Scheme, index: usize, closed: bool) -> Result<Way, Error> {
         let (body, forcing) = (&request.bodies[index], request.forcing_of(index));
         let (is_forced, is_satellite) = (!forcing.is_none(), forcing.is_satellite());
         let assignment = match is_forced {
             true => KernelAssignment::of_forced(scheme, body),
             false => KernelAssignment::of(scheme, body, &TOP),
         };
-        Way { assignment, is_forced, is_satellite }
+        let form = if closed && !is_forced { CanonicalForm::of(body) } else { None };
+        if closed && form.is_none() {
+            return Err(Error::NoClosedForm { index, rule: Question::RULE_OF_STATES });
+        }
+        Ok(Way { assignment, is_forced, is_satellite, form })
     }
 
-    fn kind(&self) -> (Step, bool, bool) {
-        (self.assignment.step, self.is_forced, self.is_satellite)
+    fn kind(&self) -> (Step, bool, bool, Option<EvaluatorKind>) {
+        (self.assignment.step, self.is_forced, self.is_satellite, self.form.map(CanonicalForm::kind))
     }
 }
 
@@ -175,12 +222,25 @@ impl Way {
 struct Task {
     /// Index of the body in the block.
     body: usize,
-    /// The sides of the surface at the end of the last step; `None` at the start.
-    side: Option<Side>,
-    /// The scale of what is zero on the surface.
-    scale: f64,
     /// The next knot of the forcing; infinite if there is none.
     knot: f64,
+    /// A bound of its rates.
+    rate: f64,
+}
+
+/// A zero in the last step of a lane.
+#[derive(Clone, Copy)]
+struct Found {
+    zero: Zero,
+    slope: f64,
+    kind: usize,
+}
+
+/// Closed forms of the bodies of the lanes.
+struct ClosedForms {
+    evaluator: Evaluator,
+    starts: StartRows,
+    now: [StateRows; 1],
 }
 
 /// The bodies of a block that one kernel integrates.
@@ -195,22 +255,13 @@ struct Batch<'a> {
     group: Group,
     adaptive: AdaptiveSteps,
     forcing_rows: ForcingRows,
-    normal: [Row; 6],
-    value: Row,
-    /// Which components of the normals are not all zero.
-    used: [bool; 6],
+    closed: Option<ClosedForms>,
+    /// One for each kind of surface.
+    watches: Vec<Watch>,
+    /// The zeros of the last step of a lane.
+    found: Vec<Found>,
     /// Points of all bodies, of all threads.
     points: &'a AtomicU64,
-    order: usize,
-}
-
-/// What is zero on the surface, inside the last step of each lane: coefficients of the powers of the share of the step.
-struct Series {
-    powers: [Row; TERMS],
-    /// The sum of the sizes of all but the first.
-    rest: Row,
-    /// The slope at the end.
-    end_slope: Row,
 }
 
 impl<'a> Batch<'a> {
@@ -238,11 +289,18 @@ impl<'a> Batch<'a> {
             Kernel { system: System::carrying(&TOP, step, needs), step, observed: Observed::Nothing };
         let order = step.numbers.order;
         let queue = members.iter().rev().copied();
-        let mut used = [false; 6];
-        for &member in members {
-            let normal = section.surfaces[block.start + member].normal;
-            (0..6).for_each(|d| used[d] |= normal[d] != 0.0);
+        let system = kernel.system;
+        let mut watches = memory::reserved("surfaces", section.kinds.len())?;
+        for (index, &kind) in section.kinds.iter().enumerate() {
+            let own =
+                |&member: &usize| &section.surfaces[(block.start + member) * section.kinds.len() + index];
+            watches.push(Watch::new(kind, members.iter().map(own), system, order));
         }
+        let closed = way.form.map(|form| ClosedForms {
+            evaluator: Evaluator::new(form.kind(), isa),
+            starts: StartRows::filled(&form.to_canonical(&request.bodies[block.start + members[0]])),
+            now: [StateRows::ZERO],
+        });
         Ok(Batch {
             request,
             section,
@@ -253,17 +311,15 @@ impl<'a> Batch<'a> {
             group: Group::inactive(),
             adaptive: AdaptiveSteps::inactive(request.tolerance.expect("checked at the begin"), order)?,
             forcing_rows: ForcingRows::NONE,
-            normal: [Row::ZERO; 6],
-            value: Row::ZERO,
-            used,
+            closed,
+            watches,
+            found: Vec::new(),
             points,
-            order,
         })
     }
 
     fn run(mut self, crossings: &mut [Crossings], stop: &Interrupt) -> Result<(), Error> {
         let mut lanes: [Option<Task>; LANES] = [None; LANES];
-        let mut series = Series { powers: [Row::ZERO; TERMS], rest: Row::ZERO, end_slope: Row::ZERO };
         let mut made = 0_u64;
         loop {
             for lane in 0..LANES {
@@ -282,14 +338,36 @@ impl<'a> Batch<'a> {
             }
             made += 1;
             self.kernel.advance_adaptive(&mut self.group, &self.forcing_rows, &mut self.adaptive, 1);
-            self.expand(&mut series);
+            for watch in &mut self.watches {
+                watch.expand(&self.group, &self.adaptive);
+            }
             for lane in 0..LANES {
                 if let Some(task) = lanes[lane] {
                     let own = &mut crossings[task.body];
                     own.steps += 1;
-                    lanes[lane] = self.after_step(lane, task, &series, own)?;
+                    lanes[lane] = self.after_step(lane, task, own)?;
                 }
             }
+            self.begin_in_closed_form(&lanes);
+        }
+    }
+
+    /// Sets all lanes to their states in closed form.
+    fn begin_in_closed_form(&mut self, lanes: &[Option<Task>; LANES]) {
+        let Some(closed) = &mut self.closed else { return };
+        closed.evaluator.states(&closed.starts, &self.adaptive.now[..1], &mut closed.now);
+        for lane in 0..LANES {
+            let Some(task) = lanes[lane] else { continue };
+            let (index, way) = (self.block.start + task.body, self.ways[task.body]);
+            let body = &self.request.bodies[index];
+            let omega = [0, 1, 2].map(|k| closed.now[0].omega[k].0[lane]);
+            let attitude = [0, 1, 2, 3].map(|k| closed.now[0].attitude[k].0[lane]);
+            let form = way.form.expect("all bodies of the batch have a closed form");
+            let (omega, attitude) = form.to_body(body, omega, attitude);
+            let now = Body { omega, attitude, ..*body };
+            let entry = Entry::unobserved(&now, None, self.group.step.0[lane]);
+            load(&mut self.group, lane, self.kernel, way.assignment, &entry);
+            self.adaptive.now[1].0[lane] = 0.0;
         }
     }
 
@@ -303,25 +381,24 @@ impl<'a> Batch<'a> {
     fn enter(&mut self, lane: usize, member: usize) -> Task {
         let (index, assignment) = (self.block.start + member, self.ways[member].assignment);
         let (body, forcing) = (&self.request.bodies[index], self.request.forcing_of(index));
-        let rate = body.fastest_rate(forcing, [0.0, self.section.end]);
+        let rate = body.fastest_rate(forcing, [0.0, self.section.ends[index]]);
         let first = self.request.steps[index];
         // A body that does not turn needs one step.
-        let first = if first.is_finite() { first } else { self.section.end };
+        let first = if first.is_finite() { first } else { self.section.ends[index] };
         let entry = Entry::unobserved(body, (!forcing.is_none()).then_some(rate), first);
         load(&mut self.group, lane, self.kernel, assignment, &entry);
         self.adaptive.inverse_rate.0[lane] = if rate > 0.0 { 1.0 / rate } else { 0.0 };
         for row in self.adaptive.begin.iter_mut().chain(&mut self.adaptive.now) {
             row.0[lane] = 0.0;
         }
-        let Surface { normal, value } = self.section.surfaces[index];
-        for d in 0..6 {
-            self.normal[d].0[lane] = normal[d];
+        if let (Some(closed), Some(form)) = (&mut self.closed, self.ways[member].form) {
+            closed.starts.set(lane, &form.to_canonical(body));
         }
-        self.value.0[lane] = value;
-        let length = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let scale = length(&normal[..3]) * rate + length(&normal[3..]);
-        let scale = if self.section.of_rate { scale * rate } else { scale + value.abs() };
-        let mut task = Task { body: member, side: None, scale, knot: f64::INFINITY };
+        let kinds = self.watches.len();
+        for (kind, watch) in self.watches.iter_mut().enumerate() {
+            watch.enter(lane, &self.section.surfaces[index * kinds + kind], body, forcing, rate);
+        }
+        let mut task = Task { body: member, knot: f64::INFINITY, rate };
         self.enter_interval(lane, &mut task, 0.0);
         task
     }
@@ -340,57 +417,11 @@ impl<'a> Batch<'a> {
         self.adaptive.end.0[lane] = task.knot;
     }
 
-    /// The polynomials of the last step. Without fused products, which this code has no instructions for.
-    fn expand(&self, series: &mut Series) {
-        let of_rate = self.section.of_rate;
-        let adaptive = &self.adaptive;
-        let mut share = Row::ZERO;
-        for lane in 0..LANES {
-            share.0[lane] = self.group.step.0[lane] / adaptive.unit.0[lane];
-            series.rest.0[lane] = 0.0;
-            series.end_slope.0[lane] = 0.0;
-        }
-        let mut scale = Row([1.0; LANES]);
-        let terms = self.terms();
-        for k in 0..terms {
-            let of_state = k + usize::from(of_rate);
-            let mut sum = [0.0; LANES];
-            for d in (0..6).filter(|&d| self.used[d]) {
-                let (normal, power) = (&self.normal[d].0, &adaptive.powers[of_state][d].0);
-                for lane in 0..LANES {
-                    sum[lane] += normal[lane] * power[lane];
-                }
-            }
-            if of_rate {
-                sum.iter_mut().for_each(|x| *x *= of_state as f64);
-            } else if k == 0 {
-                for lane in 0..LANES {
-                    sum[lane] -= self.value.0[lane];
-                }
-            }
-            for lane in 0..LANES {
-                let term = sum[lane] * scale.0[lane];
-                series.powers[k].0[lane] = term;
-                if k > 0 {
-                    series.rest.0[lane] += term.abs();
-                    series.end_slope.0[lane] += k as f64 * term;
-                }
-                scale.0[lane] *= share.0[lane];
-            }
-        }
-    }
-
-    /// Number of coefficients.
-    fn terms(&self) -> usize {
-        self.order + usize::from(!self.section.of_rate)
-    }
-
     /// Finds the points of the last step of a lane; `None` if its body is finished.
     fn after_step(
         &mut self,
         lane: usize,
         mut task: Task,
-        series: &Series,
         own: &mut Crossings,
     ) -> Result<Option<Task>, Error> {
         let now = self.adaptive.now[0].0[lane];
@@ -399,59 +430,43 @@ impl<'a> Batch<'a> {
             own.energy_drift = f64::NAN;
             return Ok(self.leave(lane));
         }
-        own.end = now.min(self.section.end);
-        // The rate is one by the unit of time of the step.
-        let unit = if self.section.of_rate { self.adaptive.unit.0[lane] } else { 1.0 };
-        let scale = task.scale * unit;
-        let (begin, rest) = (series.powers[0].0[lane], series.rest.0[lane]);
-        let at_once = task.side.is_some_and(|side| side.positive == (begin >= 0.0));
-        let rising = Some(series.end_slope.0[lane] >= 0.0);
-        if at_once && begin.abs() > rest + NEAR * scale {
-            task.side = Some(Side { positive: begin >= 0.0, rising });
-        } else if begin.abs() + rest <= NEAR * scale {
-            // On the surface all along: nothing is crossed.
-            own.stays = true;
-        } else {
-            let mut powers = [0.0; TERMS];
-            for k in 0..self.terms() {
-                powers[k] = series.powers[k].0[lane];
-            }
-            let powers = &powers[..self.terms()];
-            let side = task.side.unwrap_or_else(|| Side::after_begin(powers, NOISE * scale));
-            let polynomial = Polynomial { powers, noise: NOISE * scale, near: NEAR * scale };
-            let wanted = self.section.direction;
-            let (mut zeros, mut found) = ([None; 2 * TERMS], 0);
-            let positive = polynomial.zeros(side, &mut |zero| {
-                let is_wanted = wanted == 0 || zero.direction == 0 || zero.direction == wanted;
-                if is_wanted && found < zeros.len() {
-                    zeros[found] = Some(zero);
-                    found += 1;
-                }
+        let end = self.section.ends[self.block.start + task.body];
+        own.end = now.min(end);
+        let error = if self.closed.is_some() { CLOSED_ERROR * task.rate * now } else { 0.0 };
+        let step = self.group.step.0[lane];
+        self.found.clear();
+        for (kind, watch) in self.watches.iter_mut().enumerate() {
+            let found = &mut self.found;
+            let stays = watch.zeros(lane, error, &mut |zero, slope| {
+                found.push(Found { zero, slope: slope / step, kind });
             });
-            for zero in zeros.iter().flatten() {
-                let (_, slope) = polynomial.value(zero.at);
-                let step = self.group.step.0[lane];
-                let slope = slope / step / unit;
-                let point = self.point(lane, task, (zero, slope), own)?;
-                if !(point.time > 0.0) {
-                    continue;
-                }
-                if point.time > self.section.end {
-                    break;
-                }
-                if own.points.len() == own.points.capacity() {
-                    self.check_memory()?;
-                }
-                memory::push("points of a section", &mut own.points, point)?;
-                self.points.fetch_add(1, Ordering::Relaxed);
-                if own.points.len() >= self.section.count {
-                    own.end = point.time;
-                    return Ok(self.leave(lane));
-                }
-            }
-            task.side = Some(Side { positive, rising });
+            own.stays |= u32::from(stays) << kind;
         }
-        if now >= self.section.end {
+        if self.watches.len() > 1 {
+            self.found.sort_unstable_by(|a, b| a.zero.at.total_cmp(&b.zero.at).then(a.kind.cmp(&b.kind)));
+        }
+        for index in 0..self.found.len() {
+            let found = self.found[index];
+            let point = self.point(lane, task, found, own)?;
+            if !(point.time > 0.0) {
+                continue;
+            }
+            if point.time > end {
+                break;
+            }
+            if own.points.len() == own.points.capacity() {
+                self.check_memory()?;
+            }
+            memory::push("points of a section", &mut own.points, point)?;
+            self.points.fetch_add(1, Ordering::Relaxed);
+            own.counted += u64::from(self.section.kinds[found.kind].counts);
+            if own.counted >= self.section.count as u64 {
+                own.end = point.time;
+                own.stopped = true;
+                return Ok(self.leave(lane));
+            }
+        }
+        if now >= end {
             self.note_end(lane, task, own, now);
             return Ok(self.leave(lane));
         }
@@ -464,9 +479,7 @@ impl<'a> Batch<'a> {
             let knot = task.knot;
             self.enter_interval(lane, &mut task, knot);
             // The torque may jump there, and the slope with it.
-            if let Some(side) = &mut task.side {
-                side.rising = None;
-            }
+            self.watches.iter_mut().for_each(|watch| watch.bend(lane));
         }
         Ok(Some(task))
     }
@@ -476,7 +489,7 @@ impl<'a> Batch<'a> {
         &self,
         lane: usize,
         task: Task,
-        (zero, slope): (&zeros::Zero, f64),
+        Found { zero, slope, kind }: Found,
         own: &mut Crossings,
     ) -> Result<Point, Error> {
         let adaptive = &self.adaptive;
@@ -487,6 +500,7 @@ impl<'a> Batch<'a> {
         self.note_drift(lane, &state, own);
         let attitude = state.attitude.expect("the system has an attitude");
         Ok(Point {
+            kind: kind as u32,
             time,
             omega: state.omega,
             gamma: state.direction.expect("the system has the vertical"),
@@ -504,6 +518,10 @@ impl<'a> Batch<'a> {
     }
 
     fn note_drift(&self, lane: usize, state: &State, own: &mut Crossings) {
+        // A closed form does not drift.
+        if self.closed.is_some() {
+            return;
+        }
         let errors = invariant_errors(state, invariants_at_start(&self.group, lane));
         for [energy, momentum] in errors.into_iter().flatten() {
             own.energy_drift = worse(own.energy_drift, energy);

@@ -90,6 +90,7 @@ SUBJECTS = (
     "results of a run",
     "fits",
     "units",
+    "events",
     "batches",
     "arrays",
     "only what is asked for",

@@ -60,6 +60,7 @@ PAGES = ["README.md"] + [
         "methods",
         "conventions",
         "torque_and_damping",
+        "events",
         "maps",
         "extremes",
     )

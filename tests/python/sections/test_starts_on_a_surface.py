@@ -30,7 +30,10 @@ def test_starts_have_energy_momentum_surface_and_direction(name: str) -> None:
     np.testing.assert_allclose(known.p_phi, 0.4, rtol=0.0, atol=1e-14)
     run = rigid.simulate(TOP, omega, attitude, t=[0.0, 1e-6])
     normals = surface.normals(TOP, np.tile(TOP.weight, (200, 1)))
-    values = surface.values(normals, run.omega, np.asarray(run.gamma))
+    assert run.gamma is not None
+    of_omega, of_gamma = normals[:, np.newaxis, :3], normals[:, np.newaxis, 3:]
+    height = np.cross(run.gamma, run.omega) if surface.is_height else run.gamma
+    values = np.sum(of_omega * run.omega + of_gamma * height, axis=-1) - surface.value
     np.testing.assert_allclose(values[:, 0], 0.0, atol=2e-15)
     if surface.direction:
         assert (np.sign(values[:, 1]) == surface.direction).all()

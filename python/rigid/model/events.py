@@ -1,0 +1,288 @@
+"""Events of a motion: a quantity crosses a value, or turns."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._checks.arguments import brief, finite_float, one_of, vector
+
+__all__ = ["COMPONENTS", "Event", "checked_events", "crosses", "turns"]
+
+Floats = NDArray[np.float64]
+
+COMPONENTS = ("omega1", "omega2", "omega3", "gamma1", "gamma2", "gamma3")
+"""Rates (rad/s) and the vertical in the body."""
+
+TILTS = ("tilt1", "tilt2", "tilt3")
+"""Angles between body axes and the upward vertical (rad)."""
+
+MOMENTA = ("L1", "L2", "L3")
+"""Angular momentum in space (kg m²/s)."""
+
+QUANTITIES = (*COMPONENTS, *TILTS, *MOMENTA)
+"""Names of what can cross a value."""
+
+PLANE = "plane"
+"""The name of a quantity that is given by vectors."""
+
+MOST_EVENTS = 32
+"""Events that a run watches at most."""
+
+_WORDS = {1: "rising", -1: "falling", 0: "both ways"}
+_TURNS = {1: "lowest", -1: "highest", 0: "turns"}
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """An event of a motion, made by :func:`crosses` or :func:`turns`.
+
+    Attributes
+    ----------
+    name : str
+        The quantity, or ``"plane"`` for one of vectors.
+    omega, gamma, momentum : tuple of float
+        The quantity is ``omega·w + gamma·n + momentum·L`` for the rates ``w`` and the vertical
+        ``n`` in the body and the angular momentum ``L`` in space; of a tilt it is minus its cosine.
+    value : float
+        What the quantity crosses; zero if it turns.
+    direction : int
+        1 for rising crossings and least values, -1 for falling ones and largest values, 0 for both.
+    turns : bool
+        Whether the quantity turns: its rate crosses zero.
+    """
+
+    name: str
+    omega: tuple[float, float, float]
+    gamma: tuple[float, float, float]
+    momentum: tuple[float, float, float]
+    value: float
+    direction: int
+    turns: bool
+
+    def words(self) -> str:
+        """The event in words.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> rigid.crosses("omega2").words(), rigid.turns("gamma3", -1).words()
+        ('omega2 = 0, both ways', 'gamma3 highest')
+        """
+        name = self.name
+        if name == PLANE:
+            parts = (("omega", self.omega), ("gamma", self.gamma), ("L", self.momentum))
+            name = " + ".join(f"{vector}·{of}" for of, vector in parts if any(vector))
+        if self.turns:
+            return f"{name} {_TURNS[self.direction]}"
+        return f"{name} = {self.value:g}, {_WORDS[self.direction]}"
+
+    @property
+    def level(self) -> float:
+        """The value of what is linear in the state."""
+        return -math.cos(self.value) if self.name in TILTS and not self.turns else self.value
+
+    @property
+    def slope_scale(self) -> float:
+        """The slope of what is linear in the state over that of the quantity."""
+        return math.sin(self.value) if self.name in TILTS and not self.turns else 1.0
+
+    def to_dict(self) -> dict[str, Any]:
+        """All attributes."""
+        return {
+            "name": self.name,
+            "omega": list(self.omega),
+            "gamma": list(self.gamma),
+            "momentum": list(self.momentum),
+            "value": self.value,
+            "direction": self.direction,
+            "turns": self.turns,
+        }
+
+    @classmethod
+    def from_dict(cls, entries: dict[str, Any]) -> Event:
+        """The event of :meth:`to_dict`."""
+        vectors = {name: _three(np.array(entries[name])) for name in ("omega", "gamma", "momentum")}
+        return cls(**{**entries, **vectors})
+
+
+def crosses(
+    name: str | None = None,
+    value: float = 0.0,
+    direction: int = 0,
+    *,
+    omega: ArrayLike | None = None,
+    gamma: ArrayLike | None = None,
+    momentum: ArrayLike | None = None,
+) -> Event:
+    """The event that a quantity crosses a value, for :func:`simulate`.
+
+    Parameters
+    ----------
+    name : str, optional
+        A rate ``"omega1"`` to ``"omega3"`` (rad/s); a component of the upward vertical in the body,
+        ``"gamma1"`` to ``"gamma3"``; the angle of a body axis from the vertical, ``"tilt1"`` to
+        ``"tilt3"`` (rad); a component of the angular momentum in space, ``"L1"`` to ``"L3"``
+        (kg m²/s).
+    value : float
+        The value of the quantity.
+    direction : {0, 1, -1}
+        Both ways, rising, or falling.
+    omega, gamma, momentum : array_like, shape (3,), optional
+        Instead of a name: the quantity ``omega·w + gamma·n + momentum·L`` for the rates ``w`` and
+        the vertical ``n`` in the body and the angular momentum ``L`` in space.
+
+    Returns
+    -------
+    Event
+
+    Raises
+    ------
+    ValueError
+        Naming the argument, its value and the rule: an unknown name, a name beside vectors, neither
+        of them, vectors that are all zero, another direction, a value that the vertical or a tilt
+        never crosses.
+
+    Examples
+    --------
+    When does a box that turns about its middle axis flip?
+
+    >>> import rigid
+    >>> box = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
+    >>> run = rigid.simulate(
+    ...     box, [0.01, 1.0, 0.01], t=[0.0, 30.0], events=[rigid.crosses("omega2")]
+    ... )
+    >>> run.events[0].t.round(3).tolist()
+    [10.917]
+    """
+    made = _quantity(name, omega, gamma, momentum)
+    value = finite_float("value", value)
+    reach = float(np.linalg.norm(made["gamma"]))
+    if name in TILTS:
+        if not 0.0 < value < math.pi:
+            raise ValueError(f"value = {value}: never crossed: a tilt is between 0 and pi")
+    elif not any(made["omega"]) and not any(made["momentum"]) and abs(value) >= reach:
+        raise ValueError(
+            f"value = {value}: never crossed: the vertical has components up to {reach:g} there"
+        )
+    return Event(**made, value=value, direction=_checked(direction), turns=False)
+
+
+def turns(
+    name: str | None = None,
+    direction: int = 0,
+    *,
+    omega: ArrayLike | None = None,
+    gamma: ArrayLike | None = None,
+    momentum: ArrayLike | None = None,
+) -> Event:
+    """The event that a quantity is largest or least for a while, for :func:`simulate`.
+
+    Parameters
+    ----------
+    name : str, optional
+        As in :func:`crosses`.
+    direction : {0, 1, -1}
+        Both, least values (the rate rises through zero), or largest values.
+    omega, gamma, momentum : array_like, shape (3,), optional
+        As in :func:`crosses`.
+
+    Returns
+    -------
+    Event
+
+    Raises
+    ------
+    ValueError
+        As :func:`crosses`.
+
+    Examples
+    --------
+    The nutation of a top is between its turns:
+
+    >>> import rigid
+    >>> top = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0, com=(0.0, 0.0, 1.0))
+    >>> run = rigid.simulate(
+    ...     top, [0.0, 0.0, 6.0], rigid.rotations.euler_to_quaternion([0.0, 0.5, 0.0]),
+    ...     t=[0.0, 5.0], events=[rigid.turns("tilt3")],
+    ... )
+    >>> run.events[0].tilt(3).round(3).tolist()
+    [0.65, 0.5, 0.65]
+    """
+    return Event(
+        **_quantity(name, omega, gamma, momentum),
+        value=0.0,
+        direction=_checked(direction),
+        turns=True,
+    )
+
+
+def _quantity(
+    name: str | None,
+    omega: ArrayLike | None,
+    gamma: ArrayLike | None,
+    momentum: ArrayLike | None,
+) -> dict[str, Any]:
+    """Name and vectors of a quantity."""
+    given = {"omega": omega, "gamma": gamma, "momentum": momentum}
+    rows = {key: np.zeros(3) if v is None else vector(key, v, 3) for key, v in given.items()}
+    if all(value is None for value in given.values()):
+        if name is None:
+            raise ValueError("name: give the name of a quantity, or the vectors of one")
+        one_of("name", name, QUANTITIES)
+        kind, axis = name[:-1], int(name[-1]) - 1
+        key = {"omega": "omega", "L": "momentum"}.get(kind, "gamma")
+        rows[key][axis] = -1.0 if kind == "tilt" else 1.0
+    elif name is not None:
+        raise ValueError(f"name = {brief(name)}: leave the name out beside omega, gamma, momentum")
+    elif not any(row.any() for row in rows.values()):
+        raise ValueError("omega, gamma, momentum: all are zero, so they are no quantity")
+    return {
+        "name": PLANE if name is None else name,
+        **{key: _three(row) for key, row in rows.items()},
+    }
+
+
+def checked_events(events: object, until: object) -> tuple[tuple[Event, ...], tuple[bool, ...]]:
+    """The events that a run watches, and which of them it counts.
+
+    Those of ``until`` are counted, all if there are none. An event of ``until`` that is not among
+    the others is watched after them.
+    """
+    watched, ends = (_listed(name, given) for name, given in (("events", events), ("until", until)))
+    every = (*watched, *(event for event in dict.fromkeys(ends) if event not in watched))
+    if len(every) > MOST_EVENTS:
+        raise ValueError(f"events: {len(every)} of them; a run watches {MOST_EVENTS} at most")
+    return every, tuple(not ends or event in ends for event in every)
+
+
+def _listed(name: str, given: Any) -> tuple[Event, ...]:
+    if given is None:
+        return ()
+    events = (given,) if isinstance(given, Event) else given
+    if isinstance(events, (str, bytes)) or not hasattr(events, "__iter__"):
+        raise TypeError(_rule(name, given))
+    events = tuple(events)
+    for event in events:
+        if not isinstance(event, Event):
+            raise TypeError(_rule(name, event))
+    return events
+
+
+def _rule(name: str, value: object) -> str:
+    return f"{name} = {brief(value)}: must be made by rigid.crosses or rigid.turns, or a list"
+
+
+def _checked(direction: object) -> int:
+    if isinstance(direction, bool) or direction not in (-1, 0, 1):
+        raise ValueError(f"direction = {brief(direction)}: must be 1, -1 or 0")
+    return int(direction)
+
+
+def _three(numbers: Floats) -> tuple[float, float, float]:
+    x, y, z = numbers.tolist()
+    return x, y, z

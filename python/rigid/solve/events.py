@@ -1,0 +1,308 @@
+"""The events of a run: when they happen, and the states then."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._checks.arguments import brief
+from ..model.events import Event
+from ..model.frame import turned
+from ..model.leading import Shape
+from ..model.scene import Scene
+from .arrays import in_rows
+from .batch import Batch
+from .methods import EXACT, series_methods
+from .status import Status
+from .surfaces import METHOD, TOLERANCE, Search, Surfaces
+
+__all__ = ["COLUMNS", "Events", "check_event_method", "find_events"]
+
+Floats = NDArray[np.float64]
+
+COLUMNS = (
+    *("t", "omega", "gamma", "attitude", "direction", "slope", "grazing", "error"),
+    *("body", "complete", "lost_from"),
+)
+"""The arrays of :class:`Events`."""
+
+_POINTS = COLUMNS[:8]
+"""Those with a row for each time that the event happens."""
+
+
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
+class Events:
+    """When an event happens in a run, ``p`` times in all: body after body, in the order of times.
+
+    Attributes
+    ----------
+    event : Event
+        The event, in the axes in which it was given.
+    t : ndarray, shape (p,)
+        Times (s), positive: a start at which the quantity has the value already is no event.
+    omega, gamma : ndarray, shape (p, 3)
+        Rates (rad/s) and the upward vertical, in the body.
+    attitude : ndarray, shape (p, 4)
+        Unit quaternions with a positive scalar, body to space.
+    direction : ndarray of int8, shape (p,)
+        1 where the quantity rises through the value, -1 where it falls, 0 where it touches it. Of
+        :func:`turns` 1 where it is least and -1 where it is largest.
+    slope : ndarray, shape (p,)
+        Rate of the quantity; of :func:`turns` its second derivative, of a tilt that of minus its
+        cosine.
+    grazing : ndarray of bool, shape (p,)
+        Where the quantity turns so near the value, within 1e-12 of its scale, or the error of a
+        closed form, that rounding may decide whether it crosses. These are kept whatever their
+        direction.
+    error : ndarray, shape (p,)
+        Estimated error of ``t`` (s): the error of the quantity over its slope. That of the quantity
+        follows from the error of the closed form; else it is three times what a second run, by a
+        method of another order, makes of it, the largest until then. NaN without that run.
+    body : ndarray of int, shape (p,)
+        Index of the body, in the flat order of all.
+    complete : ndarray of bool, shape (n,)
+        Whether every event until the end of the record of the body is here and no other: the body
+        was run, none grazes, and the quantity has not the value all along. With a single body the
+        axis is absent.
+    lost_from : ndarray, shape (n,)
+        Time from which on the events are lost to rounding: those of a motion that is as good, but
+        not of this start. Infinite if there is none, NaN without a second run.
+    """
+
+    event: Event
+    t: Floats
+    omega: Floats
+    gamma: Floats
+    attitude: Floats
+    direction: NDArray[np.int8]
+    slope: Floats
+    grazing: NDArray[np.bool_]
+    error: Floats
+    body: NDArray[np.intp]
+    complete: NDArray[np.bool_]
+    lost_from: Floats
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+    def __repr__(self) -> str:
+        bodies, complete = np.size(self.complete), int(np.count_nonzero(self.complete))
+        whole = "complete" if complete == bodies else f"{complete} of {bodies} complete"
+        each = "1 body" if bodies == 1 else f"{bodies:,} bodies"
+        return f"<Events: {self.event.words()}; {len(self):,} of {each}; {whole}>"
+
+    @property
+    def count(self) -> NDArray[np.intp]:
+        """Number of events of each body, shape (n,)."""
+        counts = np.bincount(self.body, minlength=np.size(self.complete))
+        count: NDArray[np.intp] = counts.reshape(np.shape(self.complete))
+        return count
+
+    @property
+    def offsets(self) -> NDArray[np.intp]:
+        """Where each body begins: its rows are ``offsets[i]`` to ``offsets[i + 1]``; (n + 1,)."""
+        offsets: NDArray[np.intp] = np.concatenate([[0], np.cumsum(np.ravel(self.count))])
+        return offsets
+
+    def of(self, body: int | tuple[int, ...]) -> Self:
+        """The events of one body, by its index or, with several leading axes, its indices.
+
+        Raises
+        ------
+        IndexError
+            If there is no such body.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> boxes = rigid.FreeBody(rigid.Body([[1.0, 2.0, 3.0], [1.0, 2.0, 2.5]]))
+        >>> run = rigid.simulate(
+        ...     boxes, [0.01, 1.0, 0.01], t=[0.0, 30.0], events=[rigid.crosses("omega2")]
+        ... )
+        >>> run.events[0].of(1).t.round(3).tolist()
+        [17.721]
+        """
+        shape = np.shape(self.complete) or (1,)
+        place = body if isinstance(body, tuple) else (body,)
+        try:
+            index = int(np.arange(np.prod(shape)).reshape(shape)[place])
+        except (IndexError, TypeError):
+            raise IndexError(
+                f"body = {brief(body)}: must be the index of one of the bodies of shape {shape}"
+            ) from None
+        first, last = self.offsets[index : index + 2]
+        rows = {name: getattr(self, name)[first:last] for name in _POINTS}
+        bodies = {name: np.ravel(getattr(self, name))[index] for name in ("complete", "lost_from")}
+        return replace(self, **rows, **bodies, body=np.zeros(last - first, dtype=np.intp))
+
+    def turned(self, axes: Floats, attitude: Floats) -> Self:
+        """The events with ``axes @ v`` for all vectors in the body, and these attitudes."""
+        return replace(
+            self,
+            omega=turned(axes, self.omega),
+            gamma=turned(axes, self.gamma),
+            attitude=np.where(attitude[:, :1] < 0.0, -attitude, attitude),
+        )
+
+    def tilt(self, axis: int = 3) -> Floats:
+        """Angle of a body axis from the upward vertical (rad), shape (p,)."""
+        others = [k for k in range(3) if k != axis - 1]
+        tilt: Floats = np.arctan2(
+            np.hypot(self.gamma[:, others[0]], self.gamma[:, others[1]]), self.gamma[:, axis - 1]
+        )
+        return tilt
+
+
+@dataclass(frozen=True, slots=True)
+class FoundEvents:
+    """What a search of events has found.
+
+    Attributes
+    ----------
+    events : tuple of Events
+    end : ndarray, shape (n,)
+        Time at which the record of each body ends (s).
+    stopped : ndarray of bool, shape (n,)
+        Whether it ends with an event.
+    """
+
+    events: tuple[Events, ...]
+    end: Floats
+    stopped: NDArray[np.bool_]
+
+    @property
+    def last(self) -> Floats:
+        """Time from which on a body has no states (s), infinite for most; shape (n, 1)."""
+        return np.where(self.stopped, self.end, np.inf)[:, np.newaxis]
+
+
+def check_event_method(method: str | None) -> None:
+    """Raise ValueError for a method whose steps are no polynomials of the motion."""
+    known = (EXACT, *series_methods())
+    if method is not None and method not in known:
+        raise ValueError(
+            f"method = {brief(method)}: has no events, because only a closed form and a Taylor "
+            "series know the motion between two steps, so that none is missed; take one of "
+            f"{', '.join(map(repr, known))}, or none"
+        )
+
+
+def find_events(
+    scene: Scene,
+    batch: Batch,
+    shape: Shape,
+    ends: Floats,
+    events: tuple[Event, ...],
+    counted: tuple[bool, ...],
+    count: int | None,
+    *,
+    frame: Floats | None,
+    method: str,
+    tolerance: float | None,
+    check: bool,
+    max_steps: int,
+    threads: int,
+) -> FoundEvents:
+    """The events of bodies until their ends (s), or until so many that are counted.
+
+    The states are in principal axes, whatever the frame of the events.
+
+    A closed form gives the state at the begin of each step of a Taylor series; without one, or
+    under damping, the series goes on from step to step.
+    """
+    n = len(batch)
+    search = Search(
+        batch=batch,
+        surfaces=_surfaces(scene, batch, shape, events, counted, frame),
+        ends=np.broadcast_to(ends, (n,)).astype(np.float64),
+        count=count,
+        method=METHOD if method == EXACT else method,
+        closed=method == EXACT and batch.forcing is None,
+        tolerance=TOLERANCE if tolerance is None else tolerance,
+        max_steps=max_steps,
+        threads=threads,
+    )
+    found = search.points()
+    counts = found.pop("points").astype(np.intp)
+    body = np.repeat(np.arange(n), counts)
+    if check or search.closed:
+        error, lost_from = search.errors(found, counts, body)
+    else:
+        error, lost_from = np.full(len(body), np.nan), np.full(n, np.nan)
+    ended = found["status"] == Status.OK
+    records = []
+    for k, event in enumerate(events):
+        mine = np.flatnonzero(found["kind"] == k)
+        grazing = np.bincount(body[mine], found["grazing"][mine], minlength=n) > 0
+        complete = ended & ~grazing & ((found["stays"] >> k) & 1 == 0)
+        rows = {name: found[name][mine] for name in _POINTS if name != "error"}
+        rows["slope"] = rows["slope"] / event.slope_scale
+        record = Events(
+            event=event,
+            **rows,
+            error=error[mine],
+            body=body[mine],
+            complete=complete.reshape(shape) if shape else complete[0],
+            lost_from=lost_from.reshape(shape) if shape else lost_from[0],
+        )
+        records.append(record)
+    return FoundEvents(tuple(records), found["end"], found["stopped"])
+
+
+def _surfaces(
+    scene: Scene,
+    batch: Batch,
+    shape: Shape,
+    events: tuple[Event, ...],
+    counted: tuple[bool, ...],
+    frame: Floats | None,
+) -> Surfaces:
+    """The surfaces of the events, of each body."""
+    n = len(batch)
+    normals = np.array([[event.omega, event.gamma] for event in events])
+    if frame is not None:
+        normals = turned(frame.T, normals)
+    kinds = zip(events, counted, strict=True)
+    # Moments are counted in this unit.
+    exponents = batch.scale_exponent[:, np.newaxis]
+    rotor = in_rows(np.zeros(3) if scene.rotor is None else np.asarray(scene.rotor), shape)
+    momentum = _of_each([event.momentum for event in events], n, 3)
+    return Surfaces(
+        kinds=tuple((event.turns, event.direction, counts) for event, counts in kinds),
+        normal=_of_each(normals, n, 6),
+        momentum=np.ldexp(momentum, exponents[:, np.newaxis]),
+        value=_of_each([event.level for event in events], n),
+        rotor=np.broadcast_to(np.ldexp(rotor, -exponents), (n, 3)),
+    )
+
+
+def _of_each(values: Any, n: int, *width: int) -> Floats:
+    """The values of all events for each of n bodies, shape (n, events, ...)."""
+    row = np.array(values, dtype=np.float64).reshape(1, len(values), *width)
+    return np.repeat(row, n, axis=0)
+
+
+def columns_of(events: tuple[Events, ...]) -> Mapping[str, NDArray[Any]]:
+    """The arrays of all events under names of their own, for a file."""
+    return {
+        f"events{k}_{name}": np.asarray(getattr(one, name))
+        for k, one in enumerate(events)
+        for name in COLUMNS
+    }
+
+
+def from_columns(
+    arrays: Mapping[str, NDArray[Any]], events: list[dict[str, Any]]
+) -> tuple[Events, ...]:
+    """The events of a file."""
+    return tuple(
+        Events(
+            event=Event.from_dict(entries),
+            **{name: arrays[f"events{k}_{name}"] for name in COLUMNS},
+        )
+        for k, entries in enumerate(events)
+    )

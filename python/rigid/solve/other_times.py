@@ -1,0 +1,116 @@
+"""A run at other times: its motion again, by the same method."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._checks.arguments import resolve_threads
+from .._checks.arrays import finite_array
+from ..model.scene import scene_from_dict
+from .arrays import Range, in_rows, time_ranges
+from .batch import Batch
+from .choose_method import Problem, choose_method
+from .error_estimate import closed_form_error
+from .integrate import integrate
+from .made_run import end_records, to_run
+from .methods import EXACT
+from .request import Request
+from .run import Run
+from .target import COLUMNS
+
+__all__ = ["states_at"]
+
+
+def states_at(run: Run, t: ArrayLike) -> Run:
+    """The run at other times; see :meth:`Run.at`."""
+    shape, given = run.status.shape, np.atleast_1d(finite_array("t", t))
+    if given.ndim > 1 and given.shape[:-1] != shape:
+        raise ValueError(
+            f"t: expected shape (k,) or {(*shape, 'k')} for bodies of shape {shape}, "
+            f"got {given.shape}"
+        )
+    order = np.argsort(given, axis=-1, kind="stable")
+    ascending = np.take_along_axis(given, order, axis=-1)
+    reached = time_ranges(run.t if run.t.ndim == 1 else in_rows(run.t, shape))
+    times = ascending if given.ndim == 1 else in_rows(ascending, shape)
+    _check_inside(times, reached)
+    spec = {name: value for name, value in run.spec.items() if name != "frame"}
+    scene = scene_from_dict(spec["scene"])
+    batch = Batch.of_start(scene, run.start_omega, run.start_attitude, shape)
+    last = np.array([[np.inf]]) if run.end is None else np.reshape(run.end, (-1, 1))
+    request = Request(
+        batch=batch,
+        times=np.minimum(times, last) if (times > last).any() else times,
+        method=run.plan.method,
+        record=spec["record"],
+        max_steps=10**9,
+        threads=resolve_threads(None),
+        tolerance=spec["tolerance"],
+    )
+    if run.plan.method == EXACT:
+        states = request.states(None)
+        batch.note_rates(states["fastest_rate"])
+        estimate = closed_form_error(batch, request.times, states["omega"])
+    else:
+        steps = None
+        if spec["tolerance"] is None:
+            problem = Problem(
+                scene=scene,
+                question=spec["record"],
+                batch=batch,
+                begin=reached[0],
+                span=reached[1] - reached[0],
+                accuracy=run.plan.accuracy if spec["step"] is None else None,
+                method=run.plan.method,
+                step=spec["step"],
+                states=times.shape[-1],
+            )
+            steps = choose_method(problem)[1]
+        unknown = np.isnan(run.error)
+        states, estimate = integrate(
+            request,
+            steps,
+            spec["accuracy"],
+            check=not unknown.all(),
+            every=not unknown.any(),
+        )
+    if states["work"] is not None:
+        np.ldexp(states["work"], batch.scale_exponent[:, np.newaxis], out=states["work"])
+    states = {**states, "tangent": None}
+    end_records(states, times, last)
+    made = to_run(states, ascending, estimate, spec, run.plan, batch, shape)
+    if (order[..., 1:] < order[..., :-1]).any():
+        made = _in_order(made, given, order)
+    return made if run.frame is None else made.in_frame(run.frame)
+
+
+def _check_inside(times: NDArray[np.float64], reached: Range) -> None:
+    """Raise ValueError for a time outside the run."""
+    first, last = (np.reshape(bound, (-1, 1)) for bound in reached)
+    outside = np.argwhere((times < first) | (times > last))
+    if len(outside):
+        body = outside[0, 0] if len(first) > 1 else 0
+        raise ValueError(
+            f"t = {np.atleast_2d(times)[tuple(outside[0])]:g}: must be inside the run, which is "
+            f"from t = {first[body, 0]:g} to {last[body, 0]:g}"
+        )
+
+
+def _in_order(run: Run, times: NDArray[np.float64], order: NDArray[np.intp]) -> Run:
+    """The states of ascending times in the order of the times that were asked for."""
+    place = np.argsort(order, axis=-1)
+
+    def moved(array: NDArray[Any] | None, width: int) -> NDArray[Any] | None:
+        if array is None:
+            return None
+        axis = array.ndim - 1 - (width > 1)
+        shape = (*place.shape, 1) if width > 1 else place.shape
+        index = place.reshape((1,) * (array.ndim - len(shape)) + shape)
+        return np.take_along_axis(array, index, axis=axis)
+
+    states = {name: moved(getattr(run, name), width) for name, (_, width) in COLUMNS.items()}
+    return replace(run, t=times, **states)  # type: ignore[arg-type]

@@ -1,0 +1,281 @@
+"""The points at which bodies cross surfaces, from the core, and the errors of their times."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import _core
+from .._checks.progress import Progress, ProgressOption, reporting
+from .batch import Batch
+from .error_estimate import closed_form_error, distances
+from .request import Request
+
+__all__ = ["LOST", "METHOD", "TOLERANCE", "Search", "Surfaces"]
+
+Floats = NDArray[np.float64]
+
+METHOD, ANOTHER = "taylor20", "taylor16"
+"""The default method, and that of the second run of all others."""
+
+TOLERANCE = 2.0**-57
+"""Size of the last terms of a step: a sixteenth of rounding, which alone is left then."""
+
+LOST = 1e-3
+"""Points whose error, in the scale of what is zero on the surface, is larger are lost."""
+
+SAFETY = 3.0
+"""The difference of two runs times this is stated as the error."""
+
+ROUNDINGS = 4.0
+"""Roundings of what is zero on the surface, in its scale, which two runs may have alike."""
+
+TOGETHER = 16
+"""Bodies a thread between two reports of progress."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Surfaces:
+    """Surfaces of some bodies, one of each kind: ``normal·(omega, gamma) + momentum·L = value``.
+
+    Attributes
+    ----------
+    kinds : tuple of (bool, int, bool)
+        Of each kind: whether it is the rate of the left side that is zero, the direction, and
+        whether its points are counted.
+    normal : ndarray, shape (n, kinds, 6)
+    momentum : ndarray, shape (n, kinds, 3)
+        In one over the unit of moments of the batch.
+    value : ndarray, shape (n, kinds)
+    rotor : ndarray, shape (n, 3)
+        Momentum of a rotor in each body, in the unit of moments of the batch.
+    """
+
+    kinds: tuple[tuple[bool, int, bool], ...]
+    normal: Floats
+    momentum: Floats
+    value: Floats
+    rotor: Floats
+
+    def select(self, bodies: NDArray[np.intp]) -> Self:
+        """Those of some bodies."""
+        names = ("normal", "momentum", "value", "rotor")
+        return replace(self, **{name: getattr(self, name)[bodies] for name in names})
+
+    def scales(self, batch: Batch, ends: Floats) -> Floats:
+        """The scale of what is zero on each surface, shape (n, kinds)."""
+        rate = batch.fastest_rates((np.zeros_like(ends), ends))[:, np.newaxis]
+        of_omega, of_gamma = np.split(np.abs(self.normal), 2, axis=-1)
+        size = np.linalg.norm
+        # A rate that overflows is that of a body which is not run.
+        with np.errstate(invalid="ignore", over="ignore"):
+            momentum = batch.moments.max(axis=1)[:, np.newaxis] * rate
+            momentum = momentum + size(self.rotor, axis=-1)[:, np.newaxis]
+            of_momentum = size(self.momentum, axis=-1)
+            scale: Floats = size(of_omega, axis=-1) * rate + size(of_gamma, axis=-1)
+            scale = scale + np.where(of_momentum > 0.0, of_momentum * momentum, 0.0)
+            turning = np.array([of_rate for of_rate, _, _ in self.kinds], dtype=bool)
+            return np.where(turning, scale * rate, scale)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Search:
+    """The points of some bodies on their surfaces.
+
+    Attributes
+    ----------
+    batch : Batch
+    surfaces : Surfaces
+    ends : ndarray, shape (n,)
+        Time at which the motion of each body ends (s).
+    count : int or None
+        Number of points that count after which a body ends.
+    method : str
+        A Taylor method.
+    closed : bool
+        Whether each step begins at the state in closed form.
+    tolerance : float
+        Size of the last terms of a step.
+    max_steps, threads : int
+    """
+
+    batch: Batch
+    surfaces: Surfaces
+    ends: Floats
+    count: int | None
+    method: str
+    closed: bool
+    tolerance: float
+    max_steps: int
+    threads: int
+
+    def select(self, bodies: NDArray[np.intp]) -> Self:
+        """The search of some bodies."""
+        return replace(
+            self,
+            batch=self.batch.select(bodies),
+            surfaces=self.surfaces.select(bodies),
+            ends=self.ends[bodies],
+        )
+
+    def points(self, progress: ProgressOption = False) -> dict[str, NDArray[Any]]:
+        """The columns of the core for all bodies."""
+        if progress is False:
+            return self._points()
+        began, parts, count = time.perf_counter(), [], len(self.batch)
+        size = TOGETHER * self.threads
+        with reporting(progress, count) as report:
+            for first in range(0, max(count, 1), size):
+                some = np.arange(first, min(first + size, count))
+                parts.append(self.select(some)._points())
+                done, elapsed = first + len(some), time.perf_counter() - began
+                report(Progress(done=done, total=count, elapsed=elapsed, failures=0))
+        return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+
+    def _points(self) -> dict[str, NDArray[Any]]:
+        surfaces = self.surfaces
+        return _core.section(
+            **self.batch.columns(),
+            method=self.method,
+            kinds=list(surfaces.kinds),
+            normal=np.ascontiguousarray(surfaces.normal.reshape(-1, 6)),
+            momentum=np.ascontiguousarray(surfaces.momentum.reshape(-1, 3)),
+            value=np.ascontiguousarray(surfaces.value.ravel()),
+            ends=self.ends,
+            count=2**63 - 1 if self.count is None else self.count,
+            closed=self.closed,
+            tolerance=self.tolerance,
+            max_steps=self.max_steps,
+            threads=self.threads,
+        )
+
+    def errors(
+        self, found: dict[str, NDArray[Any]], counts: NDArray[np.intp], body: NDArray[np.intp]
+    ) -> tuple[Floats, Floats]:
+        """Errors of the times (p,), and when the points of each body are lost (n,).
+
+        Of a closed form they follow from its own error; else from a second run, by a method of
+        another order: three times what it makes of the surface, the largest until then.
+        """
+        t, kind = found["t"], found["kind"]
+        scale = self.surfaces.scales(self.batch, self.ends)[body, kind]
+        if self.closed:
+            omega = found["omega"][:, np.newaxis]
+            error = closed_form_error(self.batch.select(body), t[:, np.newaxis], omega).error
+            off = error * scale
+        else:
+            off = SAFETY * self._second_run(found, counts)
+        value = np.abs(self.surfaces.value[body, kind])
+        rounding = ROUNDINGS * np.finfo(float).eps * (scale + value)
+        with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
+            late = (off + rounding) / np.abs(found["slope"]) + np.spacing(t)
+        lost_from = np.full(len(self.batch), np.inf)
+        lost = np.flatnonzero(~(off <= LOST * scale))
+        np.minimum.at(lost_from, body[lost], t[lost])
+        return late, lost_from
+
+    def _second_run(self, found: dict[str, NDArray[Any]], counts: NDArray[np.intp]) -> Floats:
+        """What a second run makes of the surface at each point, the largest until then, (p,)."""
+        off = np.full(len(found["t"]), np.nan)
+        first = np.concatenate([[0], np.cumsum(counts)])
+        uses_momentum = bool(self.surfaces.momentum.any())
+        for some in _alike(counts):
+            most = np.arange(counts[some].max())
+            places = first[some, np.newaxis] + np.minimum(most, counts[some, np.newaxis] - 1)
+            batch = self.batch.select(some)
+            states = Request(
+                batch=batch,
+                times=found["t"][places],
+                method=ANOTHER if self.method != ANOTHER else METHOD,
+                record="attitude" if uses_momentum else "axis",
+                max_steps=self.max_steps,
+                threads=self.threads,
+                tolerance=max(1e-3 * self.tolerance, min(self.tolerance, TOLERANCE)),
+            ).states(None)
+            known = {name: found[name][places] for name in ("omega", "gamma", "attitude", "kind")}
+            values = self._values(batch, some, states, known)
+            # Errors grow along a motion; where two runs agree by chance, those before still count.
+            off[places] = np.maximum.accumulate(np.abs(values), axis=1)
+        return off
+
+    def _values(
+        self,
+        batch: Batch,
+        some: NDArray[np.intp],
+        states: dict[str, Any],
+        known: dict[str, NDArray[Any]],
+    ) -> Floats:
+        """What is zero on the surfaces, at states of bodies at points of these kinds, (n, m)."""
+        surfaces, kind = self.surfaces.select(some), known["kind"]
+        rows = np.arange(len(some))[:, np.newaxis]
+        normal = surfaces.normal[rows, kind]
+        of_omega, of_gamma = normal[..., :3], normal[..., 3:]
+        of_momentum = surfaces.momentum[rows, kind]
+        omega, gamma = states["omega"], states["vertical"]
+        turning = np.array([of_rate for of_rate, _, _ in surfaces.kinds], dtype=bool)[kind]
+        if of_momentum.any():
+            axes = _space_axes(states["attitude"])
+            gamma = axes[..., 2, :]
+            momentum = batch.moments[:, np.newaxis] * omega + surfaces.rotor[:, np.newaxis]
+            along = np.einsum("...j,...jk,...k->...", of_momentum, axes, momentum)
+        else:
+            along = np.zeros(kind.shape)
+        values: Floats = _dot(of_omega, omega) + _dot(of_gamma, gamma) + along
+        values -= surfaces.value[rows, kind]
+        if not turning.any():
+            return values
+        # The vertical changes by gamma x omega. Of the rates and the momentum, whose change depends
+        # on the torque, the distance of two states is taken instead.
+        rate = _dot(of_gamma, np.cross(gamma, omega))
+        unknown = of_omega.any(axis=-1) | of_momentum.any(axis=-1)
+        if (turning & unknown).any():
+            fastest = batch.fastest_rates((np.zeros(len(some)), self.ends[some]))
+            pair = [
+                {"omega": one["omega"], "vertical": vertical, "attitude": None}
+                for one, vertical in ((states, gamma), (known, known["gamma"]))
+            ]
+            apart = distances(pair[0], pair[1], np.zeros(len(some)), fastest)
+            rate = np.where(
+                unknown, apart * surfaces.scales(batch, self.ends[some])[rows, kind], rate
+            )
+        return np.where(turning, rate, values)
+
+
+def _dot(a: Floats, b: Floats) -> Floats:
+    dot: Floats = np.einsum("...i,...i->...", a, b)
+    return dot
+
+
+def _space_axes(attitude: Floats) -> Floats:
+    """The rows of the rotation matrices of quaternions: the space axes in the body."""
+    w, x, y, z = np.moveaxis(attitude, -1, 0)
+    rows: Floats = np.stack(
+        [
+            np.stack(
+                [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)], -1
+            ),
+            np.stack(
+                [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)], -1
+            ),
+            np.stack(
+                [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)], -1
+            ),
+        ],
+        axis=-2,
+    )
+    return rows
+
+
+def _alike(counts: NDArray[np.intp]) -> Iterator[NDArray[np.intp]]:
+    """Bodies with points, in parts whose numbers of points differ by a factor of two at most."""
+    order = np.argsort(counts, kind="stable")
+    order = order[counts[order] > 0]
+    while len(order):
+        together = counts[order] <= 2 * counts[order[0]]
+        yield np.sort(order[together])
+        order = order[~together]

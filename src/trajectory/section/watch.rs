@@ -1,0 +1,252 @@
+//! What is zero on the surfaces of one kind, inside the last step of each lane.
+
+use super::{NEAR, NOISE, Polynomial, Side, Surface, SurfaceKind, TERMS, Zero};
+use crate::forcing::BodyForcing;
+use crate::kernel::{AdaptiveSteps, Group, System};
+use crate::simd::{LANES, Row};
+use crate::start::Body;
+
+/// A polynomial in the time: coefficients of its powers.
+type Powers = [f64; TERMS];
+
+/// The surfaces of one kind, one for each lane, and the polynomial that is zero on each.
+pub struct Watch {
+    kind: SurfaceKind,
+    /// The surface of each lane.
+    normal: [Row; 6],
+    momentum: [Row; 3],
+    value: Row,
+    /// Momentum of a rotor.
+    rotor: [Row; 3],
+    /// Which components of the normals are not all zero.
+    used: [bool; 6],
+    /// Whether a surface depends on the angular momentum in space.
+    uses_momentum: bool,
+    /// Index of the quaternion in the state; without one the state has the space axes 3, 1 and 2 from index 3 on.
+    quaternion: Option<usize>,
+    order: usize,
+    /// The sides of the surface at the end of the last step; `None` at the start.
+    side: [Option<Side>; LANES],
+    /// The scale of what is zero on the surface.
+    scale: Row,
+    /// Coefficients of the powers of the share of the step.
+    powers: [Row; TERMS],
+    /// The sum of the sizes of all but the first.
+    rest: Row,
+    /// The slope at the end.
+    end_slope: Row,
+    /// The unit of time by which the rate is one, or one.
+    unit: Row,
+}
+
+impl Watch {
+    /// The surfaces of some bodies, of one kind.
+    pub fn new<'a>(
+        kind: SurfaceKind,
+        surfaces: impl Iterator<Item = &'a Surface>,
+        system: System,
+        order: usize,
+    ) -> Watch {
+        let (mut used, mut uses_momentum) = ([false; 6], false);
+        for surface in surfaces {
+            (0..6).for_each(|d| used[d] |= surface.normal[d] != 0.0);
+            uses_momentum |= surface.momentum != [0.0; 3];
+        }
+        Watch {
+            kind,
+            normal: [Row::ZERO; 6],
+            momentum: [Row::ZERO; 3],
+            value: Row::ZERO,
+            rotor: [Row::ZERO; 3],
+            used,
+            uses_momentum,
+            quaternion: system.quaternion_at(),
+            order,
+            side: [None; LANES],
+            scale: Row::ZERO,
+            powers: [Row::ZERO; TERMS],
+            rest: Row::ZERO,
+            end_slope: Row::ZERO,
+            unit: Row([1.0; LANES]),
+        }
+    }
+
+    /// Puts the surface of a body into a lane; `rate` bounds its rates.
+    pub fn enter(&mut self, lane: usize, surface: &Surface, body: &Body, forcing: BodyForcing, rate: f64) {
+        let Surface { normal, momentum, value } = *surface;
+        let rotor = forcing.satellite().rotor;
+        for d in 0..6 {
+            self.normal[d].0[lane] = normal[d];
+        }
+        for k in 0..3 {
+            self.momentum[k].0[lane] = momentum[k];
+            self.rotor[k].0[lane] = rotor[k];
+        }
+        self.value.0[lane] = value;
+        self.side[lane] = None;
+        let length = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let largest = body.moments.iter().fold(0.0_f64, |a, &b| a.max(b));
+        let of_momentum = length(&momentum) * (largest * rate + length(&rotor));
+        let scale = length(&normal[..3]) * rate + length(&normal[3..]) + of_momentum;
+        self.scale.0[lane] = if self.kind.of_rate { scale * rate } else { scale + value.abs() };
+    }
+
+    /// The torque may jump: so may the slope.
+    pub fn bend(&mut self, lane: usize) {
+        if let Some(side) = &mut self.side[lane] {
+            side.rising = None;
+        }
+    }
+
+    /// The polynomials of the last step. Without fused products, which this code has no instructions for.
+    pub fn expand(&mut self, group: &Group, adaptive: &AdaptiveSteps) {
+        let of_rate = self.kind.of_rate;
+        let mut share = Row::ZERO;
+        for lane in 0..LANES {
+            share.0[lane] = group.step.0[lane] / adaptive.unit.0[lane];
+            self.rest.0[lane] = 0.0;
+            self.end_slope.0[lane] = 0.0;
+            self.unit.0[lane] = if of_rate { adaptive.unit.0[lane] } else { 1.0 };
+        }
+        let of_momentum = self.uses_momentum.then(|| self.along_momentum(group, adaptive));
+        let mut scale = Row([1.0; LANES]);
+        for k in 0..self.terms() {
+            let of_state = k + usize::from(of_rate);
+            let mut sum = of_momentum.as_ref().map_or([0.0; LANES], |powers| powers[of_state].0);
+            for d in (0..6).filter(|&d| self.used[d]) {
+                let (normal, power) = (&self.normal[d].0, &adaptive.powers[of_state][d].0);
+                for lane in 0..LANES {
+                    sum[lane] += normal[lane] * power[lane];
+                }
+            }
+            if of_rate {
+                sum.iter_mut().for_each(|x| *x *= of_state as f64);
+            } else if k == 0 {
+                for lane in 0..LANES {
+                    sum[lane] -= self.value.0[lane];
+                }
+            }
+            for lane in 0..LANES {
+                let term = sum[lane] * scale.0[lane];
+                self.powers[k].0[lane] = term;
+                if k > 0 {
+                    self.rest.0[lane] += term.abs();
+                    self.end_slope.0[lane] += k as f64 * term;
+                }
+                scale.0[lane] *= share.0[lane];
+            }
+        }
+    }
+
+    /// The powers of `momentum . L` in the units of time of the step.
+    ///
+    /// The product of two series, cut at their order, is the series of the product.
+    fn along_momentum(&self, group: &Group, adaptive: &AdaptiveSteps) -> [Row; TERMS] {
+        let mut sum = [Row::ZERO; TERMS];
+        for lane in 0..LANES {
+            let along = [0, 1, 2].map(|k| self.momentum[k].0[lane]);
+            if along == [0.0; 3] {
+                continue;
+            }
+            let of = |d: usize| {
+                let mut powers = [0.0; TERMS];
+                for k in 0..=self.order {
+                    powers[k] = adaptive.powers[k][d].0[lane];
+                }
+                powers
+            };
+            let direction = match self.quaternion {
+                Some(at) => self.turned_back([0, 1, 2, 3].map(|k| of(at + k)), along),
+                None => [0, 1, 2].map(|k| {
+                    let axes = [of(6 + k), of(9 + k), of(3 + k)];
+                    let mut powers = [0.0; TERMS];
+                    for (axis, along) in axes.iter().zip(along) {
+                        (0..=self.order).for_each(|i| powers[i] += along * axis[i]);
+                    }
+                    powers
+                }),
+            };
+            for k in 0..3 {
+                let mut momentum = of(k).map(|x| x * group.moments[k].0[lane]);
+                momentum[0] += self.rotor[k].0[lane];
+                let product = self.product(&direction[k], &momentum);
+                (0..=self.order).for_each(|i| sum[i].0[lane] += product[i]);
+            }
+        }
+        sum
+    }
+
+    /// A vector of space in the body, whose attitude is a quaternion: `(w² - u²) v + 2 (u.v) u - 2 w u x v`.
+    fn turned_back(&self, q: [Powers; 4], v: [f64; 3]) -> [Powers; 3] {
+        let squares = q.map(|x| self.product(&x, &x));
+        let mut lengths = squares[0];
+        let mut along = [0.0; TERMS];
+        for i in 0..=self.order {
+            lengths[i] -= squares[1][i] + squares[2][i] + squares[3][i];
+            along[i] = 2.0 * (v[0] * q[1][i] + v[1] * q[2][i] + v[2] * q[3][i]);
+        }
+        [0, 1, 2].map(|k| {
+            let (next, last) = ((k + 1) % 3, (k + 2) % 3);
+            let mut cross = [0.0; TERMS];
+            for i in 0..=self.order {
+                cross[i] = 2.0 * (q[1 + next][i] * v[last] - q[1 + last][i] * v[next]);
+            }
+            let (first, second) = (self.product(&along, &q[1 + k]), self.product(&q[0], &cross));
+            let mut powers = [0.0; TERMS];
+            for i in 0..=self.order {
+                powers[i] = v[k] * lengths[i] + first[i] - second[i];
+            }
+            powers
+        })
+    }
+
+    /// The product of two series, up to their order.
+    fn product(&self, a: &Powers, b: &Powers) -> Powers {
+        let mut product = [0.0; TERMS];
+        for i in 0..=self.order {
+            for k in 0..=i {
+                product[i] += a[k] * b[i - k];
+            }
+        }
+        product
+    }
+
+    /// Number of coefficients.
+    fn terms(&self) -> usize {
+        self.order + usize::from(!self.kind.of_rate)
+    }
+
+    /// Finds the wanted zeros of the last step of a lane with their slopes, by the step; returns whether the motion is on
+    /// the surface all along. `error` is that of the state, relative to its scale.
+    pub fn zeros(&mut self, lane: usize, error: f64, found: &mut impl FnMut(Zero, f64)) -> bool {
+        let unit = self.unit.0[lane];
+        let scale = self.scale.0[lane] * unit;
+        let near = NEAR.max(error) * scale;
+        let (begin, rest) = (self.powers[0].0[lane], self.rest.0[lane]);
+        let at_once = self.side[lane].is_some_and(|side| side.positive == (begin >= 0.0));
+        let rising = Some(self.end_slope.0[lane] >= 0.0);
+        if at_once && begin.abs() > rest + near {
+            self.side[lane] = Some(Side { positive: begin >= 0.0, rising });
+            return false;
+        }
+        if begin.abs() + rest <= near {
+            // On the surface all along: nothing is crossed.
+            return true;
+        }
+        let mut powers = [0.0; TERMS];
+        for k in 0..self.terms() {
+            powers[k] = self.powers[k].0[lane];
+        }
+        let powers = &powers[..self.terms()];
+        let side = self.side[lane].unwrap_or_else(|| Side::after_begin(powers, NOISE * scale));
+        let polynomial = Polynomial { powers, noise: NOISE * scale, near };
+        let wanted = self.kind.direction;
+        let positive = polynomial.zeros(side, &mut |zero| {
+            if wanted == 0 || zero.direction == 0 || zero.direction == wanted {
+                found(zero, polynomial.value(zero.at).1 / unit);
+            }
+        });
+        self.side[lane] = Some(Side { positive, rising });
+        false
+    }
+}
