@@ -53,6 +53,10 @@ fn bodies(kernel: Kernel) -> Group {
             direction: third,
             limit,
             displacement: &Displacement::NONE,
+            bound: None,
+            rates: body.omega,
+            momentum: [0, 1, 2].map(|i| moments[i] * body.omega[i]),
+            frame: [third, [1.0, 0.0, 0.0]],
         });
         for (row, number) in group.observed.iter_mut().zip(rows) {
             row.0[lane] = number;

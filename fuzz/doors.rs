@@ -7,7 +7,7 @@ use rigid::body::{Inertia, principal_axes};
 use rigid::error::Error;
 use rigid::exact::derived::{free_quantities, saddle, sign_changes, tilt_time, top_quantities};
 use rigid::forcing::Forcing;
-use rigid::map::{Check, Criterion, Map, MethodChoice, Pixel, Rule, clopper_pearson};
+use rigid::map::{Check, Condition, Criterion, Logic, Map, MethodChoice, Pixel, Rule, clopper_pearson};
 use rigid::parallel::Interrupt;
 use rigid::sample::Law;
 use rigid::scene::{FREE, Scene, TOP};
@@ -195,14 +195,18 @@ fn map(numbers: &mut Bytes) {
         }),
         omega_law: numbers.of(laws),
         attitude_law: if numbers.below(4) == 0 { Law::UniformAttitude } else { numbers.of(laws) },
-        criterion: numbers.of([
-            Criterion::NoFlip,
-            Criterion::TiltFromStart(angle),
-            Criterion::TiltFromVertical(angle),
-            Criterion::RegularRates(rule),
-            Criterion::RegularAttitude(rule),
-        ]),
-        axis: numbers.of([-3, -2, -1, 1, 2, 3, 0]),
+        conditions: vec![Condition {
+            axis: numbers.of([-3, -2, -1, 1, 2, 3, 0]),
+            criterion: numbers.of([
+                Criterion::NoFlip,
+                Criterion::TiltFromStart(angle),
+                Criterion::TiltFromVertical(angle),
+                Criterion::RegularRates(rule),
+                Criterion::RegularAttitude(rule),
+            ]),
+        }],
+        logic: Logic::single(),
+        measures: Vec::new(),
         t_end: numbers.number(),
         step: (numbers.below(2) == 0).then(|| numbers.number()),
         max_steps: MAX_STEPS,

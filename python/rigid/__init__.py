@@ -28,8 +28,10 @@ from .maps.result import StabilityMap, load_map
 from .maps.samples import Outcomes, Starts
 from .maps.spec import MapSpec
 from .model.body import Body
+from .model.bounds import near_start, rate_within, returns, spin_above, tilt_between
 from .model.criteria import no_flip, regular, tilt_below
 from .model.events import Event, crosses, turns
+from .model.measures import drift, flips, largest_tilt, mean_rate, time_to_leave
 from .model.satellite import EnergySink
 from .model.scene import FreeBody, HeavyTop
 from .model.start import Noise, Start, direction, normal, uniform, uniform_attitude
@@ -120,40 +122,50 @@ __all__ = [
     "crosses",
     "diff",
     "direction",
+    "drift",
     "earth",
     "exact",
     "extremes",
     "figures",
     "fit",
     "fixed_axis",
+    "flips",
     "frames",
     "free",
     "frequencies",
     "frequency_drift",
     "inertia",
+    "largest_tilt",
     "load_map",
     "load_run",
     "lyapunov",
+    "mean_rate",
     "merge",
     "meshes",
     "methods",
+    "near_start",
     "no_flip",
     "normal",
     "open_store",
     "particles",
     "plan",
     "poincare",
+    "rate_within",
     "regular",
     "report",
+    "returns",
     "rotations",
     "section",
     "simulate",
     "simulate_chunks",
     "solids",
+    "spin_above",
     "springs",
     "stability_map",
     "statics",
     "tilt_below",
+    "tilt_between",
+    "time_to_leave",
     "top",
     "turns",
     "uniform",

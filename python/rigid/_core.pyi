@@ -271,9 +271,9 @@ class MapJob:
         attitude: NDArray[np.float64],
         attitude_noise: str,
         attitude_size: NDArray[np.float64],
-        criterion: str,
-        axis: int,
-        limits: Sequence[float],
+        conditions: Sequence[tuple[str, int, Sequence[float]]],
+        logic: str,
+        measures: Sequence[tuple[str, int]],
         t_end: float,
         step: float | None,
         max_steps: int,
@@ -299,6 +299,7 @@ class MapJob:
 
 @final
 class MapStatistics:
-    def __new__(cls, pixels: int) -> MapStatistics: ...
+    def __new__(cls, pixels: int, measures: int = 0) -> MapStatistics: ...
     def merge(self, part: dict[str, Any]) -> None: ...
     def arrays(self) -> dict[str, NDArray[Any]]: ...
+    def bins(self) -> list[NDArray[np.int64]]: ...

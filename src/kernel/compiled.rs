@@ -4,6 +4,7 @@ use super::Kernel;
 use super::adaptive::AdaptiveSteps;
 use super::group::{ForcingRows, Group, MAX_STATE};
 use super::registry::{Code, code};
+use crate::observe::Observed;
 use crate::scene::Parameters;
 use crate::simd::Isa;
 
@@ -16,11 +17,12 @@ pub struct Compiled {
 
 impl Compiled {
     /// The kernel for an instruction set. Panics if the CPU lacks the set, if the step does not integrate the system,
-    /// or if the observable does not fit the system.
+    /// or if the observable does not fit the system or the step.
     pub fn new(kernel: Kernel, isa: Isa) -> Compiled {
         assert!(isa.is_available(), "{} is not available on this CPU", isa.name());
         let Kernel { system, step, observed } = kernel;
         assert!(system.can_observe(observed), "{observed:?} cannot be observed on {system:?}");
+        assert!(observed != Observed::Bounds || step.sees_limits(), "{step:?} observes no limit");
         assert!(system.is_moved_by(step), "{step:?} does not integrate {system:?}");
         let code = code(system, step.engine, isa).expect("checked in the line before");
         Compiled { code, kernel }

@@ -5,7 +5,7 @@ use super::{Compiled, System};
 use crate::body::Inertia;
 use crate::forcing::{BodyForcing, ForcingInterval};
 use crate::kinematics::{cross, dot, quaternion_product, to_body_frame};
-use crate::observe::{self, Displacement};
+use crate::observe::{self, Bound, Displacement};
 use crate::scene::{Parameters, Scene};
 use crate::scheme::{Scheme, Step, Variables};
 use crate::simd::Row;
@@ -223,6 +223,8 @@ pub struct Entry<'a> {
     pub step: f64,
     /// The displacement at the start, for systems that integrate one.
     pub displacement: Displacement,
+    /// The bound that is observed, if one is.
+    pub bound: Option<Bound>,
 }
 
 impl<'a> Entry<'a> {
@@ -230,13 +232,14 @@ impl<'a> Entry<'a> {
     pub fn unobserved(body: &'a Body, forced_rate: Option<f64>, step: f64) -> Self {
         static NO_FORCING: OnceLock<ForcingInterval<f64>> = OnceLock::new();
         let forcing = forced_rate.map(|rate| (NO_FORCING.get_or_init(ForcingInterval::none), rate));
-        Entry { body, forcing, axis: 0, limit: f64::INFINITY, step, displacement: Displacement::NONE }
+        let displacement = Displacement::NONE;
+        Entry { body, forcing, axis: 0, limit: f64::INFINITY, step, displacement, bound: None }
     }
 }
 
 /// Loads a body into a lane.
 pub fn load(group: &mut Group, lane: usize, compiled: Compiled, assignment: KernelAssignment, entry: &Entry) {
-    let &Entry { body, forcing, axis, limit, step, displacement } = entry;
+    let &Entry { body, forcing, axis, limit, step, displacement, ref bound } = entry;
     let kernel = compiled.kernel();
     let mut unit = [0.0; 3];
     if axis != 0 {
@@ -284,7 +287,26 @@ pub fn load(group: &mut Group, lane: usize, compiled: Compiled, assignment: Kern
     group.unit.0[lane] = 0.0;
     let at = kernel.system.observed_at();
     let direction = [y[at], y[at + 1], y[at + 2]];
-    let start = observe::Start { body, forcing, axis, unit, direction, limit, displacement: &displacement };
+    let (mut rates, mut momentum) = ([y[0], y[1], y[2]], [y[0], y[1], y[2]]);
+    for k in 0..3 {
+        match assignment.step.engine.variables() {
+            Variables::Rates => momentum[k] *= parameters.moments[k],
+            Variables::Momenta => rates[k] /= parameters.moments[k],
+        }
+    }
+    let start = observe::Start {
+        body,
+        forcing,
+        axis,
+        unit,
+        direction,
+        limit,
+        displacement: &displacement,
+        bound: bound.as_ref(),
+        rates,
+        momentum,
+        frame: [[y[3], y[4], y[5]], [y[6], y[7], y[8]]],
+    };
     group.set_observed(lane, &kernel.observed.start(&start));
 }
 

@@ -1,6 +1,6 @@
 //! Which samples are classified again by the second method.
 
-use super::{Class, Criterion, Map, Outcome};
+use super::{Class, Criterion, Map, Outcome, Watched};
 use crate::error::Error;
 use crate::memory;
 use crate::start::Body;
@@ -44,6 +44,21 @@ pub(super) struct Runs<'a> {
 }
 
 impl Map {
+    /// The begin of the group that holds a sample, or the end of the map.
+    pub(super) fn group_begin(&self, sample: u64) -> u64 {
+        if sample < self.len() { self.group(sample).start } else { self.len() }
+    }
+
+    /// The group that holds a sample.
+    fn group(&self, sample: u64) -> Range<u64> {
+        let (pixel, within) = (sample / self.samples, sample % self.samples);
+        let begin = within / GROUP * GROUP;
+        let end = self.samples.min(begin + GROUP);
+        pixel * self.samples + begin..pixel * self.samples + end
+    }
+}
+
+impl Watched<'_> {
     /// The check with the criterion considered: only a tilt tells how far from its limit it stayed.
     pub(super) fn resolved_check(&self) -> Check {
         match (self.check, self.criterion) {
@@ -62,19 +77,6 @@ impl Map {
         }
         let [first, last] = [range.start, range.end - 1].map(|sample| self.group(sample));
         first.start..last.end
-    }
-
-    /// The begin of the group that holds a sample, or the end of the map.
-    pub(super) fn group_begin(&self, sample: u64) -> u64 {
-        if sample < self.len() { self.group(sample).start } else { self.len() }
-    }
-
-    /// The group that holds a sample.
-    fn group(&self, sample: u64) -> Range<u64> {
-        let (pixel, within) = (sample / self.samples, sample % self.samples);
-        let begin = within / GROUP * GROUP;
-        let end = self.samples.min(begin + GROUP);
-        pixel * self.samples + begin..pixel * self.samples + end
     }
 
     /// The samples that are classified again in any case, ascending.

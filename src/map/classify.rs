@@ -1,6 +1,6 @@
 //! Classification in closed form: when a sample leaves stability, without its trajectory.
 
-use super::{Class, Criterion, Map, Outcome};
+use super::{Class, Criterion, Outcome, Watched};
 use crate::exact::derived::is_on_separatrix;
 use crate::exact::{CanonicalForm, ClosedForm, Evaluator, EvaluatorKind, ExitRows, Question, StartRows};
 use crate::observe::Observed;
@@ -29,15 +29,18 @@ struct ExitQuery {
 impl ExitQuery {
     /// The exit query of a map for a body, if the exit time has a closed form.
     #[inline(always)]
-    fn of(map: &Map, body: &Body) -> Option<ExitQuery> {
+    fn of(map: Watched<'_>, body: &Body) -> Option<ExitQuery> {
         let form = CanonicalForm::of(body)?;
-        let watched = map.axis.unsigned_abs() as usize - 1;
+        let watched = (map.axis.unsigned_abs() as usize).max(1) - 1;
         let axis = form.axis(watched);
         // The plan of a map depends on the moments and the weight only, so it cannot treat a top at rest separately.
         let symmetric =
             body.is_symmetric_about(watched) && (body.weight == [0.0; 3] || body.is_weighed_along(watched));
         let query = ExitQuery { form, axis, limit: 0.0, direction: 1.0, known: None };
         match (map.criterion, form.closed_form) {
+            (criterion, _) if !map.scene.has_weight && criterion.is_kept_without_torque() => {
+                Some(ExitQuery { known: Some(f64::INFINITY), ..query })
+            }
             (Criterion::NoFlip, ClosedForm::PermanentRotation) if !map.scene.has_weight || symmetric => {
                 Some(ExitQuery { known: Some(f64::INFINITY), ..query })
             }
@@ -64,7 +67,7 @@ impl ExitQuery {
 }
 
 /// Whether the body is classified in closed form.
-pub(super) fn answers(map: &Map, body: &Body) -> bool {
+pub(super) fn answers(map: Watched<'_>, body: &Body) -> bool {
     if map.criterion.rule().is_some() { is_integrable(body) } else { ExitQuery::of(map, body).is_some() }
 }
 
@@ -84,13 +87,13 @@ struct Waiting {
 
 /// Classifies samples in closed form, a full register at a time.
 pub(super) struct ClosedFormClassifier<'a> {
-    map: &'a Map,
+    map: Watched<'a>,
     isa: Isa,
     waiting: [Option<Waiting>; 3],
 }
 
 impl<'a> ClosedFormClassifier<'a> {
-    pub(super) fn new(map: &'a Map, isa: Isa) -> Self {
+    pub(super) fn new(map: Watched<'a>, isa: Isa) -> Self {
         ClosedFormClassifier { map, isa, waiting: [None, None, None] }
     }
 
@@ -148,7 +151,7 @@ impl<'a> ClosedFormClassifier<'a> {
     }
 }
 
-fn classify(map: &Map, waiting: &mut Waiting, outcomes: &mut [Option<Outcome>]) {
+fn classify(map: Watched<'_>, waiting: &mut Waiting, outcomes: &mut [Option<Outcome>]) {
     let mut times = Row([0.0; LANES]);
     waiting.evaluator.exits(&waiting.starts, &waiting.exits, &mut times);
     for (lane, &index) in waiting.indices[..waiting.filled].iter().enumerate() {
@@ -157,7 +160,7 @@ fn classify(map: &Map, waiting: &mut Waiting, outcomes: &mut [Option<Outcome>]) 
     waiting.filled = 0;
 }
 
-fn outcome(map: &Map, left: f64) -> Outcome {
+fn outcome(map: Watched<'_>, left: f64) -> Outcome {
     let doubtful = left.is_finite() && (left - map.t_end).abs() <= DOUBT * (left + map.t_end);
     let (class, status) = if left.is_nan() {
         (Class::Failed, Status::NotFinite)

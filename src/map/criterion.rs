@@ -3,7 +3,7 @@
 
 use super::Rule;
 use crate::error::Error;
-use crate::observe::Observed;
+use crate::observe::{Bound, Observed, Quantity};
 use crate::scene::Scene;
 
 /// When a sample counts as stable.
@@ -19,6 +19,10 @@ pub enum Criterion {
     RegularRates(Rule),
     /// The motion is regular, by the growth of rates and attitude.
     RegularAttitude(Rule),
+    /// A scalar of the state stays on one side of a limit.
+    Bounded(Bound),
+    /// None: the mean rate about the watched axis is measured.
+    MeanRate,
 }
 
 /// The numbers of a rule, and how many of them a criterion has.
@@ -26,13 +30,50 @@ const RULE: usize = 4;
 
 impl Criterion {
     /// The names that Python knows, and how many numbers each needs: an angle (rad), or those of a rule in their order.
-    const NAMES: [(&'static str, usize); 5] = [
+    const NAMES: [(&'static str, usize); 13] = [
         ("no_flip", 0),
         ("tilt_from_start", 1),
         ("tilt_from_vertical", 1),
         ("regular_rates", RULE),
         ("regular_attitude", RULE),
+        ("rate_above", 1),
+        ("speed_above", 1),
+        ("omega_within_body", 1),
+        ("omega_within_space", 1),
+        ("momentum_within_body", 1),
+        ("momentum_within_space", 1),
+        ("near_start", 1),
+        ("away_from_start", 2),
     ];
+
+    /// A criterion that a scalar stays on one side of a limit, from the start on.
+    fn bounded(quantity: Quantity, limit: f64, below: bool) -> Criterion {
+        Criterion::Bounded(Bound { quantity, limit, below, after: 0.0 })
+    }
+
+    /// A criterion that a vector stays within an angle of its direction at the start.
+    fn within(of_momentum: bool, in_space: bool, angle: f64) -> Criterion {
+        Criterion::bounded(Quantity::Turn { of_momentum, in_space }, angle, true)
+    }
+
+    /// The bound that is observed, if one is.
+    pub(super) fn bound(self) -> Option<Bound> {
+        match self {
+            Criterion::Bounded(bound) => Some(bound),
+            _ => None,
+        }
+    }
+
+    /// Whether no free body leaves it: the angular momentum is constant in space.
+    pub(super) fn is_kept_without_torque(self) -> bool {
+        let constant = Quantity::Turn { of_momentum: true, in_space: true };
+        self.bound().is_some_and(|bound| bound.quantity == constant)
+    }
+
+    /// Whether the criterion watches a body axis.
+    pub(super) fn has_axis(self) -> bool {
+        self.rule().is_none() && self.bound().is_none_or(|bound| bound.quantity == Quantity::Rate)
+    }
 
     /// The largest angle that the watched axis may tilt; infinite if its tilt is not asked for.
     pub(super) fn limit(self) -> f64 {
@@ -56,15 +97,22 @@ impl Criterion {
             Criterion::NoFlip => Observed::Flips,
             Criterion::TiltFromStart(_) | Criterion::TiltFromVertical(_) => Observed::Tilt,
             Criterion::RegularRates(_) | Criterion::RegularAttitude(_) => Observed::Growth,
+            Criterion::Bounded(_) => Observed::Bounds,
+            Criterion::MeanRate => Observed::MeanRate,
         }
     }
 
     /// How many directions a body of the scene must carry. Where there is weight, the first is the vertical.
     pub(super) fn directions(self, scene: &Scene) -> usize {
         match self {
-            Criterion::NoFlip | Criterion::RegularRates(_) | Criterion::RegularAttitude(_) => 0,
+            Criterion::NoFlip | Criterion::MeanRate => 0,
+            Criterion::RegularRates(_) | Criterion::RegularAttitude(_) => 0,
             Criterion::TiltFromStart(_) => 1 + usize::from(scene.has_weight),
             Criterion::TiltFromVertical(_) => 1,
+            Criterion::Bounded(bound) => match bound.quantity {
+                Quantity::Turn { in_space: true, .. } | Quantity::Attitude => 2,
+                _ => 0,
+            },
         }
     }
 
@@ -82,6 +130,16 @@ impl Criterion {
             }
             ("regular_attitude", &[sure, low, high, ratio]) => {
                 Criterion::RegularAttitude(Rule { sure, low, high, ratio })
+            }
+            ("rate_above", &[rate]) => Criterion::bounded(Quantity::Rate, rate, false),
+            ("speed_above", &[rate]) => Criterion::bounded(Quantity::Speed, rate, false),
+            ("omega_within_body", &[angle]) => Criterion::within(false, false, angle),
+            ("omega_within_space", &[angle]) => Criterion::within(false, true, angle),
+            ("momentum_within_body", &[angle]) => Criterion::within(true, false, angle),
+            ("momentum_within_space", &[angle]) => Criterion::within(true, true, angle),
+            ("near_start", &[angle]) => Criterion::bounded(Quantity::Attitude, angle, true),
+            ("away_from_start", &[limit, after]) => {
+                Criterion::Bounded(Bound { quantity: Quantity::Attitude, limit, below: false, after })
             }
             _ => return Err(Criterion::unknown(name, limits.len())),
         };
@@ -107,7 +165,7 @@ mod tests {
         assert_eq!(Criterion::parse("tilt_from_start", &[0.5]), Ok(Criterion::TiltFromStart(0.5)));
         for (name, numbers) in Criterion::NAMES {
             assert!(Criterion::parse(name, &[0.5; RULE][..numbers]).is_ok(), "{name}");
-            let message = Criterion::parse(name, &[0.5; 2]).unwrap_err().to_string();
+            let message = Criterion::parse(name, &[0.5; 3]).unwrap_err().to_string();
             assert!(message.starts_with("limits: expected shape"), "{message}");
         }
         let message = Criterion::parse("flip", &[0.5]).unwrap_err().to_string();

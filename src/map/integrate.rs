@@ -2,7 +2,7 @@
 
 use super::Criterion;
 use super::regular::{self, Course};
-use super::{Class, Map, Outcome, STEP_BLOCK};
+use super::{Class, Outcome, STEP_BLOCK, Watched};
 use crate::error::Error;
 use crate::kernel::{Compiled, Kernel};
 use crate::kernel::{Entry, load};
@@ -36,7 +36,7 @@ pub(super) struct Run<'a> {
     pub(super) interrupt: &'a Interrupt<'a>,
 }
 
-impl Map {
+impl Watched<'_> {
     /// Integrates samples of a block, given by their indices, and writes their outcomes. The bodies are those of the
     /// samples from `first` on.
     pub(super) fn integrate(
@@ -109,7 +109,8 @@ impl Map {
                         forcing_rows.set(lane, interval);
                         (interval, body.fastest_rate(forcing, [0.0, self.t_end]))
                     });
-                    let entry = Entry { body, forcing, axis: self.axis, limit, step, displacement };
+                    let (axis, bound) = (self.axis, self.criterion.bound());
+                    let entry = Entry { body, forcing, axis, limit, step, displacement, bound };
                     load(&mut group, lane, compiled, assignment, &entry);
                     if let Some(course) = &course {
                         course.settle(&mut group, kernel.system, lane);
@@ -134,14 +135,14 @@ impl Map {
                         courses.filter_map(|(lane, task)| Some((lane, task.as_ref()?.course.as_ref()?)));
                     regular::keep_in_range(&mut group, kernel.system, blocks, courses);
                 }
-                if any_done(&group, &target) {
+                if any_done(&group, &target, self.is_stopped) {
                     break;
                 }
             }
             for lane in 0..LANES {
                 let Some(task) = &mut lanes[lane] else { continue };
-                if done(&group, lane, target[lane]) {
-                    let mut outcome = Map::outcome(&group, lane, kernel.observed, task.step);
+                if done(&group, lane, target[lane], self.is_stopped) {
+                    let mut outcome = Watched::outcome(&group, lane, kernel.observed, task.step);
                     if let Some(course) = &mut task.course {
                         if outcome.class != Class::Failed && !course.look(&mut group, kernel.system, lane) {
                             target[lane] = course.next();
@@ -175,6 +176,8 @@ impl Map {
             (Class::Failed, Status::Drifted)
         } else if left < f64::INFINITY {
             (Class::Unstable, Status::Stopped)
+        } else if observed == Observed::Bounds && value.is_nan() {
+            (Class::Undecided, Status::Finished)
         } else {
             (Class::Stable, Status::Finished)
         };
@@ -184,6 +187,7 @@ impl Map {
             flips: if observed == Observed::Flips { value as u64 } else { 0 },
             left,
             tilt: if observed == Observed::Tilt { value } else { f64::NAN },
+            mean_rate: if observed == Observed::MeanRate { value } else { f64::NAN },
             exponent: f64::NAN,
             mean_megno: f64::NAN,
             energy_drift,
@@ -196,18 +200,18 @@ impl Map {
     }
 }
 
-/// Whether a lane is at its horizon, has left stability, or has drifted.
+/// Whether a lane is at its horizon, has left stability and is stopped then, or has drifted.
 #[inline(always)]
-fn done(group: &Group, lane: usize, target: f64) -> bool {
+fn done(group: &Group, lane: usize, target: f64, is_stopped: bool) -> bool {
     // Written without short cuts, so that the test of a whole group is a few vector instructions.
     (group.count.0[lane] >= target)
-        | (group.observed[EXIT_TIME].0[lane] < f64::INFINITY)
+        | (is_stopped & (group.observed[EXIT_TIME].0[lane] < f64::INFINITY))
         // A NaN is not below the limit either.
         | !(group.energy.worst.0[lane] <= DRIFT_LIMIT)
         | !(group.momentum.worst.0[lane] <= DRIFT_LIMIT)
         | !(group.unit.0[lane] <= DRIFT_LIMIT)
 }
 
-fn any_done(group: &Group, target: &[f64; LANES]) -> bool {
-    (0..LANES).fold(false, |any, lane| any | done(group, lane, target[lane]))
+fn any_done(group: &Group, target: &[f64; LANES], is_stopped: bool) -> bool {
+    (0..LANES).fold(false, |any, lane| any | done(group, lane, target[lane], is_stopped))
 }

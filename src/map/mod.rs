@@ -6,15 +6,21 @@ mod criterion;
 mod draw;
 mod integrate;
 mod interval;
+mod joined;
+mod measure;
 mod regular;
 mod request;
+mod sketch;
 mod statistics;
 
 pub use check::Check;
 pub use criterion::Criterion;
 pub use interval::{clopper_pearson, clopper_pearson_of_each};
+pub use joined::{Condition, Logic, MOST_CONDITIONS};
+pub use measure::{Measure, Quantity};
 pub use regular::{DISPLACEMENTS, PARTS, Rule};
 pub use request::{Map, MethodChoice, Pixel};
+pub use sketch::{Bin, Sketch};
 pub use statistics::{Class, Column, FIXED_POINT, Field, Outcome, Statistics};
 
 use crate::error::Error;
@@ -29,8 +35,9 @@ use crate::start::Body;
 use check::Runs;
 use classify::ClosedFormClassifier;
 use integrate::{RUNS, Run};
+use joined::Joined;
 use statistics::Sample;
-use std::ops::Range;
+use std::ops::{Deref, Range};
 use std::sync::Mutex;
 
 /// A sample takes whole blocks of this many steps and may stop after each. What is observed at the ends of blocks then
@@ -42,6 +49,9 @@ const EXACT_AS_STEPS: u64 = 20;
 
 /// Samples of a block: a millisecond of work or more.
 const BLOCK: u64 = 1024;
+
+/// A pixel with its statistics.
+type PixelStatistics = (u64, Statistics);
 
 impl Map {
     /// Samples of the whole map; `checked` has seen that the product fits.
@@ -68,6 +78,236 @@ impl Map {
         })
     }
 
+    /// The map as each of its conditions sees it.
+    fn each_watched(&self) -> impl Iterator<Item = Watched<'_>> {
+        self.conditions.iter().map(|&Condition { criterion, axis }| Watched {
+            map: self,
+            criterion,
+            axis,
+            is_stopped: true,
+        })
+    }
+
+    /// Statistics of the samples `start .. stop` in pixel-major order, for the pixels that they touch, and the sketches of
+    /// the measures, pixel by pixel.
+    ///
+    /// # Errors
+    /// If the statistics do not fit into memory, or `interrupt` is set.
+    pub fn run(
+        &self,
+        start: u64,
+        stop: u64,
+        threads: usize,
+        isa: Isa,
+        interrupt: &Interrupt,
+    ) -> Result<(u64, Vec<Statistics>, Vec<Sketch>), Error> {
+        let first = start / self.samples;
+        // As many as there are pixels at most, which are in memory.
+        let pixels = (stop.div_ceil(self.samples) - first) as usize;
+        let measures = self.measures.len();
+        let statistics = memory::filled("statistics of the pixels", pixels, Statistics::NONE)?;
+        let sketches = memory::filled("measures of the pixels", pixels * measures, Sketch::NONE)?;
+        let all = Mutex::new((statistics, sketches));
+        let block = BLOCK.min((stop - start).div_ceil(threads as u64)).max(1);
+        let count = (stop - start).div_ceil(block);
+        over_blocks(0..count, threads, interrupt, |b| {
+            // No block begins within a group of samples, whose outcomes hang together.
+            let [begin, end] = [b, b + 1].map(|b| self.group_begin(stop.min(start + b * block)));
+            let end = if b + 1 == count { stop } else { end };
+            let (pixels, sketches) = self.block(begin.max(start), end.max(start), isa, interrupt)?;
+            let mut all = all.lock().expect("merging does not panic");
+            for (index, (pixel, statistics)) in pixels.into_iter().enumerate() {
+                let at = (pixel - first) as usize;
+                all.0[at].merge(&statistics);
+                for (k, sketch) in sketches[index * measures..(index + 1) * measures].iter().enumerate() {
+                    all.1[at * measures + k].merge(sketch)?;
+                }
+            }
+            Ok(())
+        })?;
+        let (statistics, sketches) = all.into_inner().expect("merging does not panic");
+        Ok((first, statistics, sketches))
+    }
+
+    /// The statistics of one block, by pixel, and the sketches of its measures.
+    fn block(
+        &self,
+        start: u64,
+        stop: u64,
+        isa: Isa,
+        interrupt: &Interrupt,
+    ) -> Result<(Vec<PixelStatistics>, Vec<Sketch>), Error> {
+        let begin = thread_nanoseconds();
+        let classified = self.classified(start..stop, isa, interrupt)?;
+        let measured = self.measured(start..stop, isa, interrupt)?;
+        let (mut pixels, mut sketches): (Vec<PixelStatistics>, Vec<Sketch>) = Default::default();
+        for (at, (pixel, _)) in self.pixels_and_samples(start..stop).enumerate() {
+            if pixels.last().is_none_or(|&(last, _)| last != pixel) {
+                memory::push("statistics of a block", &mut pixels, (pixel, Statistics::NONE))?;
+                for _ in &self.measures {
+                    memory::push("measures of a block", &mut sketches, Sketch::NONE)?;
+                }
+            }
+            let statistics = &mut pixels.last_mut().expect("pushed above").1;
+            let first = sketches.len() - self.measures.len();
+            let mut added = Ok(());
+            self.with_sample(&classified, start + at as u64, |sample, _| {
+                statistics.add(sample);
+                added = self.values(sample, &measured, at).zip(&mut sketches[first..]).try_for_each(
+                    |((value, steps), sketch)| {
+                        statistics.steps += steps;
+                        sketch.add(value)
+                    },
+                );
+            });
+            added?;
+        }
+        let elapsed = (thread_nanoseconds() - begin) as f64;
+        // A closed form costs about what some tens of steps do.
+        let work = |s: &Statistics| (s.steps + EXACT_AS_STEPS * s.exact) as f64;
+        let total: f64 = pixels.iter().map(|(_, s)| work(s)).sum();
+        for (_, statistics) in &mut pixels {
+            statistics.nanoseconds = elapsed * work(statistics) / total.max(1.0);
+        }
+        Ok((pixels, sketches))
+    }
+
+    /// The value of each measure of a sample, and the steps of its own run.
+    #[inline(always)]
+    fn values(
+        &self,
+        sample: &Sample,
+        measured: &[Vec<Option<Outcome>>],
+        at: usize,
+    ) -> impl Iterator<Item = (f64, u64)> {
+        self.measures.iter().zip(measured).map(move |(measure, outcomes)| {
+            let own = outcomes.get(at).and_then(Option::as_ref);
+            (measure.value(sample, own), own.map_or(0, |own| own.steps))
+        })
+    }
+
+    /// Samples of strictly ascending flat numbers: each with its start, its classification and the outcome of its first
+    /// run, with the bits of the map.
+    ///
+    /// # Errors
+    /// If they do not fit into memory, or `interrupt` is set.
+    pub fn samples_at(
+        &self,
+        flat: &[u64],
+        threads: usize,
+        isa: Isa,
+        interrupt: &Interrupt,
+    ) -> Result<Vec<(Body, Class, Outcome)>, Error> {
+        // Samples of one group are classified together, and neighbours side by side.
+        let mut parts: Vec<Range<usize>> = Vec::new();
+        for (at, &sample) in flat.iter().enumerate() {
+            match parts.last_mut() {
+                Some(part) if (part.len() as u64) < BLOCK && self.belong_together(flat[at - 1], sample) => {
+                    part.end = at + 1;
+                }
+                _ => memory::push("parts of the samples", &mut parts, at..at + 1)?,
+            }
+        }
+        let Some(first) = self.pixels.first() else { return Ok(Vec::new()) };
+        let nothing = (first.body, Class::Failed, Outcome::REFUSED);
+        let all = Mutex::new(memory::filled("outcomes of the samples", flat.len(), nothing)?);
+        over_blocks(0..parts.len() as u64, threads, interrupt, |part| {
+            let part = parts[part as usize].clone();
+            let classified = self.classified(flat[part.start]..flat[part.end - 1] + 1, isa, interrupt)?;
+            let mut all = all.lock().expect("copying does not panic");
+            for at in part {
+                all[at] = self.verdict(&classified, flat[at]);
+            }
+            Ok(())
+        })?;
+        Ok(all.into_inner().expect("copying does not panic"))
+    }
+
+    /// Whether a sample and a later one are classified in one go.
+    fn belong_together(&self, sample: u64, later: u64) -> bool {
+        let group_ends = |watched: Watched| watched.with_groups(sample..sample + 1).end;
+        later == sample + 1 || self.each_watched().any(|watched| later < group_ends(watched))
+    }
+
+    /// A classified sample: its start, its class and the outcome of its first run.
+    fn verdict(&self, classified: &[Classified], flat: u64) -> (Body, Class, Outcome) {
+        let body = classified[0].bodies[(flat - classified[0].range.start) as usize];
+        let (mut class, mut outcome) = (Class::Failed, Outcome::REFUSED);
+        self.with_sample(classified, flat, |sample, _| (class, outcome) = (sample.class, *sample.first));
+        (body, class, outcome)
+    }
+
+    /// One sample alone: its start, its classification and the outcome of its first run, with the bits of the map.
+    ///
+    /// # Errors
+    /// If `interrupt` is set.
+    pub fn sample(&self, pixel: u64, sample: u64, isa: Isa, interrupt: &Interrupt) -> Result<Known, Error> {
+        let flat = pixel * self.samples + sample;
+        let classified = self.classified(flat..flat + 1, isa, interrupt)?;
+        let body = classified[0].bodies[(flat - classified[0].range.start) as usize];
+        let (parts, measures) = (Vec::new(), Vec::new());
+        let mut known = Known { body, class: Class::Failed, outcome: Outcome::REFUSED, parts, measures };
+        let measured = self.measured(flat..flat + 1, isa, interrupt)?;
+        self.with_sample(&classified, flat, |sample, parts| {
+            known.measures.extend(self.values(sample, &measured, 0).map(|(value, _)| value));
+            (known.class, known.outcome) = (sample.class, *sample.first);
+            known.parts.extend(parts.iter().map(|part| (part.class, part.first.left)));
+        });
+        Ok(known)
+    }
+
+    /// The samples of a range with their outcomes, by condition.
+    fn classified(
+        &self,
+        range: Range<u64>,
+        isa: Isa,
+        interrupt: &Interrupt,
+    ) -> Result<Vec<Classified>, Error> {
+        let mut all = memory::reserved(RUNS, self.conditions.len())?;
+        for watched in self.each_watched() {
+            all.push(watched.classified(range.clone(), isa, interrupt)?);
+        }
+        Ok(all)
+    }
+
+    /// Calls a function with a sample as the statistics see it and with its conditions, unless its pixel has no body.
+    #[inline(always)]
+    fn with_sample(&self, all: &[Classified], flat: u64, mut see: impl FnMut(&Sample, &[Sample])) {
+        let (t_end, index) = (self.t_end, |one: &Classified| (flat - one.range.start) as usize);
+        let Some(sample) = all[0].sample(index(&all[0]), t_end) else { return };
+        if all.len() == 1 && self.logic.is_single() {
+            return see(&sample, &[sample]);
+        }
+        let mut parts = [sample; MOST_CONDITIONS];
+        for (part, one) in parts.iter_mut().zip(all) {
+            *part = one.sample(index(one), t_end).expect("a body is possible whatever is asked of it");
+        }
+        let parts = &parts[..all.len()];
+        let Joined { class, first, second, audited } = self.logic.joined(parts);
+        see(&Sample { class, first: &first, second: second.as_ref(), audited, t_end }, parts)
+    }
+}
+
+/// A map with the one of its conditions that is watched.
+#[derive(Clone, Copy)]
+struct Watched<'a> {
+    map: &'a Map,
+    criterion: Criterion,
+    axis: i32,
+    /// Whether a run ends where it leaves stability.
+    is_stopped: bool,
+}
+
+impl Deref for Watched<'_> {
+    type Target = Map;
+
+    #[inline(always)]
+    fn deref(&self) -> &Map {
+        self.map
+    }
+}
+
+impl Watched<'_> {
     /// How a run of a sample is assigned to a kernel.
     fn assignment(&self, body: &Body, cross_check: bool) -> KernelAssignment {
         let scheme = self.scheme(cross_check);
@@ -134,45 +374,13 @@ impl Map {
         }
     }
 
-    /// Statistics of the samples `start .. stop` in pixel-major order, for the pixels that they touch.
-    ///
-    /// # Errors
-    /// If the statistics do not fit into memory, or `interrupt` is set.
-    pub fn run(
-        &self,
-        start: u64,
-        stop: u64,
-        threads: usize,
-        isa: Isa,
-        interrupt: &Interrupt,
-    ) -> Result<(u64, Vec<Statistics>), Error> {
-        let first = start / self.samples;
-        // As many as there are pixels at most, which are in memory.
-        let pixels = (stop.div_ceil(self.samples) - first) as usize;
-        let all = Mutex::new(memory::filled("statistics of the pixels", pixels, Statistics::NONE)?);
-        let block = BLOCK.min((stop - start).div_ceil(threads as u64)).max(1);
-        let count = (stop - start).div_ceil(block);
-        over_blocks(0..count, threads, interrupt, |b| {
-            // No block begins within a group of samples, whose outcomes hang together.
-            let [begin, end] = [b, b + 1].map(|b| self.group_begin(stop.min(start + b * block)));
-            let end = if b + 1 == count { stop } else { end };
-            let pixels = self.block(begin.max(start), end.max(start), isa, interrupt)?;
-            let mut all = all.lock().expect("merging does not panic");
-            for (pixel, statistics) in pixels {
-                all[(pixel - first) as usize].merge(&statistics);
-            }
-            Ok(())
-        })?;
-        Ok((first, all.into_inner().expect("merging does not panic")))
-    }
-
     /// The samples of a range with their outcomes, and those of the groups of samples that the range touches.
     fn classified(&self, range: Range<u64>, isa: Isa, interrupt: &Interrupt) -> Result<Classified, Error> {
         let range = self.with_groups(range);
         let bodies = self.draw(isa, range.clone())?;
         let unknown = || memory::filled("outcomes of a block", bodies.len(), None::<Outcome>);
         let mut outcomes = [unknown()?, Vec::new()];
-        let mut classifier = ClosedFormClassifier::new(self, isa);
+        let mut classifier = ClosedFormClassifier::new(*self, isa);
         let mut integrated = Vec::new();
         for (index, (pixel, _)) in self.pixels_and_samples(range.clone()).enumerate() {
             if !self.pixels[pixel as usize].possible {
@@ -202,106 +410,20 @@ impl Map {
         }
         Ok(Classified { range, bodies, outcomes, audited })
     }
+}
 
-    /// The statistics of one block, by pixel.
-    fn block(
-        &self,
-        start: u64,
-        stop: u64,
-        isa: Isa,
-        interrupt: &Interrupt,
-    ) -> Result<Vec<(u64, Statistics)>, Error> {
-        let begin = thread_nanoseconds();
-        let classified = self.classified(start..stop, isa, interrupt)?;
-        let t_end = self.t_end;
-        let mut pixels: Vec<(u64, Statistics)> = Vec::new();
-        for (at, (pixel, _)) in self.pixels_and_samples(start..stop).enumerate() {
-            let index = at + (start - classified.range.start) as usize;
-            if pixels.last().is_none_or(|&(last, _)| last != pixel) {
-                memory::push("statistics of a block", &mut pixels, (pixel, Statistics::NONE))?;
-            }
-            let statistics = &mut pixels.last_mut().expect("pushed above").1;
-            if let Some(sample) = classified.sample(index, t_end) {
-                statistics.add(&sample);
-            }
-        }
-        let elapsed = (thread_nanoseconds() - begin) as f64;
-        // A closed form costs about what some tens of steps do.
-        let work = |s: &Statistics| (s.steps + EXACT_AS_STEPS * s.exact) as f64;
-        let total: f64 = pixels.iter().map(|(_, s)| work(s)).sum();
-        for (_, statistics) in &mut pixels {
-            statistics.nanoseconds = elapsed * work(statistics) / total.max(1.0);
-        }
-        Ok(pixels)
-    }
-
-    /// Samples of strictly ascending flat numbers: each with its start, its classification and the outcome of its first
-    /// run, with the bits of the map.
-    ///
-    /// # Errors
-    /// If they do not fit into memory, or `interrupt` is set.
-    pub fn samples_at(
-        &self,
-        flat: &[u64],
-        threads: usize,
-        isa: Isa,
-        interrupt: &Interrupt,
-    ) -> Result<Vec<(Body, Class, Outcome)>, Error> {
-        // Samples of one group are classified together, and neighbours side by side.
-        let mut parts: Vec<Range<usize>> = Vec::new();
-        for (at, &sample) in flat.iter().enumerate() {
-            match parts.last_mut() {
-                Some(part) if (part.len() as u64) < BLOCK && self.belong_together(flat[at - 1], sample) => {
-                    part.end = at + 1;
-                }
-                _ => memory::push("parts of the samples", &mut parts, at..at + 1)?,
-            }
-        }
-        let Some(first) = self.pixels.first() else { return Ok(Vec::new()) };
-        let nothing = (first.body, Class::Failed, Outcome::REFUSED);
-        let all = Mutex::new(memory::filled("outcomes of the samples", flat.len(), nothing)?);
-        over_blocks(0..parts.len() as u64, threads, interrupt, |part| {
-            let part = parts[part as usize].clone();
-            let classified = self.classified(flat[part.start]..flat[part.end - 1] + 1, isa, interrupt)?;
-            let mut all = all.lock().expect("copying does not panic");
-            for at in part {
-                let index = (flat[at] - classified.range.start) as usize;
-                all[at] = self.verdict(&classified, index);
-            }
-            Ok(())
-        })?;
-        Ok(all.into_inner().expect("copying does not panic"))
-    }
-
-    /// Whether a sample and a later one are classified in one go.
-    fn belong_together(&self, sample: u64, later: u64) -> bool {
-        later == sample + 1 || later < self.with_groups(sample..sample + 1).end
-    }
-
-    /// A classified sample: its start, its class and the outcome of its first run.
-    fn verdict(&self, classified: &Classified, index: usize) -> (Body, Class, Outcome) {
-        let body = classified.bodies[index];
-        match classified.sample(index, self.t_end) {
-            Some(sample) => (body, sample.class, *sample.first),
-            None => (body, Class::Failed, Outcome::REFUSED),
-        }
-    }
-
-    /// One sample alone: its start, its classification and the outcome of its first run, with the bits of the map.
-    ///
-    /// # Errors
-    /// If `interrupt` is set.
-    pub fn sample(
-        &self,
-        pixel: u64,
-        sample: u64,
-        isa: Isa,
-        interrupt: &Interrupt,
-    ) -> Result<(Body, Class, Outcome), Error> {
-        let flat = pixel * self.samples + sample;
-        let classified = self.classified(flat..flat + 1, isa, interrupt)?;
-        Ok(self.verdict(&classified, (flat - classified.range.start) as usize))
-    }
+/// What is known of one sample.
+pub struct Known {
+    /// Its start.
+    pub body: Body,
+    /// Its classification.
+    pub class: Class,
+    /// The outcome of its first run.
+    pub outcome: Outcome,
+    /// The class of each condition, and the time at which the first run left it.
+    pub parts: Vec<(Class, f64)>,
+    /// The value of each measure, NaN for none.
+    pub measures: Vec<f64>,
 }
 
 /// Samples with their starts and outcomes.
@@ -322,6 +444,6 @@ impl Classified {
         let first = self.outcomes[0][index].as_ref()?;
         let second = self.outcomes[1].get(index).and_then(Option::as_ref);
         let audited = self.audited.binary_search(&index).is_ok();
-        Some(Sample { class: Map::classification(first, second), first, second, audited, t_end })
+        Some(Sample { class: Watched::classification(first, second), first, second, audited, t_end })
     }
 }

@@ -3,7 +3,7 @@
 //! The mean MEGNO of displacements that grow like a power `t^p` of the time stays at `2 p`. It grows like `lambda T / 2`
 //! where displacements grow exponentially, so it doubles with the time.
 
-use super::{Class, Map, Outcome, STEP_BLOCK};
+use super::{Class, Outcome, STEP_BLOCK, Watched};
 use crate::kernel::{Group, System};
 use crate::observe::{Displacement, Growth};
 use crate::start::Body;
@@ -180,7 +180,7 @@ pub(super) fn keep_in_range<'a>(
     }
 }
 
-impl Map {
+impl Watched<'_> {
     /// Steps of a sample are a multiple of the first number, and at least the second.
     pub(super) fn whole_steps(&self) -> [u64; 2] {
         if self.criterion.rule().is_some() { [STEPS, FEWEST] } else { [STEP_BLOCK; 2] }

@@ -1,14 +1,15 @@
 //! What is asked of a map: the pixels and their samples, the criterion and the method.
 
 use super::check::GROUP;
-use super::{Check, Criterion};
+use super::{Check, Condition, Criterion, Logic, Measure, Watched};
 use crate::error::Error;
 use crate::exact::Question;
 use crate::forcing::{BodyForcing, Forcing};
+use crate::kernel::System;
 use crate::sample::Law;
 use crate::satellite::Satellite;
 use crate::scene::Scene;
-use crate::scheme::{self, Scheme};
+use crate::scheme::{self, Scheme, Step};
 use crate::solver::{Solver, default_step};
 use crate::start::Body;
 
@@ -94,10 +95,12 @@ pub struct Map {
     pub omega_law: Law,
     /// Law of the perturbation of the attitude.
     pub attitude_law: Law,
-    /// When a sample is stable.
-    pub criterion: Criterion,
-    /// The watched body axis: 1, 2, 3 or -1, -2, -3; 0 if the criterion watches none.
-    pub axis: i32,
+    /// The conditions that are watched.
+    pub conditions: Vec<Condition>,
+    /// When a sample is stable, from its conditions.
+    pub logic: Logic,
+    /// What is measured of each sample.
+    pub measures: Vec<Measure>,
     /// Horizon.
     pub t_end: f64,
     /// Largest step; `None` leaves it to the bound of each sample's rates.
@@ -123,10 +126,11 @@ impl Map {
     /// Naming the argument.
     pub fn checked(self) -> Result<Map, Error> {
         let refuse = |argument, value: String, rule| Err(Error::Value { argument, value, rule });
-        let has_rule = self.criterion.rule().is_some();
-        let least = if has_rule { 0 } else { 1 };
-        if !(least..=3).contains(&self.axis.unsigned_abs()) {
-            return refuse("axis", self.axis.to_string(), "must be 1, 2, 3 or -1, -2, -3");
+        for Condition { criterion, axis } in &self.conditions {
+            let least = u32::from(criterion.has_axis());
+            if !(least..=3).contains(&axis.unsigned_abs()) {
+                return refuse("axis", axis.to_string(), "must be 1, 2, 3 or -1, -2, -3");
+            }
         }
         if self.samples == 0 {
             return refuse("samples", self.samples.to_string(), "must be at least 1");
@@ -143,13 +147,29 @@ impl Map {
             return refuse("t_end", self.t_end.to_string(), "must be positive and finite");
         }
         let is_exact = self.method == MethodChoice::Only(Solver::Exact);
-        if !is_exact {
-            self.first_scheme().check(self.scene, true)?;
-            if has_rule {
-                self.first_scheme().check_tangent(self.is_forced())?;
+        if is_exact && !self.measures.iter().all(|measure| measure.is_known()) {
+            return refuse("method", format!("'{}'", Solver::EXACT), "measures are taken along steps");
+        }
+        for watched in self.each_watched().filter(|_| !is_exact) {
+            let scheme = watched.first_scheme();
+            scheme.check(self.scene, true)?;
+            if watched.criterion.bound().is_some() {
+                scheme.check_limits()?;
+            }
+            if watched.criterion.rule().is_some() {
+                scheme.check_tangent(self.is_forced())?;
                 if self.is_satellite() {
                     return Err(Satellite::not_displaced());
                 }
+            }
+            let steps = [scheme.any, scheme.symmetric].map(Step::torque_free);
+            let is_framed = watched.criterion.directions(self.scene) > 1 && !self.scene.has_weight;
+            if is_framed
+                && !self.is_forced()
+                && !steps.iter().all(|&step| System::TopTwoAxes.is_moved_by(step))
+            {
+                let rule = "integrates no frame with a free body, which this criterion needs";
+                return refuse("method", format!("'{}'", scheme.facts.name), rule);
             }
         }
         if self.is_forced() {
@@ -163,12 +183,13 @@ impl Map {
 
     /// The first pixel with a possible body that is not classified in closed form.
     fn first_without_closed_form(&self) -> Option<usize> {
-        self.pixels.iter().position(|pixel| pixel.possible && !super::classify::answers(self, &pixel.body))
+        let answers = |body| self.each_watched().all(|watched| super::classify::answers(watched, body));
+        self.pixels.iter().position(|pixel| pixel.possible && !answers(&pixel.body))
     }
 
     /// The scheme of the first run of samples that have no closed form.
     pub fn first_scheme(&self) -> &'static Scheme {
-        self.method.scheme(self.criterion.rule().is_some())
+        self.method.scheme(self.conditions.iter().any(|condition| condition.criterion.rule().is_some()))
     }
 
     /// Whether torque or damping is applied.
@@ -186,7 +207,7 @@ impl Map {
         self.forcing.get(pixel as usize).unwrap_or(Forcing::NONE).of(0)
     }
 
-    /// Refuses a forcing that the criterion or the method cannot handle.
+    /// Refuses a forcing that a criterion or the method cannot handle.
     fn check_forced(&self) -> Result<(), Error> {
         let scheme = self.first_scheme();
         let refuse = |argument, value, rule| Err(Error::Value { argument, value, rule });
@@ -198,7 +219,10 @@ impl Map {
         if self.is_satellite() {
             scheme.check_satellite()?;
         }
-        if let Criterion::TiltFromStart(_) = self.criterion {
+        let is_from_start =
+            self.conditions.iter().any(|one| matches!(one.criterion, Criterion::TiltFromStart(_)))
+                || !self.measures.iter().all(|measure| measure.can_be_forced());
+        if is_from_start {
             let rule = "under torque and damping only the tilt from the vertical is watched";
             return refuse("reference", "'start'".to_string(), rule);
         }
@@ -216,6 +240,13 @@ impl Map {
     }
 }
 
+impl Watched<'_> {
+    /// The scheme of the first run of samples that have no closed form.
+    pub(super) fn first_scheme(&self) -> &'static Scheme {
+        self.method.scheme(self.criterion.rule().is_some())
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -229,8 +260,9 @@ mod tests {
             pixels: Vec::new(),
             omega_law: Law::None,
             attitude_law: Law::None,
-            criterion: Criterion::NoFlip,
-            axis: 2,
+            conditions: vec![Condition { criterion: Criterion::NoFlip, axis: 2 }],
+            logic: Logic::single(),
+            measures: Vec::new(),
             t_end: 1.0,
             step: None,
             max_steps: 100,
@@ -246,7 +278,10 @@ mod tests {
     fn a_map_that_cannot_be_computed_is_refused() {
         assert!(map().checked().is_ok());
         let refused = [
-            (Map { axis: 0, ..map() }, "axis = 0"),
+            (
+                Map { conditions: vec![Condition { criterion: Criterion::NoFlip, axis: 0 }], ..map() },
+                "axis = 0",
+            ),
             (Map { samples: 0, ..map() }, "samples = 0"),
             (Map { first: 32, ..map() }, "first = 32"),
             (Map { first: 1 << 63, ..map() }, "first = 9223372036854775808"),

@@ -52,6 +52,8 @@ pub struct Outcome {
     pub left: f64,
     /// Largest tilt, NaN if no tilt is observed (rad).
     pub tilt: f64,
+    /// Mean rate about the watched axis, NaN if it is not observed.
+    pub mean_rate: f64,
     /// Logarithm of the growth of a displacement over the time, at the end; NaN if it is not observed (1/s).
     pub exponent: f64,
     /// The mean over the time of MEGNO, at the end; NaN if it is not observed.
@@ -93,6 +95,7 @@ impl Outcome {
         flips: 0,
         left: f64::INFINITY,
         tilt: f64::NAN,
+        mean_rate: f64::NAN,
         exponent: f64::NAN,
         mean_megno: f64::NAN,
         energy_drift: f64::NAN,
@@ -111,6 +114,7 @@ pub const FIXED_POINT: f64 = (1_u64 << 20) as f64;
 const LARGEST_FIXED: f64 = (1_u64 << 52) as f64;
 
 /// A sample as the statistics see it: its classification, its run, and the run of the cross-check if there is one.
+#[derive(Clone, Copy)]
 pub(super) struct Sample<'a> {
     pub(super) class: Class,
     pub(super) first: &'a Outcome,

@@ -46,6 +46,14 @@ pub(super) fn hermite_root<R: Real>(begin: R, begin_rate: R, end: R, end_rate: R
     s
 }
 
+/// Weights of the change, of the slope at the begin and of that at the end, in the cubic with these values and slopes.
+#[inline(always)]
+pub(super) fn hermite_weights<R: Real>(fraction: R) -> [R; 3] {
+    let rest = R::splat(1.0) - fraction;
+    let (square, across) = (fraction * fraction, fraction * rest);
+    [square * (rest + (rest + R::splat(1.0))), across * rest, -(across * fraction)]
+}
+
 /// Fraction of a step at which a component of three neighbouring numbers of a state has an extremum, if the slopes at
 /// both ends have opposite signs.
 #[inline(always)]

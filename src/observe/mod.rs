@@ -3,13 +3,17 @@
 //! An observable is one type, listed in `observables!`. Each body has a few rows of numbers, which the observable
 //! updates after each step and after each block of steps. Code is compiled only for systems that the observable fits.
 
+mod bounds;
 mod dense;
 mod flips;
 mod growth;
+mod mean_rate;
 mod tilt;
 
+pub use bounds::{Bound, Bounds, Quantity};
 pub use flips::Flips;
 pub use growth::{Displacement, Growth};
+pub use mean_rate::MeanRate;
 pub use tilt::{Tilt, largest_tilt};
 
 use crate::forcing::ForcingInterval;
@@ -75,6 +79,14 @@ pub struct Start<'a> {
     pub limit: f64,
     /// The displacement at the start.
     pub displacement: &'a Displacement,
+    /// The bound that is observed, if one is.
+    pub bound: Option<&'a Bound>,
+    /// Rates and angular momentum, in the axes of the kernel.
+    pub rates: [f64; 3],
+    /// See `rates`.
+    pub momentum: [f64; 3],
+    /// Space axes 3 and 1 in body components, along the axes of the kernel; anything where they are not integrated.
+    pub frame: [[f64; 3]; 2],
 }
 
 /// A completed step.
@@ -164,7 +176,8 @@ macro_rules! observables {
                 segment: &mut Segment<P, D>,
             ) {
                 $(if const { <$name as Update<P, M, L, D>>::FITS } && self == Observed::$name {
-                    let mut values = load::<P, $name>(rows, at);
+                    let mut values = [P::splat(0.0); MAX_ROWS];
+                    load::<P, $name>(rows, at, &mut values);
                     <$name as Update<P, M, L, D>>::after_step(stepper, p, &mut values, segment);
                     store::<P, $name>(rows, at, &values);
                 })*
@@ -181,7 +194,8 @@ macro_rules! observables {
                 y: &[P; D],
             ) {
                 $(if const { <$name as Update<P, M, L, D>>::FITS } && self == Observed::$name {
-                    let mut values = load::<P, $name>(rows, at);
+                    let mut values = [P::splat(0.0); MAX_ROWS];
+                    load::<P, $name>(rows, at, &mut values);
                     <$name as Update<P, M, L, D>>::after_block(stepper, p, &mut values, y);
                     store::<P, $name>(rows, at, &values);
                 })*
@@ -189,7 +203,7 @@ macro_rules! observables {
         }
     };
 }
-observables! { Flips Tilt Growth }
+observables! { Flips Tilt Growth Bounds MeanRate }
 
 /// The rows of a body that is not observed.
 pub const UNOBSERVED: Rows<f64> = {
@@ -199,12 +213,10 @@ pub const UNOBSERVED: Rows<f64> = {
 };
 
 #[inline(always)]
-fn load<P: Pack, O: Observable>(rows: &[Row; MAX_ROWS], at: usize) -> Rows<P> {
-    let mut values = [P::splat(0.0); MAX_ROWS];
+fn load<P: Pack, O: Observable>(rows: &[Row; MAX_ROWS], at: usize, values: &mut Rows<P>) {
     for r in 0..O::ROWS {
         values[r] = P::load(&rows[r].0[at..]);
     }
-    values
 }
 
 #[inline(always)]

@@ -7,7 +7,8 @@ use crate::parallel::{Interrupt, caught};
 use crate::start::Body;
 use crate::trajectory::Record;
 use numpy::{
-    IntoPyArray, PyArray1, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArrayDyn, PyUntypedArrayMethods,
+    Element, IntoPyArray, PyArray1, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArrayDyn,
+    PyUntypedArrayMethods,
 };
 use pyo3::prelude::*;
 use std::ops::Range;
@@ -18,6 +19,14 @@ pub fn rows<'a, const N: usize>(
     argument: &'static str,
     array: &'a PyReadonlyArray2<'_, f64>,
 ) -> PyResult<&'a [[f64; N]]> {
+    rows_of(argument, array)
+}
+
+/// The rows of an array of any numbers.
+pub fn rows_of<'a, T: Element, const N: usize>(
+    argument: &'static str,
+    array: &'a PyReadonlyArray2<'_, T>,
+) -> PyResult<&'a [[T; N]]> {
     let shape = array.shape();
     let usable = shape[1] == N && array.is_c_contiguous();
     let slice = array.as_slice().ok().filter(|_| usable).ok_or_else(|| Error::Shape {

@@ -1,12 +1,13 @@
 //! Stability maps.
 
-use super::convert::{self, bodies, interruptible, rows, same_length};
+use super::convert::{self, bodies, interruptible, rows, rows_of, same_length};
 use super::forcing::PyForcing;
 use crate::body::MomentStatus;
 use crate::error::Error;
 use crate::forcing::Forcing;
 use crate::map::{
-    Check, Column, Criterion, Field, Map, MethodChoice, Outcome, Pixel, Statistics, clopper_pearson_of_each,
+    Bin, Check, Column, Condition, Criterion, Field, Known, Logic, Map, Measure, MethodChoice, Outcome,
+    Pixel, Sketch, Statistics, clopper_pearson_of_each,
 };
 use crate::memory;
 use crate::sample::Law;
@@ -14,7 +15,7 @@ use crate::scene::Scene;
 use crate::simd::Isa;
 use crate::solver::Solver;
 use crate::status::Status;
-use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1, PyReadonlyArray2};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -69,6 +70,11 @@ pub fn clopper_pearson<'py>(
         .collect::<Result<_, Error>>()?;
     let intervals = clopper_pearson_of_each(counts.into_iter(), confidence)?;
     Ok([0, 1].map(|end| intervals.iter().map(|ends| ends[end]).collect::<Vec<f64>>().into_pyarray(py)))
+}
+
+/// A time, NaN for never.
+fn finite(time: f64) -> f64 {
+    if time < f64::INFINITY { time } else { f64::NAN }
 }
 
 /// A number that counts.
@@ -133,37 +139,92 @@ fn read_columns(dict: &Bound<'_, PyDict>) -> PyResult<Vec<Statistics>> {
     Ok(pixels)
 }
 
+/// A bin of a sketch as a row: its pixel, and the numbers of the bin.
+const ROW: usize = 1 + Bin::LEN;
+
+/// The bins of the sketches of each measure, one row a bin: sorted by pixel and value.
+fn bins_by_measure<'py>(
+    py: Python<'py>,
+    sketches: &[Sketch],
+    measures: usize,
+) -> PyResult<Vec<Bound<'py, PyArray2<i64>>>> {
+    (0..measures)
+        .map(|measure| {
+            let of_measure = || sketches.iter().skip(measure).step_by(measures).enumerate();
+            let bins: usize = of_measure().map(|(_, sketch)| sketch.bins().len()).sum();
+            let mut numbers = memory::reserved("bins of a measure", bins * ROW)?;
+            for (pixel, sketch) in of_measure() {
+                for bin in sketch.bins() {
+                    numbers.push(pixel as i64);
+                    numbers.extend(bin.numbers());
+                }
+            }
+            numbers.into_pyarray(py).reshape([bins, ROW])
+        })
+        .collect()
+}
+
 /// The statistics of all pixels of a map, merged from the parts that `MapJob.run` returns.
 #[pyclass(frozen, module = "rigid._core")]
-pub struct MapStatistics(Mutex<Vec<Statistics>>);
+pub struct MapStatistics {
+    measures: usize,
+    all: Mutex<(Vec<Statistics>, Vec<Sketch>)>,
+}
 
 #[pymethods]
 impl MapStatistics {
     /// The statistics of no samples.
     #[new]
-    fn new(pixels: usize) -> PyResult<Self> {
-        Ok(MapStatistics(Mutex::new(memory::filled(PIXELS, pixels, Statistics::NONE)?)))
+    #[pyo3(signature = (pixels, measures=0))]
+    fn new(pixels: usize, measures: usize) -> PyResult<Self> {
+        let statistics = memory::filled(PIXELS, pixels, Statistics::NONE)?;
+        let sketches = memory::filled(PIXELS, pixels.saturating_mul(measures), Sketch::NONE)?;
+        Ok(MapStatistics { measures, all: Mutex::new((statistics, sketches)) })
     }
 
     /// Merges a part in, by the reduction of each column. The order of the parts has no effect.
     fn merge(&self, part: &Bound<'_, PyDict>) -> PyResult<()> {
         let first: usize = part.as_any().get_item("first")?.extract()?;
-        let part = read_columns(part)?;
-        let mut pixels = self.0.lock().expect("no thread panics while it holds the statistics");
-        let window = pixels.get_mut(first..first.saturating_add(part.len())).ok_or_else(|| {
-            let value = format!("{first} to {}", first.saturating_add(part.len()));
+        let bins: Vec<PyReadonlyArray2<'_, i64>> = match part.get_item("measures")? {
+            Some(bins) => bins.extract()?,
+            None => Vec::new(),
+        };
+        let columns = read_columns(part)?;
+        let mut all = self.all.lock().expect("no thread panics while it holds the statistics");
+        let (pixels, sketches) = &mut *all;
+        let window = pixels.get_mut(first..first.saturating_add(columns.len())).ok_or_else(|| {
+            let value = format!("{first} to {}", first.saturating_add(columns.len()));
             Error::Value { argument: "part", value, rule: "must be pixels of the map" }
         })?;
-        window.iter_mut().zip(&part).for_each(|(pixel, other)| pixel.merge(other));
+        same_length("measures", self.measures, bins.len())?;
+        for (measure, bins) in bins.iter().enumerate() {
+            for &[pixel, ref numbers @ ..] in rows_of::<i64, ROW>("measures", bins)? {
+                let at = usize::try_from(pixel).ok().filter(|&pixel| pixel < columns.len());
+                let at = at.ok_or_else(|| Error::Value {
+                    argument: "part",
+                    value: format!("a bin of pixel {pixel}"),
+                    rule: "must be pixels of the map",
+                })?;
+                sketches[(first + at) * self.measures + measure].put(&Bin::from_numbers(*numbers))?;
+            }
+        }
+        window.iter_mut().zip(&columns).for_each(|(pixel, other)| pixel.merge(other));
         Ok(())
     }
 
     /// One array of a number a pixel for each of `map_columns()`, flat.
     fn arrays<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let dict = PyDict::new(py);
-        let pixels = self.0.lock().expect("no thread panics while it holds the statistics");
-        write_columns(py, &dict, &pixels)?;
+        let all = self.all.lock().expect("no thread panics while it holds the statistics");
+        write_columns(py, &dict, &all.0)?;
         Ok(dict)
+    }
+
+    /// The bins of the sketches of each measure, (n, 9) each: pixel; key, count, least and largest offset; sum of the
+    /// offsets and of their squares, in two halves each.
+    fn bins<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyArray2<i64>>>> {
+        let all = self.all.lock().expect("no thread panics while it holds the statistics");
+        bins_by_measure(py, &all.1, self.measures)
     }
 }
 
@@ -196,9 +257,9 @@ keywords! {
         attitude: PyReadonlyArray2<'py, f64>,
         attitude_noise: String,
         attitude_size: PyReadonlyArray2<'py, f64>,
-        criterion: String,
-        axis: i32,
-        limits: Vec<f64>,
+        conditions: Vec<(String, i32, Vec<f64>)>,
+        logic: String,
+        measures: Vec<(String, i32)>,
         t_end: f64,
         step: Option<f64>,
         max_steps: u64,
@@ -255,6 +316,13 @@ impl MapRequest<'_> {
             attitude_size: attitude_size[i],
             possible: status[i] == MomentStatus::Possible as u8,
         };
+        let conditions: Vec<Condition> = self
+            .conditions
+            .iter()
+            .map(|(name, axis, limits)| {
+                Ok(Condition { criterion: Criterion::parse(name, limits)?, axis: *axis })
+            })
+            .collect::<Result<_, Error>>()?;
         let map = Map {
             scene: Scene::parse(&self.scene)?,
             forcing,
@@ -262,8 +330,13 @@ impl MapRequest<'_> {
             pixels: memory::collected(PIXELS, pixels, (0..pixels).map(pixel))?,
             omega_law: Law::parse("omega_noise", &self.omega_noise)?,
             attitude_law: Law::parse("attitude_noise", &self.attitude_noise)?,
-            criterion: Criterion::parse(&self.criterion, &self.limits)?,
-            axis: self.axis,
+            conditions,
+            logic: Logic::parse(&self.logic, self.conditions.len())?,
+            measures: self
+                .measures
+                .iter()
+                .map(|(name, axis)| Measure::parse(name, *axis))
+                .collect::<Result<_, Error>>()?,
             t_end: self.t_end,
             step: self.step,
             max_steps: self.max_steps,
@@ -336,13 +409,14 @@ impl MapJob {
         let result = interruptible(py, interrupted, |interrupt| {
             self.map.run(start, stop, threads.max(1), self.isa, interrupt)
         })?;
-        let (first, statistics) = match result {
+        let (first, statistics, sketches) = match result {
             Err(Error::Stopped) => return Ok(None),
             result => result?,
         };
         let dict = PyDict::new(py);
         dict.set_item("first", first)?;
         write_columns(py, &dict, &statistics)?;
+        dict.set_item("measures", bins_by_measure(py, &sketches, self.map.measures.len())?)?;
         Ok(Some(dict))
     }
 
@@ -356,7 +430,7 @@ impl MapJob {
                 return Err(Error::Value { argument, value, rule: "must be an index" }.into());
             }
         }
-        let (body, class, outcome) =
+        let Known { body, class, outcome, parts, measures } =
             interruptible(py, None, |interrupt| self.map.sample(pixel, sample, self.isa, interrupt))??;
         let Outcome { status, flips, left, tilt, exponent, mean_megno, step, steps, exact, .. } = outcome;
         let dict = PyDict::new(py);
@@ -365,8 +439,11 @@ impl MapJob {
         dict.set_item("class", class.name())?;
         dict.set_item("status", Status::name(status))?;
         dict.set_item("flips", flips)?;
-        dict.set_item("left", if left < f64::INFINITY { left } else { f64::NAN })?;
+        dict.set_item("left", finite(left))?;
         dict.set_item("tilt", tilt)?;
+        let parts = parts.iter().map(|&(class, left)| (class.name(), finite(left)));
+        dict.set_item("parts", parts.collect::<Vec<_>>())?;
+        dict.set_item("measures", measures)?;
         dict.set_item("exponent", exponent)?;
         dict.set_item("mean_megno", mean_megno)?;
         dict.set_item("energy_drift", outcome.energy_drift)?;

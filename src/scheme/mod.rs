@@ -269,6 +269,11 @@ impl Step {
         matches!(self.engine, Engine::Hermite)
     }
 
+    /// Whether limits are observed inside the step; see [`Stepper::SEES_LIMITS`].
+    pub const fn sees_limits(self) -> bool {
+        !matches!(self.engine, Engine::Dop853)
+    }
+
     /// Whether the step uses other variables than the state, so that nothing can be observed between steps.
     pub const fn is_processed(self) -> bool {
         self.numbers.processor.is_some()
@@ -453,6 +458,19 @@ impl Scheme {
         Err(Error::Value { argument: "method", value: format!("'{}'", self.facts.name), rule })
     }
 
+    /// Raises an error for a scheme inside whose steps no limit is observed.
+    ///
+    /// # Errors
+    /// Naming the scheme and the rule.
+    pub fn check_limits(&self) -> Result<(), Error> {
+        if self.steps().into_iter().all(Step::sees_limits) {
+            return Ok(());
+        }
+        let rule =
+            "observes no limit inside its steps, which this criterion needs: all other methods of maps do";
+        Err(Error::Value { argument: "method", value: format!("'{}'", self.facts.name), rule })
+    }
+
     /// Raises an error for a scene that the scheme does not integrate, and for an observable between steps that use
     /// other variables than the state.
     ///
@@ -539,6 +557,8 @@ pub trait Stepper<R: Real, M: Model<R>, L: Layout, const D: usize>: Copy {
     const REMEMBERS: bool = false;
     /// Whether a step moves a displacement by the derivative of the step.
     const HAS_TANGENT: bool = false;
+    /// Whether limits are observed inside the step. Code is compiled only then.
+    const SEES_LIMITS: bool = true;
     /// Whether the steps can use other variables than the state.
     const PROCESSED: bool = false;
     /// Prepares the constants of the step.

@@ -393,6 +393,8 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, 
     const VARIABLES: Variables = Variables::Rates;
     const MOVES: bool = if T::REDUCES { !(M::HEAVY && L::QUATERNION) } else { !M::REDUCED };
     const HAS_TANGENT: bool = true;
+    /// With twelve stages and the search inside a step, the compiler copies the set-up of a pack by calls.
+    const SEES_LIMITS: bool = T::STAGES < 12;
 
     #[inline(always)]
     fn new(p: &Parameters<R>, forcing: &ForcingInterval<R>, _numbers: &'static Numbers) -> Self {

@@ -18,6 +18,7 @@ SCRIPTS = (
     "any_scene",
     "closed_forms_against_rk4",
     "coverage",
+    "criteria",
     "error_estimates",
     "failed_allocations",
     "fuzz",

@@ -36,7 +36,8 @@ impl Run {
         let compiled = Compiled::new(kernel, Isa::available()[0]);
         let mut group = Group::inactive();
         let step = method.facts.angle_per_step / body.fastest_rate(BodyForcing::NONE, [0.0; 2]);
-        let entry = Entry { body, forcing: None, axis, limit, step, displacement: Displacement::NONE };
+        let entry =
+            Entry { body, forcing: None, axis, limit, step, displacement: Displacement::NONE, bound: None };
         load(&mut group, 0, compiled, KernelAssignment::of(method, body, system.scene()), &entry);
         Run { group, compiled, step }
     }

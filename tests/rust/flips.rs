@@ -38,8 +38,15 @@ impl ObservedBody {
         let kernel = Kernel { system, step: assignment.step, observed: Observed::Flips };
         let compiled = Compiled::new(kernel, Isa::available()[0]);
         let mut group = Group::inactive();
-        let entry =
-            Entry { body, forcing: None, axis, limit: f64::INFINITY, step, displacement: Displacement::NONE };
+        let entry = Entry {
+            body,
+            forcing: None,
+            axis,
+            limit: f64::INFINITY,
+            step,
+            displacement: Displacement::NONE,
+            bound: None,
+        };
         load(&mut group, 0, compiled, assignment, &entry);
         ObservedBody { group, compiled }
     }
@@ -333,8 +340,15 @@ fn stable_spin_for_a_million_steps() {
                 let body = free([1.0, 1.6, 2.0], omega);
                 let assignment = KernelAssignment::of(method, &body, &FREE);
                 let (axis, limit, step) = (axis as i32, f64::INFINITY, 1.0 / 16.0);
-                let entry =
-                    Entry { body: &body, forcing: None, axis, limit, step, displacement: Displacement::NONE };
+                let entry = Entry {
+                    body: &body,
+                    forcing: None,
+                    axis,
+                    limit,
+                    step,
+                    displacement: Displacement::NONE,
+                    bound: None,
+                };
                 load(&mut group, lane, compiled, assignment, &entry);
             }
             // Fewer steps of expensive schemes.

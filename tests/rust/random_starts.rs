@@ -4,7 +4,7 @@
 //! The draws are fixed, so the tests are deterministic: the mean of n draws has at most 4 of its standard errors.
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
-use rigid::map::{Check, Criterion, Map, MethodChoice, Pixel};
+use rigid::map::{Check, Condition, Criterion, Logic, Map, MethodChoice, Pixel};
 use rigid::sample::{Law, attitude, philox4x64, uniforms, vector};
 use rigid::scene::FREE;
 use rigid::scheme;
@@ -218,8 +218,9 @@ fn draws_do_not_shift_each_other() {
             pixels: vec![pixel_of; 3],
             omega_law,
             attitude_law,
-            criterion: Criterion::NoFlip,
-            axis: 2,
+            conditions: vec![Condition { criterion: Criterion::NoFlip, axis: 2 }],
+            logic: Logic::single(),
+            measures: Vec::new(),
             t_end: 1.0,
             step: None,
             max_steps: 100,

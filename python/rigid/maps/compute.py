@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -22,6 +22,7 @@ from .._checks.progress import (
 )
 from ..model.body import Body
 from ..model.criteria import Criterion
+from ..model.measures import Measure, make_measures
 from ..model.scene import Scene, check_scene
 from ..model.seed import seed_from
 from ..model.start import Start
@@ -62,6 +63,7 @@ def stability_map(
     chunk: int | None = None,
     max_steps: int | None = None,
     title: str | None = None,
+    measure: Measure | Iterable[Measure] | None = None,
     partial: bool = False,
     store: str | os.PathLike[str] | None = None,
     executor: Any = None,
@@ -105,8 +107,10 @@ def stability_map(
         and ``stable`` are, unless ``scene`` is a specification.
     t_end : float
         Horizon in s: *stable* means stable until then.
-    stable : NoFlip, TiltBelow or Regular
-        The criterion, :func:`no_flip`, :func:`tilt_below` or :func:`regular`.
+    stable : Criterion
+        The criterion: :func:`no_flip`, :func:`tilt_below`, :func:`tilt_between`,
+        :func:`rate_within`, :func:`near_start`, :func:`returns`, :func:`spin_above`, joined by
+        ``&``, ``|`` and ``~`` or alone, or :func:`regular`.
     start : Start, optional
         By default a free body spins at 1 rad/s about the axis of its middle moment with
         ``noise=normal(1e-3)``, and a top at 5 rad/s about axis 3 with
@@ -145,6 +149,9 @@ def stability_map(
         A body that needs more steps counts as failed; by default 1e9.
     title : str, optional
         For plots and files.
+    measure : Measure or sequence of Measure, optional
+        Numbers to collect of each body besides its class: :func:`time_to_leave`, :func:`flips`,
+        :func:`largest_tilt`, :func:`mean_rate`, :func:`drift`. ``result.measures`` has them.
     partial : bool
         Return the map of the bodies done after Ctrl-C, instead of raising :class:`Interrupted`:
         the program goes on. ``result.complete`` tells whether all bodies were done.
@@ -224,10 +231,18 @@ def stability_map(
         "refine": refine,
         "budget": budget,
         "title": title,
+        "measure": None if measure is None else make_measures(measure),
     }
     given = {name: value for name, value in asked.items() if value is not None}
     spec = _as_it_is(scene, given) if isinstance(scene, MapSpec) else _spec(scene, given)
-    if store is not None or executor is not None or part is not None:
+    stored = store is not None or executor is not None or part is not None
+    if spec.measure and (stored or spec.looks is not None or refined(spec)):
+        raise ValueError(
+            "measure: is not collected with store, executor, half_width or refine: say samples"
+        )
+    if spec.measure and len(spec.parts) > 1:
+        raise ValueError("measure: is not collected along an axis t_end or limit")
+    if stored:
         if spec.own is not None:
             raise ValueError(
                 "scene: other processes have no functions; give neither store nor executor"
@@ -315,7 +330,7 @@ def run_map(
     size = None if chunk is None else positive_int("chunk", chunk)
     job = to_core(spec)
     status = job.status
-    statistics = _core.MapStatistics(len(status))
+    statistics = _core.MapStatistics(len(status), len(spec.measure))
     work = Work(status == 0, spec.samples)
     pace = Pace(workers)
     done = failures = 0
@@ -348,7 +363,9 @@ def run_map(
             interrupted = True
         elapsed = time.perf_counter() - begun
         arrays = {**statistics.arrays(), "status": status}
-        result = StabilityMap.from_arrays(spec, arrays, elapsed=elapsed, threads=workers)
+        result = StabilityMap.from_arrays(
+            spec, arrays, statistics.bins(), elapsed=elapsed, threads=workers
+        )
     if (interrupted or stop.is_set()) and not partial:
         raise Interrupted(
             f"{result.samples.sum():,} of {work.total:,} bodies are done; "

@@ -7,7 +7,7 @@ saved files and in datasets with its name, type, unit and meaning.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from .. import _core
 from ..model.criteria import Regular
 from . import sequential
+from .measured import Measures
 from .refine import Stages, filled, refined, stages
 from .spec import MapSpec
 
@@ -106,6 +107,8 @@ class MapData:
         Index in :data:`STATUS`; 0 for a possible body.
     samples : ndarray of int64
         Bodies done, the sum of the four classes.
+    measures : Measures
+        The values of each measure by its name.
     share, lower, upper : ndarray
         Share of stable bodies with its 95 % interval, each pixel's own.
     elapsed : float
@@ -120,6 +123,7 @@ class MapData:
     columns: Mapping[str, NDArray[Any]]
     status: NDArray[np.uint8]
     samples: NDArray[np.int64]
+    measures: Measures
     share: NDArray[np.float64]
     lower: NDArray[np.float64]
     upper: NDArray[np.float64]
@@ -140,6 +144,7 @@ class MapData:
         cls,
         spec: MapSpec,
         arrays: Mapping[str, NDArray[Any]],
+        bins: Sequence[NDArray[np.int64]] = (),
         *,
         elapsed: float = math.nan,
         threads: int = 0,
@@ -147,6 +152,7 @@ class MapData:
     ) -> Self:
         """The result that follows from the counted arrays, those named in :data:`STORED`.
 
+        ``bins`` are the histograms of the measures, (n, 9) each, as the core gives them.
         Columns that are not given, as those that are not saved, are NaN.
         """
         unknown = np.full(spec.shape, np.nan)
@@ -171,6 +177,7 @@ class MapData:
             columns=columns,
             status=arrays["status"].reshape(spec.shape),
             samples=classified + failed,
+            measures=Measures(spec.measure, bins, spec.shape),
             share=share,
             lower=interval(stable, trials, confidence)[0],
             upper=interval(stable + unknown, trials, confidence)[1],

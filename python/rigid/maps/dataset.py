@@ -36,6 +36,12 @@ def map_dataset(data: MapData) -> xarray.Dataset:
         name: (name, list(axis.values), {"long_name": axis.name, "units": axis.unit})
         for name, axis in axes
     }
+    for name, measured in data.measures.items():
+        plain = name.replace("(", "_").replace(")", "").replace("-", "minus")
+        for number in ("mean", "std", "least", "largest", "count"):
+            unit = "1" if number == "count" else measured.measure.unit
+            about = {"long_name": f"{number} of the {measured.measure.words}", "units": unit}
+            arrays[f"{plain}_{number}"] = (dimensions, getattr(measured, number), about)
     attributes = {
         "title": spec.title or "",
         "criterion": spec.criterion,

@@ -13,7 +13,7 @@ import math
 import os
 import stat
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,8 @@ from numpy.typing import NDArray
 from .._checks.arguments import one_line
 from .._files import published
 from .counts import GROWTH, check_counts
-from .data import STORED, MapData
+from .data import CLASSES, STORED, MapData
+from .measured import BIN
 from .parameters import MOST_AXES, axis_letter
 from .spec import MapSpec
 
@@ -33,17 +34,21 @@ __all__ = ["file_size", "read_map", "write_map"]
 
 FORMAT = "rigid stability map"
 FORMAT_VERSION = 6
+MEASURED_VERSION = 7
+"""The format of a map with measures; without them its files are those of version 6."""
 _AUDIT = frozenset({"audited", "audited_undecided"})
 MISSING_IN: Mapping[int, frozenset[str]] = {
     3: _AUDIT | GROWTH | {"unit_drift"},
     4: _AUDIT | GROWTH,
     5: GROWTH,
     6: frozenset(),
+    7: frozenset(),
 }
 """The formats that are read, and the arrays of :data:`STORED` that their files do not have."""
 
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 _SPEC = "spec.json"
+_BINS = "measure"
 
 _DERIVED = ("share", "lower", "upper")
 """Arrays of floats for other programs; they follow from the others and are not read."""
@@ -56,6 +61,11 @@ MOST_TEXT = 2**16
 
 _ENTRY = 1024
 """More bytes than the headers and the entry of an array in the directory take."""
+
+MOST_BINS = 2**18
+"""Most bins of a pixel: those of all numbers."""
+
+Bins: TypeAlias = NDArray[np.int64]
 
 _SEAL = b"sha256 "
 """How the digest at the end of a file begins; its hexadecimal digits follow. Archives that other
@@ -75,6 +85,8 @@ def write_map(data: MapData, path: str | os.PathLike[str]) -> Path:
         arrays[axis_letter(place)] = np.array(axis.values)
     for name in (*STORED, *_DERIVED):
         arrays[name] = getattr(data, name)
+    for number, measured in enumerate(data.measures.values()):
+        arrays[f"{_BINS}{number}"] = measured.bins
     with published(target) as whole:
         with zipfile.ZipFile(whole, "w", zipfile.ZIP_STORED) as archive:
             for name, array in arrays.items():
@@ -117,16 +129,20 @@ def file_size(spec: MapSpec) -> int:
     axes = [len(axis.values) for axis in spec.axes]
     pixel = sum(dtype.itemsize for dtype in STORED.values()) + 8 * len(_DERIVED)
     arrays = pixel * math.prod(axes) + 8 * sum(axes)
-    return len(_header(spec)) + arrays + _ENTRY * (1 + len(axes) + len(STORED) + len(_DERIVED))
+    # As many bins as values, at most: those of one pixel mostly share some.
+    bins = len(spec.measure) * math.prod(axes) * min(spec.samples, MOST_BINS) * 8 * BIN
+    entries = 1 + len(axes) + len(STORED) + len(_DERIVED) + len(spec.measure)
+    return len(_header(spec)) + arrays + bins + _ENTRY * entries
 
 
 def _header(spec: MapSpec) -> bytes:
-    header = {"format": FORMAT, "format_version": FORMAT_VERSION, "spec": spec.to_dict()}
+    version = MEASURED_VERSION if spec.measure else FORMAT_VERSION
+    header = {"format": FORMAT, "format_version": version, "spec": spec.to_dict()}
     return json.dumps(header, indent=1, allow_nan=False).encode()
 
 
-def read_map(path: str | os.PathLike[str]) -> tuple[MapSpec, dict[str, NDArray[Any]]]:
-    """Specification and :data:`STORED` arrays of a saved map; see :func:`rigid.load_map`.
+def read_map(path: str | os.PathLike[str]) -> tuple[MapSpec, dict[str, NDArray[Any]], list[Bins]]:
+    """Specification, :data:`STORED` arrays and bins of measures; see :func:`rigid.load_map`.
 
     Arrays that the format of the file does not have are left out.
     """
@@ -148,7 +164,7 @@ class _FileError(Exception):
     """Why a file is refused; the name of the file precedes the message."""
 
 
-def _read(file: BinaryIO) -> tuple[MapSpec, dict[str, NDArray[Any]]]:
+def _read(file: BinaryIO) -> tuple[MapSpec, dict[str, NDArray[Any]], list[Bins]]:
     """Read a map with no more memory than a small multiple of the size of its file."""
     import zipfile
 
@@ -174,6 +190,10 @@ def _read(file: BinaryIO) -> tuple[MapSpec, dict[str, NDArray[Any]]]:
             for name, dtype in STORED.items()
             if name not in MISSING_IN[version]
         }
+        bins = [
+            _read_array(archive, f"{_BINS}{number}", np.dtype(np.int64), (None, BIN))
+            for number in range(len(spec.measure))
+        ]
     if "audited" in MISSING_IN[version]:
         # Checks did not depend on outcomes then: all were audits.
         arrays["audited"] = arrays["checked"]
@@ -187,7 +207,10 @@ def _read(file: BinaryIO) -> tuple[MapSpec, dict[str, NDArray[Any]]]:
         raise _FileError(f"is damaged: {message}")
 
     check_counts(spec, arrays, refuse)
-    return spec, arrays
+    done = np.sum([arrays[name] for name in CLASSES], axis=0).ravel()
+    for number, rows in enumerate(bins):
+        _check_bins(f"{_BINS}{number}", rows, done)
+    return spec, arrays, bins
 
 
 def _archive_length(file: BinaryIO) -> int:
@@ -233,9 +256,12 @@ def _read_array(
     archive: zipfile.ZipFile,
     name: str,
     dtype: np.dtype[Any],
-    shape: tuple[int, ...] | None = None,
+    shape: tuple[int | None, ...] | None = None,
 ) -> NDArray[Any]:
-    """An array, read after its type, its shape and its size have been compared."""
+    """An array, read after its type, its shape and its size have been compared.
+
+    A length of None is any.
+    """
     entry = archive.getinfo(f"{name}.npy")
     with archive.open(entry) as file:
         if np.lib.format.read_magic(file) != (1, 0):
@@ -243,9 +269,43 @@ def _read_array(
         found, fortran, kind = np.lib.format.read_array_header_1_0(file)
         if kind.newbyteorder("=") != dtype:
             raise _FileError(f"is damaged: {name} has type {kind}, expected {dtype}")
-        if shape is not None and found != shape:
+        if shape is not None and (
+            len(found) != len(shape)
+            or any(length not in (None, own) for length, own in zip(shape, found, strict=True))
+        ):
             raise _FileError(f"is damaged: {name} has shape {found}, expected {shape}")
         if entry.file_size - file.tell() != kind.itemsize * math.prod(found):
             raise _FileError(f"is damaged: {name} has not the size of its shape {found}")
         content = np.frombuffer(file.read(), dtype=kind)
     return content.reshape(found, order="F" if fortran else "C").astype(dtype)
+
+
+def _check_bins(name: str, rows: Bins, done: NDArray[np.int64]) -> None:
+    """Refuse a histogram that no computation gives, of pixels with so many bodies."""
+    pixel, key, count, least, largest, low, high, _, square_high = rows.T
+    steps = np.diff(pixel), np.diff(key)
+    magnitude = np.where(key < 0, -1 - key, key)
+    finite = 0x7FF << 6
+    sums = low.view(np.uint64).astype(np.float64) + np.ldexp(high.astype(np.float64), 64)
+    slack = 1e-12 * sums
+    rules = (
+        ((pixel < 0) | (pixel >= len(done)), "is no pixel"),
+        ((magnitude < 0) | (magnitude >= finite), "is no number"),
+        (count < 1, "must count values"),
+        ((least < 0) | (least > largest) | (largest >= 2**46), "offsets out of their bin"),
+        ((high < 0) | (square_high < 0), "must not be negative"),
+        ((sums + slack < count * least.astype(np.float64)), "sum below its least values"),
+        ((sums - slack > count * largest.astype(np.float64)), "sum above its largest values"),
+        (
+            np.append((steps[0] < 0) | ((steps[0] == 0) & (steps[1] <= 0)), False)[: len(rows)],
+            "must be sorted",
+        ),
+    )
+    for bad, rule in rules:
+        if bad.any():
+            raise _FileError(f"is damaged: {name}[{int(np.argmax(bad))}]: {rule}")
+    values = np.zeros(len(done), dtype=np.int64)
+    np.add.at(values, pixel, count)
+    if (values > done).any():
+        at = int(np.argmax(values > done))
+        raise _FileError(f"is damaged: {name}: more values than bodies in pixel {at}")

@@ -53,7 +53,7 @@ class Jobs:
                 return None
             at = rows[begin // self._samples : -(-end // self._samples)] - first
             for name, values in part.items():
-                if name != "first":
+                if name not in ("first", "measures"):  # maps of several parts measure nothing
                     merged.setdefault(name, np.empty(last - first, dtype=values.dtype))
                     merged[name][at] = values
         return merged
@@ -138,7 +138,6 @@ def _one(spec: MapSpec, pixels: NDArray[np.int64] | None, samples: range) -> _co
     grid = spec.grid
     if pixels is not None:
         grid = nominal_starts(spec.scene, spec.start, spec.axes, pixels)
-    criterion, axis, limits = spec.stable.core()
     noise, attitude_noise = spec.start.noise, spec.start.attitude_noise
     return _core.MapJob(
         scene=spec.scene.kind,
@@ -151,9 +150,9 @@ def _one(spec: MapSpec, pixels: NDArray[np.int64] | None, samples: range) -> _co
         attitude=grid.attitude,
         attitude_noise="none" if attitude_noise is None else attitude_noise.kind,
         attitude_size=grid.attitude_size,
-        criterion=criterion,
-        axis=axis,
-        limits=limits,
+        conditions=spec.stable.conditions(),
+        logic=" ".join(map(str, spec.stable.logic())),
+        measures=[one.core() for one in spec.measure],
         t_end=spec.t_end,
         step=spec.step,
         max_steps=spec.max_steps,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
@@ -9,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from .._checks.arguments import finite_float, nearest, one_of
+from .._checks.arguments import brief, finite_float, nearest
 from ..drawing.figure import shown_figure
 from ..model.criteria import Regular
 from .data import MapData
@@ -22,6 +23,9 @@ if TYPE_CHECKING:
 __all__ = ["plot_map"]
 
 Floats = NDArray[np.float64]
+
+SHARE, COST = "share", "cost"
+"""What is drawn by default, and the processor time."""
 
 UNDECIDED = 0.05
 """Cells with more than this share of undecided (or of failed) bodies are hatched."""
@@ -42,10 +46,10 @@ class _View:
     """What is drawn of a map: all of it, or a slice along one or two of its axes."""
 
     data: MapData
+    index: tuple[int | slice, ...]
     axes: tuple[Axis, ...]
     share: Floats
     filled: Floats
-    nanoseconds: Floats
     lower: Floats
     upper: Floats
     status: NDArray[np.uint8]
@@ -64,6 +68,7 @@ class _View:
             theory = Theory(theory.label, theory.share[index], curves)
         return cls(
             data=data,
+            index=index,
             axes=tuple(axis for k, axis in enumerate(axes) if k not in at),
             theory=theory,
             **{name: getattr(data, name)[index] for name in _DRAWN},
@@ -71,7 +76,7 @@ class _View:
 
 
 _DRAWN = (
-    *("share", "filled", "nanoseconds", "lower", "upper"),
+    *("share", "filled", "lower", "upper"),
     *("status", "samples", "failed", "undecided"),
 )
 
@@ -81,7 +86,7 @@ def plot_map(
     *,
     ax: Axes | None = None,
     cells: bool = False,
-    what: str = "share",
+    what: str = SHARE,
     at: Mapping[str, float] | None = None,
 ) -> Axes | NDArray[np.object_]:
     """Draw a stability map: colour for the share of stable bodies, hatches where it is misleading.
@@ -100,8 +105,10 @@ def plot_map(
         Axes to draw on; by default those of a new figure.
     cells : bool
         Draw the borders of the cells of a refined map.
-    what : {"share", "cost"}
-        The share of stable bodies, or the processor time of each pixel (s).
+    what : str, optional
+        ``"share"``; ``"cost"``: the processor time of each pixel (s); or a number of a measure:
+        ``"mean of flips"``; ``std``, ``least``, ``largest``, ``count`` or ``median`` in place of
+        ``mean``, or ``"quantile 0.9 of flips"``. Lines of theory belong to the share.
     at : dict of str to float, optional
         Values of axes, by their names: the slice of the map there is drawn.
 
@@ -115,7 +122,8 @@ def plot_map(
     ImportError
         Without matplotlib.
     ValueError
-        If the map has no such axis or value, or more axes are left than can be drawn.
+        If the map has no such axis or value, more axes are left than can be drawn, or ``what`` is
+        nothing that the map has.
 
     Examples
     --------
@@ -126,7 +134,7 @@ def plot_map(
     ... )
     >>> result.plot().figure.savefig("map.png")  # doctest: +SKIP
     """
-    one_of("what", what, ("share", "cost"))
+    field, label = _field(data, what)
     fixed = _places(data, at or {})
     free = [k for k in range(len(data.spec.axes)) if k not in fixed]
     theory = predict(data.spec)
@@ -134,11 +142,12 @@ def plot_map(
         if ax is None:
             ax = shown_figure().add_subplot()
         view = _View.of(data, theory, fixed)
-        _draw(view, ax, _title(data, fixed), what)
+        shown = None if field is None else field[view.index]
+        _draw(view, ax, _title(data, fixed), shown, label)
         if cells and len(view.axes) == len(data.spec.axes) == 2:
             _draw_cells(data, ax)
         return ax
-    single = ax is not None or what != "share"
+    single = ax is not None or what != SHARE
     if single or len(free) > 4:
         names = ", ".join(data.spec.axes[k].name for k in free[2:])
         raise ValueError(
@@ -216,9 +225,38 @@ def _values(data: MapData, at: Mapping[int, int]) -> str:
     )
 
 
-def _draw(view: _View, ax: Axes, title: str, what: str) -> None:
-    if what == "cost":
-        handles = _draw_cost(view, ax)
+def _field(data: MapData, what: object) -> tuple[Floats | None, str]:
+    """What is drawn instead of the share, and its label."""
+    if what == SHARE:
+        return None, ""
+    if what == COST:
+        known = np.where(data.samples > 0, data.nanoseconds, np.nan)
+        return 1e-9 * known, "processor time of a pixel (s)"
+    found = re.fullmatch(r"(mean|std|least|largest|count|median|quantile (\S+)) of (.+)", str(what))
+    if found is None or not isinstance(what, str):
+        raise ValueError(
+            f"what = {brief(what)}: must be one of 'share', 'cost', or such as 'mean of flips' or "
+            "'quantile 0.9 of flips'"
+        )
+    number, share, name = found.groups()
+    try:
+        measured = data.measures[name]
+    except KeyError as error:
+        raise ValueError(f"what = {brief(what)}: {error.args[0]}") from None
+    if number == "median" or share is not None:
+        try:
+            field = measured.quantile(0.5 if share is None else float(share))
+        except ValueError:
+            raise ValueError(f"what = {brief(what)}: a quantile lies in [0, 1]") from None
+    else:
+        field = np.asarray(getattr(measured, number), dtype=np.float64)
+    unit = "1" if number == "count" else measured.measure.unit
+    return field, f"{what}{'' if unit == '1' else f' ({unit})'}"
+
+
+def _draw(view: _View, ax: Axes, title: str, field: Floats | None, label: str) -> None:
+    if field is not None:
+        handles = _draw_field(view, ax, field, label)
     else:
         handles = _draw_plane(view, ax) if len(view.axes) == 2 else _draw_line(view, ax)
     _set_scale(ax, "x", view.axes[0])
@@ -260,22 +298,20 @@ def _plane(view: _View, ax: Axes) -> tuple[Any, list[Any]]:
     return mesh, handles
 
 
-def _draw_cost(view: _View, ax: Axes) -> list[Any]:
-    """Processor time of each pixel; white where it is not known."""
-    seconds = 1e-9 * np.where(view.samples > 0, view.nanoseconds, np.nan)
-    label = "processor time of a pixel (s)"
+def _draw_field(view: _View, ax: Axes, field: Floats, label: str) -> list[Any]:
+    """Numbers of the pixels; white where there are none."""
+    x = view.axes[0]
     if len(view.axes) == 1:
-        ax.plot(view.axes[0].values, seconds, color="#0072b2", marker=".")
+        ax.plot(np.array(x.values), field, color="#0072b2", marker=".")
         ax.set_ylabel(label)
-        return []
-    x, y = view.axes
+        return _hatch(view, ax, _edges(x), np.array(ax.get_ylim()))
+    y = view.axes[1]
+    edges = _edges(x), _edges(y)
     _set_scale(ax, "y", y)
     ax.set_ylabel(y.label)
-    mesh = ax.pcolormesh(
-        _edges(x), _edges(y), np.ma.masked_invalid(seconds), cmap="cividis", rasterized=True
-    )
+    mesh = ax.pcolormesh(*edges, np.ma.masked_invalid(field), cmap="viridis", rasterized=True)
     ax.figure.colorbar(mesh, ax=ax, pad=0.02).set_label(label)
-    return []
+    return _hatch(view, ax, *edges)
 
 
 def _draw_cells(data: MapData, ax: Axes) -> None:

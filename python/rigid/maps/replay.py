@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import operator
 from collections.abc import Mapping
@@ -16,6 +17,7 @@ from .. import _core
 from .._checks.arguments import brief, sorted_times
 from ..drawing.figure import html_text, html_with_picture
 from ..model.criteria import Regular
+from ..model.criterion import Criterion
 from ..solve.growth import Growth
 from ..solve.lyapunov import growth_of
 from ..solve.methods import EXACT, SECOND
@@ -38,6 +40,25 @@ PARTS = 64
 
 STEPS_OF_A_BODY = 100
 """The closed form of a body takes about as long as these steps."""
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """One criterion of a map for one body.
+
+    Attributes
+    ----------
+    criterion : Criterion
+    outcome : str
+        ``"stable"``, ``"unstable"``, ``"undecided"`` or ``"failed"``, by this criterion alone.
+    left : float
+        Time in s at which the first run passed a limit of the criterion; NaN for never. With
+        :func:`rigid.returns` that of the return.
+    """
+
+    criterion: Criterion
+    outcome: str
+    left: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -71,6 +92,10 @@ class Replay:
     energy_drift, momentum_drift, unit_drift : float
         Worst drift of the energy, of the conserved momentum (relative) and of the length of the
         directions that were integrated; NaN by closed form, which conserves them.
+    parts : tuple of Part
+        Each criterion of joined ones, from left to right; the criterion alone if none are joined.
+    measures : dict of str to float
+        The value of each measure of the map; NaN for none.
     step : float
         Time step in s; NaN by closed form.
     steps : int
@@ -96,6 +121,8 @@ class Replay:
     energy_drift: float
     momentum_drift: float
     unit_drift: float
+    parts: tuple[Part, ...]
+    measures: dict[str, float]
     step: float
     steps: int
     run: Any
@@ -168,6 +195,9 @@ def replay(
         run = simulate(scene, *start, t=t, method=method, step=step)
     values = dict(record)
     values["outcome"] = values.pop("class")
+    values["parts"] = _parts(spec.stable, record["parts"])
+    named = zip(map(str, spec.measure), record["measures"], strict=True)
+    values["measures"] = dict(named)
     return Replay(
         pixel=index,
         sample=number,
@@ -178,6 +208,22 @@ def replay(
         run=run,
         **values,
     )
+
+
+def _parts(stable: Criterion, conditions: list[tuple[str, float]]) -> tuple[Part, ...]:
+    """The criteria that are joined, from classes and times of leaving of their conditions."""
+    parts = []
+    rest = iter(conditions)
+    for leaf in stable.leaves:
+        classes, times = zip(*itertools.islice(rest, leaf.width), strict=True)
+        # All conditions of one criterion are to be kept; what is not known has no effect beside one
+        # that was left.
+        worst_first = ("unstable", "failed", "undecided", "stable")
+        outcome = next(name for name in worst_first if name in classes)
+        if leaf.logic()[-1] == "~":
+            outcome = {"unstable": "stable", "stable": "unstable"}.get(outcome, outcome)
+        parts.append(Part(leaf, outcome, float(np.fmin.reduce(times))))
+    return tuple(parts)
 
 
 def _growth(spec: MapSpec, pixel: int, record: Mapping[str, Any], t: ArrayLike | None) -> Growth:
@@ -218,6 +264,16 @@ def _require_same_bits(data: MapData, flat: int, sample: int) -> None:
     whole = data.steps.flat[flat] + STEPS_OF_A_BODY * bodies <= MOST_STEPS
     first = 0 if whole else sample
     again = _computed(spec, flat, range(first, bodies if whole else first + 1))
+    index = tuple(int(i) for i in np.unravel_index(flat, spec.shape))
+    who = "its bodies" if whole else f"sample {sample}"
+    for measured, rows in zip(data.measures.values(), again["measures"], strict=True):
+        mine = measured.bins[measured.bins[:, 0] == flat]
+        if whole and not np.array_equal(mine[:, 1:], rows[:, 1:]):
+            raise ValueError(
+                f"pixel = {index}: {who} computed again give other values of {measured.measure}: "
+                f"this build of rigid {_core.__version__} does not give the bits of rigid "
+                f"{spec.version}, which made the map; replay it there, or compute it again"
+            )
     for column in COLUMNS:
         if not column.reproducible:
             continue
@@ -227,8 +283,6 @@ def _require_same_bits(data: MapData, flat: int, sample: int) -> None:
         possible = {"sum": new <= old, "max": not new > old, "min": new >= old}
         same = new == old or math.isnan(old)  # NaN: the map says nothing about it
         if not (same if whole else possible[column.reduction]):
-            index = tuple(int(i) for i in np.unravel_index(flat, spec.shape))
-            who = "its bodies" if whole else f"sample {sample}"
             raise ValueError(
                 f"pixel = {index}: {who} computed again give {column.name} = {new}, the "
                 f"map has {old}: this build of rigid {_core.__version__} does not give the bits of "
@@ -237,9 +291,9 @@ def _require_same_bits(data: MapData, flat: int, sample: int) -> None:
 
 
 @lru_cache(maxsize=64)
-def _computed(spec: MapSpec, pixel: int, bodies: range) -> dict[str, float]:
-    """The columns of some bodies of one pixel, computed by this build."""
-    merged = _core.MapStatistics(1)
+def _computed(spec: MapSpec, pixel: int, bodies: range) -> dict[str, Any]:
+    """Columns and bins of the measures of some bodies of one pixel, computed by this build."""
+    merged = _core.MapStatistics(1, len(spec.measure))
     for span in spans(spec, range(spec.samples)):
         mine = range(max(span.start, bodies.start), min(span.stop, bodies.stop))
         if len(mine):
@@ -247,7 +301,8 @@ def _computed(spec: MapSpec, pixel: int, bodies: range) -> dict[str, float]:
             part = to_core(spec, samples=span).run(first + mine.start, first + mine.stop, 1)
             assert part is not None
             merged.merge({**part, "first": 0})
-    return {name: values[0] for name, values in merged.arrays().items()}
+    columns = {name: values[0] for name, values in merged.arrays().items()}
+    return {"measures": merged.bins(), **columns}
 
 
 def pixel_index(pixel: int | tuple[int, ...], shape: tuple[int, ...]) -> tuple[int, ...]:

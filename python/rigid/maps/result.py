@@ -21,7 +21,7 @@ from .dataset import map_dataset
 from .file import read_map, write_map
 from .identity import receipt
 from .plan import map_plan
-from .plot import plot_map
+from .plot import SHARE, plot_map
 from .replay import Replay, replay
 from .samples import Outcomes, Starts, outcomes, starts
 from .sensitivity import map_condition
@@ -65,6 +65,10 @@ class StabilityMap(MapData):
         Loaded maps of format 3 or 4 count all checks as audits.
     samples : ndarray of int64
         Bodies done, the sum of the four classes.
+    measures : Measures
+        What was asked for by ``measure=``, by name: ``result.measures["time_to_leave"].mean``,
+        ``.std``, ``.least``, ``.largest``, ``.count`` and ``.quantile(q)``; see
+        :class:`rigid.maps.measured.Measured`.
     share : ndarray
         ``stable / (stable + unstable)``, NaN if there are none.
     chaotic_share : ndarray
@@ -377,7 +381,7 @@ class StabilityMap(MapData):
         ax: Axes | None = None,
         *,
         cells: bool = False,
-        what: str = "share",
+        what: str = SHARE,
         at: Mapping[str, float] | None = None,
     ) -> Any:
         """Draw the map; see :func:`rigid.maps.plot.plot_map`.
@@ -388,8 +392,10 @@ class StabilityMap(MapData):
             Axes to draw on; by default those of a new figure.
         cells : bool
             Draw the borders of the cells of a refined map.
-        what : {"share", "cost"}
-            The share of stable bodies, or the processor time of each pixel.
+        what : str, optional
+            ``"share"``; ``"cost"``: the processor time of each pixel; or a number of a measure such
+            as ``"mean of flips"``, ``"std of flips"``, ``"median of flips"`` or
+            ``"quantile 0.9 of flips"``.
         at : dict of str to float, optional
             Values of axes by their names, to draw the slice of the map there.
 
@@ -531,5 +537,5 @@ def load_map(
     ...     rigid.load_map(path).spec == result.spec
     True
     """
-    spec, arrays = read_map(path)
-    return StabilityMap.from_arrays(spec.with_functions(scene=scene), arrays)
+    spec, arrays, bins = read_map(path)
+    return StabilityMap.from_arrays(spec.with_functions(scene=scene), arrays, bins)

@@ -16,7 +16,9 @@ from numpy.typing import NDArray
 from .. import _core
 from .._checks.arguments import brief, finite_float, nearest, one_of, positive_int
 from .._moments import possible
+from ..model.bounds import RateWithin
 from ..model.criteria import Criterion, check_criterion, criterion_from_dict
+from ..model.measures import Measure, check_distinct, make_measures
 from ..model.scene import Scene, scene_from_dict
 from ..model.seed import checked_seed
 from ..model.start import Start
@@ -100,6 +102,8 @@ class MapSpec:
     own : OwnScene or None
         The function that makes the scenes of the pixels from its arguments, the axes; ``scene`` is
         that of the first pixel then.
+    measure : tuple of Measure
+        What is measured of each body besides its class, with no default left open.
     version : str
         Version of rigid.
     """
@@ -120,6 +124,7 @@ class MapSpec:
     budget: int | None = None
     title: str | None = None
     own: OwnScene | None = None
+    measure: tuple[Measure, ...] = ()
     version: str = field(default_factory=lambda: str(_core.build_info()["version"]))
 
     def __post_init__(self) -> None:
@@ -136,6 +141,9 @@ class MapSpec:
         check_criterion("stable", self.stable)
         check_applicable(self.scene, self.start, self.axes)
         put("stable", self.stable.resolved(self.scene, self.start))
+        measures = make_measures(self.measure)
+        put("measure", tuple(one.resolved(self.scene, self.start) for one in measures))
+        check_distinct(self.measure)
         for axis in self.axes:
             if axis.name == "t_end":
                 put("t_end", max(axis.values))
@@ -168,8 +176,16 @@ class MapSpec:
             if self.check > 1.0:
                 raise ValueError(f"check = {self.check}: must lie in [0, 1]")
         one_of("method", self.method, map_methods())
+        if self.scene.rotor is not None:
+            for leaf in self.stable.leaves:
+                if isinstance(leaf, RateWithin) and leaf.of == "L":
+                    raise ValueError(
+                        "of = 'L': the momentum of the rotor is not watched; use 'omega'"
+                    )
         if self.is_driven:
             self.stable.check_forced()
+            for one in self.measure:
+                one.check_forced()
         if self.scene.torque is not None and self.scene.torque.times:
             raise ValueError("torque: maps accept constant torques only, not a table")
         check_method(
@@ -348,6 +364,9 @@ class MapSpec:
         """Raise ValueError, naming the first, if a possible body has no closed form."""
         if self.is_driven:
             raise ValueError(f"method = {EXACT!r}: {FORCED_RULE}")
+        for one in self.measure:
+            if one.runs:
+                raise ValueError(f"method = {EXACT!r}: {one} is measured along steps")
         moments, weight = self.grid.moments, self.grid.weight
         missing = possible(moments) & (closed_forms(self.stable, moments, weight) == "")
         if missing.any():
@@ -401,7 +420,9 @@ class MapSpec:
 
     def to_dict(self) -> dict[str, Any]:
         """The specification as a JSON-able dictionary; :meth:`from_dict` is its inverse."""
+        measured = {"measure": [one.to_dict() for one in self.measure]} if self.measure else {}
         return {
+            **measured,
             "scene": self.scene.to_dict(),
             "start": self.start.to_dict(),
             "axes": [{"name": axis.name, "values": list(axis.values)} for axis in self.axes],
@@ -436,6 +457,7 @@ class MapSpec:
         axes = {axis["name"]: axis["values"] for axis in values["axes"]}
         values["axes"] = make_axes(axes, names)
         values["stable"] = criterion_from_dict(values["stable"])
+        values["measure"] = tuple(Measure(**one) for one in values.get("measure", ()))
         return cls(**values)
 
     def to_json(self) -> str:

@@ -1,20 +1,21 @@
 """What *stable* means: the criteria of a map, each with its horizon stated elsewhere.
 
-A new criterion is one more class in this file and its entry in :data:`CRITERIA`; the core selects
-the observable by the name that :meth:`Criterion.core` gives.
+A new criterion is one more class here or in ``bounds.py``, and its entry in :data:`CRITERIA`; the
+core selects the observable by the name that :meth:`Criterion.core` gives.
 """
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import MISSING, asdict, dataclass, fields, replace
+from dataclasses import MISSING, dataclass, fields, replace
 from math import pi
 from typing import Any, ClassVar, Self
 
 import numpy as np
 
 from .._checks.arguments import brief, finite_float, one_of
+from .bounds import NearStart, RateWithin, ReturnsNear, SpinAbove, TiltBetween
+from .criterion import Criterion, Joined
 from .scene import Scene
 from .start import Start, body_axis
 
@@ -37,64 +38,6 @@ REFERENCES = ("start", "vertical")
 
 NORMS = ("rates", "attitude")
 """What the growth of a displacement is that of: rates and vertical, or rates and attitude."""
-
-
-class Criterion(ABC):
-    """A definition of *stable*: the interface of all criteria. ``str`` describes the criterion.
-
-    Attributes
-    ----------
-    name : str
-        Name in :data:`CRITERIA`, in map files and saved maps; a function of this name in
-        :mod:`rigid` makes the criterion.
-    stays : str
-        A body that meets the criterion, in one word.
-    record : {"rates", "axis"}
-        The state that must be integrated to observe the criterion.
-    displaced : bool
-        Whether a displacement is integrated with the motion.
-    limited : str or None
-        The angle (rad) that the axis ``limit`` of a map sets.
-    """
-
-    __slots__ = ()
-
-    name: ClassVar[str]
-    stays: ClassVar[str] = "stable"
-    record: ClassVar[str]
-    displaced: ClassVar[bool] = False
-    limited: ClassVar[str | None] = None
-
-    @abstractmethod
-    def watched(self, step: float) -> float:
-        """Work of a step of 32 bodies with the observation, from that of the step alone."""
-
-    @abstractmethod
-    def resolved(self, scene: Scene, start: Start | None) -> Self:
-        """The criterion with all defaults filled in.
-
-        Without a start, what follows from a start may stay open if the scene allows it.
-        """
-
-    @abstractmethod
-    def core(self) -> tuple[str, int, tuple[float, ...]]:
-        """Name, axis and limits as the core takes them."""
-
-    @abstractmethod
-    def closed_form_question(self) -> tuple[str, int | None] | None:
-        """Name and axis in the core's list of closed forms, None if the criterion has none."""
-
-    @abstractmethod
-    def check_forced(self) -> None:
-        """Raise ValueError if a map cannot observe the criterion under torque and damping."""
-
-    def until(self, t_end: float) -> str:
-        """The criterion with its horizon (s) in words."""
-        return f"{self} until t = {t_end:g} s"
-
-    def to_dict(self) -> dict[str, Any]:
-        """The criterion as a JSON-able dictionary."""
-        return {"criterion": self.name, **asdict(self)}  # type: ignore[call-overload]
 
 
 @dataclass(frozen=True, slots=True)
@@ -270,7 +213,17 @@ class Regular(Criterion):
 
 
 CRITERIA: Mapping[str, type[Criterion]] = {
-    known.name: known for known in (NoFlip, TiltBelow, Regular)
+    known.name: known
+    for known in (
+        NoFlip,
+        TiltBelow,
+        TiltBetween,
+        RateWithin,
+        NearStart,
+        ReturnsNear,
+        SpinAbove,
+        Regular,
+    )
 }
 """All criteria by their name."""
 
@@ -404,7 +357,11 @@ def known_criteria() -> str:
 def criterion_from_dict(data: Mapping[str, Any]) -> Criterion:
     """The criterion of :meth:`Criterion.to_dict`."""
     values = dict(data)
-    return CRITERIA[values.pop("criterion")](**values)
+    name = values.pop("criterion")
+    if name == Joined.name:
+        parts = tuple(criterion_from_dict(part) for part in values["parts"])
+        return Joined(values["operation"], parts)
+    return CRITERIA[name](**values)
 
 
 def _axis_of(start: Start) -> int:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from ..model.criteria import Criterion
+from ..model.criterion import Criterion, Joined
 from ..model.scene import Scene
 from .arrays import in_rows
 
@@ -65,6 +65,9 @@ def closed_forms(question: Question, moments: Floats, weight: Floats) -> NDArray
     question : str or Criterion
     moments, weight : ndarray, shape (n, 3)
     """
+    if isinstance(question, Joined):
+        each = [closed_forms(leaf, moments, weight) for leaf in question.leaves]
+        return np.where(np.all([forms != "" for forms in each], axis=0), each[0], "")
     asked = ("states", None) if isinstance(question, str) else question.closed_form_question()
     if asked is None:
         return np.full(len(moments), "")

@@ -126,7 +126,7 @@ def _sequential(
             part = _columns(spec, pixels[mine], range(begin, end), threads, stop)
             if part is None:
                 return None
-            old = {name: all_columns[name][mine] for name in part if name != "first"}
+            old = {name: all_columns[name][mine] for name in all_columns}
             for name, values in _merged(old, part).items():
                 all_columns[name][mine] = values
         samples = np.where(active, until, samples)

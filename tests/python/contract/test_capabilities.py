@@ -95,6 +95,7 @@ SUBJECTS = (
     "arrays",
     "only what is asked for",
     "stability maps",
+    "criteria and measures",
     "tangent of a motion",
     "chaos",
     "running maps",

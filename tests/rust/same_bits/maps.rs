@@ -22,8 +22,9 @@ fn map(is_top: bool, method: MethodChoice, criterion: Criterion, step: Option<f6
         pixels,
         omega_law: Law::Normal,
         attitude_law: Law::Direction,
-        criterion,
-        axis: -2,
+        conditions: vec![Condition { criterion, axis: -2 }],
+        logic: Logic::single(),
+        measures: Vec::new(),
         t_end: 4.0,
         step,
         max_steps: 2000,
@@ -35,6 +36,10 @@ fn map(is_top: bool, method: MethodChoice, criterion: Criterion, step: Option<f6
     }
 }
 
+fn bounded(quantity: Quantity, limit: f64) -> Criterion {
+    Criterion::Bounded(Bound { quantity, limit, below: true, after: 0.0 })
+}
+
 fn maps() -> Vec<Map> {
     let [rk4, splitting] =
         [&scheme::RK4, &scheme::SPLITTING].map(|method| MethodChoice::Only(Solver::Steps(method)));
@@ -44,6 +49,8 @@ fn maps() -> Vec<Map> {
         map(true, rk4, Criterion::TiltFromVertical(2.2), None),
         map(true, splitting, Criterion::NoFlip, Some(0.05)),
         map(true, splitting, Criterion::TiltFromStart(2.6), Some(0.05)),
+        map(false, splitting, bounded(Quantity::Turn { of_momentum: false, in_space: true }, 0.9), None),
+        map(true, rk4, bounded(Quantity::Attitude, 2.5), Some(0.05)),
     ]
 }
 
@@ -105,7 +112,7 @@ fn in_pieces(map: &Map, size: u64, threads: usize, isa: Isa) -> Vec<Statistics> 
     };
     let mut all = vec![none; map.pixels.len()];
     for start in (0..map.len()).step_by(size as usize) {
-        let (first, part) = map.run(start, map.len().min(start + size), threads, isa, &GO).unwrap();
+        let (first, part, _) = map.run(start, map.len().min(start + size), threads, isa, &GO).unwrap();
         for (pixel, statistics) in (first as usize..).zip(part) {
             all[pixel] = merged(all[pixel], without_time(statistics));
         }
@@ -168,7 +175,8 @@ fn maps_of_growth() -> Vec<Map> {
         map.pixels[1].body.moments = [1.0, 1.0, 0.5];
         map.pixels[1].body.weight = [0.0, 0.0, 1.0];
         map.pixels[4].body = Body { omega: [0.1, 0.0, 8.0], ..top };
-        (map.axis, map.t_end, map.samples, map.max_steps) = (0, 150.0, 12, 100_000);
+        map.conditions[0].axis = 0;
+        (map.t_end, map.samples, map.max_steps) = (150.0, 12, 100_000);
     }
     let damping = [1e-4, 2e-4, 1e-4, 0.0, 0.0, 0.0];
     maps[2].forcing = vec![Forcing::new(&[], &[[0.0; 3]], &[[0.0; 3]], &[damping]).unwrap(); 5];
@@ -206,7 +214,7 @@ fn samples_with_common_audits_do_not_depend_on_the_division_of_the_work() {
         doubtful += total.checked - total.audited;
         let isa = Isa::available()[0];
         for flat in (0..map.len()).step_by(37) {
-            let (_, class, _) = map.sample(flat / 150, flat % 150, isa, &GO).unwrap();
+            let class = map.sample(flat / 150, flat % 150, isa, &GO).unwrap().class;
             let alone = map.run(flat, flat + 1, 1, isa, &GO).unwrap().1[0];
             let counts = [alone.stable, alone.unstable, alone.undecided];
             let expected =
@@ -225,7 +233,7 @@ fn a_sample_alone_is_the_sample_of_the_map() {
         let isa = Isa::available()[0];
         for flat in (0..map.len()).step_by(37) {
             let (pixel, sample) = (flat / SAMPLES, flat % SAMPLES);
-            let (body, class, outcome) = map.sample(pixel, sample, isa, &GO).unwrap();
+            let Known { body, class, outcome, .. } = map.sample(pixel, sample, isa, &GO).unwrap();
             let statistics = map.run(flat, flat + 1, 1, isa, &GO).unwrap().1[0];
             let mut expected = Statistics::NONE;
             if map.pixels[pixel as usize].possible {

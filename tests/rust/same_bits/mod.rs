@@ -14,8 +14,10 @@ use rigid::forcing::Forcing;
 use rigid::kernel::Group;
 use rigid::kernel::{Compiled, ForcingRows, Kernel, System};
 use rigid::kernel::{Entry, KernelAssignment, load};
-use rigid::map::{Check, Class, Criterion, Map, MethodChoice, Pixel, Rule, Statistics};
-use rigid::observe::{Displacement, EXIT_TIME, Flips, Observed, Tilt};
+use rigid::map::{
+    Check, Class, Condition, Criterion, Known, Logic, Map, MethodChoice, Pixel, Rule, Statistics,
+};
+use rigid::observe::{Bound, Displacement, EXIT_TIME, Flips, Observed, Quantity, Tilt};
 use rigid::parallel::Interrupt;
 use rigid::sample::{Law, uniforms};
 use rigid::scheme::{self, Engine, Scheme, Step};
@@ -37,11 +39,11 @@ fn all_bits(numbers: &[f64]) -> Vec<u64> {
 }
 
 const SYSTEMS: [(System, &[Observed]); 10] = [
-    (System::FreeRates, &[Observed::Nothing, Observed::Flips]),
+    (System::FreeRates, &[Observed::Nothing, Observed::Flips, Observed::Bounds]),
     (System::FreeAxis, &[Observed::Nothing, Observed::Tilt]),
     (System::FreeAttitude, &[Observed::Nothing]),
-    (System::TopAxis, &[Observed::Nothing, Observed::Flips, Observed::Tilt]),
-    (System::TopTwoAxes, &[Observed::Nothing, Observed::Tilt]),
+    (System::TopAxis, &[Observed::Nothing, Observed::Flips, Observed::Tilt, Observed::Bounds]),
+    (System::TopTwoAxes, &[Observed::Nothing, Observed::Tilt, Observed::Bounds]),
     (System::TopAttitude, &[Observed::Nothing]),
     (System::ReducedTopAxis, &[Observed::Nothing]),
     (System::ReducedTopTwoAxes, &[Observed::Nothing]),
@@ -67,7 +69,9 @@ fn assignment(kernel: Kernel, body: &Body) -> Option<KernelAssignment> {
 fn kernels() -> Vec<Kernel> {
     let of_system = |(system, observables): (System, &'static [Observed])| {
         let of_observable = move |&observed| {
-            let moving = scheme::steps().into_iter().filter(move |&step| system.is_moved_by(step));
+            let fits = move |step: Step| observed != Observed::Bounds || step.sees_limits();
+            let moving =
+                scheme::steps().into_iter().filter(move |&step| system.is_moved_by(step) && fits(step));
             let kernels = moving.map(move |step| Kernel { system, step, observed });
             kernels.filter(|&kernel| assignment(kernel, &lane_starts(kernel)[0].body).is_some())
         };
@@ -90,7 +94,8 @@ fn codes() -> Vec<Kernel> {
 fn the_list_of_kernels_is_complete() {
     for (system, observables) in SYSTEMS {
         let step = scheme::steps().into_iter().find(|&step| system.is_moved_by(step)).unwrap();
-        for observed in [Observed::Nothing, Observed::Flips, Observed::Tilt, Observed::Growth] {
+        use Observed::*;
+        for observed in [Nothing, Flips, Tilt, Growth, Bounds] {
             let kernel = Kernel { system, step, observed };
             let exists = std::panic::catch_unwind(|| Compiled::new(kernel, Isa::Scalar)).is_ok();
             assert_eq!(exists, observables.contains(&observed), "{kernel:?}");
@@ -126,6 +131,7 @@ struct LaneStart {
     step: f64,
     /// The limit of the tilt: small ones are compared by the sine, large ones by the cosine.
     limit: f64,
+    bound: Bound,
 }
 
 /// The lane that overflows within a few steps, and the lane whose body turns by radians a step.
@@ -156,7 +162,15 @@ fn lane_starts(kernel: Kernel) -> Vec<LaneStart> {
         // Not the symmetry axis: the rate about this axis never changes sign.
         let observed_axis = [2, 3, 1, -2, -3, -1][lane % 6];
         let limit = [0.3, 0.9, 1.6, 3.1][lane % 4];
-        LaneStart { body, observed_axis, step, limit }
+        let quantity = match lane % 5 {
+            0 => Quantity::Rate,
+            1 => Quantity::Speed,
+            2 => Quantity::Turn { of_momentum: true, in_space: false },
+            3 => Quantity::Turn { of_momentum: false, in_space: true },
+            _ => Quantity::Attitude,
+        };
+        let bound = Bound { quantity, limit, below: lane % 5 > 1, after: [0.0, 1.2][lane / 5 % 2] };
+        LaneStart { body, observed_axis, step, limit, bound }
     };
     (0..LANES).map(of_lane).collect()
 }
@@ -174,6 +188,7 @@ fn load_lane(group: &mut Group, lane: usize, kernel: Kernel, compiled: Compiled,
         limit: lane_start.limit,
         step: lane_start.step,
         displacement: Displacement::new([0.5, -0.25, 0.375, 0.3125, 0.4375, -0.5]),
+        bound: Some(lane_start.bound),
     };
     load(group, lane, compiled, assignment, &entry);
 }
@@ -254,6 +269,10 @@ fn every_kernel_on_every_instruction_set() {
             let exits = scalar.observed[EXIT_TIME].0.iter().filter(|t| t.is_finite()).count();
             assert!(scalar.observed[Tilt::SINE2].0[0] > 0.01 && (5..LANES).contains(&exits), "{kernel:?}");
         }
+        if kernel.observed == Observed::Bounds {
+            let exits = scalar.observed[EXIT_TIME].0.iter().filter(|&&t| 0.0 < t && t.is_finite()).count();
+            assert!((5..LANES).contains(&exits), "{kernel:?}: {exits}");
+        }
     }
 }
 
@@ -295,8 +314,9 @@ fn an_inactive_lane_keeps_its_state() {
             let lane = |row: Row| row.0[20];
             assert_eq!(lane(group.energy.worst), 0.0);
             assert_eq!(lane(group.momentum.worst), 0.0);
-            // For a tilt this row contains another number.
-            assert!(kernel.observed == Observed::Tilt || lane(group.observed[Flips::COUNT]) == 0.0);
+            // Of other observables this row contains another number.
+            let is_other = [Observed::Tilt, Observed::Bounds].contains(&kernel.observed);
+            assert!(is_other || lane(group.observed[Flips::COUNT]) == 0.0);
         }
     }
 }

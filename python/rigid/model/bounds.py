@@ -1,0 +1,387 @@
+"""Criteria that keep one number of a motion within a limit: tilts, turns and rates."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+from typing import ClassVar, Self
+
+from .._checks.arguments import finite_float, one_of
+from .criterion import Condition, Criterion
+from .scene import Scene
+from .start import Start, body_axis
+
+__all__ = [
+    "NearStart",
+    "RateWithin",
+    "ReturnsNear",
+    "SpinAbove",
+    "TiltBetween",
+    "near_start",
+    "rate_within",
+    "returns",
+    "spin_above",
+    "tilt_between",
+]
+
+VECTORS = {"omega": "omega", "L": "momentum"}
+FRAMES = ("space", "body")
+
+
+def _angle(name: str, value: float) -> float:
+    angle = finite_float(name, value, positive=True)
+    if angle > pi:
+        raise ValueError(f"{name} = {angle}: must lie in (0, pi] (rad)")
+    return angle
+
+
+@dataclass(frozen=True, slots=True)
+class TiltBetween(Criterion):
+    """Stable while the tilt from the vertical lies between; made by :func:`tilt_between`."""
+
+    name: ClassVar[str] = "tilt_between"
+    record: ClassVar[str] = "axis"
+    width: ClassVar[int] = 2
+
+    low: float
+    high: float
+    axis: int = 3
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "low", finite_float("low", self.low, nonnegative=True))
+        object.__setattr__(self, "high", _angle("high", self.high))
+        if self.low >= self.high:
+            raise ValueError(f"low = {self.low}: must be below high = {self.high}")
+        object.__setattr__(self, "axis", body_axis(self.axis, signed=True))
+
+    def watched(self, step: float) -> float:
+        """Each limit is watched in a run of its own."""
+        return 2.0 * (step + 0.09)
+
+    def resolved(self, scene: Scene, start: Start | None) -> Self:
+        """The criterion, if the scene has a vertical."""
+        if not scene.directions:
+            raise ValueError(
+                "tilt_between() measures from the vertical, which a free body does not know; use "
+                "tilt_below() or a HeavyTop"
+            )
+        return self
+
+    def core(self) -> Condition:
+        """The condition of the upper limit."""
+        return "tilt_from_vertical", self.axis, (self.high,)
+
+    def conditions(self) -> tuple[Condition, ...]:
+        """The axis stays below the upper limit, its opposite below the rest of the lower one."""
+        return self.core(), ("tilt_from_vertical", -self.axis, (pi - self.low,))
+
+    def logic(self) -> tuple[int | str, ...]:
+        """Both limits are kept."""
+        return 0, 1, "&"
+
+    def closed_form_question(self) -> tuple[str, int]:
+        """Lagrange tops have closed forms for the tilt of their axis."""
+        return "tilt_from_vertical", abs(self.axis)
+
+    def check_forced(self) -> None:
+        """Do nothing: maps observe tilts from the vertical under torque and damping too."""
+
+    def __str__(self) -> str:
+        return (
+            f"tilt of axis {self.axis} from the vertical between {self.low:g} and {self.high:g} rad"
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class _Bounded(Criterion):
+    """A criterion that the core watches as one number of the state."""
+
+    def watched(self, step: float) -> float:
+        """The number is computed at five places inside a step."""
+        return 1.3 * step + 0.4
+
+    def resolved(self, scene: Scene, start: Start | None) -> Self:
+        """The criterion, which leaves nothing open."""
+        return self
+
+    def closed_form_question(self) -> tuple[str, int | None] | None:
+        """None is known for the time of leaving."""
+        return None
+
+    def check_forced(self) -> None:
+        """Do nothing: the number is observed under torque and damping too."""
+
+
+@dataclass(frozen=True, slots=True)
+class RateWithin(_Bounded):
+    """Stable while a vector stays near its direction at the start; see :func:`rate_within`."""
+
+    name: ClassVar[str] = "rate_within"
+    limited: ClassVar[str | None] = "angle"
+
+    angle: float
+    of: str = "omega"
+    frame: str = "space"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "angle", _angle("angle", self.angle))
+        one_of("of", self.of, tuple(VECTORS))
+        one_of("frame", self.frame, FRAMES)
+
+    @property
+    def record(self) -> str:  # type: ignore[override]
+        """A direction in space needs the attitude."""
+        return "attitude" if self.frame == "space" else "rates"
+
+    def core(self) -> Condition:
+        """Name, no axis, and the limit (rad) as the core takes them."""
+        return f"{VECTORS[self.of]}_within_{self.frame}", 0, (self.angle,)
+
+    def closed_form_question(self) -> tuple[str, int | None] | None:
+        """The angular momentum of a free body is constant in space."""
+        # No top has a closed form of no_flip about an axis that is not named.
+        return ("no_flip", None) if self.of == "L" and self.frame == "space" else None
+
+    def __str__(self) -> str:
+        where = "in space" if self.frame == "space" else "in the body"
+        return f"{self.of} within {self.angle:g} rad of its direction at the start {where}"
+
+
+@dataclass(frozen=True, slots=True)
+class NearStart(_Bounded):
+    """Stable while the attitude stays near the start; made by :func:`near_start`."""
+
+    name: ClassVar[str] = "near_start"
+    limited: ClassVar[str | None] = "angle"
+    record: ClassVar[str] = "attitude"
+
+    angle: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "angle", _angle("angle", self.angle))
+
+    def core(self) -> Condition:
+        """Name, no axis, and the limit (rad) as the core takes them."""
+        return self.name, 0, (self.angle,)
+
+    def __str__(self) -> str:
+        return f"attitude within {self.angle:g} rad of the start"
+
+
+@dataclass(frozen=True, slots=True)
+class ReturnsNear(_Bounded):
+    """Stable if the attitude comes back near the start; made by :func:`returns`."""
+
+    name: ClassVar[str] = "returns"
+    limited: ClassVar[str | None] = "angle"
+    record: ClassVar[str] = "attitude"
+
+    angle: float
+    after: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "angle", _angle("angle", self.angle))
+        object.__setattr__(self, "after", finite_float("after", self.after, nonnegative=True))
+
+    def core(self) -> Condition:
+        """That it stays away: name, no axis, the limit (rad) and the time from which it counts."""
+        return "away_from_start", 0, (self.angle, self.after)
+
+    def logic(self) -> tuple[int | str, ...]:
+        """The body does not stay away."""
+        return 0, "~"
+
+    def __str__(self) -> str:
+        return f"attitude back within {self.angle:g} rad of the start after {self.after:g} s"
+
+
+@dataclass(frozen=True, slots=True)
+class SpinAbove(_Bounded):
+    """Stable while a rate stays above a limit; made by :func:`spin_above`."""
+
+    name: ClassVar[str] = "spin_above"
+    record: ClassVar[str] = "rates"
+
+    rate: float
+    axis: int | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "rate", finite_float("rate", self.rate, nonnegative=True))
+        if self.axis is not None:
+            object.__setattr__(self, "axis", body_axis(self.axis, signed=True))
+
+    def core(self) -> Condition:
+        """Name, axis and limit (rad/s) as the core takes them."""
+        if self.axis is None:
+            return "speed_above", 0, (self.rate,)
+        return "rate_above", self.axis, (self.rate,)
+
+    def __str__(self) -> str:
+        what = "|omega|" if self.axis is None else f"rate about axis {self.axis}"
+        return f"{what} above {self.rate:g} rad/s"
+
+
+def tilt_between(low: float, high: float, *, axis: int = 3) -> TiltBetween:
+    """Stable: the angle of a body axis from the vertical stays between two limits.
+
+    Parameters
+    ----------
+    low, high : float
+        Limits in rad, ``0 <= low < high <= pi``.
+    axis : {1, 2, 3, -1, -2, -3}
+        The body axis; negative for its opposite direction.
+
+    Returns
+    -------
+    TiltBetween
+
+    Raises
+    ------
+    ValueError
+        If the limits or the axis are out of range. A map of a free body refuses the criterion: its
+        equations contain no vertical.
+
+    Notes
+    -----
+    The upper limit is that of ``tilt_below(high, axis=axis)``, the lower one that of
+    ``tilt_below(pi - low, axis=-axis)``: the tilts of opposite directions add up to pi. Lagrange
+    tops are classified in closed form.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> str(rigid.tilt_between(0.3, 0.7))
+    'tilt of axis 3 from the vertical between 0.3 and 0.7 rad'
+    """
+    return TiltBetween(low, high, axis)
+
+
+def rate_within(angle: float, of: str = "omega", frame: str = "space") -> RateWithin:
+    """Stable: angular velocity or angular momentum stays near its direction at the start.
+
+    Parameters
+    ----------
+    angle : float
+        Limit in rad, in (0, pi].
+    of : {"omega", "L"}
+        The vector: angular velocity, or angular momentum about the fixed point.
+    frame : {"space", "body"}
+        Where the direction at the start is kept: fixed in space, or in the body.
+
+    Returns
+    -------
+    RateWithin
+
+    Raises
+    ------
+    ValueError
+        If the angle is out of range, or the vector or frame is unknown.
+
+    Notes
+    -----
+    The angle is observed as ``4 sin²(angle / 2)``, the square of the distance between two unit
+    vectors, which is accurate for small angles. A body is undecided if the vector is zero at
+    the start, or almost vanishes on its way: within a quarter of a step its direction turns by more
+    than 1 rad, and the limit may be passed unseen. The angular momentum of a free body is
+    constant in space: no free body leaves ``rate_within(angle, of="L")``, and none is integrated.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> str(rigid.rate_within(0.1, of="L", frame="body"))
+    'L within 0.1 rad of its direction at the start in the body'
+    """
+    return RateWithin(angle, of, frame)
+
+
+def near_start(angle: float) -> NearStart:
+    """Stable: the attitude stays within a rotation angle of the attitude at the start.
+
+    Parameters
+    ----------
+    angle : float
+        Limit in rad, in (0, pi]: the angle of the one rotation from the start to the attitude.
+
+    Returns
+    -------
+    NearStart
+
+    Raises
+    ------
+    ValueError
+        If the angle is out of range.
+
+    Notes
+    -----
+    The angle is observed as ``|R - R0|² = 8 sin²(angle / 2)`` (Frobenius norm), which is accurate
+    for small angles. Near pi an error e of the attitude is one of ``sqrt(e)`` of the angle.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> str(rigid.near_start(0.2))
+    'attitude within 0.2 rad of the start'
+    """
+    return NearStart(angle)
+
+
+def returns(angle: float, after: float) -> ReturnsNear:
+    """Stable: the attitude comes back within a rotation angle of the attitude at the start.
+
+    Parameters
+    ----------
+    angle : float
+        Limit in rad, in (0, pi].
+    after : float
+        Time in s from which a return counts: later than the body first leaves, usually.
+
+    Returns
+    -------
+    ReturnsNear
+
+    Raises
+    ------
+    ValueError
+        If the angle is out of range, or the time is negative.
+
+    Notes
+    -----
+    This is ``~`` of *stays away from time* ``after`` *on*. A body that does not return until the
+    horizon is unstable, and there is no time at which it left.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> str(rigid.returns(0.1, after=5.0))
+    'attitude back within 0.1 rad of the start after 5 s'
+    """
+    return ReturnsNear(angle, after)
+
+
+def spin_above(rate: float, axis: int | None = None) -> SpinAbove:
+    """Stable: the rate about a body axis, or the length of the rates, stays above a limit.
+
+    Parameters
+    ----------
+    rate : float
+        Limit in rad/s, not negative.
+    axis : {1, 2, 3, -1, -2, -3}, optional
+        The body axis; negative for the rate about its opposite direction. By default the length of
+        the rates.
+
+    Returns
+    -------
+    SpinAbove
+
+    Raises
+    ------
+    ValueError
+        If the rate is negative or the axis unknown.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> str(rigid.spin_above(2.0, axis=-3))
+    'rate about axis -3 above 2 rad/s'
+    """
+    return SpinAbove(rate, axis)

@@ -1,0 +1,209 @@
+"""The interface of all criteria, and criteria that are joined by logic."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import asdict, dataclass, replace
+from typing import Any, ClassVar, Self, TypeAlias
+
+from .._checks.arguments import brief
+from .scene import Scene
+from .start import Start
+
+__all__ = ["MOST_LEAVES", "Condition", "Criterion", "Joined"]
+
+Condition: TypeAlias = tuple[str, int, tuple[float, ...]]
+"""Name, axis and limits of one condition as the core takes them."""
+
+MOST_LEAVES = 8
+"""Most criteria that are joined: the core takes twice as many conditions."""
+
+SIGNS = {"and": "&", "or": "|", "not": "~"}
+"""The operations by their names in files, as the core takes them."""
+
+
+class Criterion(ABC):
+    """A definition of *stable*: the interface of all criteria. ``str`` describes the criterion.
+
+    Attributes
+    ----------
+    name : str
+        Name in :data:`CRITERIA`, in map files and saved maps; a function of this name in
+        :mod:`rigid` makes the criterion.
+    stays : str
+        A body that meets the criterion, in one word.
+    record : {"rates", "axis", "attitude"}
+        The state that must be integrated to observe the criterion.
+    displaced : bool
+        Whether a displacement is integrated with the motion.
+    width : int
+        Number of its conditions.
+    limited : str or None
+        The angle (rad) that the axis ``limit`` of a map sets.
+    """
+
+    __slots__ = ()
+
+    name: ClassVar[str]
+    stays: ClassVar[str] = "stable"
+    record: ClassVar[str]
+    displaced: ClassVar[bool] = False
+    width: ClassVar[int] = 1
+    limited: ClassVar[str | None] = None
+
+    @abstractmethod
+    def watched(self, step: float) -> float:
+        """Work of a step of 32 bodies with the observation, from that of the step alone."""
+
+    @abstractmethod
+    def resolved(self, scene: Scene, start: Start | None) -> Self:
+        """The criterion with all defaults filled in.
+
+        Without a start, what follows from a start may stay open if the scene allows it.
+        """
+
+    @abstractmethod
+    def core(self) -> Condition:
+        """Name, axis and limits as the core takes them."""
+
+    def conditions(self) -> tuple[Condition, ...]:
+        """What the core watches, each with its axis and limits."""
+        return (self.core(),)
+
+    def logic(self) -> tuple[int | str, ...]:
+        """How the conditions are joined, in postfix notation: their numbers and ``& | ~``."""
+        return (0,)
+
+    @property
+    def leaves(self) -> tuple[Criterion, ...]:
+        """The criteria that are joined; the criterion itself if none are."""
+        return (self,)
+
+    @abstractmethod
+    def closed_form_question(self) -> tuple[str, int | None] | None:
+        """Name and axis in the core's list of closed forms, None if the criterion has none."""
+
+    @abstractmethod
+    def check_forced(self) -> None:
+        """Raise ValueError if a map cannot observe the criterion under torque and damping."""
+
+    def until(self, t_end: float) -> str:
+        """The criterion with its horizon (s) in words."""
+        return f"{self} until t = {t_end:g} s"
+
+    def to_dict(self) -> dict[str, Any]:
+        """The criterion as a JSON-able dictionary."""
+        return {"criterion": self.name, **asdict(self)}  # type: ignore[call-overload]
+
+    def __and__(self, other: Criterion) -> Joined:
+        """Both criteria are met."""
+        return _joined("and", self, other)
+
+    def __or__(self, other: Criterion) -> Joined:
+        """At least one of the criteria is met."""
+        return _joined("or", self, other)
+
+    def __invert__(self) -> Joined:
+        """The criterion is not met."""
+        return _joined("not", self)
+
+    def __bool__(self) -> bool:
+        """Raise TypeError: ``a and b`` would silently be ``b``."""
+        raise TypeError("criteria are joined by &, | and ~, not by and, or and not")
+
+
+@dataclass(frozen=True, slots=True)
+class Joined(Criterion):
+    """Criteria joined by ``&``, ``|`` or ``~``.
+
+    Each criterion is judged over the whole horizon, alone: ``a | b`` is met if one of them is, the
+    same one all the time; ``~a`` is met if ``a`` was left. A criterion whose class is not known has
+    no effect where the others decide.
+
+    Attributes
+    ----------
+    operation : {"and", "or", "not"}
+    parts : tuple of Criterion
+        Two, or one for ``"not"``.
+    """
+
+    name: ClassVar[str] = "joined"
+
+    operation: str
+    parts: tuple[Criterion, ...]
+
+    def __post_init__(self) -> None:
+        if self.operation not in SIGNS or len(self.parts) != 1 + (self.operation != "not"):
+            raise ValueError(
+                f"operation = {brief(self.operation)}: must be 'and' or 'or' of two criteria, or "
+                "'not' of one"
+            )
+        if any(leaf.displaced for leaf in self.leaves):
+            raise ValueError("regular() integrates a displacement: it is not joined with others")
+        if len(self.leaves) > MOST_LEAVES:
+            raise ValueError(
+                f"{len(self.leaves)} criteria are joined: at most {MOST_LEAVES} may be"
+            )
+        if len(self.logic()) > 64:
+            raise ValueError("the logic of the joined criteria has more than 64 terms")
+
+    @property
+    def leaves(self) -> tuple[Criterion, ...]:
+        """The criteria that are joined, from left to right."""
+        return tuple(leaf for part in self.parts for leaf in part.leaves)
+
+    @property
+    def record(self) -> str:  # type: ignore[override]
+        """The largest state that one of the criteria needs."""
+        records = ("rates", "axis", "attitude")
+        return max((leaf.record for leaf in self.leaves), key=records.index)
+
+    def watched(self, step: float) -> float:
+        """The bodies are integrated for each criterion."""
+        return sum(leaf.watched(step) for leaf in self.leaves)
+
+    def resolved(self, scene: Scene, start: Start | None) -> Self:
+        """The criteria with all defaults filled in."""
+        return replace(self, parts=tuple(part.resolved(scene, start) for part in self.parts))
+
+    def core(self) -> Condition:
+        """Raise TypeError: there are several conditions."""
+        raise TypeError("joined criteria have several conditions: see conditions()")
+
+    def conditions(self) -> tuple[Condition, ...]:
+        """The conditions of all criteria."""
+        return tuple(condition for leaf in self.leaves for condition in leaf.conditions())
+
+    def logic(self) -> tuple[int | str, ...]:
+        """The logic of the criteria, joined."""
+        words: list[int | str] = []
+        first = 0
+        for part in self.parts:
+            words += [word if isinstance(word, str) else word + first for word in part.logic()]
+            first += sum(leaf.width for leaf in part.leaves)
+        return (*words, SIGNS[self.operation])
+
+    def closed_form_question(self) -> None:
+        """Each criterion has its own."""
+        return
+
+    def check_forced(self) -> None:
+        """Raise ValueError if one of the criteria cannot be observed under torque and damping."""
+        for leaf in self.leaves:
+            leaf.check_forced()
+
+    def to_dict(self) -> dict[str, Any]:
+        """The criteria as a JSON-able dictionary."""
+        parts = [part.to_dict() for part in self.parts]
+        return {"criterion": self.name, "operation": self.operation, "parts": parts}
+
+    def __str__(self) -> str:
+        words = [f"({part})" if isinstance(part, Joined) else str(part) for part in self.parts]
+        return f"not ({self.parts[0]})" if len(words) == 1 else f" {self.operation} ".join(words)
+
+
+def _joined(operation: str, *parts: Criterion) -> Joined:
+    for part in parts:
+        if not isinstance(part, Criterion):
+            raise TypeError(f"{SIGNS[operation]} {brief(part)}: must be a criterion")
+    return Joined(operation, parts)

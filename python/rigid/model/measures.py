@@ -1,0 +1,254 @@
+"""What a map measures of each body, besides its class."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+from .._checks.arguments import brief, one_of
+from .criteria import REFERENCES, no_flip, tilt_below
+from .scene import Scene
+from .start import Start, body_axis
+
+__all__ = [
+    "MEASURES",
+    "Measure",
+    "drift",
+    "flips",
+    "largest_tilt",
+    "make_measures",
+    "mean_rate",
+    "time_to_leave",
+]
+
+MEASURES: Mapping[str, tuple[str, str]] = {
+    "time_to_leave": ("s", "time of leaving stability"),
+    "flips": ("1", "sign changes of the rate"),
+    "largest_tilt": ("rad", "largest tilt"),
+    "mean_rate": ("rad/s", "mean rate"),
+    "drift": ("1", "largest drift of an invariant"),
+}
+"""All measures by their name, with unit and meaning; a function of this name makes each."""
+
+MOST_MEASURES = 16
+
+
+@dataclass(frozen=True, slots=True)
+class Measure:
+    """A number of each body that a map collects; made by the functions of this module.
+
+    Attributes
+    ----------
+    name : str
+        Name in :data:`MEASURES`.
+    axis : int or None
+        The body axis; None for a default that is still open, or without meaning.
+    reference : {"start", "vertical"} or None
+        The direction of a tilt.
+    """
+
+    name: str
+    axis: int | None = None
+    reference: str | None = None
+
+    def __post_init__(self) -> None:
+        one_of("name", self.name, MEASURES)
+        if self.axis is not None:
+            object.__setattr__(self, "axis", body_axis(self.axis, signed=self.name != "flips"))
+        if self.reference is not None:
+            one_of("reference", self.reference, REFERENCES)
+
+    def resolved(self, scene: Scene, start: Start) -> Measure:
+        """The measure with the defaults of the criterion that watches the same."""
+        if self.name == "flips":
+            return replace(self, axis=no_flip(self.axis).resolved(scene, start).axis)
+        if self.name == "largest_tilt":
+            assert self.axis is not None
+            tilt = tilt_below(1.0, axis=self.axis, reference=self.reference)
+            return replace(self, reference=tilt.resolved(scene, start).reference)
+        return self
+
+    @property
+    def runs(self) -> bool:
+        """Whether bodies are integrated until the horizon for this measure alone."""
+        return self.name not in ("time_to_leave", "drift")
+
+    def check_forced(self) -> None:
+        """Raise ValueError if a map cannot measure it under torque and damping."""
+        if self.name == "largest_tilt":
+            tilt_below(1.0, reference=self.reference).check_forced()
+
+    def core(self) -> tuple[str, int]:
+        """Name and axis as the core takes them."""
+        name = f"tilt_from_{self.reference}" if self.name == "largest_tilt" else self.name
+        return name, self.axis or 0
+
+    @property
+    def unit(self) -> str:
+        """Unit of the values, ``"1"`` for a number."""
+        return MEASURES[self.name][0]
+
+    @property
+    def words(self) -> str:
+        """Meaning in a few words."""
+        of_axis = "" if self.axis is None else f" of axis {self.axis}"
+        origin = "" if self.reference is None else f" from the {self.reference}"
+        return f"{MEASURES[self.name][1]}{of_axis}{origin}"
+
+    def to_dict(self) -> dict[str, Any]:
+        """The measure as a JSON-able dictionary."""
+        return asdict(self)
+
+    def __str__(self) -> str:
+        return self.name if self.axis is None else f"{self.name}({self.axis})"
+
+
+def make_measures(measure: Measure | Iterable[Measure]) -> tuple[Measure, ...]:
+    """One or several measures as a tuple."""
+    if isinstance(measure, Measure) or not isinstance(measure, Iterable):
+        measures: tuple[Measure, ...] = (measure,)
+    else:
+        measures = (measure,) if isinstance(measure, str) else tuple(measure)
+    for one in measures:
+        if not isinstance(one, Measure):
+            known = ", ".join(f"rigid.{name}()" for name in MEASURES)
+            raise TypeError(f"measure = {brief(one)}: must be a measure: {known}")
+    if len(measures) > MOST_MEASURES:
+        raise ValueError(f"measure: {len(measures)} are asked for, at most {MOST_MEASURES} may be")
+    return measures
+
+
+def check_distinct(measures: tuple[Measure, ...]) -> None:
+    """Raise ValueError if two measures have the same name and axis."""
+    names = [str(one) for one in measures]
+    for name in names:
+        if names.count(name) > 1:
+            raise ValueError(f"measure: {name} is asked for {names.count(name)} times")
+
+
+def time_to_leave() -> Measure:
+    """Time (s) at which a body leaves stability, of the bodies that are unstable.
+
+    Returns
+    -------
+    Measure
+
+    Notes
+    -----
+    The time is that of the first run. For joined criteria it is the last time at which their logic,
+    of what was kept until then, turned from true to false; bodies without such a time do not count.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> rigid.time_to_leave().unit
+    's'
+    """
+    return Measure("time_to_leave")
+
+
+def flips(axis: int | None = None) -> Measure:
+    """Number of sign changes of the rate about a body axis, until the horizon.
+
+    Parameters
+    ----------
+    axis : {1, 2, 3}, optional
+        The body axis; by default that of :func:`no_flip`.
+
+    Returns
+    -------
+    Measure
+
+    Raises
+    ------
+    ValueError
+        If the axis is unknown.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> str(rigid.flips(2))
+    'flips(2)'
+    """
+    return Measure("flips", axis)
+
+
+def largest_tilt(*, axis: int = 3, reference: str | None = None) -> Measure:
+    """Largest angle (rad) of a body axis from a direction of space, until the horizon.
+
+    Parameters
+    ----------
+    axis : {1, 2, 3, -1, -2, -3}
+        The body axis; negative for its opposite direction.
+    reference : {"start", "vertical"}, optional
+        The direction, as in :func:`tilt_below`.
+
+    Returns
+    -------
+    Measure
+
+    Raises
+    ------
+    ValueError
+        If the axis or the reference is unknown.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> rigid.largest_tilt(reference="vertical").words
+    'largest tilt of axis 3 from the vertical'
+    """
+    return Measure("largest_tilt", axis, reference)
+
+
+def mean_rate(axis: int) -> Measure:
+    """Mean over the time of the rate about a body axis (rad/s), until the horizon.
+
+    Parameters
+    ----------
+    axis : {1, 2, 3, -1, -2, -3}
+        The body axis; negative for its opposite direction.
+
+    Returns
+    -------
+    Measure
+
+    Raises
+    ------
+    ValueError
+        If the axis is unknown.
+
+    Notes
+    -----
+    The rate is integrated as the polynomial of each step, by schemes without one as the cubic
+    through the rates and their slopes at both ends.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> str(rigid.mean_rate(1))
+    'mean_rate(1)'
+    """
+    return Measure("mean_rate", axis)
+
+
+def drift() -> Measure:
+    """Largest relative drift of energy, momentum and unit lengths, of the integrated bodies.
+
+    Returns
+    -------
+    Measure
+
+    Notes
+    -----
+    It is the drift of the first run until it ended, as in the columns ``energy_drift``,
+    ``momentum_drift`` and ``unit_drift``. Bodies in closed form have none and do not count.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> rigid.drift().words
+    'largest drift of an invariant'
+    """
+    return Measure("drift")

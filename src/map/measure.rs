@@ -1,0 +1,135 @@
+//! Values of a sample that a map collects: what is measured until the horizon, whatever the class.
+
+use super::integrate::Run;
+use super::statistics::Sample;
+use super::{Class, Criterion, Map, Outcome, Watched};
+use crate::error::Error;
+use crate::memory;
+use crate::parallel::Interrupt;
+use crate::simd::Isa;
+use std::ops::Range;
+
+/// What is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// The time at which a sample that is unstable left stability.
+    TimeToLeave,
+    /// The largest drift of energy, momentum and unit lengths of the runs that classify the sample.
+    Drift,
+    /// Sign changes of the rate about the axis.
+    Flips,
+    /// The largest tilt of the axis from where it started.
+    TiltFromStart,
+    /// The largest tilt of the axis from the vertical.
+    TiltFromVertical,
+    /// The mean over the time of the rate about the axis.
+    MeanRate,
+}
+
+/// A measure: a quantity, of a body axis if it has one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Measure {
+    /// What is measured.
+    pub quantity: Quantity,
+    /// The body axis: 1, 2, 3 or -1, -2, -3; 0 for none.
+    pub axis: i32,
+}
+
+impl Measure {
+    /// The measure of that name.
+    ///
+    /// # Errors
+    /// Naming the known ones, or the axis.
+    pub fn parse(name: &str, axis: i32) -> Result<Measure, Error> {
+        const NAMES: [(&str, Quantity); 6] = [
+            ("time_to_leave", Quantity::TimeToLeave),
+            ("drift", Quantity::Drift),
+            ("flips", Quantity::Flips),
+            ("tilt_from_start", Quantity::TiltFromStart),
+            ("tilt_from_vertical", Quantity::TiltFromVertical),
+            ("mean_rate", Quantity::MeanRate),
+        ];
+        let Some((_, quantity)) = NAMES.into_iter().find(|(known, _)| *known == name) else {
+            let known = NAMES.map(|(known, _)| known).join(", ");
+            return Err(Error::Unknown { argument: "measure", value: name.into(), known });
+        };
+        let measure = Measure { quantity, axis };
+        let least = u32::from(measure.watched().is_some());
+        if !(least..=3).contains(&axis.unsigned_abs()) {
+            let rule = "must be 1, 2, 3 or -1, -2, -3";
+            return Err(Error::Value { argument: "axis", value: axis.to_string(), rule });
+        }
+        Ok(measure)
+    }
+
+    /// What is observed in a run of its own until the horizon; `None` if the runs that classify tell the value.
+    fn watched(self) -> Option<Criterion> {
+        match self.quantity {
+            Quantity::TimeToLeave | Quantity::Drift => None,
+            Quantity::Flips => Some(Criterion::NoFlip),
+            Quantity::TiltFromStart => Some(Criterion::TiltFromStart(f64::INFINITY)),
+            Quantity::TiltFromVertical => Some(Criterion::TiltFromVertical(f64::INFINITY)),
+            Quantity::MeanRate => Some(Criterion::MeanRate),
+        }
+    }
+
+    /// Whether the runs that classify tell the value.
+    pub(super) fn is_known(self) -> bool {
+        self.watched().is_none()
+    }
+
+    /// Whether it can be measured under torque and damping.
+    pub(super) fn can_be_forced(self) -> bool {
+        self.quantity != Quantity::TiltFromStart
+    }
+
+    /// The value of a sample, from its classification and from its own run; NaN if it has none.
+    pub(super) fn value(self, sample: &Sample, own: Option<&Outcome>) -> f64 {
+        match (self.quantity, own.filter(|own| own.class != Class::Failed)) {
+            (Quantity::TimeToLeave, _) if sample.class == Class::Unstable => sample.first.left,
+            (Quantity::Drift, _) if sample.class != Class::Failed => {
+                // `max` ignores a NaN.
+                sample.first.energy_drift.max(sample.first.momentum_drift).max(sample.first.unit_drift)
+            }
+            (Quantity::Flips, Some(own)) => own.flips as f64,
+            (Quantity::TiltFromStart | Quantity::TiltFromVertical, Some(own)) => own.tilt,
+            (Quantity::MeanRate, Some(own)) => own.mean_rate,
+            _ => f64::NAN,
+        }
+    }
+}
+
+impl Map {
+    /// The outcomes of the runs of the measures for a range of samples; an empty list for one that has no run.
+    pub(super) fn measured(
+        &self,
+        range: Range<u64>,
+        isa: Isa,
+        interrupt: &Interrupt,
+    ) -> Result<Vec<Vec<Option<Outcome>>>, Error> {
+        const MEASURES: &str = "measures of a block";
+        let mut all = memory::reserved(MEASURES, self.measures.len())?;
+        let mut samples = Vec::new();
+        let mut bodies = Vec::new();
+        for measure in &self.measures {
+            let Some(criterion) = measure.watched() else {
+                all.push(Vec::new());
+                continue;
+            };
+            if bodies.is_empty() {
+                bodies = self.draw(isa, range.clone())?;
+                for (index, (pixel, _)) in self.pixels_and_samples(range.clone()).enumerate() {
+                    if self.pixels[pixel as usize].possible {
+                        memory::push(MEASURES, &mut samples, index)?;
+                    }
+                }
+            }
+            let mut outcomes = memory::filled(MEASURES, bodies.len(), None)?;
+            let watched = Watched { map: self, criterion, axis: measure.axis, is_stopped: false };
+            let run = Run { cross_check: false, isa, interrupt };
+            watched.integrate((&bodies, range.start), &samples, run, &mut outcomes)?;
+            all.push(outcomes);
+        }
+        Ok(all)
+    }
+}

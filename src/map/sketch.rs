@@ -1,0 +1,141 @@
+//! A sketch of the values of many samples: exact sums, extremes, and a histogram from which quantiles follow.
+//!
+//! The bins are the numbers with one sign, one exponent and six leading bits of the mantissa: a bin is at most 1/64 as
+//! wide as its numbers are large. All that is stored are whole numbers, so merging is exact and no order of the samples
+//! changes a bit. (The bins are those of an HDR histogram; compare DDSketch, C. Masson, J. E. Rim, H. K. Lee, Proc. VLDB
+//! Endow. 12 (2019) 2195, doi 10.14778/3352063.3352135.)
+
+use crate::error::Error;
+use crate::memory;
+
+/// Bits of the mantissa below the bin.
+const REST: u32 = 46;
+
+/// What a sketch is called if it does not fit into memory.
+const SKETCH: &str = "measures of the pixels";
+
+/// The values of a bin. Their offsets are the mantissa bits below the bin: a value is that many units in the last place
+/// farther from zero than the number of the bin that is nearest to zero.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Bin {
+    /// The sign, exponent and leading bits: `bits >> 46` of a value that is not negative, else `-1 - (bits >> 46)` of its
+    /// absolute value. Keys are in the order of the values.
+    pub key: i32,
+    /// Number of values.
+    pub count: u64,
+    /// Least and largest offset.
+    pub ends: [u64; 2],
+    /// Sum of the offsets.
+    pub sum: u128,
+    /// Sum of their squares.
+    pub squares: u128,
+}
+
+impl Bin {
+    /// The numbers of a bin as a file has them.
+    pub const LEN: usize = 8;
+
+    fn of(value: f64) -> Bin {
+        let bits = value.abs().to_bits();
+        let (key, offset) = ((bits >> REST) as i32, bits & ((1 << REST) - 1));
+        let is_negative = value < 0.0;
+        let wide = u128::from(offset);
+        Bin {
+            key: if is_negative { -1 - key } else { key },
+            count: 1,
+            ends: [offset; 2],
+            sum: wide,
+            squares: wide * wide,
+        }
+    }
+
+    fn merge(&mut self, other: &Bin) {
+        self.count += other.count;
+        self.ends = [self.ends[0].min(other.ends[0]), self.ends[1].max(other.ends[1])];
+        // Below 2^92 each: 2^36 values fit, more than a map computes in a lifetime.
+        self.sum = self.sum.saturating_add(other.sum);
+        self.squares = self.squares.saturating_add(other.squares);
+    }
+
+    /// The numbers of the bin.
+    pub fn numbers(&self) -> [i64; Bin::LEN] {
+        let halves = |wide: u128| [wide as i64, (wide >> 64) as i64];
+        let ([s0, s1], [q0, q1]) = (halves(self.sum), halves(self.squares));
+        let [least, largest] = self.ends.map(|end| end as i64);
+        [self.key.into(), self.count as i64, least, largest, s0, s1, q0, q1]
+    }
+
+    /// The bin with these numbers.
+    pub fn from_numbers(numbers: [i64; Bin::LEN]) -> Bin {
+        let [key, count, least, largest, s0, s1, q0, q1] = numbers;
+        let wide = |low: i64, high: i64| u128::from(low as u64) | u128::from(high as u64) << 64;
+        Bin {
+            key: key as i32,
+            count: count as u64,
+            ends: [least as u64, largest as u64],
+            sum: wide(s0, s1),
+            squares: wide(q0, q1),
+        }
+    }
+}
+
+/// The sketch of the values of a pixel: its bins in the order of their values.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Sketch(Vec<Bin>);
+
+impl Sketch {
+    /// The sketch of no values.
+    pub const NONE: Sketch = Sketch(Vec::new());
+
+    /// Adds a value; what is not finite is none.
+    pub(super) fn add(&mut self, value: f64) -> Result<(), Error> {
+        if value.is_finite() { self.put(&Bin::of(value)) } else { Ok(()) }
+    }
+
+    /// Adds the values of a bin.
+    pub fn put(&mut self, bin: &Bin) -> Result<(), Error> {
+        match self.0.binary_search_by_key(&bin.key, |known| known.key) {
+            Ok(at) => self.0[at].merge(bin),
+            Err(at) => {
+                memory::push(SKETCH, &mut self.0, *bin)?;
+                self.0[at..].rotate_right(1);
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds the values of another sketch.
+    pub fn merge(&mut self, other: &Sketch) -> Result<(), Error> {
+        other.0.iter().try_for_each(|bin| self.put(bin))
+    }
+
+    /// The bins, in the order of their values.
+    pub fn bins(&self) -> &[Bin] {
+        &self.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn merging_in_any_order_is_adding_in_any_order() {
+        let values = [3.5, -2.0, 0.0, -0.0, 1e-310, -1e300, 3.5, 3.51, f64::NAN, f64::INFINITY, 7.0];
+        let of = |values: &mut dyn Iterator<Item = f64>| {
+            let mut sketch = Sketch::NONE;
+            values.for_each(|value| sketch.add(value).unwrap());
+            sketch
+        };
+        let whole = of(&mut values.into_iter());
+        assert_eq!(of(&mut values.into_iter().rev()), whole);
+        let mut merged = of(&mut values[4..].iter().copied());
+        merged.merge(&of(&mut values[..4].iter().copied())).unwrap();
+        assert_eq!(merged, whole);
+        assert_eq!(whole.bins().iter().map(|bin| bin.count).sum::<u64>(), 9);
+        assert!(whole.bins().is_sorted_by_key(|bin| bin.key));
+        for bin in whole.bins() {
+            assert_eq!(Bin::from_numbers(bin.numbers()), *bin);
+        }
+    }
+}

@@ -1,0 +1,421 @@
+//! A scalar of the state that stays on one side of a limit.
+
+use super::dense::hermite_weights;
+use super::{EXIT_TIME, Observable, Rows, Segment, Start, Update, three};
+use crate::kinematics::{cross, direction, direction_rate, dot};
+use crate::real::Real;
+use crate::scene::{Layout, Model, Parameters};
+use crate::scheme::Stepper;
+use crate::special::sincos;
+use std::f64::consts::PI;
+
+/// The observed scalar. An angle is observed as a square, which is accurate for small angles: of the chord
+/// `4 sin²(angle / 2)` between two directions, of the distance `8 sin²(angle / 2)` between two attitudes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// The rate about the observed axis.
+    Rate,
+    /// The length of the rates.
+    Speed,
+    /// The angle of the rates or of the angular momentum from where they were at the start.
+    Turn {
+        /// Of the angular momentum, not of the rates.
+        of_momentum: bool,
+        /// From the direction in space at the start, not from the one in the body.
+        in_space: bool,
+    },
+    /// The angle of the rotation since the start.
+    Attitude,
+}
+
+/// A limit of a quantity, and the side of it on which the quantity stays.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bound {
+    /// The quantity.
+    pub quantity: Quantity,
+    /// A rate, or an angle (rad).
+    pub limit: f64,
+    /// Whether the quantity stays below the limit; else above.
+    pub below: bool,
+    /// The time from which it is observed.
+    pub after: f64,
+}
+
+impl Bound {
+    /// The limit of the scalar, 1 if this is the largest allowed one and -1 if it is the least.
+    fn of_scalar(self) -> [f64; 2] {
+        let half = sincos(0.5 * self.limit).0;
+        let limit = match self.quantity {
+            // No angle is larger.
+            Quantity::Turn { .. } | Quantity::Attitude if self.below && self.limit >= PI => f64::INFINITY,
+            Quantity::Rate | Quantity::Speed => self.limit,
+            Quantity::Turn { .. } => 4.0 * half * half,
+            Quantity::Attitude => 8.0 * half * half,
+        };
+        [limit, if self.below { 1.0 } else { -1.0 }]
+    }
+}
+
+/// A scalar that stays on one side of a limit. The scalar is computed at a few places inside each step and its least
+/// margin between them, so a pair of crossings inside a step is seen.
+pub struct Bounds;
+
+impl Bounds {
+    /// Smallest distance from the limit, negative beyond.
+    const MARGIN: usize = 1;
+    /// The square of the largest distance between the directions at neighbouring places. A vector that almost vanishes
+    /// turns faster than the places can tell.
+    const LEAP2: usize = 2;
+    /// The limit.
+    const LIMIT: usize = 3;
+    /// 1 if the scalar stays below the limit, -1 if above.
+    const SIDE: usize = 4;
+    /// The time from which the scalar is observed.
+    const AFTER: usize = 5;
+    /// One of the numbers below.
+    const KIND: usize = 6;
+    /// Whether the angular momentum is observed, not the rates.
+    const MOMENTUM: usize = 7;
+    /// The observed axis, the direction at the start in the body, or the vertical at the start.
+    const AXIS: usize = 8;
+    /// The direction at the start in space, or space axis 1 at the start in the body.
+    const SPACE: usize = 11;
+
+    /// The largest `LEAP2` of a motion that is known well enough: a leap of 1 rad.
+    const MOST_LEAP2: f64 = 0.9193953882637205;
+
+    const RATE: f64 = 0.0;
+    const SPEED: f64 = 1.0;
+    const IN_BODY: f64 = 2.0;
+    const IN_SPACE: f64 = 3.0;
+    const ATTITUDE: f64 = 4.0;
+
+    /// Places inside a step at which the scalar is computed, the end among them. A step is at most about 1 rad.
+    const PLACES: usize = 4;
+}
+
+/// The directions of the space axes in the body: 3, and 1 if the layout has it, and then 2.
+#[inline(always)]
+fn frame<R: Real, L: Layout, const D: usize>(y: &[R; D]) -> [[R; 3]; 3] {
+    let mut axes = [[R::splat(0.0); 3]; 3];
+    if const { L::VECTORS > 0 } {
+        axes[2] = direction(y, 0);
+    }
+    if const { L::VECTORS > 1 } {
+        axes[0] = direction(y, 1);
+        axes[1] = if const { L::VECTORS > 2 } { direction(y, 2) } else { cross(&axes[2], &axes[0]) };
+    }
+    axes
+}
+
+/// The square of a distance.
+#[inline(always)]
+fn chord2<R: Real>(a: &[R; 3], b: &[R; 3]) -> R {
+    let d = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+    dot(&d, &d)
+}
+
+/// The observed vector of a state, its length and its direction: zero, if the vector is.
+#[inline(always)]
+fn vector<R: Real, M: Model<R>, L: Layout, S: Stepper<R, M, L, D>, const D: usize>(
+    p: &Parameters<R>,
+    rows: &Rows<R>,
+    y: &[R; D],
+) -> ([R; 3], R, [R; 3]) {
+    let (rates, momentum) = (S::rates(p, y), S::momentum(p, y));
+    let of_momentum = R::splat(0.5).lt(rows[Bounds::MOMENTUM]);
+    let mut v = rates;
+    for k in 0..3 {
+        v[k] = R::select(of_momentum, momentum[k], rates[k]);
+    }
+    let size = dot(&v, &v).sqrt();
+    let inverse = R::splat(1.0) / size.max(R::splat(f64::MIN_POSITIVE));
+    (v, size, [v[0] * inverse, v[1] * inverse, v[2] * inverse])
+}
+
+/// How far the scalar of a state is inside its limit.
+#[inline(always)]
+fn margin<R: Real, M: Model<R>, L: Layout, S: Stepper<R, M, L, D>, const D: usize>(
+    p: &Parameters<R>,
+    rows: &Rows<R>,
+    y: &[R; D],
+) -> R {
+    let kind = rows[Bounds::KIND];
+    let axis = three(rows, Bounds::AXIS);
+    let (v, size, unit) = vector::<R, M, L, S, D>(p, rows, y);
+    let mut scalar = R::select(kind.lt(R::splat(Bounds::SPEED)), dot(&v, &axis), size);
+    scalar = R::select(R::splat(Bounds::SPEED).lt(kind), chord2(&unit, &axis), scalar);
+    if const { L::VECTORS > 1 } {
+        let [one, two, third] = frame::<R, L, D>(y);
+        let space = three(rows, Bounds::SPACE);
+        let mut fixed = one;
+        for k in 0..3 {
+            fixed[k] = one[k].fma(space[0], two[k].fma(space[1], third[k] * space[2]));
+        }
+        scalar = R::select(R::splat(Bounds::IN_BODY).lt(kind), chord2(&unit, &fixed), scalar);
+        let turned = chord2(&third, &axis) + chord2(&one, &space) + chord2(&two, &cross(&axis, &space));
+        scalar = R::select(R::splat(Bounds::IN_SPACE).lt(kind), turned, scalar);
+    }
+    (rows[Bounds::LIMIT] - scalar) * rows[Bounds::SIDE]
+}
+
+/// The state inside a step, as far as the scalar needs it: by the polynomial of the step, else by the cubic with the
+/// values and slopes at both ends.
+#[derive(Clone, Copy)]
+struct Inside<'a, R, const D: usize> {
+    before: &'a [R; D],
+    after: &'a [R; D],
+    /// Slopes at both ends, where there is no polynomial.
+    slopes: [[R; D]; 2],
+}
+
+impl<R: Real, const D: usize> Inside<'_, R, D> {
+    #[inline(always)]
+    fn at<M: Model<R>, L: Layout, S: Stepper<R, M, L, D>>(
+        &self,
+        dense: &crate::scheme::Coefficients<R, D>,
+        fraction: R,
+    ) -> [R; D] {
+        let used = const { 3 + 3 * L::VECTORS };
+        let mut y = *self.after;
+        if const { S::HAS_POLYNOMIAL } {
+            let order = dense.highest();
+            // Neither a copy of slices nor a zip is always inlined, and a kernel has no calls.
+            #[allow(clippy::manual_memcpy)]
+            for d in 0..used {
+                y[d] = dense.order(order)[d];
+            }
+            for k in (0..order).rev() {
+                for d in 0..used {
+                    y[d] = y[d].fma(fraction, dense.order(k)[d]);
+                }
+            }
+        } else {
+            let [of_change, of_begin, of_end] = hermite_weights(fraction);
+            for d in 0..used {
+                let change = self.after[d] - self.before[d];
+                let bent = self.slopes[1][d].fma(of_end, self.slopes[0][d].fma(of_begin, self.before[d]));
+                y[d] = change.fma(of_change, bent);
+            }
+        }
+        y
+    }
+}
+
+/// The rates of change of the observed variables, times the step.
+#[inline(always)]
+fn slopes<R: Real, M: Model<R>, L: Layout, S: Stepper<R, M, L, D>, const D: usize>(
+    stepper: &S,
+    p: &Parameters<R>,
+    y: &[R; D],
+) -> [R; D] {
+    let mut slopes = [R::splat(0.0); D];
+    let (velocity, rates) = (stepper.velocity(p, y), S::rates(p, y));
+    for k in 0..3 {
+        slopes[k] = velocity[k] * p.step;
+    }
+    for v in 0..L::VECTORS {
+        let turning = direction_rate(&direction(y, v), &rates);
+        for k in 0..3 {
+            slopes[3 + 3 * v + k] = turning[k] * p.step;
+        }
+    }
+    slopes
+}
+
+impl Observable for Bounds {
+    const ROWS: usize = 14;
+    const CHANGING: usize = 3;
+
+    fn start(start: &Start) -> Rows<f64> {
+        let mut rows = super::UNOBSERVED;
+        let bound = start.bound.expect("a map gives the bound that is observed");
+        [rows[Bounds::LIMIT], rows[Bounds::SIDE]] = bound.of_scalar();
+        rows[Bounds::AFTER] = bound.after;
+        rows[Bounds::MARGIN] = f64::INFINITY;
+        let put = |rows: &mut Rows<f64>, at: usize, v: [f64; 3]| rows[at..at + 3].copy_from_slice(&v);
+        // The frame of the kernel at the start: space axis 3, then 1.
+        let [third, first] = start.frame;
+        let scalar = match bound.quantity {
+            Quantity::Rate => {
+                rows[Bounds::KIND] = Bounds::RATE;
+                put(&mut rows, Bounds::AXIS, start.unit);
+                dot(&start.rates, &start.unit)
+            }
+            Quantity::Speed => {
+                rows[Bounds::KIND] = Bounds::SPEED;
+                dot(&start.rates, &start.rates).sqrt()
+            }
+            Quantity::Turn { of_momentum, in_space } => {
+                rows[Bounds::KIND] = if in_space { Bounds::IN_SPACE } else { Bounds::IN_BODY };
+                rows[Bounds::MOMENTUM] = f64::from(u8::from(of_momentum));
+                let v = if of_momentum { start.momentum } else { start.rates };
+                let size = dot(&v, &v).sqrt().max(f64::MIN_POSITIVE);
+                let unit = v.map(|x| x / size);
+                put(&mut rows, Bounds::AXIS, unit);
+                if unit == [0.0; 3] {
+                    // Without a direction at the start no limit is passed, and the motion is not known well enough.
+                    (rows[Bounds::LIMIT], rows[Bounds::LEAP2]) = (f64::INFINITY, f64::INFINITY);
+                }
+                let second = cross(&third, &first);
+                put(&mut rows, Bounds::SPACE, [dot(&first, &unit), dot(&second, &unit), dot(&third, &unit)]);
+                0.0
+            }
+            Quantity::Attitude => {
+                rows[Bounds::KIND] = Bounds::ATTITUDE;
+                put(&mut rows, Bounds::AXIS, third);
+                put(&mut rows, Bounds::SPACE, first);
+                0.0
+            }
+        };
+        if bound.after <= 0.0 {
+            rows[Bounds::MARGIN] = (rows[Bounds::LIMIT] - scalar) * rows[Bounds::SIDE];
+            if rows[Bounds::MARGIN] < 0.0 {
+                rows[EXIT_TIME] = 0.0;
+            }
+        }
+        rows
+    }
+
+    /// The smallest margin of the scalar; NaN if it may have been smaller between two places.
+    fn outcome(rows: &Rows<f64>) -> f64 {
+        if rows[Bounds::LEAP2] > Bounds::MOST_LEAP2 { f64::NAN } else { rows[Bounds::MARGIN] }
+    }
+}
+
+impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Bounds {
+    /// True for the rates alone, and for rates with a vertical or a frame.
+    const FITS: bool = !M::REDUCED && !L::QUATERNION && !L::TANGENT && (L::VECTORS != 1 || M::HEAVY);
+
+    #[inline(always)]
+    fn after_step<S: Stepper<R, M, L, D>>(
+        stepper: &S,
+        p: &Parameters<R>,
+        rows: &mut Rows<R>,
+        segment: &mut Segment<R, D>,
+    ) {
+        if const { !S::SEES_LIMITS } {
+            return;
+        }
+        let &mut Segment { begin: time, before, after, .. } = segment;
+        let (zero, half, one) = (R::splat(0.0), R::splat(0.5), R::splat(1.0));
+        let never = R::splat(f64::INFINITY);
+        // The observed part of the step. An inactive lane has a step of zero.
+        let watched = one.min(((rows[Bounds::AFTER] - time) / p.step).max(zero));
+        let span = one - watched;
+        let mut inside = Inside { before, after, slopes: [*after; 2] };
+        if const { S::HAS_POLYNOMIAL } {
+            segment.polynomial(stepper);
+        } else {
+            inside.slopes =
+                [slopes::<R, M, L, S, D>(stepper, p, before), slopes::<R, M, L, S, D>(stepper, p, after)];
+        }
+        let dense = &*segment.dense;
+        let size = span * R::splat(1.0 / Bounds::PLACES as f64);
+        // The last three places, the margins there, and the first part of the step that has an end beyond the limit.
+        let (mut margins, mut least) = ([never; 3], rows[Bounds::MARGIN]);
+        let (mut low, mut high, mut ends) = (zero, zero, [zero; 2]);
+        let mut exit = never;
+        let (_, _, mut unit) = vector::<R, M, L, S, D>(p, rows, before);
+        let mut leap2 = rows[Bounds::LEAP2];
+        for place in 0..=Bounds::PLACES {
+            let fraction = size.fma(R::splat(place as f64), watched);
+            let y = if place == Bounds::PLACES { *after } else { inside.at::<M, L, S>(dense, fraction) };
+            margins = [margins[1], margins[2], margin::<R, M, L, S, D>(p, rows, &y)];
+            let (_, _, now_along) = vector::<R, M, L, S, D>(p, rows, &y);
+            leap2 = leap2.max(chord2(&now_along, &unit));
+            unit = now_along;
+            let [before_last, last, now] = margins;
+            // The minimum of the parabola through three places; its distance before the middle one, in places.
+            let bend = (before_last - last) + (now - last);
+            let slope = (now - before_last) * half;
+            let before_middle = slope / bend;
+            let depth = before_middle.fnma(slope * half, last);
+            let spread = (before_last - last).abs() + (now - last).abs();
+            // A NaN, of the first two places, is no minimum.
+            let is_between = R::select(before_middle.abs().lt(R::splat(1.25)), one, zero);
+            let is_minimum = R::select(zero.lt(bend), is_between, zero);
+            let mut dip = R::select(half.lt(is_minimum), depth, never);
+            let mut at = before_middle.fnma(size, fraction - size);
+            // The parabola is wrong by a small part of what the scalar changes by: near the limit the minimum is sought.
+            let near = R::select((spread * half).lt(dip), zero, R::select(dip.lt(never), one, zero));
+            let near = R::select(exit.lt(never), zero, near);
+            if R::any(half.lt(near)) {
+                let mut reach = size * half;
+                let [first, end] = [fraction - (size + size), fraction];
+                let middle = fraction - size;
+                at = R::select(half.lt(near), at.max(first).min(end), middle);
+                let mut deepest = last;
+                let mut place_of_deepest = middle;
+                for _ in 0..6 {
+                    let mut around = [zero; 3];
+                    for side in 0..3 {
+                        let there = reach.fma(R::splat(side as f64 - 1.0), at);
+                        let y = inside.at::<M, L, S>(dense, there);
+                        around[side] = margin::<R, M, L, S, D>(p, rows, &y);
+                        let is_inside = R::select(there.lt(first), zero, R::select(end.lt(there), zero, one));
+                        let lower = R::select(around[side].lt(deepest), is_inside, zero);
+                        deepest = R::select(half.lt(lower), around[side], deepest);
+                        place_of_deepest = R::select(half.lt(lower), there, place_of_deepest);
+                    }
+                    let bend = (around[0] - around[1]) + (around[2] - around[1]);
+                    let shift = ((around[0] - around[2]) * half) / bend;
+                    // A NaN becomes one: then the place moves to the side, and the deepest one is kept.
+                    let shift = shift.max(-one).min(one);
+                    at = reach.fma(R::select(zero.lt(bend), shift, zero), at).max(first).min(end);
+                    reach = reach * R::splat(0.25);
+                }
+                dip = R::select(half.lt(near), deepest, dip);
+                at = R::select(half.lt(near), place_of_deepest, at);
+                // A pair of crossings: the margin before is not negative, the one at the minimum is.
+                let dives = R::select(half.lt(near), R::select(deepest.lt(zero), one, zero), zero);
+                let new = R::select(half.lt(dives), one, zero);
+                // The last place inside the limit before the minimum.
+                let from_middle = R::select(middle.lt(at), R::select(last.lt(zero), zero, one), zero);
+                low = R::select(half.lt(new), R::select(half.lt(from_middle), middle, first), low);
+                high = R::select(half.lt(new), at, high);
+                ends[0] =
+                    R::select(half.lt(new), R::select(half.lt(from_middle), last, before_last), ends[0]);
+                ends[1] = R::select(half.lt(new), deepest, ends[1]);
+                exit = R::select(half.lt(new), at, exit);
+            }
+            least = least.min(now);
+            least = R::select(dip.lt(least), dip, least);
+            let crosses = R::select(exit.lt(never), zero, R::select(now.lt(zero), one, zero));
+            low = R::select(half.lt(crosses), if place == 0 { watched } else { fraction - size }, low);
+            high = R::select(half.lt(crosses), fraction, high);
+            ends[0] = R::select(half.lt(crosses), if place == 0 { zero } else { last }, ends[0]);
+            ends[1] = R::select(half.lt(crosses), now, ends[1]);
+            exit = R::select(half.lt(crosses), fraction, exit);
+        }
+        // Before its time, and after the limit was passed, nothing is observed.
+        let is_open = R::select(rows[EXIT_TIME].lt(never), zero, R::select(zero.lt(span), one, zero));
+        rows[Bounds::MARGIN] = R::select(zero.lt(span), least, rows[Bounds::MARGIN]);
+        // Rates and attitudes have no direction that could leap.
+        let has_direction =
+            R::select(rows[Bounds::KIND].lt(R::splat(Bounds::ATTITUDE)), rows[Bounds::KIND], zero);
+        rows[Bounds::LEAP2] = R::select(R::splat(Bounds::SPEED).lt(has_direction), leap2, zero);
+        let leaves = R::select(half.lt(is_open), exit, never).lt(never);
+        if R::any(leaves) {
+            // Regula falsi with half the margin of an end that remains twice (Dowell & Jarratt 1971,
+            // doi 10.1007/BF01934364).
+            let [mut inner, mut outer] = [ends[0].max(zero), ends[1]];
+            let mut last_side = zero;
+            for _ in 0..16 {
+                let fraction = (high - low).fma(inner / (inner - outer), low);
+                let y = inside.at::<M, L, S>(dense, fraction);
+                let margin = margin::<R, M, L, S, D>(p, rows, &y);
+                let beyond = margin.lt(zero);
+                let side = R::select(beyond, one, -one);
+                let weight = R::select(zero.lt(side * last_side), half, one);
+                last_side = side;
+                (low, high) = (R::select(beyond, low, fraction), R::select(beyond, fraction, high));
+                (inner, outer) =
+                    (R::select(beyond, inner * weight, margin), R::select(beyond, margin, outer * weight));
+            }
+            let fraction = (high - low).fma(inner / (inner - outer), low);
+            let at = p.step.fma(fraction, time);
+            rows[EXIT_TIME] = R::select(leaves, at, rows[EXIT_TIME]);
+        }
+    }
+}

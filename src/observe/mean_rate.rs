@@ -1,0 +1,80 @@
+//! The mean over the time of a component of the rates.
+
+use super::{Observable, Rows, Segment, Start, Update, along, three};
+use crate::real::Real;
+use crate::scene::{Layout, Model, Parameters};
+use crate::scheme::Stepper;
+
+/// The integral over the time of the rate about the observed axis: of the polynomial of each step, or of the cubic
+/// through the values and slopes at its ends.
+pub struct MeanRate;
+
+impl MeanRate {
+    /// The integral, and the rounding error of the sum.
+    pub const ANGLE: usize = 1;
+    /// The end of the last step.
+    pub const TIME: usize = 3;
+    /// The observed body axis: a unit vector along a principal axis, in either direction.
+    pub const AXIS: usize = 4;
+}
+
+impl Observable for MeanRate {
+    const ROWS: usize = 7;
+    const CHANGING: usize = 4;
+
+    fn start(start: &Start) -> Rows<f64> {
+        let mut rows = super::UNOBSERVED;
+        rows[MeanRate::AXIS..MeanRate::AXIS + 3].copy_from_slice(&start.unit);
+        rows
+    }
+
+    /// The integral over the time.
+    fn outcome(rows: &Rows<f64>) -> f64 {
+        (rows[MeanRate::ANGLE] + rows[MeanRate::ANGLE + 1]) / rows[MeanRate::TIME]
+    }
+}
+
+impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for MeanRate {
+    /// True for the rates of the body in the layout that contains only variables that the rates need.
+    const FITS: bool =
+        !M::REDUCED && !L::QUATERNION && !L::TANGENT && (L::BALANCE || L::VECTORS == M::HEAVY as usize);
+
+    #[inline(always)]
+    fn after_step<S: Stepper<R, M, L, D>>(
+        stepper: &S,
+        p: &Parameters<R>,
+        rows: &mut Rows<R>,
+        segment: &mut Segment<R, D>,
+    ) {
+        let &mut Segment { begin: time, before, after, .. } = segment;
+        let axis = three(rows, MeanRate::AXIS);
+        let mean = if const { S::HAS_POLYNOMIAL } {
+            let dense = segment.polynomial(stepper);
+            let mut mean = R::splat(0.0);
+            for k in (0..=dense.highest()).rev() {
+                let row = dense.order(k);
+                mean = along(&axis, &[row[0], row[1], row[2]]).fma(R::splat(1.0 / (k + 1) as f64), mean);
+            }
+            mean
+        } else {
+            let (begin, end) = (along(&axis, &S::rates(p, before)), along(&axis, &S::rates(p, after)));
+            // The state may consist of momenta.
+            let [mut slope, last] = [stepper.velocity(p, before), stepper.velocity(p, after)];
+            for k in 0..3 {
+                slope[k] = (slope[k] - last[k]) * p.step;
+            }
+            let mut state = *before;
+            [state[0], state[1], state[2]] = slope;
+            let bend = along(&axis, &S::rates(p, &state));
+            bend.fma(R::splat(1.0 / 12.0), (begin + end) * R::splat(0.5))
+        };
+        // The sum with its rounding error (Knuth).
+        let (sum, term) = (rows[MeanRate::ANGLE], mean * p.step);
+        let next = sum + term;
+        let part = next - sum;
+        let lost = (sum - (next - part)) + (term - part);
+        rows[MeanRate::ANGLE] = next;
+        rows[MeanRate::ANGLE + 1] = rows[MeanRate::ANGLE + 1] + lost;
+        rows[MeanRate::TIME] = time + p.step;
+    }
+}

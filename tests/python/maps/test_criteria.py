@@ -1,0 +1,259 @@
+"""Criteria against what a fine motion shows, and joined criteria against their logic."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rigid
+from criteria_truth import asymmetric_tops, criteria, judged, truth, wrong_verdicts
+from random_scenes import Scenes, free, tops
+from rigid.maps.plan import map_plan
+from rigid.model.criterion import Criterion, Joined
+from small_maps import small_map
+
+#: Bodies of each family; ``tests/long/criteria.py`` takes many more.
+BODIES = 200
+
+TOP = rigid.HeavyTop(rigid.Body((1.0, 1.2, 0.5)), mgl=1.0)
+SPINS = {"spin": [2.0, 4.5]}
+
+
+def families(rng: np.random.Generator, n: int) -> list[Scenes]:
+    return [
+        free(rng, n, equal=False),
+        free(rng, n, equal=True),
+        tops(rng, n),
+        asymmetric_tops(rng, n),
+    ]
+
+
+@pytest.mark.parametrize("family", range(4))
+def test_verdicts_are_those_of_a_fine_motion(family: int) -> None:
+    """Wherever the map decides, also where a limit is passed inside a step only.
+
+    The bodies that almost vanish in their rates are undecided where a direction is watched.
+    """
+    rng = np.random.default_rng(family)
+    scenes = families(rng, BODIES)[family]
+    seen: set[bool] = set()
+    for criterion in criteria(scenes.kind, rng):
+        verdicts = judged(scenes, criterion)
+        wrong, late = wrong_verdicts(criterion, scenes, verdicts, truth(scenes, criterion))
+        assert not wrong.size, (str(criterion), scenes.written(int(wrong[0])))
+        assert verdicts.undecided.mean() < 0.2, str(criterion)
+        if late.size:
+            # The truth looks at 1e-6 s; a limit that is passed slowly is passed later by more.
+            assert np.quantile(late, 0.9) < 3e-5, str(criterion)
+        seen |= {*verdicts.stable[~verdicts.undecided].tolist()}
+    assert seen == {False, True}
+
+
+@pytest.mark.parametrize("scheme", ["rk4", "splitting4", "hermite9", "taylor8"])
+def test_other_methods_agree(scheme: str) -> None:
+    """By the polynomial of their step, or by the cubic through its ends."""
+    scenes = free(np.random.default_rng(5), BODIES, equal=False)
+    for criterion in (rigid.rate_within(0.7), rigid.near_start(1.0), rigid.spin_above(0.3, 1)):
+        by_map = judged(scenes, criterion, scheme)
+        series = judged(scenes, criterion)
+        decided = ~by_map.undecided & ~series.undecided
+        assert decided.mean() > 0.9
+        assert (by_map.stable == series.stable)[decided].mean() > 0.98, str(criterion)
+
+
+def test_the_angular_momentum_of_a_free_body_is_constant_in_space() -> None:
+    result = small_map(stable=rigid.rate_within(1e-9, of="L"), method="auto")
+    assert (result.stable == 20).all()
+    assert (result.exact == 20).all()
+
+
+def test_a_symmetric_free_body_precesses_on_its_cones() -> None:
+    """omega keeps its angle from L: it goes round a cone, to twice that angle from its start."""
+    body, omega = rigid.Body((1.0, 1.0, 1.6)), (0.3, 0.0, 1.0)
+    momentum = np.array(body.moments) * omega
+    cone = 2.0 * math.acos(momentum @ omega / np.linalg.norm(momentum) / np.linalg.norm(omega))
+    for share, count in ((0.999, 0), (1.001, 3)):
+        result = rigid.stability_map(
+            rigid.FreeBody(body),
+            axes={"omega2": [0.0]},
+            samples=3,
+            t_end=40.0,
+            start=rigid.Start(omega=omega),
+            stable=rigid.rate_within(share * cone),
+            rng=1,
+        )
+        assert result.stable.tolist() == [count]
+
+
+def test_a_body_about_its_axis_returns_each_turn() -> None:
+    """The attitude is back at 2 pi / spin: within an angle, that angle earlier."""
+    body = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)))
+    asked: dict[str, Any] = {"samples": 1, "t_end": 10.0, "rng": 1}
+    start = rigid.Start(spin=1.0, axis=3)
+    result = rigid.stability_map(
+        body, axes={"spin": [1.0]}, start=start, stable=rigid.returns(0.1, after=1.0), **asked
+    )
+    back = result.replay(0, 0)
+    assert back.outcome == "stable"
+    assert math.isnan(back.left)
+    assert back.parts[0].left == pytest.approx(2.0 * math.pi - 0.1, abs=1e-9)
+    left = rigid.stability_map(
+        body, axes={"spin": [1.0]}, start=start, stable=rigid.near_start(0.1), **asked
+    )
+    assert left.earliest[0] == pytest.approx(0.1, abs=1e-9)
+
+
+def test_tilts_between_limits_are_two_tilts_below() -> None:
+    between = rigid.tilt_between(0.05, 0.6, axis=-3)
+    both = rigid.tilt_below(0.6, axis=-3) & rigid.tilt_below(math.pi - 0.05, axis=3)
+    asked: dict[str, Any] = {
+        "axes": SPINS,
+        "samples": 50,
+        "t_end": 15.0,
+        "rng": 3,
+        "start": rigid.Start(spin=3.0, tilt=math.pi - 0.2, attitude_noise=rigid.normal(0.1)),
+    }
+    one, other = (rigid.stability_map(TOP, stable=stable, **asked) for stable in (between, both))
+    for name in ("stable", "unstable", "undecided", "earliest"):
+        np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
+
+
+SINGLE = (
+    rigid.tilt_below(0.6),
+    rigid.spin_above(1.9, axis=3),
+    rigid.rate_within(0.5),
+)
+COMBINED: tuple[tuple[Criterion, Any], ...] = (
+    (SINGLE[0] & SINGLE[1], lambda a, b, c: a & b),
+    (SINGLE[0] | SINGLE[2], lambda a, b, c: a | c),
+    (~SINGLE[0], lambda a, b, c: ~a),
+    ((SINGLE[0] | ~SINGLE[1]) & SINGLE[2], lambda a, b, c: (a | ~b) & c),
+    (~(SINGLE[0] & SINGLE[1] & ~SINGLE[2]), lambda a, b, c: ~(a & b & ~c)),
+)
+
+
+def test_joined_criteria_are_the_logic_of_the_single_ones_sample_by_sample() -> None:
+    asked: dict[str, Any] = {
+        "axes": SPINS,
+        "samples": 60,
+        "t_end": 12.0,
+        "rng": 7,
+        "start": rigid.Start(spin=3.0, tilt=0.2, attitude_noise=rigid.normal(0.2)),
+    }
+    alone = [rigid.stability_map(TOP, stable=stable, **asked) for stable in SINGLE]
+    bodies = [(pixel, sample) for pixel in range(2) for sample in range(60)]
+    single = [[result.replay(*body, t=[0.0]) for body in bodies] for result in alone]
+    truths = [np.array([body.outcome == "stable" for body in bodies_]) for bodies_ in single]
+    sure = np.all([[b.outcome in ("stable", "unstable") for b in one] for one in single], axis=0)
+    assert sure.mean() > 0.9
+    for joined, logic in COMBINED:
+        result = rigid.stability_map(TOP, stable=joined, **asked)
+        replays = [result.replay(*body, t=[0.0]) for body in bodies]
+        outcomes = np.array([body.outcome == "stable" for body in replays])
+        expected = logic(*truths)
+        np.testing.assert_array_equal(outcomes[sure], expected[sure], str(joined))
+        assert {*expected.tolist()} == {False, True}
+        # Each part keeps its own time, with the bits of the map of that part alone.
+        own = {str(result.spec.stable): single[k] for k, result in enumerate(alone)}
+        for k, body in enumerate(replays):
+            for part in body.parts:
+                other = own[str(part.criterion)][k]
+                np.testing.assert_array_equal(part.left, other.left)
+                assert part.outcome == other.outcome
+
+
+def test_a_conjunction_is_left_first_and_a_disjunction_last() -> None:
+    asked: dict[str, Any] = {
+        "axes": {"spin": [2.0]},
+        "samples": 20,
+        "t_end": 12.0,
+        "rng": 7,
+        "start": rigid.Start(spin=3.0, tilt=0.2, attitude_noise=rigid.normal(0.2)),
+    }
+    one, other = rigid.tilt_below(0.6), rigid.rate_within(0.5)
+    both, either = (
+        rigid.stability_map(TOP, stable=stable, **asked) for stable in (one & other, one | other)
+    )
+    for sample in range(20):
+        first, last = both.replay(0, sample, t=[0.0]), either.replay(0, sample, t=[0.0])
+        times = [part.left for part in first.parts]
+        assert [part.left for part in last.parts] == pytest.approx(times, nan_ok=True)
+        np.testing.assert_array_equal(first.left, np.fmin.reduce(times))
+        np.testing.assert_array_equal(last.left, np.maximum.reduce(times))
+
+
+def test_criteria_survive_files_and_words(tmp_path: Any) -> None:
+    joined = (rigid.tilt_between(0.0, 2.0) | rigid.near_start(1.0)) & ~rigid.returns(0.1, after=3)
+    result = rigid.stability_map(TOP, axes=SPINS, samples=3, t_end=2.0, stable=joined, rng=1)
+    loaded = rigid.load_map(result.save(tmp_path / "map.npz"))
+    assert loaded.spec == result.spec
+    assert loaded.spec.stable == joined
+    assert str(joined) == (
+        "(tilt of axis 3 from the vertical between 0 and 2 rad or attitude within 1 rad of the "
+        "start) and (not (attitude back within 0.1 rad of the start after 3 s))"
+    )
+
+
+def test_plans_of_joined_criteria() -> None:
+    """A closed form only where each has one; the work is that of all."""
+    spec = small_map(method="auto", samples=1, t_end=1.0).spec
+    closed = dataclasses.replace(spec, stable=rigid.no_flip(2) | ~rigid.no_flip(1), method="exact")
+    assert map_plan(closed).method == "exact"
+    with pytest.raises(ValueError, match="no closed form"):
+        dataclasses.replace(closed, stable=rigid.no_flip(2) & rigid.near_start(1.0))
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: rigid.tilt_between(-0.1, 1.0), "low = -0.1: must not be negative"),
+        (lambda: rigid.tilt_between(0.1, 4.0), r"high = 4.0: must lie in \(0, pi\] \(rad\)"),
+        (lambda: rigid.tilt_between(1.0, 0.5), "low = 1.0: must be below high = 0.5"),
+        (lambda: rigid.tilt_between(0.1, 0.5, axis=4), "axis = 4"),
+        (lambda: rigid.rate_within(0.0), "angle = 0.0: must be positive"),
+        (lambda: rigid.rate_within(1.0, of="l"), "of = 'l': must be one of"),
+        (lambda: rigid.rate_within(1.0, frame="lab"), "frame = 'lab': must be one of"),
+        (lambda: rigid.near_start(4.0), r"angle = 4.0: must lie in \(0, pi\] \(rad\)"),
+        (lambda: rigid.returns(4.0, after=1.0), r"angle = 4.0: must lie in \(0, pi\] \(rad\)"),
+        (lambda: rigid.returns(1.0, after=-1.0), "after = -1.0: must not be negative"),
+        (lambda: rigid.spin_above(-1.0), "rate = -1.0: must not be negative"),
+        (lambda: rigid.spin_above(1.0, axis=0), "axis = 0"),
+        (lambda: rigid.no_flip() & rigid.regular(), r"regular\(\) integrates a displacement"),
+        (lambda: Joined("xor", (rigid.no_flip(),)), "operation = 'xor': must be 'and' or 'or'"),
+        (
+            lambda: small_map(stable=rigid.tilt_between(0.1, 0.2)),
+            "measures from the vertical, which a free body does not know",
+        ),
+        (
+            lambda: small_map(stable=rigid.near_start(0.2), method="dmv4"),
+            "method = 'dmv4': integrates no frame with a free body",
+        ),
+        (
+            lambda: small_map(stable=rigid.no_flip(1) | rigid.spin_above(0.2), method="dop853"),
+            "method = 'dop853': observes no limit inside its steps",
+        ),
+    ],
+)
+def test_bad_input_is_named(make: Any, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        make()
+
+
+def test_joining_what_is_no_criterion() -> None:
+    with pytest.raises(TypeError, match=r"& 0\.5: must be a criterion"):
+        rigid.no_flip() & 0.5  # type: ignore[operator]
+    with pytest.raises(TypeError, match=r"joined by &, \| and ~, not by and, or and not"):
+        rigid.no_flip() and rigid.near_start(1.0)
+    many: Criterion = rigid.near_start(1.0)
+    for _ in range(7):
+        many = many & rigid.near_start(1.0)
+    with pytest.raises(ValueError, match="9 criteria are joined: at most 8 may be"):
+        many & rigid.near_start(1.0)
+    while len(many.logic()) < 64:
+        many = ~many
+    with pytest.raises(ValueError, match="more than 64 terms"):
+        assert ~many

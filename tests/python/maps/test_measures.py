@@ -1,0 +1,290 @@
+"""Measures of maps against brute force over their bodies."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import os
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rigid
+from rigid import _core
+from rigid.maps.file import file_size
+from rigid.maps.job import to_core
+from rigid.model.measures import Measure
+
+ALL = (
+    rigid.time_to_leave(),
+    rigid.flips(2),
+    rigid.largest_tilt(reference="vertical"),
+    rigid.mean_rate(1),
+    rigid.mean_rate(-3),
+    rigid.drift(),
+)
+TOP = rigid.HeavyTop(rigid.Body((1.0, 1.2, 0.5)), mgl=1.0)
+SAMPLES = 300
+
+
+def measured(**options: Any) -> rigid.StabilityMap:
+    chosen: dict[str, Any] = {
+        "axes": {"spin": [2.0, 3.0, 4.5]},
+        "samples": SAMPLES,
+        "t_end": 8.0,
+        "start": rigid.Start(spin=3.0, tilt=0.2, attitude_noise=rigid.normal(0.2)),
+        "stable": rigid.tilt_below(0.6),
+        "measure": ALL,
+        "rng": 7,
+        "progress": False,
+    }
+    return rigid.stability_map(TOP, **{**chosen, **options})
+
+
+def each_body(result: rigid.StabilityMap) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """The value of each measure of each body, (measures, pixels, samples)."""
+    job = to_core(result.spec)
+    bodies = [
+        [job.sample(pixel, sample)["measures"] for sample in range(result.spec.samples)]
+        for pixel in range(result.stable.size)
+    ]
+    return np.moveaxis(np.array(bodies), -1, 0)
+
+
+def test_numbers_are_those_of_all_bodies() -> None:
+    result = measured()
+    values = each_body(result)
+    assert [*result.measures] == [
+        "time_to_leave",
+        "flips(2)",
+        "largest_tilt(3)",
+        "mean_rate(1)",
+        "mean_rate(-3)",
+        "drift",
+    ]
+    for one, of_measure in zip(result.measures.values(), values, strict=True):
+        for pixel, row in enumerate(of_measure):
+            known = np.sort(row[~np.isnan(row)])
+            assert one.count[pixel] == known.size
+            if not known.size:
+                assert math.isnan(one.mean[pixel])
+                assert math.isnan(one.quantile(0.5)[pixel])
+                continue
+            assert (one.least[pixel], one.largest[pixel]) == (known[0], known[-1])
+            mean = sum(map(Fraction, known)) / len(known)
+            assert one.mean[pixel] == float(mean)
+            spread = sum((Fraction(x) - mean) ** 2 for x in known) / (len(known) - 1)
+            assert one.std[pixel] == pytest.approx(math.sqrt(spread), rel=1e-15)
+            for q in (0.0, 0.1, 0.5, 0.9, 0.99, 1.0):
+                exact = known[max(math.ceil(q * known.size * (1 - 1e-12)) - 1, 0)]
+                assert one.quantile(q)[pixel] == pytest.approx(exact, rel=1 / 64, abs=0.0)
+    assert result.measures["flips"].largest.max() > 2
+    # Whole numbers have bins of their own.
+    quantiles = result.measures["flips"].quantile([0.25, 0.5])
+    np.testing.assert_array_equal(quantiles, np.round(quantiles))
+
+
+def test_values_are_those_of_the_motion() -> None:
+    """Flips, tilt and mean rate from a fine trajectory."""
+    result = measured()
+    for pixel in range(3):
+        for sample in range(5):
+            body = result.replay(pixel, sample, t=[0.0])
+            t = np.linspace(0.0, 8.0, 40001)
+            scene = result.spec.grid.scene_of(pixel)
+            run = rigid.simulate(
+                scene, body.omega, body.attitude, t=t, method="taylor20", step=0.01
+            )
+            # The first rate may be zero.
+            signs = np.sign(run.omega[1:, 1])
+            assert body.measures["flips(2)"] == np.count_nonzero(np.diff(signs))
+            assert run.gamma is not None
+            tilt = np.arccos(np.clip(run.gamma[:, 2], -1.0, 1.0)).max()
+            assert body.measures["largest_tilt(3)"] == pytest.approx(tilt, abs=1e-6)
+            # Simpson's rule; its error is of fourth order in 2e-4.
+            weights = np.ones(t.size)
+            weights[1:-1:2], weights[2:-1:2] = 4.0, 2.0
+            for axis, sign in ((1, 1.0), (3, -1.0)):
+                mean = sign * weights @ run.omega[:, axis - 1] / weights.sum()
+                name = f"mean_rate({int(sign) * axis})"
+                assert body.measures[name] == pytest.approx(mean, abs=3e-6)
+            if body.outcome == "unstable":
+                assert body.measures["time_to_leave"] == body.left
+
+
+@pytest.mark.parametrize("method", ["rk4", "splitting4", "dop853", "hermite9"])
+def test_mean_rates_of_other_methods(method: str) -> None:
+    """By the cubic through both ends of a step, in rates and in momenta."""
+    asked: dict[str, Any] = {"samples": 20, "measure": rigid.mean_rate(1), "check": 0.0}
+    mean = measured(**asked).measures["mean_rate"].mean
+    np.testing.assert_allclose(
+        measured(**asked, method=method, step=0.005).measures["mean_rate"].mean, mean, atol=1e-6
+    )
+
+
+def test_a_free_body_about_its_axis_turns_at_its_spin() -> None:
+    result = rigid.stability_map(
+        rigid.FreeBody,
+        axes={"spin": [1.0, 2.0]},
+        samples=2,
+        t_end=30.0,
+        rng=1,
+        start=rigid.Start(spin=1.0, axis=3),
+        stable=rigid.no_flip(),
+        measure=[rigid.mean_rate(3), rigid.flips(), rigid.drift()],
+    )
+    np.testing.assert_allclose(result.measures["mean_rate"].mean, [1.0, 2.0], rtol=1e-15)
+    assert not result.measures["mean_rate"].std.any()
+    assert not result.measures["flips"].mean.any()
+    # In closed form nothing drifts.
+    assert not result.measures["drift"].count.any()
+
+
+def test_bytes_do_not_depend_on_threads_and_chunks(tmp_path: Path) -> None:
+    files = [
+        measured(threads=threads, chunk=chunk).save(tmp_path / f"{threads}-{chunk}.npz")
+        for threads, chunk in ((1, None), (2, 7), (3, 129), (2, 100_000))
+    ]
+    assert len({path.read_bytes() for path in files}) == 1
+
+
+def test_parts_are_merged_in_any_order() -> None:
+    spec = measured(samples=40).spec
+    job = to_core(spec)
+    parts = [job.run(first, min(first + 17, 120), 1) for first in range(0, 120, 17)]
+    bins = []
+    for order in (parts, parts[::-1]):
+        statistics = _core.MapStatistics(3, len(ALL))
+        for part in order:
+            assert part is not None
+            statistics.merge(part)
+        bins.append(statistics.bins())
+    for one, other in zip(*bins, strict=True):
+        np.testing.assert_array_equal(one, other)
+
+
+def test_measures_survive_files(tmp_path: Path) -> None:
+    result = measured()
+    loaded = rigid.load_map(result.save(tmp_path / "map.npz"))
+    assert loaded.spec == result.spec
+    for name, one in result.measures.items():
+        np.testing.assert_array_equal(loaded.measures[name].bins, one.bins)
+    assert loaded.replay(1, 2, t=[0.0]).measures == pytest.approx(
+        result.replay(1, 2, t=[0.0]).measures, nan_ok=True, rel=0, abs=0
+    )
+    assert os.path.getsize(tmp_path / "map.npz") <= file_size(result.spec)
+
+
+@pytest.mark.parametrize(
+    ("row", "column", "value", "message"),
+    [
+        (0, 0, 9, "is no pixel"),
+        (0, 1, 2**40, "is no number"),
+        (0, 2, 0, "must count values"),
+        (0, 3, -1, "offsets out of their bin"),
+        (0, 6, -1, "must not be negative"),
+        (0, 5, 0, "sum below its least values"),
+        (0, 6, 2**30, "sum above its largest values"),
+        (1, 1, 0, "must be sorted"),
+        (0, 2, None, "more values than bodies in pixel 0"),
+    ],
+)
+def test_damaged_bins_are_refused(
+    tmp_path: Path, row: int, column: int, value: int | None, message: str
+) -> None:
+    result = measured(measure=rigid.largest_tilt(), samples=20)
+    (one,) = result.measures.values()
+    if value is None:
+        # Twenty times as many of the same value.
+        one.bins[row, 2:] *= [50, 1, 1, 50, 50, 50, 50]
+        one.bins[row, 3:7] = [0, 0, 0, 0]
+    else:
+        one.bins[row, column] = value
+    path = result.save(tmp_path / "map.npz")
+    with pytest.raises(ValueError, match=message):
+        rigid.load_map(path)
+
+
+def test_another_build_is_noticed() -> None:
+    result = measured(measure=rigid.largest_tilt(), samples=20)
+    (one,) = result.measures.values()
+    one.bins[0, 5] += 1
+    with pytest.raises(ValueError, match=r"other values of largest_tilt\(3\)"):
+        result.replay(0, 0)
+
+
+def test_pictures_show_any_number() -> None:
+    result = measured(samples=20)
+    assert result.plot(what="mean of drift").get_ylabel() == "mean of drift"
+    label = result.plot(what="quantile 0.9 of time_to_leave").get_ylabel()
+    assert label == "quantile 0.9 of time_to_leave (s)"
+    plane = measured(samples=5, axes={"spin": [2.0, 3.0], "tilt": [0.1, 0.2]})
+    bar = plane.plot(what="median of largest_tilt").figure.axes[1]
+    assert bar.get_ylabel() == "median of largest_tilt (rad)"
+    for what, message in (
+        ("shares", "must be one of 'share', 'cost', or such as 'mean of flips'"),
+        ("mean of spin", "is not measured once"),
+        ("mean of mean_rate", "is not measured once"),
+        ("quantile 2 of flips", r"a quantile lies in \[0, 1\]"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            result.plot(what=what)
+
+
+def test_datasets_have_the_measures() -> None:
+    result = measured(samples=20)
+    data = result.to_xarray()
+    np.testing.assert_array_equal(
+        data["mean_rate_minus3_std"], result.measures["mean_rate(-3)"].std
+    )
+    assert data["time_to_leave_mean"].attrs["units"] == "s"
+
+
+def test_measures_change_no_class() -> None:
+    with_, without = measured(), measured(measure=())
+    for name in ("stable", "unstable", "undecided", "failed", "earliest", "energy_drift"):
+        np.testing.assert_array_equal(getattr(with_, name), getattr(without, name))
+    assert "measure" not in without.spec.to_dict()
+
+
+def test_bad_input_is_named() -> None:
+    with pytest.raises(TypeError, match=r"measure = 'flips': must be a measure: rigid\.time"):
+        measured(measure="flips")
+    with pytest.raises(TypeError, match="measure = 3: must be a measure"):
+        measured(measure=3)
+    with pytest.raises(ValueError, match="at most 16 may be"):
+        measured(measure=[rigid.drift()] * 17)
+    with pytest.raises(ValueError, match=r"flips\(2\) is asked for 2 times"):
+        measured(measure=[rigid.flips(2), rigid.flips(2)])
+    with pytest.raises(ValueError, match="axis = 4"):
+        rigid.mean_rate(4)
+    with pytest.raises(ValueError, match="axis = -2"):
+        rigid.flips(-2)
+    with pytest.raises(ValueError, match="reference = 'up': must be one of"):
+        rigid.largest_tilt(reference="up")
+    with pytest.raises(ValueError, match="name = 'spin': must be one of"):
+        Measure("spin")
+    free: dict[str, Any] = {
+        "axes": {"spin": [1.0]},
+        "samples": 1,
+        "t_end": 1.0,
+        "stable": rigid.no_flip(),
+    }
+    with pytest.raises(ValueError, match="a free body knows no vertical"):
+        rigid.stability_map(
+            rigid.FreeBody, **free, measure=rigid.largest_tilt(reference="vertical")
+        )
+    with pytest.raises(ValueError, match=r"method = 'exact': flips\(1\) is measured along steps"):
+        rigid.stability_map(rigid.FreeBody, **free, measure=rigid.flips(1), method="exact")
+    damped = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)), damping=0.1)
+    with pytest.raises(ValueError, match="under torque and damping a map watches"):
+        rigid.stability_map(damped, **free, measure=rigid.largest_tilt())
+    with pytest.raises(ValueError, match=r"q = 1.5: must lie in \[0, 1\]"):
+        measured(samples=2).measures["drift"].quantile(1.5)
+    with pytest.raises(ValueError, match="measure: is not collected with store"):
+        measured(samples=None, half_width=0.2)
+    spec = measured(samples=2).spec
+    assert dataclasses.replace(spec, measure=()).measure == ()
