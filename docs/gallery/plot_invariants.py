@@ -14,11 +14,13 @@ import rigid
 from rigid import figures
 
 body = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
-figure, axes = plt.subplots(1, 2, figsize=(12, 4.5), layout="constrained")
+figure, axes = plt.subplots(1, 2, figsize=(10, 4.5), sharey=True, layout="constrained")
 for ax, method in zip(axes, ("rk4", "splitting4"), strict=True):
     run = rigid.simulate(
         body, [1.0, 1.0, 1.0], t=np.linspace(0.0, 500.0, 1001), method=method, step=0.05
     )
     figures.invariants(run, ax=ax)
+axes[0].get_legend().remove()  # that of the second panel names both
+axes[1].set(ylabel="", ylim=(1e-17, 1e-4))
 
 plt.show()

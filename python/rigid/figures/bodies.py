@@ -200,7 +200,7 @@ def box(body: Body, *, ax: Any | None = None) -> BoxArtists:
         place = 0.5 * data.sides * outward
         label(
             ax,
-            place + 0.065 * longest * outward,
+            place + (0.03 if axis == 2 else 0.065) * longest * outward,
             f"{data.sides[axis]:g} m",
             colours.NEUTRAL,
             fontsize="medium",

@@ -394,9 +394,11 @@ def upright_cubic(
     places[0].set_ylabel("$f(u)$ (1/s²)")
     left = data.u[0] + 0.05 * (1.0 - data.u[0])
     bold: dict[str, Any] = {"ha": "left", "fontsize": "medium"}
-    label(places[-1], np.array([left, 0.9 * size]), "$f(u)$", blue, **bold)
+    label(places[0], np.array([left, -0.6 * size]), "$f(u)$", blue, **bold)
     nearby = r"$(1-u)^2(2\alpha-a^2)$"
-    label(places[-1], np.array([left, 0.72 * size]), nearby, orange, **bold)
+    label(places[0], np.array([left, -0.75 * size]), nearby, orange, **bold)
+    known = r"$\alpha = 2mgl/I_1$, $a = I_3\omega_3/I_1$"
+    label(places[0], np.array([left, -0.9 * size]), known, colours.NEUTRAL, **bold)
     return UprightCubicArtists(
         axes=tuple(places), data=data, exact=tuple(exact), approximate=tuple(approximate)
     )

@@ -380,14 +380,16 @@ def bearing_torque(
     for values, ink, name in zip(data.torque.T, colours.AXES, "xyz", strict=True):
         (line,) = turning.plot(degrees, values, color=ink.colour, linewidth=1.8)
         components.append(line)
+        # Above a crest; a constant has none.
+        place = int(values.argmax()) or len(values) * 9 // 10
         turning.annotate(
-            f"$N_{name}$",
-            (degrees[-1], values[-1]),
-            (5.0, 0.0),
+            rf"$\tau_{name}$",
+            (degrees[place], values[place]),
+            (0.0, 4.0),
             textcoords="offset points",
             color=ink.colour,
-            va="center",
-            annotation_clip=False,
+            ha="center",
+            va="bottom",
         )
     turning.set(
         xlabel="turned angle (degrees)",
@@ -395,6 +397,7 @@ def bearing_torque(
         xlim=(0.0, 360.0),
         xticks=np.arange(0.0, 361.0, 90.0),
     )
+    turning.margins(y=0.12)
     (size,) = rising.plot(data.omega, data.size, color=colours.TORQUE.colour, linewidth=1.8)
     rising.set(
         xlabel=r"rate $\omega$ (rad/s)",

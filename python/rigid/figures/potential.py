@@ -198,10 +198,9 @@ def effective_potential(
         left = (22.0 < place < 158.0 and theta < data.theta_steady) or place >= 158.0
         beside = np.array([place + (-2.0 if left else 2.0), low + share * (high - low)])
         label(ax, beside, name, ha="right" if left else "left")
-    inside = data.potential < high
     # Write the names beside the lines, outside the well.
     label(ax, np.array([176.0, data.E_prime]), "$E'$", level_colour, va="bottom")
-    rising = np.flatnonzero(inside)[-1]
+    rising = np.flatnonzero(data.potential < low + 0.88 * (high - low))[-1]
     beside = np.array([np.degrees(data.tilt[rising]) + 3.0, data.potential[rising]])
     label(ax, beside, r"$V'(\theta)$", blue, ha="left", va="top")
     ax.set(

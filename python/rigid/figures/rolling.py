@@ -211,6 +211,13 @@ def poinsot(run: Run, *, frame: int = 0, ax: Any | None = None) -> PoinsotArtist
     (contact,) = ax.plot(
         *data.contact[:, np.newaxis], "o", color=colours.OMEGA.colour, markersize=6, zorder=6
     )
+    right = np.cross(UP, towards)
+    for path, name, colour in (
+        (near, "  polhode", POLHODE),
+        (data.herpolhode, "  herpolhode", HERPOLHODE),
+    ):
+        end = path[int(np.nan_to_num(path @ right, nan=-np.inf).argmax())]
+        label(ax, end, name, colour, fontsize="small", ha="left", va="bottom")
     leftmost = square[0, (square[0] @ np.cross(towards, UP)).argmax()]
     label(ax, leftmost, "invariable plane ", colours.NEUTRAL, fontsize="small", ha="right")
     fit(ax, faces, square, 1.5 * foot, elev=ELEV, azim=AZIM)

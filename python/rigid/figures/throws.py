@@ -108,7 +108,7 @@ def throw(experiment: free.ThrowExperiment, *, axes: Sequence[Any] | None = None
         dots += ax.plot(experiment.dots_t, experiment.dots[k], "o", color="black", markersize=3)
         ax.axhline(0.0, color=colours.FAINT, linewidth=0.7, zorder=1)
         ax.set(xlim=(0.0, experiment.t[-1]), ylim=(low - room, high + room))
-        how = "cleanly" if k < 3 else "with noise"
+        how = "exactly" if k < 3 else "with noise"
         ax.set_title(f"{how} about axis {k % 3 + 1}", fontsize="medium", loc="left")
         if k >= 3:
             ax.set_xlabel("$t$ (s)")
@@ -168,12 +168,12 @@ class DriftArtists:
 
 
 NAMES = {
-    "energy": ("$E$", colours.HUES["vermilion"]),
-    "energy less work": ("$E - W$", colours.HUES["vermilion"]),
-    "L": (r"$|\mathbf{L}|$", colours.HUES["blue"]),
-    "L_space": (r"$\mathbf{L}$ in space", colours.HUES["green"]),
-    "p_phi": (r"$p_\phi$", colours.HUES["blue"]),
-    "p_psi": (r"$p_\psi$", colours.HUES["green"]),
+    "energy": ("$E$", colours.HUES["black"]),
+    "energy less work": ("$E - W$", colours.HUES["black"]),
+    "L": (r"$|\mathbf{L}|$", colours.HUES["sky"]),
+    "L_space": (r"$\mathbf{L}$ in space", colours.L.colour),
+    "p_phi": (r"$p_\phi$", colours.HUES["sky"]),
+    "p_psi": (r"$p_\psi$", colours.L.colour),
 }
 """Labels and colours of the constants."""
 
@@ -283,7 +283,8 @@ def invariants(run: Run, *, ax: Any | None = None) -> DriftArtists:
     """
     data = invariants_data(run)
     ax = in_plane(ax)
-    ax.axhline(ROUNDING, color=colours.FAINT, linewidth=1.0, zorder=1)
+    rounding = ax.axhline(ROUNDING, color=colours.FAINT, linewidth=1.0, zorder=1)
+    rounding.set_label("rounding")
     lines, floor = [], 0.02 * ROUNDING
     for name, values in zip(data.names, data.drift, strict=True):
         words, colour = NAMES[name]

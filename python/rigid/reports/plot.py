@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from itertools import pairwise, product
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,12 +20,34 @@ if TYPE_CHECKING:
     from matplotlib.text import Annotation
     from matplotlib.transforms import Bbox
 
-__all__ = ["plot_report"]
+__all__ = ["STYLES", "plot_report"]
 
-# Okabe and Ito's colours without yellow, which is lost on white; then dashes and markers.
-_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#555555")
-_DASHES = ("-", "--", ":", "-.")
-_MARKERS = ("o", "s", "^", "D", "v", "P", "X")
+# Okabe and Ito's colours without yellow, which is lost on white. A family has a colour and a
+# marker, its members differ in dashes: readers who see few colours have the other two.
+_FAMILIES = (
+    ("black", "*", (EXACT,)),
+    ("#d55e00", "o", ("rk4", "dop853")),
+    ("#0072b2", "s", ("taylor8", "taylor12", "taylor14", "taylor16", "taylor20", "taylor26")),
+    ("#009e73", "^", ("splitting", "splitting4", "splitting6", "splitting8")),
+    ("#cc79a7", "D", ("chin4a", "srkn6", "srkn11", "srkn14")),
+    ("#56b4e9", "X", ("pmlf4", "pmlf6")),
+    ("#e69f00", "v", ("dmv2", "dmv4", "dmv6", "dmv8", "dmv10")),
+    ("#555555", "P", ("hermite9", "etd4", "midpoint")),
+)
+_DASHES = ("-", "--", ":", "-.", (0, (6, 1)), (0, (3, 1, 1, 1, 1, 1)))
+
+Style: TypeAlias = tuple[str, Any, str]
+"""Colour, dashes and marker of a line."""
+
+STYLES: Mapping[str, Style] = {
+    method: (colour, dashes, marker)
+    for colour, marker, members in _FAMILIES
+    for method, dashes in zip(members, _DASHES, strict=False)
+}
+"""The style of each method in all pictures of reports."""
+
+_UNKNOWN: Style = ("#999999", "-", ".")
+"""The style of a method of another version, in a report that was read from a file."""
 
 TOP = 3.0
 """Upper limit of the axis of errors: a larger error of an attitude has no meaning."""
@@ -69,19 +92,12 @@ def plot_report(report: ReportData, *, ax: Axes | None = None) -> Axes:
     _limits(ax, report, [row for rows in lines.values() for row in rows])
     _draw_front(ax, report)
     ends = []
-    for (method, rows), style in zip(lines.items(), _styles(), strict=False):
+    for method, rows in lines.items():
+        style = STYLES.get(method, _UNKNOWN)
         _draw_method(ax, rows, *style)
         ends.append((method, rows[-1], style[0]))
     _label(ax, ends, lines)
     return ax
-
-
-def _styles() -> list[tuple[str, str, str]]:
-    """Colour, dashes and marker of each line; neighbours differ in colour."""
-    styles = []
-    for k, (dashes, colour) in enumerate(product(_DASHES, _COLOURS)):
-        styles.append((colour, dashes, _MARKERS[(k + k // len(_COLOURS)) % len(_MARKERS)]))
-    return styles
 
 
 def _drawable(rows: tuple[Row, ...]) -> list[Row]:
@@ -127,18 +143,17 @@ def _draw_front(ax: Axes, report: ReportData) -> None:
     )
 
 
-def _draw_method(ax: Axes, rows: list[Row], colour: str, dashes: str, marker: str) -> None:
+def _draw_method(ax: Axes, rows: list[Row], colour: str, dashes: Any, marker: str) -> None:
     times, errors = [row.nanoseconds for row in rows], [row.error for row in rows]
     ax.plot(times, errors, color=colour, linestyle=dashes, linewidth=1.3, zorder=2.0)
     known = [not row.mark or row.method == EXACT for row in rows]
     for wanted, size in ((True, 22.0), (False, 7.0)):
         chosen = [k for k, is_known in enumerate(known) if is_known == wanted]
-        shape = "*" if rows[0].method == EXACT else marker
         ax.scatter(
             [times[k] for k in chosen],
             [errors[k] for k in chosen],
-            s=110.0 if shape == "*" else size,
-            marker=shape,
+            s=110.0 if marker == "*" else size,
+            marker=marker,
             facecolor=colour,
             edgecolor="white",
             linewidth=0.5,
@@ -162,7 +177,7 @@ def _label(
 ) -> list[Annotation]:
     """Name each line near its last point, where no other name and as few lines as possible are."""
     ax.figure.draw_without_rendering()  # type: ignore[union-attr]  # settles the layout
-    taken: list[Bbox] = []
+    taken: list[Bbox] = [text.get_window_extent() for text in ax.texts]
     obstacles = np.concatenate([_along(ax, rows) for rows in lines.values()])
     frame = ax.get_window_extent()
     points = ax.figure.dpi / 72.0

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..solve.methods import EXACT
+from ..solve.methods import EXACT, methods
 from .data import ReportData
 
 __all__ = ["report_text"]
@@ -40,13 +40,14 @@ def _head(report: ReportData) -> list[str]:
 
 
 def _costs(report: ReportData) -> list[str]:
-    """Per method the time for each error; the cheapest method and scheme have stars."""
+    """Per method its order and the time for each error; cheapest method and scheme have stars."""
     wanted = report.spec.errors
-    table = [["* cheapest", "order", *(f"{error:.0e} " for error in wanted)]]
+    orders = {method.name: method.order for method in methods()}
+    table = [["* cheapest", "order", "measured", *(f"{error:.0e} " for error in wanted)]]
     winners = [{report.cheapest(error), report.cheapest(error, schemes=True)} for error in wanted]
     for method in report.methods:
         order = report.order(method)
-        cells = [method, "-" if order is None else f"{order:.1f}"]
+        cells = [method, str(orders.get(method, "-")), "-" if order is None else f"{order:.1f}"]
         for error, best in zip(wanted, winners, strict=True):
             cost = report.cost(method, error)
             star = "*" if method in best else " "

@@ -196,7 +196,7 @@ def test_the_picture_of_the_throw_carries_the_experiment() -> None:
     seen = data_of(drawn.omega[4][1])[-1]
     np.testing.assert_allclose(seen, [30.0, -1.04874988073], rtol=1e-10)
     titles = [ax.get_title(loc="left") for ax in drawn.axes]
-    assert titles[0] == "cleanly about axis 1"
+    assert titles[0] == "exactly about axis 1"
     assert titles[5] == "with noise about axis 3"
     assert drawn.axes[3].get_xlabel() == "$t$ (s)"
     assert drawn.axes[0].get_ylabel() == r"$\omega$ (rad/s)"

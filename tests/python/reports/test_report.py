@@ -7,6 +7,7 @@ import itertools
 import json
 import math
 import os
+import re
 import signal
 from pathlib import Path
 from typing import Any
@@ -23,11 +24,13 @@ from rigid.cli.toml_report import parse_report, read_report, report_names
 from rigid.cli.toml_table import SpecError
 from rigid.reports.compute import run_report
 from rigid.reports.ensemble import ensemble_of
+from rigid.reports.plot import STYLES
 from rigid.reports.reference import find_reference
 from rigid.reports.row import AT_UNCERTAINTY, REFERENCE, USELESS
 from rigid.reports.spec import ReportSpec, make_spec
 from rigid.reports.sweep import probe
 
+DOCS = Path(__file__).parents[3] / "docs"
 BOX = rigid.FreeBody(rigid.Body.box(0.25, 0.08, 0.01, mass=0.3))
 THROW = (0.1, 10.0, 0.1)
 LAGRANGE = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.4)), mgl=1.0)
@@ -320,6 +323,41 @@ def test_the_picture_names_every_line_once_and_no_name_hides_another(box: rigid.
     # The box of the words alone, without the line that leads to their point.
     boxes = [Text.get_window_extent(text) for text in names]
     assert not any(a.overlaps(b) for a, b in itertools.combinations(boxes, 2))
+
+
+def test_a_method_has_one_style_in_all_pictures(box: rigid.Report) -> None:
+    names = {"exact", *(method.name for method in rigid.methods())}
+    assert set(STYLES) == names
+    assert len({(colour, str(dashes)) for colour, dashes, _ in STYLES.values()}) == len(names)
+    # A report of fewer methods: each line keeps its colour and dashes.
+    few = dataclasses.replace(box, rows=tuple(row for row in box.rows if row.method != "exact"))
+    for report in (box, few):
+        ax = report.plot()
+        lines = [line for line in ax.lines if line.get_label() != "Pareto front"]
+        shown = [method for method in report.methods if report.of(method)]
+        for method, line in zip(shown, lines, strict=True):
+            assert line.get_color() == STYLES[method][0], method
+
+
+def header_of(text: str) -> dict[str, str]:
+    lines = text.partition("\n\n")[0].splitlines()
+    return {line[:12].strip(): line[12:] for line in lines if not line.startswith("not for")}
+
+
+@pytest.mark.parametrize("name", report_names())
+def test_the_table_in_the_docs_is_that_of_the_report_as_it_is_now(name: str) -> None:
+    text = (DOCS / "reports" / f"{name}.txt").read_text(encoding="utf-8")
+    known = set(re.findall(r"^([a-z]+\w*) +[-\d]+ +[-.\d]+ ", text, re.MULTILINE))
+    refused = set(re.findall(r"^not for +(\w+):", text, re.MULTILINE))
+    assert known | refused == {"exact", *(method.name for method in rigid.methods())}
+    assert not known & refused
+    spec = read_report(name).spec
+    header = header_of(text)
+    assert header["report"] == spec.title
+    assert header["scene"] == spec.scene.words()
+    assert f"{spec.bodies} close to it, seed {spec.seed}; t = {spec.t_end:g}" in header["bodies"]
+    assert (DOCS / "reports" / f"{name}.png").is_file()
+    assert f"reports/{name}.png" in (DOCS / "reports.md").read_text(encoding="utf-8")
 
 
 # Progress, interruption
