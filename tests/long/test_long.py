@@ -25,6 +25,7 @@ SCRIPTS = (
     "growth",
     "killed_writers",
     "principal_axes",
+    "refined_maps",
     "regular",
     "result_hashes",
     "running_maps",

@@ -72,15 +72,27 @@ def shares(count: int) -> Floats:
     return np.concatenate([np.geomspace(1e-5, 0.02, few), np.linspace(0.02, 0.5, count - few)])
 
 
+def some(values: Floats, count: int) -> Floats:
+    """At most so many of the values, evenly spaced."""
+    return values[:: -(-len(values) // count) or 1]
+
+
 def least_coverage(half_widths: Sequence[float], count: int) -> dict[float, float]:
-    """The least coverage over true shares, and over both sides of some ends of intervals."""
+    """The least coverage over true shares, and over both sides of some ends of intervals.
+
+    Most of these lie next to shares of twice the half width. There pixels stop at each of the first
+    looks with few stable bodies, or none, and the coverage is least.
+    """
     from rigid.maps.sequential import stop_table
 
     found = {}
     for half_width in half_widths:
         stopping = Stopping(stop_table(half_width))
         ends = stopping.ends()
-        ends = ends[(ends > 0.0) & (ends <= 0.5)][:: -(-len(ends) // count) or 1]
+        twice = (ends > 1.7 * half_width) & (ends < 2.5 * half_width) & (ends <= 0.5)
+        ends = np.concatenate(
+            [some(ends[(ends > 0.0) & (ends <= 0.5)], count // 2), some(ends[twice], count // 2)]
+        )
         sides = np.concatenate([np.nextafter(ends, 0.0), np.nextafter(ends, 1.0)])
         tried = np.concatenate([shares(count), sides])
         found[half_width] = min(stopping.coverage(float(p))[0] for p in tried)

@@ -170,7 +170,7 @@ def stability_map(
     half_width : float, optional
         Instead of ``samples``: a pixel gets 64, 128, ... bodies until the interval of its share is
         no wider than twice this, in [0.002, 0.25]. The interval is the Clopper-Pearson interval of
-        confidence 0.965, in which undecided and failed bodies may be either. Looking after each 64
+        confidence 0.97, in which undecided and failed bodies may be either. Looking after each 64
         bodies costs the difference: whatever the true share, the chance that it lies in the
         reported interval is 0.95 or more.
     refine : int, optional

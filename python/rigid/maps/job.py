@@ -135,8 +135,9 @@ def to_core(
 
 def _one(spec: MapSpec, pixels: NDArray[np.int64] | None, samples: range) -> _core.MapJob:
     """The request of a map of one horizon and one limit."""
-    grid = spec.grid
-    if pixels is not None:
+    if pixels is None:
+        grid = spec.grid
+    else:  # not those of the others, of which there may be millions
         grid = nominal_starts(spec.scene, spec.start, spec.axes, pixels)
     noise, attitude_noise = spec.start.noise, spec.start.attitude_noise
     return _core.MapJob(

@@ -1,7 +1,7 @@
 """Sequential stopping: a pixel gets samples until the interval of its share is narrow enough.
 
 Its counts are looked at after each 64 samples. It stops at the first look at which the
-Clopper-Pearson interval of confidence 96.5 % is no wider than twice the wanted half width, and this
+Clopper-Pearson interval of confidence 97 % is no wider than twice the wanted half width, and this
 interval is reported. Looking again and again costs confidence: the least chance, over all shares,
 that the reported interval holds the true one was computed exactly, by summing over all ways through
 the looks, and is 95 % or more. See M. J. Frey, "Fixed-width sequential confidence intervals for a
@@ -27,11 +27,12 @@ __all__ = ["CONFIDENCE", "LOOK", "Looks", "checked_half_width", "stop_table"]
 LOOK = 64
 """Samples between two looks; a multiple of the samples with common audits."""
 
-CONFIDENCE = 0.965
-"""Of the interval at a look. That of the reported interval is at least 0.95."""
+CONFIDENCE = 0.97
+"""Of the interval at a look. That of the reported interval is at least 0.95: with 0.965 it falls to
+0.9475 next to shares of twice the half width, where each of the first looks may stop too early."""
 
 NARROWEST, WIDEST = 0.002, 0.25
-"""Bounds of the half width: 0.002 takes up to 280,000 samples."""
+"""Bounds of the half width: 0.002 takes up to 294,848 samples."""
 
 Counts = NDArray[np.int64]
 
@@ -104,10 +105,10 @@ def stop_table(half_width: float) -> Looks:
     >>> from rigid.maps.sequential import stop_table
     >>> looks = stop_table(0.05)
     >>> dict(zip(looks.samples.tolist(), looks.most.tolist(), strict=True))
-    {64: 1, 128: 8, 192: 21, 256: 40, 320: 69, 384: 111, 448: 184, 512: 256}
+    {64: 1, 128: 7, 192: 19, 256: 37, 320: 64, 384: 101, 448: 158, 512: 256}
     """
     # Of the widest interval, at s = n / 2: a normal law, and more than its correction.
-    bound = 1.2 * (2.11 / (2.0 * half_width)) ** 2 + 4.0 / half_width + 4 * LOOK
+    bound = 1.2 * (2.18 / (2.0 * half_width)) ** 2 + 4.0 / half_width + 4 * LOOK
     samples = np.arange(LOOK, bound, LOOK, dtype=np.int64)
     low, high = np.full(len(samples), -1), samples // 2  # the largest that stops, by bisection
     while (low < high).any():

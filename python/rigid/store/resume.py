@@ -197,6 +197,9 @@ def carry_on(
             reason = "poisoned"
         else:
             reason = "waiting" if len(left) else "complete"
+    except KeyboardInterrupt:
+        reason = "interrupted"
+        raise
     except BrokenExecutor as error:
         raise RuntimeError(
             f"the pool of workers broke ({error}); the rows that it returned are kept"

@@ -19,7 +19,7 @@ HALF_WIDTHS = [0.02, 0.05, 0.08, 0.1, 0.25]
 @pytest.mark.parametrize("half_width", HALF_WIDTHS)
 def test_the_table_is_that_of_an_independent_beta_function(half_width: float) -> None:
     stats = pytest.importorskip("scipy.stats")
-    looks, level = stop_table(half_width), 0.035
+    looks, level = stop_table(half_width), 0.03
     for samples, most in zip(looks.samples[:60], looks.most, strict=False):
         m = np.arange(samples // 2 + 1)
         lower = np.where(m == 0, 0.0, stats.beta.ppf(level / 2, np.maximum(m, 1), samples - m + 1))
@@ -29,22 +29,23 @@ def test_the_table_is_that_of_an_independent_beta_function(half_width: float) ->
     assert looks.most[-1] == looks.last // 2
 
 
-def test_the_published_table() -> None:
+def test_the_table_of_half_width_5_percent() -> None:
     looks = stop_table(0.05)
-    assert looks.most.tolist() == [1, 8, 21, 40, 69, 111, 184, 256]
+    assert looks.most.tolist() == [1, 7, 19, 37, 64, 101, 158, 256]
     assert looks.last == 512
 
 
 def test_the_reported_interval_holds_the_share_95_times_of_100() -> None:
     """Summed over all ways through the looks. tests/long/coverage.py tries 100 half widths."""
-    found = least_coverage([0.05, 0.1, 0.033], 60)
+    # 0.01198 and 0.0312 are among the worst.
+    found = least_coverage([0.05, 0.1, 0.0312, 0.01198], 60)
     assert min(found.values()) >= 0.95
 
 
 def test_fewer_samples_are_taken_where_the_share_is_clear() -> None:
     stopping = Stopping(stop_table(0.05))
     means = [stopping.coverage(p)[1] for p in (0.001, 0.1, 0.5)]
-    assert means == pytest.approx([64, 203, 512], abs=1.0)
+    assert means == pytest.approx([64, 218, 512], abs=1.0)
 
 
 def test_a_rule_that_looks_with_a_95_percent_interval_would_not_hold() -> None:
@@ -86,7 +87,7 @@ def counts(stable: int, undecided: int, failed: int, samples: int) -> MapData:
         (63, 0, 64, True),
         (62, 2, 64, False),  # both may be unstable
         (100, 300, 512, True),  # the last look
-        (8, 0, 128, True),
+        (7, 0, 128, True),
         (0, 0, 0, False),
     ],
 )

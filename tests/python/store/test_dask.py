@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 import rigid
+from rigid.store import drive as driving
 from small_maps import assert_same_map
 from stores import request
 
@@ -31,20 +32,28 @@ def client() -> Iterator[Any]:
         yield connected
 
 
-def test_a_worker_is_killed_and_the_map_is_whole(client: Any, tmp_path: Path) -> None:
+KILLS = 3
+
+
+def test_workers_are_killed_and_the_map_is_whole(
+    client: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(driving, "GROWTH", 1)  # a unit a block
     quiet = rigid.stability_map(**request(method="rk4", samples=200))
     killed: list[int] = []
 
     def kill(_: rigid.Progress) -> None:
-        if not killed:
-            (process, *_others) = client.run(os.getpid).values()
-            os.kill(process, signal.SIGKILL)
-            killed.append(process)
+        # Each time another block is at work, so that no block meets three kills.
+        if len(killed) < KILLS:
+            alive = {nanny.pid for nanny in client.cluster.workers.values()} - {None, *killed}
+            if alive:
+                killed.append(max(alive))
+                os.kill(killed[-1], signal.SIGKILL)
 
     result = rigid.stability_map(
         **request(method="rk4", samples=200, store=tmp_path / "run", executor=client, progress=kill)
     )
-    assert killed
+    assert len(set(killed)) == KILLS
     assert_same_map(result, quiet)
     assert rigid.open_store(tmp_path / "run").status().twice == 0
 

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import hashlib
 import signal
 import subprocess
+import tempfile
 import time
+import tracemalloc
 from collections.abc import Callable
 from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
 from multiprocessing import get_context
@@ -15,11 +18,13 @@ import numpy as np
 import pytest
 
 import rigid
-from processes import environment, python_command
+from processes import environment, python_command, python_process
 from rigid._checks.progress import heeding_signals
 from rigid.maps.data import COLUMNS
+from rigid.maps.parameters import make_axes
 from rigid.maps.refine import lattice_level
 from rigid.store import drive as driving
+from rigid.store.compute import compute
 from rigid.store.drive import Task, drive, own_build
 from rigid.store.resume import Part, carry_on, missing
 from rigid.store.rows import FIELDS, ROW, Table
@@ -48,6 +53,43 @@ def test_a_stored_map_has_the_bytes_of_an_unstored_one(
     assert saved_bytes(result, tmp_path) == saved_bytes(quiet, tmp_path)
     assert result.receipt()["fingerprint"] == quiet.receipt()["fingerprint"]
     assert np.isfinite(result.nanoseconds[result.status == 0]).all()
+
+
+def print_fingerprints() -> None:
+    """In a process of its own: the instruction set, and what stored maps come to."""
+    print(rigid.build_info()["isa"])
+    for options in (request(), request(method="rk4"), request(samples=None, half_width=0.2)):
+        with tempfile.TemporaryDirectory() as place:
+            result = rigid.stability_map(**options, store=Path(place, "run"))
+            print(
+                result.receipt()["fingerprint"],
+                hashlib.sha256(numbers(Path(place, "run"))).hexdigest(),
+            )
+
+
+def test_every_instruction_set_stores_the_same_bytes(quiet: rigid.StabilityMap) -> None:
+    output = {}
+    for isa in rigid.build_info()["isa_available"]:
+        code = "import test_running_maps; test_running_maps.print_fingerprints()"
+        used, *output[isa] = python_process(code, RIGID_ISA=isa).stdout.splitlines()
+        assert used == isa
+    assert quiet.receipt()["fingerprint"] in output["scalar"][0]
+    assert all(lines == output["scalar"] for lines in output.values())
+
+
+def test_a_worker_makes_only_its_own_rows_of_the_grid() -> None:
+    """The starts of a million pixels would be 160 MB."""
+    ends = {axis.name: (axis.values[0], axis.values[-1]) for axis in SPEC.axes}
+    axes = make_axes({name: np.geomspace(*two, 1000) for name, two in ends.items()})
+    text = SPEC.replace(axes=axes).to_json()
+    units = np.array([700_000, 700_007])
+    compute(text, units)  # what is cached
+    tracemalloc.start()
+    try:
+        compute(text, units)
+        assert tracemalloc.get_traced_memory()[1] < 2**20
+    finally:
+        tracemalloc.stop()
 
 
 def test_integrated_maps_are_stored_too(tmp_path: Path) -> None:
