@@ -56,6 +56,10 @@ def simulate(rng: Random) -> None:
     ):
         if rng.random() < 0.3:
             options[name] = odd.perhaps(rng, value)
+    if rng.random() < 0.25:
+        options |= events(rng, rate)
+        if rng.random() < 0.7:  # other methods are refused
+            options["method"] = rng.choice([None, "taylor12", "taylor20"])
     most = odd.whole(rng, rng.choice([1, 50, MAX_STEPS]))
     if isinstance(most, (int, np.integer)):
         most = min(most, MAX_STEPS)
@@ -68,6 +72,39 @@ def simulate(rng: Random) -> None:
         **options,
     )
     check_run(run)
+    check_events(run)
+
+
+def events(rng: Random, rate: float) -> dict[str, Any]:
+    """Options of a run that watches some events, perhaps until one of them."""
+    made = []
+    for _ in range(rng.choice([1, 1, 2, 5])):
+        name = rng.choice(["omega", "gamma", "tilt", "L"]) + str(rng.choice([1, 2, 3]))
+        size = {"o": rate, "g": 1.0, "t": 3.1, "L": rate}[name[0]]
+        value = odd.number(rng, size * rng.choice([0.0, rng.uniform(-1.0, 1.0), rng.random()]))
+        direction = rng.choice([0, 1, -1])
+        if rng.random() < 0.3:
+            made.append(rigid.turns(name, direction))
+        else:
+            made.append(rigid.crosses(name, value, direction))
+    options: dict[str, Any] = {"events": made}
+    if rng.random() < 0.3:
+        options["until"] = odd.perhaps(rng, made[0])
+    # Bodies that turn long have many.
+    options["count"] = odd.whole(rng, rng.choice([1, 3, 1000]))
+    return options
+
+
+def check_events(run: rigid.Run) -> None:
+    """Events are inside the run, in the order of their times, at states of rigid bodies."""
+    for found in run.events:
+        assert run.end is not None
+        assert (found.t > 0.0).all()
+        assert (found.t <= np.ravel(run.end)[found.body]).all()
+        assert (np.diff(found.body) >= 0).all()
+        assert (np.diff(found.t)[np.diff(found.body) == 0] >= 0.0).all()
+        assert np.isfinite(found.omega).all()
+        assert (np.abs(np.linalg.norm(found.gamma, axis=1) - 1.0) < 0.5).all()
 
 
 def check_run(run: rigid.Run) -> None:
@@ -75,6 +112,12 @@ def check_run(run: rigid.Run) -> None:
     fine = np.isin(run.status, (rigid.Status.OK, rigid.Status.FLAGGED, rigid.Status.DRIFTED))
     for name in ("omega", "gamma", "attitude", "work"):
         values = getattr(run, name)
+        if values is not None and run.end is not None:
+            # There are none after the end of a body.
+            after = run.t > np.asarray(run.end)[..., np.newaxis]
+            values = np.where(
+                after.reshape(after.shape + (1,) * (values.ndim - after.ndim)), 0, values
+            )
         assert values is None or np.isfinite(values[fine]).all(), f"{name} is not finite"
     for name in ("energy_drift", "momentum_drift", "unit_drift"):
         drift = np.asarray(getattr(run, name))[run.status == rigid.Status.OK]

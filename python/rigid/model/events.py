@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, finite_float, one_of, vector
+from .._checks.quantities import without_unit
 
 __all__ = ["COMPONENTS", "Event", "checked_events", "crosses", "turns"]
 
@@ -26,6 +27,9 @@ MOMENTA = ("L1", "L2", "L3")
 
 QUANTITIES = (*COMPONENTS, *TILTS, *MOMENTA)
 """Names of what can cross a value."""
+
+UNITS = {"omega": "rad/s", "tilt": "rad", "L": "kg m²/s"}
+"""Units of quantities that have one, by their names without the axis."""
 
 PLANE = "plane"
 """The name of a quantity that is given by vectors."""
@@ -160,7 +164,7 @@ def crosses(
     [10.917]
     """
     made = _quantity(name, omega, gamma, momentum)
-    value = finite_float("value", value)
+    value = finite_float("value", value, unit=UNITS.get(made["name"][:-1], "1"))
     reach = float(np.linalg.norm(made["gamma"]))
     if name in TILTS:
         if not 0.0 < value < math.pi:
@@ -229,7 +233,10 @@ def _quantity(
 ) -> dict[str, Any]:
     """Name and vectors of a quantity."""
     given = {"omega": omega, "gamma": gamma, "momentum": momentum}
-    rows = {key: np.zeros(3) if v is None else vector(key, v, 3) for key, v in given.items()}
+    rows = {
+        key: np.zeros(3) if factors is None else vector(key, without_unit(key, factors, "1"), 3)
+        for key, factors in given.items()
+    }
     if all(value is None for value in given.values()):
         if name is None:
             raise ValueError("name: give the name of a quantity, or the vectors of one")

@@ -133,7 +133,7 @@ def simulate(
         What to watch, made by :func:`crosses` and :func:`turns`: :attr:`Run.events` tells when it
         happens, from 0 to the last time, and the states then. Events are found by the closed form
         or by a Taylor method, in steps of its own; they change no bit of the states. Without a
-        method that has no closed form the method is a Taylor method.
+        ``method``, bodies that have no closed form are integrated by a Taylor method.
     until : Event or sequence of Event, optional
         Events that end the record of a body: its later states are NaN, :attr:`Run.end` is the time
         of its last event, and its status ``STOPPED`` unless its error is large. They are watched

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pint
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.special import ellipk, ellipkinc
@@ -252,6 +253,65 @@ def test_solve_ivp_finds_the_same_events_of_an_asymmetric_top() -> None:
     assert (run.events[1].direction == -1).all()
 
 
+def test_no_change_of_sign_between_fine_samples_is_missed() -> None:
+    times = np.linspace(0.0, 20.0, 20_001)
+    for scene in (BOX, LAGRANGE, ASYMMETRIC):
+        events = [rigid.crosses("omega1", 0.2), rigid.crosses("gamma2", -0.3)]
+        run = rigid.simulate(scene, STARTS[:20], TILTED, t=times, events=events, record="attitude")
+        assert run.attitude is not None
+        gamma = quaternion_to_matrix(run.attitude)[..., 2, :]
+        for found, values in zip(
+            run.events, (run.omega[..., 0] - 0.2, gamma[..., 1] + 0.3), strict=True
+        ):
+            body, place = np.nonzero(np.diff(np.sign(values), axis=1))
+            assert len(body) > 40
+            for of, first in zip(body, place, strict=True):
+                inside = (found.t > times[first] - 1e-9) & (found.t < times[first + 1] + 1e-9)
+                assert (inside & (found.body == of)).any()
+            # Pairs inside a sample are the only others.
+            assert 0 <= len(found) - len(body) < 4
+
+
+def test_random_events_agree_with_those_of_another_method() -> None:
+    rng = np.random.default_rng(11)
+    compared = 0
+    for trial in range(24):
+        first, second = rng.uniform(0.6, 1.0, 2)
+        direction = rng.normal(size=3)
+        scene: rigid.FreeBody | rigid.HeavyTop
+        if trial % 3 == 0:
+            scene = rigid.HeavyTop(rigid.Body((first, first, second)), mgl=rng.uniform(0.1, 3.0))
+            methods = ("exact", "taylor20")
+        elif trial % 3 == 1:
+            com = direction / np.linalg.norm(direction)
+            body = rigid.Body((first, second, 0.8))
+            scene = rigid.HeavyTop(body, mgl=rng.uniform(0.1, 3.0), com=com, damping=0.1)
+            methods = ("taylor20", "taylor14")
+        else:
+            torque = rigid.Torque.body(rng.normal(size=(3, 3)), times=[0.0, 5.0, 20.0])
+            torque += rigid.Torque.space(0.3 * direction)
+            scene = rigid.FreeBody(rigid.Body((first, second, 0.8)), torque=torque, damping=0.1)
+            methods = ("taylor26", "taylor12")
+        axis = int(rng.integers(1, 4))
+        events = [
+            rigid.crosses(f"omega{axis}", 0.5 * rng.normal()),
+            rigid.crosses(f"tilt{axis}", rng.uniform(0.2, 2.9)),
+            rigid.crosses(momentum=rng.normal(size=3), value=0.3 * rng.normal()),
+            rigid.turns(f"omega{axis}"),
+            rigid.turns("L1"),
+        ]
+        start, attitude = rng.normal(size=3), rng.normal(size=4)
+        runs = [
+            rigid.simulate(scene, start, attitude, t=[20.0], events=events, method=method)
+            for method in methods
+        ]
+        for one, other in zip(runs[0].events, runs[1].events, strict=True):
+            assert len(one) == len(other)
+            compared += len(one)
+            assert (np.abs(one.t - other.t) <= one.error + other.error).all()
+    assert compared > 500
+
+
 def test_states_of_events_are_those_of_the_run() -> None:
     for scene in (LAGRANGE, ASYMMETRIC):
         run = rigid.simulate(
@@ -483,6 +543,18 @@ def test_at_continues_what_a_torque_does() -> None:
     assert other.work is not None
     assert again.work is not None
     np.testing.assert_allclose(other.work, again.work[:, [2, 1]], rtol=0.0, atol=1e-8)
+
+
+def test_values_with_units_are_numbers_in_si_units() -> None:
+    quantity: Any = pint.UnitRegistry().Quantity
+    assert np.isclose(rigid.crosses("omega1", quantity(30.0, "rpm")).value, np.pi, rtol=1e-15)
+    assert np.isclose(rigid.crosses("tilt2", quantity(90.0, "degree")).value, np.pi / 2.0)
+    assert np.isclose(rigid.crosses("L1", quantity(2.0, "g m²/s")).value, 2e-3)
+    for name, wrong in (("omega1", "m"), ("gamma1", "kg"), ("tilt1", "s"), ("L3", "J")):
+        with pytest.raises(ValueError, match=r"^value in \w+: (must be in|takes numbers)"):
+            rigid.crosses(name, quantity(0.5, wrong))
+    with pytest.raises(ValueError, match=r"^omega in meter: takes numbers without units"):
+        rigid.crosses(omega=quantity([1.0, 0.0, 0.0], "m"))
 
 
 RUN = rigid.simulate(BOX, [0.1, 1.0, 0.2], t=[0.0, 1.0])
