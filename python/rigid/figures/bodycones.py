@@ -209,17 +209,22 @@ def cones(
         linewidth=2.2,
     )
     axis = arrow(ax, 1.3 * size * data.axis, colours.Z.colour, "axis", linewidth=2.2)
-    for rim, angle, name, beyond, side in (
-        (data.body_rim, data.body_cone, "body cone", 0.8, "center"),
-        (data.space_rim, data.space_cone, "space cone", 1.04, "bottom"),
+    azim = float(np.degrees(np.arctan2(*data.space_rim[0, 1::-1]))) - 90.0
+    # The names stand outside the cones, each on its own side of the page.
+    right = rotate(np.array([0.0, 1.0, 0.0]), [0.0, 0.0, 1.0], np.radians(azim))
+    towards = 1.0 if data.axis @ right >= 0.0 else -1.0
+    for rim, angle, name, side, height in (
+        (data.body_rim, data.body_cone, "body cone", towards, "top"),
+        (data.space_rim, data.space_cone, "space cone", -towards, "center"),
     ):
-        place = beyond * rim[np.argmax(np.linalg.norm(rim - data.omega, axis=-1))]
+        outermost = rim[np.argmax(side * (rim @ right))]
+        place = 0.5 * outermost + 0.07 * side * size * right
         text = f"{name}\n{np.degrees(angle):.1f}°"
-        label(ax, place, text, colours.NEUTRAL, fontsize="medium", va=side)
+        align = "left" if side > 0.0 else "right"
+        label(ax, place, text, colours.NEUTRAL, fontsize="medium", va=height, ha=align)
     # Room for the whole motion around L and a fixed view, so that all frames have equal scales.
     shown = np.vstack([data.body_rim, data.space_rim, momentum.vector, axis.vector, spin.vector])
     swept = rotate(shown[:, np.newaxis, :], [0.0, 0.0, 1.0], np.linspace(0.0, 2.0 * np.pi, 25))
-    azim = float(np.degrees(np.arctan2(*data.space_rim[0, 1::-1]))) - 90.0
     fit(ax, swept, np.zeros(3), elev=16.0, azim=azim, filled=0.84)
     return ConesArtists(
         ax=ax,

@@ -164,6 +164,7 @@ class Torque:
 
     @classmethod
     def _made(cls, values: ArrayLike, times: ArrayLike | None, frame: int) -> Torque:
+        _refuse_function(values)
         array = shaped("torque", values)
         if times is None:
             knots = np.empty(0)
@@ -274,10 +275,19 @@ class Torque:
         return cls(parts[0].times, parts[0].in_body, parts[1].in_space, orbit)
 
 
+def _refuse_function(torque: object) -> None:
+    if callable(torque):
+        raise TypeError(
+            f"torque = {brief(torque)}: a torque is constant or a table of times; for one that "
+            "depends on the state make steps with rigid.Motion"
+        )
+
+
 def checked_torque(torque: object) -> Torque | None:
     """``torque`` if it is one; None if there is none."""
     if torque is None or isinstance(torque, Torque):
         return torque
+    _refuse_function(torque)
     raise TypeError(
         f"torque = {brief(torque)}: must be a rigid.Torque: rigid.Torque.body((N1, N2, N3)) or "
         "rigid.Torque.space((N1, N2, N3))"

@@ -10,7 +10,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.arguments import one_of, resolve_threads, rows
+from .._checks.arrays import attitudes, vectors
 from ..model.body import Body
+from ..model.frame import (
+    attitudes_in_frame,
+    attitudes_in_principal_axes,
+    checked_frame,
+    turned,
+)
 from ..model.scene import Scene, check_scene
 from .batch import Batch
 from .methods import FALLBACK, check_method, methods
@@ -45,11 +52,15 @@ class Motion:
     threads : int, optional
         Most threads of a step of many bodies. Default: ``RIGID_NUM_THREADS``, else the cores that
         this process may use. A thousand bodies and fewer are moved by the calling thread.
+    frame : array_like, shape (3, 3), optional
+        The body axes of rates, attitude and the torque of a step, if they are not the principal
+        axes: ``axes`` as :meth:`Body.from_tensor` returns them. The scene has its own ``frame=``.
 
     Raises
     ------
     ValueError
-        If a number is not finite, a shape or the method is wrong, or a quaternion is zero.
+        If a number is not finite, a shape or the method is wrong, a quaternion is zero, or the
+        frame is no rotation matrix.
 
     Examples
     --------
@@ -63,7 +74,7 @@ class Motion:
     (10.0, 1.99)
     """
 
-    __slots__ = ("_core", "_single", "method", "scene")
+    __slots__ = ("_core", "_frame", "_single", "method", "scene")
 
     def __init__(
         self,
@@ -73,6 +84,7 @@ class Motion:
         *,
         method: str = FALLBACK,
         threads: int | None = None,
+        frame: ArrayLike | None = None,
     ) -> None:
         scene = self.scene = check_scene(scene)
         self.method = one_of("method", method, [method.name for method in methods()])
@@ -83,6 +95,11 @@ class Motion:
             driven=scene.is_driven,
             satellite=scene.is_satellite,
         )
+        self._frame = None if frame is None else checked_frame(frame)
+        if self._frame is not None:
+            omega = turned(self._frame.T, vectors("omega", omega))
+            given = np.array([1.0, 0.0, 0.0, 0.0]) if attitude is None else attitudes(attitude)
+            attitude = attitudes_in_principal_axes(self._frame, given)
         batch, shape = Batch.from_input(scene, omega, attitude)
         if len(shape) > 1:
             raise ValueError(f"omega: expected shape (3,) or (n, 3), got bodies of shape {shape}")
@@ -103,12 +120,16 @@ class Motion:
     def omega(self) -> Floats:
         """Angular velocity in the body now (rad/s), shape (3,) or (n, 3)."""
         omega = self._core.omega()
+        if self._frame is not None:
+            omega = turned(self._frame, omega)
         return omega[0] if self._single else omega
 
     @property
     def attitude(self) -> Floats:
         """Quaternion now, scalar first, body to space, shape (4,) or (n, 4). Not renormalised."""
         attitude = self._core.attitude()
+        if self._frame is not None:
+            attitude = attitudes_in_frame(self._frame, attitude)
         return attitude[0] if self._single else attitude
 
     def step(self, dt: float, torque: ArrayLike | None = None) -> None:
@@ -132,8 +153,10 @@ class Motion:
             if the method moves no driven bodies, if it is unstable with the step, or if the table
             of the scene's torque does not reach the end. The motion is then as before.
         """
-        if torque is not None and not _is_plain(torque):
+        if torque is not None and (self._frame is not None or not _is_plain(torque)):
             torque = rows("torque", torque, 3)[0]
+            if self._frame is not None:
+                torque = turned(self._frame.T, torque)
         self._core.step(dt, torque)
 
 

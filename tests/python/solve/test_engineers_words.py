@@ -166,3 +166,9 @@ def test_what_is_asked_first_has_an_answer() -> None:
         rigid.free.poinsot(body, [0.0, 0.1, 1.0])
     asked = {"omega": [0.1, 0.0, 1.0], "t_end": 5.0}
     assert rigid.plan(body, **asked) == rigid.plan(body, "attitude", **asked)  # type: ignore[arg-type]
+    for ask in (
+        lambda: rigid.Torque.body(lambda t: t),  # type: ignore[arg-type]
+        lambda: rigid.FreeBody(body, torque=lambda t: t),  # type: ignore[arg-type]
+    ):
+        with pytest.raises(TypeError, match=r"depends on the state make steps with rigid\.Motion"):
+            ask()
