@@ -29,6 +29,7 @@ impl Compiled {
     }
 
     /// System, step and observable of the kernel.
+    #[inline]
     pub fn kernel(self) -> Kernel {
         self.kernel
     }

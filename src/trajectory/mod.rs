@@ -269,5 +269,9 @@ impl Integration {
 
 /// Start and inverse scale of energy and conserved momentum of the body in a lane.
 fn invariants_at_start(group: &Group, lane: usize) -> [[f64; 2]; 2] {
-    [&group.energy, &group.momentum].map(|rows| [rows.start.0[lane], rows.inverse_scale.0[lane]])
+    let (energy, momentum) = (&group.energy, &group.momentum);
+    [
+        [energy.start.0[lane], energy.inverse_scale.0[lane]],
+        [momentum.start.0[lane], momentum.inverse_scale.0[lane]],
+    ]
 }

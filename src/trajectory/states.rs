@@ -282,18 +282,24 @@ impl StatesPart<'_> {
 /// from its attitude, given start and inverse scale of both.
 pub(super) fn invariant_errors(now: &State, at_start: [[f64; 2]; 2]) -> [Option<[f64; 2]>; 2] {
     let scales = now.balance.map(|balance| balance.scales);
-    [Some(now.invariants), now.invariants_of_attitude].map(|invariants| {
-        let invariants = invariants?;
-        Some([0, 1].map(|i| {
-            let off = (invariants[i] - at_start[i][0]).abs();
-            match scales {
+    let mut errors = [None; 2];
+    // Loops: the closures of `map` are calls, which took a quarter of the time of dense states.
+    for (error, invariants) in errors.iter_mut().zip([Some(now.invariants), now.invariants_of_attitude]) {
+        let Some(invariants) = invariants else { continue };
+        let mut both = [0.0; 2];
+        for i in 0..2 {
+            let [start, inverse_scale] = at_start[i];
+            let off = (invariants[i] - start).abs();
+            both[i] = match scales {
                 // Of a body at rest that nothing has moved yet both are zero.
                 Some(scales) if off == 0.0 && scales[i].is_finite() => 0.0,
-                Some(scales) => off / (scales[i] + inverse_or_zero(at_start[i][1])),
-                None => off * at_start[i][1],
-            }
-        }))
-    })
+                Some(scales) => off / (scales[i] + inverse_or_zero(inverse_scale)),
+                None => off * inverse_scale,
+            };
+        }
+        *error = Some(both);
+    }
+    errors
 }
 
 /// The scale that this is the inverse of; zero if there is none.
