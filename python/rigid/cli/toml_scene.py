@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
+from functools import partial, reduce
 from inspect import Parameter, signature
+from operator import and_, or_
 from typing import Any
 
 from .._checks.arguments import finite_float
@@ -16,6 +19,12 @@ from .toml_keys import NOISE, ORBIT, SATELLITE, SCENE, START
 from .toml_table import Table, as_is, three
 
 __all__ = ["read_criterion", "read_scene", "read_start"]
+
+MOST_DEPTH = 16
+"""Most levels of criteria that are joined: more than eight criteria never are."""
+
+_JOINS: Mapping[str, Callable[[Criterion, Criterion], Criterion]] = {"all": and_, "any": or_}
+"""What joins the criteria of a list."""
 
 _KINDS = {scene.title.replace(" ", "-"): scene for scene in SCENES.values()}
 
@@ -116,6 +125,29 @@ def _noise(table: Table, on_axis: bool) -> Noise:
 
 def read_criterion(table: Table, scene: Scene, start: Start) -> Criterion:
     """The criterion of a table ``[stable]``, with its defaults resolved."""
+    criterion = _criterion(table)
+    return table.build(lambda: criterion.resolved(scene, start))
+
+
+def _joined(join: Callable[[Criterion, Criterion], Criterion], parts: list[Criterion]) -> Criterion:
+    return reduce(join, parts)
+
+
+def _criterion(table: Table, depth: int = 1) -> Criterion:
+    """One criterion, or those under ``all``, ``any`` or ``not``, joined."""
+    if depth > MOST_DEPTH:
+        raise table.error(f"criteria are joined more than {MOST_DEPTH} deep")
+    for key, join in _JOINS.items():
+        if key in table:
+            table.only(key)
+            parts = [_criterion(part, depth + 1) for part in table.tables(key)]
+            if len(parts) < 2:
+                raise table.error(f"{key}: joins two criteria or more")
+            return table.build(partial(_joined, join, parts))
+    if "not" in table:
+        table.only("not")
+        part = _criterion(table.table("not"), depth + 1)
+        return table.build(lambda: ~part)
     criterion = CRITERIA[table.choice("criterion", CRITERIA)]
     parameters = signature(criterion).parameters
     table.only("criterion", *parameters)
@@ -124,4 +156,4 @@ def read_criterion(table: Table, scene: Scene, start: Start) -> Criterion:
         for name, parameter in parameters.items()
         if name in table or parameter.default is Parameter.empty
     }
-    return table.build(lambda: criterion(**values).resolved(scene, start))
+    return table.build(lambda: criterion(**values))

@@ -156,6 +156,12 @@ class Table:
         values: Mapping[str, Any] = self.take(key, _mapping)
         return Table(self._file, f"{self._name}.{key}" if self._name else key, values)
 
+    def tables(self, key: str) -> list[Table]:
+        """The tables of the list under a key."""
+        values: list[Mapping[str, Any]] = self.take(key, _mappings)
+        name = f"{self._name}.{key}" if self._name else key
+        return [Table(self._file, f"{name}[{i}]", part) for i, part in enumerate(values)]
+
     def build(self, make: Callable[[], _T]) -> _T:
         """``make()``; an error that it raises gets the location of the table."""
         try:
@@ -181,6 +187,12 @@ def text(key: str, value: object) -> str:
 def _mapping(key: str, value: object) -> Mapping[str, Any]:
     if not isinstance(value, dict):
         raise TypeError(f"{key} = {brief(value)}: must be a table")
+    return value
+
+
+def _mappings(key: str, value: object) -> list[Mapping[str, Any]]:
+    if not isinstance(value, list) or not all(isinstance(part, dict) for part in value):
+        raise TypeError(f"{key} = {brief(value)}: must be a list of tables")
     return value
 
 

@@ -119,6 +119,46 @@ def test_what_a_specification_may_leave_out() -> None:
     assert spec.stable == rigid.no_flip(2)
 
 
+def test_criteria_are_joined_by_lists() -> None:
+    def stable(text: str) -> object:
+        begin, end = BOX.index("criterion"), BOX.index("[run]")
+        return parse_spec(BOX[:begin] + text + "\n" + BOX[end:], "box.toml").stable
+
+    flip = '{ criterion = "no_flip" }'
+    near = '{ criterion = "near_start", angle = 0.5 }'
+    spin = '{ criterion = "spin_above", rate = 2, axis = 3 }'
+    one, other, third = rigid.no_flip(2), rigid.near_start(0.5), rigid.spin_above(2.0, axis=3)
+    assert stable(f"all = [{flip}, {near}, {spin}]") == one & other & third
+    assert stable(f"any = [{flip}, {near}]") == one | other
+    assert stable(f"not = {near}") == ~other
+    nested = f"all = [{flip}, {{ not = {{ any = [{near}, {spin}] }} }}]"
+    assert stable(nested) == one & ~(other | third)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("all = 3", "[stable] all = 3: must be a list of tables"),
+        ("all = [3]", "[stable] all = [3]: must be a list of tables"),
+        ("all = []", "[stable] all: joins two criteria or more"),
+        ('any = [{ criterion = "no_flip" }]', "[stable] any: joins two criteria or more"),
+        ("not = []", "[stable] not = []: must be a table"),
+        ("not = {}", "[stable.not] needs the key 'criterion'"),
+        ("all = [{}, {}]\naxis = 2", "[stable] unknown key 'axis'"),
+        ('not = { criterion = "no_flip", angle = 2 }', "[stable.not] unknown key 'angle'"),
+        ('any = [{ criterion = "noflip" }, {}]', "[stable.any[0]] criterion = 'noflip'"),
+        (
+            'all = [{ criterion = "regular" }, { criterion = "no_flip" }]',
+            "[stable] regular() integrates a displacement: it is not joined with others",
+        ),
+        ("not = { " * 17 + 'criterion = "no_flip"' + " }" * 17, "criteria are joined more than 16"),
+    ],
+)
+def test_mistakes_about_joined_criteria(text: str, message: str) -> None:
+    begin, end = BOX.index("criterion"), BOX.index("[run]")
+    assert message in complaint(BOX[:begin] + text + "\n" + BOX[end:])
+
+
 def test_a_spin_on_an_axis_need_not_be_said_again() -> None:
     text = BOX.replace('name = "b"', 'name = "spin"').replace("spin = 10.0\n", "")
     assert parse_spec(text, "box.toml").start.spin == 0.0

@@ -97,6 +97,13 @@ def test_integrated_maps_are_stored_too(tmp_path: Path) -> None:
     assert_same_map(result, small_map())
 
 
+def test_maps_of_joined_criteria_are_stored_too(tmp_path: Path) -> None:
+    stable = rigid.near_start(2.0) | ~rigid.spin_above(0.5, axis=2)
+    result = small_map(stable=stable, samples=10, store=tmp_path / "run")
+    assert_same_map(result, small_map(stable=stable, samples=10))
+    assert 0 < result.stable.sum() < result.samples.sum()
+
+
 def test_one_sitting_after_the_other_computes_nothing_twice(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, quiet: rigid.StabilityMap
 ) -> None:
