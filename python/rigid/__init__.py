@@ -31,6 +31,7 @@ from .model.body import Body
 from .model.bounds import near_start, rate_within, returns, spin_above, tilt_between
 from .model.criteria import no_flip, regular, tilt_below
 from .model.events import Event, crosses, turns
+from .model.judged import States, judged
 from .model.measures import drift, flips, largest_tilt, mean_rate, time_to_leave
 from .model.satellite import EnergySink
 from .model.scene import FreeBody, HeavyTop
@@ -111,6 +112,7 @@ __all__ = [
     "StabilityMap",
     "Start",
     "Starts",
+    "States",
     "Status",
     "Store",
     "Torque",
@@ -135,6 +137,7 @@ __all__ = [
     "frequencies",
     "frequency_drift",
     "inertia",
+    "judged",
     "largest_tilt",
     "load_map",
     "load_run",

@@ -22,6 +22,7 @@ from .._checks.progress import (
 )
 from ..model.body import Body
 from ..model.criteria import Criterion
+from ..model.judged import Judged
 from ..model.measures import Measure, make_measures
 from ..model.scene import Scene, check_scene
 from ..model.seed import seed_from
@@ -106,11 +107,11 @@ def stability_map(
         Bodies per pixel; or give ``half_width``. One of them is required, as ``axes``, ``t_end``
         and ``stable`` are, unless ``scene`` is a specification.
     t_end : float
-        Horizon in s: *stable* means stable until then.
+        Horizon in s: *stable* means stable until then. By default that of :func:`judged`.
     stable : Criterion
         The criterion: :func:`no_flip`, :func:`tilt_below`, :func:`tilt_between`,
         :func:`rate_within`, :func:`near_start`, :func:`returns`, :func:`spin_above`, joined by
-        ``&``, ``|`` and ``~`` or alone, or :func:`regular`.
+        ``&``, ``|`` and ``~`` or alone, or :func:`regular`; or :func:`judged` by a function.
     start : Start, optional
         By default a free body spins at 1 rad/s about the axis of its middle moment with
         ``noise=normal(1e-3)``, and a top at 5 rad/s about axis 3 with
@@ -240,6 +241,10 @@ def stability_map(
         raise ValueError(
             "measure: is not collected with store, executor, half_width or refine: say samples"
         )
+    if isinstance(spec.stable, Judged) and (stored or spec.looks is not None or refined(spec)):
+        raise ValueError(
+            "stable: a function judges no bodies with store, executor, half_width or refine"
+        )
     if spec.measure and len(spec.parts) > 1:
         raise ValueError("measure: is not collected along an axis t_end or limit")
     if stored:
@@ -282,6 +287,8 @@ def _spec(
 ) -> MapSpec:
     if isinstance(given.get("axes"), Mapping) and "t_end" in given["axes"]:
         given.setdefault("t_end", 1.0)  # the longest one is taken from the values
+    if isinstance(given.get("stable"), Judged):
+        given.setdefault("t_end", given["stable"].times[-1])
     missing = [name for name in ("axes", "t_end", "stable") if name not in given]
     if missing:
         raise TypeError(f"stability_map() misses {' and '.join(missing)}")

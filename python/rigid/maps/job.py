@@ -10,7 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
+from ..model.judged import Judged
+from ..solve.methods import AUTO
 from .grid import nominal_starts
+from .judge import JudgedJob
 from .sequential import LOOK
 from .spec import MapSpec
 
@@ -28,7 +31,9 @@ class Jobs:
         Samples of each pixel.
     """
 
-    def __init__(self, jobs: list[tuple[_core.MapJob, NDArray[np.int64]]], samples: int) -> None:
+    def __init__(
+        self, jobs: list[tuple[_core.MapJob | JudgedJob, NDArray[np.int64]]], samples: int
+    ) -> None:
         self._jobs, self._samples = jobs, samples
         self.status = np.empty(sum(len(rows) for _, rows in jobs), dtype=np.uint8)
         for job, rows in jobs:
@@ -92,7 +97,7 @@ class Jobs:
 
     def _split(
         self, samples: NDArray[np.uint64]
-    ) -> Iterator[tuple[_core.MapJob, NDArray[np.intp], NDArray[np.uint64]]]:
+    ) -> Iterator[tuple[_core.MapJob | JudgedJob, NDArray[np.intp], NDArray[np.uint64]]]:
         """The request of each part with its own of the samples, and their numbers there."""
         pixel, within = np.divmod(samples.astype(np.int64), self._samples)
         for job, rows in self._jobs:
@@ -101,7 +106,7 @@ class Jobs:
             yield job, mine, own.astype(np.uint64)
 
 
-Job: TypeAlias = _core.MapJob | Jobs
+Job: TypeAlias = _core.MapJob | JudgedJob | Jobs
 
 
 def to_core(
@@ -133,8 +138,19 @@ def to_core(
     return Jobs(jobs, len(samples))
 
 
-def _one(spec: MapSpec, pixels: NDArray[np.int64] | None, samples: range) -> _core.MapJob:
+def _one(
+    spec: MapSpec, pixels: NDArray[np.int64] | None, samples: range
+) -> _core.MapJob | JudgedJob:
     """The request of a map of one horizon and one limit."""
+    job = _of_core(spec, pixels, samples)
+    if not isinstance(spec.stable, Judged):
+        return job
+    all_pixels = np.arange(math.prod(spec.shape)) if pixels is None else pixels
+    return JudgedJob(spec, job, all_pixels, samples)
+
+
+def _of_core(spec: MapSpec, pixels: NDArray[np.int64] | None, samples: range) -> _core.MapJob:
+    """What the core makes of a map of one horizon and one limit; it draws the bodies at least."""
     if pixels is None:
         grid = spec.grid
     else:  # not those of the others, of which there may be millions
@@ -142,7 +158,7 @@ def _one(spec: MapSpec, pixels: NDArray[np.int64] | None, samples: range) -> _co
     noise, attitude_noise = spec.start.noise, spec.start.attitude_noise
     return _core.MapJob(
         scene=spec.scene.kind,
-        method=spec.method,
+        method=AUTO if isinstance(spec.stable, Judged) else spec.method,
         moments=grid.moments,
         weight=grid.weight,
         omega=grid.omega,

@@ -18,13 +18,15 @@ from .._checks.arguments import brief, sorted_times
 from ..drawing.figure import html_text, html_with_picture
 from ..model.criteria import Regular
 from ..model.criterion import Criterion
+from ..model.judged import Judged
 from ..solve.growth import Growth
 from ..solve.lyapunov import growth_of
 from ..solve.methods import EXACT, SECOND
 from ..solve.run import Run
-from ..solve.simulate import replay_steps, simulate
+from ..solve.simulate import replay_states, replay_steps, simulate
 from .data import COLUMNS, STATUS, MapData
 from .job import spans, to_core
+from .judge import TOLERANCE, is_adaptive
 from .spec import MapSpec
 
 if TYPE_CHECKING:
@@ -102,7 +104,7 @@ class Replay:
         Time steps taken.
     run : Run or Growth
         The trajectory until the horizon, with the same method and step; the growth of the
-        displacement with :func:`rigid.regular`.
+        displacement with :func:`rigid.regular`; the states at the times of :func:`rigid.judged`.
     """
 
     pixel: tuple[int, ...]
@@ -181,6 +183,15 @@ def replay(
     run: Any
     if isinstance(spec.stable, Regular):
         run = _growth(part, own, record, t)
+    elif isinstance(spec.stable, Judged):
+        run = replay_states(
+            scene,
+            *start,
+            t=sorted_times("t", spec.stable.times if t is None else t),
+            method=method,
+            step=step if math.isfinite(step) else None,
+            tolerance=TOLERANCE if is_adaptive(part, method) else None,
+        )
     elif method == EXACT:
         times = np.linspace(0.0, part.t_end, 501) if t is None else t
         run = simulate(scene, *start, t=times, method=method)

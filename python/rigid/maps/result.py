@@ -498,7 +498,10 @@ class StabilityMap(MapData):
 
 
 def load_map(
-    path: str | os.PathLike[str], *, scene: Callable[..., Any] | None = None
+    path: str | os.PathLike[str],
+    *,
+    scene: Callable[..., Any] | None = None,
+    stable: Callable[..., Any] | None = None,
 ) -> StabilityMap:
     """Read a map that :meth:`StabilityMap.save` wrote.
 
@@ -509,6 +512,8 @@ def load_map(
     scene : callable, optional
         The function that made the scenes, if one did: the file has the digest of its source alone.
         Without it the map can be read and drawn, but not computed again.
+    stable : callable, optional
+        The function of :func:`judged`, for the same.
 
     Returns
     -------
@@ -538,4 +543,4 @@ def load_map(
     True
     """
     spec, arrays, bins = read_map(path)
-    return StabilityMap.from_arrays(spec.with_functions(scene=scene), arrays, bins)
+    return StabilityMap.from_arrays(spec.with_functions(scene=scene, stable=stable), arrays, bins)

@@ -18,6 +18,7 @@ from .._checks.arguments import brief, finite_float, nearest, one_of, positive_i
 from .._moments import possible
 from ..model.bounds import RateWithin
 from ..model.criteria import Criterion, check_criterion, criterion_from_dict
+from ..model.judged import Judged
 from ..model.measures import Measure, check_distinct, make_measures
 from ..model.scene import Scene, scene_from_dict
 from ..model.seed import checked_seed
@@ -148,6 +149,8 @@ class MapSpec:
             if axis.name == "t_end":
                 put("t_end", max(axis.values))
         put("t_end", finite_float("t_end", self.t_end, positive=True))
+        if isinstance(self.stable, Judged):
+            self._check_judged(self.stable)
         if "limit" in self.varied and self.stable.limited is None:
             raise ValueError(f"axes: 'limit' does not apply: {self.stable} limits no angle")
         put("samples", positive_int("samples", self.samples))
@@ -209,6 +212,18 @@ class MapSpec:
         if not isinstance(self.version, str):
             raise TypeError(f"version = {brief(self.version)}: must be a string")
 
+    def _check_judged(self, stable: Judged) -> None:
+        """Refuse what a function of states at given times does not serve."""
+        if "t_end" in self.varied:
+            raise ValueError("axes: 't_end' does not apply: the function sees all its times")
+        if self.t_end != stable.times[-1]:
+            raise ValueError(
+                f"t_end = {self.t_end:g}: the last time of judged() is the horizon, "
+                f"t = {stable.times[-1]:g}"
+            )
+        if self.measure:
+            raise ValueError("measure: is not collected where a function judges the bodies")
+
     @property
     def is_driven(self) -> bool:
         """Whether torque or damping act in some pixel."""
@@ -230,15 +245,25 @@ class MapSpec:
     @property
     def misses_functions(self) -> bool:
         """Whether the map cannot be computed until its functions are given again."""
-        return self.own is not None and self.own.source.function is None
+        sources = [] if self.own is None else [self.own.source]
+        if isinstance(self.stable, Judged):
+            sources.append(self.stable.source)
+        return any(source.function is None for source in sources)
 
-    def with_functions(self, *, scene: Callable[..., Any] | None = None) -> MapSpec:
+    def with_functions(
+        self,
+        *,
+        scene: Callable[..., Any] | None = None,
+        stable: Callable[..., Any] | None = None,
+    ) -> MapSpec:
         """The specification of a file with its functions, which a file cannot hold.
 
         Parameters
         ----------
         scene : callable, optional
             The function that makes the scenes.
+        stable : callable, optional
+            The function that judges the bodies.
 
         Returns
         -------
@@ -249,6 +274,12 @@ class MapSpec:
         ValueError
             If the map has no such function, or one of another source.
         """
+        if stable is not None:
+            if not isinstance(self.stable, Judged):
+                raise ValueError("stable: no function judges the bodies of this map")
+            source = self.stable.source.given("stable", stable)
+            judged = dataclasses.replace(self.stable, source=source)
+            return dataclasses.replace(self, stable=judged).with_functions(scene=scene)
         if scene is None:
             return self
         if self.own is None:

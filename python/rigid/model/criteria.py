@@ -16,6 +16,7 @@ import numpy as np
 from .._checks.arguments import brief, finite_float, one_of
 from .bounds import NearStart, RateWithin, ReturnsNear, SpinAbove, TiltBetween
 from .criterion import Criterion, Joined
+from .judged import Judged
 from .scene import Scene
 from .start import Start, body_axis
 
@@ -154,6 +155,7 @@ class Regular(Criterion):
     stays: ClassVar[str] = "regular"
     record: ClassVar[str] = "axis"
     displaced: ClassVar[bool] = True
+    alone: ClassVar[str | None] = "integrates a displacement"
 
     of: str = "rates"
     sure: float = 2.1
@@ -358,6 +360,8 @@ def criterion_from_dict(data: Mapping[str, Any]) -> Criterion:
     """The criterion of :meth:`Criterion.to_dict`."""
     values = dict(data)
     name = values.pop("criterion")
+    if name == Judged.name:
+        return Judged.from_dict(values)
     if name == Joined.name:
         parts = tuple(criterion_from_dict(part) for part in values["parts"])
         return Joined(values["operation"], parts)

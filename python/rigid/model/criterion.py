@@ -38,6 +38,8 @@ class Criterion(ABC):
         Whether a displacement is integrated with the motion.
     width : int
         Number of its conditions.
+    alone : str or None
+        Why it is not joined with others; None if it is.
     limited : str or None
         The angle (rad) that the axis ``limit`` of a map sets.
     """
@@ -49,6 +51,7 @@ class Criterion(ABC):
     record: ClassVar[str]
     displaced: ClassVar[bool] = False
     width: ClassVar[int] = 1
+    alone: ClassVar[str | None] = None
     limited: ClassVar[str | None] = None
 
     @abstractmethod
@@ -138,8 +141,9 @@ class Joined(Criterion):
                 f"operation = {brief(self.operation)}: must be 'and' or 'or' of two criteria, or "
                 "'not' of one"
             )
-        if any(leaf.displaced for leaf in self.leaves):
-            raise ValueError("regular() integrates a displacement: it is not joined with others")
+        for leaf in self.leaves:
+            if leaf.alone is not None:
+                raise ValueError(f"{leaf.name}() {leaf.alone}: it is not joined with others")
         if len(self.leaves) > MOST_LEAVES:
             raise ValueError(
                 f"{len(self.leaves)} criteria are joined: at most {MOST_LEAVES} may be"

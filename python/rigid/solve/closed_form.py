@@ -99,7 +99,8 @@ def question_words(question: Question) -> str:
 
 def rule(question: Question) -> str:
     """Describe which bodies have a closed form that applies to the question."""
-    return _STATES_RULE if isinstance(question, str) else _CLASS_RULE
+    asked = "states" if isinstance(question, str) else (question.closed_form_question() or ("",))[0]
+    return _STATES_RULE if asked == "states" else _CLASS_RULE
 
 
 def listed(forms: NDArray[np.str_]) -> str | None:

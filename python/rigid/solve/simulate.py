@@ -361,8 +361,36 @@ def replay_steps(
     strides: Sequence[int],
 ) -> Run:
     """A body of a map again: its states after these numbers of steps of exactly ``step``."""
-    batch = Batch.of_scene(scene, omega.reshape(1, 3), attitude.reshape(1, 4), (1,))
     times = np.cumsum(strides) * step
+    return _replayed(scene, omega, attitude, times, method, step, {"strides": list(strides)})
+
+
+def replay_states(
+    scene: Scene,
+    omega: NDArray[np.float64],
+    attitude: NDArray[np.float64],
+    *,
+    t: NDArray[np.float64],
+    method: str,
+    step: float | None,
+    tolerance: float | None,
+) -> Run:
+    """A body of a map again: its states at these times, in steps or by a tolerance."""
+    looks = {"times": t[np.newaxis], "tolerance": tolerance}
+    return _replayed(scene, omega, attitude, t, method, step, looks)
+
+
+def _replayed(
+    scene: Scene,
+    omega: NDArray[np.float64],
+    attitude: NDArray[np.float64],
+    times: NDArray[np.float64],
+    method: str,
+    step: float | None,
+    looks: dict[str, Any],
+) -> Run:
+    """A body from the very start of a map: an attitude given by a user would be normalised."""
+    batch = Batch.of_scene(scene, omega.reshape(1, 3), attitude.reshape(1, 4), (1,))
     problem = Problem(
         scene=scene,
         question="attitude",
@@ -376,17 +404,17 @@ def replay_steps(
         **batch.columns(),
         method=method,
         record="attitude",
-        step=steps,
+        step=None if looks.get("tolerance") is not None else steps,
         max_steps=2**63,
         threads=1,
-        strides=list(strides),
+        **looks,
     )
     spec = {
         "scene": scene.to_dict(),
         "method": method,
         "step": step,
         "accuracy": None,
-        "tolerance": None,
+        "tolerance": looks.get("tolerance"),
         "record": "attitude",
     }
     # The map that this body comes from has its own check of the error.

@@ -1,0 +1,292 @@
+"""Maps whose criterion is a function of the user: the interface of ``_core.MapJob``.
+
+The core draws the starts and computes the states of a block of bodies; the function judges them.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import _core
+from ..model.judged import Judged, States
+from ..solve.closed_form import closed_forms
+from ..solve.methods import AUTO, EXACT, SECOND
+from ..solve.request import Request
+from ..solve.status import Status
+from .spec import MapSpec
+
+__all__ = ["TOLERANCE", "JudgedJob", "is_adaptive"]
+
+Floats = NDArray[np.float64]
+
+ROWS = 2**16
+"""Most states of a block of bodies: those of a thread stay near its cache."""
+
+TOLERANCE = 1e-7
+"""Of adaptive steps by series, whose states inside steps cost little: an error as by the steps of
+other maps, 1e-8 rad for each radian. That of the second method is a hundredth of it."""
+
+STABLE, UNSTABLE, UNDECIDED, FAILED = range(4)
+
+_AGREED = np.array(
+    [
+        [STABLE, UNDECIDED, UNDECIDED, UNDECIDED],
+        [UNDECIDED, UNSTABLE, UNSTABLE, UNDECIDED],
+        [UNDECIDED, UNSTABLE, UNDECIDED, UNDECIDED],
+        [FAILED, FAILED, FAILED, FAILED],
+    ],
+    dtype=np.uint8,
+)
+"""The class of a body from those of its two runs, as the core has it."""
+
+_DRIFTS = ("energy_drift", "momentum_drift", "unit_drift")
+_NUMBERS = ("left", "tilt", "exponent", "mean_megno", *_DRIFTS, "step")
+_COUNTED = ("stable", "unstable", "undecided", "failed")
+
+
+def is_adaptive(spec: MapSpec, method: str) -> bool:
+    """Whether the bodies of a judged map take steps of their own by this method."""
+    is_second = method == SECOND and method != spec.scheme
+    return spec.step is None and method.startswith("taylor") and (spec.method == AUTO or is_second)
+
+
+class JudgedJob:
+    """The request of a map whose bodies a function judges.
+
+    Parameters
+    ----------
+    spec : MapSpec
+    drawing : MapJob
+        The request of the same bodies, which draws them.
+    pixels : ndarray of int64
+        Numbers of the pixels in the grid of the map.
+    samples : range
+        The samples of each pixel.
+    """
+
+    def __init__(
+        self, spec: MapSpec, drawing: _core.MapJob, pixels: NDArray[np.int64], samples: range
+    ) -> None:
+        assert isinstance(spec.stable, Judged)
+        self._spec, self._drawing, self._pixels = spec, drawing, pixels
+        self._stable, self._samples = spec.stable, samples
+        self.status = drawing.status
+        grid = spec.grid
+        self._closed = np.zeros(len(grid.moments), dtype=np.bool_)
+        if spec.method in (AUTO, EXACT) and not spec.is_driven:
+            self._closed = closed_forms("states", grid.moments, grid.weight) != ""
+
+    @property
+    def _block(self) -> int:
+        """Bodies that are judged together."""
+        return max(1, ROWS // len(self._stable.times))
+
+    def run(
+        self,
+        start: int,
+        stop: int,
+        threads: int,
+        interrupted: Callable[[], bool] | None = None,
+    ) -> dict[str, Any] | None:
+        """As ``MapJob.run``."""
+        count = len(self._samples)
+        first, last = start // count, -(-stop // count)
+        statistics = _core.MapStatistics(last - first)
+        for begin in range(start, stop, self._block):
+            if interrupted is not None and interrupted():
+                return None
+            began = time.thread_time()
+            flat = np.arange(begin, min(begin + self._block, stop))
+            part = self._counted(flat, self._outcomes(flat, threads))
+            pixels = len(part["nanoseconds"])
+            part["nanoseconds"][:] = 1e9 * (time.thread_time() - began) / pixels
+            part["first"] -= first
+            statistics.merge(part)
+        return {"first": first, "measures": [], **statistics.arrays()}
+
+    def sample(self, pixel: int, sample: int) -> dict[str, Any]:
+        """As ``MapJob.sample``."""
+        flat = np.array([pixel * len(self._samples) + sample])
+        omega, attitude = (rows.ravel() for rows in self.starts(flat.astype(np.uint64)))
+        found = self._outcomes(flat, 1)
+        verdict = ("stable", "unstable", "undecided", "failed")[int(found["class"][0])]
+        return {
+            **{name: found[name].item() for name in ("flips", "steps", *_NUMBERS)},
+            "class": verdict,
+            "status": _core.status_names()[int(found["status"][0])],
+            "method": EXACT if found["exact"][0] else self._spec.scheme,
+            "omega": omega,
+            "attitude": attitude,
+            "parts": [(verdict, np.nan)],
+            "measures": [],
+        }
+
+    def starts(self, samples: NDArray[np.uint64]) -> list[Floats]:
+        """As ``MapJob.starts``."""
+        return self._drawing.starts(samples)
+
+    def outcomes(self, samples: NDArray[np.uint64], threads: int) -> dict[str, NDArray[Any]]:
+        """As ``MapJob.outcomes``."""
+        flat = samples.astype(np.int64)
+        parts = [
+            self._outcomes(flat[begin : begin + self._block], threads)
+            for begin in range(0, max(len(flat), 1), self._block)
+        ]
+        return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+
+    def _outcomes(self, flat: NDArray[np.int64], threads: int) -> dict[str, NDArray[Any]]:
+        """What became of bodies by their numbers, as arrays of a number each."""
+        count, spec = len(flat), self._spec
+        pixel = self._pixels[flat // len(self._samples)]
+        omega, attitude = self._drawing.starts(flat.astype(np.uint64))
+        starts = omega.reshape(-1, 3), attitude.reshape(-1, 4)
+        found: dict[str, NDArray[Any]] = {
+            "class": np.full(count, FAILED, dtype=np.uint8),
+            "status": np.full(count, Status.NOT_FINITE, dtype=np.uint8),
+            "exact": np.zeros(count, dtype=np.bool_),
+            "checked": np.zeros(count, dtype=np.bool_),
+            "flips": np.zeros(count, dtype=np.int64),
+            "steps": np.zeros(count, dtype=np.int64),
+            "steps_of_both": np.zeros(count, dtype=np.int64),
+            **{name: np.full(count, np.nan) for name in _NUMBERS},
+        }
+        possible = self.status[flat // len(self._samples)] == 0
+        checked = spec.checked_samples(self._samples)
+        for closed in (True, False):
+            mine = np.flatnonzero(possible & (self._closed[pixel] == closed))
+            if not len(mine):
+                continue
+            method = EXACT if closed else spec.scheme
+            first = self._judge(method, mine, pixel, starts, threads)
+            for name, values in first.items():
+                found[name][mine] = values
+            found["steps_of_both"][mine] = first["steps"]
+            found["exact"][mine] = closed
+            if closed:
+                for name in _DRIFTS:
+                    found[name][mine] = np.nan
+                continue
+            within = flat[mine] % len(self._samples)
+            again = mine if checked is None else mine[within < checked]
+            if not len(again):
+                continue
+            second = self._judge(SECOND, again, pixel, starts, threads)
+            was_run = second["status"] != Status.STEP_LIMIT
+            before = found["class"][again]
+            both = _AGREED[before, second["class"]]
+            found["class"][again] = np.where(was_run, both, before)
+            found["checked"][again] = was_run
+            found["steps_of_both"][again] += second["steps"]
+        return found
+
+    def _judge(
+        self,
+        method: str,
+        mine: NDArray[np.intp],
+        pixel: NDArray[np.int64],
+        starts: tuple[Floats, Floats],
+        threads: int,
+    ) -> dict[str, NDArray[Any]]:
+        """Classes, statuses, drifts and steps of some bodies by one method."""
+        times, count = np.array(self._stable.times), len(mine)
+        out: dict[str, NDArray[Any]] = {
+            "class": np.full(count, FAILED, dtype=np.uint8),
+            "status": np.empty(count, dtype=np.uint8),
+            "steps": np.zeros(count, dtype=np.int64),
+            **{name: np.full(count, np.nan) for name in (*_DRIFTS, "step")},
+        }
+        omega, attitude = (values[mine] for values in starts)
+        for some, batch in self._spec.grid.batches_by_forcing(pixel[mine], omega, attitude):
+            rows = np.array(some)
+            tolerance, steps = self._steps(method, batch, times[-1])
+            part = Request(
+                batch=batch,
+                times=times,
+                method=method,
+                record=self._stable.of,
+                max_steps=self._spec.max_steps,
+                threads=threads,
+                tolerance=tolerance,
+            ).states(steps)
+            status = part["status"].copy()
+            worst = np.zeros(len(rows))
+            for name in _DRIFTS:
+                if part[name] is not None:
+                    out[name][rows] = part[name]
+                    worst = np.fmax(worst, part[name])
+            status[(status == Status.OK) & (worst > _core.DRIFT_LIMIT)] = Status.DRIFTED
+            out["status"][rows] = status
+            if steps is not None:
+                out["step"][rows] = steps
+            if part["steps"] is not None:
+                out["steps"][rows] = part["steps"]
+            kept = np.flatnonzero(status == Status.OK)
+            if not len(kept):
+                continue
+            which: Any = slice(None) if len(kept) == len(rows) else kept
+            of_kept: list[Any] = [
+                None if part[name] is None else part[name][which]
+                for name in ("omega", "vertical", "attitude")
+            ]
+            verdict = self._stable.verdicts(
+                States(
+                    t=times,
+                    omega=of_kept[0],
+                    gamma=of_kept[1],
+                    attitude=of_kept[2],
+                    parameters=self._parameters(pixel[mine][rows[kept]]),
+                )
+            )
+            known = np.where(verdict > 0.0, STABLE, UNSTABLE)
+            out["class"][rows[kept]] = np.where(np.isnan(verdict), UNDECIDED, known)
+        return out
+
+    def _steps(self, method: str, batch: Any, t_end: float) -> tuple[float | None, Floats | None]:
+        """Tolerance, or steps (s), of a batch by a method."""
+        spec = self._spec
+        if method == EXACT:
+            return None, None
+        if is_adaptive(spec, method):
+            return (0.01 * TOLERANCE if method == SECOND else TOLERANCE), None
+        is_second = method == SECOND
+        own = _core.default_steps(method, batch.fastest_rates((0.0, t_end), method), False)
+        if spec.step is None:
+            return None, 0.5 * own if is_second and spec.method == SECOND else own
+        return None, np.minimum(own, 0.5 * spec.step) if is_second else np.full_like(own, spec.step)
+
+    def _parameters(self, pixel: NDArray[np.int64]) -> dict[str, Floats]:
+        """Values of the axes at these pixels."""
+        places = reversed(np.unravel_index(pixel, self._spec.shape))
+        return {
+            axis.name: np.array(axis.values)[place]
+            for axis, place in zip(self._spec.axes, places, strict=True)
+        }
+
+    def _counted(self, flat: NDArray[np.int64], found: dict[str, NDArray[Any]]) -> dict[str, Any]:
+        """The columns of a map from the outcomes of bodies whose numbers follow each other."""
+        pixel = flat // len(self._samples)
+        first = int(pixel[0])
+        place, size = pixel - first, int(pixel[-1]) - first + 1
+        possible = self.status[pixel] == 0
+        counts = {
+            **{name: found["class"] == code for code, name in enumerate(_COUNTED)},
+            "checked": found["checked"],
+            "audited": found["checked"],
+            "audited_undecided": found["checked"] & (found["class"] == UNDECIDED),
+            "step_limit": found["status"] == Status.STEP_LIMIT,
+            "not_finite": found["status"] == Status.NOT_FINITE,
+            "drifted": found["status"] == Status.DRIFTED,
+            "steps": found["steps_of_both"],
+            "exact": found["exact"],
+        }
+        part: dict[str, Any] = {"first": first, **_core.MapStatistics(size).arrays()}
+        for name, values in counts.items():
+            np.add.at(part[name], place, np.where(possible, values, 0).astype(np.int64))
+        for name in _DRIFTS:
+            np.fmax.at(part[name], place, found[name])
+        return part

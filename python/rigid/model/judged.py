@@ -1,0 +1,173 @@
+"""The criterion that a function of the user decides."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._checks.arguments import one_of, sorted_times
+from .criterion import Condition, Criterion
+from .scene import Scene
+from .sourced import Sourced
+from .start import Start
+
+__all__ = ["Judged", "States", "judged"]
+
+Floats = NDArray[np.float64]
+
+RECORDS = ("attitude", "axis", "rates")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class States:
+    """States of some bodies of a map, as a function of :func:`judged` gets them.
+
+    Attributes
+    ----------
+    t : ndarray, shape (m,)
+        Times, s.
+    omega : ndarray, shape (n, m, 3)
+        Rates in the body, rad/s.
+    gamma : ndarray, shape (n, m, 3), or None
+        Upward vertical in the body; with ``of="attitude"``, and of tops with ``of="axis"``.
+    attitude : ndarray, shape (n, m, 4), or None
+        Quaternions (w, x, y, z); with ``of="attitude"``.
+    parameters : dict of str to ndarray, shape (n,)
+        Values of the axes of the map.
+    """
+
+    t: Floats
+    omega: Floats
+    gamma: Floats | None
+    attitude: Floats | None
+    parameters: Mapping[str, Floats]
+
+
+@dataclass(frozen=True, slots=True)
+class Judged(Criterion):
+    """Stable if a function of the states says so; made by :func:`judged`."""
+
+    name: ClassVar[str] = "judged"
+    alone: ClassVar[str | None] = "has a function, which can join all that it judges"
+
+    source: Sourced
+    times: tuple[float, ...]
+    of: str = "attitude"
+
+    @property
+    def record(self) -> str:  # type: ignore[override]
+        """The state that is integrated."""
+        return self.of
+
+    def watched(self, step: float) -> float:
+        """Twice the step: states inside steps are computed too."""
+        return 2.0 * step
+
+    def resolved(self, scene: Scene, start: Start | None) -> Self:
+        """The criterion, which leaves nothing open."""
+        return self
+
+    def core(self) -> Condition:
+        """The condition of a request that draws the starts; it is not observed."""
+        return "no_flip", 1, ()
+
+    def closed_form_question(self) -> tuple[str, None]:
+        """Bodies whose states have a closed form are not integrated."""
+        return "states", None
+
+    def check_forced(self) -> None:
+        """Do nothing: states are computed under torque and damping too."""
+
+    def verdicts(self, states: States) -> Floats:
+        """What the function says of the bodies: positive for stable, NaN for undecided."""
+        found = np.asarray(self.source.call("stable")(states))
+        count = len(states.omega)
+        if found.shape != (count,) or found.dtype.kind not in "bif":
+            raise ValueError(
+                f"stable = {self.source.name}: must return a boolean or a number for each body, of "
+                f"shape ({count},), got {found.dtype} of shape {found.shape}"
+            )
+        return found.astype(np.float64)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Name and digest of the function, its times, and what it sees."""
+        return {
+            "criterion": self.name,
+            "function": self.source.to_dict(),
+            "times": list(self.times),
+            "of": self.of,
+        }
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> Judged:
+        """The criterion of :meth:`to_dict`, whose function must be given again."""
+        of = one_of("of", data["of"], RECORDS)
+        return cls(Sourced.from_dict(data["function"]), _times(data["times"]), of)
+
+    def __str__(self) -> str:
+        return f"judged by {self.source.name}"
+
+
+def judged(
+    function: Callable[[States], ArrayLike], t: ArrayLike, *, of: str = "attitude"
+) -> Judged:
+    """Stable: a function of the states of a body at some times says so.
+
+    The bodies are drawn, integrated, counted and checked as those of any criterion. Each integrated
+    body is integrated by a second method too: if the function says otherwise of these states, the
+    body is undecided. Bodies whose motion has a closed form are not integrated. What happens
+    between the times is not seen.
+
+    Parameters
+    ----------
+    function : callable
+        ``function(states)`` gets the states of some bodies, and returns for each whether it is
+        stable, shape (n,): a boolean, or a number that is positive if the body is stable, and NaN
+        if that is undecided. What it says of a body must not depend on the other bodies, which are
+        those that happen to be computed together. ``states.t`` (m,); ``states.omega`` (n, m, 3),
+        rad/s; ``states.gamma`` (n, m, 3), the upward vertical in the body; ``states.attitude``
+        (n, m, 4), quaternions; ``states.parameters``: the values of the axes of the map by their
+        names, (n,). Saved maps hold the digest of its source, not what it takes from outside.
+    t : array_like, shape (m,)
+        Times, s, ascending. The last one is the horizon of the map.
+    of : {"attitude", "axis", "rates"}
+        What is computed: all; rates, and the vertical of tops; or rates alone, which costs less.
+        What is not computed is None.
+
+    Returns
+    -------
+    Judged
+
+    Raises
+    ------
+    TypeError
+        If it is no function.
+    ValueError
+        If the times are negative or not ascending, or ``of`` is unknown.
+
+    Examples
+    --------
+    >>> import numpy as np, rigid
+    >>> def keeps_its_sign(states):
+    ...     return (states.omega[..., 1] > 0.0).all(axis=1)
+    >>> asked = {"axes": {"spin": [1.0, 2.0]}, "samples": 20, "rng": 1}
+    >>> t = np.linspace(0.0, 50.0, 501)
+    >>> result = rigid.stability_map(
+    ...     rigid.FreeBody, stable=rigid.judged(keeps_its_sign, t, of="rates"), **asked
+    ... )
+    >>> flips = rigid.stability_map(rigid.FreeBody, stable=rigid.no_flip(), t_end=50.0, **asked)
+    >>> bool((result.stable == flips.stable).all())
+    True
+    """
+    return Judged(Sourced.of("function", function), _times(t), one_of("of", of, RECORDS))
+
+
+def _times(t: ArrayLike) -> tuple[float, ...]:
+    times = sorted_times("t", t)
+    if not times.size or times[0] < 0.0 or times[-1] <= 0.0:
+        raise ValueError("t: must be times from 0 on, the last one positive")
+    return tuple(times.tolist())

@@ -1,0 +1,261 @@
+"""Bodies that a function of the user judges."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import rigid
+from rigid.maps.plan import map_plan
+from small_maps import assert_same_map, saved_bytes, small_map
+
+Verdicts = NDArray[np.bool_]
+ANY: Any = 3
+
+T = np.linspace(0.0, 20.0, 401)
+TOP = rigid.HeavyTop(rigid.Body((1.0, 1.2, 0.6)), mgl=1.0)
+TOPS: dict[str, Any] = {
+    "axes": {"spin": [2.0, 3.5, 4.0, 5.0]},
+    "samples": 50,
+    "rng": 7,
+    "start": rigid.Start(spin=4.0, tilt=0.3, attitude_noise=rigid.normal(0.1)),
+    "progress": False,
+}
+
+
+def keeps_its_sign(states: rigid.States) -> Verdicts:
+    """As ``no_flip(2)``, as far as the looks tell."""
+    kept: Verdicts = np.all(states.omega[..., 1] > 0.0, axis=1)
+    return kept
+
+
+def stays_low(states: rigid.States) -> Verdicts:
+    """As ``tilt_below(0.6)``."""
+    assert states.gamma is not None
+    kept: Verdicts = np.all(states.gamma[..., 2] > np.cos(0.6), axis=1)
+    return kept
+
+
+def test_the_class_is_that_of_no_flip() -> None:
+    """In closed form, and by two methods; two bodies graze between the looks at most."""
+    for method in ("auto", "taylor12", "rk4"):
+        asked: dict[str, Any] = {"method": method, "t_end": 20.0}
+        judged = small_map(stable=rigid.judged(keeps_its_sign, T, of="rates"), **asked)
+        flips = small_map(**asked)
+        assert np.abs(judged.stable - flips.stable).sum() <= 2
+        assert 0.1 < judged.stable.sum() / judged.samples.sum() < 0.9
+        assert (judged.exact == flips.exact).all()
+        assert (judged.checked == flips.checked).all()
+        assert judged.complete
+
+
+def test_the_class_is_that_of_tilt_below() -> None:
+    """Of tops that are integrated; the tilt is seen at looks, and its limit may be grazed."""
+    judged = rigid.stability_map(TOP, stable=rigid.judged(stays_low, T, of="axis"), **TOPS)
+    tilts = rigid.stability_map(TOP, stable=rigid.tilt_below(0.6), t_end=20.0, **TOPS)
+    assert np.abs(judged.stable - tilts.stable).max() <= 1
+    assert not judged.exact.any()
+    assert (judged.checked == 50).all()
+    assert not judged.failed.any()
+    assert 0.1 < judged.share.mean() < 0.9
+
+
+def test_the_function_sees_the_motion_and_the_parameters() -> None:
+    """Bit by bit what a replay has; every body is judged by each method once."""
+    seen: list[rigid.States] = []
+
+    def look(states: rigid.States) -> Verdicts:
+        seen.append(states)
+        return np.ones(len(states.omega), dtype=bool)
+
+    t = np.linspace(0.0, 4.0, 9)
+    asked = {**TOPS, "samples": 3}
+    for options in ({}, {"method": "rk4"}, {"method": "rk4", "step": 0.03}):
+        seen.clear()
+        result = rigid.stability_map(TOP, stable=rigid.judged(look, t), **asked, **options)
+        assert [len(states.omega) for states in seen] == [12, 12]
+        first, second = seen
+        np.testing.assert_array_equal(first.t, t)
+        np.testing.assert_array_equal(first.parameters["spin"], np.repeat(TOPS["axes"]["spin"], 3))
+        assert first.attitude is not None
+        assert second.attitude is not None
+        np.testing.assert_allclose(second.attitude, first.attitude, atol=2e-3)
+        one = result.replay(1, 2)
+        np.testing.assert_array_equal(one.run.omega, first.omega[5])
+        np.testing.assert_array_equal(one.run.attitude, first.attitude[5])
+        assert one.outcome == "stable"
+        assert one.parts[0].outcome == "stable"
+        assert str(one.parts[0].criterion) == "judged by look"
+
+
+def test_numbers_are_margins_and_nan_is_undecided() -> None:
+    def margin(states: rigid.States) -> NDArray[np.float64]:
+        spin = states.parameters["spin"]
+        return np.where(spin == 3.5, np.nan, spin - 4.0)
+
+    result = rigid.stability_map(TOP, stable=rigid.judged(margin, [1.0], of="rates"), **TOPS)
+    assert result.unstable.tolist() == [50, 0, 50, 0]
+    assert result.undecided.tolist() == [0, 50, 0, 0]
+    assert result.stable.tolist() == [0, 0, 0, 50]
+
+
+def test_a_second_method_that_disagrees_leaves_the_body_undecided() -> None:
+    calls = iter(range(100))
+
+    def fickle(states: rigid.States) -> Verdicts:
+        return np.full(len(states.omega), next(calls) % 2 == 0)
+
+    result = rigid.stability_map(
+        TOP, stable=rigid.judged(fickle, [1.0], of="rates"), check=0.4, **TOPS
+    )
+    assert (result.undecided == 20).all()
+    assert (result.stable == 30).all()
+    assert (result.checked == 20).all()
+
+
+def test_numbers_do_not_depend_on_threads_and_chunks(tmp_path: Path) -> None:
+    stable = rigid.judged(stays_low, T, of="axis")
+    all_bytes = [
+        saved_bytes(
+            rigid.stability_map(TOP, stable=stable, threads=n, chunk=chunk, **TOPS), tmp_path
+        )
+        for n, chunk in ((1, None), (2, 7), (3, 129))
+    ]
+    assert len(set(all_bytes)) == 1
+
+
+def test_files_have_the_digest_of_the_function(tmp_path: Path) -> None:
+    result = rigid.stability_map(TOP, stable=rigid.judged(stays_low, T, of="axis"), **TOPS)
+    path = result.save(tmp_path / "map.npz")
+    bare = rigid.load_map(path)
+    assert bare.spec == result.spec
+    assert bare.spec.misses_functions
+    with pytest.raises(ValueError, match=r"stable: a file has no functions; give 'stays_low'"):
+        bare.replay(0, 0)
+    with pytest.raises(ValueError, match=r"stable = keeps_its_sign: its source is not that"):
+        rigid.load_map(path, stable=keeps_its_sign)
+    whole = rigid.load_map(path, stable=stays_low)
+    assert whole.replay(1, 3).outcome == result.replay(1, 3).outcome
+    assert_same_map(rigid.stability_map(whole.spec, progress=False), result)
+    assert whole.spec.criterion == "judged by stays_low until t = 20 s"
+
+
+def test_starts_and_outcomes_in_bulk() -> None:
+    result = rigid.stability_map(TOP, stable=rigid.judged(stays_low, T, of="axis"), **TOPS)
+    bodies = result.outcomes(range(50))
+    stable = (bodies.outcome == "stable").sum(axis=-1)
+    np.testing.assert_array_equal(np.sort(stable.ravel())[-4:], np.sort(result.stable))
+
+
+def test_bodies_that_fail_are_not_judged() -> None:
+    """Steps that are far too long lose the energy."""
+    count = 0
+
+    def look(states: rigid.States) -> Verdicts:
+        nonlocal count
+        count += len(states.omega)
+        assert np.isfinite(states.omega).all()
+        return np.ones(len(states.omega), dtype=bool)
+
+    stable = rigid.judged(look, [20.0], of="rates")
+    result = rigid.stability_map(TOP, stable=stable, method="rk4", step=1.0, check=0.0, **TOPS)
+    assert result.failed.sum() > 0
+    assert count == result.stable.sum()
+    assert (result.drifted + result.not_finite == result.failed).all()
+    stopped = rigid.stability_map(TOP, stable=stable, max_steps=3, check=0.0, **TOPS)
+    assert (stopped.step_limit == 50).all()
+
+
+def test_under_torque_and_damping() -> None:
+    """Bodies of one pixel are computed together, and brake alike."""
+    body = rigid.Body((1.0, 1.5, 2.0))
+
+    def brakes(states: rigid.States) -> Verdicts:
+        speed = np.linalg.norm(states.omega, axis=-1)
+        slowed: Verdicts = speed[:, -1] < 0.5 * speed[:, 0]
+        return slowed
+
+    result = rigid.stability_map(
+        rigid.FreeBody(body, damping=0.1),
+        axes={"damping1": [0.0, 2.0], "damping2": [0.0, 2.0]},
+        start=rigid.Start(spin=1.0, axis=1, noise=rigid.normal(1e-3)),
+        stable=rigid.judged(brakes, [0.0, 2.0], of="rates"),
+        samples=4,
+        rng=1,
+        progress=False,
+    )
+    assert result.stable.tolist() == [[0, 4], [0, 4]]
+
+
+def test_plans_and_closed_forms() -> None:
+    free = small_map(stable=rigid.judged(keeps_its_sign, T), method="exact", samples=1)
+    assert map_plan(free.spec).method == "exact"
+    assert (free.exact == 1).all()
+    top = rigid.stability_map(TOP, stable=rigid.judged(stays_low, T), **{**TOPS, "samples": 1})
+    assert map_plan(top.spec).method == "taylor12"
+
+
+@pytest.mark.parametrize(
+    ("call", "kind", "message"),
+    [
+        (lambda: rigid.judged(ANY, T), TypeError, "function = 3: must be a function"),
+        (lambda: rigid.judged(stays_low, []), ValueError, "t: must be times from 0 on"),
+        (lambda: rigid.judged(stays_low, [-1.0, 1.0]), ValueError, "t: must be times from 0 on"),
+        (lambda: rigid.judged(stays_low, [2.0, 1.0]), ValueError, "times must be ascending"),
+        (lambda: rigid.judged(stays_low, T, of="all"), ValueError, "of = 'all': must be one of"),
+        (
+            lambda: rigid.judged(stays_low, T) & rigid.no_flip(),
+            ValueError,
+            r"judged\(\) has a function, which can join all that it judges: it is not joined",
+        ),
+        (
+            lambda: small_map(stable=rigid.judged(stays_low, T), t_end=10.0),
+            ValueError,
+            r"t_end = 10: the last time of judged\(\) is the horizon, t = 20",
+        ),
+        (
+            lambda: rigid.stability_map(
+                TOP, stable=rigid.judged(stays_low, T), **{**TOPS, "axes": {"t_end": [10.0, 20.0]}}
+            ),
+            ValueError,
+            "axes: 't_end' does not apply: the function sees all its times",
+        ),
+        (
+            lambda: small_map(stable=rigid.judged(stays_low, T), measure=rigid.drift()),
+            ValueError,
+            "measure: is not collected where a function judges the bodies",
+        ),
+        (
+            lambda: small_map(stable=rigid.judged(stays_low, T), samples=None, half_width=0.1),
+            ValueError,
+            "stable: a function judges no bodies with store, executor, half_width or refine",
+        ),
+        (
+            lambda: small_map(stable=rigid.judged(lambda states: states.omega, T)),
+            ValueError,
+            r"must return a boolean or a number for each body, of shape \(\d+,\), got float64 of",
+        ),
+        (
+            lambda: small_map(samples=1).spec.with_functions(stable=keeps_its_sign),
+            ValueError,
+            "stable: no function judges the bodies of this map",
+        ),
+        (
+            lambda: rigid.stability_map(
+                rigid.HeavyTop(rigid.Body((1.0, 1.2, 0.6)), mgl=1.0),
+                stable=rigid.judged(stays_low, T),
+                method="exact",
+                **TOPS,
+            ),
+            ValueError,
+            "no closed form of judged by stays_low .*centre of mass on the third axis, and of a",
+        ),
+    ],
+)
+def test_bad_input_is_named(call: Any, kind: type[Exception], message: str) -> None:
+    with pytest.raises(kind, match=message):
+        call()
