@@ -20,6 +20,7 @@ import rigid
 from rigid.cli.toml_map import MAPS, read_spec
 from rigid.maps.data import COLUMNS
 from rigid.maps.parameters import make_axes
+from rigid.maps.sequential import stop_table
 from rigid.store.store import run_stored
 
 SAMPLES = 8
@@ -69,7 +70,9 @@ def triangle() -> bool:
     possible = np.isfinite(truth)
 
     def told(name: str, **changes: Any) -> tuple[int, float]:
-        result = run(spec.replace(**changes))
+        if "half_width" in changes:
+            changes["samples"] = stop_table(changes["half_width"]).last
+        result = run(dataclasses.replace(spec, **changes))
         share = result.filled if "refine" in changes else result.share
         bodies = int(result.samples.sum())
         wrong = float(((share > 0.5) != (truth > 0.5))[possible].mean())
