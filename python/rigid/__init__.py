@@ -62,7 +62,6 @@ from .solve.status import Status
 
 if TYPE_CHECKING:
     from os import PathLike
-    from pathlib import Path
 
     from . import (
         animation,
@@ -210,7 +209,7 @@ if not TYPE_CHECKING:  # a type checker would take any name for a module
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
-def _animate(run: Run, path: str | PathLike[str], **options: Any) -> Path:
+def _animate(run: Run, path: str | PathLike[str] | None, **options: Any) -> Any:
     """:func:`rigid.animation.animate`, imported when it is first called."""
     from .animation import animate
 

@@ -65,14 +65,50 @@ class Part:
     carried: bool = False
     label: str = ""
 
-    def placed(self, attitude: Floats, frame: int) -> Floats:
-        """The points in space in a frame, from the attitude in this frame."""
+    def placed(self, attitude: Floats, frame: int, since: int = 0) -> Floats:
+        """The points in space in a frame, from its attitude; trails from ``since``."""
         points = self.points
         if self.kind == "trail":
-            points = points[: frame + 1]
+            points = points[since : frame + 1]
         elif self.kind in ("arrow", "dot"):
             points = points[frame : frame + 1] if len(points) > 1 else points
         return to_space(attitude, points) if self.carried else points
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Chart:
+    """A strip chart beside a film: some quantities against time.
+
+    Attributes
+    ----------
+    label : str
+        Quantity and unit.
+    names, colours : tuple of str
+        Name and colour of each curve.
+    values : ndarray, shape (curves, frames)
+        The values of each curve.
+    """
+
+    label: str
+    names: tuple[str, ...]
+    colours: tuple[str, ...]
+    values: Floats
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Polhode:
+    """The direction of L in the body, and the separatrix on the sphere of directions.
+
+    Attributes
+    ----------
+    points : ndarray, shape (frames, 3)
+        Unit vectors along the principal axes.
+    separatrix : tuple of ndarray, shape (n, 3)
+        Great circles through the axis of the middle moment; none if two moments are equal.
+    """
+
+    points: Floats
+    separatrix: tuple[Floats, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -99,6 +135,12 @@ class Film:
         The centre of the picture, on the line through the origin along ``up``.
     reach : float
         Largest distance of a point of any frame from the centre.
+    trail : float
+        Length of trails in seconds of the run; inf if they have no end.
+    chart : Chart
+        Rates of a free body, tilt of a top.
+    polhode : Polhode or None
+        Of a free body without torque and damping.
     """
 
     view: str
@@ -110,6 +152,16 @@ class Film:
     up: Floats
     centre: Floats
     reach: float
+    trail: float
+    chart: Chart
+    polhode: Polhode | None
+
+    def trail_begin(self, frame: int) -> int:
+        """Index of the oldest point of a trail that a frame shows."""
+        if np.isinf(self.trail):
+            return 0
+        recent = np.abs(self.t[frame] - self.t[: frame + 1]) <= self.trail
+        return int(recent.argmax())
 
     @property
     def digits(self) -> int:
@@ -120,7 +172,12 @@ class Film:
 
 
 def film_of(
-    run: Run, *, view: str | None = None, speed: float = 1.0, body: int | None = None
+    run: Run,
+    *,
+    view: str | None = None,
+    speed: float = 1.0,
+    body: int | None = None,
+    trail: float | None = None,
 ) -> Film:
     """The frames of an animation of a run; the arguments are those of :meth:`rigid.Run.animate`.
 
@@ -136,6 +193,8 @@ def film_of(
     """
     omega, attitude = states_of(run, body)
     speed = finite_float("speed", speed, positive=True)
+    if trail is not None and trail != np.inf:
+        trail = finite_float("trail", trail, positive=True)
     if len(run.t) < 2:
         raise ValueError(f"t of shape {run.t.shape}: an animation needs two times or more")
     scene = scene_of(run, body)
@@ -153,6 +212,9 @@ def film_of(
         show = {"box": _box, "cones": _cones, "poinsot": _poinsot}[view]
         parts = show(scene, omega, attitude, momentum[:1])
     steps = np.diff(run.t)
+    if trail is None:
+        trail = np.inf if view == "poinsot" else 0.25 * float(run.t[-1] - run.t[0])
+    is_free = view != "top"
     centre, reach = _room(parts, attitude, up)
     return Film(
         view=view,
@@ -164,7 +226,41 @@ def film_of(
         up=up,
         centre=centre,
         reach=reach,
+        trail=float(trail),
+        chart=_rates(omega) if is_free else _tilt(check_heavy_top(scene), attitude),
+        polhode=_polhode(scene.body.moments, omega) if is_free and not scene.is_driven else None,
     )
+
+
+def _rates(omega: Floats) -> Chart:
+    return Chart(label="ω (rad/s)", names=("ω₁", "ω₂", "ω₃"), colours=AXES, values=omega.T)
+
+
+def _tilt(scene: HeavyTop, attitude: Floats) -> Chart:
+    """Angle between the vertical and the direction to the centre of mass."""
+    axis = to_space(attitudes(attitude), np.array(scene.com))
+    tilt = np.rad2deg(np.arctan2(np.hypot(axis[:, 0], axis[:, 1]), axis[:, 2]))
+    return Chart(label="tilt (°)", names=(), colours=(AXES[2],), values=tilt[np.newaxis])
+
+
+def _polhode(moments: Moments, omega: Floats) -> Polhode:
+    """Path and separatrix; on the separatrix the energy is ``L² / (2 I)`` of the middle axis."""
+    momentum = np.array(moments) * omega
+    points = momentum / np.linalg.norm(momentum, axis=1, keepdims=True)
+    low, mid, high = np.argsort(moments)
+    inverse = 1.0 / np.array(moments)
+    first, last = inverse[low] - inverse[mid], inverse[mid] - inverse[high]
+    if first <= 0.0 or last <= 0.0:
+        return Polhode(points=points, separatrix=())
+    turn = np.linspace(0.0, 2.0 * np.pi, 97)
+    circles = []
+    for sign in (1.0, -1.0):
+        circle = np.zeros((97, 3))
+        circle[:, mid] = np.cos(turn)
+        circle[:, low] = np.sin(turn) * np.sqrt(last / (first + last))
+        circle[:, high] = sign * np.sin(turn) * np.sqrt(first / (first + last))
+        circles.append(circle)
+    return Polhode(points=points, separatrix=tuple(circles))
 
 
 def _room(parts: tuple[Part, ...], attitude: Floats, up: Floats) -> tuple[Floats, float]:
@@ -284,6 +380,8 @@ def _poinsot(scene: Scene, omega: Floats, attitude: Floats, momentum: Floats) ->
 def _top(scene: HeavyTop, attitude: Floats) -> tuple[Part, ...]:
     """A top on its fixed point, and the path of the tip of its stem on a sphere."""
     direction = np.array(scene.com)
+    turn = np.linspace(0.0, 2.0 * np.pi, 49)
+    ring = np.stack([np.cos(turn), np.sin(turn), 0.0 * turn], axis=1)  # marks the fixed point
     return (
         Part(
             kind="faces",
@@ -302,12 +400,7 @@ def _top(scene: HeavyTop, attitude: Floats) -> tuple[Part, ...]:
             colours=(colours.VERTICAL.colour,),
             label="vertical",
         ),
-        Part(
-            kind="faces",
-            points=plane_face(np.zeros(3), UP, 0.8),
-            colours=(SPACE,),
-            opacity=0.12,
-        ),
+        Part(kind="line", points=0.12 * ring, colours=(SPACE,)),
     )
 
 

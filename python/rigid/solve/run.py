@@ -163,7 +163,7 @@ class Run:
     spec: dict[str, Any]
     plan: Plan
 
-    _animator: ClassVar[Callable[..., Path]]
+    _animator: ClassVar[Callable[..., Any]]
     _evaluator: ClassVar[Callable[..., Run]]
 
     def __repr__(self) -> str:
@@ -618,8 +618,8 @@ an accuracy
 
         return Rotation.from_quat(attitude, scalar_first=True)
 
-    def animate(self, path: str | PathLike[str], **options: Any) -> Path:
-        """Write the motion to a page or a picture that moves: :func:`rigid.animation.animate`."""
+    def animate(self, path: str | PathLike[str] | None = None, **options: Any) -> Any:
+        """Show the motion as a film, or write it: :func:`rigid.animation.animate`."""
         return self._animator(self, path, **options)
 
 
@@ -722,7 +722,7 @@ _ARRAYS: Mapping[str, tuple[str, tuple[str, ...]]] = {
 """Unit and axes, after those of the bodies, of each array of a run."""
 
 
-def plug_in_animator(animator: Callable[..., Path]) -> None:
+def plug_in_animator(animator: Callable[..., Any]) -> None:
     """Let :meth:`Run.animate` call ``animator(run, path, **options)``.
 
     Animations use modules of the textbook, which import this module. So this module cannot

@@ -2,21 +2,28 @@
 
 from __future__ import annotations
 
+import html
 import json
 import re
 import shutil
 import subprocess
+import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from PIL import Image, ImageSequence
+from scipy.spatial.transform import Rotation
 
 import rigid
 from processes import PATIENCE, python_process
 from rigid import top
+from rigid.animation import Animation
 from rigid.animation.film import Film, Part, film_of
+from rigid.animation.raster import Buffer, Camera
+from rigid.animation.web import film_page
 from rigid.drawing.shapes import STEM
 
 BOX = rigid.FreeBody(rigid.Body.box(0.25, 0.08, 0.04, mass=0.3))
@@ -36,7 +43,7 @@ def data_in(page: str) -> dict[str, Any]:
     found = re.search(r'<script type="application/json" id="film">(.*?)</script>', page)
     assert found
     data: dict[str, Any] = json.loads(found[1])
-    return data
+    return data["films"][0]  # type: ignore[no-any-return]
 
 
 def part(film: Film, kind: str, *, label: str = "", carried: bool = False, which: int = 0) -> Part:
@@ -92,50 +99,96 @@ def test_a_page_is_written_without_matplotlib(tmp_path: Path) -> None:
     assert said == "plotting needs matplotlib: pip install 'rigid[maps]'"
 
 
-PLAYER = """
+TURNED = """
 const fs = require("fs"), page = fs.readFileSync(process.argv[1], "utf8");
 const json = page.match(/id="film">(.*?)<\\/script>/s)[1];
-const code = page.match(/<script>(.*?)<\\/script>/s)[1];
-let corners = [], drawn = [], queue = [];
-const pen = new Proxy({}, {get: (_, name) => (...values) => {
-  if (name === "beginPath") corners = [];
-  if (name === "moveTo" || name === "lineTo") corners.push(values);
-  if (name === "fill") drawn.push(corners);
-}, set: () => true});
-const elements = {};
-globalThis.document = {getElementById: id => elements[id] ??= {
-  textContent: id === "film" ? json : "", clientWidth: 400, clientHeight: 400, value: 1,
-  getContext: () => pen, addEventListener() {}}};
-globalThis.window = {devicePixelRatio: 1};
-globalThis.requestAnimationFrame = next => queue.push(next);
-const found = new Function(code + "; return {turned, placed, film};")();
-for (const now of [0, 1050]) { drawn = []; queue.pop()(now); }
-const body = found.film.parts.find(part => part.carried && part.kind === "faces");
-console.log(JSON.stringify({
-  clock: elements.clock.textContent, frame: elements.slider.value, polygons: drawn.length,
-  outside: drawn.flat().filter(([x, y]) => x < 0 || x > 400 || y < 0 || y > 400).length,
-  placed: found.placed(body, 7)}));
+const code = page.match(/<script>(.*?)<\\/script>/s)[1].split("// The page of a film.")[0];
+const {placed} = new Function(code + "; return {placed};")();
+const [film] = JSON.parse(json).films;
+console.log(JSON.stringify(film.parts.map(part => placed(film, part, 7))));
 """
 
 
-@pytest.mark.skipif(shutil.which("node") is None, reason="a browser's engine is needed")
-def test_the_player_shows_the_frame_that_is_due_turned_as_the_body_is(tmp_path: Path) -> None:
-    run = run_of(BOX)
-    page = run.animate(tmp_path / "box.html")
+@pytest.mark.skipif(shutil.which("node") is None, reason="a JavaScript engine is needed")
+@pytest.mark.parametrize("scene", [BOX, OBLATE, ASYMMETRIC, TOP])
+def test_the_page_turns_its_parts_as_the_body_is(scene: Any, tmp_path: Path) -> None:
+    run = run_of(scene)
+    page = run.animate(tmp_path / "box.html", trail=0.31)
     done = subprocess.run(
-        ["node", "-e", PLAYER, str(page)],
+        ["node", "-e", TURNED, str(page)],
         capture_output=True,
         text=True,
         check=True,
         timeout=PATIENCE,
     )
-    seen = json.loads(done.stdout)
-    assert (seen["clock"], seen["frame"]) == ("t = 1.0 s", 10)  # 1.05 s have passed
-    assert seen["polygons"] >= 6
-    assert seen["outside"] == 0
-    film = film_of(run)
-    meant = film.parts[0].placed(film.attitude[7], 7)
-    np.testing.assert_allclose(seen["placed"], meant, atol=2e-5)
+    film = film_of(run, trail=0.31)
+    for seen, meant in zip(json.loads(done.stdout), film.parts, strict=True):
+        points = meant.points
+        if meant.kind == "trail":
+            points = points[4:8]  # 0.3 s
+        elif meant.kind in ("arrow", "dot") and len(points) > 1:
+            points = points[7:8]
+        if meant.carried:
+            turn = Rotation.from_quat(run.attitude[7], scalar_first=True)
+            points = turn.apply(points.reshape(-1, 3)).reshape(points.shape)
+        np.testing.assert_allclose(seen, points, atol=2e-5)
+
+
+def test_a_notebook_shows_a_film_without_a_file() -> None:
+    film = run_of(TOP).animate()
+    assert isinstance(film, Animation)
+    assert re.fullmatch(r"Animation\(page of \d+ kB\)", repr(film))
+    shown = film._repr_html_()
+    inside = re.search(r'<iframe srcdoc="([^"]*)"', shown)
+    assert inside
+    assert html.unescape(inside[1]) == film.page
+    np.testing.assert_array_equal(data_in(film.page)["attitude"], run_of(TOP).attitude)
+
+
+def test_a_title_cannot_end_the_data_of_a_page() -> None:
+    film = replace(film_of(run_of(TOP)), title="</script><b>")
+    page = film_page([film])
+    assert page.count("</script>") == 2
+    assert data_in(page)["title"] == "</script><b>"
+
+
+def test_two_bodies_are_side_by_side(tmp_path: Path) -> None:
+    twins = run_of(TOP, [[0.0, 0.0, 5.0], [0.0, 0.1, 5.0]], TILTED)
+    page = twins.animate(body=[0, 1]).page
+    found = re.search(r'id="film">(.*?)</script>', page)
+    assert found
+    films = json.loads(found[1])["films"]
+    for k in range(2):
+        np.testing.assert_array_equal(films[k]["attitude"], twins.attitude[k])
+    both = twins.animate(tmp_path / "both.gif", body=[0, 1], size=100)
+    one = twins.animate(tmp_path / "one.gif", body=1, size=100)
+    with Image.open(both) as image, Image.open(one) as right:
+        assert image.size == (200, 100)
+        seen = np.asarray(image.convert("RGB"), dtype=int)[20:85, 100:]
+        np.testing.assert_allclose(
+            seen, np.asarray(right.convert("RGB"), dtype=int)[20:85], atol=60
+        )
+
+
+def test_the_chart_beside_a_top_is_its_tilt() -> None:
+    run = run_of(TOP, (0.0, 0.0, 5.0), TILTED)
+    axis = run.rotation().apply([0.0, 0.0, 1.0])
+    chart = film_of(run).chart
+    np.testing.assert_allclose(chart.values[0], np.rad2deg(np.arccos(axis[:, 2])), rtol=1e-12)
+    np.testing.assert_array_equal(film_of(run_of(BOX)).chart.values, run_of(BOX).omega.T)
+
+
+def test_the_separatrix_has_the_energy_of_the_middle_axis() -> None:
+    polhode = film_of(run_of(ASYMMETRIC)).polhode
+    assert polhode is not None
+    moments = np.array(ASYMMETRIC.body.moments)
+    assert len(polhode.separatrix) == 2
+    for circle in polhode.separatrix:
+        np.testing.assert_allclose(np.linalg.norm(circle, axis=1), 1.0, rtol=1e-14)
+        np.testing.assert_allclose((circle**2 / moments).sum(axis=1), 1.0 / moments[1], rtol=1e-14)
+    np.testing.assert_allclose(np.ptp((polhode.points**2 / moments).sum(axis=1)), 0.0, atol=1e-13)
+    assert film_of(run_of(OBLATE)).polhode.separatrix == ()  # type: ignore[union-attr]
+    assert film_of(run_of(TOP)).polhode is None
 
 
 # The picture
@@ -154,7 +207,9 @@ def test_a_gif_has_the_frames_and_the_durations_of_the_run(tmp_path: Path) -> No
 
 def test_rounding_of_durations_does_not_add_up(tmp_path: Path) -> None:
     # 0.025 s, which a GIF cannot say, are 0.02 s and 0.03 s in turn.
-    path = run_of(PROLATE, t=np.arange(9) * 0.025).animate(tmp_path / "cones.gif")
+    path = run_of(PROLATE, t=np.arange(9) * 0.025).animate(
+        tmp_path / "cones.gif", fps=50.0, size=64
+    )
     with Image.open(path) as image:
         shown = [frame.info["duration"] for frame in ImageSequence.Iterator(image)]
     assert set(shown) == {20, 30}
@@ -174,6 +229,75 @@ def test_the_frames_of_a_gif_show_the_motion(tmp_path: Path) -> None:
     assert np.abs(frames[4] - frames[0]).max() < 60  # another palette, no other place
     assert (np.abs(frames[1] - frames[0]).max(axis=-1) > 100).mean() > 0.02
     assert (frames[0] < 250).any(axis=-1).mean() > 0.05
+
+
+def test_frames_closer_than_the_rate_are_left_out(tmp_path: Path) -> None:
+    run = run_of(BOX, t=np.arange(121) / 60.0)
+    for fps in (25.0, 5.0):
+        path = run.animate(tmp_path / "box.gif", fps=fps, size=64)
+        with Image.open(path) as image:
+            assert image.size == (64, 64)
+            shown = [frame.info["duration"] for frame in ImageSequence.Iterator(image)]
+        assert min(shown) >= 1000.0 / fps - 5.0  # to the hundredth of a second
+        assert len(shown) >= 0.6 * 2.0 * fps
+        assert sum(shown) == 2020  # 121 / 60 s
+
+
+def test_a_webp_has_the_durations_of_the_run(tmp_path: Path) -> None:
+    path = run_of(BOX, t=np.arange(5) * 0.2).animate(tmp_path / "box.webp", size=64)
+    with Image.open(path) as image:
+        assert (image.format, image.size, image.n_frames) == ("WEBP", (64, 64), 5)  # type: ignore[attr-defined]
+        for k in range(5):
+            image.seek(k)
+            image.load()
+            assert image.info["duration"] == 200
+
+
+def test_a_video_is_an_mp4(tmp_path: Path) -> None:
+    if shutil.which("ffmpeg") is None:
+        pytest.importorskip("imageio_ffmpeg", reason="ffmpeg is needed")
+    run = run_of(BOX)
+    path = run.animate(tmp_path / "box.mp4", size=65)
+    assert path.read_bytes()[4:12] == b"ftypisom"
+
+
+def test_a_video_needs_an_encoder_that_works(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "box.mp4"
+    run = run_of(BOX)
+    monkeypatch.setattr(shutil, "which", lambda name: "false")
+    with pytest.raises(OSError, match="false failed"):
+        run.animate(path, size=64)
+    monkeypatch.setattr(shutil, "which", lambda name: None)
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
+    with pytest.raises(ImportError, match="a video needs ffmpeg"):
+        run.animate(path, size=64)
+    assert not path.exists()
+
+
+def test_the_progress_of_a_picture_counts_its_frames(tmp_path: Path) -> None:
+    told: list[tuple[int, int]] = []
+    run_of(BOX).animate(
+        tmp_path / "box.gif", size=64, progress=lambda p: told.append((p.done, p.total))
+    )
+    assert told[-1] == (len(T), len(T))
+
+
+def test_near_surfaces_hide_far_ones() -> None:
+    film = film_of(run_of(BOX, (0.0, 0.0, 1.0)))
+    camera = Camera(film, 100)
+    right, upward, eye = film.reach * camera.axes
+    square = [-right - upward, right - upward, right + upward, upward - right]
+    corners = film.centre + 0.5 * np.array(square)
+    red, blue = np.array([[0.9, 0.0, 0.0]]), np.array([[0.0, 0.0, 0.9]])
+    for order in (1, -1):
+        buffer = Buffer(camera)
+        for shift, ink in [(0.3, red), (-0.3, blue)][::order]:
+            buffer.faces((corners + shift * eye)[np.newaxis], ink)
+        middle = buffer.colour[50, 50]
+        assert middle[0] > 0.4
+        assert middle[2] == 0.0
 
 
 # What is shown
@@ -288,15 +412,25 @@ def test_one_body_of_many() -> None:
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ({"path": "x.mp4"}, r"path = 'x.mp4': must end in .html or .gif"),
+        ({"path": "x.png"}, r"path = 'x.png': must end in .html, .gif, .webp or .mp4"),
+        ({"fps": 0.0}, r"fps = 0.0: must be positive"),
+        ({"fps": 60.0}, r"fps = 60: must be at most 50"),
+        ({"size": 0}, r"size = 0: must be"),
+        ({"size": 63}, r"size = 63: must be at least 64"),
+        ({"trail": 0.0}, r"trail = 0.0: must be positive"),
+        ({"trail": np.nan}, r"trail = nan: must be finite"),
+        ({"body": [0, 1, 2]}, r"body = \[0, 1, 2\]: must be one index or two"),
+        ({"body": []}, r"body = \[\]: must be one index or two"),
         ({"view": "top"}, r"view = 'top': must be one of 'box', 'cones', 'poinsot'"),
         ({"view": "Poinsot"}, r"did you mean 'poinsot'"),
         ({"speed": 0.0}, r"speed = 0.0: must be positive"),
         ({"speed": np.nan}, r"speed = nan: must be finite"),
         ({"body": 0}, r"body = 0: the run has a single body"),
         ({"view": "cones"}, r"moments"),
-        ({"path": "x.gif", "speed": 10.0}, r"frame 0 of a GIF would be shown for 0.01 s: must be"),
-        ({"path": "x.gif", "speed": 1e-4}, r"frame 0 of a GIF would be shown for 1000 s: must be"),
+        (
+            {"path": "x.gif", "speed": 1e-4},
+            r"frame 0 of a picture would be shown for 1000 s: must be",
+        ),
     ],
 )
 def test_what_cannot_be_shown_is_refused(given: dict[str, Any], message: str) -> None:

@@ -1,0 +1,212 @@
+"""Pictures of films, drawn with a depth buffer: perspective, light, and the mean of four dots."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..drawing.shapes import across
+from .film import Film, Part
+
+__all__ = ["AZIMUTH", "ELEVATION", "Camera", "frame_picture"]
+
+Floats = NDArray[np.float64]
+
+AZIMUTH, ELEVATION = float(np.deg2rad(35.0)), float(np.deg2rad(26.0))
+"""View of a picture, and initial view of a page."""
+
+AWAY = 4.5
+"""Distance of the eye from the centre, in reaches of the film; the same as in stage.js."""
+
+DOTS = 2
+"""Dots of the buffer along each side of a pixel."""
+
+
+class Camera:
+    """The projection of a film to a square buffer."""
+
+    def __init__(self, film: Film, size: int) -> None:
+        first, second, self.up = across(film.up)
+        level = np.cos(AZIMUTH) * first + np.sin(AZIMUTH) * second
+        self.eye = np.cos(ELEVATION) * level + np.sin(ELEVATION) * self.up
+        right = np.cross(self.up, level)
+        upward = np.cross(self.eye, right)
+        self.axes = np.stack([right, upward, self.eye])
+        self.at = film.centre + AWAY * film.reach * self.eye
+        lamp = self.eye + 0.9 * upward + 0.5 * right
+        self.lamp = lamp / np.linalg.norm(lamp)
+        self.size, self.reach = size, film.reach
+        # A sphere of one reach fills the picture but for four parts of a hundred.
+        self.scale = 0.5 * size * np.sqrt(AWAY**2 - 1.0) / 1.04
+
+    def project(self, points: Floats) -> Floats:
+        """Column, row and depth of points in space."""
+        seen = (points - self.at) @ self.axes.T
+        depth = -seen[..., 2]
+        column = 0.5 * self.size + self.scale * seen[..., 0] / depth
+        row = 0.5 * self.size - self.scale * seen[..., 1] / depth
+        return np.stack([column, row, depth], axis=-1)
+
+
+class Buffer:
+    """Colours of the dots, and one over their depths: 0 where nothing is drawn."""
+
+    def __init__(self, camera: Camera) -> None:
+        self.camera = camera
+        self.colour = np.ones((camera.size, camera.size, 3), dtype=np.float32)
+        self.near = np.zeros((camera.size, camera.size), dtype=np.float32)
+
+    def faces(self, faces: Floats, rgb: Floats, opacity: float = 1.0) -> None:
+        """Polygons of one colour each; transparent ones from the farthest to the nearest."""
+        if not len(faces):
+            return
+        corners = self.camera.project(faces)
+        inks = (rgb * self._light(faces)[:, np.newaxis]).astype(np.float32)
+        if opacity < 1.0:
+            order = np.argsort(-corners[..., 2].mean(axis=1))
+            corners, inks = corners[order], inks[order]
+        fan = [[0, c, c + 1] for c in range(1, faces.shape[1] - 1)]
+        self._triangles(corners[:, fan].reshape(-1, 3, 3), inks.repeat(len(fan), axis=0), opacity)
+
+    def _light(self, faces: Floats) -> Floats:
+        """The light on each polygon: that of surface.frag without its gloss."""
+        normals = np.cross(faces[:, 2] - faces[:, 0], faces[:, -1] - faces[:, 1])
+        towards = self.camera.at - faces.mean(axis=1)
+        normals *= np.sign((normals * towards).sum(axis=1))[:, np.newaxis]
+        normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, np.newaxis]
+        light: Floats = 0.52 + 0.12 * normals @ self.camera.up
+        light += 0.48 * np.maximum(normals @ self.camera.lamp, 0.0)
+        return light
+
+    def _triangles(self, corners: Floats, inks: NDArray[np.float32], opacity: float) -> None:
+        low = np.maximum(np.floor(corners[..., :2].min(axis=1)), 0).astype(int)
+        high = np.minimum(np.ceil(corners[..., :2].max(axis=1)), self.camera.size).astype(int)
+        (x0, y0), (x1, y1), (x2, y2) = np.moveaxis(corners[..., :2], 0, -1)
+        area = (x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0)
+        drawn = (np.abs(area) > 1e-9) & (high > low).all(axis=1)
+        scale = 1.0 / np.where(drawn, area, 1.0)
+        # Shares of the second and the third corner, and one over the depth, which along a plane is
+        # linear in the picture: value, slope along columns and slope along rows.
+        second = np.stack([y0 * x2 - x0 * y2, y2 - y0, x0 - x2]) * scale
+        third = np.stack([x0 * y1 - y0 * x1, y0 - y1, x1 - x0]) * scale
+        one = np.array([[1.0], [0.0], [0.0]])
+        first = one - second - third
+        inverse = first / corners[:, 0, 2] + second / corners[:, 1, 2] + third / corners[:, 2, 2]
+        planes = np.stack([first, second, third, inverse]).astype(np.float32)
+        dots = np.arange(self.camera.size, dtype=np.float32) + np.float32(0.5)
+        for k in np.flatnonzero(drawn):
+            (left, top), (right, bottom) = low[k], high[k]
+            here = slice(top, bottom), slice(left, right)
+            start, across_columns, across_rows = planes[:, :, k].T[..., np.newaxis, np.newaxis]
+            along_row = start + across_columns * dots[left:right]
+            a, b, c, near = along_row + across_rows * dots[top:bottom, np.newaxis]
+            inside = (np.minimum(np.minimum(a, b), c) >= 0.0) & (near > self.near[here])
+            if opacity == 1.0:
+                self.near[here][inside] = near[inside]
+                self.colour[here][inside] = inks[k]
+            else:
+                behind = self.colour[here][inside]
+                self.colour[here][inside] = behind + np.float32(opacity) * (inks[k] - behind)
+
+    def curve(self, points: Floats, rgb: Floats, strength: Floats) -> None:
+        """A curve as round dots before the surfaces on which it lies."""
+        seen = self.camera.project(points)
+        along = np.append(0.0, np.cumsum(np.hypot(*np.diff(seen[:, :2], axis=0).T)))
+        if along[-1] == 0.0:
+            return
+        wanted = np.arange(0.0, along[-1], 0.75)
+        column, row, depth = (np.interp(wanted, along, part) for part in seen.T)
+        strong = np.interp(wanted, along, strength)
+        dy, dx = np.mgrid[-1:2, -1:2].reshape(2, -1, 1)
+        i, j = np.rint(row + dy).astype(int), np.rint(column + dx).astype(int)
+        near = np.broadcast_to(1.0 / (depth - 0.02 * self.camera.reach), i.shape)
+        strong = np.broadcast_to(strong, i.shape)
+        inside = (i >= 0) & (j >= 0) & (i < self.camera.size) & (j < self.camera.size)
+        i, j, near, strong = i[inside], j[inside], near[inside], strong[inside]
+        front = near > self.near[i, j]
+        i, j, strong = i[front], j[front], strong[front]
+        self.colour[i, j] = 1.0 + strong[:, np.newaxis] * (rgb - 1.0)
+
+    def picture(self) -> NDArray[np.uint8]:
+        """The pixels, each the mean of its dots."""
+        total = np.zeros((self.camera.size // DOTS, self.camera.size // DOTS, 3), np.float32)
+        for i in range(DOTS):
+            for j in range(DOTS):
+                total += self.colour[i::DOTS, j::DOTS]
+        total *= np.float32(255.0 / DOTS**2)
+        rounded: NDArray[np.uint8] = np.rint(np.clip(total, 0.0, 255.0)).astype(np.uint8)
+        return rounded
+
+
+def frame_picture(
+    film: Film, frame: int, size: int
+) -> tuple[NDArray[np.uint8], list[tuple[Part, Floats]]]:
+    """The pixels of a frame, and where the labelled parts have their tips."""
+    camera = Camera(film, DOTS * size)
+    buffer = Buffer(camera)
+    names = []
+    see_through = []
+    for part in film.parts:
+        points = part.placed(film.attitude[frame], frame, film.trail_begin(frame))
+        rgb = np.array([rgb_of(ink) for ink in part.colours])
+        if part.kind == "faces":
+            inks = np.resize(rgb, (len(points), 3))
+            if part.opacity < 1.0:
+                see_through.append((points, inks, part.opacity))
+            else:
+                buffer.faces(points, inks)
+        elif part.kind == "arrow":
+            solid = arrow_faces(points[0], film.reach)
+            buffer.faces(solid, np.resize(rgb, (len(solid), 3)))
+        elif part.kind == "dot":
+            solid = ball_faces(points[0], 0.03 * film.reach)
+            buffer.faces(solid, np.resize(rgb, (len(solid), 3)))
+        if part.label:
+            tip = camera.project(points[0])[:2]
+            away = tip - camera.project(np.zeros(3))[:2]
+            away /= max(float(np.linalg.norm(away)), 1e-9)
+            names.append((part, tip / DOTS + 13.0 * away))
+    for part in film.parts:
+        if part.kind in ("line", "trail"):
+            points = part.placed(film.attitude[frame], frame, film.trail_begin(frame))
+            ends = np.isfinite(film.trail) and part.kind == "trail"
+            strength = np.linspace(0.0 if ends else 1.0, 1.0, len(points))
+            ink = np.array(rgb_of(part.colours[0]))
+            if len(points) > 1:
+                buffer.curve(points, ink, strength)
+    for faces, inks, opacity in see_through:
+        buffer.faces(faces, inks, opacity)
+    return buffer.picture(), names
+
+
+def rgb_of(colour: str) -> list[float]:
+    """Red, green and blue of #rrggbb, from 0 to 1."""
+    return [int(colour[i : i + 2], 16) / 255.0 for i in (1, 3, 5)]
+
+
+def arrow_faces(tip: Floats, reach: float, *, sides: int = 12) -> Floats:
+    """An arrow from the origin: a shaft and a head, shape (faces, 4, 3)."""
+    length = float(np.linalg.norm(tip))
+    if length == 0.0:
+        return np.empty((0, 4, 3))
+    first, second, along = across(tip)
+    turn = np.linspace(0.0, 2.0 * np.pi, sides + 1)[:, np.newaxis]
+    circle = np.cos(turn) * first + np.sin(turn) * second
+    neck = length - min(0.11 * reach, 0.6 * length)
+    profile = ((0.014, 0.0), (0.014, neck), (0.036, neck), (1e-4, length))
+    rings = np.stack([radius * reach * circle + height * along for radius, height in profile])
+    return _between(rings)
+
+
+def ball_faces(centre: Floats, radius: float) -> Floats:
+    """A ball, shape (faces, 4, 3)."""
+    tilt = np.linspace(0.0, np.pi, 9)[:, np.newaxis]
+    turn = np.linspace(0.0, 2.0 * np.pi, 17)
+    sine = np.sin(tilt)
+    x, y, z = np.broadcast_arrays(sine * np.cos(turn), sine * np.sin(turn), np.cos(tilt))
+    return _between(centre + radius * np.stack([x, y, z], axis=-1))
+
+
+def _between(grid: Floats) -> Floats:
+    corners = grid[:-1, :-1], grid[:-1, 1:], grid[1:, 1:], grid[1:, :-1]
+    return np.stack(corners, axis=-2).reshape(-1, 4, 3)
