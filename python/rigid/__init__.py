@@ -24,7 +24,7 @@ from .citing import cite
 from .info import build_info
 from .maps.compute import plug_in_store, stability_map
 from .maps.replay import Replay
-from .maps.result import StabilityMap, load_map
+from .maps.result import StabilityMap, load_map, plug_in_explorer
 from .maps.samples import Outcomes, Starts
 from .maps.spec import MapSpec
 from .model.body import Body
@@ -62,6 +62,7 @@ from .solve.status import Status
 
 if TYPE_CHECKING:
     from os import PathLike
+    from pathlib import Path
 
     from . import (
         animation,
@@ -217,6 +218,16 @@ def _animate(run: Run, path: str | PathLike[str] | None, **options: Any) -> Any:
 
 
 plug_in_animator(_animate)
+
+
+def _explore(result: StabilityMap, path: str | PathLike[str], **options: Any) -> Path:
+    """:func:`rigid.animation.explorer.explore`, imported when it is first called."""
+    from .animation.explorer import explore
+
+    return explore(result, path, **options)
+
+
+plug_in_explorer(_explore)
 plug_in_evaluator(_states_at)
 
 

@@ -46,6 +46,7 @@ WRITERS: dict[str, tuple[str, Callable[[Path], Any]]] = {
     "ephemeris": (".aem", lambda path: RUN.to_aem(path, epoch="2026-01-31")),
     "page": (".html", RUN.animate),
     "picture": (".gif", RUN.animate),
+    "explorer": (".html", small_map(samples=1, t_end=1.0).explore),
 }
 
 

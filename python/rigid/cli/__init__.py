@@ -87,6 +87,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 return _show(options)
             command = {
                 "map": _map,
+                "explore": _explore,
                 "resume": _resume,
                 **dict.fromkeys(("status", "merge", "diff", "verify", "pack"), run),
                 "new": _new,
@@ -154,6 +155,22 @@ def _finished_map(
         lambda: f"{result.summary()}\n{'speed':<12}{_speed(result)}",
         (lambda: _map_facts(name, result)) if options.json else None,
     )
+
+
+def _explore(options: argparse.Namespace) -> int:
+    source = Path(options.map)
+    target = Path(options.out or source.with_suffix(".html"))
+    try:
+        exists = require_replaceable(target) is not None
+    except FileExistsError as error:
+        raise ValueError(f"--out: {error}") from None
+    if exists and not options.force:
+        raise ValueError(
+            f"--out: {str(target)!r} exists; take another name, or replace it with --force"
+        )
+    page = load_map(source).explore(target, samples=options.samples, threads=options.threads)
+    say(f"{'page':<12}{page}")
+    return 0
 
 
 def _resume(options: argparse.Namespace) -> int:

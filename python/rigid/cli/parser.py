@@ -33,6 +33,10 @@ _EXAMPLES = {
   rigid map --show thrown-box > my-map.toml                print the specification
   rigid map my-map.toml --json                             facts for other programs
 """,
+    "explore": """\
+  rigid map thrown-box && rigid explore thrown-box.npz     writes thrown-box.html
+  rigid explore thrown-box.npz --samples 16 --out bodies.html
+""",
     "section": """\
   rigid section kovalevskaya
   rigid section kovalevskaya --bodies 40 --out fine.pdf
@@ -113,6 +117,14 @@ def make_parser() -> Parser:
     )
     add_options(map_)
     add_commands(commands)
+    explore = command("explore", "write a page to explore a computed map in a browser")
+    explore.add_argument("map", metavar="FILE.npz", help="a map that was computed")
+    explore.add_argument("--out", metavar="FILE.html", help="default: FILE.html")
+    explore.add_argument(
+        "--samples", type=int, metavar="N", help="bodies of each pixel that the page has"
+    )
+    _threads(explore)
+    explore.add_argument("--force", action="store_true", help="replace an existing file")
     _json(command("maps", "list the built-in maps"))
 
     section = command("section", "compute a Poincaré section, write a picture and the data")

@@ -20,7 +20,7 @@ from .theory import Curve, Theory, predict
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["plot_map"]
+__all__ = ["cell_edges", "plot_map"]
 
 Floats = NDArray[np.float64]
 
@@ -285,7 +285,7 @@ def _draw_plane(view: _View, ax: Axes) -> list[Any]:
 def _plane(view: _View, ax: Axes) -> tuple[Any, list[Any]]:
     """The colours and the hatches of a plane, and the lines of theory."""
     x, y = view.axes
-    edges = _edges(x), _edges(y)
+    edges = cell_edges(x), cell_edges(y)
     _set_scale(ax, "x", x)
     _set_scale(ax, "y", y)
     mesh = ax.pcolormesh(
@@ -304,9 +304,9 @@ def _draw_field(view: _View, ax: Axes, field: Floats, label: str) -> list[Any]:
     if len(view.axes) == 1:
         ax.plot(np.array(x.values), field, color="#0072b2", marker=".")
         ax.set_ylabel(label)
-        return _hatch(view, ax, _edges(x), np.array(ax.get_ylim()))
+        return _hatch(view, ax, cell_edges(x), np.array(ax.get_ylim()))
     y = view.axes[1]
-    edges = _edges(x), _edges(y)
+    edges = cell_edges(x), cell_edges(y)
     _set_scale(ax, "y", y)
     ax.set_ylabel(y.label)
     mesh = ax.pcolormesh(*edges, np.ma.masked_invalid(field), cmap="viridis", rasterized=True)
@@ -349,7 +349,7 @@ def _draw_curve(
 def _draw_line(view: _View, ax: Axes) -> list[Any]:
     (axis,) = view.axes
     values = np.array(axis.values)
-    edges = _edges(axis)
+    edges = cell_edges(axis)
     band = ax.fill_between(
         values, view.lower, view.upper, color="#0072b2", alpha=0.25, linewidth=0.0
     )
@@ -397,7 +397,7 @@ def _rectangles(
     return np.stack([across, upward], axis=-1)
 
 
-def _edges(axis: Axis) -> NDArray[np.float64]:
+def cell_edges(axis: Axis) -> NDArray[np.float64]:
     """Cell borders half-way between the values, in the scale that is drawn; shape (n + 1,)."""
     values = np.array(axis.values)
     if values.size == 1:
@@ -411,7 +411,7 @@ def _edges(axis: Axis) -> NDArray[np.float64]:
 
 
 def _set_scale(ax: Axes, which: str, axis: Axis) -> None:
-    edges = _edges(axis)
+    edges = cell_edges(axis)
     scale = "log" if axis.geometric else "linear"
     ax.set(**{f"{which}scale": scale, f"{which}lim": (edges.min(), edges.max())})
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.axes import Axes
 
-__all__ = ["StabilityMap", "load_map"]
+__all__ = ["StabilityMap", "load_map", "plug_in_explorer"]
 
 
 class StabilityMap(MapData):
@@ -114,6 +114,9 @@ class StabilityMap(MapData):
     """
 
     __slots__ = ()
+
+    _explorer: ClassVar[Callable[..., Path]]
+    """Set by the package, whose module of pages imports this one."""
 
     def __repr__(self) -> str:
         """Scene, grid and the share of each class."""
@@ -416,6 +419,44 @@ class StabilityMap(MapData):
         """
         return plot_map(self, ax=ax, cells=cells, what=what, at=at)
 
+    def explore(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        samples: int | None = None,
+        threads: int | None = None,
+    ) -> Path:
+        """Write a page that shows the map, the bodies of its pixels, and their motions as films.
+
+        A browser opens the page without a network. The page computes the motions from the exact
+        starts, by a Taylor series of order 24; the outcomes are those of the map. A chaotic motion
+        may differ from that which the map has seen: :meth:`replay` gives the latter. Motions under
+        torques that act in space or change in time, and of satellites, are not in the page.
+
+        Parameters
+        ----------
+        path : path-like
+            The page; its name must end in ``.html``.
+        samples : int, optional
+            Bodies of each pixel that the page has, the first ones. By default as many as need
+            1.5 MB, at least 1 and at most 64.
+        threads : int, optional
+            Default: ``RIGID_NUM_THREADS``, else the cores that this process may use.
+
+        Returns
+        -------
+        Path
+            The file.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be written, or its name is that of something else than a file.
+        ValueError
+            If the name does not end in ``.html``, or the map has not so many samples.
+        """
+        return self._explorer(self, path, samples=samples, threads=threads)
+
     def to_xarray(self) -> xarray.Dataset:
         """The map as an xarray Dataset.
 
@@ -544,3 +585,11 @@ def load_map(
     """
     spec, arrays, bins = read_map(path)
     return StabilityMap.from_arrays(spec.with_functions(scene=scene, stable=stable), arrays, bins)
+
+
+def plug_in_explorer(explorer: Callable[..., Path]) -> None:
+    """Let :meth:`StabilityMap.explore` call ``explorer(result, path, **options)``.
+
+    Its module imports this one.
+    """
+    StabilityMap._explorer = staticmethod(explorer)

@@ -1,0 +1,305 @@
+"""The map explorer: one page with a map, the bodies of its pixels, and their motions as films.
+
+The page has starts and verdicts of some bodies of each pixel. It computes their motions itself, by
+a Taylor series of the equations of motion (``page/motion.js``).
+"""
+
+from __future__ import annotations
+
+import base64
+import operator
+import zlib
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._checks.arguments import brief, resolve_threads
+from .._files import published
+from ..drawing import colours
+from ..maps.data import CLASSES, STATUS
+from ..maps.plot import cell_edges
+from ..maps.result import StabilityMap
+from ..model.criteria import Criterion, Regular, TiltBelow
+from ..model.scene import HeavyTop
+from .raster import AZIMUTH, ELEVATION
+from .web import assembled
+
+if TYPE_CHECKING:
+    from os import PathLike
+
+    from ..maps.parameters import Axis
+    from ..maps.spec import MapSpec
+
+__all__ = ["explore"]
+
+MOST_BYTES = 1_500_000
+"""Room for the starts in a page, compressed, unless a number of bodies is asked for."""
+
+MOST_SAMPLES = 64
+"""Most bodies of each pixel, unless a number is asked for."""
+
+SCRIPTS = (
+    *("vectors.js", "stage.js", "charts.js", "player.js"),
+    *("motion.js", "solids.js", "explorer.js"),
+)
+
+
+def explore(
+    result: StabilityMap,
+    path: str | PathLike[str],
+    *,
+    samples: int | None = None,
+    threads: int | None = None,
+) -> Path:
+    """Write a page to explore a map; see :meth:`rigid.StabilityMap.explore`, which calls this.
+
+    The page is one file and needs no network. It shows the map with its layers and the lines of
+    theory. A click on a pixel lists bodies of it by their outcome, and shows the motion of one body
+    as a film.
+
+    The page has the exact starts of the bodies. It computes their motions by a Taylor series of
+    order 24 with a relative error of about 1e-14 a step. The outcomes are those of the map. A
+    chaotic motion may therefore differ from that which the map has seen; ``result.replay`` gives
+    the latter. Motions under torques that act in space or change in time, and of satellites, are
+    not computed in the page.
+
+    Parameters
+    ----------
+    result : StabilityMap
+        The map.
+    path : path-like
+        The page; its name must end in ``.html``.
+    samples : int, optional
+        Bodies of each pixel that the page has, the first ones. By default as many as need 1.5 MB,
+        at least 1 and at most 64.
+    threads : int, optional
+        Threads that classify the bodies again. Default: ``RIGID_NUM_THREADS``, else the cores that
+        this process may use.
+
+    Returns
+    -------
+    pathlib.Path
+        Path of the new file.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written, or its name is that of something else than a file.
+    TypeError, ValueError
+        Naming the argument, its value and the rule: a name that does not end in ``.html``, more
+        samples than the map has.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile, rigid
+    >>> from rigid.animation.explorer import explore
+    >>> result = rigid.stability_map(
+    ...     rigid.FreeBody, axes={"spin": [1.0, 2.0]}, samples=10, t_end=50.0,
+    ...     stable=rigid.no_flip(), rng=2026,
+    ... )
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     explore(result, pathlib.Path(folder, "map.html")).name
+    'map.html'
+    """
+    target = Path(path)
+    if target.suffix.lower() != ".html":
+        raise ValueError(f"path = {str(target)!r}: must end in .html")
+    most = result.spec.samples
+    if samples is not None:
+        samples = operator.index(samples)
+        if not 1 <= samples <= most:
+            raise ValueError(f"samples = {brief(samples)}: must lie in 1 .. {most}, as in the map")
+    page = assembled(
+        "explorer.html",
+        ("film.css", "explorer.css"),
+        SCRIPTS,
+        map=_content(result, samples, resolve_threads(threads)),
+    )
+    with published(target) as file:
+        file.write(page.encode())
+    return target
+
+
+def _content(result: StabilityMap, samples: int | None, threads: int) -> dict[str, Any]:
+    """The map and its bodies as plain data."""
+    spec = result.spec
+    count = samples or _affordable(result)
+    numbers = np.arange(count)
+    start = result.starts(numbers)
+    seen = result.outcomes(numbers, threads=threads)
+    outcome = np.full(seen.outcome.shape, len(CLASSES), dtype=np.uint8)
+    for code, name in enumerate(CLASSES):
+        outcome[seen.outcome == name] = code
+    theory = result.theory()
+    shape = spec.shape if len(spec.shape) > 1 else (1, *spec.shape)
+    what = "Regular motions" if isinstance(spec.stable, Regular) else "Stability"
+    return {
+        "title": spec.title or f"{what} of a {spec.scene.title}",
+        "detail": f"stable: {spec.criterion}; {spec.samples} bodies per pixel"
+        + ("" if spec.half_width is None else " at most"),
+        "complete": result.complete,
+        "shape": shape,
+        "dimensions": len(spec.shape),
+        "axes": [_axis(axis) for axis in spec.axes],
+        "layers": _layers(result),
+        "status": _packed(result.status, np.uint8),
+        "statuses": STATUS,
+        "counts": {
+            name: _packed(getattr(result, name), np.int32) for name in ("samples", *CLASSES)
+        },
+        "curves": []
+        if theory is None
+        else [
+            {"label": _plain_words(curve.label), "field": _packed(curve.field, np.float32)}
+            for curve in theory.curves
+        ],
+        "samples": count,
+        "of": spec.samples,
+        "classes": CLASSES,
+        "outcome": _packed(outcome, np.uint8),
+        "left": _packed(seen.left, np.float64),
+        "omega": _packed(start.omega, np.float64),
+        "attitude": _packed(start.attitude, np.float64),
+        "horizon": _packed(spec.horizons, np.float64),
+        "motion": _motion(spec),
+        "chart": _chart(spec),
+        "scene": spec.scene.title,
+        "inks": {
+            "axes": [ink.colour for ink in colours.AXES],
+            "body": colours.BODY.colour,
+            "space": colours.SPACE.colour,
+            "omega": colours.OMEGA.colour,
+            "L": colours.L.colour,
+            "vertical": colours.VERTICAL.colour,
+        },
+        "camera": [AZIMUTH, ELEVATION],
+    }
+
+
+def _affordable(result: StabilityMap) -> int:
+    """The number of bodies a pixel whose starts take the room that a page has for them."""
+    first = result.starts(0)
+    size = len(_compressed(first.omega)) + len(_compressed(first.attitude))
+    return int(max(1, min(MOST_BYTES // size, MOST_SAMPLES, result.spec.samples)))
+
+
+def _axis(axis: Axis) -> dict[str, Any]:
+    edges = cell_edges(axis)
+    drawn = np.log(edges) if axis.geometric else edges
+    return {
+        "name": axis.name,
+        "label": axis.name if axis.unit == "1" else f"{axis.name} ({axis.unit})",
+        "unit": "" if axis.unit == "1" else axis.unit,
+        "values": list(axis.values),
+        "edges": drawn.tolist(),
+        "geometric": axis.geometric,
+    }
+
+
+def _layers(result: StabilityMap) -> list[dict[str, Any]]:
+    """What can be drawn, with the range of its colours; a layer without numbers is left out."""
+    done = np.where(result.samples > 0, result.samples, np.nan).astype(np.float64)
+    shares: dict[str, ArrayLike] = {
+        "share": result.filled,
+        "lower": result.lower,
+        "upper": result.upper,
+        "undecided": result.undecided / done,
+        "failed": result.failed / done,
+    }
+    values: dict[str, tuple[str, ArrayLike, bool]] = {
+        "earliest": ("earliest time of leaving (s)", result.earliest, False),
+        "energy_drift": ("worst drift of the energy", result.energy_drift, True),
+        "momentum_drift": ("worst drift of the momentum", result.momentum_drift, True),
+        "unit_drift": ("worst drift of unit lengths", result.unit_drift, True),
+    }
+    if isinstance(result.spec.stable, Regular):
+        values["exponent"] = ("mean exponent (1/s)", result.exponent, False)
+        values["largest_exponent"] = ("largest exponent (1/s)", result.largest_exponent, False)
+        values["mean_megno"] = ("mean MEGNO", result.mean_megno, False)
+    words = {
+        "share": "share stable",
+        "lower": "lower end of the 95 % interval",
+        "upper": "upper end of the 95 % interval",
+        "undecided": "share undecided",
+        "failed": "share failed",
+    }
+    layers = [
+        {"name": name, "label": words[name], "low": 0.0, "high": 1.0, "log": False}
+        | {"data": _packed(np.asarray(array), np.float32)}
+        for name, array in shares.items()
+    ]
+    for name, (label, given, log) in values.items():
+        array = np.array(given, dtype=np.float64)
+        array[~np.isfinite(array) | (log & (array <= 0.0))] = np.nan
+        known = array[np.isfinite(array)]
+        if not known.size:
+            continue
+        low, high = float(known.min()), float(known.max())
+        layers.append(
+            {"name": name, "label": label, "low": low, "high": high, "log": log}
+            | {"data": _packed(array, np.float32)}
+        )
+    return layers
+
+
+def _motion(spec: MapSpec) -> dict[str, Any] | None:
+    """The numbers of the equations of motion of each pixel; None if the page has not these."""
+    grid, scene = spec.grid, spec.scene
+    if scene.torque is not None or scene.is_satellite:
+        return None
+    if grid.made is not None and (grid.made.torque is not None or grid.made.is_satellite):
+        return None
+    count = len(grid.moments)
+    damping = np.zeros((count, 3, 3)) if grid.damping is None else grid.damping
+    torque = np.zeros((count, 3)) if grid.torque is None else grid.torque
+    columns = (grid.moments, grid.weight, damping.reshape(-1, 9), torque)
+    return {"numbers": _packed(np.concatenate(columns, axis=1), np.float64)}
+
+
+def _chart(spec: MapSpec) -> dict[str, Any]:
+    """Which quantity is shown over time, and the limit of the criterion."""
+    stable: Criterion = spec.stable
+    if isinstance(stable, TiltBelow):
+        limits = np.empty(int(np.prod(spec.shape)))
+        for part in spec.parts:
+            of_part = part.spec.stable
+            assert isinstance(of_part, TiltBelow)
+            limits[part.pixels] = of_part.angle
+        axis = np.sign(stable.axis) * np.eye(3)[abs(stable.axis) - 1]
+        return {
+            "what": "tilt",
+            "axis": axis.tolist(),
+            "reference": stable.reference,
+            "limit": _packed(limits, np.float64),
+        }
+    if isinstance(spec.scene, HeavyTop):
+        return {"what": "tilt", "axis": None, "reference": "vertical", "limit": None}
+    return {"what": "rates"}
+
+
+_TEX = {r"\omega": "ω", r"\sqrt": "√", r"\,": " ", "{": "(", "}": ")", "_": "", "$": ""}
+
+
+def _plain_words(label: str) -> str:
+    """A label without TeX."""
+    for tex, plain in _TEX.items():
+        label = label.replace(tex, plain)
+    return label
+
+
+def _compressed(array: NDArray[Any]) -> bytes:
+    """Little-endian bytes, deflated. Bytes of equal weight stand together: they repeat more."""
+    little = np.ascontiguousarray(array, dtype=array.dtype.newbyteorder("<"))
+    planes = little.reshape(-1).view(np.uint8).reshape(-1, little.dtype.itemsize).T
+    return zlib.compress(np.ascontiguousarray(planes).tobytes(), 9)
+
+
+def _packed(array: ArrayLike, dtype: Any) -> dict[str, Any]:
+    """An array for ``unpacked`` of the page."""
+    plain = np.asarray(array).astype(dtype)
+    return {
+        "type": plain.dtype.name,
+        "data": base64.b64encode(_compressed(plain)).decode(),
+    }

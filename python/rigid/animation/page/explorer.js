@@ -1,0 +1,394 @@
+// The map explorer: the map with its layers, the bodies of a pixel, and the film of one body.
+const CIVIDIS = ["#00224e", "#123570", "#3b496c", "#575d6d", "#707173", "#8a8678", "#a59c74", "#c3b369", "#e1cc55", "#fee838"];
+const OUTCOMES = {stable: "#e1cc55", unstable: "#5d7fb8", undecided: "#d55e00", failed: "#cc3311"};
+const FRAMES = 4000;
+const ARRAYS = {uint8: Uint8Array, int32: Int32Array, float32: Float32Array, float64: Float64Array};
+
+async function unpacked({type, data}) {
+  const bytes = Uint8Array.from(atob(data), c => c.charCodeAt(0));
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
+  const planes = new Uint8Array(await new Response(stream).arrayBuffer());
+  const width = ARRAYS[type].BYTES_PER_ELEMENT, count = planes.length / width, mixed = new Uint8Array(planes.length);
+  for (let k = 0; k < width; k++) for (let i = 0; i < count; i++) mixed[i * width + k] = planes[k * count + i];
+  return new ARRAYS[type](mixed.buffer);
+}
+
+function mixedInk(share) {
+  const at = clamp(share, 0, 1) * (CIVIDIS.length - 1), k = Math.min(Math.floor(at), CIVIDIS.length - 2);
+  const [a, b] = [CIVIDIS[k], CIVIDIS[k + 1]].map(c => [1, 3, 5].map(i => parseInt(c.slice(i, i + 2), 16)));
+  return `rgb(${a.map((x, i) => Math.round(x + (at - k) * (b[i] - x))).join(",")})`;
+}
+
+const shown = x => Number.isFinite(x) ? String(Number(x.toPrecision(4))) : x === Infinity ? "never" : "none";
+
+class Explorer {
+  constructor(map) {
+    this.map = map;
+    const find = name => document.querySelector(name);
+    this.find = find;
+    [this.ny, this.nx] = map.shape.slice(-2);
+    this.plane = this.nx * this.ny;
+    this.slice = 0;
+    this.pixel = null;  // its number in C order of the grid
+    this.sample = 0;
+    this.hovered = null;
+    this.layer = map.layers[0];
+    document.title = map.title;
+    find("h1").textContent = map.title;
+    find(".detail").textContent = map.detail + (map.complete ? "" : "; the map is not complete");
+    const select = find(".layer");
+    map.layers.forEach(layer => select.add(new Option(layer.label, layer.name)));
+    select.onchange = () => { this.layer = map.layers[select.selectedIndex]; this.draw(); this.keep(); };
+    this.slices = map.axes.slice(2).map(axis => {
+      const label = document.createElement("label"), list = document.createElement("select");
+      label.append(`${axis.label} `, list);
+      axis.values.forEach(value => list.add(new Option(shown(value), value)));
+      list.onchange = () => { this.slice = this.numberOfSlice(); this.draw(); this.keep(); };
+      find(".slices").append(label);
+      return list;
+    });
+    this.edges = [map.axes[0].edges, map.axes[1]?.edges ?? [0, 1]];
+    this.all = this.edges.flatMap(edges => [Math.min(...edges), Math.max(...edges)]);
+    this.view = [...this.all];
+    this.canvas = find(".map");
+    this.canvas.setAttribute("aria-label", `${map.title}: the map; arrow keys choose a pixel`);
+    this.steer();
+    find(".whole").onclick = () => { this.view = [...this.all]; this.draw(); this.keep(); };
+    find(".before").onclick = () => this.next(-1);
+    find(".after").onclick = () => this.next(1);
+    find(".copy").onclick = () => this.copy();
+    find(".note").textContent = `This page has the starts of ${map.samples} of ${map.of} bodies of each pixel. `
+      + (map.motion ? "It computes their motions from these by a Taylor series; the outcomes are those of the map."
+        : "It does not compute motions under these torques: use the Python line.");
+    document.addEventListener("keydown", event => {
+      if (event.ctrlKey || event.altKey || event.metaKey || event.target instanceof HTMLSelectElement) return;
+      if (event.key === "n" || event.key === "p") this.next(event.key === "n" ? 1 : -1);
+    });
+    new ResizeObserver(() => this.draw()).observe(this.canvas);
+    window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.draw());
+    window.addEventListener("hashchange", () => { if (location.hash !== this.hash) this.restore(); });
+    this.restore();
+    this.canvas.dataset.ready = "yes";
+  }
+
+  numberOfSlice() {
+    return this.slices.reduceRight((number, list, k) =>
+      number * this.map.axes[k + 2].values.length + list.selectedIndex, 0);
+  }
+
+  index(pixel) {  // [..., y, x]
+    const index = [];
+    for (const length of [...this.map.axes].map(axis => axis.values.length)) {
+      index.unshift(pixel % length);
+      pixel = Math.floor(pixel / length);
+    }
+    return index;
+  }
+
+  restore() {
+    const asked = new URLSearchParams(location.hash.slice(1)), {map} = this;
+    const layer = map.layers.findIndex(one => one.name === asked.get("layer"));
+    if (layer >= 0) [this.layer, this.find(".layer").selectedIndex] = [map.layers[layer], layer];
+    const view = (asked.get("zoom") ?? "").split(",").map(Number);
+    if (view.length === 4 && view.every(Number.isFinite) && view[0] < view[1] && view[2] < view[3]) this.view = view;
+    const index = (asked.get("pixel") ?? "").split(",").map(Number), lengths = map.axes.map(axis => axis.values.length).reverse();
+    if (index.length === lengths.length && index.every((at, k) => Number.isInteger(at) && at >= 0 && at < lengths[k]) && asked.has("pixel"))
+      this.choose(index.reduce((number, at, k) => number * lengths[k] + at, 0), Number(asked.get("sample")) || 0);
+    this.draw();
+  }
+
+  keep() {
+    const parts = [`layer=${this.layer.name}`];
+    if (this.pixel !== null) parts.push(`pixel=${this.index(this.pixel).join()}`, `sample=${this.sample}`);
+    if (this.view.some((x, i) => x !== this.all[i])) parts.push(`zoom=${this.view.map(x => Number(x.toPrecision(8))).join()}`);
+    this.hash = `#${parts.join("&")}`;
+    history.replaceState(null, "", this.hash);
+  }
+
+  // Place of the map on the canvas, and from the canvas.
+  room() {
+    const width = this.canvas.clientWidth, height = this.canvas.clientHeight;
+    return {width, height, left: 62, right: width - 12, top: 8, bottom: height - 40};
+  }
+
+  place([x, y]) {
+    const {left, right, top, bottom} = this.room(), [x0, x1, y0, y1] = this.view;
+    return [left + (right - left) * (x - x0) / (x1 - x0), bottom - (bottom - top) * (y - y0) / (y1 - y0)];
+  }
+
+  from(event) {
+    const box = this.canvas.getBoundingClientRect(), {left, right, top, bottom} = this.room(), [x0, x1, y0, y1] = this.view;
+    const [u, v] = [(event.clientX - box.left - left) / (right - left), (bottom - event.clientY + box.top) / (bottom - top)];
+    return [x0 + u * (x1 - x0), y0 + v * (y1 - y0), u >= 0 && u <= 1 && v >= 0 && v <= 1];
+  }
+
+  pixelAt([x, y, inside]) {
+    if (!inside) return null;
+    const cell = (edges, value) => edges.slice(1).findIndex((edge, k) => (value - edges[k]) * (value - edge) <= 0);
+    const [i, j] = [cell(this.edges[0], x), cell(this.edges[1], y)];
+    return i < 0 || j < 0 ? null : this.slice * this.plane + j * this.nx + i;
+  }
+
+  steer() {
+    const {canvas} = this;
+    let drag = null;
+    canvas.addEventListener("pointerdown", event => {
+      canvas.setPointerCapture(event.pointerId);
+      drag = {x: event.clientX, y: event.clientY, view: [...this.view], moved: false};
+    });
+    canvas.addEventListener("pointermove", event => {
+      if (drag && Math.hypot(event.clientX - drag.x, event.clientY - drag.y) > 4) drag.moved = true;
+      if (drag?.moved) {
+        const {left, right, top, bottom} = this.room(), [x0, x1, y0, y1] = drag.view;
+        const dx = (event.clientX - drag.x) / (right - left) * (x1 - x0), dy = (event.clientY - drag.y) / (bottom - top) * (y1 - y0);
+        this.view = this.within([x0 - dx, x1 - dx, y0 + dy, y1 + dy]);
+        this.draw();
+      }
+      this.hover(this.pixelAt(this.from(event)));
+    });
+    canvas.addEventListener("pointerup", event => {
+      const pixel = this.pixelAt(this.from(event)), moved = drag?.moved;
+      drag = null;
+      if (moved) this.keep();
+      else if (pixel !== null) this.choose(pixel, 0);
+    });
+    canvas.addEventListener("pointercancel", () => { drag = null; });
+    canvas.addEventListener("pointerleave", () => this.hover(null));
+    canvas.addEventListener("wheel", event => {
+      event.preventDefault();
+      const [x, y] = this.from(event), factor = Math.exp(0.0015 * event.deltaY), [x0, x1, y0, y1] = this.view;
+      this.view = this.within([x - factor * (x - x0), x + factor * (x1 - x), y - factor * (y - y0), y + factor * (y1 - y)]);
+      this.draw();
+      this.keep();
+    }, {passive: false});
+    canvas.addEventListener("keydown", event => {
+      const move = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1]}[event.key];
+      if (!move) return;
+      event.preventDefault();
+      event.stopPropagation();
+      const old = this.pixel === null ? [this.nx >> 1, this.ny >> 1] : this.index(this.pixel).reverse();
+      const turns = this.edges.map(edges => edges[0] > edges[edges.length - 1] ? -1 : 1);
+      const i = clamp(old[0] + turns[0] * move[0], 0, this.nx - 1), j = clamp((old[1] ?? 0) + turns[1] * move[1], 0, this.ny - 1);
+      this.choose(this.slice * this.plane + j * this.nx + i, 0);
+    });
+  }
+
+  within([x0, x1, y0, y1]) {  // no emptiness beside the map, and no closer than a thousandth of it
+    const inside = (low, high, least, most) => {
+      const width = clamp(high - low, 1e-3 * (most - least), most - least), begin = clamp(0.5 * (low + high - width), least, most - width);
+      return [begin, begin + width];
+    };
+    return [...inside(x0, x1, this.all[0], this.all[1]), ...inside(y0, y1, this.all[2], this.all[3])];
+  }
+
+  ink(pixel) {
+    const {map, layer} = this, value = layer.data[pixel];
+    if (map.status[pixel]) return css("#cccccc");
+    if (!Number.isFinite(value)) return css("#f4f4f4");
+    const [low, high, at] = layer.log ? [layer.low, layer.high, value].map(Math.log) : [layer.low, layer.high, value];
+    return mixedInk(high > low ? (at - low) / (high - low) : 0.5);
+  }
+
+  draw() {
+    const [pen, width, height] = sharp(this.canvas), {left, right, top, bottom} = this.room(), {map, nx, ny, edges} = this;
+    if (!(right > left && bottom > top)) return;
+    pen.clearRect(0, 0, width, height);
+    pen.save();
+    pen.beginPath();
+    pen.rect(left, top, right - left, bottom - top);
+    pen.clip();
+    const xs = edges[0].map(x => this.place([x, 0])[0]), ys = edges[1].map(y => this.place([0, y])[1]);
+    for (let j = 0; j < ny; j++)
+      for (let i = 0; i < nx; i++) {
+        const [x, y] = [Math.min(xs[i], xs[i + 1]), Math.min(ys[j], ys[j + 1])];
+        const [wide, high] = [Math.abs(xs[i + 1] - xs[i]), Math.abs(ys[j + 1] - ys[j])];
+        if (x > right || x + wide < left || y > bottom || y + high < top) continue;
+        pen.fillStyle = this.ink(this.slice * this.plane + j * nx + i);
+        pen.fillRect(Math.floor(x), Math.floor(y), Math.ceil(x + wide) - Math.floor(x), Math.ceil(y + high) - Math.floor(y));
+      }
+    map.curves.forEach(({field}, k) => this.line(pen, field, xs, ys, k));
+    if (this.pixel !== null && Math.floor(this.pixel / this.plane) === this.slice) {
+      const [i, j] = [this.pixel % nx, Math.floor(this.pixel % this.plane / nx)], [x, y] = [(xs[i] + xs[i + 1]) / 2, (ys[j] + ys[j + 1]) / 2];
+      for (const [ink, wide] of [["#000", 4], ["#fff", 1.8]]) {
+        pen.strokeStyle = ink;
+        pen.lineWidth = wide;
+        pen.beginPath();
+        pen.arc(x, y, 7, 0, 7);
+        pen.stroke();
+      }
+    }
+    pen.restore();
+    pen.font = "11px system-ui, sans-serif";
+    pen.fillStyle = css("#444444");
+    this.scale(pen, 0);
+    if (map.axes.length > 1) this.scale(pen, 1);
+    this.legend();
+  }
+
+  scale(pen, which) {
+    const {left, right, top, bottom} = this.room(), axis = this.map.axes[which];
+    const [low, high] = this.view.slice(2 * which, 2 * which + 2), wanted = which ? (bottom - top) / 40 : (right - left) / 70;
+    let marks = ticks(low, high, Math.max(2, wanted));
+    if (axis.geometric) {
+      const each = [1, 2, 5].flatMap(m => Array.from({length: 41}, (_, k) => m * 10 ** (k - 20))).map(x => [Math.log(x), shown(x)]);
+      marks = each.filter(([x]) => x >= low && x <= high);
+      if (marks.length > wanted) marks = marks.filter(([x]) => Math.abs(x / Math.LN10 - Math.round(x / Math.LN10)) < 1e-9);
+      if (marks.length < 2) marks = ticks(low, high, 3).map(([x]) => [x, shown(Math.exp(x))]);
+    }
+    pen.textAlign = which ? "right" : "center";
+    pen.textBaseline = which ? "middle" : "top";
+    for (const [at, text] of marks) {
+      const [x, y] = this.place([at, at]);
+      if (which) pen.fillText(text, left - 5, y);
+      else pen.fillText(text, x, bottom + 5);
+    }
+    pen.textAlign = "center";
+    if (!which) return pen.fillText(axis.label, (left + right) / 2, bottom + 22);
+    pen.save();
+    pen.translate(10, (top + bottom) / 2);
+    pen.rotate(-Math.PI / 2);
+    pen.fillText(axis.label, 0, 0);
+    return pen.restore();
+  }
+
+  // The line where the field is zero, through squares of four neighbouring pixels.
+  line(pen, field, xs, ys, number) {
+    const {nx, ny} = this, first = this.slice * this.plane, middle = edges => edges.slice(1).map((x, k) => (x + edges[k]) / 2);
+    const [cx, cy] = [middle(xs), middle(ys)];
+    pen.beginPath();
+    for (let j = 0; j + 1 < ny; j++)
+      for (let i = 0; i + 1 < nx; i++) {
+        const corners = [[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]].map(([a, b]) => [cx[a], cy[b], field[first + b * nx + a]]);
+        const crossed = corners.flatMap((a, k) => {
+          const b = corners[(k + 1) % 4], share = a[2] / (a[2] - b[2]);
+          return (a[2] < 0) !== (b[2] < 0) && Number.isFinite(share) ? [[a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])]] : [];
+        });
+        for (let k = 0; k + 1 < crossed.length; k += 2) {
+          pen.moveTo(...crossed[k]);
+          pen.lineTo(...crossed[k + 1]);
+        }
+      }
+    for (const [ink, wide] of [["#000", 3.4], ["#fff", 1.6]]) {
+      pen.strokeStyle = ink;
+      pen.lineWidth = wide;
+      pen.globalAlpha = number ? 0.7 : 1;
+      pen.stroke();
+    }
+    pen.globalAlpha = 1;
+  }
+
+  legend() {
+    const {layer, map} = this, legend = this.find(".legend");
+    const bar = `<span style="display:inline-block;width:90px;height:10px;background:linear-gradient(90deg,${CIVIDIS.join()})"></span>`;
+    legend.innerHTML = `${shown(layer.low)} ${bar} ${shown(layer.high)}${layer.log ? " (logarithmic)" : ""} <span class="words"></span>`;
+    legend.querySelector(".words").textContent = [layer.label, ...map.curves.map(({label}) => `line: theory, ${label}`)].join("; ");
+  }
+
+  words(pixel) {
+    const {map} = this, index = this.index(pixel).reverse(), {counts} = map;
+    const place = map.axes.map((axis, k) => `${axis.name} = ${shown(axis.values[index[k]])} ${axis.unit}`.trim()).join(", ");
+    if (map.status[pixel]) return `${place}\nno such body is possible: ${map.statuses[map.status[pixel]]}`;
+    const value = name => map.layers.find(layer => layer.name === name).data[pixel];
+    const of = ["stable", "unstable", "undecided", "failed"].map(name => `${counts[name][pixel]} ${name}`).join(", ");
+    const more = ["share", "lower", "upper"].includes(this.layer.name) ? "" : `; ${this.layer.label}: ${shown(this.layer.data[pixel])}`;
+    return `${place}\nshare ${shown(value("share"))} in [${shown(value("lower"))}, ${shown(value("upper"))}]${more}\n${of} of ${counts.samples[pixel]}`;
+  }
+
+  hover(pixel) {
+    if (pixel === this.hovered) return;
+    this.hovered = pixel;
+    this.find(".hover").textContent = pixel === null ? "" : this.words(pixel);
+  }
+
+  choose(pixel, sample) {
+    const {map} = this;
+    this.pixel = pixel;
+    this.slice = Math.floor(pixel / this.plane);
+    let rest = this.slice;
+    this.slices.forEach((list, k) => {
+      const length = map.axes[k + 2].values.length;
+      list.selectedIndex = rest % length;
+      rest = Math.floor(rest / length);
+    });
+    const of = k => map.classes[map.outcome[pixel * map.samples + k]] ?? "", left = k => map.left[pixel * map.samples + k];
+    // By outcome, and those that left in the order of their times.
+    this.order = Array.from({length: map.samples}, (_, k) => k).filter(k => of(k)).sort((a, b) =>
+      map.classes.indexOf(of(a)) - map.classes.indexOf(of(b)) || (left(a) || 0) - (left(b) || 0) || a - b);
+    const dots = this.find(".dots");
+    dots.replaceChildren(...this.order.map(k => {
+      const button = document.createElement("button");
+      button.type = "button";
+      button.className = of(k);
+      button.style.background = OUTCOMES[of(k)];
+      button.textContent = {stable: "", unstable: "↯", undecided: "?", failed: "×"}[of(k)];
+      const when = Number.isFinite(left(k)) ? `, left at ${shown(left(k))} s` : "";
+      button.title = `sample ${k}: ${of(k)}${when}`;
+      button.setAttribute("aria-label", button.title);
+      button.dataset.sample = k;
+      button.onclick = () => this.pick(k);
+      return button;
+    }));
+    this.draw();
+    this.pick(this.order.includes(sample) ? sample : this.order[0] ?? 0);
+  }
+
+  next(by) {
+    if (this.pixel === null || !this.order.length) return;
+    const at = this.order.indexOf(this.sample), count = this.order.length;
+    this.pick(this.order[(at + by + count) % count]);
+  }
+
+  pick(sample) {
+    const {map, pixel} = this;
+    this.sample = sample;
+    let picked = null;
+    for (const button of this.find(".dots").children) {
+      const isThis = Number(button.dataset.sample) === sample;
+      button.setAttribute("aria-pressed", String(isThis));
+      if (isThis) picked = button.title;
+    }
+    this.find(".chosen").textContent = `${this.words(pixel).split("\n")[0]}${picked ? ` — ${picked}` : " — no body"}`;
+    const index = this.index(pixel);
+    this.find(".python").textContent = `result.replay(pixel=${index.length > 1 ? `(${index.join(", ")})` : index[0]}, sample=${sample})`;
+    this.keep();
+    if (picked && map.motion) this.film(pixel, sample, picked);
+    else if (this.player) { this.player.play(false); this.player.root.hidden = true; }
+  }
+
+  film(pixel, sample, words) {
+    const {map} = this, body = pixel * map.samples + sample, of = (array, width, row) => Array.from(array.subarray(width * row, width * row + width));
+    const numbers = of(map.motion.numbers, 18, pixel), omega = of(map.omega, 3, body), horizon = map.horizon[pixel];
+    const begun = performance.now(), frames = Math.round(clamp(horizon * size(omega) / 0.2, 500, FRAMES));
+    const times = Array.from({length: frames + 1}, (_, k) => horizon * k / frames);
+    const motion = motionOf(numbers, omega, of(map.attitude, 4, body), times);
+    this.computed = performance.now() - begun;
+    const seconds = clamp(horizon, 4, 20), speed = horizon / seconds;
+    this.player ??= new Player(this.find("#player"));
+    this.player.root.hidden = false;
+    const film = filmOf(map, numbers, map.chart.limit ? map.chart.limit[pixel] : null, times, motion, speed);
+    const short = motion.omega.length < times.length ? "; the page could not compute it to the end" : "";
+    this.player.show([film], `${words}; film at ${shown(speed)} × the speed of the motion${short}`);
+  }
+
+  async copy() {
+    const line = this.find(".python"), button = this.find(".copy");
+    try {
+      await navigator.clipboard.writeText(line.textContent);
+      button.textContent = "copied";
+    } catch {  // not allowed: the line is selected for the reader to copy
+      getSelection().selectAllChildren(line);
+      button.textContent = "press Ctrl+C";
+    }
+    setTimeout(() => { button.textContent = "copy Python"; }, 1500);
+  }
+}
+
+async function begin() {
+  const map = JSON.parse(document.getElementById("map").textContent);
+  const places = [map, map.counts, map.motion ?? {}, map.chart, ...map.layers, ...map.curves];
+  await Promise.all(places.flatMap(place => Object.entries(place).filter(([, value]) => value?.type in ARRAYS)
+    .map(async ([name, value]) => { place[name] = await unpacked(value); })));
+  window.explorer = new Explorer(map);
+}
+
+begin();

@@ -1,0 +1,99 @@
+// The film of a motion that the page has computed: the body of a pixel, and its vectors.
+
+function boxOf(moments) {  // faces of half the sides of the homogeneous box with these moments, the longest 1
+  const [a, b, c] = moments, sides = [b + c - a, a + c - b, a + b - c].map(x => Math.sqrt(Math.max(x, 0)));
+  const half = sides.map(x => Math.max(x / Math.max(...sides), 0.02));
+  const ends = [[-1, -1], [1, -1], [1, 1], [-1, 1]], faces = [];
+  for (let axis = 0; axis < 3; axis++)
+    for (const side of [-1, 1])
+      faces.push(ends.map(([u, v]) => {
+        const corner = [0, 0, 0];
+        corner[axis] = side * half[axis];
+        corner[(axis + 1) % 3] = u * half[(axis + 1) % 3];
+        corner[(axis + 2) % 3] = v * half[(axis + 2) % 3];
+        return corner;
+      }));
+  return [faces, half];
+}
+
+// A spinning top with the fixed point at the origin and the centre of mass at the distance 1.
+const PROFILE = [[0.02, 0], [0.06, 0.3], [1, 0.85], [1, 1.1], [0.08, 1.25], [0.06, 1.45], [0, 1.45]];
+const SECTORS = 32;
+
+function topOf(moments, direction) {
+  const [first, second, along] = across(direction), [a, b, c] = moments;
+  const spread = [b + c - a, a + c - b, a + b - c].map(x => 0.5 * Math.max(x, 0));
+  const form = (u, v) => u.reduce((sum, x, i) => sum + x * v[i] * spread[i], 0);
+  const [p, q, r] = [form(first, first), form(first, second), form(second, second)];
+  const turn = 0.5 * Math.atan2(2 * q, p - r);
+  const axes = [0, 0.5 * Math.PI].map(more =>
+    sum(scaled(first, Math.cos(turn + more)), second, Math.sin(turn + more)));
+  const widths = axes.map(axis => Math.sqrt(Math.max(form(axis, axis), 0))), widest = Math.max(...widths) || 1;
+  const [one, two] = widths.map(x => Math.max(0.5 * x / widest, 0.05));
+  const rings = PROFILE.map(([radius, height]) => Array.from({length: SECTORS + 1}, (_, k) => {
+    const angle = 2 * Math.PI * k / SECTORS;
+    const rim = sum(scaled(axes[0], one * radius * Math.cos(angle)), axes[1], two * radius * Math.sin(angle));
+    return sum(rim, along, height);
+  }));
+  return rings.slice(1).flatMap((next, j) => next.slice(1).map((_, k) =>
+    [rings[j][k], rings[j][k + 1], next[k + 1], next[k]]));
+}
+
+function separatrixOf(moments) {
+  const [low, mid, high] = [0, 1, 2].sort((i, j) => moments[i] - moments[j]), inverse = moments.map(x => 1 / x);
+  const first = inverse[low] - inverse[mid], last = inverse[mid] - inverse[high];
+  if (!(first > 0 && last > 0)) return [];
+  return [1, -1].map(sign => Array.from({length: 97}, (_, k) => {
+    const point = [0, 0, 0], angle = 2 * Math.PI * k / 96;
+    point[mid] = Math.cos(angle);
+    point[low] = Math.sin(angle) * Math.sqrt(last / (first + last));
+    point[high] = sign * Math.sin(angle) * Math.sqrt(first / (first + last));
+    return point;
+  }));
+}
+
+function filmOf(map, numbers, limit, times, {omega, attitude}, speed) {
+  const {inks, chart} = map, moments = numbers.slice(0, 3), weight = numbers.slice(3, 6);
+  const t = times.slice(0, omega.length), isTop = size(weight) > 0, isFree = numbers.slice(3).every(x => x === 0);
+  const momentum = omega.map((w, k) => turned(attitude[k], w.map((x, i) => x * moments[i])));
+  const rates = omega.map((w, k) => turned(attitude[k], w));
+  const longest = vectors => vectors.reduce((most, v) => Math.max(most, size(v)), 0) || 1;
+  const part = (kind, points, colours, more = {}) => ({kind, points, colours, opacity: 1, carried: false, label: "", ...more});
+  const unitVectors = [[1, 0, 0], [0, 1, 0], [0, 0, 1]], up = !isFree ? [0, 0, 1] : unit(momentum[0]);
+  let parts, reach, centre = [0, 0, 0];
+  if (isTop) {
+    const direction = unit(weight);
+    parts = [part("faces", topOf(moments, direction), [...Array(4).fill(inks.body), ...Array(4).fill(inks.axes[0])], {carried: true}),
+      part("trail", attitude.map(q => scaled(turned(q, direction), 1.45)), [inks.axes[2]]),
+      part("arrow", [[0, 0, 1.6]], [inks.vertical], {label: "vertical"})];
+    const tips = parts[1].points, lowest = tips.reduce((least, tip) => Math.min(least, tip[2]), 0);
+    centre = [0, 0, 0.5 * (1.6 + lowest)];
+    reach = 0.1 + tips.reduce((most, tip) => Math.max(most, size(sum(tip, centre, -1))), 1.6 - centre[2]);
+  } else {
+    const [faces, half] = boxOf(moments), most = longest(rates), spun = longest(momentum);
+    const tips = rates.map(w => scaled(w, 1.2 / most));
+    parts = [part("faces", faces, inks.axes.flatMap(ink => [ink, ink]), {carried: true}),
+      ...unitVectors.map((e, i) => part("arrow", [scaled(e, half[i] + 0.35)], [inks.axes[i]], {carried: true, label: String(i + 1)})),
+      part("trail", tips, ["#444444"]),
+      part("arrow", tips, [inks.omega], {label: "ω"}),
+      part("arrow", momentum.map(v => scaled(v, 1.5 / spun)), [inks.L], {label: "L"})];
+    reach = 1.75;
+  }
+  let strip = {label: "ω (rad/s)", names: ["ω₁", "ω₂", "ω₃"], colours: inks.axes, axes: inks.axes,
+    values: [0, 1, 2].map(i => omega.map(w => w[i])), limit: []};
+  if (chart.what === "tilt") {
+    const axis = chart.axis ?? (isTop ? unit(weight) : [0, 0, 1]);
+    const from = chart.reference === "vertical" ? [0, 0, 1] : turned(attitude[0], axis);
+    const tilt = attitude.map(q => {
+      const now = turned(q, axis);
+      return Math.atan2(size(cross(from, now)), dot(from, now)) * 180 / Math.PI;
+    });
+    strip = {...strip, label: "tilt (°)", names: [], colours: [inks.axes[2]], values: [tilt],
+      limit: limit === null ? [] : [limit * 180 / Math.PI]};
+  }
+  const step = t.length > 1 ? t[1] - t[0] : 1, digits = Math.max(0, Math.ceil(-Math.log10(step) - 1e-9));
+  return {view: isTop ? "top" : "box", title: map.scene, t, digits, shown: t.map(() => step / speed),
+    trail: 0.25 * t[t.length - 1], attitude, frame: across(up), centre, reach, camera: map.camera, parts, chart: strip,
+    polhode: isFree && isFinite(momentum[0][0]) && size(momentum[0]) > 0 ? {
+      points: omega.map(w => unit(w.map((x, i) => x * moments[i]))), separatrix: separatrixOf(moments)} : null};
+}
