@@ -194,6 +194,9 @@ fn map(numbers: &mut Bytes) {
             possible: numbers.below(4) > 0,
         }),
         omega_law: numbers.of(laws),
+        mix: None,
+        mixed: [false; 2],
+        given: None,
         attitude_law: if numbers.below(4) == 0 { Law::UniformAttitude } else { numbers.of(laws) },
         conditions: vec![Condition {
             axis: numbers.of([-3, -2, -1, 1, 2, 3, 0]),

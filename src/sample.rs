@@ -110,9 +110,74 @@ pub fn attitude<R: Real>(law: Law, size: [R; 3], q: [R; 4], u: [R; 4]) -> [R; 4]
             let (a, b) = ((R::splat(1.0) - u[0]).sqrt(), u[0].sqrt());
             [a * s1, a * c1, b * s2, b * c2]
         }
-        _ => {
-            let v = vector(law, u);
-            quaternion_product(&q, &rotation_by(&[size[0] * v[0], size[1] * v[1], size[2] * v[2]]))
+        _ => turned(size, vector(law, u), q),
+    }
+}
+
+/// An attitude turned in the body by a rotation vector whose components are counted in these sizes.
+#[inline(always)]
+pub fn turned<R: Real>(size: [R; 3], v: [R; 3], q: [R; 4]) -> [R; 4] {
+    quaternion_product(&q, &rotation_by(&[size[0] * v[0], size[1] * v[1], size[2] * v[2]]))
+}
+
+/// A list of perturbations, of which each body takes one.
+#[derive(Clone, Debug)]
+pub struct Given {
+    /// What is added to the rates.
+    pub omega: Vec<[f64; 3]>,
+    /// Rotations applied on the body side, as many; or none.
+    pub attitude: Vec<[f64; 4]>,
+    /// The shares of the list up to and with each entry, the last 1; none if the list is used in order.
+    pub cumulative: Vec<f64>,
+}
+
+impl Given {
+    /// The entry of a body that draws these uniforms.
+    pub fn index(&self, sample: u64, u: [f64; 4]) -> usize {
+        if self.cumulative.is_empty() {
+            return (sample % self.omega.len() as u64) as usize;
+        }
+        self.cumulative.partition_point(|&share| share <= u[0])
+    }
+
+    /// Perturbs the rates and the attitude of a body by an entry.
+    pub fn perturb(&self, index: usize, omega: &mut [f64; 3], attitude: &mut [f64; 4]) {
+        let change = self.omega[index];
+        for k in 0..3 {
+            omega[k] += change[k];
+        }
+        if let Some(rotation) = self.attitude.get(index) {
+            *attitude = quaternion_product(attitude, rotation);
         }
     }
+}
+
+/// A lower triangular factor of the covariance of six deviates: three of the rates, then three of the attitude.
+pub type Mix = [[f64; 6]; 6];
+
+/// The deviates of the rates that a factor makes of independent ones.
+#[inline(always)]
+pub fn mixed_rates<R: Real>(mix: &Mix, v: [R; 3]) -> [R; 3] {
+    let mut out = [R::splat(0.0); 3];
+    for row in 0..3 {
+        for column in 0..=row {
+            out[row] = R::splat(mix[row][column]).fma(v[column], out[row]);
+        }
+    }
+    out
+}
+
+/// The deviates of the attitude that a factor makes of the independent ones of the rates and of the attitude.
+#[inline(always)]
+pub fn mixed_turn<R: Real>(mix: &Mix, rates: [R; 3], v: [R; 3]) -> [R; 3] {
+    let mut out = [R::splat(0.0); 3];
+    for row in 0..3 {
+        for column in 0..3 {
+            out[row] = R::splat(mix[3 + row][column]).fma(rates[column], out[row]);
+        }
+        for column in 0..=row {
+            out[row] = R::splat(mix[3 + row][3 + column]).fma(v[column], out[row]);
+        }
+    }
+    out
 }

@@ -35,7 +35,16 @@ from .model.judged import States, judged
 from .model.measures import drift, flips, largest_tilt, mean_rate, time_to_leave
 from .model.satellite import EnergySink
 from .model.scene import FreeBody, HeavyTop
-from .model.start import Noise, Start, direction, normal, uniform, uniform_attitude
+from .model.start import (
+    Noise,
+    Samples,
+    Start,
+    direction,
+    normal,
+    samples,
+    uniform,
+    uniform_attitude,
+)
 from .model.torque import Torque
 from .reports.compute import report
 from .reports.result import Report
@@ -108,6 +117,7 @@ __all__ = [
     "Report",
     "Row",
     "Run",
+    "Samples",
     "Section",
     "StabilityMap",
     "Start",
@@ -158,6 +168,7 @@ __all__ = [
     "report",
     "returns",
     "rotations",
+    "samples",
     "section",
     "simulate",
     "simulate_chunks",

@@ -283,6 +283,11 @@ class MapJob:
         forcing: Sequence[Forcing] | None = None,
         numbers: NDArray[np.uint64] | None = None,
         first: int = 0,
+        mix: NDArray[np.float64] | None = None,
+        mixed: Sequence[bool] = (False, False),
+        given_omega: NDArray[np.float64] | None = None,
+        given_attitude: NDArray[np.float64] | None = None,
+        given_shares: NDArray[np.float64] | None = None,
     ) -> MapJob: ...
     @property
     def status(self) -> NDArray[np.uint8]: ...

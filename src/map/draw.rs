@@ -4,7 +4,7 @@ use super::{Map, Pixel};
 use crate::error::Error;
 use crate::memory;
 use crate::real::Pack;
-use crate::sample::{self, Law};
+use crate::sample::{self, Law, Mix};
 use crate::simd::Isa;
 use crate::simd::{LANES, Row};
 #[cfg(target_arch = "x86_64")]
@@ -17,6 +17,8 @@ const NOTHING: Row = Row([0.0; LANES]);
 /// The uniforms of each lane, the nominal starts and the sizes of the perturbations.
 struct Draws {
     uniforms: [Row; 4],
+    /// The uniforms of the rates, while attitudes are drawn that hang together with them.
+    of_rates: [Row; 4],
     sizes: [Row; 4],
     /// Rates or an attitude: first the nominal, then the perturbed ones.
     start: [Row; 4],
@@ -24,16 +26,23 @@ struct Draws {
 
 impl Draws {
     fn set_uniforms(&mut self, lane: usize, u: [f64; 4]) {
-        for k in 0..4 {
-            self.uniforms[k].0[lane] = u[k];
-        }
+        set(&mut self.uniforms, lane, u);
+    }
+}
+
+fn set(rows: &mut [Row; 4], lane: usize, u: [f64; 4]) {
+    for k in 0..4 {
+        rows[k].0[lane] = u[k];
     }
 }
 
 #[inline(always)]
-fn vectors<P: Pack>(law: Law, draws: &mut Draws) {
+fn vectors<P: Pack>(law: Law, mix: Option<&Mix>, draws: &mut Draws) {
     for at in (0..LANES).step_by(P::LANES) {
-        let v = sample::vector(law, load::<P>(&draws.uniforms, at));
+        let mut v = sample::vector(law, load::<P>(&draws.uniforms, at));
+        if let Some(mix) = mix {
+            v = sample::mixed_rates(mix, v);
+        }
         let (sizes, start) = (load::<P>(&draws.sizes, at), load::<P>(&draws.start, at));
         for k in 0..3 {
             sizes[k].fma(v[k], start[k]).store(&mut draws.start[k].0[at..]);
@@ -42,10 +51,17 @@ fn vectors<P: Pack>(law: Law, draws: &mut Draws) {
 }
 
 #[inline(always)]
-fn attitudes<P: Pack>(law: Law, draws: &mut Draws) {
+fn attitudes<P: Pack>(law: Law, mix: Option<&Mix>, draws: &mut Draws) {
     for at in (0..LANES).step_by(P::LANES) {
         let [s0, s1, s2, _] = load::<P>(&draws.sizes, at);
-        let q = sample::attitude(law, [s0, s1, s2], load(&draws.start, at), load(&draws.uniforms, at));
+        let (u, q) = (load::<P>(&draws.uniforms, at), load(&draws.start, at));
+        let q = match mix {
+            None => sample::attitude(law, [s0, s1, s2], q, u),
+            Some(mix) => {
+                let rates = sample::vector(law, load(&draws.of_rates, at));
+                sample::turned([s0, s1, s2], sample::mixed_turn(mix, rates, sample::vector(law, u)), q)
+            }
+        };
         for k in 0..4 {
             q[k].store(&mut draws.start[k].0[at..]);
         }
@@ -64,26 +80,26 @@ fn load<P: Pack>(rows: &[Row; 4], at: usize) -> [P; 4] {
 /// Compiles a function of rows for each instruction set.
 macro_rules! compiled {
     ($name:ident, $generic:ident) => {
-        fn $name(isa: Isa, law: Law, draws: &mut Draws) {
+        fn $name(isa: Isa, law: Law, mix: Option<&Mix>, draws: &mut Draws) {
             #[cfg(target_arch = "x86_64")]
             #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,avx2,fma")]
-            fn avx512(law: Law, draws: &mut Draws) {
-                $generic::<V8>(law, draws)
+            fn avx512(law: Law, mix: Option<&Mix>, draws: &mut Draws) {
+                $generic::<V8>(law, mix, draws)
             }
             #[cfg(target_arch = "x86_64")]
             #[target_feature(enable = "avx2,fma")]
-            fn avx2(law: Law, draws: &mut Draws) {
-                $generic::<V4>(law, draws)
+            fn avx2(law: Law, mix: Option<&Mix>, draws: &mut Draws) {
+                $generic::<V4>(law, mix, draws)
             }
             assert!(isa.is_available());
             match isa {
                 // SAFETY: the line before checks the feature.
                 #[cfg(target_arch = "x86_64")]
-                Isa::Avx512 => unsafe { avx512(law, draws) },
+                Isa::Avx512 => unsafe { avx512(law, mix, draws) },
                 // SAFETY: as above.
                 #[cfg(target_arch = "x86_64")]
-                Isa::Avx2 => unsafe { avx2(law, draws) },
-                _ => $generic::<f64>(law, draws),
+                Isa::Avx2 => unsafe { avx2(law, mix, draws) },
+                _ => $generic::<f64>(law, mix, draws),
             }
         }
     };
@@ -111,7 +127,15 @@ impl Map {
         let pixel = |place: &(u64, u64)| &self.pixels[place.0 as usize];
         let bodies = places.iter().map(|place| pixel(place).body);
         let mut bodies = memory::collected("starts of a block", count, bodies)?;
-        let mut draws = Draws { uniforms: [NOTHING; 4], sizes: [NOTHING; 4], start: [NOTHING; 4] };
+        let mut draws = Draws {
+            uniforms: [NOTHING; 4],
+            of_rates: [NOTHING; 4],
+            sizes: [NOTHING; 4],
+            start: [NOTHING; 4],
+        };
+        let mix = self.mix.as_ref();
+        let [of_rates, of_attitude] = self.mixed;
+        let (rates_mix, attitude_mix) = (mix.filter(|_| of_rates), mix.filter(|_| of_attitude));
         for (bodies, places) in bodies.chunks_mut(LANES).zip(places.chunks(LANES)) {
             if self.omega_law != Law::None {
                 for (lane, place) in places.iter().enumerate() {
@@ -123,7 +147,7 @@ impl Map {
                         draws.start[k].0[lane] = body.omega[k];
                     }
                 }
-                vectors_of(isa, self.omega_law, &mut draws);
+                vectors_of(isa, self.omega_law, rates_mix, &mut draws);
                 for (lane, (body, place)) in bodies.iter_mut().zip(places).enumerate() {
                     if pixel(place).possible {
                         body.omega = [0, 1, 2].map(|k| draws.start[k].0[lane]);
@@ -135,6 +159,9 @@ impl Map {
                     let Pixel { body, attitude_size, .. } = pixel(place);
                     let [number, sample] = self.counter(*place);
                     draws.set_uniforms(lane, sample::uniforms(self.key, 1, sample, number));
+                    if attitude_mix.is_some() {
+                        set(&mut draws.of_rates, lane, sample::uniforms(self.key, 0, sample, number));
+                    }
                     for k in 0..3 {
                         draws.sizes[k].0[lane] = attitude_size[k];
                     }
@@ -142,12 +169,19 @@ impl Map {
                         draws.start[k].0[lane] = body.attitude[k];
                     }
                 }
-                attitudes_of(isa, self.attitude_law, &mut draws);
+                attitudes_of(isa, self.attitude_law, attitude_mix, &mut draws);
                 for (lane, (body, place)) in bodies.iter_mut().zip(places).enumerate() {
                     if pixel(place).possible {
                         body.attitude = [0, 1, 2, 3].map(|k| draws.start[k].0[lane]);
                     }
                 }
+            }
+        }
+        if let Some(given) = &self.given {
+            for (body, place) in bodies.iter_mut().zip(places).filter(|(_, place)| pixel(place).possible) {
+                let [number, sample] = self.counter(*place);
+                let index = given.index(sample, sample::uniforms(self.key, 0, sample, number));
+                given.perturb(index, &mut body.omega, &mut body.attitude);
             }
         }
         Ok(bodies)

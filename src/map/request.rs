@@ -6,7 +6,7 @@ use crate::error::Error;
 use crate::exact::Question;
 use crate::forcing::{BodyForcing, Forcing};
 use crate::kernel::System;
-use crate::sample::Law;
+use crate::sample::{Given, Law, Mix};
 use crate::satellite::Satellite;
 use crate::scene::Scene;
 use crate::scheme::{self, Scheme, Step};
@@ -95,6 +95,12 @@ pub struct Map {
     pub omega_law: Law,
     /// Law of the perturbation of the attitude.
     pub attitude_law: Law,
+    /// Factor of the covariance of both, for normal perturbations that hang together.
+    pub mix: Option<Mix>,
+    /// Whether the perturbations of the rates and of the attitude are mixed by this factor.
+    pub mixed: [bool; 2],
+    /// Perturbations that are given one by one.
+    pub given: Option<Given>,
     /// The conditions that are watched.
     pub conditions: Vec<Condition>,
     /// When a sample is stable, from its conditions.
@@ -142,6 +148,12 @@ impl Map {
         }
         if !self.first.is_multiple_of(GROUP) || self.first >= 1 << 63 {
             return refuse("first", self.first.to_string(), "must be a multiple of 64 below 2**63");
+        }
+        if let Some(given) = &self.given {
+            let rule = "must not be empty, and shares must end at 1";
+            if given.omega.is_empty() || given.cumulative.last().is_some_and(|&last| last < 1.0) {
+                return refuse("given_omega", given.omega.len().to_string(), rule);
+            }
         }
         if !(self.t_end.is_finite() && self.t_end > 0.0) {
             return refuse("t_end", self.t_end.to_string(), "must be positive and finite");
@@ -260,6 +272,9 @@ mod tests {
             pixels: Vec::new(),
             omega_law: Law::None,
             attitude_law: Law::None,
+            mix: None,
+            mixed: [false; 2],
+            given: None,
             conditions: vec![Condition { criterion: Criterion::NoFlip, axis: 2 }],
             logic: Logic::single(),
             measures: Vec::new(),

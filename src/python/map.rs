@@ -10,7 +10,7 @@ use crate::map::{
     Pixel, Sketch, Statistics, clopper_pearson_of_each,
 };
 use crate::memory;
-use crate::sample::Law;
+use crate::sample::{Given, Law};
 use crate::scene::Scene;
 use crate::simd::Isa;
 use crate::solver::Solver;
@@ -23,6 +23,7 @@ use std::sync::Mutex;
 
 /// What the columns of a map are called if they do not fit into memory.
 const PIXELS: &str = "pixels of the map";
+const GIVEN: &str = "given samples";
 
 /// A checked request for a map; its samples are run in ranges and one by one.
 #[pyclass(frozen, module = "rigid._core")]
@@ -272,11 +273,22 @@ keywords! {
         numbers: Option<PyReadonlyArray1<'py, u64>>,
         #[pyo3(default)]
         first: u64,
+        #[pyo3(default)]
+        mix: Option<PyReadonlyArray2<'py, f64>>,
+        #[pyo3(default)]
+        mixed: [bool; 2],
+        #[pyo3(default)]
+        given_omega: Option<PyReadonlyArray2<'py, f64>>,
+        #[pyo3(default)]
+        given_attitude: Option<PyReadonlyArray2<'py, f64>>,
+        #[pyo3(default)]
+        given_shares: Option<PyReadonlyArray1<'py, f64>>,
     }
 }
 
 impl MapRequest<'_> {
-    const OPTIONAL: [&'static str; 3] = ["forcing", "numbers", "first"];
+    const OPTIONAL: [&'static str; 8] =
+        ["forcing", "numbers", "first", "mix", "mixed", "given_omega", "given_attitude", "given_shares"];
 
     /// The map, and the status of the moments of each pixel.
     fn map(self) -> PyResult<(Map, Vec<u8>)> {
@@ -310,6 +322,38 @@ impl MapRequest<'_> {
             }
             None => Vec::new(),
         };
+        let mix = match &self.mix {
+            Some(mix) => {
+                let factor = rows::<6>("mix", mix)?;
+                same_length("mix", 6, factor.len())?;
+                let mut rows = [[0.0; 6]; 6];
+                rows.copy_from_slice(factor);
+                Some(rows)
+            }
+            None => None,
+        };
+        let given = match &self.given_omega {
+            Some(omega) => {
+                let of_rates = rows::<3>("given_omega", omega)?;
+                let count = of_rates.len();
+                let mut given = Given {
+                    omega: memory::collected(GIVEN, count, of_rates.iter().copied())?,
+                    attitude: Vec::new(),
+                    cumulative: Vec::new(),
+                };
+                if let Some(attitude) = &self.given_attitude {
+                    let rotations = rows::<4>("given_attitude", attitude)?;
+                    same_length("given_attitude", count, rotations.len())?;
+                    given.attitude = memory::collected(GIVEN, count, rotations.iter().copied())?;
+                }
+                if let Some(shares) = &self.given_shares {
+                    same_length("given_shares", count, shares.as_array().len())?;
+                    given.cumulative = memory::collected(GIVEN, count, shares.as_array().iter().copied())?;
+                }
+                Some(given)
+            }
+            None => None,
+        };
         let pixel = |i: usize| Pixel {
             body: bodies[i],
             omega_size: omega_size[i],
@@ -330,6 +374,9 @@ impl MapRequest<'_> {
             pixels: memory::collected(PIXELS, pixels, (0..pixels).map(pixel))?,
             omega_law: Law::parse("omega_noise", &self.omega_noise)?,
             attitude_law: Law::parse("attitude_noise", &self.attitude_noise)?,
+            mix,
+            mixed: self.mixed,
+            given,
             conditions,
             logic: Logic::parse(&self.logic, self.conditions.len())?,
             measures: self

@@ -81,6 +81,7 @@ def cases() -> Iterator[Case]:
     yield from _closed_forms()
     yield from _maps()
     yield from _builtin_maps()
+    yield from _limits()
     yield from _conditions()
     yield from _reports()
     yield from _textbook()
@@ -541,6 +542,55 @@ def _builtin_maps() -> Iterator[Case]:
             continue
         samples = 1 if name == "falling-top" else 3
         yield f"core/builtin-map/{name}", partial(arrays, name, samples)
+
+
+def _limits() -> Iterator[Case]:
+    """Maps of criteria that watch limits inside steps, joined ones, and measures."""
+    spun = rigid.Start(spin=1.0, axis=2, noise=rigid.normal(0.0625))
+    leaning = rigid.Start(spin=1.0, tilt=0.3, attitude_noise=rigid.normal(0.05))
+    scenes: dict[str, dict[str, Any]] = {
+        "free": {"scene": SCENES["free"], "axes": {"I1": [0.3, 0.7, 1.1]}, "start": spun},
+        "top": {"scene": SCENES["top"], "axes": {"spin": [0.7, 1.1, 2.3]}, "start": leaning},
+        "damped-top": {
+            "scene": rigid.HeavyTop,
+            "axes": {"spin": [0.7, 1.1, 2.3], "damping3": [0.01, 0.2]},
+            "start": leaning,
+        },
+    }
+    questions: dict[str, Any] = {
+        "rates-in-body": rigid.rate_within(0.4),
+        "rates-in-space": rigid.rate_within(0.4, frame="space"),
+        "momentum-in-body": rigid.rate_within(0.6, of="L", frame="body"),
+        "near-start": rigid.near_start(1.5),
+        "returns": rigid.returns(0.7, after=2.0),
+        "spin-above": rigid.spin_above(0.5, axis=2),
+        "joined": rigid.no_flip(2) & ~rigid.near_start(2.5) | rigid.spin_above(0.2),
+    }
+    measures = [rigid.time_to_leave(), rigid.flips(3), rigid.mean_rate(2), rigid.drift()]
+
+    def numbers(request: dict[str, Any], **options: Any) -> Any:
+        fixed = {"samples": 21, "t_end": 10.0, "rng": 2026, "progress": False, "max_steps": 50_000}
+
+        def made() -> Any:
+            result = rigid.stability_map(**{**fixed, **request, **options})
+            found = [
+                [m.count, m.mean, m.std, m.least, m.largest, m.quantile([0.1, 0.5])]
+                for m in result.measures.values()
+            ]
+            return [_numbers_of(result), found]
+
+        return _answered(made)
+
+    for scene, request in scenes.items():
+        for question, stable in questions.items():
+            for method in ("auto", "rk4", "splitting", "hermite9", "taylor12"):
+                yield (
+                    f"core/limits/{scene}/{question}/{method}",
+                    partial(numbers, {**request, "stable": stable}, method=method),
+                )
+        watched = {**request, "stable": questions["joined"], "measure": measures}
+        yield f"core/limits/{scene}/measures", partial(numbers, watched)
+        yield f"core/limits/{scene}/chunks", partial(numbers, watched, chunk=7, threads=2)
 
 
 def _conditions() -> Iterator[Case]:

@@ -134,6 +134,7 @@ START: Mapping[str, Key] = {
 NOISE: Mapping[str, Key] = {
     "kind": Key("text", "`normal`, `uniform`, `direction` or `uniform_attitude`"),
     "size": Key("number or 3", "size; left out if an axis varies it", "rad/s or rad"),
+    "cov": Key("3 x 3 or 6 x 6", "instead of `size`: covariance of `normal`", "(rad/s)², rad²"),
 }
 
 MAP_RUN: Mapping[str, Key] = {

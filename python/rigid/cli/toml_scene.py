@@ -116,6 +116,10 @@ def _noise(table: Table, on_axis: bool) -> Noise:
         table.only("kind")
         return Noise(kind)
     table.only(*NOISE)
+    if "cov" in table:
+        if "size" in table:
+            raise table.error("size and cov both say how large the noise is")
+        return table.build(lambda: Noise(kind, cov=table.take("cov", as_is)))
     if on_axis:
         if "size" in table:
             raise table.error("size is that of the axis; leave it out here")

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from .. import _core
 from ..model.body import Body
 from ..model.scene import Scene
-from ..model.start import Start, tilted_attitude, tilted_rates
+from ..model.start import Noise, Start, tilted_attitude, tilted_rates
 from ..model.torque import Torque, checked_damping, forcing_of
 from ..solve.batch import Batch
 from .parameters import Axis, PixelValues, in_order
@@ -212,8 +212,10 @@ def nominal_starts(
 def _without_axes(scene: Scene, start: Start, count: int) -> PixelValues:
     """The numbers of the scene and the start, in every pixel."""
     body = scene.body
-    noise = 0.0 if start.noise is None else start.noise.size
+    noise = start.noise.size if isinstance(start.noise, Noise) else 0.0
     attitude_noise = 0.0 if start.attitude_noise is None else start.attitude_noise.size
+    if start.joint:
+        attitude_noise = 1.0
 
     def each(value: ArrayLike, width: int = 0) -> Floats:
         """A number of all bodies, or of each; ``width`` axes are those of one."""

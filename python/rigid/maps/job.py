@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from .. import _core
 from ..model.judged import Judged
+from ..model.start import Noise, Samples, Start
 from ..solve.methods import AUTO
 from .grid import nominal_starts
 from .judge import JudgedJob
@@ -155,17 +156,18 @@ def _of_core(spec: MapSpec, pixels: NDArray[np.int64] | None, samples: range) ->
         grid = spec.grid
     else:  # not those of the others, of which there may be millions
         grid = nominal_starts(spec.scene, spec.start, spec.axes, pixels)
-    noise, attitude_noise = spec.start.noise, spec.start.attitude_noise
+    noise = spec.start.noise
     return _core.MapJob(
         scene=spec.scene.kind,
         method=AUTO if isinstance(spec.stable, Judged) else spec.method,
         moments=grid.moments,
         weight=grid.weight,
         omega=grid.omega,
-        omega_noise="none" if noise is None else noise.kind,
+        omega_noise=noise.kind if isinstance(noise, Noise) else "none",
         omega_size=grid.omega_size,
         attitude=grid.attitude,
-        attitude_noise="none" if attitude_noise is None else attitude_noise.kind,
+        attitude_noise=_attitude_law(spec.start),
+        **(_given(noise) if isinstance(noise, Samples) else _mix(spec.start)),
         attitude_size=grid.attitude_size,
         conditions=spec.stable.conditions(),
         logic=" ".join(map(str, spec.stable.logic())),
@@ -180,6 +182,34 @@ def _of_core(spec: MapSpec, pixels: NDArray[np.int64] | None, samples: range) ->
         numbers=None if pixels is None else pixels.astype(np.uint64),
         first=samples.start,
     )
+
+
+def _attitude_law(start: Start) -> str:
+    if start.joint:
+        return "normal" if isinstance(start.noise, Noise) else "none"
+    return "none" if start.attitude_noise is None else start.attitude_noise.kind
+
+
+def _given(samples: Samples) -> dict[str, Any]:
+    """A list of perturbations, as the core reads it."""
+    attitude = None if samples.attitude is None else np.array(samples.attitude)
+    return {
+        "given_omega": np.array(samples.omega),
+        "given_attitude": attitude,
+        "given_shares": samples.shares(),
+    }
+
+
+def _mix(start: Start) -> dict[str, Any]:
+    """The factor of the covariance of rates and attitude, and which of them it makes."""
+    factor, mixed = np.zeros((6, 6)), [False, start.joint]
+    for k, noise in enumerate((start.noise, start.attitude_noise)):
+        if isinstance(noise, Noise) and noise.cov is not None:
+            part = noise.factor()
+            mine = slice(3 * k, 3 * k + len(part))
+            factor[mine, mine] = part
+            mixed[k] = True
+    return {"mix": factor, "mixed": mixed} if any(mixed) else {}
 
 
 def spans(spec: MapSpec, samples: range) -> list[range]:

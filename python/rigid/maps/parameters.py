@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from .._checks.arguments import brief, nearest, numbers
 from .._moments import box_moments
 from ..model.scene import Scene
-from ..model.start import Start, cos_sin
+from ..model.start import Noise, Start, cos_sin
 
 __all__ = [
     "MOST_AXES",
@@ -279,6 +279,10 @@ def _needs_omega(_scene: Scene, start: Start) -> str:
 def _needs_size_of_noise(_scene: Scene, start: Start) -> str:
     if start.noise is None:
         return "the start has no noise; say its kind, as in Start(noise=rigid.normal(0))"
+    if not isinstance(start.noise, Noise):
+        return "the noise of the start are given samples, which have no size"
+    if start.noise.cov is not None:
+        return "the noise of the start has a covariance; give it a size"
     return ""
 
 
@@ -286,7 +290,7 @@ def _needs_noise(scene: Scene, start: Start) -> str:
     reason = _needs_size_of_noise(scene, start)
     if reason:
         return reason
-    assert start.noise is not None
+    assert isinstance(start.noise, Noise)
     if isinstance(start.noise.size, tuple):
         return "the noise of the start has a size for each component; give it a single one"
     return ""
@@ -310,6 +314,8 @@ def _needs_size_of_attitude_noise(scene: Scene, start: Start) -> str:
             "the start has no attitude noise; say its kind, "
             "as in Start(attitude_noise=rigid.normal(0))"
         )
+    if start.attitude_noise.cov is not None:
+        return "the attitude noise has a covariance; give it a size"
     if start.attitude_noise.kind == "uniform_attitude":
         return "uniform_attitude() has no size"
     return ""
@@ -613,6 +619,8 @@ def check_applicable(scene: Scene, start: Start, axes: Iterable[Axis]) -> None:
     """Raise ValueError, saying why, if an axis or a part of the start has no meaning here."""
     if not scene.rates_need_attitude and start.attitude_noise is not None:
         raise ValueError(f"attitude_noise = {start.attitude_noise.describe()}: {_ATTITUDE_UNFELT}")
+    if not scene.rates_need_attitude and start.noise is not None and start.joint:
+        raise ValueError(f"noise = {start.noise.describe()}: {_ATTITUDE_UNFELT}")
     if not scene.directions and start.omega is not None and start.tilt != 0.0:
         raise ValueError("tilt has no effect on a free body started by omega; use Start(spin=...)")
     axes = tuple(axes)

@@ -55,7 +55,7 @@ def flat_spin(spec: MapSpec) -> Predicted | None:
         or scene.rotor is not None
         or grid.damping is not None
         or noise is None
-        or noise.kind != "normal"
+        or not noise.is_plain_normal
     ):
         return None
     tested = stable.core()[1] - 1
@@ -131,7 +131,7 @@ def on_orbit(spec: MapSpec) -> Predicted | None:
         or stable.axis != 3
         or start.attitude_noise is not None
         or noise is None
-        or noise.kind != "normal"
+        or not noise.is_plain_normal
     ):
         return None
     at_rest = np.all(grid.omega == (0.0, 0.0, orbit.rate), axis=1) & possible(grid.moments)

@@ -173,7 +173,7 @@ def _free_no_flip(spec: MapSpec) -> Theory | None:
     )
     moments[~possible(grid.moments)] = np.nan
     place = np.argmax(order == tested, axis=1)  # 0, 1, 2: smallest, middle, largest
-    normal = noise is not None and noise.kind == "normal"
+    normal = noise is not None and noise.is_plain_normal
     reach = NORMAL_REACH * size if normal else size
     nearest = np.maximum(np.abs(omega) - reach, 0.0)
     farthest = np.abs(omega) + reach
@@ -288,7 +288,7 @@ def _symmetric_top(spec: MapSpec) -> Theory | None:
         or stable.axis != axis
         or tuple(along) != tuple(scene.com)
         or start.noise is not None
-        or (noise is not None and noise.kind != "normal")
+        or (noise is not None and not noise.is_plain_normal)
     ):
         return None
     cross = grid.moments[:, axis - 2]
@@ -333,7 +333,7 @@ def _falling_top(spec: MapSpec) -> Theory | None:
         or tuple(scene.com) != tuple(np.eye(3)[start.axis - 1])
         or start.noise is not None
         or noise is None
-        or noise.kind != "normal"
+        or not noise.is_plain_normal
     ):
         return None
     mgl, k = grid.own["mgl"], start.axis - 1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Container, Mapping
 from dataclasses import dataclass
 from decimal import Decimal, localcontext
@@ -11,11 +12,23 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._checks.arguments import brief, finite_float, one_of, vector
+from .._checks.arguments import brief, finite_float, first_place, numbers, one_of, vector
 
-__all__ = ["Noise", "Start", "direction", "normal", "uniform", "uniform_attitude"]
+__all__ = [
+    "Noise",
+    "Samples",
+    "Start",
+    "direction",
+    "normal",
+    "samples",
+    "uniform",
+    "uniform_attitude",
+]
 
 NOISE_KINDS = ("normal", "uniform", "direction", "uniform_attitude")
+
+MOST_SAMPLES = 100_000
+"""Most entries of a list of samples: a specification holds them as text."""
 
 _EVEN_PERMUTATION = {1: (0.5, -0.5, -0.5, -0.5), 2: (0.5, 0.5, 0.5, 0.5), 3: (1.0, 0.0, 0.0, 0.0)}
 
@@ -31,18 +44,45 @@ class Noise:
     size : float or tuple of 3 floats
         Factor of the law, one number or one for each body axis: rad/s for rates, rad for an
         attitude.
+    cov : tuple of tuples of float, or None
+        Covariance of normal deviates that hang together, 3 x 3, or 6 x 6 of the rates and then the
+        attitude. The size is 1 then.
     """
 
     kind: str
     size: float | tuple[float, float, float] = 1.0
+    cov: tuple[tuple[float, ...], ...] | None = None
 
     def __post_init__(self) -> None:
         one_of("kind", self.kind, NOISE_KINDS)
         object.__setattr__(self, "size", _size(self.size))
+        if self.cov is not None:
+            if self.kind != "normal" or self.size != 1.0:
+                raise ValueError("cov: is that of normal noise, and says its size")
+            object.__setattr__(self, "cov", _covariance(self.cov))
+            self.factor()
+
+    @property
+    def is_plain_normal(self) -> bool:
+        """Whether it is normal with independent components."""
+        return self.kind == "normal" and self.cov is None
+
+    def factor(self) -> NDArray[np.float64]:
+        """The lower triangular factor of the covariance, ``cov = factor @ factor.T``.
+
+        Raises
+        ------
+        ValueError
+            If the covariance is not positive semi-definite.
+        """
+        assert self.cov is not None
+        return _lower_factor(self.cov)
 
     def to_dict(self) -> dict[str, Any]:
         """The noise as a JSON-able dictionary."""
         size = list(self.size) if isinstance(self.size, tuple) else self.size
+        if self.cov is not None:
+            return {"kind": self.kind, "cov": [list(row) for row in self.cov]}
         return {"kind": self.kind, "size": size}
 
     def describe(self, *, varied: bool = False) -> str:
@@ -51,6 +91,8 @@ class Noise:
             return "uniform_attitude()"
         if varied:
             return f"{self.kind}(varied)"
+        if self.cov is not None:
+            return f"{self.kind}(cov {len(self.cov)} x {len(self.cov)})"
         sizes = self.size if isinstance(self.size, tuple) else (self.size,)
         return f"{self.kind}({', '.join(f'{size:g}' for size in sizes)})"
 
@@ -65,14 +107,67 @@ def _size(value: Any) -> float | tuple[float, float, float]:
     return first, second, third
 
 
-def normal(size: float | ArrayLike) -> Noise:
-    """Independent normal deviates: ``size * N(0, 1)`` for each body component.
+def _covariance(value: Any) -> tuple[tuple[float, ...], ...]:
+    """A symmetric matrix of finite numbers, 3 x 3 or 6 x 6."""
+    array = numbers("cov", value)
+    if array.shape not in ((3, 3), (6, 6)):
+        raise ValueError(f"cov: expected shape (3, 3) or (6, 6), got {array.shape}")
+    if not np.isfinite(array).all():
+        index, place = first_place(~np.isfinite(array))
+        raise ValueError(f"cov{place} = {array[index]}: must be finite")
+    differs = array != array.T
+    if differs.any():
+        index, place = first_place(differs)
+        raise ValueError(
+            f"cov{place} = {array[index]:g}: must be symmetric; the entry across is "
+            f"{array[index[::-1]]:g}"
+        )
+    return tuple(tuple(row) for row in array.tolist())
+
+
+_RANK = 1e-13
+"""Pivots below this share of the variance are zero: the rest of their column is rounding."""
+
+
+def _lower_factor(cov: tuple[tuple[float, ...], ...]) -> NDArray[np.float64]:
+    """Cholesky's factor of a positive semi-definite matrix; ValueError if it is none.
+
+    Of scalars in a fixed order, so that its bits are the same on every machine: those of LAPACK are
+    not.
+    """
+    n = len(cov)
+    factor = np.zeros((n, n))
+    for k in range(n):
+        pivot = cov[k][k]
+        for j in range(k):
+            pivot -= float(factor[k, j]) * float(factor[k, j])
+        if pivot < -_RANK * abs(cov[k][k]) or cov[k][k] < 0.0:
+            raise ValueError("cov: must be positive semi-definite")
+        is_zero = pivot <= _RANK * cov[k][k]
+        factor[k, k] = 0.0 if is_zero else math.sqrt(pivot)
+        for i in range(k + 1, n):
+            rest = cov[i][k]
+            for j in range(k):
+                rest -= float(factor[i, j]) * float(factor[k, j])
+            if not is_zero:
+                factor[i, k] = rest / float(factor[k, k])
+            elif abs(rest) > math.sqrt(_RANK * max(cov[i][i], 0.0) * cov[k][k]):
+                raise ValueError("cov: must be positive semi-definite")
+    return factor
+
+
+def normal(size: float | ArrayLike | None = None, *, cov: ArrayLike | None = None) -> Noise:
+    """Normal deviates: independent, ``size * N(0, 1)`` for each body component, or ``N(0, cov)``.
 
     Parameters
     ----------
     size : float or array_like, shape (3,)
         Standard deviation: rad/s for rates; rad for an attitude, where the deviates are the
         components of a rotation vector applied on the body side.
+    cov : array_like, shape (3, 3) or (6, 6), optional
+        Instead of a size, the covariance of the components. One of shape (6, 6), of the three rates
+        and then the three components of the rotation vector, is given as the ``noise`` of a start
+        without an ``attitude_noise``.
 
     Returns
     -------
@@ -81,31 +176,195 @@ def normal(size: float | ArrayLike) -> Noise:
     Raises
     ------
     ValueError
-        If a size is negative or not finite.
+        If a size is negative or not finite, a covariance is not symmetric and positive
+        semi-definite, or not just one of them is given.
 
     Examples
     --------
     >>> import rigid
     >>> rigid.normal(1e-3)
-    Noise(kind='normal', size=0.001)
+    Noise(kind='normal', size=0.001, cov=None)
     >>> rigid.normal([1e-3, 0.0, 1e-3]).size
     (0.001, 0.0, 0.001)
+    >>> rigid.normal(cov=[[4e-6, 2e-6, 0.0], [2e-6, 4e-6, 0.0], [0.0, 0.0, 1e-8]]).describe()
+    'normal(cov 3 x 3)'
     """
-    return Noise("normal", size)  # type: ignore[arg-type]  # normalised in __post_init__
+    if (size is None) == (cov is None):
+        raise ValueError("normal() needs either a size or a covariance, and not both")
+    if size is None:
+        return Noise("normal", cov=cov)  # type: ignore[arg-type]  # normalised in __post_init__
+    return Noise("normal", size)  # type: ignore[arg-type]
 
 
 def uniform(size: float | ArrayLike) -> Noise:
     """Independent uniform deviates: ``size * U(-1, 1)`` for each body component.
 
-    Parameters and errors are those of :func:`normal`.
+    The size is as in :func:`normal`.
     """
     return Noise("uniform", size)  # type: ignore[arg-type]
+
+
+@dataclass(frozen=True, slots=True)
+class Samples:
+    """A list of perturbations, of which each body takes one; made by :func:`samples`.
+
+    Attributes
+    ----------
+    omega : tuple of tuples of 3 floats
+        What is added to the rates, rad/s.
+    attitude : tuple of tuples of 4 floats, or None
+        As many rotations, unit quaternions, applied on the body side.
+    weights : tuple of floats, or None
+        How likely each entry is taken, up to a common factor; None if all are alike.
+    in_order : bool
+        Whether body k of each pixel takes entry k, and begins again after the last.
+    """
+
+    omega: tuple[tuple[float, ...], ...]
+    attitude: tuple[tuple[float, ...], ...] | None = None
+    weights: tuple[float, ...] | None = None
+    in_order: bool = False
+
+    def __post_init__(self) -> None:
+        omega = _rows("omega", self.omega, 3)
+        object.__setattr__(self, "omega", tuple(map(tuple, omega.tolist())))
+        if not 0 < len(omega) <= MOST_SAMPLES:
+            raise ValueError(f"omega: {len(omega)} samples, must be 1 to {MOST_SAMPLES:,}")
+        if self.attitude is not None:
+            attitude = _rows("attitude", self.attitude, 4)
+            length = np.sqrt((attitude * attitude).sum(axis=1))
+            _same_count("attitude", len(attitude), len(omega))
+            if (wrong := abs(length - 1.0) > 1e-8).any():
+                at = int(np.argmax(wrong))
+                raise ValueError(
+                    f"attitude[{at}]: length {length[at]:g}, must be a unit quaternion"
+                )
+            object.__setattr__(self, "attitude", tuple(map(tuple, attitude.tolist())))
+        if not isinstance(self.in_order, bool):
+            raise TypeError(f"in_order = {brief(self.in_order)}: must be True or False")
+        if self.weights is not None:
+            if self.in_order:
+                raise ValueError("weights: samples that are used in order have none")
+            weights = numbers("weights", self.weights)
+            if weights.ndim != 1:
+                raise ValueError(f"weights: expected shape (n,), got {weights.shape}")
+            _same_count("weights", len(weights), len(omega))
+            if not (np.isfinite(weights).all() and (weights >= 0.0).all() and weights.any()):
+                raise ValueError("weights: must be finite, not negative, and not all zero")
+            object.__setattr__(self, "weights", tuple(weights.tolist()))
+
+    @property
+    def is_plain_normal(self) -> bool:
+        """No: nothing is known of their law."""
+        return False
+
+    @property
+    def turns(self) -> bool:
+        """Whether it perturbs the attitude."""
+        return self.attitude is not None
+
+    def shares(self) -> NDArray[np.float64] | None:
+        """The chance of the entries up to and with each, the last 1; None if used in order."""
+        if self.in_order:
+            return None
+        weights = np.ones(len(self.omega)) if self.weights is None else np.array(self.weights)
+        sums = np.cumsum(weights / weights.max())
+        shares: NDArray[np.float64] = sums / sums[-1]
+        return shares
+
+    def to_dict(self) -> dict[str, Any]:
+        """The samples as a JSON-able dictionary."""
+        return {
+            "kind": "samples",
+            "omega": [list(row) for row in self.omega],
+            "attitude": None if self.attitude is None else [list(row) for row in self.attitude],
+            "weights": None if self.weights is None else list(self.weights),
+            "in_order": self.in_order,
+        }
+
+    def describe(self, *, varied: bool = False) -> str:
+        """The samples in words; no axis varies them."""
+        del varied
+        how = ", in order" if self.in_order else "" if self.weights is None else ", weighted"
+        return f"{len(self.omega)} given samples{' with attitudes' * self.turns}{how}"
+
+
+def _rows(name: str, value: Any, width: int) -> NDArray[np.float64]:
+    array = numbers(name, value)
+    if array.ndim != 2 or array.shape[1] != width:
+        raise ValueError(f"{name}: expected shape (n, {width}), got {array.shape}")
+    if not np.isfinite(array).all():
+        index, place = first_place(~np.isfinite(array))
+        raise ValueError(f"{name}{place} = {array[index]}: must be finite")
+    return array
+
+
+def _same_count(name: str, count: int, wanted: int) -> None:
+    if count != wanted:
+        raise ValueError(f"{name}: {count} samples, but omega has {wanted}")
+
+
+def samples(
+    omega: ArrayLike | None = None,
+    attitude: ArrayLike | None = None,
+    weights: ArrayLike | None = None,
+    *,
+    in_order: bool = False,
+) -> Samples:
+    """Perturbations that are given one by one, as the ``noise`` of a start.
+
+    Each body takes one: its rates are those of the start plus ``omega``, its attitude that of the
+    start times ``attitude``. With a start of rates 0 and no tilt they are the starts themselves.
+
+    Parameters
+    ----------
+    omega : array_like, shape (n, 3), optional
+        What is added to the rates (rad/s); default nothing.
+    attitude : array_like, shape (n, 4), optional
+        Rotations, as unit quaternions, applied on the body side.
+    weights : array_like, shape (n,), optional
+        How likely each entry is taken, up to a common factor; by default all are alike. Entries are
+        drawn with replacement.
+    in_order : bool
+        Body k of each pixel takes entry k instead, and begins again after the last.
+
+    Returns
+    -------
+    Samples
+
+    Raises
+    ------
+    ValueError
+        If shapes do not fit or there are more than 100 000, a number is not finite, a quaternion
+        has no length of 1, weights are negative or all zero, or nothing is given.
+
+    Examples
+    --------
+    Tops of one energy and one ``L·gamma``:
+
+    >>> import rigid
+    >>> top = rigid.HeavyTop(rigid.Body((1.0, 1.3, 0.7)), mgl=1.0)
+    >>> given = rigid.samples(*rigid.top.on_surface(top, energy=2.0, l_gamma=0.4, count=50, rng=1))
+    >>> result = rigid.stability_map(
+    ...     top, axes={"t_end": [1.0, 10.0]}, samples=200, stable=rigid.tilt_below(1.5), rng=1,
+    ...     start=rigid.Start(omega=(0.0, 0.0, 0.0), noise=given),
+    ... )
+    >>> starts = result.starts(range(3))
+    >>> constants = rigid.top.heavy_constants(top, starts.omega[0], starts.attitude[0])
+    >>> constants.energy.round(9).tolist()
+    [2.0, 2.0, 2.0]
+    """
+    if omega is None and attitude is None:
+        raise ValueError("samples() needs omega, attitude or both")
+    if omega is None:
+        omega = np.zeros((len(_rows("attitude", attitude, 4)), 3))
+    return Samples(omega, attitude, weights, in_order)  # type: ignore[arg-type]  # normalised
 
 
 def direction(size: float | ArrayLike) -> Noise:
     """A fixed length in a random direction: ``size`` times an isotropic unit vector.
 
-    Parameters and errors are those of :func:`normal`.
+    The size is as in :func:`normal`.
     """
     return Noise("direction", size)  # type: ignore[arg-type]
 
@@ -136,8 +395,9 @@ class Start:
         The body axis that the start is about.
     tilt : float
         Angle between ``axis`` and the rates (free body) or the vertical (top), rad, in [-pi, pi].
-    noise : Noise, optional
-        Perturbation of the rates.
+    noise : Noise or Samples, optional
+        Perturbation of the rates; samples, and a covariance of shape (6, 6), perturb the attitude
+        too.
     attitude_noise : Noise, optional
         Perturbation of the attitude: a rotation vector applied on the body side.
 
@@ -159,7 +419,7 @@ class Start:
     spin: float | None = None
     axis: int = 3
     tilt: float = 0.0
-    noise: Noise | None = None
+    noise: Noise | Samples | None = None
     attitude_noise: Noise | None = None
 
     def __post_init__(self) -> None:
@@ -175,14 +435,27 @@ class Start:
             raise ValueError(f"tilt = {self.tilt}: must lie in [-pi, pi] (rad)")
         for name in ("noise", "attitude_noise"):
             noise = getattr(self, name)
-            if noise is not None and not isinstance(noise, Noise):
+            given = name == "noise" and isinstance(noise, Samples)
+            if noise is not None and not isinstance(noise, Noise) and not given:
                 raise TypeError(
                     f"{name} = {brief(noise)}: must be a Noise such as rigid.normal(1e-3)"
                 )
-        if self.noise is not None and self.noise.kind == "uniform_attitude":
+        if isinstance(self.noise, Noise) and self.noise.kind == "uniform_attitude":
             raise ValueError(
                 "noise = uniform_attitude(): rates have no attitude; use attitude_noise"
             )
+        if self.attitude_noise is not None:
+            if self.attitude_noise.cov is not None and len(self.attitude_noise.cov) == 6:
+                raise ValueError("attitude_noise: a covariance of rates and attitude is a noise")
+            if self.joint:
+                raise ValueError("attitude_noise: the noise perturbs the attitude already")
+
+    @property
+    def joint(self) -> bool:
+        """Whether the noise is that of rates and attitude together."""
+        if isinstance(self.noise, Samples):
+            return self.noise.turns
+        return self.noise is not None and self.noise.cov is not None and len(self.noise.cov) == 6
 
     def to_dict(self) -> dict[str, Any]:
         """The start as a JSON-able dictionary; :meth:`from_dict` is its inverse."""
@@ -203,7 +476,11 @@ class Start:
         values = dict(data)
         for name in ("noise", "attitude_noise"):
             if values.get(name) is not None:
-                values[name] = Noise(**values[name])
+                noise = dict(values[name])
+                given = noise.get("kind") == "samples"
+                if given:
+                    del noise["kind"]
+                values[name] = Samples(**noise) if given else Noise(**noise)
         return cls(**values)
 
     def describe(self, varied: Container[str] = ()) -> str:

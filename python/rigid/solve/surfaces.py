@@ -218,13 +218,13 @@ class Search:
         of_momentum = surfaces.momentum[rows, kind]
         omega, gamma = states["omega"], states["vertical"]
         turning = np.array([of_rate for of_rate, _, _ in surfaces.kinds], dtype=bool)[kind]
-        if of_momentum.any():
+        if states["attitude"] is None:  # no event of any body has the momentum
+            along = np.zeros(kind.shape)
+        else:
             axes = _space_axes(states["attitude"])
             gamma = axes[..., 2, :]
             momentum = batch.moments[:, np.newaxis] * omega + surfaces.rotor[:, np.newaxis]
             along = np.einsum("...j,...jk,...k->...", of_momentum, axes, momentum)
-        else:
-            along = np.zeros(kind.shape)
         values: Floats = _dot(of_omega, omega) + _dot(of_gamma, gamma) + along
         values -= surfaces.value[rows, kind]
         if not turning.any():

@@ -647,3 +647,20 @@ def test_events_in_the_axes_of_a_drawing_are_those_of_its_components() -> None:
     np.testing.assert_allclose(principal.events[0].t, run.events[0].t, rtol=1e-12)
     back = run.in_frame(None).events[0].omega
     np.testing.assert_allclose(back, principal.events[0].omega, rtol=0.0, atol=1e-12)
+
+
+def test_a_momentum_that_is_constant_and_never_crosses_disturbs_no_other_event() -> None:
+    watched = [rigid.crosses("omega2"), rigid.crosses("gamma3", 0.2)]
+    alone = rigid.simulate(BOX, STARTS, TILTED, t=[0.0, 9.0], events=watched, method="taylor16")
+    both = rigid.simulate(
+        BOX,
+        STARTS,
+        TILTED,
+        t=[0.0, 9.0],
+        events=[*watched, rigid.crosses("L1", 100.0)],
+        method="taylor16",
+    )
+    assert len(both.events[2]) == 0
+    for event, same in zip(alone.events, both.events[:2], strict=True):
+        np.testing.assert_array_equal(event.t, same.t)
+        assert (same.error < 1e-10).all()

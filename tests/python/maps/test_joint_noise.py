@@ -1,0 +1,203 @@
+"""Normal noise with a covariance: the draws are NumPy's, and have the covariance."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+import rigid
+from drawn_again import EPS, box_muller
+from rigid.cli.toml_map import parse_spec
+from small_maps import Floats, assert_same_map, small_map
+
+TOP = rigid.HeavyTop(rigid.Body((1.0, 1.3, 0.7)), mgl=1.0)
+SEED = 2**64 + 5
+RATES = np.array([[0.04, 0.01, -0.02], [0.01, 0.09, 0.03], [-0.02, 0.03, 0.05]])
+HALF = np.array(
+    [
+        [0.3, 0.0, 0.0, 0.0, 0.0, 0.0],
+        [0.1, 0.2, 0.0, 0.0, 0.0, 0.0],
+        [-0.2, 0.1, 0.25, 0.0, 0.0, 0.0],
+        [0.05, 0.0, 0.1, 0.2, 0.0, 0.0],
+        [0.0, -0.1, 0.0, 0.05, 0.1, 0.0],
+        [0.1, 0.0, 0.0, -0.05, 0.02, 0.15],
+    ]
+)
+BOTH = HALF @ HALF.T
+BOTH = 0.5 * (BOTH + BOTH.T)
+
+
+def tops(samples: int = 40, **start: Any) -> rigid.StabilityMap:
+    return small_map(
+        TOP,
+        axes={"mgl": [1.0, 1.5]},
+        start=rigid.Start(omega=(0.3, -0.2, 4.0), **start),
+        stable=rigid.tilt_below(1.0),
+        samples=samples,
+        t_end=0.01,
+        rng=SEED,
+    )
+
+
+def normals(block: int, samples: int) -> NDArray[np.longdouble]:
+    """Three standard normals of each body, shape (2, samples, 3), from NumPy."""
+    uniforms = [
+        [
+            np.random.Generator(np.random.Philox(key=SEED, counter=[block, s, p, 0])).random(4)
+            for s in range(samples)
+        ]
+        for p in range(2)
+    ]
+    return box_muller(np.array(uniforms, dtype=np.longdouble))
+
+
+def turns(attitude: Floats) -> Floats:
+    """Rotation vectors of attitudes."""
+    vectors: Floats = Rotation.from_quat(attitude, scalar_first=True).as_rotvec()
+    return vectors
+
+
+def test_rates_with_a_covariance_follow_numpy() -> None:
+    got = tops(noise=rigid.normal(cov=RATES)).starts(range(40)).omega
+    factor = np.linalg.cholesky(RATES)
+    expected = [0.3, -0.2, 4.0] + normals(0, 40).astype(np.float64) @ factor.T
+    # Factor, deviates and their sum: 8 roundings of numbers below 1, and one of the rate.
+    np.testing.assert_allclose(got, expected, rtol=EPS, atol=16.0 * EPS)
+
+
+def test_attitudes_with_a_covariance_follow_numpy() -> None:
+    got = tops(attitude_noise=rigid.normal(cov=RATES)).starts(range(40)).attitude
+    expected = normals(1, 40).astype(np.float64) @ np.linalg.cholesky(RATES).T
+    # A rotation vector is read from a quaternion: its angle loses the roundings of sine and cosine.
+    np.testing.assert_allclose(turns(got.reshape(-1, 4)), expected.reshape(-1, 3), atol=40.0 * EPS)
+
+
+def test_rates_and_attitude_hang_together() -> None:
+    result = tops(noise=rigid.normal(cov=BOTH))
+    starts = result.starts(range(40))
+    both = np.concatenate([normals(0, 40), normals(1, 40)], axis=-1).astype(np.float64)
+    expected = both @ np.linalg.cholesky(BOTH).T
+    np.testing.assert_allclose(
+        starts.omega, [0.3, -0.2, 4.0] + expected[..., :3], rtol=EPS, atol=32.0 * EPS
+    )
+    np.testing.assert_allclose(
+        turns(starts.attitude.reshape(-1, 4)), expected[..., 3:].reshape(-1, 3), atol=64.0 * EPS
+    )
+    body = result.replay(1, 7)
+    assert body.omega.tolist() == starts.omega[1, 7].tolist()
+    assert body.attitude.tolist() == starts.attitude[1, 7].tolist()
+
+
+def test_the_sample_covariance_is_that_of_the_law() -> None:
+    count = 20_000
+    starts = tops(count, noise=rigid.normal(cov=BOTH)).starts(range(count))
+    drawn = np.concatenate([starts.omega[0], turns(starts.attitude[0])], axis=1)
+    found = np.cov(drawn, rowvar=False)
+    # Of normal deviates: var(s_ij) = (c_ii c_jj + c_ij^2) / n.
+    variance = np.diag(BOTH)
+    deviation = np.sqrt((np.outer(variance, variance) + BOTH**2) / count)
+    assert (abs(found - BOTH) < 4.5 * deviation).all()
+
+
+def test_a_diagonal_covariance_is_a_size_of_each_component() -> None:
+    sizes = np.array([0.25, 0.5, 0.0])  # whose squares and roots are exact
+    one = tops(noise=rigid.normal(sizes)).starts(range(40)).omega
+    other = tops(noise=rigid.normal(cov=np.diag(sizes**2))).starts(range(40)).omega
+    np.testing.assert_array_equal(one, other)
+
+
+def test_a_covariance_may_have_directions_without_noise() -> None:
+    along = np.array([3.0, 4.0, 12.0]) / 130.0
+    starts = tops(noise=rigid.normal(cov=np.outer(along, along))).starts(range(40)).omega
+    deviates = (starts - [0.3, -0.2, 4.0]).reshape(-1, 3)
+    np.testing.assert_allclose(np.cross(deviates, along), 0.0, atol=1e-15)
+    assert np.std(deviates @ along) > 1e-3
+
+
+def test_a_map_with_a_covariance_is_the_same_for_any_threads_and_chunks() -> None:
+    start = rigid.Start(spin=3.0, noise=rigid.normal(cov=BOTH))
+    options: dict[str, Any] = {"axes": {"spin": [1.0, 3.0]}, "stable": rigid.tilt_below(0.6)}
+    whole = small_map(TOP, start=start, **options)
+    assert_same_map(small_map(TOP, start=start, threads=2, chunk=7, **options), whole)
+    assert rigid.MapSpec.from_json(whole.spec.to_json()) == whole.spec
+    assert "rates + normal(cov 6 x 6)" in whole.summary()
+    assert whole.theory() is None
+
+
+def test_tables_say_a_covariance() -> None:
+    text = """
+[scene]
+kind = "free-body"
+moments = [1, 1.3, 0.7]
+[x]
+name = "spin"
+values = [1, 2]
+[start]
+noise = { kind = "normal", cov = [[1, 0, 0], [0, 2, 1], [0, 1, 4]] }
+[stable]
+criterion = "no_flip"
+[run]
+samples = 3
+t_end = 1
+"""
+    noise = rigid.normal(cov=[[1, 0, 0], [0, 2, 1], [0, 1, 4]])
+    assert parse_spec(text, "a.toml").start.noise == noise
+
+
+@pytest.mark.parametrize(
+    ("cov", "message"),
+    [
+        (np.eye(2), "cov: expected shape (3, 3) or (6, 6), got (2, 2)"),
+        (np.full((3, 3), np.nan), "cov[0, 0] = nan: must be finite"),
+        ([[1, 2, 0], [0, 1, 0], [0, 0, 1]], "cov[0, 1] = 2: must be symmetric; the entry across"),
+        ([[1, 2, 0], [2, 1, 0], [0, 0, 1]], "cov: must be positive semi-definite"),
+        ([[0, 1, 0], [1, 1, 0], [0, 0, 1]], "cov: must be positive semi-definite"),
+        (-np.eye(3), "cov: must be positive semi-definite"),
+        (None, "normal() needs either a size or a covariance, and not both"),
+    ],
+)
+def test_matrices_that_are_no_covariance(cov: Any, message: str) -> None:
+    with pytest.raises(ValueError, match="cov") as caught:
+        rigid.normal(cov=cov)
+    assert message in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (
+            lambda: rigid.Noise("uniform", cov=((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))),
+            "cov: is that of normal noise",
+        ),
+        (lambda: rigid.normal(1.0, cov=np.eye(3)), "not both"),
+        (
+            lambda: rigid.Start(spin=1.0, attitude_noise=rigid.normal(cov=np.eye(6))),
+            "attitude_noise: a covariance of rates and attitude is a noise",
+        ),
+        (
+            lambda: rigid.Start(
+                spin=1.0, noise=rigid.normal(cov=np.eye(6)), attitude_noise=rigid.normal(1.0)
+            ),
+            "attitude_noise: the noise perturbs the attitude already",
+        ),
+        (
+            lambda: small_map(start=rigid.Start(spin=1.0, noise=rigid.normal(cov=np.eye(6)))),
+            "noise = normal(cov 6 x 6): the attitude of a free body",
+        ),
+        (
+            lambda: small_map(
+                axes={"noise": [1.0]},
+                start=rigid.Start(spin=1.0, noise=rigid.normal(cov=np.eye(3))),
+            ),
+            "the noise of the start has a covariance; give it a size",
+        ),
+    ],
+)
+def test_covariances_that_do_not_fit(call: Any, message: str) -> None:
+    with pytest.raises(ValueError, match=r"cov|not both|already") as caught:
+        call()
+    assert message in str(caught.value)
