@@ -9,7 +9,7 @@ from ..solve.methods import AUTO, EXACT, SECOND
 from .data import CLASSES, FAILURES, MapData
 from .parameters import axis_letter
 from .refine import refined
-from .theory import Theory, disagreement, predict
+from .theory import agreement
 
 __all__ = ["summary"]
 
@@ -28,7 +28,7 @@ def summary(data: MapData) -> str:
         ("classes", _classes(data)),
         *([("exponents", _exponents(data))] if spec.stable.displaced else []),
         ("worst drift", _drift(data)),
-        ("theory", _theory(data, predict(spec))),
+        ("theory", _theory(data)),
     ]
     if spec.title:
         lines.insert(0, ("map", spec.title))
@@ -117,13 +117,12 @@ def _worst(drifts: NDArray[np.float64]) -> str:
     return f"{known.max():.1e}" if known.size else "unknown"
 
 
-def _theory(data: MapData, theory: Theory | None) -> str:
-    if theory is None:
+def _theory(data: MapData) -> str:
+    found = agreement(data)
+    if found is None:
         return "none is known for this map"
-    compared = int((~np.isnan(theory.share) & ~np.isnan(data.lower)).sum())
-    disagree = int(disagreement(data, theory).sum())
-    text = f"{theory.label}: {disagree:,} of {compared:,} pixels outside their 95 % interval"
+    compared, disagree = found.compared, found.disagree
+    text = f"{found.label}: {disagree:,} of {compared:,} pixels outside their 95 % interval"
     if compared:
         text += f" ({disagree / compared:.1%}; up to 5 % by chance)"
-    unknown = int((np.isnan(theory.share) & ~np.isnan(data.lower)).sum())
-    return f"{text}; no prediction for {unknown:,} pixels" if unknown else text
+    return f"{text}; no prediction for {found.unknown:,} pixels" if found.unknown else text

@@ -45,7 +45,8 @@ Satellites are predicted in :mod:`.satellites`.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,13 +59,16 @@ from .data import MapData
 from .satellites import NORMAL_REACH, RAYLEIGH_HALF, flat_spin, on_orbit
 from .spec import MapSpec
 
-__all__ = ["Curve", "Theory", "disagreement", "predict"]
+__all__ = ["Agreement", "Curve", "Theory", "agreement", "disagreement", "predict"]
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 SMALL = 0.05
 """Largest perturbation for the law of the middle axis, as a share of the separatrix."""
+
+BAND = 2**16
+"""Most pixels that are predicted at once where only counts are wanted, unless a row has more."""
 
 # Median of |N(0, 1)|, in standard deviations.
 _NORMAL_HALF = 0.6744897501960817
@@ -143,8 +147,68 @@ def disagreement(data: MapData, theory: Theory | None) -> Flags:
     """Pixels whose predicted share lies outside [lower, upper]; none without a theory."""
     if theory is None:
         return np.zeros(data.spec.shape, dtype=np.bool_)
-    disagrees: Flags = (theory.share < data.lower) | (theory.share > data.upper)
-    return disagrees
+    return _outside(theory.share, data.lower, data.upper)
+
+
+def _outside(share: Floats, lower: Floats, upper: Floats) -> Flags:
+    outside: Flags = (share < lower) | (share > upper)
+    return outside
+
+
+@dataclass(frozen=True, slots=True)
+class Agreement:
+    """How many pixels of a map agree with theory.
+
+    Attributes
+    ----------
+    label : str
+        The basis of the prediction.
+    compared : int
+        Pixels with a prediction and samples.
+    disagree : int
+        Those of them whose predicted share lies outside [lower, upper].
+    unknown : int
+        Pixels with samples for which nothing is predicted.
+    """
+
+    label: str
+    compared: int
+    disagree: int
+    unknown: int
+
+
+def agreement(data: MapData) -> Agreement | None:
+    """How many pixels agree with theory, or None where no theory is known.
+
+    Bands of the last axis are predicted one after another: a prediction of a million pixels at once
+    takes 400 MB.
+    """
+    labels, compared, disagree, unknown = [], 0, 0, 0
+    for band, spec in _bands(data.spec):
+        theory = predict(spec)
+        lower, upper = data.lower[band], data.upper[band]
+        share = np.full(lower.shape, np.nan) if theory is None else theory.share
+        known, sampled = ~np.isnan(share), ~np.isnan(lower)
+        compared += int((known & sampled).sum())
+        unknown += int((~known & sampled).sum())
+        disagree += int(_outside(share, lower, upper).sum())
+        labels += [] if theory is None else [theory.label]
+    # The label of a band names what its pixels needed; the longest names all of it.
+    return Agreement(max(labels, key=len), compared, disagree, unknown) if labels else None
+
+
+def _bands(spec: MapSpec) -> Iterator[tuple[slice, MapSpec]]:
+    """The map in bands of its last axis, with their place in the arrays."""
+    *others, last = spec.axes
+    count = len(last.values)
+    rows = max(BAND * count // math.prod(spec.shape), 1)
+    if spec.own is not None or rows >= count:
+        yield slice(0, count), spec
+        return
+    for begin in range(0, count, rows):
+        band = slice(begin, begin + rows)
+        axes = (*others, replace(last, values=last.values[band]))
+        yield band, spec.replace(axes=axes, refine=None, budget=None)
 
 
 def _theory(spec: MapSpec, label: str, share: Floats, curves: dict[str, Floats]) -> Theory:

@@ -104,7 +104,9 @@ class Table:
     def _segment(self, units: slice) -> dict[str, NDArray[Any]]:
         """The columns of units, one a pixel; those of no bodies where a unit is not known."""
         known = self.known[units]
-        columns = _core.MapStatistics(len(known)).arrays()
+        # Those of one pixel repeated: a million pixels are not held twice.
+        none = _core.MapStatistics(1).arrays()
+        columns = {name: np.full(len(known), value[0], value.dtype) for name, value in none.items()}
         for name in FIELDS:
             np.copyto(columns[name], self.rows[name][units], where=known)
         np.copyto(columns["nanoseconds"], self.nanoseconds[units], where=known)

@@ -14,7 +14,7 @@ from scipy.special import ellipk
 from scipy.stats import binom, norm
 
 import rigid
-from rigid.maps.theory import Theory, predict
+from rigid.maps.theory import Agreement, Theory, agreement, predict
 from small_maps import Floats, small_map, spec_of
 
 FREE = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)))
@@ -481,3 +481,27 @@ def test_disagreement_is_a_prediction_outside_the_interval() -> None:
     expected = np.zeros(result.spec.shape, dtype=bool)
     expected[0, [0, 2]] = True
     np.testing.assert_array_equal(result.disagreement(pretended), expected)
+
+
+@pytest.mark.parametrize("band", [1, 50, 2**16])
+def test_agreement_counted_in_bands_is_that_of_the_whole_map(
+    band: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    axes = {"I2": np.linspace(0.9, 2.1, 7), "noise": np.geomspace(1e-3, 0.5, 6), "spin": [0.5, 3.0]}
+    start = rigid.Start(spin=1.0, axis=2, noise=rigid.normal(0.1))
+    for options in (
+        {"scene": FREE, "start": start, "axes": axes, "stable": rigid.no_flip(2), "t_end": 9.0},
+        {"scene": FREE, "axes": {"t_end": [1.0, 5.0, 20.0], "spin": [0.5, 2.0]}},
+    ):
+        result = small_map(samples=3, **options)
+        theory = result.theory()
+        assert theory is not None
+        known, sampled = ~np.isnan(theory.share), ~np.isnan(result.share)
+        monkeypatch.setattr("rigid.maps.theory.BAND", band)
+        found = agreement(result)
+        assert found == Agreement(
+            label=theory.label,
+            compared=int((known & sampled).sum()),
+            disagree=int(result.disagreement(theory).sum()),
+            unknown=int((sampled & ~known).sum()),
+        )
