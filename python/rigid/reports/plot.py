@@ -1,14 +1,12 @@
-"""The picture of a report: error against time, labelled at the ends of the lines."""
+"""The picture of a report: error against time, with the methods named beside it."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from itertools import pairwise
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..drawing.figure import shown_figure
 from ..solve.methods import EXACT
@@ -17,8 +15,6 @@ from .row import Row
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.text import Annotation
-    from matplotlib.transforms import Bbox
 
 __all__ = ["STYLES", "plot_report"]
 
@@ -91,12 +87,9 @@ def plot_report(report: ReportData, *, ax: Axes | None = None) -> Axes:
         return ax
     _limits(ax, report, [row for rows in lines.values() for row in rows])
     _draw_front(ax, report)
-    ends = []
     for method, rows in lines.items():
-        style = STYLES.get(method, _UNKNOWN)
-        _draw_method(ax, rows, *style)
-        ends.append((method, rows[-1], style[0]))
-    _label(ax, ends, lines)
+        _draw_method(ax, rows, *STYLES.get(method, _UNKNOWN))
+    _name(ax, list(lines))
     return ax
 
 
@@ -172,92 +165,35 @@ def _title(report: ReportData) -> str:
     return f"{spec.title or 'Error against run time'}\n{detail}"
 
 
-def _label(
-    ax: Axes, ends: list[tuple[str, Row, str]], lines: dict[str, list[Row]]
-) -> list[Annotation]:
-    """Name each line near its last point, where no other name and as few lines as possible are."""
-    ax.figure.draw_without_rendering()  # type: ignore[union-attr]  # settles the layout
-    taken: list[Bbox] = [text.get_window_extent() for text in ax.texts]
-    obstacles = np.concatenate([_along(ax, rows) for rows in lines.values()])
-    frame = ax.get_window_extent()
-    points = ax.figure.dpi / 72.0
-    labels = []
-    for method, row, colour in sorted(ends, key=lambda end: (end[1].error, end[1].nanoseconds)):
-        label = ax.annotate(
-            method,
-            (row.nanoseconds, row.error),
-            xytext=(0.0, 0.0),
-            textcoords="offset points",
-            color=colour,
-            fontsize="small",
-            fontweight="bold" if method == EXACT else "normal",
-            ha="left",
-            va="center",
-            zorder=4.0,
-            arrowprops={"arrowstyle": "-", "color": colour, "linewidth": 0.6, "shrinkB": 3.0},
+def _name(ax: Axes, methods: list[str]) -> None:
+    """Name the methods beside the plot, family by family: at the ends their names would collide."""
+    from matplotlib.lines import Line2D
+
+    known = list(STYLES)
+    ordered = sorted(methods, key=lambda name: known.index(name) if name in STYLES else len(known))
+    lines = [Line2D([], [], color="0.8", linewidth=7.0, label="Pareto front")]
+    for method in ordered:
+        colour, dashes, marker = STYLES.get(method, _UNKNOWN)
+        lines.append(
+            Line2D(
+                [],
+                [],
+                color=colour,
+                linestyle="none" if method == EXACT else dashes,
+                linewidth=1.3,
+                marker=marker,
+                markersize=10.0 if method == EXACT else 5.0,
+                markeredgecolor="white",
+                markeredgewidth=0.5,
+                label=method,
+            )
         )
-        label.set_in_layout(False)
-        anchor = ax.transData.transform((row.nanoseconds, row.error))
-        box = label.get_window_extent()
-        size = np.array([box.width, box.height])
-        best, place, distance = math.inf, (8.0, 0.0), 8.0
-        for radius, *offset in _offsets(size / points):
-            moved = _box_at(anchor + points * np.array(offset), size)
-            cost = _cost(moved, frame, taken, obstacles, anchor, points)
-            if cost < best:
-                best, place, distance = cost, (offset[0], offset[1]), radius
-        label.set_position(place)
-        if distance < 14.0 and label.arrow_patch is not None:
-            label.arrow_patch.set_visible(False)
-        taken.append(_box_at(anchor + points * np.array(place), size))
-        labels.append(label)
-    return labels
-
-
-def _along(ax: Axes, rows: list[Row]) -> NDArray[np.float64]:
-    """Points along a line, a few pixels apart."""
-    corners = ax.transData.transform([(row.nanoseconds, row.error) for row in rows])
-    share = np.linspace(0.0, 1.0, 25)[:, None]
-    pieces = [a + share * (b - a) for a, b in pairwise(corners)]
-    return np.concatenate([corners, *pieces])
-
-
-def _offsets(size: NDArray[np.float64]) -> list[tuple[float, float, float]]:
-    """Distances and places of the left middle of a label around its point, in points."""
-    width = float(size[0])
-    places = []
-    for radius in (8.0, 13.0, 20.0, 28.0, 38.0, 50.0, 64.0, 80.0, 98.0, 120.0):
-        for degrees in range(0, 360, 15):
-            x = radius * math.cos(math.radians(degrees))
-            y = radius * math.sin(math.radians(degrees))
-            # Left of the point the label ends there; above and below it is centred.
-            shift = 0.0 if x > 0.5 * radius else width if x < -0.5 * radius else 0.5 * width
-            places.append((radius, x - shift, y))
-    return places
-
-
-def _box_at(left_middle: NDArray[np.float64], size: NDArray[np.float64]) -> Bbox:
-    from matplotlib.transforms import Bbox
-
-    x, y = left_middle
-    return Bbox.from_bounds(x, y - 0.5 * size[1], size[0], size[1])
-
-
-def _cost(
-    box: Bbox,
-    frame: Bbox,
-    taken: list[Bbox],
-    obstacles: NDArray[np.float64],
-    anchor: NDArray[np.float64],
-    points: float,
-) -> float:
-    """Penalty of a position: overlap with a name is worst, then the frame, lines and distance."""
-    roomy = box.padded(1.5 * points)
-    names = sum(roomy.overlaps(other) for other in taken)
-    outside = not (
-        frame.x0 < box.x0 and box.x1 < frame.x1 and frame.y0 < box.y0 < box.y1 < frame.y1
+    ax.legend(
+        handles=lines,
+        loc="upper left",
+        bbox_to_anchor=(1.01, 1.01),
+        frameon=False,
+        fontsize="small",
+        handlelength=3.4,
+        labelspacing=0.35,
     )
-    inside = np.all((obstacles > (roomy.x0, roomy.y0)) & (obstacles < (roomy.x1, roomy.y1)), axis=1)
-    middle = np.array([0.5 * (box.x0 + box.x1), 0.5 * (box.y0 + box.y1)])
-    gap: Any = np.linalg.norm((middle - anchor) / (2.5 * points, points))
-    return 1e4 * names + 1e3 * outside + 6.0 * min(int(inside.sum()), 30) + float(gap)

@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from matplotlib.text import Text
 
 import rigid
 from interrupts import sigint
@@ -317,12 +316,18 @@ def test_the_picture_names_every_line_once_and_no_name_hides_another(box: rigid.
     many = dataclasses.replace(box, rows=(*box.of("exact"), *copies))
     ax = many.plot()
     ax.figure.draw_without_rendering()  # type: ignore[union-attr]
-    names = [text for text in ax.texts if text.get_text() in many.methods]
+    legend = ax.get_legend()
+    assert legend is not None
+    front, *names = legend.get_texts()
+    assert front.get_text() == "Pareto front"
     assert sorted(text.get_text() for text in names) == sorted(many.methods)
     assert ax.get_xscale() == ax.get_yscale() == "log"
-    # The box of the words alone, without the line that leads to their point.
-    boxes = [Text.get_window_extent(text) for text in names]
+    boxes = [text.get_window_extent() for text in names]
     assert not any(a.overlaps(b) for a, b in itertools.combinations(boxes, 2))
+    # Beside the plot, and on the page.
+    page = ax.figure.get_window_extent()
+    assert all(ax.get_window_extent().x1 < one.x0 and one.x1 < page.x1 for one in boxes)
+    assert all(page.y0 < one.y0 and one.y1 < page.y1 for one in boxes)
 
 
 def test_a_method_has_one_style_in_all_pictures(box: rigid.Report) -> None:
