@@ -155,7 +155,8 @@ def _of_core(spec: MapSpec, pixels: NDArray[np.int64] | None, samples: range) ->
     if pixels is None:
         grid = spec.grid
     else:  # not those of the others, of which there may be millions
-        grid = nominal_starts(spec.scene, spec.start, spec.axes, pixels)
+        spec.require_scene()
+        grid = nominal_starts(spec.scene, spec.start, spec.axes, pixels, spec.made)
     noise = spec.start.noise
     return _core.MapJob(
         scene=spec.scene.kind,

@@ -242,6 +242,11 @@ class MapSpec:
         }
         return self.own.made(values)
 
+    def require_scene(self) -> None:
+        """Raise ValueError if a function makes the scenes and must be given again."""
+        if self.own is not None:
+            self.own.source.call("scene")
+
     @property
     def misses_functions(self) -> bool:
         """Whether the map cannot be computed until its functions are given again."""
@@ -341,8 +346,7 @@ class MapSpec:
     @cached_property
     def grid(self) -> NominalStarts:
         """The nominal start of every pixel, computed once."""
-        if self.own is not None and self.made is None:
-            self.own.source.call("scene")
+        self.require_scene()
         return nominal_starts(self.scene, self.start, self.axes, made=self.made)
 
     def __getstate__(self) -> dict[str, Any]:

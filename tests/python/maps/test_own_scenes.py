@@ -84,6 +84,17 @@ def test_own_parameters_go_with_those_of_rigid() -> None:
     assert "heavy top by pendulum(length, mass)" in result.summary()
 
 
+def test_each_horizon_sees_the_scenes_of_the_function() -> None:
+    axes = {"length": LENGTHS, "mass": MASSES}
+    both = small_map(pendulum, axes={**axes, "t_end": [2.0, 5.0]}, **OPTIONS)
+    for place, t_end in enumerate((2.0, 5.0)):
+        single = small_map(pendulum, axes=axes, **{**OPTIONS, "t_end": t_end})
+        for name in NAMED:
+            np.testing.assert_array_equal(
+                getattr(both, name)[place], getattr(single, name), err_msg=name
+            )
+
+
 def test_files_need_the_function_again(tmp_path: Path) -> None:
     axes = {"length": LENGTHS, "mass": MASSES}
     result = small_map(pendulum, axes=axes, **OPTIONS)
