@@ -199,15 +199,7 @@ impl Map {
         interrupt: &Interrupt,
     ) -> Result<Vec<(Body, Class, Outcome)>, Error> {
         // Samples of one group are classified together, and neighbours side by side.
-        let mut parts: Vec<Range<usize>> = Vec::new();
-        for (at, &sample) in flat.iter().enumerate() {
-            match parts.last_mut() {
-                Some(part) if (part.len() as u64) < BLOCK && self.belong_together(flat[at - 1], sample) => {
-                    part.end = at + 1;
-                }
-                _ => memory::push("parts of the samples", &mut parts, at..at + 1)?,
-            }
-        }
+        let parts = parts(flat, |sample, later| self.belong_together(sample, later))?;
         let Some(first) = self.pixels.first() else { return Ok(Vec::new()) };
         let nothing = (first.body, Class::Failed, Outcome::REFUSED);
         let all = Mutex::new(memory::filled("outcomes of the samples", flat.len(), nothing)?);
@@ -224,6 +216,43 @@ impl Map {
     }
 
     /// Whether a sample and a later one are classified in one go.
+    /// The values of the measures of samples of strictly ascending flat numbers, sample by sample, and the steps of the runs
+    /// of the measures. What follows from the classification of the samples is NaN for those beyond `known`.
+    ///
+    /// # Errors
+    /// As [`Map::samples_at`].
+    pub fn values_at(
+        &self,
+        flat: &[u64],
+        known: &[(Body, Class, Outcome)],
+        threads: usize,
+        isa: Isa,
+        interrupt: &Interrupt,
+    ) -> Result<(Vec<f64>, Vec<u64>), Error> {
+        const VALUES: &str = "values of the samples";
+        let measures = self.measures.len();
+        let parts = parts(flat, |sample, later| later == sample + 1)?;
+        let values = memory::filled(VALUES, flat.len().saturating_mul(measures), f64::NAN)?;
+        let all = Mutex::new((values, memory::filled(VALUES, flat.len(), 0)?));
+        over_blocks(0..parts.len() as u64, threads, interrupt, |part| {
+            let part = parts[part as usize].clone();
+            let measured = self.measured(flat[part.start]..flat[part.end - 1] + 1, isa, interrupt)?;
+            let mut all = all.lock().expect("copying does not panic");
+            for (index, at) in part.enumerate() {
+                let (class, first) = known
+                    .get(at)
+                    .map_or((Class::Failed, &Outcome::REFUSED), |(_, class, first)| (*class, first));
+                let sample = Sample { class, first, second: None, audited: false, t_end: self.t_end };
+                for (k, (value, steps)) in self.values(&sample, &measured, index).enumerate() {
+                    all.0[at * measures + k] = value;
+                    all.1[at] += steps;
+                }
+            }
+            Ok(())
+        })?;
+        Ok(all.into_inner().expect("copying does not panic"))
+    }
+
     fn belong_together(&self, sample: u64, later: u64) -> bool {
         let group_ends = |watched: Watched| watched.with_groups(sample..sample + 1).end;
         later == sample + 1 || self.each_watched().any(|watched| later < group_ends(watched))
@@ -289,6 +318,20 @@ impl Map {
 }
 
 /// A map with the one of its conditions that is watched.
+/// Ascending samples in parts of consecutive ones that belong together, a block at most.
+fn parts(flat: &[u64], belong_together: impl Fn(u64, u64) -> bool) -> Result<Vec<Range<usize>>, Error> {
+    let mut parts: Vec<Range<usize>> = Vec::new();
+    for (at, &sample) in flat.iter().enumerate() {
+        match parts.last_mut() {
+            Some(part) if (part.len() as u64) < BLOCK && belong_together(flat[at - 1], sample) => {
+                part.end = at + 1;
+            }
+            _ => memory::push("parts of the samples", &mut parts, at..at + 1)?,
+        }
+    }
+    Ok(parts)
+}
+
 #[derive(Clone, Copy)]
 struct Watched<'a> {
     map: &'a Map,

@@ -88,7 +88,7 @@ impl Sketch {
     pub const NONE: Sketch = Sketch(Vec::new());
 
     /// Adds a value; what is not finite is none.
-    pub(super) fn add(&mut self, value: f64) -> Result<(), Error> {
+    pub fn add(&mut self, value: f64) -> Result<(), Error> {
         if value.is_finite() { self.put(&Bin::of(value)) } else { Ok(()) }
     }
 

@@ -213,6 +213,30 @@ impl MapStatistics {
         Ok(())
     }
 
+    /// Adds values of a measure, each of a pixel; what is not finite is none.
+    fn add(
+        &self,
+        measure: usize,
+        pixels: PyReadonlyArray1<'_, u64>,
+        values: PyReadonlyArray1<'_, f64>,
+    ) -> PyResult<()> {
+        let (pixels, values) = (pixels.as_array(), values.as_array());
+        same_length("values", pixels.len(), values.len())?;
+        let mut all = self.all.lock().expect("no thread panics while it holds the statistics");
+        let sketches = &mut all.1;
+        for (&pixel, &value) in pixels.iter().zip(values) {
+            let at = usize::try_from(pixel).ok().and_then(|pixel| pixel.checked_mul(self.measures));
+            let place = at.filter(|_| measure < self.measures).and_then(|at| sketches.get_mut(at + measure));
+            let place = place.ok_or_else(|| Error::Value {
+                argument: "pixels",
+                value: format!("{pixel} of measure {measure}"),
+                rule: "must be pixels and measures of the map",
+            })?;
+            place.add(value)?;
+        }
+        Ok(())
+    }
+
     /// One array of a number a pixel for each of `map_columns()`, flat.
     fn arrays<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let dict = PyDict::new(py);
@@ -522,20 +546,19 @@ impl MapJob {
     }
 
     /// What became of samples, numbered pixel by pixel in ascending order: arrays of a number each. `class` and `status`
-    /// are codes in the order of the classes and of the statuses; `exact` is 1 for a closed form.
+    /// are codes in the order of the classes and of the statuses; `exact` is 1 for a closed form; `measures` are the values of
+    /// the measures, sample by sample.
     fn outcomes<'py>(
         &self,
         py: Python<'py>,
         samples: PyReadonlyArray1<'py, u64>,
         threads: usize,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let flat = self.numbers(&samples)?;
-        if !flat.is_sorted_by(|one, next| one < next) {
-            let rule = "must be in ascending order, each once";
-            return Err(Error::Value { argument: "samples", value: "of the map".into(), rule }.into());
-        }
-        let all = interruptible(py, None, |interrupt| {
-            self.map.samples_at(&flat, threads.max(1), self.isa, interrupt)
+        let flat = self.ascending(&samples)?;
+        let (all, (values, _)) = interruptible(py, None, |interrupt| {
+            let all = self.map.samples_at(&flat, threads.max(1), self.isa, interrupt)?;
+            let values = self.map.values_at(&flat, &all, threads.max(1), self.isa, interrupt)?;
+            Ok::<_, Error>((all, values))
         })??;
         let dict = PyDict::new(py);
         dict.set_item("class", convert::column(py, &all, |(_, class, _)| *class as u8)?)?;
@@ -561,3 +584,30 @@ impl MapJob {
         Ok(memory::collected("numbers of samples", samples.len(), samples.iter().copied())?)
     }
 }
+    /// The values of the measures of samples, numbered pixel by pixel in ascending order, sample by sample, and the steps of
+    /// their runs. What follows from a classification is NaN: nothing is classified.
+    fn measured<'py>(
+        &self,
+        py: Python<'py>,
+        samples: PyReadonlyArray1<'py, u64>,
+        threads: usize,
+    ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<u64>>)> {
+        let flat = self.ascending(&samples)?;
+        let (values, steps) = interruptible(py, None, |interrupt| {
+            self.map.values_at(&flat, &[], threads.max(1), self.isa, interrupt)
+        })??;
+        let values = values.into_pyarray(py).reshape([flat.len(), self.map.measures.len()])?;
+        Ok((values, steps.into_pyarray(py)))
+    }
+
+        dict.set_item("measures", values.into_pyarray(py).reshape([flat.len(), self.map.measures.len()])?)?;
+    /// The numbers of samples, if the map has such samples and they ascend.
+    fn ascending(&self, samples: &PyReadonlyArray1<'_, u64>) -> PyResult<Vec<u64>> {
+        let flat = self.numbers(samples)?;
+        if !flat.is_sorted_by(|one, next| one < next) {
+            let rule = "must be in ascending order, each once";
+            return Err(Error::Value { argument: "samples", value: "of the map".into(), rule }.into());
+        }
+        Ok(flat)
+    }
+
