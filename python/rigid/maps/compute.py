@@ -245,8 +245,6 @@ def stability_map(
         raise ValueError(
             "stable: a function judges no bodies with store, executor, half_width or refine"
         )
-    if spec.measure and len(spec.parts) > 1:
-        raise ValueError("measure: is not collected along an axis t_end or limit")
     if stored:
         if spec.own is not None:
             raise ValueError(

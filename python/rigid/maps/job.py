@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 from .. import _core
 from ..model.judged import Judged
 from ..model.start import Noise, Samples, Start
-from ..solve.methods import AUTO
+from ..solve.methods import AUTO, EXACT
 from .grid import nominal_starts
 from .judge import JudgedJob
 from .sequential import LOOK
 from .spec import MapSpec
 
-__all__ = ["Job", "Jobs", "Work", "spans", "to_core"]
+__all__ = ["Job", "Jobs", "Work", "of_pixels", "spans", "to_core"]
 
 
 class Jobs:
@@ -50,6 +50,7 @@ class Jobs:
         """As ``MapJob.run``: the range is one range of each part."""
         first, last = start // self._samples, -(-stop // self._samples)
         merged: dict[str, Any] = {"first": first}
+        bins: list[list[NDArray[np.int64]]] = []
         for job, rows in self._jobs:
             begin, end = (self._within(rows, sample) for sample in (start, stop))
             if begin == end:
@@ -58,10 +59,13 @@ class Jobs:
             if part is None:
                 return None
             at = rows[begin // self._samples : -(-end // self._samples)] - first
+            bins.append([of_pixels(own, at) for own in part.pop("measures")])
             for name, values in part.items():
-                if name not in ("first", "measures"):  # maps of several parts measure nothing
+                if name != "first":
                     merged.setdefault(name, np.empty(last - first, dtype=values.dtype))
                     merged[name][at] = values
+        every = [np.concatenate(of_measure) for of_measure in zip(*bins, strict=True)]
+        merged["measures"] = [own[np.argsort(own[:, 0], kind="stable")] for own in every]
         return merged
 
     def _within(self, rows: NDArray[np.int64], sample: int) -> int:
@@ -92,7 +96,8 @@ class Jobs:
         merged: dict[str, NDArray[Any]] = {}
         for job, mine, own in self._split(samples):
             for name, values in job.outcomes(own, threads).items():
-                merged.setdefault(name, np.empty(len(samples), dtype=values.dtype))
+                shape = (len(samples), *values.shape[1:])
+                merged.setdefault(name, np.empty(shape, dtype=values.dtype))
                 merged[name][mine] = values
         return merged
 
@@ -105,6 +110,11 @@ class Jobs:
             mine = np.flatnonzero(np.isin(pixel, rows))
             own = np.searchsorted(rows, pixel[mine]) * self._samples + within[mine]
             yield job, mine, own.astype(np.uint64)
+
+
+def of_pixels(bins: NDArray[np.int64], pixels: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Bins of some pixels, numbered from 0, as those of the pixels with these numbers."""
+    return np.concatenate([pixels[bins[:, :1]], bins[:, 1:]], axis=1)
 
 
 Job: TypeAlias = _core.MapJob | JudgedJob | Jobs
@@ -135,19 +145,22 @@ def to_core(
         rows = np.flatnonzero(np.isin(asked, part.pixels))
         if len(rows):
             own = np.searchsorted(part.pixels, asked[rows])
-            jobs.append((_one(part.spec, own, samples), rows))
+            jobs.append((_one(part.spec, own, samples, part.fixed), rows))
     return Jobs(jobs, len(samples))
 
 
 def _one(
-    spec: MapSpec, pixels: NDArray[np.int64] | None, samples: range
+    spec: MapSpec,
+    pixels: NDArray[np.int64] | None,
+    samples: range,
+    fixed: Mapping[str, float] | None = None,
 ) -> _core.MapJob | JudgedJob:
-    """The request of a map of one horizon and one limit."""
+    """The request of a map of one horizon and one limit, which are known by their axes."""
     job = _of_core(spec, pixels, samples)
     if not isinstance(spec.stable, Judged):
         return job
     all_pixels = np.arange(math.prod(spec.shape)) if pixels is None else pixels
-    return JudgedJob(spec, job, all_pixels, samples)
+    return JudgedJob(spec, job, all_pixels, samples, fixed or {})
 
 
 def _of_core(spec: MapSpec, pixels: NDArray[np.int64] | None, samples: range) -> _core.MapJob:
@@ -160,7 +173,8 @@ def _of_core(spec: MapSpec, pixels: NDArray[np.int64] | None, samples: range) ->
     noise = spec.start.noise
     return _core.MapJob(
         scene=spec.scene.kind,
-        method=AUTO if isinstance(spec.stable, Judged) else spec.method,
+        # What draws for a function classifies nothing, and may have no closed form.
+        method=AUTO if isinstance(spec.stable, Judged) and spec.method == EXACT else spec.method,
         moments=grid.moments,
         weight=grid.weight,
         omega=grid.omega,

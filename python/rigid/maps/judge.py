@@ -6,7 +6,7 @@ The core draws the starts and computes the states of a block of bodies; the func
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -67,14 +67,21 @@ class JudgedJob:
         Numbers of the pixels in the grid of the map.
     samples : range
         The samples of each pixel.
+    fixed : dict of str to float
+        Values of further axes of the whole map.
     """
 
     def __init__(
-        self, spec: MapSpec, drawing: _core.MapJob, pixels: NDArray[np.int64], samples: range
+        self,
+        spec: MapSpec,
+        drawing: _core.MapJob,
+        pixels: NDArray[np.int64],
+        samples: range,
+        fixed: Mapping[str, float],
     ) -> None:
         assert isinstance(spec.stable, Judged)
         self._spec, self._drawing, self._pixels = spec, drawing, pixels
-        self._stable, self._samples = spec.stable, samples
+        self._stable, self._samples, self._fixed = spec.stable, samples, fixed
         self.status = drawing.status
         grid = spec.grid
         self._closed = np.zeros(len(grid.moments), dtype=np.bool_)
@@ -96,18 +103,23 @@ class JudgedJob:
         """As ``MapJob.run``."""
         count = len(self._samples)
         first, last = start // count, -(-stop // count)
-        statistics = _core.MapStatistics(last - first)
+        measures = len(self._spec.measure)
+        statistics = _core.MapStatistics(last - first, measures)
         for begin in range(start, stop, self._block):
             if interrupted is not None and interrupted():
                 return None
             began = time.thread_time()
             flat = np.arange(begin, min(begin + self._block, stop))
-            part = self._counted(flat, self._outcomes(flat, threads))
+            found = self._outcomes(flat, threads)
+            part = self._counted(flat, found)
+            pixel = (flat // count - first).astype(np.uint64)
+            for measure in range(measures):
+                statistics.add(measure, pixel, np.ascontiguousarray(found["measures"][:, measure]))
             pixels = len(part["nanoseconds"])
             part["nanoseconds"][:] = 1e9 * (time.thread_time() - began) / pixels
             part["first"] -= first
             statistics.merge(part)
-        return {"first": first, "measures": [], **statistics.arrays()}
+        return {"first": first, "measures": statistics.bins(), **statistics.arrays()}
 
     def sample(self, pixel: int, sample: int) -> dict[str, Any]:
         """As ``MapJob.sample``."""
@@ -123,7 +135,7 @@ class JudgedJob:
             "omega": omega,
             "attitude": attitude,
             "parts": [(verdict, np.nan)],
-            "measures": [],
+            "measures": found["measures"][0].tolist(),
         }
 
     def starts(self, samples: NDArray[np.uint64]) -> list[Floats]:
@@ -154,6 +166,7 @@ class JudgedJob:
             "steps": np.zeros(count, dtype=np.int64),
             "steps_of_both": np.zeros(count, dtype=np.int64),
             **{name: np.full(count, np.nan) for name in _NUMBERS},
+            "measures": np.empty((count, 0)),
         }
         possible = self.status[flat // len(self._samples)] == 0
         checked = spec.checked_samples(self._samples)
@@ -182,7 +195,20 @@ class JudgedJob:
             found["class"][again] = np.where(was_run, both, before)
             found["checked"][again] = was_run
             found["steps_of_both"][again] += second["steps"]
+        if spec.measure:
+            self._measure(flat, found, threads)
         return found
+
+    def _measure(
+        self, flat: NDArray[np.int64], found: dict[str, NDArray[Any]], threads: int
+    ) -> None:
+        """The values of the measures of bodies; those that need runs of their own have them."""
+        found["measures"], steps = self._drawing.measured(flat.astype(np.uint64), threads)
+        found["steps_of_both"] += steps.astype(np.int64)
+        for place, one in enumerate(self._spec.measure):
+            if one.name == "drift":
+                worst = np.fmax.reduce([found[name] for name in _DRIFTS])
+                found["measures"][:, place] = np.where(found["class"] == FAILED, np.nan, worst)
 
     def _judge(
         self,
@@ -262,10 +288,12 @@ class JudgedJob:
     def _parameters(self, pixel: NDArray[np.int64]) -> dict[str, Floats]:
         """Values of the axes at these pixels."""
         places = reversed(np.unravel_index(pixel, self._spec.shape))
-        return {
+        values = {
             axis.name: np.array(axis.values)[place]
             for axis, place in zip(self._spec.axes, places, strict=True)
         }
+        fixed = {name: np.full(len(pixel), value) for name, value in self._fixed.items()}
+        return {**values, **fixed}
 
     def _counted(self, flat: NDArray[np.int64], found: dict[str, NDArray[Any]]) -> dict[str, Any]:
         """The columns of a map from the outcomes of bodies whose numbers follow each other."""
@@ -284,7 +312,13 @@ class JudgedJob:
             "steps": found["steps_of_both"],
             "exact": found["exact"],
         }
-        part: dict[str, Any] = {"first": first, **_core.MapStatistics(size).arrays()}
+        measures = len(self._spec.measure)
+        nothing = _core.MapStatistics(size, measures)
+        part: dict[str, Any] = {
+            "first": first,
+            "measures": nothing.bins(),
+            **nothing.arrays(),
+        }
         for name, values in counts.items():
             np.add.at(part[name], place, np.where(possible, values, 0).astype(np.int64))
         for name in _DRIFTS:

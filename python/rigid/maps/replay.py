@@ -176,18 +176,18 @@ def replay(
         _require_same_bits(data, place, one)
     part, own = spec.part_of(flat)
     (span,) = (one for one in spans(part, range(part.samples)) if number in one)
-    record = to_core(part, samples=span).sample(own, number - span.start)
+    record = to_core(spec, np.array([flat]), span).sample(0, number - span.start)
     scene = part.grid.scene_of(own)
     start, step = (record["omega"], record["attitude"]), float(record["step"])
     method = record["method"]
     run: Any
     if isinstance(spec.stable, Regular):
         run = _growth(part, own, record, t)
-    elif isinstance(spec.stable, Judged):
+    elif isinstance(part.stable, Judged):
         run = replay_states(
             scene,
             *start,
-            t=sorted_times("t", spec.stable.times if t is None else t),
+            t=sorted_times("t", part.stable.times if t is None else t),
             method=method,
             step=step if math.isfinite(step) else None,
             tolerance=TOLERANCE if is_adaptive(part, method) else None,

@@ -63,6 +63,8 @@ class Outcomes:
         Drifts as in :class:`Replay`; NaN by closed form.
     step : ndarray
         Time step, s; NaN by closed form.
+    measures : dict of str to ndarray
+        The value of each measure of the map by its name; NaN for none.
     """
 
     outcome: NDArray[np.str_]
@@ -78,6 +80,7 @@ class Outcomes:
     momentum_drift: Floats
     unit_drift: Floats
     step: Floats
+    measures: dict[str, Floats]
 
 
 _NUMBERS = (
@@ -129,6 +132,10 @@ def outcomes(
         status=each(found["status"], Status.NOT_FINITE),  # type: ignore[arg-type]
         flips=each(found["flips"], 0),  # type: ignore[arg-type]
         steps=each(found["steps"], 0),  # type: ignore[arg-type]
+        measures={
+            str(measure): each(found["measures"][:, place], np.nan)  # type: ignore[misc]
+            for place, measure in enumerate(spec.measure)
+        },
         **{name: each(found[name], np.nan) for name in _NUMBERS},  # type: ignore[arg-type]
     )
 

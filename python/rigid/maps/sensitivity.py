@@ -25,10 +25,10 @@ def map_condition(spec: MapSpec, samples: int, threads: int) -> Floats:
         return whole.reshape(spec.shape)
     job = to_core(spec)
     possible = np.flatnonzero(job.status == 0)
-    drawn = [job.sample(int(pixel), sample) for pixel in possible for sample in range(samples)]
     of_pixel = np.repeat(possible, samples)
-    omega = np.array([body["omega"] for body in drawn]).reshape(-1, 3)
-    attitude = np.array([body["attitude"] for body in drawn]).reshape(-1, 4)
+    drawn = of_pixel * spec.samples + np.tile(np.arange(samples), len(possible))
+    rates, rotations = job.starts(drawn.astype(np.uint64))
+    omega, attitude = rates.reshape(-1, 3), rotations.reshape(-1, 4)
     factors = np.empty(len(drawn))
     for mine, batch in spec.grid.batches_by_forcing(of_pixel, omega, attitude):
         factors[mine] = amplification(batch, np.array([spec.t_end]), threads)[:, 0]

@@ -51,10 +51,13 @@ class MapPart:
         The map without the axes ``t_end`` and ``limit``.
     pixels : ndarray of int64
         Numbers of its pixels in the whole map, in C order of both.
+    fixed : dict of str to float
+        Its values of these axes.
     """
 
     spec: MapSpec
     pixels: NDArray[np.int64]
+    fixed: Mapping[str, float] = field(default_factory=dict)
 
 
 MOST_TITLE = 1000
@@ -151,7 +154,8 @@ class MapSpec:
         put("t_end", finite_float("t_end", self.t_end, positive=True))
         if isinstance(self.stable, Judged):
             self._check_judged(self.stable)
-        if "limit" in self.varied and self.stable.limited is None:
+        limited = self.stable.limited is not None or isinstance(self.stable, Judged)
+        if "limit" in self.varied and not limited:
             raise ValueError(f"axes: 'limit' does not apply: {self.stable} limits no angle")
         put("samples", positive_int("samples", self.samples))
         put("max_steps", positive_int("max_steps", self.max_steps))
@@ -214,15 +218,21 @@ class MapSpec:
 
     def _check_judged(self, stable: Judged) -> None:
         """Refuse what a function of states at given times does not serve."""
-        if "t_end" in self.varied:
-            raise ValueError("axes: 't_end' does not apply: the function sees all its times")
-        if self.t_end != stable.times[-1]:
+        for axis in self.axes:
+            if axis.name != "t_end":
+                continue
+            for place, value in enumerate(axis.values):
+                if value not in stable.times:
+                    raise ValueError(
+                        f"axes['t_end'][{place}] = {value:g}: must be a time of judged()"
+                    )
+        if "t_end" not in self.varied and self.t_end != stable.times[-1]:
             raise ValueError(
                 f"t_end = {self.t_end:g}: the last time of judged() is the horizon, "
                 f"t = {stable.times[-1]:g}"
             )
-        if self.measure:
-            raise ValueError("measure: is not collected where a function judges the bodies")
+        if any(one.name == "time_to_leave" for one in self.measure):
+            raise ValueError("measure: a function that judges bodies tells no time_to_leave")
 
     @property
     def is_driven(self) -> bool:
@@ -314,17 +324,20 @@ class MapSpec:
         parts = []
         for index in np.ndindex(*(len(self.axes[place].values) for place in runs)):
             changes: dict[str, Any] = {"axes": others}
+            fixed: dict[str, float] = {}
             mine = np.ones(count, dtype=np.bool_)
             for place, at in zip(runs, index, strict=True):
                 value = self.axes[place].values[at]
                 mine &= places[place] == at
+                fixed[self.axes[place].name] = value
                 if self.axes[place].name == "t_end":
                     changes["t_end"] = value
-                else:
-                    assert self.stable.limited is not None
+                    if isinstance(self.stable, Judged):
+                        changes["stable"] = self.stable.until_time(value)
+                elif self.stable.limited is not None:
                     limited: Any = {self.stable.limited: value}
                     changes["stable"] = dataclasses.replace(self.stable, **limited)  # type: ignore[type-var]
-            parts.append(MapPart(self.replace(**changes), np.flatnonzero(mine)))
+            parts.append(MapPart(self.replace(**changes), np.flatnonzero(mine), fixed))
         return tuple(parts)
 
     def part_of(self, pixel: int) -> tuple[MapSpec, int]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -66,6 +66,10 @@ class Judged(Criterion):
     def watched(self, step: float) -> float:
         """Twice the step: states inside steps are computed too."""
         return 2.0 * step
+
+    def until_time(self, t_end: float) -> Judged:
+        """The criterion whose function sees the times up to one of them."""
+        return replace(self, times=tuple(t for t in self.times if t <= t_end))
 
     def resolved(self, scene: Scene, start: Start | None) -> Self:
         """The criterion, which leaves nothing open."""
@@ -131,9 +135,11 @@ def judged(
         those that happen to be computed together. ``states.t`` (m,); ``states.omega`` (n, m, 3),
         rad/s; ``states.gamma`` (n, m, 3), the upward vertical in the body; ``states.attitude``
         (n, m, 4), quaternions; ``states.parameters``: the values of the axes of the map by their
-        names, (n,). Saved maps hold the digest of its source, not what it takes from outside.
+        names, (n,), among them ``limit``, which the function may take as it likes. Saved maps hold
+        the digest of its source, not what it takes from outside.
     t : array_like, shape (m,)
-        Times, s, ascending. The last one is the horizon of the map.
+        Times, s, ascending. The last one is the horizon of the map. With an axis ``t_end`` of the
+        map, whose values are among the times, the function sees those up to the horizon.
     of : {"attitude", "axis", "rates"}
         What is computed: all; rates, and the vertical of tops; or rates alone, which costs less.
         What is not computed is None.

@@ -128,6 +128,90 @@ def test_numbers_do_not_depend_on_threads_and_chunks(tmp_path: Path) -> None:
     assert len(set(all_bytes)) == 1
 
 
+def test_each_horizon_has_the_bits_of_its_own_map() -> None:
+    axes = {"spin": [3.5, 4.0], "t_end": [5.0, 20.0]}
+    for options in ({}, {"method": "rk4"}):
+        asked = {**TOPS, **options, "axes": axes}
+        every = rigid.stability_map(
+            TOP, stable=rigid.judged(stays_low, T), measure=rigid.drift(), **asked
+        )
+        for place, t_end in enumerate((5.0, 20.0)):
+            single = rigid.stability_map(
+                TOP,
+                stable=rigid.judged(stays_low, T[t_end >= T]),
+                measure=rigid.drift(),
+                **{**asked, "axes": {"spin": [3.5, 4.0]}},
+            )
+            for name in ("stable", "undecided", "steps", "energy_drift", "momentum_drift"):
+                np.testing.assert_array_equal(getattr(every, name)[place], getattr(single, name))
+            np.testing.assert_array_equal(
+                every.measures["drift"].mean[place], single.measures["drift"].mean
+            )
+        assert every.replay((0, 1), 3).run.t[-1] == 5.0
+
+
+def test_the_function_takes_limit_and_horizon_from_the_axes() -> None:
+    def below(states: rigid.States) -> Verdicts:
+        assert states.gamma is not None
+        assert (states.parameters["t_end"] == states.t[-1]).all()
+        low: Verdicts = np.all(
+            states.gamma[..., 2] > np.cos(states.parameters["limit"])[:, None], axis=1
+        )
+        return low
+
+    axes = {"spin": [3.5, 4.0], "limit": [0.4, 0.6], "t_end": [5.0, 20.0]}
+    result = rigid.stability_map(
+        TOP, stable=rigid.judged(below, T, of="axis"), **{**TOPS, "axes": axes}
+    )
+    plain = rigid.stability_map(
+        TOP,
+        stable=rigid.judged(stays_low, T, of="axis"),
+        **{**TOPS, "axes": {"spin": [3.5, 4.0], "t_end": [5.0, 20.0]}},
+    )
+    np.testing.assert_array_equal(result.stable[:, 1], plain.stable)
+    assert (result.stable[:, 0] < result.stable[:, 1]).any()
+    body = result.replay((1, 0, 1), 2)
+    assert body.outcome == result.outcomes(2).outcome[1, 0, 1]
+    assert result.condition().shape == (2, 2, 2)
+
+
+@pytest.mark.parametrize("method", ["auto", "rk4"])
+def test_values_are_those_of_any_criterion(method: str) -> None:
+    """Flips, tilts and mean rates do not depend on what is judged; drifts are those of its runs."""
+    own = (rigid.flips(2), rigid.largest_tilt(), rigid.mean_rate(-3))
+    asked: dict[str, Any] = {**TOPS, "method": method}
+    judged = rigid.stability_map(
+        TOP, stable=rigid.judged(stays_low, T, of="axis"), measure=[rigid.drift(), *own], **asked
+    )
+    tilts = rigid.stability_map(TOP, stable=rigid.tilt_below(0.6), t_end=20.0, measure=own, **asked)
+    for name in tilts.measures:
+        np.testing.assert_array_equal(judged.measures[name].bins, tilts.measures[name].bins)
+    worst = np.fmax.reduce([judged.energy_drift, judged.momentum_drift, judged.unit_drift])
+    np.testing.assert_array_equal(judged.measures["drift"].largest, worst)
+    body = judged.replay(2, 7)
+    assert body.measures == {
+        name: values[2] for name, values in judged.outcomes(7).measures.items()
+    }
+
+
+def test_numbers_with_measures_do_not_depend_on_threads_and_chunks(tmp_path: Path) -> None:
+    all_bytes = [
+        saved_bytes(
+            rigid.stability_map(
+                TOP,
+                stable=rigid.judged(stays_low, T, of="axis"),
+                measure=[rigid.flips(1), rigid.drift()],
+                threads=n,
+                chunk=chunk,
+                **{**TOPS, "axes": {"spin": [3.5, 4.0], "t_end": [5.0, 20.0]}},
+            ),
+            tmp_path,
+        )
+        for n, chunk in ((1, None), (2, 7), (3, 129))
+    ]
+    assert len(set(all_bytes)) == 1
+
+
 def test_files_have_the_digest_of_the_function(tmp_path: Path) -> None:
     result = rigid.stability_map(TOP, stable=rigid.judged(stays_low, T, of="axis"), **TOPS)
     path = result.save(tmp_path / "map.npz")
@@ -219,15 +303,15 @@ def test_plans_and_closed_forms() -> None:
         ),
         (
             lambda: rigid.stability_map(
-                TOP, stable=rigid.judged(stays_low, T), **{**TOPS, "axes": {"t_end": [10.0, 20.0]}}
+                TOP, stable=rigid.judged(stays_low, T), **{**TOPS, "axes": {"t_end": [10.01, 20.0]}}
             ),
             ValueError,
-            "axes: 't_end' does not apply: the function sees all its times",
+            r"axes\['t_end'\]\[0\] = 10.01: must be a time of judged\(\)",
         ),
         (
-            lambda: small_map(stable=rigid.judged(stays_low, T), measure=rigid.drift()),
+            lambda: small_map(stable=rigid.judged(stays_low, T), measure=rigid.time_to_leave()),
             ValueError,
-            "measure: is not collected where a function judges the bodies",
+            "measure: a function that judges bodies tells no time_to_leave",
         ),
         (
             lambda: small_map(stable=rigid.judged(stays_low, T), samples=None, half_width=0.1),

@@ -151,6 +151,38 @@ def test_bytes_do_not_depend_on_threads_and_chunks(tmp_path: Path) -> None:
     assert len({path.read_bytes() for path in files}) == 1
 
 
+@pytest.mark.parametrize(("axis", "values"), [("t_end", [3.0, 8.0, 1.0e-3]), ("limit", [0.3, 0.6])])
+def test_each_horizon_and_each_limit_has_the_values_of_its_own_map(
+    axis: str, values: list[float]
+) -> None:
+    # Another axis between those of the bodies: pixels of one horizon do not follow each other.
+    axes = {"spin": [2.0, 3.0], axis: sorted(values), "tilt": [0.1, 0.2, 0.3]}
+    every = measured(axes=axes, samples=70)
+    for place, value in enumerate(sorted(values)):
+        own = {"t_end": value} if axis == "t_end" else {"stable": rigid.tilt_below(value)}
+        single = measured(axes={"spin": [2.0, 3.0], "tilt": [0.1, 0.2, 0.3]}, samples=70, **own)
+        for name in every.measures:
+            one, other = every.measures[name], single.measures[name]
+            for number in ("count", "mean", "std", "least", "largest"):
+                found = getattr(one, number)[:, place]
+                np.testing.assert_array_equal(found, getattr(other, number), err_msg=name)
+            np.testing.assert_array_equal(one.quantile(0.3)[:, place], other.quantile(0.3))
+    assert every.replay((2, 1, 0), 7, t=[0.0]).measures == pytest.approx(
+        {name: values[2, 1, 0] for name, values in every.outcomes(7).measures.items()},
+        nan_ok=True,
+        rel=0,
+        abs=0,
+    )
+
+
+def test_values_of_bodies_in_bulk_are_those_of_the_map() -> None:
+    result = measured(samples=40)
+    values = result.outcomes(range(40)).measures
+    np.testing.assert_array_equal(np.array([*values.values()]), each_body(result))
+    alone = result.outcomes([5, 5, 2], pixel=1).measures["flips(2)"]
+    np.testing.assert_array_equal(alone, values["flips(2)"][1, [5, 5, 2]])
+
+
 def test_parts_are_merged_in_any_order() -> None:
     spec = measured(samples=40).spec
     job = to_core(spec)
