@@ -92,8 +92,8 @@ class Log:
     def read(self, content: bytes, *, may_end: bool = False) -> None:
         """Read a damaged copy; one that ends early tells its loss by its missing end."""
         found, table = Found(), Table(self.run.head)
-        for rows, nanoseconds in read_log(io.BytesIO(content), self.run.head.key, found):
-            table.add(rows, nanoseconds, "log")
+        for rows, nanoseconds, bins in read_log(io.BytesIO(content), self.run.head.key, found):
+            table.add(rows, nanoseconds, bins, "log")
         known = table.known
         self.wrong += table.rows[known].tobytes() != self.rows[known].tobytes()
         if known.sum() < self.whole:

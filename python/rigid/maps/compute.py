@@ -237,19 +237,7 @@ def stability_map(
     given = {name: value for name, value in asked.items() if value is not None}
     spec = _as_it_is(scene, given) if isinstance(scene, MapSpec) else _spec(scene, given)
     stored = store is not None or executor is not None or part is not None
-    if spec.measure and (stored or spec.looks is not None or refined(spec)):
-        raise ValueError(
-            "measure: is not collected with store, executor, half_width or refine: say samples"
-        )
-    if isinstance(spec.stable, Judged) and (stored or spec.looks is not None or refined(spec)):
-        raise ValueError(
-            "stable: a function judges no bodies with store, executor, half_width or refine"
-        )
     if stored:
-        if spec.own is not None:
-            raise ValueError(
-                "scene: other processes have no functions; give neither store nor executor"
-            )
         if chunk is not None:
             raise ValueError(f"chunk = {brief(chunk)}: has no effect with store or executor")
         if part is not None and store is None:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from .. import _core
 from ..model.criteria import Regular
 from . import sequential
-from .measured import Measures
+from .measured import BIN, Measures
 from .refine import Stages, filled, refined, stages
 from .spec import MapSpec
 
@@ -144,7 +144,7 @@ class MapData:
         cls,
         spec: MapSpec,
         arrays: Mapping[str, NDArray[Any]],
-        bins: Sequence[NDArray[np.int64]] = (),
+        bins: Sequence[NDArray[np.int64]] | None = None,
         *,
         elapsed: float = math.nan,
         threads: int = 0,
@@ -152,9 +152,12 @@ class MapData:
     ) -> Self:
         """The result that follows from the counted arrays, those named in :data:`STORED`.
 
-        ``bins`` are the histograms of the measures, (n, 9) each, as the core gives them.
+        ``bins`` are the histograms of the measures, (n, 9) each, as the core gives them; by
+        default of no values.
         Columns that are not given, as those that are not saved, are NaN.
         """
+        if bins is None:
+            bins = [np.empty((0, BIN), np.int64) for _ in spec.measure]
         unknown = np.full(spec.shape, np.nan)
         columns = {
             column.name: arrays[column.name].reshape(spec.shape)

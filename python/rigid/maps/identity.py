@@ -15,7 +15,8 @@ from .spec import MapSpec
 __all__ = ["canonical", "differences", "fingerprint", "head_of", "key_of", "receipt", "segment_of"]
 
 FORMAT = "rigid running map"
-FORMAT_VERSION = 1
+FORMAT_VERSIONS = (1, 2)
+"""Version 2 is that of maps that measure something: their logs have bins beside the rows."""
 
 SEGMENT = 2**20
 """Most samples of a unit of work."""
@@ -42,7 +43,7 @@ def head_of(spec: MapSpec) -> dict[str, Any]:
         looks = [spec.looks.samples.tolist(), spec.looks.most.tolist()]
     return {
         "format": FORMAT,
-        "format_version": FORMAT_VERSION,
+        "format_version": 2 if spec.measure else 1,
         "spec": spec.to_dict(),
         "segment": segment,
         "units": pixels * -(-spec.samples // segment),
@@ -78,6 +79,8 @@ def fingerprint(data: MapData) -> str:
         if array.dtype.kind == "f":
             array = np.where(np.isnan(array), np.nan, array)
         digest.update(array.tobytes())
+    for measured in data.measures.values():
+        digest.update(measured.bins.astype("<i8").tobytes())
     return digest.hexdigest()
 
 

@@ -22,6 +22,7 @@ from ..model.judged import Judged
 from ..model.measures import Measure, check_distinct, make_measures
 from ..model.scene import Scene, scene_from_dict
 from ..model.seed import checked_seed
+from ..model.sourced import Sourced
 from ..model.start import Start
 from ..solve.closed_form import FORCED_RULE, closed_forms, question_words, rule
 from ..solve.methods import (
@@ -258,18 +259,33 @@ class MapSpec:
             self.own.source.call("scene")
 
     @property
+    def _sources(self) -> dict[str, Sourced]:
+        """The functions that the numbers depend on, by their arguments of ``with_functions``."""
+        found = {} if self.own is None else {"scene": self.own.source}
+        return {**found, "stable": self.stable.source} if isinstance(self.stable, Judged) else found
+
+    @property
+    def functions(self) -> dict[str, Callable[..., Any]]:
+        """The functions that are known, as :meth:`with_functions` takes them."""
+        known = {name: source.function for name, source in self._sources.items()}
+        return {name: function for name, function in known.items() if function is not None}
+
+    @property
     def misses_functions(self) -> bool:
         """Whether the map cannot be computed until its functions are given again."""
-        sources = [] if self.own is None else [self.own.source]
-        if isinstance(self.stable, Judged):
-            sources.append(self.stable.source)
-        return any(source.function is None for source in sources)
+        return len(self.functions) < len(self._sources)
+
+    def require_functions(self) -> None:
+        """Raise ValueError if a function must be given again."""
+        for name, source in self._sources.items():
+            source.call(name)
 
     def with_functions(
         self,
         *,
         scene: Callable[..., Any] | None = None,
         stable: Callable[..., Any] | None = None,
+        carried: bool = False,
     ) -> MapSpec:
         """The specification of a file with its functions, which a file cannot hold.
 
@@ -279,6 +295,9 @@ class MapSpec:
             The function that makes the scenes.
         stable : callable, optional
             The function that judges the bodies.
+        carried : bool
+            The functions came from another process, where their sources were compared. They are
+            compared here only if the sources are here too.
 
         Returns
         -------
@@ -292,14 +311,17 @@ class MapSpec:
         if stable is not None:
             if not isinstance(self.stable, Judged):
                 raise ValueError("stable: no function judges the bodies of this map")
-            source = self.stable.source.given("stable", stable)
+            source = self.stable.source.given("stable", stable, carried=carried)
             judged = dataclasses.replace(self.stable, source=source)
-            return dataclasses.replace(self, stable=judged).with_functions(scene=scene)
+            whole = dataclasses.replace(self, stable=judged)
+            return whole.with_functions(scene=scene, carried=carried)
         if scene is None:
             return self
         if self.own is None:
             raise ValueError("scene: no function makes the scenes of this map")
-        own = dataclasses.replace(self.own, source=self.own.source.given("scene", scene))
+        own = dataclasses.replace(
+            self.own, source=self.own.source.given("scene", scene, carried=carried)
+        )
         return dataclasses.replace(self, own=own)
 
     @property

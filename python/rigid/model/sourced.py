@@ -41,9 +41,14 @@ class Sourced:
         name = getattr(function, "__name__", type(function).__name__)
         return cls(name, _digest(argument, function), function)
 
-    def given(self, argument: str, function: object) -> Self:
-        """The same function, given again; ValueError if it has another source."""
+    def given(self, argument: str, function: object, *, carried: bool = False) -> Self:
+        """The same function, given again; ValueError if it has another source.
+
+        A function that was carried to another process may have left its source behind.
+        """
         other = type(self).of(argument, function)
+        if carried and not _has_source(function):
+            return replace(self, function=other.function)
         if other.sha256 != self.sha256:
             raise ValueError(
                 f"{argument} = {other.name}: its source is not that of {self.name!r}, which made "
@@ -56,7 +61,7 @@ class Sourced:
         if self.function is None:
             raise ValueError(
                 f"{argument}: a file has no functions; give {self.name!r} again, as in "
-                f"rigid.load_map(path, {argument}={self.name})"
+                f"rigid.load_map(path, {argument}={self.name}), or in rigid.open_store"
             )
         return self.function
 
@@ -68,6 +73,13 @@ class Sourced:
     def from_dict(cls, data: Mapping[str, str]) -> Self:
         """The function that :meth:`to_dict` described, which must be given again."""
         return cls(str(data["name"]), str(data["sha256"]))
+
+
+def _has_source(function: Any) -> bool:
+    try:
+        return bool(inspect.getsource(function))
+    except (OSError, TypeError):
+        return False
 
 
 def _digest(argument: str, function: Callable[..., Any]) -> str:

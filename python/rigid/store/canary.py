@@ -10,9 +10,10 @@ from hashlib import blake2b
 
 import numpy as np
 
+from ..maps.spec import MapSpec
 from .compute import compute
 from .head import StoreError
-from .rows import Rows, Table, unequal
+from .rows import Block, Table, unequal
 
 __all__ = ["canaries", "check_canaries"]
 
@@ -24,7 +25,7 @@ MOST_CANDIDATES = 4096
 """Units whose digests are compared: evenly spaced among those that are known."""
 
 
-def canaries(table: Table, key: bytes) -> Rows:
+def canaries(table: Table, key: bytes) -> Block:
     """Up to 16 known rows, always the same of the same rows: those of the least digests.
 
     Rows that took long are left out; the first is kept.
@@ -39,12 +40,11 @@ def canaries(table: Table, key: bytes) -> Rows:
     seconds = 1e-9 * np.cumsum(np.nan_to_num(table.nanoseconds[chosen]))
     within = seconds <= MOST_SECONDS
     within[:1] = True
-    rows: Rows = table.rows[np.sort(chosen[within])]
-    return rows
+    return table.block(np.sort(chosen[within]))
 
 
 def check_canaries(
-    text: str, rows: Rows, threads: int = 1, stop: Callable[[], bool] | None = None
+    spec: MapSpec, known: Block, threads: int = 1, stop: Callable[[], bool] | None = None
 ) -> None:
     """Compute rows again.
 
@@ -53,11 +53,12 @@ def check_canaries(
     StoreError
         Naming the first unit and the fields that come out otherwise here.
     """
-    if not len(rows):
+    if not len(known.rows):
         return
-    again = compute(text, rows["unit"].copy(), threads, stop)
-    if again is not None and again[0].tobytes() != rows.tobytes():
+    again = compute(spec, known.rows["unit"].copy(), threads, stop)
+    found = "" if again is None else unequal(known, again, spec.measure)
+    if found:
         raise StoreError(
             "this build of rigid, or this machine, does not compute the numbers that are stored: "
-            f"stored and computed: {unequal(rows, again[0])}"
+            f"stored and computed: {found}"
         )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -11,37 +10,29 @@ from numpy.typing import NDArray
 
 from .. import _core
 from ..maps.identity import segment_of
-from ..maps.job import spans, to_core
+from ..maps.job import of_pixels, spans, to_core
 from ..maps.sequential import Looks
 from ..maps.spec import MapSpec
-from .rows import Rows, rows_of
+from .rows import Block, bins_of, rows_of
 
-__all__ = ["Block", "compute"]
+__all__ = ["compute"]
 
-Columns = dict[str, NDArray[Any]]
-"""Arrays by the name of their column."""
-
-Block = tuple[Rows, NDArray[np.float32]]
-"""Rows and the processor time of each, ns."""
-
-
-@lru_cache(maxsize=4)
-def _spec(text: str) -> MapSpec:
-    return MapSpec.from_json(text)
+Columns = dict[str, Any]
+"""Arrays by the name of their column, and the bins of the ``measures``."""
 
 
 def compute(
-    text: str,
+    spec: MapSpec,
     units: NDArray[np.int64],
     threads: int = 1,
     stop: Callable[[], bool] | None = None,
 ) -> Block | None:
-    """The rows of units, sorted, and their processor time.
+    """The rows of units, sorted, with their processor time.
 
     Parameters
     ----------
-    text : str
-        The specification as JSON.
+    spec : MapSpec
+        The specification, with its functions.
     units : ndarray of int64
         Numbers of possible units.
     threads : int
@@ -51,10 +42,10 @@ def compute(
 
     Returns
     -------
-    tuple or None
+    Block or None
         None if ``stop()`` was true.
     """
-    spec, units = _spec(text), np.sort(units)
+    units = np.sort(units)
     size = segment_of(spec)
     segments = -(-spec.samples // size)
     blocks = []
@@ -67,12 +58,13 @@ def compute(
             columns = _sequential(spec, spec.looks, mine, threads, stop)
         if columns is None:
             return None
-        blocks.append((rows_of(mine, columns), columns["nanoseconds"].astype("<f4")))
+        costs = columns["nanoseconds"].astype("<f4")
+        blocks.append(Block(rows_of(mine, columns), costs, bins_of(mine, columns["measures"])))
     if len(blocks) == 1:
         return blocks[0]
-    rows, costs = (np.concatenate(parts) for parts in zip(*blocks, strict=True))
+    rows, costs, bins = (np.concatenate(parts) for parts in zip(*blocks, strict=True))
     order = np.argsort(rows["unit"], kind="stable")
-    return rows[order], costs[order]
+    return Block(rows[order], costs[order], bins[np.argsort(bins[:, 0], kind="stable")])
 
 
 def _columns(
@@ -93,10 +85,11 @@ def _columns(
 
 
 def _merged(one: Columns, other: Columns) -> Columns:
-    statistics = _core.MapStatistics(len(one["nanoseconds"]))
+    measures = len(one["measures"])
+    statistics = _core.MapStatistics(len(one["nanoseconds"]), measures)
     for part in (one, other):
         statistics.merge({**part, "first": 0})
-    return statistics.arrays()
+    return {**statistics.arrays(), "measures": statistics.bins()}
 
 
 def _sequential(
@@ -111,7 +104,9 @@ def _sequential(
     All samples until the next look at which a pixel can stop are computed at once: the looks
     between cannot stop it.
     """
-    all_columns = _core.MapStatistics(len(pixels)).arrays()
+    nothing = _core.MapStatistics(len(pixels)).arrays()
+    all_columns = {name: values.copy() for name, values in nothing.items()}
+    values = _core.MapStatistics(len(pixels), len(spec.measure))
     samples = np.zeros(len(pixels), np.int64)
     active = np.ones(len(pixels), np.bool_)
     while active.any():
@@ -126,10 +121,14 @@ def _sequential(
             part = _columns(spec, pixels[mine], range(begin, end), threads, stop)
             if part is None:
                 return None
+            if spec.measure:
+                bins = [of_pixels(own, mine) for own in part["measures"]]
+                values.merge({**nothing, "first": 0, "measures": bins})
             old = {name: all_columns[name][mine] for name in all_columns}
-            for name, values in _merged(old, part).items():
-                all_columns[name][mine] = values
+            merged = _merged({**old, "measures": []}, {**part, "measures": []})
+            for name, column in all_columns.items():
+                column[mine] = merged[name]
         samples = np.where(active, until, samples)
         unknown = all_columns["undecided"] + all_columns["failed"]
         active &= ~looks.stops(all_columns["stable"], unknown, samples)
-    return all_columns
+    return {**all_columns, "measures": values.bins()}

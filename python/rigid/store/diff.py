@@ -80,6 +80,13 @@ def _bytes(one: MapData, other: MapData) -> list[str]:
                 f"{column.name}: {int(unequal.sum()):,} pixels differ, "
                 f"the first at {place}: {old[place]} and {new[place]}"
             )
+    for name in one.measures:
+        first, second = (
+            bins[both.ravel()[bins[:, 0]]]
+            for bins in (data.measures[name].bins for data in (one, other))
+        )
+        if not np.array_equal(first, second):
+            lines.append(f"values of {name}: they differ")
     return lines
 
 

@@ -2,20 +2,31 @@
 
 from __future__ import annotations
 
+import pickle
 import time
-from collections.abc import Callable, Iterator
-from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    BrokenExecutor,
+    Executor,
+    Future,
+    ThreadPoolExecutor,
+    wait,
+)
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
+from .._checks.arguments import one_line
+from ..maps.spec import MapSpec
 from .canary import check_canaries
-from .compute import Block, compute
+from .compute import compute
 from .head import StoreError
-from .rows import Rows
+from .rows import Bins, Block, Rows
 
 __all__ = ["Poison", "Sink", "Task", "drive", "executor_of", "run_here"]
 
@@ -40,7 +51,7 @@ GROWTH = 8
 class Sink(Protocol):
     """Where rows go."""
 
-    def append(self, rows: Rows, nanoseconds: NDArray[np.float32]) -> None:
+    def append(self, rows: Rows, nanoseconds: NDArray[np.float32], bins: Bins) -> None:
         """Keep rows."""
 
 
@@ -54,16 +65,88 @@ class Task:
         The specification as JSON.
     threads : int
         Threads of the core in each worker.
-    canaries : ndarray of ROW
+    canaries : Block
         Stored rows that each worker process computes again before its first block.
     build : tuple of str and (str or None)
         Version and commit of the driver, which a worker must have; None accepts any.
+    functions : dict of str to callable, or bytes
+        The functions of the specification; as pickled, unless the executor pickles them itself.
     """
 
     text: str
     threads: int
-    canaries: Rows
+    canaries: Block
     build: tuple[str, str | None] | None
+    functions: Mapping[str, Callable[..., Any]] | bytes
+
+    @classmethod
+    def of(
+        cls,
+        spec: MapSpec,
+        threads: int,
+        canaries: Block,
+        build: tuple[str, str | None] | None,
+        executor: Any,
+    ) -> Task:
+        """The task of a specification for an executor.
+
+        Raises
+        ------
+        ValueError
+            If workers of the executor cannot import a function.
+        """
+        functions: Mapping[str, Callable[..., Any]] | bytes = spec.functions
+        if functions and not _takes_functions(executor):
+            for name, function in spec.functions.items():
+                try:
+                    pickle.dumps(function)
+                except Exception as error:  # whatever refuses
+                    raise ValueError(
+                        f"{name} = {function.__qualname__}: workers must import the function, so "
+                        f"it must be one of a module ({one_line(error)})"
+                    ) from None
+            functions = pickle.dumps(dict(spec.functions))
+        return cls(spec.to_json(), threads, canaries, build, functions)
+
+    @property
+    def spec(self) -> MapSpec:
+        """The specification with its functions, in a worker."""
+        if not self.functions:
+            return _spec(self.text)
+        if not _latest or _latest[0] != (self.text, self.functions):
+            # With its grid, which is made once.
+            _latest[:] = (self.text, self.functions), self._whole()
+        spec: MapSpec = _latest[1]
+        return spec
+
+    def _whole(self) -> MapSpec:
+        functions = self.functions
+        if isinstance(functions, bytes):
+            try:
+                functions = pickle.loads(functions)
+            except Exception as error:  # it runs the import of a module
+                raise StoreError(
+                    f"a worker cannot import a function of the map: {one_line(error)}"
+                ) from None
+        carried = not isinstance(self.functions, bytes)
+        try:
+            return _spec(self.text).with_functions(**functions, carried=carried)
+        except ValueError as error:
+            raise StoreError(f"a worker: {error}") from None
+
+
+_latest: list[Any] = []
+"""The latest text and functions in this process, and their specification."""
+
+
+@lru_cache(maxsize=4)
+def _spec(text: str) -> MapSpec:
+    return MapSpec.from_json(text)
+
+
+def _takes_functions(executor: Any) -> bool:
+    """Whether an executor passes any function on: threads do, and so does Dask."""
+    return isinstance(executor, ThreadPoolExecutor) or hasattr(executor, "get_executor")
 
 
 @dataclass(slots=True)
@@ -91,12 +174,13 @@ def work(task: Task, units: Units) -> Block:
             f"a worker has rigid {own_build()}, the driver {task.build}: install one version, or "
             "pass allow_mixed=True"
         )
-    token = task.text.encode() + task.canaries.tobytes()
+    spec = task.spec
+    token = b"".join([task.text.encode(), *(part.tobytes() for part in task.canaries)])
     if token not in _checked:
-        check_canaries(task.text, task.canaries, task.threads)
+        check_canaries(spec, task.canaries, task.threads)
         _checked.clear()
         _checked.add(token)
-    block = compute(task.text, units, task.threads)
+    block = compute(spec, units, task.threads)
     assert block is not None
     return block
 
@@ -119,7 +203,7 @@ class Sizes:
 
 
 def run_here(
-    text: str,
+    spec: MapSpec,
     samples: int,
     todo: Units,
     sink: Sink,
@@ -132,15 +216,15 @@ def run_here(
     while at < len(todo) and not stop():
         units = todo[at : at + sizes.units]
         begin = time.perf_counter()
-        block = compute(text, units, threads, stop)
+        block = compute(spec, units, threads, stop)
         if block is None:
             return
         done = time.perf_counter()
         sink.append(*block)
-        costliest = 1e-9 * float(block[1].max()) / threads
+        costliest = 1e-9 * float(block.nanoseconds.max()) / threads
         sizes.note(len(units), done - begin, costliest, time.perf_counter() - done)
         at += len(units)
-        note(block[0])
+        note(block.rows)
 
 
 def executor_of(executor: Any) -> tuple[Any, int]:
@@ -199,7 +283,7 @@ def drive(
             for future in wait(waiting, timeout=0.1, return_when=FIRST_COMPLETED).done:
                 units, tried = waiting.pop(future)
                 try:
-                    rows, nanoseconds = future.result()
+                    block = future.result()
                 except (BrokenExecutor, StoreError):
                     raise
                 except Exception as error:
@@ -214,12 +298,12 @@ def drive(
                     continue
                 succeeded = True
                 begin = time.perf_counter()
-                sink.append(rows, nanoseconds)
-                seconds = 1e-9 * float(nanoseconds.sum()) / task.threads
+                sink.append(*block)
+                seconds = 1e-9 * float(block.nanoseconds.sum()) / task.threads
                 append = time.perf_counter() - begin
-                costliest = 1e-9 * float(nanoseconds.max()) / task.threads
+                costliest = 1e-9 * float(block.nanoseconds.max()) / task.threads
                 sizes.note(len(units), seconds, costliest, append)
-                note(rows)
+                note(block.rows)
     finally:
         for future in waiting:
             future.cancel()

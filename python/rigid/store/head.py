@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from .. import _core
 from .._checks.arguments import one_line
 from ..maps.grid import nominal_starts
-from ..maps.identity import FORMAT, FORMAT_VERSION, canonical, differences, head_of, key_of
+from ..maps.identity import FORMAT, FORMAT_VERSIONS, canonical, differences, head_of, key_of
 from ..maps.spec import MapSpec
 
 __all__ = ["Head", "StoreError", "moment_status"]
@@ -79,16 +79,17 @@ class Head:
         if not isinstance(content, dict) or content.get("format") != FORMAT:
             raise StoreError(f"{path} is no running map: its head is not that of one")
         version = content.get("format_version")
-        if version != FORMAT_VERSION:
+        if version not in FORMAT_VERSIONS:
+            known = " and ".join(map(str, FORMAT_VERSIONS))
             raise StoreError(
-                f"{path} has format version {version}, this version of rigid reads {FORMAT_VERSION}"
+                f"{path} has format version {version}, this version of rigid reads {known}"
             )
         try:
             spec = MapSpec.from_dict(content["spec"])
             expected = head_of(spec)
         except Exception as error:  # the text may hold anything
             raise StoreError(f"{path} holds a broken specification: {one_line(error)}") from None
-        for name in ("columns", "looks", "segment", "units"):
+        for name in ("columns", "format_version", "looks", "segment", "units"):
             if content.get(name) != expected[name]:
                 made = content.get("version")
                 raise StoreError(
@@ -114,10 +115,11 @@ class Head:
 
 def moment_status(spec: MapSpec) -> NDArray[np.uint8]:
     """The status of the moments of each pixel in C order: 0 where the body is possible."""
+    spec.require_scene()
     pixels = int(np.prod(spec.shape))
     status = np.empty(pixels, np.uint8)
     for begin in range(0, pixels, PIXELS_TOGETHER):
         index = np.arange(begin, min(begin + PIXELS_TOGETHER, pixels))
-        starts = nominal_starts(spec.scene, spec.start, spec.axes, index)
+        starts = nominal_starts(spec.scene, spec.start, spec.axes, index, spec.made)
         status[index] = _core.moment_status(starts.moments)
     return status

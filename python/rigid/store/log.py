@@ -1,7 +1,9 @@
 """Logs: POSIX tar files of tables of rows, one a writer, which only appends.
 
 A record is a table in the npy format whose name holds its digest. The digest is keyed by the map,
-so that a record of another map is never taken for one of this. A reader accepts a header only if it
+so that a record of another map is never taken for one of this. If the map measures something, the
+table of its bins follows; its digest holds that of the rows, which count for nothing without. A
+reader accepts a header only if it
 is to the byte the one that a writer makes, and searches on where one is damaged: what is read is
 right, whatever happened to the rest of the file.
 """
@@ -17,14 +19,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from hashlib import blake2b
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..maps.identity import canonical
 from .disk import Buffer, Disk
-from .rows import ROW, Rows
+from .rows import BIN_ROW, NO_BINS, ROW, Bins, Rows
 
 __all__ = ["LOG_NAME", "Found", "Log", "read_log"]
 
@@ -43,6 +45,7 @@ COST = np.dtype("<f4")
 LOG_NAME = re.compile(r"\d{8}T\d{6}Z-[0-9a-f]{12}\.tar")
 WRITER, END = "writer.json", "end.json"
 _RECORD = re.compile(r"(\d{8})-([0-9a-f]{32})\.npy")
+_BINS = re.compile(r"\d{8}-([0-9a-f]{32})\.bins\.npy")
 _COSTS = re.compile(r"\d{8}\.ns\.npy")
 _NAME = re.compile(rb"[0-9a-z.\-]{1,60}")
 _SIZE = re.compile(rb"[0-7]{11}")
@@ -124,14 +127,20 @@ class Log:
             raise
         self._size += sum(len(part) for part in buffers)
 
-    def append(self, rows: Rows, nanoseconds: NDArray[np.float32]) -> None:
-        """Append a record."""
+    def append(
+        self, rows: Rows, nanoseconds: NDArray[np.float32], bins: Bins | None = None
+    ) -> None:
+        """Append a record; its bins if the map measures something."""
         table: list[Buffer] = [_npy_header(ROW, len(rows)), rows.view(np.uint8).data]
         costs: list[Buffer] = [_npy_header(COST, len(rows)), nanoseconds.view(np.uint8).data]
-        name = f"{self.records:08d}-{_digest(self._key, *table)}.npy"
-        self._append(
-            [*self._member(name, *table), *self._member(f"{self.records:08d}.ns.npy", *costs)]
-        )
+        digest = _digest(self._key, *table)
+        members = self._member(f"{self.records:08d}-{digest}.npy", *table)
+        if bins is not None:
+            little = np.ascontiguousarray(bins, "<i8").ravel()
+            values: list[Buffer] = [_npy_header(BIN_ROW, len(bins)), little.view(np.uint8).data]
+            name = _digest(self._key, digest.encode(), *values)
+            members += self._member(f"{self.records:08d}-{name}.bins.npy", *values)
+        self._append([*members, *self._member(f"{self.records:08d}.ns.npy", *costs)])
         self.records += 1
         if time.monotonic() - self._synchronised >= SYNC_SECONDS:
             self.synchronise()
@@ -171,19 +180,45 @@ class Found:
     records: int = 0
 
 
+@dataclass(slots=True)
+class _Pending:
+    """A record of which not all members are read."""
+
+    rows: Rows
+    digest: str
+    bins: Bins | None = None
+
+
+Record: TypeAlias = tuple[Rows, NDArray[np.float32] | None, Bins | None]
+"""Rows, their costs if they are known, and their bins if the map measures something."""
+
+
 def read_log(
-    file: BinaryIO, key: bytes, found: Found
-) -> Iterator[tuple[Rows, NDArray[np.float32] | None]]:
-    """The whole records of a log with their costs, whatever happened to the rest."""
+    file: BinaryIO, key: bytes, found: Found, *, measured: bool = False
+) -> Iterator[Record]:
+    """The whole records of a log, whatever happened to the rest."""
     length = file.seek(0, os.SEEK_END)
     at, number, searching = 0, 0, False
-    pending: Rows | None = None
+    pending: _Pending | None = None
 
     def note(what: str) -> None:
         nonlocal searching
         if not searching:
             found.damage.append(f"{what} at byte {at}")
         searching = True
+
+    def taken(costs: bytes | None = None) -> Iterator[Record]:
+        """The record that ends here, if there is one and nothing of it is missing."""
+        nonlocal pending
+        record, pending = pending, None
+        if record is None:
+            return
+        if measured and record.bins is None:
+            note("a record without its values")
+            return
+        found.records += 1
+        vector = None if costs is None else _vector(costs, COST, len(record.rows))
+        yield record.rows, vector, record.bins
 
     while at < length:
         file.seek(at)
@@ -202,19 +237,24 @@ def read_log(
             at += BLOCK
             continue
         searching = False
-        if pending is not None:
-            is_cost = _COSTS.fullmatch(name) is not None
-            yield pending, _vector(content, COST, len(pending)) if is_cost else None
-            pending = None
+        bins = _BINS.fullmatch(name)
+        if bins and measured and pending is not None and pending.bins is None:
+            if bins[1] == _digest(key, pending.digest.encode(), content):
+                values = _vector(content, BIN_ROW)
+                if values is not None:
+                    pending.bins = values.view("<i8").reshape(-1, NO_BINS.shape[1])
+            at += BLOCK + size + len(_padding(size))
+            continue
+        yield from taken(content if _COSTS.fullmatch(name) else None)
         if record:
             if int(record[1]) > number:
                 note(f"no record {number}")
             number = int(record[1]) + 1
-            pending = _vector(content, ROW)
-            if pending is None:
+            rows = _vector(content, ROW)
+            if rows is None:
                 note("a record of another kind of rows")
             else:
-                found.records += 1
+                pending = _Pending(rows, record[2])
         elif name == WRITER:
             found.writer = _json(content)
         elif name == END:
@@ -223,8 +263,7 @@ def read_log(
             note(f"an unknown member {name}")
         searching = False
         at += BLOCK + size + len(_padding(size))
-    if pending is not None:
-        yield pending, None
+    yield from taken()
 
 
 def _name_and_size(block: bytes) -> tuple[str, int]:

@@ -6,6 +6,8 @@ import os
 import shutil
 from collections.abc import Sequence
 
+import numpy as np
+
 from .._files import published
 from .head import StoreError
 from .running import Folder
@@ -28,7 +30,8 @@ def merge_into(sources: Sequence[str | os.PathLike[str]], into: str | os.PathLik
                 f"{folder.path} and {first.path}: the same map, but made by versions of rigid that "
                 "store it differently"
             )
-        first.table.add(folder.table.rows[folder.table.known], None, folder.path)
+        rows, _, bins = folder.table.block(np.flatnonzero(folder.table.known))
+        first.table.add(rows, None, bins, folder.path)
     target = Folder.at(into, first.head.spec)
     for folder in folders:
         for log in folder.logs:

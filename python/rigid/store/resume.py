@@ -150,7 +150,7 @@ def carry_on(
         If the pool of workers broke.
     """
     spec, part = running.head.spec, part or Part()
-    text = spec.to_json()
+    spec.require_functions()
     known = canaries(running.table, running.head.key)
     checked = reread = False
     poison = Poison()
@@ -175,18 +175,19 @@ def carry_on(
                 threads=threads if pool is None else threads_per_task,
                 executor="threads" if pool is None else type(executor).__name__,
                 part=str(part),
-                canaries=known["unit"].tolist(),
+                canaries=known.rows["unit"].tolist(),
             )
             total = len(mine) * samples
             with reporting(progress, total) as report:
                 note = _noting(report, total)
                 if pool is None:
                     if not checked:
-                        check_canaries(text, known, threads, stop)
+                        check_canaries(spec, known, threads, stop)
                         checked = True
-                    run_here(text, samples, mine, running, threads, stop, note)
+                    run_here(spec, samples, mine, running, threads, stop, note)
                 else:
-                    task = Task(text, threads_per_task, known, None if allow_mixed else own_build())
+                    build = None if allow_mixed else own_build()
+                    task = Task.of(spec, threads_per_task, known, build, executor)
                     found = drive(task, samples, mine, running, pool, workers, stop, note)
                     poison.units += found.units
                     poison.errors += found.errors
@@ -215,8 +216,9 @@ def result_of(
     """The map of the rows that there are."""
     spec = running.head.spec
     arrays = {**running.table.arrays(), "status": running.status}
+    bins = running.table.bins()
     return StabilityMap.from_arrays(
-        spec, arrays, elapsed=elapsed, threads=threads, writers=tuple(running.writers())
+        spec, arrays, bins, elapsed=elapsed, threads=threads, writers=tuple(running.writers())
     )
 
 

@@ -1,17 +1,36 @@
-"""Rows: the numbers of units of work. They follow from the columns of a map."""
+"""Rows: the numbers of units of work. They follow from the columns of a map.
+
+The values of the measures of a map are bins, some for each unit, beside the rows.
+"""
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
 from ..maps.data import COLUMNS
+from ..maps.job import of_pixels
+from ..maps.measured import BIN
 from .head import Head, StoreError
 
-__all__ = ["FIELDS", "ROW", "Rows", "Table", "rows_of"]
+__all__ = [
+    "BIN_ROW",
+    "FIELDS",
+    "ROW",
+    "Bins",
+    "Block",
+    "Rows",
+    "Table",
+    "bins_of",
+    "differences",
+    "rows_of",
+    "unequal",
+]
+
 
 FIELDS = tuple(column.name for column in COLUMNS if column.reproducible)
 """The columns of a row."""
@@ -28,10 +47,55 @@ ROW = np.dtype(
 )
 """The type of a row: number of the unit, then the columns."""
 
+BIN_ROW = np.dtype(
+    [
+        (name, "<i8")
+        for name in (
+            *("unit", "measure", "key", "count", "least", "largest"),
+            *("sum_low", "sum_high", "squares_low", "squares_high"),
+        )
+    ]
+)
+"""The type of a bin of a measure: number of the unit, place of the measure in the specification,
+and the numbers of the bin; see :mod:`rigid.maps.measured`."""
+
 Rows = NDArray[np.void]
+Bins = NDArray[np.int64]
+"""Bins as numbers, shape (n, 10), in the order of unit, measure and key."""
+
+NO_BINS: Bins = np.empty((0, 1 + BIN), np.int64)
 
 _WHOLE = np.dtype((np.void, ROW.itemsize))
 """A row as bytes: NumPy copies records field by field, which takes ten times as long."""
+
+
+class Block(NamedTuple):
+    """Rows of some units.
+
+    Attributes
+    ----------
+    rows : ndarray of ROW
+    nanoseconds : ndarray of float32
+        The processor time of each.
+    bins : ndarray of int64, shape (n, 10)
+        The values of the measures in the order of the units; none if the map measures nothing.
+    """
+
+    rows: Rows
+    nanoseconds: NDArray[np.float32]
+    bins: Bins
+
+    def some(self, which: NDArray[np.bool_]) -> Block:
+        """Those of the rows."""
+        mine = np.isin(self.bins[:, 0], self.rows["unit"][which])
+        return Block(self.rows[which], self.nanoseconds[which], self.bins[mine])
+
+    def each(self) -> Iterator[Bins]:
+        """The bins of each row."""
+        units = self.rows["unit"]
+        ends = (np.searchsorted(self.bins[:, 0], units, side=side) for side in ("left", "right"))
+        for begin, end in zip(*ends, strict=True):
+            yield self.bins[begin:end]
 
 
 def rows_of(units: NDArray[np.int64], columns: dict[str, NDArray[Any]]) -> Rows:
@@ -44,6 +108,20 @@ def rows_of(units: NDArray[np.int64], columns: dict[str, NDArray[Any]]) -> Rows:
             np.where(np.isnan(values), np.nan, values) if values.dtype.kind == "f" else values
         )
     return rows
+
+
+def bins_of(units: NDArray[np.int64], measures: Sequence[Bins]) -> Bins:
+    """Bins of ascending units from those of each measure, numbered by the place of the unit."""
+    parts = [
+        np.insert(of_pixels(bins, units), 1, number, axis=1) for number, bins in enumerate(measures)
+    ]
+    return _sorted(np.concatenate([NO_BINS, *parts]))
+
+
+def _sorted(bins: Bins) -> Bins:
+    """In the order of the units."""
+    ordered: Bins = bins[np.argsort(bins[:, 0], kind="stable")]
+    return ordered
 
 
 class Table:
@@ -65,8 +143,15 @@ class Table:
         self.known = np.zeros(head.units, np.bool_)
         self.nanoseconds = np.full(head.units, np.nan, np.float32)
         self.twice = 0
+        self._bins: dict[int, Bins] = {}
 
-    def add(self, rows: Rows, nanoseconds: NDArray[np.float32] | None, source: object) -> None:
+    def add(
+        self,
+        rows: Rows,
+        nanoseconds: NDArray[np.float32] | None,
+        bins: Bins | None,
+        source: object,
+    ) -> None:
         """Add rows; those that are known already must be equal.
 
         Raises
@@ -80,16 +165,27 @@ class Table:
             return
         if units.min() < 0 or units.max() >= len(self.rows):
             raise StoreError(f"{source}: a row of a unit that the map does not have")
+        costs = np.full(len(rows), np.nan, np.float32) if nanoseconds is None else nanoseconds
+        new = Block(rows, costs, NO_BINS if bins is None else bins)
         again = self.known[units]
         if again.any():
-            old, new = self.rows[units[again]], rows[again]
-            if old.tobytes() != new.tobytes():
-                raise StoreError(f"{source}: {unequal(old, new)}")
+            known = units[again]
+            found = unequal(self.block(known), new.some(again), self._head.spec.measure)
+            if found:
+                raise StoreError(f"{source}: {found}")
             self.twice += int(again.sum())
         self.rows.view(_WHOLE)[units] = rows.view(_WHOLE)
         self.known[units] = True
         if nanoseconds is not None:
             self.nanoseconds[units] = nanoseconds
+        if self._head.spec.measure:
+            self._bins.update(zip(units.tolist(), new.each(), strict=True))
+
+    def block(self, units: NDArray[np.int64]) -> Block:
+        """What is known of units."""
+        bins = [self._bins.get(unit, NO_BINS) for unit in units.tolist()] if self._bins else []
+        every = _sorted(np.concatenate([NO_BINS, *bins]))
+        return Block(self.rows[units], self.nanoseconds[units], every)
 
     def arrays(self) -> dict[str, NDArray[Any]]:
         """The columns of the map, merged over the segments of each pixel."""
@@ -100,6 +196,22 @@ class Table:
         for segment in range(segments):
             statistics.merge({**self._segment(slice(segment, None, segments)), "first": 0})
         return statistics.arrays()
+
+    def bins(self) -> list[Bins]:
+        """The bins of each measure of the map, merged over the segments of each pixel."""
+        measures, segments = len(self._head.spec.measure), self._head.segments
+        every = self.block(np.flatnonzero(self.known)).bins
+        by_measure = [every[every[:, 1] == number] for number in range(measures)]
+        if segments == 1:
+            return [np.delete(bins, 1, axis=1) for bins in by_measure]
+        pixels = len(self.rows) // segments
+        statistics = _core.MapStatistics(pixels, measures)
+        # The core puts the bins of all segments of a pixel together.
+        merged = [np.delete(bins, 1, axis=1) for bins in by_measure]
+        for bins in merged:
+            bins[:, 0] //= segments
+        statistics.merge({**_core.MapStatistics(pixels).arrays(), "first": 0, "measures": merged})
+        return statistics.bins()
 
     def _segment(self, units: slice) -> dict[str, NDArray[Any]]:
         """The columns of units, one a pixel; those of no bodies where a unit is not known."""
@@ -113,13 +225,30 @@ class Table:
         return columns
 
 
-def unequal(old: Rows, new: Rows) -> str:
-    """Which of rows that should be equal differ first, in what, and how."""
-    differ = [one.tobytes() != other.tobytes() for one, other in zip(old, new, strict=True)]
-    first = differ.index(True)
-    fields = ", ".join(
-        f"{name} {old[name][first]} and {new[name][first]}"
-        for name in FIELDS
-        if old[name][first].tobytes() != new[name][first].tobytes()
-    )
-    return f"unit {new['unit'][first]} has two results: {fields} ({sum(differ)} units differ)"
+def unequal(old: Block, new: Block, measures: Sequence[object]) -> str:
+    """Which of the rows of equal units differ first, in what, and how; empty if none does."""
+    if old.rows.tobytes() == new.rows.tobytes() and np.array_equal(old.bins, new.bins):
+        return ""
+    told = zip(new.rows["unit"], differences(old, new, measures), strict=True)
+    differ = [f"unit {unit} has two results: {text}" for unit, text in told if text]
+    return f"{differ[0]} ({len(differ)} units differ)" if differ else ""
+
+
+def differences(
+    old: Block, new: Block, measures: Sequence[object], words: str = "{} {} and {}"
+) -> Iterator[str]:
+    """Of the rows of equal units, how each differs; empty if its bytes are equal."""
+    for one, other, mine, theirs in zip(old.rows, new.rows, old.each(), new.each(), strict=True):
+        if one.tobytes() == other.tobytes() and np.array_equal(mine, theirs):
+            yield ""
+            continue
+        fields = [
+            words.format(name, one[name], other[name])
+            for name in FIELDS
+            if one[name].tobytes() != other[name].tobytes()
+        ]
+        for number, measure in enumerate(measures):
+            first, second = (bins[bins[:, 1] == number] for bins in (mine, theirs))
+            if not np.array_equal(first, second):
+                fields.append(f"values of {measure}")
+        yield ", ".join(fields)

@@ -7,7 +7,8 @@ import platform
 import socket
 import sys
 import time
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -21,7 +22,7 @@ from ..maps.spec import MapSpec
 from .disk import DISK, Disk
 from .head import Head, StoreError, moment_status
 from .log import LOG_NAME, Found, Log, read_log
-from .rows import Rows, Table
+from .rows import Bins, Rows, Table
 
 __all__ = ["Folder", "Memory", "receipt"]
 
@@ -70,9 +71,11 @@ class Memory:
     def begin(self, **facts: Any) -> None:
         """There is no log."""
 
-    def append(self, rows: Rows, nanoseconds: NDArray[np.float32]) -> None:
+    def append(
+        self, rows: Rows, nanoseconds: NDArray[np.float32], bins: Bins | None = None
+    ) -> None:
         """Keep rows."""
-        self.table.add(rows, nanoseconds, "this process")
+        self.table.add(rows, nanoseconds, bins, "this process")
 
     def end(self, reason: str) -> None:
         """There is no log."""
@@ -151,7 +154,18 @@ class Folder:
             disk.synchronise_folder(folder.absolute().parent)
         found = cls(folder, disk)
         found.head.require_spec(spec, folder)
+        found.give(**spec.functions)
         return found
+
+    def give(
+        self,
+        *,
+        scene: Callable[..., Any] | None = None,
+        stable: Callable[..., Any] | None = None,
+    ) -> None:
+        """Take the functions of the map, of which a folder has the digests alone."""
+        spec = self.head.spec.with_functions(scene=scene, stable=stable)
+        self.head = replace(self.head, spec=spec)
 
     @staticmethod
     def is_at(path: str | os.PathLike[str]) -> bool:
@@ -182,8 +196,11 @@ class Folder:
             found, units, seconds = Found(), 0, 0.0
             written = self._disk.modified(folder / name)
             with self._disk.opened(folder / name) as file:
-                for rows, nanoseconds in read_log(file, self.head.key, found):
-                    self.table.add(rows, nanoseconds, folder / name)
+                measured = bool(self.head.spec.measure)
+                for rows, nanoseconds, bins in read_log(
+                    file, self.head.key, found, measured=measured
+                ):
+                    self.table.add(rows, nanoseconds, bins, folder / name)
                     units += len(rows)
                     seconds += _seconds(nanoseconds)
             self.logs.append(LogFacts(name, units, seconds, written, found))
@@ -210,11 +227,13 @@ class Folder:
             self._seconds = 0.0
             self._log = Log(self.path / "logs", self.head.key, self._receipt, self._disk)
 
-    def append(self, rows: Rows, nanoseconds: NDArray[np.float32]) -> None:
+    def append(
+        self, rows: Rows, nanoseconds: NDArray[np.float32], bins: Bins | None = None
+    ) -> None:
         """Append rows to the log of this process."""
         assert self._log is not None
-        self._log.append(rows, nanoseconds)
-        self.table.add(rows, nanoseconds, self._log.path)
+        self._log.append(rows, nanoseconds, bins if self.head.spec.measure else None)
+        self.table.add(rows, nanoseconds, bins, self._log.path)
         self._blocks += 1
         self._units += len(rows)
         self._seconds += _seconds(nanoseconds)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -142,7 +142,7 @@ class Store:
             Of the choice of the units.
         threads : int
         """
-        return verify(self.path, share=share, seed=seed, threads=threads)
+        return verify(self._folder, share=share, seed=seed, threads=threads)
 
     def pack(self, path: str | os.PathLike[str]) -> Path | str:
         """Write the map of the rows that are stored now.
@@ -164,13 +164,21 @@ class Store:
         return place
 
 
-def open_store(path: str | os.PathLike[str]) -> Store:
+def open_store(
+    path: str | os.PathLike[str],
+    *,
+    scene: Callable[..., Any] | None = None,
+    stable: Callable[..., Any] | None = None,
+) -> Store:
     """Open a running map.
 
     Parameters
     ----------
     path : path-like
         The folder that ``stability_map(..., store=path)`` has made, or a copy of it.
+    scene, stable : callable, optional
+        The function that makes the scenes, and that of :func:`judged`, to compute what is missing:
+        a folder has the digests of their sources alone.
 
     Returns
     -------
@@ -194,7 +202,9 @@ def open_store(path: str | os.PathLike[str]) -> Store:
     ...     rigid.open_store(path).status().complete
     True
     """
-    return Store(Folder(path))
+    folder = Folder(path)
+    folder.give(scene=scene, stable=stable)
+    return Store(folder)
 
 
 def merge(paths: Sequence[str | os.PathLike[str]], into: str | os.PathLike[str]) -> Store:

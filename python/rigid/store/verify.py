@@ -10,9 +10,11 @@ import numpy as np
 
 from .._checks.arguments import finite_float
 from ..maps.identity import segment_of
+from ..maps.job import of_pixels
 from ..maps.result import load_map
+from ..maps.spec import MapSpec
 from .compute import compute
-from .rows import FIELDS, Rows, rows_of
+from .rows import FIELDS, Block, bins_of, differences, rows_of
 from .running import Folder
 
 __all__ = ["Verification", "verify"]
@@ -57,46 +59,61 @@ class Verification:
 
 
 def verify(
-    path: str | os.PathLike[str], *, share: float = 0.01, seed: int = 0, threads: int = 1
+    stored: str | os.PathLike[str] | Folder,
+    *,
+    share: float = 0.01,
+    seed: int = 0,
+    threads: int = 1,
 ) -> Verification:
     """Compute a random share of the units of a running map, or of a saved map, again."""
     share = finite_float("share", share, positive=True)
     if share > 1.0:
         raise ValueError(f"share = {share}: must be at most 1")
-    rows, text, segments, damage = _rows(path)
-    count = min(len(rows), int(np.ceil(share * len(rows) * (1.0 - 1e-12))))
-    chosen = np.sort(np.random.default_rng(seed).choice(len(rows), count, replace=False))
+    block, spec, segments, damage = _rows(stored)
+    units = len(block.rows)
+    count = min(units, int(np.ceil(share * units * (1.0 - 1e-12))))
+    chosen = np.zeros(units, np.bool_)
+    chosen[np.random.default_rng(seed).choice(units, count, replace=False)] = True
+    places = np.flatnonzero(chosen)
     wrong: list[str] = []
     for begin in range(0, count, TOGETHER):
-        stored = rows[chosen[begin : begin + TOGETHER]]
-        again = compute(text, stored["unit"].copy(), threads)
+        mine = np.zeros(units, np.bool_)
+        mine[places[begin : begin + TOGETHER]] = True
+        old = block.some(mine)
+        again = compute(spec, old.rows["unit"].copy(), threads)
         assert again is not None
         wrong += [
-            f"pixel {int(old['unit']) // segments}: {_fields(old, new)}"
-            for old, new in zip(stored, again[0], strict=True)
-            if old.tobytes() != new.tobytes()
+            f"pixel {int(unit) // segments}: {text}"
+            for unit, text in zip(
+                old.rows["unit"],
+                differences(old, again, spec.measure, "{} is {}, computed {}"),
+                strict=True,
+            )
+            if text
         ]
-    return Verification(units=len(rows), checked=count, wrong=wrong, damage=damage)
+    return Verification(units=units, checked=count, wrong=wrong, damage=damage)
 
 
-def _rows(path: str | os.PathLike[str]) -> tuple[Rows, str, int, list[str]]:
+def _rows(
+    stored: str | os.PathLike[str] | Folder,
+) -> tuple[Block, MapSpec, int, list[str]]:
     """The rows of complete units, the specification, the units of a pixel, and what is damaged."""
-    if Path(path).is_dir():
-        folder = Folder(path)
+    if isinstance(stored, Folder) or Path(stored).is_dir():
+        folder = stored if isinstance(stored, Folder) else Folder(stored)
+        folder.read()
         damage = [f"{log.name}: {text}" for log in folder.logs for text in log.found.damage]
-        rows: Rows = folder.table.rows[folder.table.known]
-        return rows, folder.head.spec.to_json(), folder.head.segments, damage
-    result = load_map(path)
+        block = folder.table.block(np.flatnonzero(folder.table.known))
+        return block, folder.head.spec, folder.head.segments, damage
+    path, result = stored, load_map(stored)
     if result.spec.samples > segment_of(result.spec):
         raise ValueError(f"{path}: samples of several segments are merged there; verify its store")
     pixels = np.flatnonzero((result.finished & (result.status == 0)).ravel())
     columns = {name: result.columns[name].ravel()[pixels] for name in FIELDS}
-    return rows_of(pixels, columns), result.spec.to_json(), 1, []
-
-
-def _fields(old: Rows, new: Rows) -> str:
-    return ", ".join(
-        f"{name} is {old[name]}, computed {new[name]}"
-        for name in FIELDS
-        if old[name].tobytes() != new[name].tobytes()
-    )
+    place = np.full(result.status.size, -1)
+    place[pixels] = np.arange(len(pixels))
+    finished = [
+        measured.bins[place[measured.bins[:, 0]] >= 0] for measured in result.measures.values()
+    ]
+    bins = bins_of(pixels, [of_pixels(one, place) for one in finished])
+    costs = np.full(len(pixels), np.nan, np.float32)
+    return Block(rows_of(pixels, columns), costs, bins), result.spec, 1, []

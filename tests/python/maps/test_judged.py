@@ -314,11 +314,6 @@ def test_plans_and_closed_forms() -> None:
             "measure: a function that judges bodies tells no time_to_leave",
         ),
         (
-            lambda: small_map(stable=rigid.judged(stays_low, T), samples=None, half_width=0.1),
-            ValueError,
-            "stable: a function judges no bodies with store, executor, half_width or refine",
-        ),
-        (
             lambda: small_map(stable=rigid.judged(lambda states: states.omega, T)),
             ValueError,
             r"must return a boolean or a number for each body, of shape \(\d+,\), got float64 of",

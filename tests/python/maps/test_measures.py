@@ -316,7 +316,5 @@ def test_bad_input_is_named() -> None:
         rigid.stability_map(damped, **free, measure=rigid.largest_tilt())
     with pytest.raises(ValueError, match=r"q = 1.5: must lie in \[0, 1\]"):
         measured(samples=2).measures["drift"].quantile(1.5)
-    with pytest.raises(ValueError, match="measure: is not collected with store"):
-        measured(samples=None, half_width=0.2)
     spec = measured(samples=2).spec
     assert dataclasses.replace(spec, measure=()).measure == ()

@@ -161,16 +161,6 @@ def test_functions_that_make_no_scene(
     assert message in str(caught.value)
 
 
-def test_other_processes_have_no_functions(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match="scene: other processes have no functions"):
-        small_map(
-            pendulum,
-            axes={"length": LENGTHS, "mass": MASSES},
-            store=tmp_path / "run.rigid",
-            **OPTIONS,
-        )
-
-
 def test_an_axis_of_the_function_cannot_be_left_out() -> None:
     axes = {"length": LENGTHS, "mass": MASSES}
     spec = small_map(pendulum, axes=axes, **OPTIONS).spec

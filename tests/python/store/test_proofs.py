@@ -110,8 +110,12 @@ HEAD: dict[str, tuple[Callable[[dict[str, object]], object], str]] = {
     "no JSON": (lambda head: "x", "is no running map: Expecting value"),
     "other JSON": (lambda head: "[]", "is no running map: its head is not that of one"),
     "other format": (
+        lambda head: json.dumps({**head, "format_version": 3}),
+        "has format version 3, this version of rigid reads 1 and 2",
+    ),
+    "format of another kind": (
         lambda head: json.dumps({**head, "format_version": 2}),
-        "has format version 2, this version of rigid reads 1",
+        "format_version are not those of this version of rigid",
     ),
     "no specification": (
         lambda head: json.dumps({**head, "spec": {}}),

@@ -81,12 +81,12 @@ def test_a_worker_makes_only_its_own_rows_of_the_grid() -> None:
     """The starts of a million pixels would be 160 MB."""
     ends = {axis.name: (axis.values[0], axis.values[-1]) for axis in SPEC.axes}
     axes = make_axes({name: np.geomspace(*two, 1000) for name, two in ends.items()})
-    text = SPEC.replace(axes=axes).to_json()
+    spec = SPEC.replace(axes=axes)
     units = np.array([700_000, 700_007])
-    compute(text, units)  # what is cached
+    compute(spec, units)  # what is cached
     tracemalloc.start()
     try:
-        compute(text, units)
+        compute(spec, units)
         assert tracemalloc.get_traced_memory()[1] < 2**20
     finally:
         tracemalloc.stop()
@@ -305,11 +305,11 @@ def test_workers_that_cannot_work_end_the_run(tmp_path: Path) -> None:
 def test_a_worker_of_another_version_is_refused(tmp_path: Path) -> None:
     folder = Folder.at(tmp_path / "run", SPEC)
     folder.begin()
-    none = np.zeros(0, ROW)
-    task = Task(SPEC.to_json(), 1, none, ("0.0.0", None))
+    none = folder.table.block(np.zeros(0, np.int64))
+    task = Task(SPEC.to_json(), 1, none, ("0.0.0", None), {})
     with ThreadPoolExecutor(1) as pool, pytest.raises(ValueError, match="a worker has rigid"):
         drive(task, 20, np.arange(160, 165), folder, pool, 1, lambda: False, lambda _: None)
-    task = Task(SPEC.to_json(), 1, none, own_build())
+    task = Task(SPEC.to_json(), 1, none, own_build(), {})
     with ThreadPoolExecutor(1) as pool:
         drive(task, 20, np.arange(160, 165), folder, pool, 1, lambda: False, lambda _: None)
     folder.end("interrupted")
@@ -347,15 +347,15 @@ import sys, time
 from pathlib import Path
 from stores import SPEC, Folder, carry_on
 from rigid.store import resume
-def one_by_one(text, samples, todo, sink, threads, stop, note):
+def one_by_one(spec, samples, todo, sink, threads, stop, note):
     print("begun", flush=True)
     for unit in todo:
-        sink.append(*resume_compute(text, [unit]))
+        sink.append(*resume_compute(spec, [unit]))
         time.sleep(0.001)
 import numpy as np
 from rigid.store.compute import compute
-def resume_compute(text, units):
-    return compute(text, np.array(units))
+def resume_compute(spec, units):
+    return compute(spec, np.array(units))
 resume.run_here = one_by_one
 carry_on(Folder.at(Path(sys.argv[1]), SPEC), threads=1, stop=lambda: False, progress=False)
 """
@@ -366,4 +366,4 @@ def test_the_table_refuses_units_that_the_map_does_not_have() -> None:
     rows = np.zeros(1, ROW)
     rows["unit"] = memory.head.units
     with pytest.raises(ValueError, match="a row of a unit that the map does not have"):
-        Table(memory.head).add(rows, None, "log")
+        Table(memory.head).add(rows, None, None, "log")

@@ -1,0 +1,126 @@
+"""Running maps of a user's functions: a folder has their digests, workers import them."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rigid
+from judges import bodies, keeps_its_sign
+from small_maps import saved_bytes, small_map
+
+JUDGED = rigid.judged(keeps_its_sign, np.linspace(0.0, 20.0, 101), of="rates")
+ASKED: dict[str, Any] = {"stable": JUDGED, "t_end": None, "measure": rigid.flips(2), "samples": 12}
+OWN: dict[str, Any] = {
+    "scene": bodies,
+    "axes": {"length": [1.5, 2.0, 2.5], "noise": [1e-3, 0.03, 0.1], "t_end": [10.0, 20.0]},
+    "samples": 12,
+    "start": rigid.Start(spin=1.0, axis=2, noise=rigid.normal(0.0)),
+}
+
+
+@pytest.fixture(scope="module")
+def pool() -> Iterator[ProcessPoolExecutor]:
+    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as executor:
+        yield executor
+
+
+@pytest.mark.parametrize("asked", [ASKED, OWN], ids=["judged", "own scene"])
+def test_every_way_gives_the_same_bytes(
+    tmp_path: Path, pool: ProcessPoolExecutor, asked: dict[str, Any]
+) -> None:
+    quiet = saved_bytes(small_map(**asked), tmp_path)
+    with ThreadPoolExecutor(2) as threads:
+        for number, executor in enumerate((None, threads, pool)):
+            result = small_map(**asked, store=tmp_path / f"{number}", executor=executor)
+            assert saved_bytes(result, tmp_path) == quiet
+    function = {"stable": keeps_its_sign} if "stable" in asked else {"scene": bodies}
+    store = rigid.open_store(tmp_path / "0", **function)
+    assert saved_bytes(store.result(), tmp_path) == quiet
+    assert store.verify(1.0).ok
+
+
+def test_a_folder_needs_the_function_again(tmp_path: Path) -> None:
+    path = tmp_path / "run"
+    small_map(**ASKED, store=path)
+    bare = rigid.open_store(path)
+    assert bare.result().complete
+    assert bare.spec.misses_functions
+    with pytest.raises(ValueError, match="stable: a file has no functions; give 'keeps_its_sign'"):
+        bare.resume(progress=False)
+    assert rigid.open_store(path, stable=keeps_its_sign).resume(progress=False).complete
+    with pytest.raises(ValueError, match="stable = bodies: its source is not that of"):
+        rigid.open_store(path, stable=bodies)
+
+    def keeps_its_sign_otherwise(states: rigid.States) -> Any:
+        return np.all(states.omega[..., 1] >= 0.0, axis=1)
+
+    other = rigid.judged(keeps_its_sign_otherwise, JUDGED.times, of="rates")
+    with pytest.raises(ValueError, match=r"holds another map .*: stable\.function\.name"):
+        small_map(**{**ASKED, "stable": other}, store=path)
+    own = tmp_path / "own"
+    small_map(**OWN, store=own)
+    with pytest.raises(ValueError, match="scene: a file has no functions; give 'bodies' again"):
+        rigid.open_store(own).result()
+
+
+@pytest.mark.parametrize("options", [{"samples": None, "half_width": 0.1}, {"refine": 2}])
+def test_pixels_have_the_bits_of_the_full_map(options: dict[str, Any]) -> None:
+    """With as many bodies as a pixel needs, and where pixels are left out."""
+    for asked in (ASKED, {**OWN, "axes": {**OWN["axes"]}}):
+        if "refine" in options and "scene" in asked:
+            asked["axes"] = {"length": [1.5, 2.0, 2.5], "noise": [1e-3, 0.03, 0.1]}
+        result = small_map(**{**asked, **options})
+        samples = result.spec.samples
+        full = small_map(**{**asked, "samples": samples})
+        whole = result.samples == samples
+        assert whole.any()
+        for name in ("stable", "undecided", "earliest", "steps"):
+            np.testing.assert_array_equal(getattr(result, name)[whole], getattr(full, name)[whole])
+
+
+def test_a_function_that_no_worker_can_import_is_refused(
+    tmp_path: Path, pool: ProcessPoolExecutor
+) -> None:
+    def here(states: rigid.States) -> Any:
+        return states.omega[:, 0, 0] > 0.0
+
+    local = {**ASKED, "stable": rigid.judged(here, [1.0], of="rates"), "t_end": None}
+    with pytest.raises(ValueError, match=r"stable = .*here: workers must import the function, so"):
+        small_map(**local, executor=pool)
+    assert small_map(**local, store=tmp_path / "run").complete
+
+
+def test_a_worker_with_another_source_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The module changes after the driver has imported it."""
+    source = """
+        def judge(states):
+            return (states.omega[..., 1] > {limit}).all(axis=1)
+    """
+    path = tmp_path / "changing_judge.py"
+    path.write_text(textwrap.dedent(source.format(limit=0.0)))
+    monkeypatch.syspath_prepend(tmp_path)
+    from changing_judge import judge  # type: ignore[import-not-found]
+
+    stable = rigid.judged(judge, [0.0, 5.0], of="rates")
+    path.write_text(textwrap.dedent(source.format(limit=0.5)))
+    with (
+        ProcessPoolExecutor(1, mp_context=get_context("spawn")) as fresh,
+        pytest.raises(ValueError, match="a worker: stable = judge: its source is not that of"),
+    ):
+        small_map(**{**ASKED, "stable": stable}, executor=fresh)
+    path.unlink()
+    with (
+        ProcessPoolExecutor(1, mp_context=get_context("spawn")) as fresh,
+        pytest.raises(ValueError, match="a worker cannot import a function of the map: No module"),
+    ):
+        small_map(**{**ASKED, "stable": stable}, executor=fresh)

@@ -1,0 +1,243 @@
+"""Running maps with measures: their logs hold bins, and every way of computing gives the same."""
+
+from __future__ import annotations
+
+import io
+import json
+import tarfile
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rigid
+from rigid.maps import identity
+from rigid.store import drive, resume
+from rigid.store.log import Found, read_log
+from rigid.store.resume import carry_on
+from rigid.store.rows import BIN_ROW, Block, Table
+from rigid.store.running import Folder
+from small_maps import assert_same_map, saved_bytes, small_map
+from stores import stops_after
+
+MEASURED: dict[str, Any] = {
+    "measure": (rigid.time_to_leave(), rigid.flips(1), rigid.mean_rate(-2), rigid.drift()),
+}
+
+
+def measured(**options: Any) -> rigid.StabilityMap:
+    return small_map(**{**MEASURED, **options})
+
+
+@pytest.fixture(scope="module")
+def quiet() -> rigid.StabilityMap:
+    """The map computed at once, without a store."""
+    return measured()
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory, quiet: rigid.StabilityMap) -> Folder:
+    """The same map in one log of many records."""
+    folder = Folder.at(tmp_path_factory.mktemp("map") / "run", quiet.spec)
+    whole = Folder.at(tmp_path_factory.mktemp("whole") / "run", quiet.spec)
+    measured(store=whole.path)
+    whole.read()
+    folder.begin()
+    for units in np.array_split(np.flatnonzero(whole.table.known), 9):
+        folder.append(*whole.table.block(units))
+    folder.end("complete")
+    return Folder(folder.path)
+
+
+def test_a_stored_map_has_the_bytes_of_an_unstored_one(
+    tmp_path: Path, quiet: rigid.StabilityMap
+) -> None:
+    for threads in (1, 2):
+        result = measured(store=tmp_path / f"run{threads}", threads=threads)
+        assert saved_bytes(result, tmp_path) == saved_bytes(quiet, tmp_path)
+        assert result.receipt()["fingerprint"] == quiet.receipt()["fingerprint"]
+    assert all(one.count.sum() for one in quiet.measures.values())
+    assert rigid.open_store(tmp_path / "run1").verify(1.0).ok
+    path = quiet.save(tmp_path / "map.npz")
+    assert rigid.diff(path, tmp_path / "run1").same
+
+
+def test_sittings_parts_and_merges_have_the_same_bytes(
+    tmp_path: Path, quiet: rigid.StabilityMap, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(resume, "PART_UNITS", 4)
+    for number in (1, 2, 3):
+        measured(store=tmp_path / f"{number}", part=(number, 3))
+    merged = rigid.merge([tmp_path / f"{n}" for n in (3, 1, 2, 1)], tmp_path / "all")
+    assert saved_bytes(merged.result(), tmp_path) == saved_bytes(quiet, tmp_path)
+    store = rigid.open_store(tmp_path / "1")
+    assert not store.result().complete
+    assert saved_bytes(store.resume(progress=False), tmp_path) == saved_bytes(quiet, tmp_path)
+
+
+def test_spawned_workers_return_bins(tmp_path: Path, quiet: rigid.StabilityMap) -> None:
+    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
+        result = measured(store=tmp_path / "run", executor=pool)
+    assert saved_bytes(result, tmp_path) == saved_bytes(quiet, tmp_path)
+
+
+def test_segments_of_a_pixel_are_merged(
+    tmp_path: Path, quiet: rigid.StabilityMap, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: dict[str, Any] = {"samples": 150, "axes": {"I2/I1": [1.2, 1.5, 1.8]}}
+    expected = measured(**asked)
+    monkeypatch.setattr(identity, "SEGMENT", 64)
+    result = measured(store=tmp_path / "run", **asked)
+    assert Folder(tmp_path / "run").head.segments == 3
+    assert saved_bytes(result, tmp_path) == saved_bytes(expected, tmp_path)
+
+
+def test_horizons_are_stored_too(tmp_path: Path) -> None:
+    axes = {"I2/I1": [1.2, 1.8], "t_end": [5.0, 20.0]}
+    result = measured(axes=axes, store=tmp_path / "run")
+    assert saved_bytes(result, tmp_path) == saved_bytes(measured(axes=axes), tmp_path)
+
+
+def test_as_many_bodies_as_a_pixel_needs(tmp_path: Path) -> None:
+    """The values are those of the bodies that the pixel got, whatever the looks."""
+    asked: dict[str, Any] = {
+        "samples": None,
+        "half_width": 0.1,
+        "axes": {"noise": [1e-3, 3e-3, 0.1]},
+    }
+    result = measured(**asked)
+    assert saved_bytes(measured(store=tmp_path / "run", **asked), tmp_path) == saved_bytes(
+        result, tmp_path
+    )
+    assert len(set(result.samples)) > 1
+    np.testing.assert_array_equal(result.measures["flips"].count, result.samples)
+    for pixel, samples in enumerate(result.samples):
+        alone = measured(**{**asked, "half_width": None, "samples": int(samples)})
+        for name, one in result.measures.items():
+            same = alone.measures[name]
+            for number in ("count", "mean", "std", "least", "largest"):
+                np.testing.assert_array_equal(
+                    getattr(one, number)[pixel], getattr(same, number)[pixel]
+                )
+    assert result.replay(1, 3, t=[0.0]).measures["flips(1)"] >= 0
+
+
+def test_pixels_that_are_left_out_have_no_values() -> None:
+    full = measured(samples=30)
+    result = measured(samples=30, refine=2, budget=500)
+    left_out = result.samples == 0
+    assert left_out.any()
+    for name, one in result.measures.items():
+        assert np.isnan(one.mean[left_out]).all()
+        assert np.isnan(one.quantile(0.5)[left_out]).all()
+        assert not one.count[left_out].any()
+        np.testing.assert_array_equal(one.mean[~left_out], full.measures[name].mean[~left_out])
+    result.plot(what="mean of flips")
+
+
+def test_a_log_is_a_tar_file_of_rows_and_bins(run: Folder) -> None:
+    (log,) = (run.path / "logs").iterdir()
+    units = []
+    with tarfile.open(log) as archive:
+        for name in archive.getnames():
+            if name.endswith(".bins.npy"):
+                member = archive.extractfile(name)
+                assert member is not None
+                bins = np.load(io.BytesIO(member.read()), allow_pickle=False)
+                assert bins.dtype == BIN_ROW
+                units.append(np.unique(bins["unit"]))
+    assert len(units) == 9
+    assert np.concatenate(units).tolist() == np.flatnonzero(run.table.known).tolist()
+    assert json.loads((run.path / "head.json").read_text())["format_version"] == 2
+
+
+def read(content: bytes, run: Folder) -> tuple[Table, Found]:
+    """What is in the bytes of a log; each row must be one of the map, with its bins."""
+    found, table = Found(), Table(run.head)
+    for rows, nanoseconds, bins in read_log(
+        io.BytesIO(content), run.head.key, found, measured=True
+    ):
+        table.add(rows, nanoseconds, bins, "log")
+    known = np.flatnonzero(table.known)
+    for one, other in zip(table.block(known)[::2], run.table.block(known)[::2], strict=True):
+        assert one.tobytes() == other.tobytes()
+    return table, found
+
+
+def test_damaged_logs_have_no_row_without_its_bins(run: Folder) -> None:
+    (log,) = (run.path / "logs").iterdir()
+    content, whole = log.read_bytes(), int(run.table.known.sum())
+    for length in range(0, len(content), 1013):
+        read(content[:length], run)
+    random, lost = np.random.default_rng(7), 0
+    for place in random.integers(0, len(content), 300):
+        flipped = bytearray(content)
+        flipped[place] ^= 1 << int(random.integers(8))
+        table, found = read(bytes(flipped), run)
+        if table.known.sum() < whole:
+            lost += 1
+            assert found.damage
+    assert lost > 100
+
+
+def test_bins_of_another_record_are_not_taken(run: Folder) -> None:
+    """The tables of bins of two records, exchanged: each one is whole, but not of its rows."""
+    (log,) = (run.path / "logs").iterdir()
+    with tarfile.open(log) as archive:
+        members = archive.getmembers()
+        content = log.read_bytes()
+    ends = [member.offset_data + -(-member.size // 512) * 512 for member in members]
+    pieces = [content[member.offset : end] for member, end in zip(members, ends, strict=True)]
+    bins = [k for k, member in enumerate(members) if member.name.endswith(".bins.npy")]
+    pieces[bins[1]], pieces[bins[4]] = pieces[bins[4]], pieces[bins[1]]
+    table, found = read(b"".join(pieces), run)
+    lost = 2 * -(-int(run.table.known.sum()) // 9)
+    assert 0 < int(run.table.known.sum()) - int(table.known.sum()) <= lost
+    assert "a record without its values" in found.damage[0]
+
+
+def altered(run: Folder, path: Path, count: int) -> Folder:
+    """A running map of some rows, of which the first has one other bin, under valid digests."""
+    block = run.table.block(np.flatnonzero(run.table.known)[:count])
+    block.bins[0, 3] += 1
+    folder = Folder.at(path, run.head.spec)
+    folder.begin()
+    folder.append(*block)
+    folder.end("interrupted")
+    return folder
+
+
+def test_another_value_is_refused_and_found(
+    run: Folder, tmp_path: Path, quiet: rigid.StabilityMap
+) -> None:
+    folder = altered(run, tmp_path / "run", 5)
+    with pytest.raises(ValueError, match=r"computed: unit 0 has two results: values of \w+"):
+        measured(store=folder.path)
+    found = rigid.open_store(folder.path).verify(1.0)
+    assert len(found.wrong) == 1
+    assert found.wrong[0].startswith("pixel 0: values of ")
+    with pytest.raises(ValueError, match="unit 0 has two results: values of"):
+        rigid.merge([run.path, folder.path], tmp_path / "all")
+    numbers = rigid.diff(folder.path, run.path).numbers
+    assert any(text.startswith("values of ") for text in numbers)
+    saved = quiet.save(tmp_path / "map.npz")
+    assert not rigid.diff(saved, folder.path).same
+    assert isinstance(run.table.block(np.array([3, 1])), Block)
+
+
+def test_sittings_go_on_with_their_bins(
+    tmp_path: Path, quiet: rigid.StabilityMap, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(drive, "GROWTH", 1)
+    folder = Folder.at(tmp_path / "run", quiet.spec)
+    sittings = 0
+    while carry_on(folder, threads=1, stop=stops_after(20), progress=False).reason != "complete":
+        folder = Folder(folder.path)
+        sittings += 1
+    assert sittings
+    result = rigid.open_store(folder.path).result()
+    assert_same_map(result, quiet)
+    assert saved_bytes(result, tmp_path) == saved_bytes(quiet, tmp_path)
