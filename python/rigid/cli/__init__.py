@@ -24,6 +24,7 @@ from ..maps.compute import run_map
 from ..maps.data import CLASSES, FAILURES
 from ..maps.file import file_size
 from ..maps.plan import map_plan
+from ..maps.plot import SHARE, check_what
 from ..maps.result import StabilityMap, load_map
 from ..maps.sequential import checked_half_width, stop_table
 from ..maps.spec import MapSpec
@@ -126,6 +127,7 @@ def _map(options: argparse.Namespace) -> int:
         spec = dataclasses.replace(spec, budget=options.budget)
     if options.seed is not None:
         spec = dataclasses.replace(spec, seed=seed_from(options.seed))
+    check_what(spec, options.what)
     target = target_of(options.out, named.name, ".npz", force=options.force)
     threads = resolve_threads(options.threads)
     require_room(target.data, file_size(spec))
@@ -154,6 +156,7 @@ def _finished_map(
         "map",
         lambda: f"{result.summary()}\n{'speed':<12}{_speed(result)}",
         (lambda: _map_facts(name, result)) if options.json else None,
+        getattr(options, "what", SHARE),
     )
 
 
@@ -190,6 +193,10 @@ def _map_facts(name: str, result: StabilityMap) -> dict[str, Any]:
         "theory": None
         if theory is None
         else {"label": theory.label, "disagreeing": int(result.disagreement(theory).sum())},
+        "measures": {
+            name: dict(zip(("bodies", "mean", "least", "largest"), one.totals(), strict=True))
+            for name, one in result.measures.items()
+        },
         "elapsed": result.elapsed,
         "threads": result.threads,
         "spec": result.spec.to_dict(),

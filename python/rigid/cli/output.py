@@ -16,6 +16,7 @@ import numpy as np
 from .._checks.progress import Progress, ProgressOption, interruptible
 from .._files import published, require_replaceable
 from ..drawing.figure import new_figure
+from ..maps.plot import SHARE
 from ..maps.result import StabilityMap
 
 if TYPE_CHECKING:
@@ -160,10 +161,12 @@ def finished(
     what: str,
     words: Callable[[], str],
     facts: Callable[[], Mapping[str, Any]] | None,
+    shown: str = SHARE,
 ) -> int:
     """Save the data; then print words and paths, and draw the picture. Returns the exit code.
 
-    With ``facts`` these and the paths are printed at the end, as JSON, instead of the words.
+    With ``facts`` these and the paths are printed at the end, as JSON, instead of the words. Of a
+    map, ``shown`` is what the picture shows.
     """
     with interruptible() as stop:
         data = _saved(result, target.data, what)
@@ -175,7 +178,7 @@ def finished(
         if facts is None:
             say(f"{words()}\n{'data':<12}{data}")
         try:
-            content = _drawn(result, target.picture.suffix)
+            content = _drawn(result, target.picture.suffix, shown)
         except ImportError as error:
             line = f"none: {error}"
         else:
@@ -210,14 +213,18 @@ def _saved(result: Result, data: Path, what: str) -> Path:
         raise OSError(f"{error}; the {what} is safe in {spare}") from None
 
 
-def _drawn(result: Result, suffix: str) -> bytes:
+def _drawn(result: Result, suffix: str, shown: str) -> bytes:
     """The picture in the format of a suffix."""
     if isinstance(result, StabilityMap) and len(result.spec.axes) > 2:
         # Many pictures in one figure.
         figure = np.ravel(result.plot())[0].figure
     else:
         figure = new_figure()
-        result.plot(figure.add_subplot())
+        ax = figure.add_subplot()
+        if isinstance(result, StabilityMap):
+            result.plot(ax, what=shown)
+        else:
+            result.plot(ax)
     content = BytesIO()
     figure.savefig(content, format=suffix[1:])
     return content.getvalue()

@@ -111,6 +111,12 @@ def make_parser() -> Parser:
     map_.add_argument(
         "--refine", type=int, metavar="K", help="first every K-th pixel, then where shares differ"
     )
+    map_.add_argument(
+        "--what",
+        metavar="TEXT",
+        default="share",
+        help="what the picture shows: share, cost, or such as 'mean of flips'",
+    )
     map_.add_argument("--budget", type=int, metavar="N", help="most bodies of the map")
     map_.add_argument(
         "--store", metavar="DIR", help="keep what is computed in this folder, and go on from there"

@@ -9,12 +9,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from ..maps.spec import MapSpec
+from ..model.measures import MEASURES
 from ..reports.spec import ReportSpec
 
 __all__ = [
     "AXIS",
     "MAP",
     "MAP_RUN",
+    "MEASURE",
     "NOISE",
     "ORBIT",
     "PLOT",
@@ -152,6 +154,13 @@ MAP_RUN: Mapping[str, Key] = {
         "whole number", "a body that needs more has failed", "", f"{MapSpec.max_steps:,}"
     ),
     "seed": Key("whole number", "key of the random numbers", "", "a new one"),
+    "measure": Key("texts or tables", "numbers to collect of each body, see below", "", "none"),
+}
+
+MEASURE: Mapping[str, Key] = {
+    "name": Key("text", ", ".join(f"`{name}`" for name in MEASURES)),
+    "axis": Key("1, 2, 3, ...", "body axis of `flips`, `largest_tilt` and `mean_rate`"),
+    "reference": Key("text", "of `largest_tilt`: `vertical` or `start`"),
 }
 
 REPORT_START: Mapping[str, Key] = _NOMINAL

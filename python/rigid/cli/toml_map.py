@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal, localcontext
+from inspect import Parameter, signature
 
-from .._checks.arguments import finite_float, positive_int
+from .._checks.arguments import brief, finite_float, one_of, positive_int
 from ..maps.parameters import (
     MOST_AXES,
     PARAMETERS,
@@ -17,6 +18,8 @@ from ..maps.parameters import (
 )
 from ..maps.sequential import checked_half_width, stop_table
 from ..maps.spec import MapSpec
+from ..model import measures
+from ..model.measures import MEASURES, Measure
 from ..model.seed import checked_seed, seed_from
 from ..solve.methods import map_methods
 from .toml_keys import AXIS, MAP, MAP_RUN
@@ -126,9 +129,36 @@ def parse_spec(content: str, file: str, changes: Sequence[str] = ()) -> MapSpec:
             check=run.take("check", finite_float, default=MapSpec.check),
             max_steps=run.take("max_steps", positive_int, default=MapSpec.max_steps),
             seed=seed_from(run.take("seed", checked_seed, default=None)),
+            measure=run.take("measure", _measures, default=()),
             title=document.take("title", text, default=None),
         )
     )
+
+
+def _measures(key: str, value: object) -> tuple[Measure, ...]:
+    """The measures of a list of names and of tables with a name."""
+    if not isinstance(value, list):
+        raise TypeError(f"{key} = {brief(value)}: must be a list of names or of tables")
+    return tuple(_measure(f"{key}[{place}]", one) for place, one in enumerate(value))
+
+
+def _measure(key: str, value: object) -> Measure:
+    table = {"name": value} if isinstance(value, str) else value
+    if not isinstance(table, dict) or "name" not in table:
+        raise TypeError(f"{key} = {brief(value)}: must be a name, or a table with a name")
+    name = one_of(f"{key}.name", table["name"], MEASURES)
+    make = getattr(measures, name)
+    options = {option: given for option, given in table.items() if option != "name"}
+    known = signature(make).parameters
+    for option in options:
+        if option not in known:
+            has = f"has {' and '.join(known)}" if known else "has no options"
+            raise ValueError(f"{key}.{option}: {name} {has}")
+    for option, parameter in known.items():
+        if parameter.default is Parameter.empty and option not in options:
+            raise ValueError(f"{key}: {name} needs {option}")
+    found: Measure = make(**options)
+    return found
 
 
 def _half_width(_key: str, value: object) -> float:

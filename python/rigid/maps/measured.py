@@ -102,6 +102,14 @@ class Measured:
             deviations.append(deviation)
         return self._where(np.array(means)), self._where(np.array(deviations))
 
+    def totals(self) -> tuple[int, float, float, float]:
+        """Bodies of the whole map that have the value, and its mean, least and largest."""
+        bodies = int(self.count.sum())
+        if not bodies:
+            return 0, math.nan, math.nan, math.nan
+        mean, _ = _moments_of(self.bins)
+        return bodies, mean, float(np.nanmin(self.least)), float(np.nanmax(self.largest))
+
     def quantile(self, q: ArrayLike) -> Floats:
         """Value that a share ``q`` of the bodies does not exceed: the least such one of the bodies.
 

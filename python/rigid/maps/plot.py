@@ -14,13 +14,15 @@ from .._checks.arguments import brief, finite_float, nearest
 from ..drawing.figure import shown_figure
 from ..model.criteria import Regular
 from .data import MapData
+from .measured import BIN, Measures
 from .parameters import Axis
+from .spec import MapSpec
 from .theory import Curve, Theory, predict
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["cell_edges", "plot_map"]
+__all__ = ["SHARE", "cell_edges", "check_what", "plot_map"]
 
 Floats = NDArray[np.float64]
 
@@ -225,6 +227,15 @@ def _values(data: MapData, at: Mapping[int, int]) -> str:
     )
 
 
+def check_what(spec: MapSpec, what: str) -> None:
+    """Raise ValueError if the picture of a map cannot show this."""
+    if what != SHARE and len(spec.axes) > 2:
+        raise ValueError(f"what = {brief(what)}: a picture of more than two axes shows the share")
+    nothing = [np.empty((0, BIN), np.int64) for _ in spec.measure]
+    if what not in (SHARE, COST):
+        _measured(Measures(spec.measure, nothing, spec.shape), what)
+
+
 def _field(data: MapData, what: object) -> tuple[Floats | None, str]:
     """What is drawn instead of the share, and its label."""
     if what == SHARE:
@@ -232,6 +243,11 @@ def _field(data: MapData, what: object) -> tuple[Floats | None, str]:
     if what == COST:
         known = np.where(data.samples > 0, data.nanoseconds, np.nan)
         return 1e-9 * known, "processor time of a pixel (s)"
+    return _measured(data.measures, what)
+
+
+def _measured(measures: Measures, what: object) -> tuple[Floats, str]:
+    """A number of a measure, and its label."""
     found = re.fullmatch(r"(mean|std|least|largest|count|median|quantile (\S+)) of (.+)", str(what))
     if found is None or not isinstance(what, str):
         raise ValueError(
@@ -240,7 +256,7 @@ def _field(data: MapData, what: object) -> tuple[Floats | None, str]:
         )
     number, share, name = found.groups()
     try:
-        measured = data.measures[name]
+        measured = measures[name]
     except KeyError as error:
         raise ValueError(f"what = {brief(what)}: {error.args[0]}") from None
     if number == "median" or share is not None:

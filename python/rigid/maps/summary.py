@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from ..solve.methods import AUTO, EXACT, SECOND
 from .data import CLASSES, FAILURES, MapData
+from .measured import Measured
 from .parameters import axis_letter
 from .refine import refined
 from .theory import agreement
@@ -27,6 +28,7 @@ def summary(data: MapData) -> str:
         ("bodies", _bodies(data)),
         ("classes", _classes(data)),
         *([("exponents", _exponents(data))] if spec.stable.displaced else []),
+        *(("measured", _measured(one)) for one in data.measures.values()),
         ("worst drift", _drift(data)),
         ("theory", _theory(data)),
     ]
@@ -99,6 +101,15 @@ def _exponents(data: MapData) -> str:
     if not known.size:
         return "none measured"
     return f"largest {known.max():.3g} 1/s; none below {data.resolution:.3g} 1/s can be seen"
+
+
+def _measured(measured: Measured) -> str:
+    bodies, mean, least, largest = measured.totals()
+    unit = "" if measured.measure.unit == "1" else f" {measured.measure.unit}"
+    if not bodies:
+        return f"{measured.measure}: of no body"
+    text = f"mean {mean:.4g}{unit}, from {least:.4g} to {largest:.4g}{unit}"
+    return f"{measured.measure}: {text}, of {bodies:,} bodies"
 
 
 def _drift(data: MapData) -> str:

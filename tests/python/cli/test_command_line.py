@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import subprocess
@@ -538,3 +539,40 @@ def test_the_module_is_the_command_too(folder: Path) -> None:
     done = run_python("-m", "rigid", "map", "nothing", check=False)
     assert done.returncode == 2
     assert done.stderr.startswith("rigid: no built-in map is called 'nothing'")
+
+
+def test_measures_are_told_and_drawn(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    asked = ["map", "small.toml", "--set", 'run.measure=["flips", "time_to_leave"]']
+    drawn = ["--what", "quantile 0.9 of flips", "--no-progress"]
+    assert main([*asked, *drawn]) == 0
+    told = capsys.readouterr().out
+    assert "measured    flips(2): mean " in told
+    assert "measured    time_to_leave: mean " in told
+    assert made(folder) == {"small.npz", "small.png"}
+    result = rigid.load_map("small.npz")
+    bodies, mean, least, largest = result.measures["flips"].totals()
+    assert (bodies, least, largest) == (
+        result.samples.sum(),
+        np.nanmin(result.measures["flips"].least),
+        np.nanmax(result.measures["flips"].largest),
+    )
+    each = result.measures["flips"]
+    assert mean == pytest.approx(np.nansum(each.mean * each.count) / bodies, rel=1e-15)
+    assert main([*asked, "--json", "--force", "--no-progress"]) == 0
+    facts = json.loads(capsys.readouterr().out)["measures"]
+    assert facts["flips(2)"] == {"bodies": bodies, "mean": mean, "least": least, "largest": largest}
+
+
+def test_pictures_of_what_is_not_measured_are_refused(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for what, message in (
+        ("mean of flips", "what = 'mean of flips': 'flips' is not measured once (measured: none)"),
+        ("flips", "what = 'flips': must be one of 'share', 'cost', or such as"),
+    ):
+        assert message in fails(["map", "small.toml", "--what", what], capsys)
+    third = '[z]\nname = "t_end"\nvalues = [1.0, 2.0]\n'
+    (folder / "deep.toml").write_text(SPEC + third)
+    said = fails(["map", "deep.toml", "--what", "cost"], capsys)
+    assert "what = 'cost': a picture of more than two axes shows the share" in said
+    assert made(folder) == {"deep.toml"}

@@ -159,6 +159,34 @@ def test_mistakes_about_joined_criteria(text: str, message: str) -> None:
     assert message in complaint(BOX[:begin] + text + "\n" + BOX[end:])
 
 
+def test_measures_are_names_or_tables() -> None:
+    listed = '["time_to_leave", "flips", { name = "mean_rate", axis = 3 }]'
+    spec = parse_spec(f"{BOX}measure = {listed}\n", "box.toml")
+    assert [*map(str, spec.measure)] == ["time_to_leave", "flips(2)", "mean_rate(3)"]
+    changed = parse_spec(BOX, "box.toml", ['run.measure=["drift"]'])
+    assert changed.measure == (rigid.drift(),)
+    assert parse_spec(BOX, "box.toml").measure == ()
+
+
+@pytest.mark.parametrize(
+    ("measure", "message"),
+    [
+        ("'flips'", "[run] measure = 'flips': must be a list of names or of tables"),
+        ("[3]", "[run] measure[0] = 3: must be a name, or a table with a name"),
+        ("['flip']", "[run] measure[0].name = 'flip': must be one of"),
+        ("[{name = 'drift', axis = 1}]", "[run] measure[0].axis: drift has no options"),
+        ("[{name = 'flips', axes = 1}]", "[run] measure[0].axes: flips has axis"),
+        ("['mean_rate']", "[run] measure[0]: mean_rate needs axis"),
+        ("[{name = 'mean_rate', axis = 4}]", "[run] axis = 4: must be one of"),
+        ("['flips', 'flips']", "[run] measure: flips(2) is asked for 2 times"),
+    ],
+)
+def test_mistakes_about_measures(measure: str, message: str) -> None:
+    with pytest.raises(SpecError) as caught:
+        parse_spec(f"{BOX}measure = {measure}\n", "box.toml")
+    assert message in str(caught.value)
+
+
 def test_a_spin_on_an_axis_need_not_be_said_again() -> None:
     text = BOX.replace('name = "b"', 'name = "spin"').replace("spin = 10.0\n", "")
     assert parse_spec(text, "box.toml").start.spin == 0.0
