@@ -7,7 +7,7 @@ use rigid::body::{Inertia, principal_axes};
 use rigid::error::Error;
 use rigid::exact::derived::{free_quantities, saddle, sign_changes, tilt_time, top_quantities};
 use rigid::forcing::Forcing;
-use rigid::map::{Check, Condition, Criterion, Logic, Map, MethodChoice, Pixel, Rule, clopper_pearson};
+use rigid::map::{Check, Condition, Criterion, Laws, Logic, Map, MethodChoice, Pixel, Rule, clopper_pearson};
 use rigid::parallel::Interrupt;
 use rigid::sample::Law;
 use rigid::scene::{FREE, Scene, TOP};
@@ -180,7 +180,7 @@ fn simulate(numbers: &mut Bytes) {
 
 fn map(numbers: &mut Bytes) {
     let scene = numbers.scene();
-    let laws = [Law::None, Law::Normal, Law::Uniform, Law::Direction];
+    let laws = [Law::None, Law::Normal, Law::Uniform, Law::Direction, Law::VonMisesFisher(0)];
     let angle = numbers.number();
     let rule = Rule { sure: angle, low: numbers.number(), high: numbers.number(), ratio: numbers.number() };
     let asked = Map {
@@ -193,11 +193,12 @@ fn map(numbers: &mut Bytes) {
             attitude_size: numbers.vector(),
             possible: numbers.below(4) > 0,
         }),
-        omega_law: numbers.of(laws),
-        mix: None,
-        mixed: [false; 2],
-        given: None,
-        attitude_law: if numbers.below(4) == 0 { Law::UniformAttitude } else { numbers.of(laws) },
+        laws: Laws {
+            omega: numbers.of(laws),
+            attitude: if numbers.below(4) == 0 { Law::UniformAttitude } else { numbers.of(laws) },
+            ..Laws::NONE
+        },
+        mixture: Vec::new(),
         conditions: vec![Condition {
             axis: numbers.of([-3, -2, -1, 1, 2, 3, 0]),
             criterion: numbers.of([

@@ -7,7 +7,7 @@
 use crate::error::Error;
 use crate::kinematics::{quaternion_product, rotation_by};
 use crate::real::Real;
-use crate::special::{ln, sincos};
+use crate::special::{exp_m1, ln, ln_1p, sincos};
 use std::f64::consts::TAU;
 
 /// The ten rounds.
@@ -48,15 +48,20 @@ pub enum Law {
     Direction,
     /// Any attitude in SO(3), uniform (Shoemake, Graphics Gems III, 1992).
     UniformAttitude,
+    /// A direction about its nominal one with the density exp(size cos angle): of the rates, or of this body axis.
+    VonMisesFisher(usize),
 }
 
 impl Law {
-    const NAMES: [(&'static str, Law); 5] = [
+    const NAMES: [(&'static str, Law); 8] = [
         ("none", Law::None),
         ("normal", Law::Normal),
         ("uniform", Law::Uniform),
         ("direction", Law::Direction),
         ("uniform_attitude", Law::UniformAttitude),
+        ("von_mises_fisher1", Law::VonMisesFisher(0)),
+        ("von_mises_fisher2", Law::VonMisesFisher(1)),
+        ("von_mises_fisher3", Law::VonMisesFisher(2)),
     ];
 
     /// The distribution of this name.
@@ -84,7 +89,7 @@ fn box_muller<R: Real>(u: R, v: R) -> [R; 2] {
 pub fn vector<R: Real>(law: Law, u: [R; 4]) -> [R; 3] {
     let (one, two) = (R::splat(1.0), R::splat(2.0));
     match law {
-        Law::None | Law::UniformAttitude => [R::splat(0.0); 3],
+        Law::None | Law::UniformAttitude | Law::VonMisesFisher(_) => [R::splat(0.0); 3],
         Law::Normal => {
             let [a, b] = box_muller(u[0], u[1]);
             [a, b, box_muller(u[2], u[3])[0]]
@@ -99,6 +104,46 @@ pub fn vector<R: Real>(law: Law, u: [R; 4]) -> [R; 3] {
     }
 }
 
+/// 1 - cos of the angle of a random direction from its mean, with the density exp(concentration cos angle) on the sphere (R. A.
+/// Fisher, Proc. R. Soc. A 217 (1953) 295, doi 10.1098/rspa.1953.0064), by the inverse of its distribution (A. T. A. Wood,
+/// Commun. Stat. Simul. Comput. 23 (1994) 157, doi 10.1080/03610919408813161; W. Jakob, "Numerically stable sampling of the
+/// von Mises-Fisher distribution on S2", 2012). The difference from 1 is computed, which is tiny where the direction is
+/// almost certain. At the concentration 0 all directions are alike.
+#[inline(always)]
+pub fn versine<R: Real>(concentration: R, u: R) -> R {
+    let two = R::splat(2.0);
+    let found = -ln_1p(u * exp_m1(-(two * concentration))) / concentration;
+    let uniform = two * u;
+    R::select(R::splat(0.0).lt(concentration), found.min(two), uniform)
+}
+
+/// Rates of the same length in a random direction about the nominal one. Rates of zero stay.
+#[inline(always)]
+pub fn turned_rates<R: Real>(concentration: R, rates: [R; 3], u: [R; 4]) -> [R; 3] {
+    let (zero, one, two) = (R::splat(0.0), R::splat(1.0), R::splat(2.0));
+    let length = rates[0].fma(rates[0], rates[1].fma(rates[1], rates[2] * rates[2])).sqrt();
+    let (x, y, z) = (rates[0] / length, rates[1] / length, rates[2] / length);
+    let off = versine(concentration, u[0]);
+    let (sin, cos) = sincos(R::splat(TAU) * u[1]);
+    let across = length * (off * (two - off)).sqrt();
+    let (c, s) = (across * cos, across * sin);
+    // Along two axes across (T. Duff et al., J. Comput. Graph. Tech. 6 (2017), no. 1, 1).
+    let sign = R::select(z.lt(zero), R::splat(-1.0), one);
+    let a = R::splat(-1.0) / (sign + z);
+    let b = x * y * a;
+    let signed = c * sign;
+    let sides = [
+        c.fma((sign * x * x).fma(a, one), s * b),
+        signed.fma(b, s * (y * y).fma(a, sign)),
+        R::splat(0.0) - signed.fma(x, s * y),
+    ];
+    let mut out = rates;
+    for k in 0..3 {
+        out[k] = R::select(zero.lt(length), off.fnma(rates[k], rates[k]) + sides[k], rates[k]);
+    }
+    out
+}
+
 /// A perturbed attitude: `q` turned in the body by a rotation vector of the distribution, or a uniform random attitude.
 #[inline(always)]
 pub fn attitude<R: Real>(law: Law, size: [R; 3], q: [R; 4], u: [R; 4]) -> [R; 4] {
@@ -109,6 +154,15 @@ pub fn attitude<R: Real>(law: Law, size: [R; 3], q: [R; 4], u: [R; 4]) -> [R; 4]
             let (s2, c2) = sincos(R::splat(TAU) * u[2]);
             let (a, b) = ((R::splat(1.0) - u[0]).sqrt(), u[0].sqrt());
             [a * s1, a * c1, b * s2, b * c2]
+        }
+        Law::VonMisesFisher(axis) => {
+            let half = versine(size[0], u[0]) * R::splat(0.5);
+            let (sin, cos) = sincos(R::splat(TAU) * u[1]);
+            // About an axis across: the nominal direction and the new one are in a plane with no turn about either.
+            let mut turn = [(R::splat(1.0) - half).sqrt(), R::splat(0.0), R::splat(0.0), R::splat(0.0)];
+            turn[1 + (axis + 1) % 3] = half.sqrt() * cos;
+            turn[1 + (axis + 2) % 3] = half.sqrt() * sin;
+            quaternion_product(&q, &turn)
         }
         _ => turned(size, vector(law, u), q),
     }

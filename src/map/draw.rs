@@ -4,13 +4,48 @@ use super::{Map, Pixel};
 use crate::error::Error;
 use crate::memory;
 use crate::real::Pack;
-use crate::sample::{self, Law, Mix};
+use crate::sample::{self, Given, Law, Mix};
 use crate::simd::Isa;
 use crate::simd::{LANES, Row};
 #[cfg(target_arch = "x86_64")]
 use crate::simd::{V4, V8};
 use crate::start::Body;
 use std::ops::Range;
+
+/// The laws of the perturbations of a start.
+#[derive(Clone, Debug)]
+pub struct Laws {
+    /// Of the rates.
+    pub omega: Law,
+    /// Of the attitude.
+    pub attitude: Law,
+    /// Factor of the covariance of both, for normal perturbations that hang together.
+    pub mix: Option<Mix>,
+    /// Whether the perturbations of the rates and of the attitude are mixed by this factor.
+    pub mixed: [bool; 2],
+    /// Perturbations that are given one by one.
+    pub given: Option<Given>,
+}
+
+impl Laws {
+    /// No perturbation.
+    pub const NONE: Laws =
+        Laws { omega: Law::None, attitude: Law::None, mix: None, mixed: [false; 2], given: None };
+}
+
+/// One start of a mixture.
+#[derive(Clone, Debug)]
+pub struct Mixed {
+    /// The share of the samples that begin so or as one before.
+    pub until: f64,
+    /// Its perturbations.
+    pub laws: Laws,
+    /// The nominal start of each pixel, and the sizes of its perturbations.
+    pub pixels: Vec<Pixel>,
+}
+
+/// The block of draws that tells which start of a mixture a sample takes; those before are of the rates and the attitude.
+const OF_MIXTURE: u64 = 2;
 
 const NOTHING: Row = Row([0.0; LANES]);
 
@@ -39,6 +74,14 @@ fn set(rows: &mut [Row; 4], lane: usize, u: [f64; 4]) {
 #[inline(always)]
 fn vectors<P: Pack>(law: Law, mix: Option<&Mix>, draws: &mut Draws) {
     for at in (0..LANES).step_by(P::LANES) {
+        if let Law::VonMisesFisher(_) = law {
+            let ([size, ..], [x, y, z, _]) = (load::<P>(&draws.sizes, at), load::<P>(&draws.start, at));
+            let rates = sample::turned_rates(size, [x, y, z], load(&draws.uniforms, at));
+            for k in 0..3 {
+                rates[k].store(&mut draws.start[k].0[at..]);
+            }
+            continue;
+        }
         let mut v = sample::vector(law, load::<P>(&draws.uniforms, at));
         if let Some(mix) = mix {
             v = sample::mixed_rates(mix, v);
@@ -123,8 +166,39 @@ impl Map {
 
     /// The starts of samples, given by pixel and number in the pixel.
     pub fn draw_at(&self, isa: Isa, places: &[(u64, u64)]) -> Result<Vec<Body>, Error> {
+        const MIXTURE: &str = "starts of a mixture";
+        if self.mixture.is_empty() {
+            return self.drawn(isa, &self.laws, &self.pixels, places);
+        }
+        let of_each = places.iter().map(|place| {
+            let [number, sample] = self.counter(*place);
+            let [u, ..] = sample::uniforms(self.key, OF_MIXTURE, sample, number);
+            self.mixture.partition_point(|mixed| mixed.until <= u)
+        });
+        let of_each = memory::collected(MIXTURE, places.len(), of_each)?;
+        let nominal = places.iter().map(|place| self.pixels[place.0 as usize].body);
+        let mut bodies = memory::collected(MIXTURE, places.len(), nominal)?;
+        for (k, mixed) in self.mixture.iter().enumerate() {
+            let mut mine = memory::reserved(MIXTURE, places.len())?;
+            mine.extend((0..places.len()).filter(|&at| of_each[at] == k));
+            let own = memory::collected(MIXTURE, mine.len(), mine.iter().map(|&at| places[at]))?;
+            for (&at, body) in mine.iter().zip(self.drawn(isa, &mixed.laws, &mixed.pixels, &own)?) {
+                bodies[at] = body;
+            }
+        }
+        Ok(bodies)
+    }
+
+    /// The starts of samples, perturbed by these laws from the nominal ones of these pixels.
+    fn drawn(
+        &self,
+        isa: Isa,
+        laws: &Laws,
+        pixels: &[Pixel],
+        places: &[(u64, u64)],
+    ) -> Result<Vec<Body>, Error> {
         let count = places.len();
-        let pixel = |place: &(u64, u64)| &self.pixels[place.0 as usize];
+        let pixel = |place: &(u64, u64)| &pixels[place.0 as usize];
         let bodies = places.iter().map(|place| pixel(place).body);
         let mut bodies = memory::collected("starts of a block", count, bodies)?;
         let mut draws = Draws {
@@ -133,11 +207,11 @@ impl Map {
             sizes: [NOTHING; 4],
             start: [NOTHING; 4],
         };
-        let mix = self.mix.as_ref();
-        let [of_rates, of_attitude] = self.mixed;
+        let mix = laws.mix.as_ref();
+        let [of_rates, of_attitude] = laws.mixed;
         let (rates_mix, attitude_mix) = (mix.filter(|_| of_rates), mix.filter(|_| of_attitude));
         for (bodies, places) in bodies.chunks_mut(LANES).zip(places.chunks(LANES)) {
-            if self.omega_law != Law::None {
+            if laws.omega != Law::None {
                 for (lane, place) in places.iter().enumerate() {
                     let Pixel { body, omega_size, .. } = pixel(place);
                     let [number, sample] = self.counter(*place);
@@ -147,14 +221,14 @@ impl Map {
                         draws.start[k].0[lane] = body.omega[k];
                     }
                 }
-                vectors_of(isa, self.omega_law, rates_mix, &mut draws);
+                vectors_of(isa, laws.omega, rates_mix, &mut draws);
                 for (lane, (body, place)) in bodies.iter_mut().zip(places).enumerate() {
                     if pixel(place).possible {
                         body.omega = [0, 1, 2].map(|k| draws.start[k].0[lane]);
                     }
                 }
             }
-            if self.attitude_law != Law::None {
+            if laws.attitude != Law::None {
                 for (lane, place) in places.iter().enumerate() {
                     let Pixel { body, attitude_size, .. } = pixel(place);
                     let [number, sample] = self.counter(*place);
@@ -169,7 +243,7 @@ impl Map {
                         draws.start[k].0[lane] = body.attitude[k];
                     }
                 }
-                attitudes_of(isa, self.attitude_law, attitude_mix, &mut draws);
+                attitudes_of(isa, laws.attitude, attitude_mix, &mut draws);
                 for (lane, (body, place)) in bodies.iter_mut().zip(places).enumerate() {
                     if pixel(place).possible {
                         body.attitude = [0, 1, 2, 3].map(|k| draws.start[k].0[lane]);
@@ -177,7 +251,7 @@ impl Map {
                 }
             }
         }
-        if let Some(given) = &self.given {
+        if let Some(given) = &laws.given {
             for (body, place) in bodies.iter_mut().zip(places).filter(|(_, place)| pixel(place).possible) {
                 let [number, sample] = self.counter(*place);
                 let index = given.index(sample, sample::uniforms(self.key, 0, sample, number));

@@ -15,6 +15,7 @@ mod statistics;
 
 pub use check::Check;
 pub use criterion::Criterion;
+pub use draw::{Laws, Mixed};
 pub use interval::{clopper_pearson, clopper_pearson_of_each};
 pub use joined::{Condition, Logic, MOST_CONDITIONS};
 pub use measure::{Measure, Quantity};
@@ -215,7 +216,6 @@ impl Map {
         Ok(all.into_inner().expect("copying does not panic"))
     }
 
-    /// Whether a sample and a later one are classified in one go.
     /// The values of the measures of samples of strictly ascending flat numbers, sample by sample, and the steps of the runs
     /// of the measures. What follows from the classification of the samples is NaN for those beyond `known`.
     ///
@@ -253,6 +253,7 @@ impl Map {
         Ok(all.into_inner().expect("copying does not panic"))
     }
 
+    /// Whether a sample and a later one are classified in one go.
     fn belong_together(&self, sample: u64, later: u64) -> bool {
         let group_ends = |watched: Watched| watched.with_groups(sample..sample + 1).end;
         later == sample + 1 || self.each_watched().any(|watched| later < group_ends(watched))
@@ -317,7 +318,6 @@ impl Map {
     }
 }
 
-/// A map with the one of its conditions that is watched.
 /// Ascending samples in parts of consecutive ones that belong together, a block at most.
 fn parts(flat: &[u64], belong_together: impl Fn(u64, u64) -> bool) -> Result<Vec<Range<usize>>, Error> {
     let mut parts: Vec<Range<usize>> = Vec::new();
@@ -332,6 +332,7 @@ fn parts(flat: &[u64], belong_together: impl Fn(u64, u64) -> bool) -> Result<Vec
     Ok(parts)
 }
 
+/// A map with the one of its conditions that is watched.
 #[derive(Clone, Copy)]
 struct Watched<'a> {
     map: &'a Map,

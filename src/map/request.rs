@@ -1,12 +1,11 @@
 //! What is asked of a map: the pixels and their samples, the criterion and the method.
 
 use super::check::GROUP;
-use super::{Check, Condition, Criterion, Logic, Measure, Watched};
+use super::{Check, Condition, Criterion, Laws, Logic, Measure, Mixed, Watched};
 use crate::error::Error;
 use crate::exact::Question;
 use crate::forcing::{BodyForcing, Forcing};
 use crate::kernel::System;
-use crate::sample::{Given, Law, Mix};
 use crate::satellite::Satellite;
 use crate::scene::Scene;
 use crate::scheme::{self, Scheme, Step};
@@ -91,16 +90,10 @@ pub struct Map {
     pub method: MethodChoice,
     /// The pixels.
     pub pixels: Vec<Pixel>,
-    /// Law of the perturbation of the rates.
-    pub omega_law: Law,
-    /// Law of the perturbation of the attitude.
-    pub attitude_law: Law,
-    /// Factor of the covariance of both, for normal perturbations that hang together.
-    pub mix: Option<Mix>,
-    /// Whether the perturbations of the rates and of the attitude are mixed by this factor.
-    pub mixed: [bool; 2],
-    /// Perturbations that are given one by one.
-    pub given: Option<Given>,
+    /// Laws of the perturbations.
+    pub laws: Laws,
+    /// The starts of a mixture, of which each sample takes one instead of that of its pixel; empty for none.
+    pub mixture: Vec<Mixed>,
     /// The conditions that are watched.
     pub conditions: Vec<Condition>,
     /// When a sample is stable, from its conditions.
@@ -149,10 +142,18 @@ impl Map {
         if !self.first.is_multiple_of(GROUP) || self.first >= 1 << 63 {
             return refuse("first", self.first.to_string(), "must be a multiple of 64 below 2**63");
         }
-        if let Some(given) = &self.given {
+        let all_laws = self.mixture.iter().map(|mixed| &mixed.laws).chain([&self.laws]);
+        for given in all_laws.filter_map(|laws| laws.given.as_ref()) {
             let rule = "must not be empty, and shares must end at 1";
             if given.omega.is_empty() || given.cumulative.last().is_some_and(|&last| last < 1.0) {
                 return refuse("given_omega", given.omega.len().to_string(), rule);
+            }
+        }
+        if let Some(last) = self.mixture.last() {
+            let is_whole = self.mixture.iter().all(|mixed| mixed.pixels.len() == self.pixels.len());
+            if !(is_whole && last.until >= 1.0) {
+                let rule = "must have a start in each pixel, and shares must end at 1";
+                return refuse("mixture", self.mixture.len().to_string(), rule);
             }
         }
         if !(self.t_end.is_finite() && self.t_end > 0.0) {
@@ -270,11 +271,8 @@ mod tests {
             forcing: Vec::new(),
             method: MethodChoice::Auto,
             pixels: Vec::new(),
-            omega_law: Law::None,
-            attitude_law: Law::None,
-            mix: None,
-            mixed: [false; 2],
-            given: None,
+            laws: Laws::NONE,
+            mixture: Vec::new(),
             conditions: vec![Condition { criterion: Criterion::NoFlip, axis: 2 }],
             logic: Logic::single(),
             measures: Vec::new(),
@@ -299,6 +297,10 @@ mod tests {
             ),
             (Map { samples: 0, ..map() }, "samples = 0"),
             (Map { first: 32, ..map() }, "first = 32"),
+            (
+                Map { mixture: vec![Mixed { until: 0.5, laws: Laws::NONE, pixels: Vec::new() }], ..map() },
+                "mixture = 1",
+            ),
             (Map { first: 1 << 63, ..map() }, "first = 9223372036854775808"),
             (Map { t_end: f64::NAN, ..map() }, "t_end = NaN"),
             (Map { t_end: -1.0, ..map() }, "t_end = -1"),

@@ -6,8 +6,8 @@ use crate::body::MomentStatus;
 use crate::error::Error;
 use crate::forcing::Forcing;
 use crate::map::{
-    Bin, Check, Column, Condition, Criterion, Field, Known, Logic, Map, Measure, MethodChoice, Outcome,
-    Pixel, Sketch, Statistics, clopper_pearson_of_each,
+    Bin, Check, Column, Condition, Criterion, Field, Known, Laws, Logic, Map, Measure, MethodChoice, Mixed,
+    Outcome, Pixel, Sketch, Statistics, clopper_pearson_of_each,
 };
 use crate::memory;
 use crate::sample::{Given, Law};
@@ -276,12 +276,6 @@ keywords! {
         method: String,
         moments: PyReadonlyArray2<'py, f64>,
         weight: PyReadonlyArray2<'py, f64>,
-        omega: PyReadonlyArray2<'py, f64>,
-        omega_noise: String,
-        omega_size: PyReadonlyArray2<'py, f64>,
-        attitude: PyReadonlyArray2<'py, f64>,
-        attitude_noise: String,
-        attitude_size: PyReadonlyArray2<'py, f64>,
         conditions: Vec<(String, i32, Vec<f64>)>,
         logic: String,
         measures: Vec<(String, i32)>,
@@ -298,6 +292,22 @@ keywords! {
         #[pyo3(default)]
         first: u64,
         #[pyo3(default)]
+        mixture: Option<Vec<StartsRequest<'py>>>,
+        #[pyo3(default)]
+        mixture_shares: Option<Vec<f64>>,
+    }
+}
+
+keywords! {
+    /// The keyword arguments of the starts: those of `Laws`, with the nominal start and the sizes of each pixel.
+    struct StartsRequest {
+        omega: PyReadonlyArray2<'py, f64>,
+        omega_noise: String,
+        omega_size: PyReadonlyArray2<'py, f64>,
+        attitude: PyReadonlyArray2<'py, f64>,
+        attitude_noise: String,
+        attitude_size: PyReadonlyArray2<'py, f64>,
+        #[pyo3(default)]
         mix: Option<PyReadonlyArray2<'py, f64>>,
         #[pyo3(default)]
         mixed: [bool; 2],
@@ -310,42 +320,32 @@ keywords! {
     }
 }
 
-impl MapRequest<'_> {
-    const OPTIONAL: [&'static str; 8] =
-        ["forcing", "numbers", "first", "mix", "mixed", "given_omega", "given_attitude", "given_shares"];
-
-    /// The map, and the status of the moments of each pixel.
-    fn map(self) -> PyResult<(Map, Vec<u8>)> {
-        let moments = rows::<3>("moments", &self.moments)?;
+impl StartsRequest<'_> {
+    /// The pixels with these moments and weights, and their laws.
+    fn pixels(
+        &self,
+        moments: &[[f64; 3]],
+        weight: &[[f64; 3]],
+        status: &[u8],
+    ) -> PyResult<(Vec<Pixel>, Laws)> {
         let pixels = moments.len();
-        let status = moments.iter().map(|&m| MomentStatus::of(m) as u8);
-        let status = memory::collected(PIXELS, pixels, status)?;
         let omega_size = rows::<3>("omega_size", &self.omega_size)?;
         same_length("omega_size", pixels, omega_size.len())?;
         let attitude_size = rows::<3>("attitude_size", &self.attitude_size)?;
         same_length("attitude_size", pixels, attitude_size.len())?;
         let omega = rows::<3>("omega", &self.omega)?;
         same_length("omega", pixels, omega.len())?;
-        let (weight, attitude) = (rows::<3>("weight", &self.weight)?, rows::<4>("attitude", &self.attitude)?);
-        let bodies = bodies(moments, weight, omega, attitude)?;
-        let forcing: Vec<Forcing> = match self.forcing {
-            Some(all) => {
-                same_length("forcing", pixels, all.len())?;
-                let mut copies = memory::reserved(PIXELS, pixels)?;
-                for one in &all {
-                    copies.push(one.0.copied()?);
-                }
-                copies
-            }
-            None => Vec::new(),
+        let bodies = bodies(moments, weight, omega, rows::<4>("attitude", &self.attitude)?)?;
+        let pixel = |i: usize| Pixel {
+            body: bodies[i],
+            omega_size: omega_size[i],
+            attitude_size: attitude_size[i],
+            possible: status[i] == MomentStatus::Possible as u8,
         };
-        let numbers = match &self.numbers {
-            Some(numbers) => {
-                same_length("numbers", pixels, numbers.as_array().len())?;
-                memory::collected(PIXELS, pixels, numbers.as_array().iter().copied())?
-            }
-            None => Vec::new(),
-        };
+        Ok((memory::collected(PIXELS, pixels, (0..pixels).map(pixel))?, self.laws()?))
+    }
+
+    fn laws(&self) -> PyResult<Laws> {
         let mix = match &self.mix {
             Some(mix) => {
                 let factor = rows::<6>("mix", mix)?;
@@ -378,11 +378,64 @@ impl MapRequest<'_> {
             }
             None => None,
         };
-        let pixel = |i: usize| Pixel {
-            body: bodies[i],
-            omega_size: omega_size[i],
-            attitude_size: attitude_size[i],
-            possible: status[i] == MomentStatus::Possible as u8,
+        Ok(Laws {
+            omega: Law::parse("omega_noise", &self.omega_noise)?,
+            attitude: Law::parse("attitude_noise", &self.attitude_noise)?,
+            mix,
+            mixed: self.mixed,
+            given,
+        })
+    }
+}
+
+impl MapRequest<'_> {
+    const OPTIONAL: [&'static str; 10] = [
+        "forcing",
+        "numbers",
+        "first",
+        "mix",
+        "mixed",
+        "given_omega",
+        "given_attitude",
+        "given_shares",
+        "mixture",
+        "mixture_shares",
+    ];
+
+    /// The map with these starts, and the status of the moments of each pixel.
+    fn map(self, starts: &StartsRequest<'_>) -> PyResult<(Map, Vec<u8>)> {
+        let moments = rows::<3>("moments", &self.moments)?;
+        let pixels = moments.len();
+        let status = moments.iter().map(|&m| MomentStatus::of(m) as u8);
+        let status = memory::collected(PIXELS, pixels, status)?;
+        let weight = rows::<3>("weight", &self.weight)?;
+        let (starting, laws) = starts.pixels(moments, weight, &status)?;
+        let shares = self.mixture_shares.unwrap_or_default();
+        let mut mixture = Vec::new();
+        if let Some(all) = &self.mixture {
+            same_length("mixture_shares", all.len(), shares.len())?;
+            for (starts, &until) in all.iter().zip(&shares) {
+                let (pixels, laws) = starts.pixels(moments, weight, &status)?;
+                memory::push(PIXELS, &mut mixture, Mixed { until, laws, pixels })?;
+            }
+        }
+        let forcing: Vec<Forcing> = match self.forcing {
+            Some(all) => {
+                same_length("forcing", pixels, all.len())?;
+                let mut copies = memory::reserved(PIXELS, pixels)?;
+                for one in &all {
+                    copies.push(one.0.copied()?);
+                }
+                copies
+            }
+            None => Vec::new(),
+        };
+        let numbers = match &self.numbers {
+            Some(numbers) => {
+                same_length("numbers", pixels, numbers.as_array().len())?;
+                memory::collected(PIXELS, pixels, numbers.as_array().iter().copied())?
+            }
+            None => Vec::new(),
         };
         let conditions: Vec<Condition> = self
             .conditions
@@ -395,12 +448,9 @@ impl MapRequest<'_> {
             scene: Scene::parse(&self.scene)?,
             forcing,
             method: MethodChoice::parse(&self.method)?,
-            pixels: memory::collected(PIXELS, pixels, (0..pixels).map(pixel))?,
-            omega_law: Law::parse("omega_noise", &self.omega_noise)?,
-            attitude_law: Law::parse("attitude_noise", &self.attitude_noise)?,
-            mix,
-            mixed: self.mixed,
-            given,
+            pixels: starting,
+            laws,
+            mixture,
             conditions,
             logic: Logic::parse(&self.logic, self.conditions.len())?,
             measures: self
@@ -441,17 +491,20 @@ impl MapJob {
     #[pyo3(signature = (**request))]
     fn new(request: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
         let given = |name: &str| request.is_some_and(|request| request.contains(name).unwrap_or(false));
+        let known = || MapRequest::KEYWORDS.iter().chain(StartsRequest::KEYWORDS);
         let missing = |name: &&&str| !MapRequest::OPTIONAL.contains(*name) && !given(name);
-        if let Some(name) = MapRequest::KEYWORDS.iter().find(missing) {
+        if let Some(name) = known().find(missing) {
             return Err(PyTypeError::new_err(format!("MapJob() misses the keyword argument '{name}'")));
         }
         let request = request.expect("no keyword is missing");
         for name in request.keys() {
-            if !MapRequest::KEYWORDS.contains(&name.extract::<&str>()?) {
+            let word = name.extract::<&str>()?;
+            if !known().any(|known| *known == word) {
                 return Err(PyTypeError::new_err(format!("MapJob() has no keyword argument '{name}'")));
             }
         }
-        let (map, status) = request.extract::<MapRequest<'_>>()?.map()?;
+        let starts = request.extract::<StartsRequest<'_>>()?;
+        let (map, status) = request.extract::<MapRequest<'_>>()?.map(&starts)?;
         Ok(MapJob { map, status, isa: Isa::current()? })
     }
 
@@ -545,45 +598,6 @@ impl MapJob {
         ])
     }
 
-    /// What became of samples, numbered pixel by pixel in ascending order: arrays of a number each. `class` and `status`
-    /// are codes in the order of the classes and of the statuses; `exact` is 1 for a closed form; `measures` are the values of
-    /// the measures, sample by sample.
-    fn outcomes<'py>(
-        &self,
-        py: Python<'py>,
-        samples: PyReadonlyArray1<'py, u64>,
-        threads: usize,
-    ) -> PyResult<Bound<'py, PyDict>> {
-        let flat = self.ascending(&samples)?;
-        let (all, (values, _)) = interruptible(py, None, |interrupt| {
-            let all = self.map.samples_at(&flat, threads.max(1), self.isa, interrupt)?;
-            let values = self.map.values_at(&flat, &all, threads.max(1), self.isa, interrupt)?;
-            Ok::<_, Error>((all, values))
-        })??;
-        let dict = PyDict::new(py);
-        dict.set_item("class", convert::column(py, &all, |(_, class, _)| *class as u8)?)?;
-        dict.set_item("status", convert::column(py, &all, |(.., one)| one.status as u8)?)?;
-        dict.set_item("exact", convert::column(py, &all, |(.., one)| one.exact)?)?;
-        dict.set_item("flips", convert::column(py, &all, |(.., one)| one.flips as i64)?)?;
-        dict.set_item("steps", convert::column(py, &all, |(.., one)| one.steps as i64)?)?;
-        for (name, of) in OUTCOME_NUMBERS {
-            dict.set_item(name, convert::column(py, &all, |(.., one)| of(one))?)?;
-        }
-        Ok(dict)
-    }
-}
-
-impl MapJob {
-    /// The numbers of samples, if the map has such samples.
-    fn numbers(&self, samples: &PyReadonlyArray1<'_, u64>) -> PyResult<Vec<u64>> {
-        let samples = samples.as_array();
-        if let Some(sample) = samples.iter().find(|&&sample| sample >= self.map.len()) {
-            let value = format!("{sample} of {}", self.map.len());
-            return Err(Error::Value { argument: "samples", value, rule: "must be an index" }.into());
-        }
-        Ok(memory::collected("numbers of samples", samples.len(), samples.iter().copied())?)
-    }
-}
     /// The values of the measures of samples, numbered pixel by pixel in ascending order, sample by sample, and the steps of
     /// their runs. What follows from a classification is NaN: nothing is classified.
     fn measured<'py>(
@@ -600,7 +614,36 @@ impl MapJob {
         Ok((values, steps.into_pyarray(py)))
     }
 
+    /// What became of samples, numbered pixel by pixel in ascending order: arrays of a number each. `class` and `status`
+    /// are codes in the order of the classes and of the statuses; `exact` is 1 for a closed form; `measures` are the values of
+    /// the measures, sample by sample.
+    fn outcomes<'py>(
+        &self,
+        py: Python<'py>,
+        samples: PyReadonlyArray1<'py, u64>,
+        threads: usize,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let flat = self.ascending(&samples)?;
+        let (all, (values, _)) = interruptible(py, None, |interrupt| {
+            let all = self.map.samples_at(&flat, threads.max(1), self.isa, interrupt)?;
+            let values = self.map.values_at(&flat, &all, threads.max(1), self.isa, interrupt)?;
+            Ok::<_, Error>((all, values))
+        })??;
+        let dict = PyDict::new(py);
         dict.set_item("measures", values.into_pyarray(py).reshape([flat.len(), self.map.measures.len()])?)?;
+        dict.set_item("class", convert::column(py, &all, |(_, class, _)| *class as u8)?)?;
+        dict.set_item("status", convert::column(py, &all, |(.., one)| one.status as u8)?)?;
+        dict.set_item("exact", convert::column(py, &all, |(.., one)| one.exact)?)?;
+        dict.set_item("flips", convert::column(py, &all, |(.., one)| one.flips as i64)?)?;
+        dict.set_item("steps", convert::column(py, &all, |(.., one)| one.steps as i64)?)?;
+        for (name, of) in OUTCOME_NUMBERS {
+            dict.set_item(name, convert::column(py, &all, |(.., one)| of(one))?)?;
+        }
+        Ok(dict)
+    }
+}
+
+impl MapJob {
     /// The numbers of samples, if the map has such samples and they ascend.
     fn ascending(&self, samples: &PyReadonlyArray1<'_, u64>) -> PyResult<Vec<u64>> {
         let flat = self.numbers(samples)?;
@@ -611,3 +654,13 @@ impl MapJob {
         Ok(flat)
     }
 
+    /// The numbers of samples, if the map has such samples.
+    fn numbers(&self, samples: &PyReadonlyArray1<'_, u64>) -> PyResult<Vec<u64>> {
+        let samples = samples.as_array();
+        if let Some(sample) = samples.iter().find(|&&sample| sample >= self.map.len()) {
+            let value = format!("{sample} of {}", self.map.len());
+            return Err(Error::Value { argument: "samples", value, rule: "must be an index" }.into());
+        }
+        Ok(memory::collected("numbers of samples", samples.len(), samples.iter().copied())?)
+    }
+}

@@ -234,6 +234,24 @@ pub fn ln<R: Real>(x: R) -> R {
     k * R::splat(LN2_HIGH) - ((half - correction) - f)
 }
 
+/// ln(1 + x) of -1 < x <= 0, within 3 ulp: the rounding of `1 + x` is made good (W. Kahan; N. J. Higham, *Accuracy and
+/// Stability of Numerical Algorithms*, 2nd ed., SIAM 2002, section 1.14.1).
+#[inline(always)]
+pub fn ln_1p<R: Real>(x: R) -> R {
+    let one = R::splat(1.0);
+    let sum = one + x;
+    R::select(sum.lt(one), ln(sum) * (x / (sum - one)), x)
+}
+
+/// exp(x) - 1 of x <= 0, within 4 ulp, in the same way.
+#[inline(always)]
+pub fn exp_m1<R: Real>(x: R) -> R {
+    let one = R::splat(1.0);
+    let bounded = R::splat(-40.0).max(x);
+    let power = exp(bounded);
+    R::select(power.lt(one), (power - one) * (bounded / ln(power)), bounded)
+}
+
 /// The angle of the point (x, y) from the x axis, in [-pi, pi], within 2 ulp; 0 at the origin.
 ///
 /// The argument is reduced to |t| <= tan(pi/8) at the diagonals; kernel coefficients of msun `s_atan.c`.

@@ -4,7 +4,7 @@
 //! The draws are fixed, so the tests are deterministic: the mean of n draws has at most 4 of its standard errors.
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
-use rigid::map::{Check, Condition, Criterion, Logic, Map, MethodChoice, Pixel};
+use rigid::map::{Check, Condition, Criterion, Laws, Logic, Map, MethodChoice, Pixel};
 use rigid::sample::{Law, attitude, philox4x64, uniforms, vector};
 use rigid::scene::FREE;
 use rigid::scheme;
@@ -209,18 +209,15 @@ fn draws_do_not_shift_each_other() {
         omega: [0.1, 1.0, -0.2],
         attitude: [0.8, 0.4, -0.4, 0.2],
     };
-    let draw = |omega_law, attitude_law, samples, pixel, sample| {
+    let draw = |omega, attitude, samples, pixel, sample| {
         let pixel_of = Pixel { body, omega_size: [0.5, 0.25, 2.0], attitude_size: [0.1; 3], possible: true };
         let map = Map {
             scene: &FREE,
             forcing: Vec::new(),
             method: MethodChoice::Only(Solver::Steps(&scheme::RK4)),
             pixels: vec![pixel_of; 3],
-            omega_law,
-            mix: None,
-            mixed: [false; 2],
-            given: None,
-            attitude_law,
+            laws: Laws { omega, attitude, ..Laws::NONE },
+            mixture: Vec::new(),
             conditions: vec![Condition { criterion: Criterion::NoFlip, axis: 2 }],
             logic: Logic::single(),
             measures: Vec::new(),

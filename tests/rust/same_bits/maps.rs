@@ -20,11 +20,8 @@ fn map(is_top: bool, method: MethodChoice, criterion: Criterion, step: Option<f6
         forcing: Vec::new(),
         method,
         pixels,
-        omega_law: Law::Normal,
-        mix: None,
-        mixed: [false; 2],
-        given: None,
-        attitude_law: Law::Direction,
+        laws: Laws { omega: Law::Normal, attitude: Law::Direction, ..Laws::NONE },
+        mixture: Vec::new(),
         conditions: vec![Condition { criterion, axis: -2 }],
         logic: Logic::single(),
         measures: Vec::new(),
@@ -274,11 +271,13 @@ fn a_sample_alone_is_the_sample_of_the_map() {
 
 #[test]
 fn draws_on_every_instruction_set() {
-    let laws = [Law::None, Law::Normal, Law::Uniform, Law::Direction, Law::UniformAttitude];
+    let laws =
+        [Law::None, Law::Normal, Law::Uniform, Law::Direction, Law::UniformAttitude, Law::VonMisesFisher(1)];
     let numbers = |b: Body| all_bits(&[&b.moments[..], &b.weight, &b.omega, &b.attitude].concat());
-    for omega_law in laws {
-        for attitude_law in laws {
-            let map = Map { omega_law, attitude_law, ..maps().swap_remove(2) };
+    for omega in laws {
+        for attitude in laws {
+            let laws = Laws { omega, attitude, ..Laws::NONE };
+            let map = Map { laws, ..maps().swap_remove(2) };
             // From the last samples of a pixel to the first samples of the next but one.
             let range = 2 * SAMPLES - 40..3 * SAMPLES + 45;
             let alone = |flat: u64| numbers(map.draw(Isa::Scalar, flat..flat + 1).unwrap()[0]);
@@ -288,7 +287,7 @@ fn draws_on_every_instruction_set() {
                 for offset in [0, 1, 7, 33] {
                     let drawn = map.draw(isa, range.start + offset..range.end).unwrap();
                     let drawn: Vec<_> = drawn.into_iter().map(numbers).collect();
-                    assert_eq!(drawn, scalar[offset as usize..], "{isa:?} {omega_law:?} {attitude_law:?}");
+                    assert_eq!(drawn, scalar[offset as usize..], "{isa:?} {omega:?} {attitude:?}");
                 }
             }
         }
