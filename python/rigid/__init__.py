@@ -44,6 +44,7 @@ from .model.start import (
     samples,
     uniform,
     uniform_attitude,
+    von_mises_fisher,
 )
 from .model.torque import Torque
 from .reports.compute import report
@@ -185,6 +186,7 @@ __all__ = [
     "uniform",
     "uniform_attitude",
     "units",
+    "von_mises_fisher",
 ]
 
 _LATER = frozenset(

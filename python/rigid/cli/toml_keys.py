@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 from ..maps.spec import MapSpec
 from ..model.measures import MEASURES
+from ..model.start import NOISE_KINDS
 from ..reports.spec import ReportSpec
 
 __all__ = [
@@ -134,8 +135,9 @@ START: Mapping[str, Key] = {
 }
 
 NOISE: Mapping[str, Key] = {
-    "kind": Key("text", "`normal`, `uniform`, `direction` or `uniform_attitude`"),
+    "kind": Key("text", ", ".join(f"`{kind}`" for kind in NOISE_KINDS)),
     "size": Key("number or 3", "size; left out if an axis varies it", "rad/s or rad"),
+    "kappa": Key("number", "instead of `size`: concentration of `von_mises_fisher`"),
     "cov": Key("3 x 3 or 6 x 6", "instead of `size`: covariance of `normal`", "(rad/s)², rad²"),
 }
 

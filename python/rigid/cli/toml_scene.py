@@ -13,7 +13,7 @@ from ..model.body import Body
 from ..model.criteria import CRITERIA, Criterion
 from ..model.satellite import EnergySink
 from ..model.scene import SCENES, FreeBody, Scene
-from ..model.start import NOISE_KINDS, Noise, Start
+from ..model.start import NOISE_KINDS, Noise, Start, von_mises_fisher
 from ..model.torque import Torque
 from .toml_keys import NOISE, ORBIT, SATELLITE, SCENE, START
 from .toml_table import Table, as_is, three
@@ -95,8 +95,8 @@ def read_start(table: Table, axes: list[str]) -> Start:
     axis = table.take("axis", as_is, default=3)
     tilt = table.take("tilt", finite_float, default=0.0)
     noise, attitude_noise = (
-        _noise(table.table(name), name in axes) if name in table else None
-        for name in ("noise", "attitude_noise")
+        _noise(table.table(name), name in axes, kappa in axes) if name in table else None
+        for name, kappa in (("noise", "kappa"), ("attitude_noise", "attitude_kappa"))
     )
     return table.build(
         lambda: Start(
@@ -110,12 +110,19 @@ def read_start(table: Table, axes: list[str]) -> Start:
     )
 
 
-def _noise(table: Table, on_axis: bool) -> Noise:
+def _noise(table: Table, on_axis: bool, kappa_on_axis: bool) -> Noise:
     kind = table.choice("kind", NOISE_KINDS)
     if kind == "uniform_attitude":
         table.only("kind")
         return Noise(kind)
-    table.only(*NOISE)
+    if kind == "von_mises_fisher":
+        table.only("kind", "kappa")
+        if kappa_on_axis:
+            if "kappa" in table:
+                raise table.error("kappa is that of the axis; leave it out here")
+            return Noise(kind, 0.0)
+        return table.build(lambda: von_mises_fisher(table.take("kappa", as_is)))
+    table.only(*(key for key in NOISE if key != "kappa"))
     if "cov" in table:
         if "size" in table:
             raise table.error("size and cov both say how large the noise is")

@@ -100,8 +100,9 @@ def stability_map(
         ``attitude_noise``: the size of the perturbation that the start names, or of one component:
         ``noise1``, ``noise2``, ``noise3``, ``attitude_noise1``, ``attitude_noise2``,
         ``attitude_noise3``; ``damping1``, ``damping2``, ``damping3`` (N m s): damping of the rates
-        about the axes; ``torque1``, ``torque2``, ``torque3`` (N m): constant torque about them;
-        ``limit``: the angle of the criterion; ``t_end``: the horizon. All horizons and limits see
+        about the axes; ``kappa``, ``attitude_kappa``: concentration of the directions of
+        :func:`von_mises_fisher`; ``torque1``, ``torque2``, ``torque3`` (N m): constant torque about
+        them; ``limit``: the angle of the criterion; ``t_end``: the horizon. All horizons and limits see
         the same bodies, each by a run of its own.
     samples : int
         Bodies per pixel; or give ``half_width``. One of them is required, as ``axes``, ``t_end``

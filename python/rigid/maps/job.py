@@ -178,7 +178,7 @@ def _of_core(spec: MapSpec, pixels: NDArray[np.int64] | None, samples: range) ->
         moments=grid.moments,
         weight=grid.weight,
         omega=grid.omega,
-        omega_noise=noise.kind if isinstance(noise, Noise) else "none",
+        omega_noise=_law(spec.start, noise) if isinstance(noise, Noise) else "none",
         omega_size=grid.omega_size,
         attitude=grid.attitude,
         attitude_noise=_attitude_law(spec.start),
@@ -202,7 +202,12 @@ def _of_core(spec: MapSpec, pixels: NDArray[np.int64] | None, samples: range) ->
 def _attitude_law(start: Start) -> str:
     if start.joint:
         return "normal" if isinstance(start.noise, Noise) else "none"
-    return "none" if start.attitude_noise is None else start.attitude_noise.kind
+    return "none" if start.attitude_noise is None else _law(start, start.attitude_noise)
+
+
+def _law(start: Start, noise: Noise) -> str:
+    """The name that the core has for a law; that of a direction names the body axis too."""
+    return f"{noise.kind}{start.axis}" if noise.is_direction else noise.kind
 
 
 def _given(samples: Samples) -> dict[str, Any]:

@@ -283,6 +283,22 @@ def _needs_size_of_noise(_scene: Scene, start: Start) -> str:
         return "the noise of the start are given samples, which have no size"
     if start.noise.cov is not None:
         return "the noise of the start has a covariance; give it a size"
+    if start.noise.is_direction:
+        return "the noise of the start has a concentration; use kappa"
+    return ""
+
+
+def _needs_kappa(_scene: Scene, start: Start) -> str:
+    if not (isinstance(start.noise, Noise) and start.noise.is_direction):
+        return "the start has no noise=rigid.von_mises_fisher(0)"
+    return ""
+
+
+def _needs_attitude_kappa(scene: Scene, start: Start) -> str:
+    if not scene.rates_need_attitude:
+        return f"{_ATTITUDE_UNFELT}; use kappa"
+    if start.attitude_noise is None or not start.attitude_noise.is_direction:
+        return "the start has no attitude_noise=rigid.von_mises_fisher(0)"
     return ""
 
 
@@ -316,6 +332,8 @@ def _needs_size_of_attitude_noise(scene: Scene, start: Start) -> str:
         )
     if start.attitude_noise.cov is not None:
         return "the attitude noise has a covariance; give it a size"
+    if start.attitude_noise.is_direction:
+        return "the attitude noise has a concentration; use attitude_kappa"
     if start.attitude_noise.kind == "uniform_attitude":
         return "uniform_attitude() has no size"
     return ""
@@ -499,6 +517,22 @@ PARAMETERS: Mapping[str, Parameter] = {
         )
         for k in (1, 2, 3)
     },
+    "kappa": Parameter(
+        r"$\kappa$",
+        "1",
+        "concentration of the direction of the rates",
+        _every_component("omega_size"),
+        _needs_kappa,
+        lowest=0.0,
+    ),
+    "attitude_kappa": Parameter(
+        r"$\kappa$ of the attitude",
+        "1",
+        "concentration of the direction of the axis of the start",
+        _every_component("attitude_size"),
+        _needs_attitude_kappa,
+        lowest=0.0,
+    ),
     "limit": Parameter(
         "limit",
         "rad",

@@ -23,9 +23,10 @@ __all__ = [
     "samples",
     "uniform",
     "uniform_attitude",
+    "von_mises_fisher",
 ]
 
-NOISE_KINDS = ("normal", "uniform", "direction", "uniform_attitude")
+NOISE_KINDS = ("normal", "uniform", "direction", "uniform_attitude", "von_mises_fisher")
 
 MOST_SAMPLES = 100_000
 """Most entries of a list of samples: a specification holds them as text."""
@@ -40,10 +41,11 @@ class Noise:
     Attributes
     ----------
     kind : str
-        One of ``"normal"``, ``"uniform"``, ``"direction"``, ``"uniform_attitude"``.
+        One of ``"normal"``, ``"uniform"``, ``"direction"``, ``"uniform_attitude"``,
+        ``"von_mises_fisher"``.
     size : float or tuple of 3 floats
         Factor of the law, one number or one for each body axis: rad/s for rates, rad for an
-        attitude.
+        attitude; the concentration of ``"von_mises_fisher"``.
     cov : tuple of tuples of float, or None
         Covariance of normal deviates that hang together, 3 x 3, or 6 x 6 of the rates and then the
         attitude. The size is 1 then.
@@ -56,6 +58,8 @@ class Noise:
     def __post_init__(self) -> None:
         one_of("kind", self.kind, NOISE_KINDS)
         object.__setattr__(self, "size", _size(self.size))
+        if self.is_direction and isinstance(self.size, tuple):
+            raise ValueError("kappa: expected a single concentration, got 3 numbers")
         if self.cov is not None:
             if self.kind != "normal" or self.size != 1.0:
                 raise ValueError("cov: is that of normal noise, and says its size")
@@ -66,6 +70,11 @@ class Noise:
     def is_plain_normal(self) -> bool:
         """Whether it is normal with independent components."""
         return self.kind == "normal" and self.cov is None
+
+    @property
+    def is_direction(self) -> bool:
+        """Whether it is the law of a direction, whose size is a concentration."""
+        return self.kind == "von_mises_fisher"
 
     def factor(self) -> NDArray[np.float64]:
         """The lower triangular factor of the covariance, ``cov = factor @ factor.T``.
@@ -374,6 +383,50 @@ def uniform_attitude() -> Noise:
     return Noise("uniform_attitude")
 
 
+def von_mises_fisher(kappa: float) -> Noise:
+    """A direction about its nominal one with the density ``exp(kappa cos(angle))`` on the sphere.
+
+    As ``attitude_noise`` the direction in space of the axis of the start: the body is turned from
+    its nominal attitude about an axis across, without a twist. As ``noise`` the direction of the
+    rates in the body; their length stays, and rates of zero do.
+
+    Parameters
+    ----------
+    kappa : float
+        Concentration, not negative. At 0 all directions are alike; if it is large, the angle is
+        about that of two normal components of standard deviation ``1 / sqrt(kappa)``.
+
+    Returns
+    -------
+    Noise
+
+    Raises
+    ------
+    ValueError
+        If the concentration is negative or not finite.
+
+    Notes
+    -----
+    The mean of the cosine is ``coth(kappa) - 1 / kappa``. R. A. Fisher, "Dispersion on a sphere",
+    *Proc. R. Soc. A* 217 (1953) 295. The cosine is drawn by the inverse of its distribution: A. T.
+    A. Wood, *Commun. Stat. Simul. Comput.* 23 (1994) 157; W. Jakob, "Numerically stable sampling of
+    the von Mises-Fisher distribution on S2" (2012).
+
+    Examples
+    --------
+    >>> import numpy as np, rigid
+    >>> result = rigid.stability_map(
+    ...     rigid.HeavyTop, axes={"attitude_kappa": [1.0, 100.0]}, samples=1000, t_end=1.0, rng=1,
+    ...     start=rigid.Start(spin=5.0, attitude_noise=rigid.von_mises_fisher(1.0)),
+    ...     stable=rigid.tilt_below(3.0),
+    ... )
+    >>> w, x, y, z = np.moveaxis(result.starts(range(1000)).attitude, -1, 0)
+    >>> (w * w - x * x - y * y + z * z).mean(axis=1).round(2)  # the axis along the vertical
+    array([0.32, 0.99])
+    """
+    return Noise("von_mises_fisher", finite_float("kappa", kappa, nonnegative=True))
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Start:
     """The start of a body: nominal rates and attitude, and their perturbation.
@@ -501,7 +554,10 @@ class Start:
             ("attitude", "attitude_noise", self.attitude_noise),
         ):
             if noise is not None:
-                parts.append(f"{label} + {noise.describe(varied=name in varied)}")
+                of_size = name
+                if isinstance(noise, Noise) and noise.is_direction:
+                    of_size = name.replace("noise", "kappa")
+                parts.append(f"{label} + {noise.describe(varied=of_size in varied)}")
         return ", ".join(parts)
 
 
