@@ -33,6 +33,7 @@ from .model.criteria import no_flip, regular, tilt_below
 from .model.events import Event, crosses, turns
 from .model.judged import States, judged
 from .model.measures import drift, flips, largest_tilt, mean_rate, time_to_leave
+from .model.mixture import Mixture, mixture
 from .model.satellite import EnergySink
 from .model.scene import FreeBody, HeavyTop
 from .model.start import (
@@ -109,6 +110,7 @@ __all__ = [
     "Lines",
     "MapSpec",
     "Method",
+    "Mixture",
     "Motion",
     "Noise",
     "Outcomes",
@@ -157,6 +159,7 @@ __all__ = [
     "merge",
     "meshes",
     "methods",
+    "mixture",
     "near_start",
     "no_flip",
     "normal",

@@ -269,12 +269,15 @@ fn laws_by_name() {
         ("uniform", Law::Uniform),
         ("direction", Law::Direction),
         ("uniform_attitude", Law::UniformAttitude),
+        ("von_mises_fisher1", Law::VonMisesFisher(0)),
+        ("von_mises_fisher3", Law::VonMisesFisher(2)),
     ] {
         assert_eq!(Law::parse("law", name).unwrap(), law);
     }
     let message = Law::parse("omega law", "gauss").unwrap_err().to_string();
     assert_eq!(
         message,
-        "omega law = 'gauss': must be one of none, normal, uniform, direction, uniform_attitude"
+        "omega law = 'gauss': must be one of none, normal, uniform, direction, uniform_attitude, \
+         von_mises_fisher1, von_mises_fisher2, von_mises_fisher3"
     );
 }

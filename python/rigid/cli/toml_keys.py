@@ -132,6 +132,7 @@ START: Mapping[str, Key] = {
     **_NOMINAL,
     "noise": Key("table", "random part of the rates", "", "none"),
     "attitude_noise": Key("table", "random rotation of the attitude", "", "none"),
+    "weight": Key("number", "of one of several `[[start]]`: how likely it is taken", "", "1"),
 }
 
 NOISE: Mapping[str, Key] = {

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal, localcontext
+from functools import partial
 from inspect import Parameter, signature
 
 from .._checks.arguments import brief, finite_float, one_of, positive_int
@@ -23,7 +24,7 @@ from ..model.measures import MEASURES, Measure
 from ..model.seed import checked_seed, seed_from
 from ..solve.methods import map_methods
 from .toml_keys import AXIS, MAP, MAP_RUN
-from .toml_scene import read_criterion, read_scene, read_start
+from .toml_scene import read_criterion, read_scene, read_starts
 from .toml_table import BUILTIN, Table, as_is, names_in, parsed, read_source, text
 
 __all__ = ["MAPS", "NamedSpec", "builtin_names", "parse_spec", "read_spec"]
@@ -101,9 +102,10 @@ def parse_spec(content: str, file: str, changes: Sequence[str] = ()) -> MapSpec:
     document.only(*dict.fromkeys((*MAP, *letters[: len(given) + 1])))
     scene = read_scene(document.table("scene"))
     axes = _axes([document.table(letter) for letter in letters[: max(1, len(given))]])
-    start = read_start(document.table("start"), [axis.name for axis in axes])
-    document.build(lambda: check_applicable(scene, start, axes))
-    stable = read_criterion(document.table("stable"), scene, start)
+    start = read_starts(document, [axis.name for axis in axes])
+    for one in start.starts:
+        document.build(partial(check_applicable, scene, one, axes))
+    stable = read_criterion(document.table("stable"), scene, start.starts[0])
     run = document.table("run")
     run.only(*MAP_RUN)
     half_width = run.take("half_width", _half_width, default=None)

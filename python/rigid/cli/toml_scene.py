@@ -11,6 +11,7 @@ from typing import Any
 from .._checks.arguments import finite_float
 from ..model.body import Body
 from ..model.criteria import CRITERIA, Criterion
+from ..model.mixture import Mixture, mixture
 from ..model.satellite import EnergySink
 from ..model.scene import SCENES, FreeBody, Scene
 from ..model.start import NOISE_KINDS, Noise, Start, von_mises_fisher
@@ -18,7 +19,7 @@ from ..model.torque import Torque
 from .toml_keys import NOISE, ORBIT, SATELLITE, SCENE, START
 from .toml_table import Table, as_is, three
 
-__all__ = ["read_criterion", "read_scene", "read_start"]
+__all__ = ["read_criterion", "read_scene", "read_start", "read_starts"]
 
 MOST_DEPTH = 16
 """Most levels of criteria that are joined: more than eight criteria never are."""
@@ -87,9 +88,22 @@ def _body(table: Table) -> Body:
     return table.build(lambda: Body.box(a, b, c, mass=mass))
 
 
-def read_start(table: Table, axes: list[str]) -> Start:
-    """The start of a table ``[start]``; fields that an axis of the map sets may be omitted."""
-    table.only(*START)
+def read_starts(document: Table, axes: list[str]) -> Start | Mixture:
+    """The start of a table ``[start]``, or the mixture of several tables ``[[start]]``.
+
+    Fields that an axis of the map sets may be omitted.
+    """
+    if not document.is_list("start"):
+        return read_start(document.table("start"), axes)
+    tables = document.tables("start")
+    starts = [read_start(table, axes, "weight") for table in tables]
+    weights = [table.take("weight", finite_float, default=1.0) for table in tables]
+    return document.build(lambda: mixture(starts, weights))
+
+
+def read_start(table: Table, axes: list[str], *more: str) -> Start:
+    """The start of one table, which may have more keys."""
+    table.only(*(key for key in START if key != "weight"), *more)
     omega = table.take("omega", three, default=None)
     spin = table.take("spin", finite_float, default=0.0 if "spin" in axes else None)
     axis = table.take("axis", as_is, default=3)

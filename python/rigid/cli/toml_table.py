@@ -156,6 +156,10 @@ class Table:
         values: Mapping[str, Any] = self.take(key, _mapping)
         return Table(self._file, f"{self._name}.{key}" if self._name else key, values)
 
+    def is_list(self, key: str) -> bool:
+        """Whether a key has a list."""
+        return isinstance(self._values.get(key), list)
+
     def tables(self, key: str) -> list[Table]:
         """The tables of the list under a key."""
         values: list[Mapping[str, Any]] = self.take(key, _mappings)

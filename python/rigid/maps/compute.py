@@ -24,6 +24,7 @@ from ..model.body import Body
 from ..model.criteria import Criterion
 from ..model.judged import Judged
 from ..model.measures import Measure, make_measures
+from ..model.mixture import Mixture
 from ..model.scene import Scene, check_scene
 from ..model.seed import seed_from
 from ..model.start import Start
@@ -54,7 +55,7 @@ def stability_map(
     samples: int | None = None,
     t_end: float | None = None,
     stable: Criterion | None = None,
-    start: Start | None = None,
+    start: Start | Mixture | None = None,
     method: str | None = None,
     step: float | None = None,
     check: float | None = None,
@@ -102,8 +103,8 @@ def stability_map(
         ``attitude_noise3``; ``damping1``, ``damping2``, ``damping3`` (N m s): damping of the rates
         about the axes; ``kappa``, ``attitude_kappa``: concentration of the directions of
         :func:`von_mises_fisher`; ``torque1``, ``torque2``, ``torque3`` (N m): constant torque about
-        them; ``limit``: the angle of the criterion; ``t_end``: the horizon. All horizons and limits see
-        the same bodies, each by a run of its own.
+        them; ``limit``: the angle of the criterion; ``t_end``: the horizon. All horizons and limits
+        see the same bodies, each by a run of its own.
     samples : int
         Bodies per pixel; or give ``half_width``. One of them is required, as ``axes``, ``t_end``
         and ``stable`` are, unless ``scene`` is a specification.
@@ -113,7 +114,7 @@ def stability_map(
         The criterion: :func:`no_flip`, :func:`tilt_below`, :func:`tilt_between`,
         :func:`rate_within`, :func:`near_start`, :func:`returns`, :func:`spin_above`, joined by
         ``&``, ``|`` and ``~`` or alone, or :func:`regular`; or :func:`judged` by a function.
-    start : Start, optional
+    start : Start or Mixture, optional
         By default a free body spins at 1 rad/s about the axis of its middle moment with
         ``noise=normal(1e-3)``, and a top at 5 rad/s about axis 3 with
         ``attitude_noise=normal(1e-3)``.

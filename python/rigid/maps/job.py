@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 
 from .. import _core
 from ..model.judged import Judged
+from ..model.mixture import Mixture
 from ..model.start import Noise, Samples, Start
 from ..solve.methods import AUTO, EXACT
-from .grid import nominal_starts
+from .grid import NominalStarts
 from .judge import JudgedJob
 from .sequential import LOOK
 from .spec import MapSpec
@@ -165,25 +166,19 @@ def _one(
 
 def _of_core(spec: MapSpec, pixels: NDArray[np.int64] | None, samples: range) -> _core.MapJob:
     """What the core makes of a map of one horizon and one limit; it draws the bodies at least."""
-    if pixels is None:
-        grid = spec.grid
-    else:  # not those of the others, of which there may be millions
-        spec.require_scene()
-        grid = nominal_starts(spec.scene, spec.start, spec.axes, pixels, spec.made)
-    noise = spec.start.noise
+    grid = spec.grid if pixels is None else spec.starting(spec.start.starts[0], pixels)
+    of_mixture: dict[str, Any] = {}
+    if isinstance(spec.start, Mixture):
+        every = [_starts(start, spec.starting(start, pixels)) for start in spec.start.starts]
+        of_mixture = {"mixture": every, "mixture_shares": spec.start.shares().tolist()}
     return _core.MapJob(
         scene=spec.scene.kind,
         # What draws for a function classifies nothing, and may have no closed form.
         method=AUTO if isinstance(spec.stable, Judged) and spec.method == EXACT else spec.method,
         moments=grid.moments,
         weight=grid.weight,
-        omega=grid.omega,
-        omega_noise=_law(spec.start, noise) if isinstance(noise, Noise) else "none",
-        omega_size=grid.omega_size,
-        attitude=grid.attitude,
-        attitude_noise=_attitude_law(spec.start),
-        **(_given(noise) if isinstance(noise, Samples) else _mix(spec.start)),
-        attitude_size=grid.attitude_size,
+        **_starts(spec.start.starts[0], grid),
+        **of_mixture,
         conditions=spec.stable.conditions(),
         logic=" ".join(map(str, spec.stable.logic())),
         measures=[one.core() for one in spec.measure],
@@ -197,6 +192,20 @@ def _of_core(spec: MapSpec, pixels: NDArray[np.int64] | None, samples: range) ->
         numbers=None if pixels is None else pixels.astype(np.uint64),
         first=samples.start,
     )
+
+
+def _starts(start: Start, grid: NominalStarts) -> dict[str, Any]:
+    """A start and its perturbations in each pixel, as the core reads them."""
+    noise = start.noise
+    return {
+        "omega": grid.omega,
+        "omega_noise": _law(start, noise) if isinstance(noise, Noise) else "none",
+        "omega_size": grid.omega_size,
+        "attitude": grid.attitude,
+        "attitude_noise": _attitude_law(start),
+        "attitude_size": grid.attitude_size,
+        **(_given(noise) if isinstance(noise, Samples) else _mix(start)),
+    }
 
 
 def _attitude_law(start: Start) -> str:

@@ -45,7 +45,7 @@ RAYLEIGH_HALF = math.sqrt(2.0 * math.log(2.0))
 
 def flat_spin(spec: MapSpec) -> Predicted | None:
     """The loss of energy of a spin about the axis of the smallest moment, None if it is none."""
-    scene, stable, start, grid = spec.scene, spec.stable, spec.start, spec.grid
+    scene, stable, start, grid = spec.scene, spec.stable, spec.start.starts[0], spec.grid
     sink, noise = scene.dissipation, start.noise
     if (
         not isinstance(scene, FreeBody)
@@ -116,7 +116,7 @@ def time_to_separatrix(moments: Floats, sink: Floats, spin: Floats, across: Floa
 
 def on_orbit(spec: MapSpec) -> Predicted | None:
     """Roll and yaw of a satellite at rest on its orbit, None if it is none."""
-    scene, stable, start, grid = spec.scene, spec.stable, spec.start, spec.grid
+    scene, stable, start, grid = spec.scene, spec.stable, spec.start.starts[0], spec.grid
     orbit = None if scene.torque is None else scene.torque.orbit
     noise = start.noise
     if (

@@ -8,7 +8,7 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,7 @@ from ..model.bounds import RateWithin
 from ..model.criteria import Criterion, check_criterion, criterion_from_dict
 from ..model.judged import Judged
 from ..model.measures import Measure, check_distinct, make_measures
+from ..model.mixture import Mixture, start_from_dict
 from ..model.scene import Scene, scene_from_dict
 from ..model.seed import checked_seed
 from ..model.sourced import Sourced
@@ -61,6 +62,8 @@ class MapPart:
     fixed: Mapping[str, float] = field(default_factory=dict)
 
 
+Resolvable = TypeVar("Resolvable", Criterion, Measure)
+
 MOST_TITLE = 1000
 """Most characters of a title, so that a file of a map has a known size."""
 
@@ -72,7 +75,7 @@ class MapSpec:
     Attributes
     ----------
     scene : FreeBody or HeavyTop
-    start : Start
+    start : Start or Mixture
     axes : tuple of Axis
         x first, then y, and so on. The constructor takes a dict of names and values too.
     stable : NoFlip, TiltBelow or Regular
@@ -114,7 +117,7 @@ class MapSpec:
     """
 
     scene: Scene
-    start: Start
+    start: Start | Mixture
     axes: tuple[Axis, ...]
     stable: Criterion
     t_end: float
@@ -136,18 +139,19 @@ class MapSpec:
         def put(name: str, value: object) -> None:
             object.__setattr__(self, name, value)
 
-        if not isinstance(self.start, Start):
-            raise TypeError(f"start = {brief(self.start)}: must be a rigid.Start")
+        if not isinstance(self.start, Start | Mixture):
+            raise TypeError(f"start = {brief(self.start)}: must be a rigid.Start, or a mixture")
         if isinstance(self.axes, Mapping):
             put("axes", make_axes(self.axes, () if self.own is None else self.own.names))
         for name in () if self.own is None else self.own.names:
             if name not in (axis.name for axis in self.axes):
                 raise ValueError(f"axes: the function of the scene needs an axis {name!r}")
         check_criterion("stable", self.stable)
-        check_applicable(self.scene, self.start, self.axes)
-        put("stable", self.stable.resolved(self.scene, self.start))
+        for start in self.start.starts:
+            check_applicable(self.scene, start, self.axes)
+        put("stable", self._resolved("stable", self.stable))
         measures = make_measures(self.measure)
-        put("measure", tuple(one.resolved(self.scene, self.start) for one in measures))
+        put("measure", tuple(self._resolved("measure", one) for one in measures))
         check_distinct(self.measure)
         for axis in self.axes:
             if axis.name == "t_end":
@@ -216,6 +220,13 @@ class MapSpec:
             )
         if not isinstance(self.version, str):
             raise TypeError(f"version = {brief(self.version)}: must be a string")
+
+    def _resolved(self, name: str, asked: Resolvable) -> Resolvable:
+        """A criterion or a measure with the defaults of the start, in which a mixture agrees."""
+        first, *others = (asked.resolved(self.scene, start) for start in self.start.starts)
+        if any(other != first for other in others):
+            raise ValueError(f"{name}: the starts of the mixture turn about other axes; say which")
+        return first
 
     def _check_judged(self, stable: Judged) -> None:
         """Refuse what a function of states at given times does not serve."""
@@ -380,9 +391,14 @@ class MapSpec:
 
     @cached_property
     def grid(self) -> NominalStarts:
-        """The nominal start of every pixel, computed once."""
+        """The nominal start of every pixel, computed once; of a mixture that of the first start."""
+        return self.starting(self.start.starts[0])
+
+    def starting(self, start: Start, pixels: NDArray[np.int64] | None = None) -> NominalStarts:
+        """The nominal start of every pixel, or of some, by one of the starts of a mixture."""
         self.require_scene()
-        return nominal_starts(self.scene, self.start, self.axes, made=self.made)
+        # Not those of other pixels, of which there may be millions.
+        return nominal_starts(self.scene, start, self.axes, pixels, self.made)
 
     def __getstate__(self) -> dict[str, Any]:
         """The fields without what follows from them."""
@@ -520,7 +536,7 @@ class MapSpec:
         """The specification that :meth:`to_dict` described."""
         values = dict(data)
         values["scene"] = scene_from_dict(values["scene"])
-        values["start"] = Start.from_dict(values["start"])
+        values["start"] = start_from_dict(values["start"])
         if values.get("own") is not None:
             values["own"] = OwnScene.from_dict(values["own"])
         names = values["own"].names if values.get("own") else ()

@@ -55,6 +55,7 @@ from .. import _core
 from .._moments import possible
 from ..model.criteria import NoFlip, TiltBelow
 from ..model.scene import FreeBody, HeavyTop
+from ..model.start import Noise, Start
 from .data import MapData
 from .satellites import NORMAL_REACH, RAYLEIGH_HALF, flat_spin, on_orbit
 from .spec import MapSpec
@@ -113,7 +114,7 @@ def predict(spec: MapSpec) -> Theory | None:
     -------
     Theory or None
     """
-    if spec.misses_functions:
+    if spec.misses_functions or not isinstance(spec.start, Start):
         return None
     if len(spec.parts) > 1:
         return _of_parts(spec)
@@ -221,14 +222,21 @@ def _theory(spec: MapSpec, label: str, share: Floats, curves: dict[str, Floats])
     return Theory(label, share.reshape(spec.shape), crossing)
 
 
+def _first(spec: MapSpec) -> Start:
+    """The start, which is no mixture here."""
+    return spec.start.starts[0]
+
+
 # Free body
 
 
 def _free_no_flip(spec: MapSpec) -> Theory | None:
-    stable, grid = spec.stable, spec.grid
+    stable, grid, noise = spec.stable, spec.grid, _first(spec).noise
     if spec.is_driven or not isinstance(spec.scene, FreeBody) or not isinstance(stable, NoFlip):
         return None
-    noise = spec.start.noise
+    sized = isinstance(noise, Noise) and noise.cov is None and not noise.is_direction
+    if noise is not None and not sized:
+        return None  # its size is no bound of what it adds to the rates
     tested = stable.core()[1] - 1
     order = np.argsort(grid.moments, axis=1, kind="stable")
     moments, omega, size = (
@@ -340,7 +348,7 @@ _erf = np.vectorize(math.erf, otypes=[np.float64])
 
 
 def _symmetric_top(spec: MapSpec) -> Theory | None:
-    scene, stable, start, grid = spec.scene, spec.stable, spec.start, spec.grid
+    scene, stable, start, grid = spec.scene, spec.stable, _first(spec), spec.grid
     if spec.is_driven or not isinstance(scene, HeavyTop) or not isinstance(stable, TiltBelow):
         return None
     mgl, axis = grid.own["mgl"], start.axis
@@ -385,7 +393,7 @@ def _symmetric_top(spec: MapSpec) -> Theory | None:
 
 
 def _falling_top(spec: MapSpec) -> Theory | None:
-    scene, stable, start, grid = spec.scene, spec.stable, spec.start, spec.grid
+    scene, stable, start, grid = spec.scene, spec.stable, _first(spec), spec.grid
     noise = start.attitude_noise
     if (
         not isinstance(scene, HeavyTop)

@@ -504,6 +504,11 @@ class Start:
                 raise ValueError("attitude_noise: the noise perturbs the attitude already")
 
     @property
+    def starts(self) -> tuple[Start, ...]:
+        """The start: of a :class:`Mixture` they are several."""
+        return (self,)
+
+    @property
     def joint(self) -> bool:
         """Whether the noise is that of rates and attitude together."""
         if isinstance(self.noise, Samples):

@@ -120,6 +120,6 @@ def moment_status(spec: MapSpec) -> NDArray[np.uint8]:
     status = np.empty(pixels, np.uint8)
     for begin in range(0, pixels, PIXELS_TOGETHER):
         index = np.arange(begin, min(begin + PIXELS_TOGETHER, pixels))
-        starts = nominal_starts(spec.scene, spec.start, spec.axes, index, spec.made)
+        starts = nominal_starts(spec.scene, spec.start.starts[0], spec.axes, index, spec.made)
         status[index] = _core.moment_status(starts.moments)
     return status

@@ -189,7 +189,7 @@ def test_mistakes_about_measures(measure: str, message: str) -> None:
 
 def test_a_spin_on_an_axis_need_not_be_said_again() -> None:
     text = BOX.replace('name = "b"', 'name = "spin"').replace("spin = 10.0\n", "")
-    assert parse_spec(text, "box.toml").start.spin == 0.0
+    assert parse_spec(text, "box.toml").start.starts[0].spin == 0.0
 
 
 def test_evenly_spaced_values_are_correctly_rounded() -> None:

@@ -176,7 +176,7 @@ samples = 2
 
 
 def test_directions_are_said_in_toml() -> None:
-    start = parse_spec(TOML, "top.toml").start
+    (start,) = parse_spec(TOML, "top.toml").start.starts
     assert start.noise == rigid.von_mises_fisher(4.0)
     assert start.attitude_noise == rigid.von_mises_fisher(0.0)
     with pytest.raises(SpecError, match="kappa is that of the axis; leave it out here"):

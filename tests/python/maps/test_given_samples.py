@@ -127,7 +127,7 @@ def test_given_samples_are_saved_replayed_and_stored(tmp_path: Path) -> None:
     whole = tops(given)
     loaded = rigid.load_map(whole.save(tmp_path / "map.npz"))
     assert loaded.spec == whole.spec
-    assert loaded.spec.start.noise == given
+    assert loaded.spec.start.starts[0].noise == given
     body, starts = loaded.replay(1, 9), whole.starts(range(10))
     assert body.omega.tolist() == starts.omega[1, 9].tolist()
     assert body.attitude.tolist() == starts.attitude[1, 9].tolist()

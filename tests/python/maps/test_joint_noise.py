@@ -145,7 +145,7 @@ samples = 3
 t_end = 1
 """
     noise = rigid.normal(cov=[[1, 0, 0], [0, 2, 1], [0, 1, 4]])
-    assert parse_spec(text, "a.toml").start.noise == noise
+    assert parse_spec(text, "a.toml").start.starts[0].noise == noise
 
 
 @pytest.mark.parametrize(

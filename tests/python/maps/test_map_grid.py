@@ -350,8 +350,8 @@ def test_a_free_body_spins_about_its_middle_axis_by_default(order: tuple[int, ..
     result = small_map(
         rigid.FreeBody(rigid.Body(moments)), axes={"noise": [0.01]}, samples=1, t_end=0.1
     )
-    assert result.spec.start.axis == int(np.flatnonzero(moments == 1.5)[0]) + 1
-    assert result.spec.stable == rigid.no_flip(result.spec.start.axis)
+    assert result.spec.start.starts[0].axis == int(np.flatnonzero(moments == 1.5)[0]) + 1
+    assert result.spec.stable == rigid.no_flip(result.spec.start.starts[0].axis)
 
 
 @pytest.mark.parametrize(

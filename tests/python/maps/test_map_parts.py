@@ -67,7 +67,7 @@ def full(spec: rigid.MapSpec) -> dict[str, NDArray[Any]]:
 
 def test_the_nominal_starts_of_some_pixels_are_rows_of_those_of_all(spec: rigid.MapSpec) -> None:
     pixels = np.array([5, 0, 3, 3])
-    some = nominal_starts(spec.scene, spec.start, spec.axes, pixels)
+    some = nominal_starts(spec.scene, spec.start.starts[0], spec.axes, pixels)
     for name in ("moments", "weight", "omega", "omega_size", "attitude", "tilt", "attitude_size"):
         np.testing.assert_array_equal(getattr(some, name), getattr(spec.grid, name)[pixels])
     if some.damping is not None:
