@@ -113,11 +113,13 @@ class Task:
         """The specification with its functions, in a worker."""
         if not self.functions:
             return _spec(self.text)
-        if not _latest or _latest[0] != (self.text, self.functions):
-            # With its grid, which is made once.
-            _latest[:] = (self.text, self.functions), self._whole()
-        spec: MapSpec = _latest[1]
-        return spec
+        asked, known = (self.text, self.functions), _latest[:]
+        if known and known[0][0] == asked:
+            spec: MapSpec = known[0][1]
+            return spec
+        whole = self._whole()
+        _latest[:] = [(asked, whole)]  # with its grid, which is made once; threads see one or other
+        return whole
 
     def _whole(self) -> MapSpec:
         functions = self.functions
@@ -135,8 +137,8 @@ class Task:
             raise StoreError(f"a worker: {error}") from None
 
 
-_latest: list[Any] = []
-"""The latest text and functions in this process, and their specification."""
+_latest: list[tuple[tuple[str, object], MapSpec]] = []
+"""The latest text and functions in this process, with their specification."""
 
 
 @lru_cache(maxsize=4)

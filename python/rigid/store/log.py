@@ -2,10 +2,10 @@
 
 A record is a table in the npy format whose name holds its digest. The digest is keyed by the map,
 so that a record of another map is never taken for one of this. If the map measures something, the
-table of its bins follows; its digest holds that of the rows, which count for nothing without. A
-reader accepts a header only if it
-is to the byte the one that a writer makes, and searches on where one is damaged: what is read is
-right, whatever happened to the rest of the file.
+table of its bins follows; its digest holds that of the rows, which count for nothing without.
+
+A reader accepts a header only if it is to the byte the one that a writer makes, and searches on
+where one is damaged: what is read is right, whatever happened to the rest of the file.
 """
 
 from __future__ import annotations
