@@ -186,6 +186,7 @@ def test_every_parameter_is_tested_here() -> None:
         f"{name}{i}" for name in ("com", "torque", "noise", "attitude_noise") for i in (1, 2, 3)
     }
     tested |= {"limit", "t_end"}
+    tested |= {"kappa", "attitude_kappa"}  # in test_directions.py
     tested |= {f"I{i}/I{j}" for i in (1, 2, 3) for j in (1, 2, 3) if i != j}
     assert set(PARAMETERS) == tested
 
