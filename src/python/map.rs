@@ -471,6 +471,9 @@ impl MapRequest<'_> {
     }
 }
 
+/// The values of the measures of samples, a row a sample, and the steps of their runs.
+type ValuesAndSteps<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<u64>>);
+
 /// A number of an outcome and its name.
 type OutcomeNumber = (&'static str, fn(&Outcome) -> f64);
 
@@ -605,7 +608,7 @@ impl MapJob {
         py: Python<'py>,
         samples: PyReadonlyArray1<'py, u64>,
         threads: usize,
-    ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<u64>>)> {
+    ) -> PyResult<ValuesAndSteps<'py>> {
         let flat = self.ascending(&samples)?;
         let (values, steps) = interruptible(py, None, |interrupt| {
             self.map.values_at(&flat, &[], threads.max(1), self.isa, interrupt)
