@@ -125,8 +125,12 @@ pub(super) fn step_block<P, const PACKS: usize, M, L, S, const D: usize>(
     L: Layout,
     S: Stepper<P, M, L, D>,
 {
-    let bodies = prepared::<P, PACKS, M, L, S, D>(g, forcing, numbers);
     let packs = used_packs::<P, PACKS>(g);
+    if const { S::IS_SHORT && PACKS <= MOST_WRITTEN_OUT } && observed == Observed::Nothing && packs == PACKS {
+        short_steps::<P, PACKS, M, L, S, D>(g, forcing, steps, numbers);
+        return;
+    }
+    let bodies = prepared::<P, PACKS, M, L, S, D>(g, forcing, numbers);
     let mut pasts = [[[[P::splat(0.0); D]; DERIVATIVES]; NODES]; PACKS];
     if const { S::REMEMBERS }
         && let Some(rows) = &g.past
@@ -195,17 +199,78 @@ pub(super) fn step_block<P, const PACKS: usize, M, L, S, const D: usize>(
         if observed != Observed::Nothing {
             observed.after_block::<P, M, L, S, D>(stepper, p, &mut g.observed, at, &y);
         }
-        let [energy, momentum] = invariants::<P, M, L, S, D>(p, &y);
-        update_drift(&mut g.energy, at, energy);
-        update_drift(&mut g.momentum, at, momentum);
-        for v in 0..L::VECTORS {
-            let n = direction(&y, v);
-            // |n| - 1, to first order.
-            let off = (dot(&n, &n) - P::splat(1.0)).abs() * P::splat(0.5);
-            P::load(&g.unit.0[at..]).max(off).store(&mut g.unit.0[at..]);
-        }
-        (P::load(&g.count.0[at..]) + P::splat(steps as f64)).store(&mut g.count.0[at..]);
+        end_block::<P, M, L, S, D>(g, at, p, &y, steps);
     }
+}
+
+/// Updates the drifts and the steps of the pack that begins at a lane, at the end of a block.
+#[inline(always)]
+fn end_block<P: Pack, M: Model<P>, L: Layout, S: Stepper<P, M, L, D>, const D: usize>(
+    g: &mut Group,
+    at: usize,
+    p: &Parameters<P>,
+    y: &[P; D],
+    steps: usize,
+) {
+    let [energy, momentum] = invariants::<P, M, L, S, D>(p, y);
+    update_drift(&mut g.energy, at, energy);
+    update_drift(&mut g.momentum, at, momentum);
+    for v in 0..L::VECTORS {
+        let n = direction(y, v);
+        // |n| - 1, to first order.
+        let off = (dot(&n, &n) - P::splat(1.0)).abs() * P::splat(0.5);
+        P::load(&g.unit.0[at..]).max(off).store(&mut g.unit.0[at..]);
+    }
+    (P::load(&g.count.0[at..]) + P::splat(steps as f64)).store(&mut g.count.0[at..]);
+}
+
+/// Most packs whose steps are written out one after another.
+const MOST_WRITTEN_OUT: usize = 8;
+
+/// Advances full groups by steps of few operations that nothing observes. The steps of all packs are written out: the
+/// loop over packs, with the constants of a pack at an address that it computes, takes a quarter of such a step.
+#[inline(always)]
+fn short_steps<P, const PACKS: usize, M, L, S, const D: usize>(
+    g: &mut Group,
+    forcing: &ForcingRows,
+    steps: usize,
+    numbers: &'static Numbers,
+) where
+    P: Pack,
+    M: Model<P>,
+    L: Layout,
+    S: Stepper<P, M, L, D>,
+{
+    macro_rules! each_pack {
+        ($b:ident => $body:block) => {
+            each_pack!(@each $b $body 0 1 2 3 4 5 6 7);
+        };
+        (@each $b:ident $body:block $($number:literal)*) => {$({
+            const $b: usize = $number;
+            if const { $b < PACKS } $body
+        })*};
+    }
+    let mut bodies = [prepared_pack::<P, M, L, S, D>(g, forcing, 0, numbers); PACKS];
+    let mut states = [[P::splat(0.0); D]; PACKS];
+    each_pack!(B => {
+        bodies[B] = prepared_pack::<P, M, L, S, D>(g, forcing, B * P::LANES, numbers);
+        for d in 0..D {
+            states[B][d] = P::load(&g.state[d].0[B * P::LANES..]);
+        }
+    });
+    for _ in 0..steps {
+        each_pack!(B => {
+            let (p, stepper) = &bodies[B];
+            let (mut compensation, mut dense) = (states[B], Coefficients::new());
+            stepper.step(p, &mut states[B], &mut compensation, &mut dense);
+        });
+    }
+    each_pack!(B => {
+        for d in 0..D {
+            states[B][d].store(&mut g.state[d].0[B * P::LANES..]);
+        }
+        end_block::<P, M, L, S, D>(g, B * P::LANES, &bodies[B].0, &states[B], steps);
+    });
 }
 
 /// Transforms active lanes to the variables of their steps, or back; inactive lanes keep every bit.

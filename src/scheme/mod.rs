@@ -557,6 +557,9 @@ pub trait Stepper<R: Real, M: Model<R>, L: Layout, const D: usize>: Copy {
     const REMEMBERS: bool = false;
     /// Whether a step moves a displacement by the derivative of the step.
     const HAS_TANGENT: bool = false;
+    /// Whether a step has so few operations that the loop over packs counts. Its sums are not compensated, and it uses
+    /// no past.
+    const IS_SHORT: bool = false;
     /// Whether limits are observed inside the step. Code is compiled only then.
     const SEES_LIMITS: bool = true;
     /// Whether the steps can use other variables than the state.
