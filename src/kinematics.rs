@@ -19,6 +19,12 @@ pub fn add_cross<R: Real>(a: &[R; 3], b: &[R; 3], sum: &mut [R; 3]) {
     ];
 }
 
+/// 2 v.
+#[inline(always)]
+pub fn doubled<R: Real>(v: &[R; 3]) -> [R; 3] {
+    [v[0] + v[0], v[1] + v[1], v[2] + v[2]]
+}
+
 /// a . b.
 #[inline(always)]
 pub fn dot<R: Real>(a: &[R; 3], b: &[R; 3]) -> R {
@@ -41,7 +47,13 @@ pub fn direction_rate<R: Real>(n: &[R; 3], omega: &[R; 3]) -> [R; 3] {
 #[inline(always)]
 pub fn attitude_rate<R: Real>(q: &[R; 4], omega: &[R; 3]) -> [R; 4] {
     let half = R::splat(0.5);
-    let [v1, v2, v3] = [omega[0] * half, omega[1] * half, omega[2] * half];
+    doubled_attitude_rate(q, &[omega[0] * half, omega[1] * half, omega[2] * half])
+}
+
+/// Twice the rate of change of the attitude: q (0, omega).
+#[inline(always)]
+pub fn doubled_attitude_rate<R: Real>(q: &[R; 4], omega: &[R; 3]) -> [R; 4] {
+    let [v1, v2, v3] = *omega;
     let [q0, q1, q2, q3] = *q;
     [
         q3.fnma(v3, q2.fnma(v2, -(q1 * v1))),

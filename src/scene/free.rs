@@ -1,7 +1,7 @@
 //! The free body: I omega' = (I omega) x omega (Euler 1758).
 
 use super::{ConservedMomentum, Model, Parameters, Scene, TOP};
-use crate::kinematics::dot;
+use crate::kinematics::{dot, doubled};
 use crate::real::Real;
 
 /// The scene of a free body: a top without weight.
@@ -33,6 +33,10 @@ impl<R: Real> Model<R> for Free<R> {
     fn euler<const D: usize>(&self, products: &[R; 3], _y: &[R; D]) -> [R; 3] {
         let [a1, a2, a3] = self.ratios;
         [a1 * products[0], a2 * products[1], a3 * products[2]]
+    }
+    #[inline(always)]
+    fn doubled(&self) -> Self {
+        Free { ratios: doubled(&self.ratios) }
     }
     #[inline(always)]
     fn kick<const D: usize>(_p: &Parameters<R>, _h: R, _momentum: &mut [R; 3], _y: &[R; D]) {}

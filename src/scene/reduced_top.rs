@@ -27,6 +27,10 @@ impl<R: Real> Model<R> for ReducedTop<R> {
         [self.rate * g2, -(self.rate * g1), R::splat(0.0)]
     }
     #[inline(always)]
+    fn doubled(&self) -> Self {
+        ReducedTop { rate: self.rate + self.rate }
+    }
+    #[inline(always)]
     fn kick<const D: usize>(p: &Parameters<R>, h: R, momentum: &mut [R; 3], y: &[R; D]) {
         let [g1, g2, _] = direction(y, 0);
         let impulse = h * p.weight[2];

@@ -1,7 +1,7 @@
 //! The heavy top: I omega' = (I omega) x omega + gamma x (mgl com), gamma' = gamma x omega.
 
 use super::{ConservedMomentum, Model, Parameters, Scene};
-use crate::kinematics::{cross, direction, dot};
+use crate::kinematics::{cross, direction, dot, doubled};
 use crate::real::Real;
 use crate::start::Body;
 
@@ -51,6 +51,11 @@ impl<R: Real> Model<R> for Top<R> {
             g1.fnma(m[1], g3.fma(p[1], a[1] * products[1])),
             g2.fnma(m[2], g1.fma(p[2], a[2] * products[2])),
         ]
+    }
+    #[inline(always)]
+    fn doubled(&self) -> Self {
+        let Top { ratios, plus, minus } = self;
+        Top { ratios: doubled(ratios), plus: doubled(plus), minus: doubled(minus) }
     }
     #[inline(always)]
     fn kick<const D: usize>(p: &Parameters<R>, h: R, momentum: &mut [R; 3], y: &[R; D]) {

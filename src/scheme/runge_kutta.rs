@@ -206,6 +206,17 @@ const fn check<T: Tableau>(facts: Facts) {
         }
         i += 1;
     }
+    // A doubled slope is used alone.
+    let mut i = 0;
+    while i < s {
+        let mut j = 0;
+        while j < i {
+            let alone = matches!(only::<T>(i), Some(k) if k == j);
+            assert!(T::WEIGHTS[j] != 2.0 || T::A[i - 1][j] == 0.0 || alone);
+            j += 1;
+        }
+        i += 1;
+    }
     // Two roundings of each term and sum, and one of each coefficient.
     let allowed = 4.0 * f64::EPSILON * size;
     let wanted = [1.0, 1.0 / 2.0, 1.0 / 3.0, 1.0 / 6.0, 1.0 / 4.0, 1.0 / 8.0, 1.0 / 12.0, 1.0 / 24.0];
@@ -230,8 +241,10 @@ const _: () = check::<Dop853Tableau>(DOP853.facts);
 #[derive(Clone, Copy)]
 pub struct RungeKutta<T, R, M> {
     model: M,
+    /// The model of the stages of weight 2.
+    twice: M,
     applied: Applied<R>,
-    /// The step times the coefficient of each stage with a single coefficient.
+    /// The step times the coefficient of each stage with a single coefficient; half of that on a doubled slope.
     single: [R; MAX_STAGES],
     /// The step over the divisor of the weights.
     weight_unit: R,
@@ -251,6 +264,13 @@ const fn coefficient<T: Tableau>(i: usize, j: usize) -> f64 {
 #[inline(always)]
 const fn weight<T: Tableau>(i: usize) -> f64 {
     if i < T::STAGES { T::WEIGHTS[i] } else { 0.0 }
+}
+
+/// Whether the slope of a stage is computed doubled, which its weight asks for: the constants of the model are then
+/// doubled once, and no slope has to be. Products with powers of two are exact, so no bit changes.
+#[inline(always)]
+const fn is_doubled<T: Tableau, L: Layout>(i: usize) -> bool {
+    weight::<T>(i) == 2.0 && !(L::BALANCE || L::TANGENT)
 }
 
 /// Index of the only coefficient of a row; `None` if there are several.
@@ -312,11 +332,14 @@ fn stage_state<T: Tableau, const I: usize, R: Real, const D: usize>(
     at
 }
 
-/// sum += weight_i k; the first stage begins the sum.
+/// sum += weight_i k; the first stage begins the sum. A doubled slope has the weight 1.
 #[inline(always)]
-fn add_weighted<T: Tableau, const I: usize, R: Real, const D: usize>(sum: &mut [R; D], k: &[R; D]) {
+fn add_weighted<T: Tableau, L: Layout, const I: usize, R: Real, const D: usize>(
+    sum: &mut [R; D],
+    k: &[R; D],
+) {
     for d in 0..D {
-        sum[d] = match (I, const { weight::<T>(I) }) {
+        sum[d] = match (I, const { if is_doubled::<T, L>(I) { 1.0 } else { weight::<T>(I) } }) {
             (0, 1.0) => k[d],
             (0, weight) => k[d] * R::splat(weight),
             (_, 0.0) => sum[d],
@@ -363,6 +386,29 @@ fn rate<R: Real, M: Model<R>, L: Layout, const D: usize>(
     dy
 }
 
+/// Twice the rates of change of the whole state of a body without torque and damping, from the doubled model.
+#[inline(always)]
+fn doubled_rate<R: Real, M: Model<R>, L: Layout, const D: usize>(
+    twice: &M,
+    applied: &Applied<R>,
+    y: &[R; D],
+) -> [R; D] {
+    let omega = [y[0], y[1], y[2]];
+    let turning = kinematics::doubled(&omega);
+    let mut dy = *y;
+    kinematics::put(&mut dy, 0, acceleration::<R, M, L, D>(twice, applied, y));
+    for v in 0..L::VECTORS {
+        let n = kinematics::direction(y, v);
+        kinematics::put(&mut dy, 3 + 3 * v, kinematics::direction_rate(&n, &turning));
+    }
+    if L::QUATERNION {
+        let at = L::QUATERNION_AT;
+        let q = [y[at], y[at + 1], y[at + 2], y[at + 3]];
+        kinematics::put(&mut dy, at, kinematics::doubled_attitude_rate(&q, &omega));
+    }
+    dy
+}
+
 /// The equations of motion of the whole state of a satellite.
 #[inline(always)]
 fn satellite_rate<R: Real, M: Model<R>, L: Layout, const D: usize>(
@@ -393,6 +439,7 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, 
     const VARIABLES: Variables = Variables::Rates;
     const MOVES: bool = if T::REDUCES { !(M::HEAVY && L::QUATERNION) } else { !M::REDUCED };
     const HAS_TANGENT: bool = true;
+    const IS_SHORT: bool = T::STAGES <= 4 && !(L::BALANCE || L::TANGENT);
     /// With twelve stages and the search inside a step, the compiler copies the set-up of a pack by calls.
     const SEES_LIMITS: bool = T::STAGES < 12;
 
@@ -401,12 +448,13 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, 
         let mut single = [p.step; MAX_STAGES];
         for i in 1..T::STAGES {
             if let Some(j) = only::<T>(i) {
-                single[i] = p.step * R::splat(coefficient::<T>(i, j));
+                let share = if is_doubled::<T, L>(j) { 0.5 } else { 1.0 };
+                single[i] = p.step * R::splat(share * coefficient::<T>(i, j));
             }
         }
         let weight_unit = p.step / R::splat(T::DIVISOR);
         let (model, applied) = (M::new(p), Applied::new(p, forcing));
-        RungeKutta { model, applied, single, weight_unit, tableau: PhantomData }
+        RungeKutta { model, twice: model.doubled(), applied, single, weight_unit, tableau: PhantomData }
     }
 
     #[inline(always)]
@@ -428,8 +476,12 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, 
                     } else {
                         stage_state::<T, $i, R, D>((self.single[$i], p.step), y, &k)
                     };
-                    k[$i] = rate::<R, M, L, D>(&self.model, &self.applied, &at);
-                    add_weighted::<T, $i, R, D>(&mut sum, &k[$i]);
+                    k[$i] = if const { is_doubled::<T, L>($i) } {
+                        doubled_rate::<R, M, L, D>(&self.twice, &self.applied, &at)
+                    } else {
+                        rate::<R, M, L, D>(&self.model, &self.applied, &at)
+                    };
+                    add_weighted::<T, L, $i, R, D>(&mut sum, &k[$i]);
                 }
             )*};
         }
