@@ -20,6 +20,9 @@ use std::ops::Range;
 /// of the most expensive steps on the slowest path.
 const STEPS_BETWEEN_STOPS: usize = 1 << 9;
 
+/// The forcing of free motions.
+static NO_FORCING: ForcingRows = ForcingRows::NONE;
+
 /// Steps of equal size to the next requested state or knot of the forcing.
 #[derive(Clone, Copy)]
 pub(super) struct Leg {
@@ -163,7 +166,8 @@ pub fn simulate(
     isa: Isa,
     stop: &Interrupt,
 ) -> Result<Effort, Error> {
-    let kind = |index: usize| Integration::of(request, scheme, index).kind();
+    let ways = Integration::of_block(request, scheme, 0..request.bodies.len())?;
+    let kind = |index: usize| ways[index].kind();
     // The bits of a body do not depend on the others of its group.
     over_blocks_of(
         request,
@@ -173,9 +177,9 @@ pub fn simulate(
         stop,
         |block, mut states| {
             states.forget();
-            let ways = Integration::of_block(request, scheme, block.clone())?;
             for members in kinds_in(block.clone(), kind)?.iter().flat_map(|kind| kind.chunks(LANES)) {
-                FixedBatch::new(request, &ways, block.start, members, isa, &mut states).run(stop)?;
+                let own = &ways[block.clone()];
+                FixedBatch::new(request, own, block.start, members, isa, &mut states).run(stop)?;
             }
             Ok(0)
         },
@@ -276,7 +280,8 @@ impl<'a, 'b> FixedBatch<'a, 'b> {
                 load(&mut group, lane, self.compiled, self.ways[self.members[lane]].assignment, &entry);
             }
             let mut moved = [false; LANES];
-            let mut forcing_rows = ForcingRows::NONE;
+            let is_changing = is_forced || self.request.record.is_sensitivity();
+            let mut forcing_rows = is_changing.then(|| Box::new(ForcingRows::NONE));
             for next in stops {
                 let mut legs = self.legs(&next);
                 for (lane, &member) in self.members.iter().enumerate() {
@@ -285,7 +290,7 @@ impl<'a, 'b> FixedBatch<'a, 'b> {
                     }
                 }
                 let legs = &legs[..self.members.len()];
-                if is_forced || self.request.record.is_sensitivity() {
+                if let Some(forcing_rows) = &mut forcing_rows {
                     for (lane, index) in self.bodies().enumerate() {
                         let interval = self.request.interval_of(index, next[lane].from, backward);
                         forcing_rows.set(lane, &interval);
@@ -298,7 +303,8 @@ impl<'a, 'b> FixedBatch<'a, 'b> {
                     // So that the steps of a body do not depend on when others of its group rest.
                     (0..self.members.len()).for_each(|lane| group.begin_motion(lane));
                 }
-                advance(&mut group, &forcing_rows, self.compiled, legs, stop)?;
+                let forcing_rows = forcing_rows.as_deref().unwrap_or(&NO_FORCING);
+                advance(&mut group, forcing_rows, self.compiled, legs, stop)?;
                 for (lane, &member) in self.members.iter().enumerate() {
                     moved[lane] |= legs[lane].steps > 0;
                     let limited = self.states.status[member] == Status::StepLimit;

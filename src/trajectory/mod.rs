@@ -26,6 +26,7 @@ use crate::parallel::{Interrupt, over_blocks};
 use crate::scheme::{Scheme, Step};
 use crate::simd::{Isa, LANES};
 use crate::solver::Solver;
+use crate::start::Body;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -241,8 +242,25 @@ impl Integration {
 
     /// Those of the bodies of a block.
     fn of_block(request: &Request, scheme: &Scheme, block: Range<usize>) -> Result<Vec<Self>, Error> {
-        let ways = block.clone().map(|index| Integration::of(request, scheme, index));
-        memory::collected("bodies of a block", block.len(), ways)
+        let mut ways = memory::reserved("bodies of a block", block.len())?;
+        let mut last: Option<(&Body, Self)> = None;
+        for index in block {
+            let (body, is_free) = (&request.bodies[index], request.forcing_of(index).is_none());
+            let way = match last {
+                // Neighbours mostly have the same moments and the same weight.
+                Some((other, way))
+                    if is_free
+                        && !way.is_forced
+                        && (other.moments, other.weight) == (body.moments, body.weight) =>
+                {
+                    way
+                }
+                _ => Integration::of(request, scheme, index),
+            };
+            last = Some((body, way));
+            ways.push(way);
+        }
+        Ok(ways)
     }
 
     /// What the bodies of a group share.
