@@ -19,6 +19,7 @@ pub mod map;
 pub mod memory;
 pub mod observe;
 pub mod parallel;
+pub mod polhode;
 #[cfg(feature = "python")]
 mod python;
 pub mod real;

@@ -91,6 +91,18 @@ impl Body {
         squares.max(mgl / smallest).sqrt()
     }
 
+    /// Moments in ascending order, and the rates about their axes; equal moments stay in their order.
+    pub(crate) fn ascending(&self) -> ([f64; 3], [f64; 3]) {
+        let (mut moments, mut rates) = (self.moments, self.omega);
+        for (a, b) in [(0, 1), (1, 2), (0, 1)] {
+            if moments[a] > moments[b] {
+                moments.swap(a, b);
+                rates.swap(a, b);
+            }
+        }
+        (moments, rates)
+    }
+
     /// The axis (0, 1, 2) of the smallest moment.
     pub(crate) fn smallest_moment(&self) -> usize {
         (1..3).fold(0, |s, k| if self.moments[k] < self.moments[s] { k } else { s })
@@ -107,10 +119,7 @@ impl Body {
     /// Bounds of the squared rates of a free body. With sorted moments, `D1 = L^2 - 2 T I1` and
     /// `D3 = 2 T I3 - L^2`, formed without cancellation, bound every component (Landau & Lifshitz §37).
     fn polhode_bounds(&self, twice_kinetic: f64) -> [f64; 3] {
-        let mut order = [0, 1, 2];
-        order.sort_by(|&a, &b| self.moments[a].total_cmp(&self.moments[b]));
-        let [i1, i2, i3] = order.map(|k| self.moments[k]);
-        let [w1, w2, w3] = order.map(|k| self.omega[k]);
+        let ([i1, i2, i3], [w1, w2, w3]) = self.ascending();
         let d1 = i2 * (i2 - i1) * w2 * w2 + i3 * (i3 - i1) * w3 * w3;
         let d3 = i1 * (i3 - i1) * w1 * w1 + i2 * (i3 - i2) * w2 * w2;
         // A denominator of zero gives no bound.

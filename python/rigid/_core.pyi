@@ -21,6 +21,7 @@ __all__ = [
     "check_moments",
     "chosen_methods",
     "clopper_pearson",
+    "closed_form_names",
     "closed_forms",
     "closed_forms_for",
     "default_steps",
@@ -37,6 +38,8 @@ __all__ = [
     "methods",
     "moment_status",
     "moment_status_names",
+    "near_separatrix",
+    "nearness_of_poles",
     "principal_axes",
     "rate_units",
     "saddles",
@@ -133,6 +136,7 @@ def section(
     threads: int,
     forcing: Forcing | None = None,
 ) -> dict[str, Any]: ...
+def closed_form_names() -> list[str]: ...
 def closed_forms(
     *,
     scene: str,
@@ -140,7 +144,7 @@ def closed_forms(
     weight: NDArray[np.float64],
     omega: NDArray[np.float64],
     attitude: NDArray[np.float64],
-) -> list[str]: ...
+) -> NDArray[np.uint8]: ...
 def first_not_finite(array: NDArray[np.float64]) -> int | None: ...
 def first_slow(omega: NDArray[np.float64], swing: float, least: float) -> int | None: ...
 def displacement_starts() -> NDArray[np.float64]: ...
@@ -177,7 +181,24 @@ def closed_forms_for(
     moments: NDArray[np.float64],
     weight: NDArray[np.float64],
     axis: int | None = None,
-) -> list[str]: ...
+) -> NDArray[np.uint8]: ...
+def near_separatrix(
+    *,
+    moments: NDArray[np.float64],
+    weight: NDArray[np.float64],
+    omega: NDArray[np.float64],
+    near: float,
+    free: float,
+    work: NDArray[np.float64] | None = None,
+) -> NDArray[np.int64]: ...
+def nearness_of_poles(
+    *,
+    moments: NDArray[np.float64],
+    weight: NDArray[np.float64],
+    omega: NDArray[np.float64],
+    rates: NDArray[np.float64],
+    pole: float,
+) -> NDArray[np.float64]: ...
 def lagrange_axes(
     moments: NDArray[np.float64], weight: NDArray[np.float64]
 ) -> NDArray[np.int64]: ...

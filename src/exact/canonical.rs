@@ -13,7 +13,7 @@ use std::f64::consts::FRAC_1_SQRT_2;
 pub enum ClosedForm {
     /// A constant rate about an axis fixed in space: a free body that is spherical, at rest or turns about a principal
     /// axis; a top that is upright or hangs without swinging.
-    PermanentRotation,
+    PermanentRotation = 1,
     /// A free body with two equal moments.
     Symmetric,
     /// A free body with three different moments.
@@ -59,6 +59,20 @@ pub fn lagrange_axis(moments: [f64; 3], weight: [f64; 3]) -> Option<usize> {
 }
 
 impl ClosedForm {
+    /// All closed forms, in the order of their codes, which begin with 1: 0 stands for none.
+    pub const ALL: [ClosedForm; 5] = [
+        ClosedForm::PermanentRotation,
+        ClosedForm::Symmetric,
+        ClosedForm::Asymmetric,
+        ClosedForm::Lagrange,
+        ClosedForm::Pendulum,
+    ];
+
+    /// The code of a closed form or of none.
+    pub fn code(form: Option<ClosedForm>) -> u8 {
+        form.map_or(0, |form| form as u8)
+    }
+
     /// The name that users see.
     pub fn name(self) -> &'static str {
         match self {

@@ -8,42 +8,50 @@ use crate::exact::derived::{
 };
 use crate::exact::{CanonicalForm, ClosedForm, Question, lagrange_axis};
 use crate::memory;
+use crate::polhode::{is_near_separatrix, nearness_of_pole};
 use crate::scene::Scene;
 use crate::simd::Isa;
 use crate::special::{agm, carlson_rc, carlson_rd, carlson_rf, carlson_rj};
+use crate::start::Body;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// The name of the closed form of each body, empty if the body has none.
+/// The names of the codes of closed forms, in their order; that of none is empty.
 #[pyfunction]
-#[pyo3(signature = (*, scene, moments, weight, omega, attitude))]
-pub fn closed_forms(
-    py: Python<'_>,
-    scene: &str,
-    moments: PyReadonlyArray2<'_, f64>,
-    weight: PyReadonlyArray2<'_, f64>,
-    omega: PyReadonlyArray2<'_, f64>,
-    attitude: PyReadonlyArray2<'_, f64>,
-) -> PyResult<Vec<&'static str>> {
-    Scene::parse(scene)?;
-    let bodies = bodies_of(&moments, &weight, &omega, &attitude)?;
-    let name =
-        |index: usize| Ok(CanonicalForm::of(&bodies[index]).map_or("", |form| form.closed_form.name()));
-    evaluated(py, "closed forms", bodies.len(), name)
+pub fn closed_form_names() -> Vec<&'static str> {
+    std::iter::once("").chain(ClosedForm::ALL.map(ClosedForm::name)).collect()
 }
 
-/// The name of the closed form that applies to a question for each body from any start, empty if there is none. The
-/// question is "states", "regular", "no_flip" or "tilt_from_vertical"; the last two need a body axis, 1 to 3, which is
+/// The code of the closed form of each body.
+#[pyfunction]
+#[pyo3(signature = (*, scene, moments, weight, omega, attitude))]
+pub fn closed_forms<'py>(
+    py: Python<'py>,
+    scene: &str,
+    moments: PyReadonlyArray2<'py, f64>,
+    weight: PyReadonlyArray2<'py, f64>,
+    omega: PyReadonlyArray2<'py, f64>,
+    attitude: PyReadonlyArray2<'py, f64>,
+) -> PyResult<Bound<'py, PyArray1<u8>>> {
+    Scene::parse(scene)?;
+    let bodies = bodies_of(&moments, &weight, &omega, &attitude)?;
+    let code =
+        |index: usize| Ok(ClosedForm::code(CanonicalForm::of(&bodies[index]).map(|form| form.closed_form)));
+    Ok(evaluated(py, "closed forms", bodies.len(), code)?.into_pyarray(py))
+}
+
+/// The code of the closed form that applies to a question for each body from any start. The question is "states", "regular", "no_flip" or "tilt_from_vertical"; the last two need a body axis, 1 to 3, which is
 /// optional for "no_flip".
 #[pyfunction]
 #[pyo3(signature = (question, *, moments, weight, axis=None))]
-pub fn closed_forms_for(
+pub fn closed_forms_for<'py>(
+    py: Python<'py>,
     question: &str,
-    moments: PyReadonlyArray2<'_, f64>,
-    weight: PyReadonlyArray2<'_, f64>,
+    moments: PyReadonlyArray2<'py, f64>,
+    weight: PyReadonlyArray2<'py, f64>,
     axis: Option<usize>,
-) -> PyResult<Vec<&'static str>> {
+) -> PyResult<Bound<'py, PyArray1<u8>>> {
     let index = |axis: usize| {
         let rule = "must be 1, 2 or 3";
         let wrong = || Error::Value { argument: "axis", value: axis.to_string(), rule };
@@ -66,9 +74,9 @@ pub fn closed_forms_for(
     };
     let (moments, weight) = (rows::<3>("moments", &moments)?, rows::<3>("weight", &weight)?);
     same_length("weight", moments.len(), weight.len())?;
-    let name =
-        |(&moments, &weight)| ClosedForm::answering(question, moments, weight).map_or("", ClosedForm::name);
-    Ok(memory::collected("closed forms", moments.len(), moments.iter().zip(weight).map(name))?)
+    let code = |(&moments, &weight)| ClosedForm::code(ClosedForm::answering(question, moments, weight));
+    let codes = memory::collected("closed forms", moments.len(), moments.iter().zip(weight).map(code))?;
+    Ok(codes.into_pyarray(py))
 }
 
 /// The symmetry axis 1, 2 or 3 of each Lagrange top, 0 for any other body.
@@ -83,6 +91,67 @@ pub fn lagrange_axes<'py>(
     let axis = |(&moments, &weight)| lagrange_axis(moments, weight).map_or(0, |axis| axis as i64 + 1);
     let axes = memory::collected("axes", moments.len(), moments.iter().zip(weight).map(axis))?;
     Ok(axes.into_pyarray(py))
+}
+
+/// The indices of the bodies near their separatrix: nearer than the share `near` of the largest distance there, while
+/// weight and the given work are below the share `free` of twice their kinetic energy.
+#[pyfunction]
+#[pyo3(signature = (*, moments, weight, omega, near, free, work=None))]
+pub fn near_separatrix<'py>(
+    py: Python<'py>,
+    moments: PyReadonlyArray2<'py, f64>,
+    weight: PyReadonlyArray2<'py, f64>,
+    omega: PyReadonlyArray2<'py, f64>,
+    near: f64,
+    free: f64,
+    work: Option<PyReadonlyArray1<'py, f64>>,
+) -> PyResult<Bound<'py, PyArray1<i64>>> {
+    let bodies = free_bodies(&moments, &weight, &omega)?;
+    let work = work.map(|work| copied("work", &work)).transpose()?;
+    if let Some(work) = &work {
+        same_length("work", bodies.len(), work.len())?;
+    }
+    let work = |index: usize| work.as_ref().map_or(0.0, |work| work[index]);
+    let mut found = Vec::new();
+    for (index, body) in bodies.iter().enumerate() {
+        if is_near_separatrix(body, work(index), near, free) {
+            memory::push("bodies near a separatrix", &mut found, index as i64)?;
+        }
+    }
+    Ok(found.into_pyarray(py))
+}
+
+/// How many times the angle `pole` is larger than that which each body turns in the time to the nearest pole of its
+/// motion, from bounds of the rates; at least 1, and 1 for bodies with weight.
+#[pyfunction]
+#[pyo3(signature = (*, moments, weight, omega, rates, pole))]
+pub fn nearness_of_poles<'py>(
+    py: Python<'py>,
+    moments: PyReadonlyArray2<'py, f64>,
+    weight: PyReadonlyArray2<'py, f64>,
+    omega: PyReadonlyArray2<'py, f64>,
+    rates: PyReadonlyArray1<'py, f64>,
+    pole: f64,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let bodies = free_bodies(&moments, &weight, &omega)?;
+    let rates = copied("rates", &rates)?;
+    same_length("rates", bodies.len(), rates.len())?;
+    let nearness = |index: usize| Ok(nearness_of_pole(&bodies[index], rates[index], pole));
+    Ok(evaluated(py, "nearness of poles", bodies.len(), nearness)?.into_pyarray(py))
+}
+
+/// Bodies whose attitudes do not matter.
+fn free_bodies(
+    moments: &PyReadonlyArray2<'_, f64>,
+    weight: &PyReadonlyArray2<'_, f64>,
+    omega: &PyReadonlyArray2<'_, f64>,
+) -> PyResult<Vec<Body>> {
+    bodies(
+        rows::<3>("moments", moments)?,
+        rows::<3>("weight", weight)?,
+        rows::<3>("omega", omega)?,
+        &[[1.0, 0.0, 0.0, 0.0]],
+    )
 }
 
 /// Periods, amplitudes and precession of free bodies.

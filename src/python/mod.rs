@@ -43,9 +43,11 @@ mod _core {
     #[pymodule_export]
     use super::convert::{first_not_finite, first_slow};
     #[pymodule_export]
-    use super::exact::{closed_forms, closed_forms_for, lagrange_axes};
+    use super::exact::{closed_form_names, closed_forms, closed_forms_for, lagrange_axes};
     #[pymodule_export]
     use super::exact::{elliptic, flip_times, free_quantities_of, saddles, tilt_times, top_quantities_of};
+    #[pymodule_export]
+    use super::exact::{near_separatrix, nearness_of_poles};
     #[pymodule_export]
     use super::forcing::PyForcing;
     #[pymodule_export]

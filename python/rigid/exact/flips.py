@@ -76,7 +76,7 @@ def flip_times(
     for chosen in np.unique(axes).tolist():
         mine = np.flatnonzero(np.broadcast_to(axes == chosen, len(batch)))
         some = batch.select(mine)
-        if "" in closed_forms(NoFlip(chosen), some.moments, some.weight):
+        if not closed_forms(NoFlip(chosen), some.moments, some.weight).all():
             raise ValueError(
                 f"axis = {chosen}: no closed form for the {scene.words()}; there is one for a "
                 "free body, and for the symmetry axis of a Lagrange top"

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from .. import _core
 from ..model.judged import Judged, States
-from ..solve.closed_form import closed_forms
+from ..solve.closed_form import NO_FORM, closed_forms
 from ..solve.methods import AUTO, EXACT, SECOND
 from ..solve.request import Request
 from ..solve.status import Status
@@ -86,7 +86,7 @@ class JudgedJob:
         grid = spec.grid
         self._closed = np.zeros(len(grid.moments), dtype=np.bool_)
         if spec.method in (AUTO, EXACT) and not spec.is_driven:
-            self._closed = closed_forms("states", grid.moments, grid.weight) != ""
+            self._closed = closed_forms("states", grid.moments, grid.weight) != NO_FORM
 
     @property
     def _block(self) -> int:

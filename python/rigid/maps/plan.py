@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from .. import _core
 from .._moments import possible
-from ..solve.closed_form import closed_forms, listed, why_not
+from ..solve.closed_form import NO_FORM, Codes, closed_forms, names, why_not
 from ..solve.cost_model import calibration_class_of_any, closed_form_estimate, steps_estimate
 from ..solve.methods import AUTO, EXACT
 from ..solve.plan import Plan, carried, left_out
@@ -24,11 +24,11 @@ def map_plan(spec: MapSpec) -> Plan:
     moments, weight = spec.grid.moments[real], spec.grid.weight[real]
     forms = closed_forms(spec.stable, moments, weight)
     if spec.is_driven:
-        forms = np.full_like(forms, "")
+        forms = np.full_like(forms, NO_FORM)
     method, why = _choice(spec, moments, weight, forms)
     rates = _rates(spec, np.flatnonzero(real), spec.scheme)
     if method == AUTO:
-        rates = rates[forms == ""]
+        rates = rates[forms == NO_FORM]
     if method == EXACT:
         estimate = closed_form_estimate(spec.stable, forms, 0, rates, spec.t_end)
     else:
@@ -40,7 +40,7 @@ def map_plan(spec: MapSpec) -> Plan:
     return Plan(
         scene=spec.scene_words,
         question=spec.criterion,
-        closed_form=listed(forms) if method in (AUTO, EXACT) else None,
+        closed_form=", ".join(names(forms)) or None if method in (AUTO, EXACT) else None,
         method=method,
         carried=carried(spec.scene, spec.stable, method),
         why=(why,),
@@ -52,13 +52,11 @@ def map_plan(spec: MapSpec) -> Plan:
     )
 
 
-def _choice(
-    spec: MapSpec, moments: Floats, weight: Floats, forms: NDArray[np.str_]
-) -> tuple[str, str]:
+def _choice(spec: MapSpec, moments: Floats, weight: Floats, forms: Codes) -> tuple[str, str]:
     """The method of the possible pixels and the reason; ``"auto"`` where two are needed."""
     if spec.method not in (AUTO, EXACT):
         return spec.method, f"method = {spec.method!r} was asked for"
-    closed = forms != ""
+    closed = forms != NO_FORM
     if not closed.size:
         return EXACT, "no pixel has a possible body: nothing is done"
     if closed.all():

@@ -25,7 +25,7 @@ from ..model.scene import Scene, scene_from_dict
 from ..model.seed import checked_seed
 from ..model.sourced import Sourced
 from ..model.start import Start
-from ..solve.closed_form import FORCED_RULE, closed_forms, question_words, rule
+from ..solve.closed_form import FORCED_RULE, NO_FORM, closed_forms, question_words, rule
 from ..solve.methods import (
     AUTO,
     EXACT,
@@ -454,7 +454,7 @@ class MapSpec:
             if one.runs:
                 raise ValueError(f"method = {EXACT!r}: {one} is measured along steps")
         moments, weight = self.grid.moments, self.grid.weight
-        missing = possible(moments) & (closed_forms(self.stable, moments, weight) == "")
+        missing = possible(moments) & (closed_forms(self.stable, moments, weight) == NO_FORM)
         if missing.any():
             flat = int(np.argmax(missing))
             pixel = tuple(int(i) for i in np.unravel_index(flat, self.shape))

@@ -202,7 +202,8 @@ class Scene(ABC):
     @property
     def is_driven(self) -> bool:
         """Whether a torque, a rotor, or damping or dissipation that is not zero, was given."""
-        return any(getattr(self, name) is not None for name in _ACTING)
+        torque, damping = self.torque is not None, self.damping is not None
+        return torque or damping or self.dissipation is not None or self.rotor is not None
 
     @property
     def is_satellite(self) -> bool:

@@ -211,12 +211,14 @@ class Batch:
         if self.forcing is None:
             self._rates.setdefault(None, rates)
 
-    def closed_forms(self) -> NDArray[np.str_]:
-        """The closed form of the states of each body from its start, or ""; shape (n,)."""
-        columns = self.full_columns()
+    def closed_forms(self) -> NDArray[np.uint8]:
+        """The code of the closed form of each body from its start, 0 for none; shape (n,)."""
+        columns = self.columns()
         columns.pop("forcing", None)
-        forms = np.array(_core.closed_forms(**columns), dtype=np.str_)
-        return np.where(self.driven(), "", forms) if self.forcing is not None else forms
+        forms = _core.closed_forms(**columns)
+        if self.forcing is not None:
+            forms[self.driven()] = 0
+        return forms
 
     def _check_time_unit(self, shape: Shape) -> None:
         """Raise ValueError for rates whose squares underflow."""

@@ -20,12 +20,14 @@ from .arrays import Range
 from .batch import Batch
 from .closed_form import (
     FORCED_RULE,
+    NO_FORM,
     RECORDS,
+    Codes,
     Question,
     are_slowed_evenly,
     closed_forms,
-    listed,
     moment_rows,
+    names,
     question_words,
     rule,
     weight_rows,
@@ -321,7 +323,7 @@ def choose_method(problem: Problem) -> tuple[Plan, Floats | None]:
     chosen = Plan(
         scene=scene.words(),
         question=question_words(question),
-        closed_form=listed(forms) if method == EXACT else None,
+        closed_form=", ".join(names(forms)) or None if method == EXACT else None,
         method=method,
         carried=carried(scene, question, method),
         why=tuple(why),
@@ -353,7 +355,7 @@ def _plan_of_any_start(
     scene: Scene, question: str, method: str | None, bodies: int, states: int
 ) -> Plan | None:
     """The plan without its error, None if some start of the scene has no closed form."""
-    if "" in closed_forms(question, moment_rows(scene), weight_rows(scene)):
+    if not closed_forms(question, moment_rows(scene), weight_rows(scene)).all():
         return None
     problem = Problem(scene=scene, question=question, method=method, states=states, bodies=bodies)
     return choose_method(problem)[0]
@@ -398,8 +400,8 @@ def _damping_rate(scene: Scene) -> float:
     return float(forcing.damping_rates(moment_rows(scene)).max(initial=0.0))
 
 
-def _known_closed_forms(problem: Problem) -> NDArray[np.str_]:
-    """The closed form that applies to the question for each body, or "" if there is none.
+def _known_closed_forms(problem: Problem) -> Codes:
+    """The code of the closed form that applies to the question for each body.
 
     Raises
     ------
@@ -414,13 +416,13 @@ def _known_closed_forms(problem: Problem) -> NDArray[np.str_]:
         assert forcing is not None
         states = isinstance(question, str)
         evenly = are_slowed_evenly(scene, forcing, moments) if states else np.False_
-        forms = np.where(evenly, forms, "")
-    elif problem.batch is not None and isinstance(question, str) and "" in forms:
+        forms = np.where(evenly, forms, np.uint8(NO_FORM))
+    elif problem.batch is not None and isinstance(question, str) and not forms.all():
         wanted = method == EXACT or (method is None and problem.step is None)
         # Whether a top swings as a pendulum depends on the start.
         forms = problem.batch.closed_forms() if wanted else forms
-    if method == EXACT and "" in forms:
-        body = int(np.flatnonzero(forms == "")[0])
+    if method == EXACT and not forms.all():
+        body = int(np.flatnonzero(forms == NO_FORM)[0])
         which = f"body {body} of the" if forms.size > 1 else "the"
         raise ValueError(
             f"method = {EXACT!r}: no closed form of {question_words(question)} for {which} "
@@ -429,12 +431,12 @@ def _known_closed_forms(problem: Problem) -> NDArray[np.str_]:
     return forms
 
 
-def _preferred(problem: Problem, forms: NDArray[np.str_]) -> tuple[str, list[str]]:
+def _preferred(problem: Problem, forms: Codes) -> tuple[str, list[str]]:
     """The method unless an accuracy needs another scheme, and the reasons for it."""
     scene, question = problem.scene, problem.question
     if problem.method is not None:
         return problem.method, [f"method = {problem.method!r} was asked for"]
-    if "" not in forms:
+    if forms.all():
         if problem.step is not None:
             return _scheme(problem, ["a step was asked for"])
         if not forms.size:
@@ -444,7 +446,7 @@ def _preferred(problem: Problem, forms: NDArray[np.str_]) -> tuple[str, list[str
         return _scheme(problem, ["no closed form under torque and damping"])
     moments, weight = np.broadcast_arrays(*problem.inertia())
     # Of bodies that differ, the first without a closed form.
-    body = int(np.flatnonzero(forms == "")[0]) if len(moments) > 1 else 0
+    body = int(np.flatnonzero(forms == NO_FORM)[0]) if len(moments) > 1 else 0
     return _scheme(problem, [why_not(question, moments[body], weight[body])])
 
 

@@ -15,14 +15,16 @@ from .arrays import in_rows
 
 __all__ = [
     "FORCED_RULE",
+    "NO_FORM",
     "RECORDS",
+    "Codes",
     "Question",
     "are_slowed_evenly",
     "closed_forms",
     "lagrange_axes",
     "lagrange_axis_of",
-    "listed",
     "moment_rows",
+    "names",
     "question_words",
     "rule",
     "weight_rows",
@@ -31,7 +33,15 @@ __all__ = [
 
 Floats = NDArray[np.float64]
 
+Codes: TypeAlias = NDArray[np.uint8]
+"""The closed forms of bodies, by their codes."""
+
 Question: TypeAlias = str | Criterion
+
+NO_FORM = 0
+"""The code of a body without a closed form."""
+
+_NAMES = _core.closed_form_names()
 
 RECORDS: Mapping[str, str] = {
     "rates": "rates at wanted times",
@@ -57,8 +67,8 @@ _CLASS_RULE = (
 )
 
 
-def closed_forms(question: Question, moments: Floats, weight: Floats) -> NDArray[np.str_]:
-    """The closed form that applies to the question for each body from any start, or ""; shape (n,).
+def closed_forms(question: Question, moments: Floats, weight: Floats) -> Codes:
+    """The code of the closed form that applies to the question from any start; shape (n,).
 
     Parameters
     ----------
@@ -67,14 +77,13 @@ def closed_forms(question: Question, moments: Floats, weight: Floats) -> NDArray
     """
     if isinstance(question, Joined):
         each = [closed_forms(leaf, moments, weight) for leaf in question.leaves]
-        return np.where(np.all([forms != "" for forms in each], axis=0), each[0], "")
+        return np.where(np.all(each, axis=0), each[0], np.uint8(NO_FORM))
     asked = ("states", None) if isinstance(question, str) else question.closed_form_question()
     if asked is None:
-        return np.full(len(moments), "")
+        return np.full(len(moments), NO_FORM, dtype=np.uint8)
     name, axis = asked
     first, second = (np.ascontiguousarray(rows) for rows in np.broadcast_arrays(moments, weight))
-    forms = _core.closed_forms_for(name, moments=first, weight=second, axis=axis)
-    return np.array(forms, dtype=np.str_)
+    return _core.closed_forms_for(name, moments=first, weight=second, axis=axis)
 
 
 def lagrange_axis_of(moments: ArrayLike, weight: ArrayLike) -> int:
@@ -103,9 +112,10 @@ def rule(question: Question) -> str:
     return _STATES_RULE if asked == "states" else _CLASS_RULE
 
 
-def listed(forms: NDArray[np.str_]) -> str | None:
-    """The closed forms that occur."""
-    return ", ".join(sorted(set(forms.tolist()) - {""})) or None
+def names(forms: Codes) -> list[str]:
+    """The names of the closed forms that occur, sorted."""
+    codes = {int(forms[0])} if len(forms) == 1 else set(np.flatnonzero(np.bincount(forms)).tolist())
+    return sorted(_NAMES[code] for code in codes - {NO_FORM})
 
 
 def why_not(question: Question, moments: Floats, weight: Floats) -> str:

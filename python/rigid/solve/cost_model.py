@@ -18,7 +18,7 @@ from ..model.criteria import Criterion
 from ..model.scene import Scene
 from .arrays import time_ranges, time_span
 from .batch import Batch
-from .closed_form import lagrange_axes
+from .closed_form import Codes, lagrange_axes, names
 from .methods import is_multistep, is_processed, is_stiff, order_of
 from .work import LANES, MANY, Work
 
@@ -116,11 +116,13 @@ def calibration_classes(
 
     Of one element if all bodies are alike; the rows of a column may serve all.
     """
-    lagrange = np.where(lagrange_axes(moments, weight), "lagrange", calibration_class_of_any(scene))
-    classes = np.where(driven, "driven", lagrange)
+    known = np.array([calibration_class_of_any(scene), "lagrange", "driven"])
+    # By numbers, which are compared faster than names.
+    classes = np.where(driven, 2, (lagrange_axes(moments, weight) > 0).astype(np.intp))
     if not len(classes):
-        return np.array(["driven" if scene.is_driven else calibration_class_of_any(scene)])
-    return classes[:1] if np.all(classes == classes[:1]) else classes
+        classes = np.array([2 if scene.is_driven else 0])
+    same = bool(np.all(classes == classes[0]))
+    return known[classes[:1] if same else classes]
 
 
 def calibration_class_of_any(scene: Scene) -> str:
@@ -216,7 +218,7 @@ class Estimate:
 @np.errstate(all="ignore")
 def closed_form_estimate(
     question: str | Criterion,
-    forms: NDArray[np.str_],
+    forms: Codes,
     states: int,
     rates: Floats | None,
     span: float | Floats | None,
@@ -227,8 +229,8 @@ def closed_form_estimate(
     Parameters
     ----------
     question : str or Criterion
-    forms : ndarray of str
-        The closed forms that occur.
+    forms : ndarray
+        The closed forms that occur, by their codes.
     states : int
         Number of requested states of a body.
     rates : ndarray, shape (n,), or None
@@ -244,7 +246,7 @@ def closed_form_estimate(
         ].of_a_body(bodies, states, 0.0)
         if isinstance(question, str)
         else CLASS_WORK[form]
-        for form in set(forms.tolist())
+        for form in names(forms)
     ]
     error = None if rates is None or span is None else ROUNDING * (1.0 + rates * span)
     return Estimate(None, 0, max(of_forms, default=0.0), _worst(error))

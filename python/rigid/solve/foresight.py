@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from .arrays import Range, spread_indices
+from .arrays import Range, lengths, spread_indices
 from .batch import Batch
 from .saddle import separatrices, verticals
 from .separatrix import circulation_terms
@@ -74,7 +74,7 @@ def _distances_in_energy(batch: Batch) -> tuple[Floats, Floats]:
 
     The distance is that of the energies, relative to ``mgl``. NaN for a body without weight.
     """
-    size = np.linalg.norm(batch.weight, axis=1)
+    size = lengths(batch.weight)
     up = batch.weight / size[:, None]
     kinetic = 0.5 * np.sum(batch.moments * batch.omega**2, axis=1)
     vertical = verticals(batch)
@@ -106,7 +106,6 @@ def _distance_from_separatrix(batch: Batch) -> Floats:
     return distance
 
 
-@np.errstate(all="ignore")
 def nearness_of_poles(batch: Batch, rates: Floats) -> Floats:
     """How many times shorter steps must be than those of the models for the same error; shape (n,).
 
@@ -114,15 +113,7 @@ def nearness_of_poles(batch: Batch, rates: Floats) -> Floats:
     times they have poles (Landau & Lifshitz, *Mechanics*, § 37): that is where series end to
     converge. A flat or slender body has them near. It is 1 for other bodies than free ones.
     """
-    ascending, omega = _ascending(batch)
-    (i1, i2, i3), (x, y, z) = ascending.T, omega.T**2
-    above_least = i2 * (i2 - i1) * y + i3 * (i3 - i1) * z
-    below_largest = i1 * (i3 - i1) * x + i2 * (i3 - i2) * y
-    terms = (i3 - i2) * above_least, (i2 - i1) * below_largest
-    fast, slow = np.maximum(*terms), np.minimum(*terms)
-    is_free = (slow > 0.0) & ~batch.driven() & ~batch.weight.any(axis=1)
-    ratio = np.sqrt(np.where(is_free, slow / fast, 1.0))
-    (mean,) = _core.elliptic("agm", [np.ones_like(ratio), ratio])
-    time = np.pi / (2.0 * mean) * np.sqrt(i1 * i2 * i3 / fast)
-    nearness: Floats = np.where(is_free, np.fmax(POLE / (rates * time), 1.0), 1.0)
-    return nearness
+    nearness = _core.nearness_of_poles(
+        moments=batch.moments, weight=batch.weight, omega=batch.omega, rates=rates, pole=POLE
+    )
+    return nearness if batch.forcing is None else np.where(batch.driven(), 1.0, nearness)

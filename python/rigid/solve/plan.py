@@ -13,12 +13,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from ..drawing.figure import html_table
 from ..model.scene import Scene
-from .closed_form import Question
+from .closed_form import Codes, Question, names
 from .methods import EXACT
 from .work import unit_nanoseconds
 
@@ -174,7 +171,7 @@ def left_out(
     question: Question,
     method: str,
     step: float | None,
-    forms: NDArray[np.str_],
+    forms: Codes,
 ) -> tuple[str, ...]:
     """The omitted parts of the computation, with reasons."""
     left = []
@@ -188,7 +185,7 @@ def left_out(
             left.append("damping a multiple of the inertia: the free motion, slowed; no steps")
         elif not scene.directions:
             left.append("no torque: no steps")
-        left.extend(reasons[form] for form in sorted(set(forms.tolist())) if form in reasons)
+        left.extend(reasons[form] for form in names(forms) if form in reasons)
         if step is not None:
             left.append(f"closed form: step = {step:g} is not needed")
     if not isinstance(question, str):

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from .arrays import Range, lengths
+from .arrays import Range
 from .batch import Batch
 
 __all__ = ["circulation_terms", "separatrix_error"]
@@ -65,41 +65,37 @@ def separatrix_error(
     delay, never = np.zeros(count), np.full(count, np.inf)
     if not count:
         return delay, never
-    moments = np.broadcast_to(batch.moments, (count, 3))
-    kinetic = np.einsum("ni,ni->n", moments * batch.omega, batch.omega)
-    acts = lengths(batch.weight)
+    work = None
     if states["work"] is not None:
-        acts = acts + np.abs(states["work"]).max(axis=1, initial=0.0)
-    nearly_free = acts < NEARLY_FREE * kinetic
-    if not nearly_free.any():
-        return delay, never
-    order = np.argsort(moments, axis=1, kind="stable")
-    ascending = np.take_along_axis(moments, order, axis=1)
-    asymmetric = (np.diff(ascending, axis=1) > 0.0).all(axis=1)
-    momentum2 = np.sum((moments * batch.omega) ** 2, axis=1)
-    rates = np.take_along_axis(batch.omega, order, axis=1)
-    about_first, about_third = circulation_terms(ascending, rates)
-    distance = np.abs(about_first - about_third)
-    # On either side it is largest for the rotation about the axis there.
-    i1, i2, i3 = ascending.T
-    largest = momentum2 * np.where(about_first > about_third, (i2 - i1) / i1, (i3 - i2) / i3)
-    near = np.flatnonzero(
-        asymmetric & (distance < NEAR * largest) & (momentum2 > 0.0) & nearly_free
+        work = np.abs(states["work"]).max(axis=1, initial=0.0)
+    near = _core.near_separatrix(
+        moments=batch.moments,
+        weight=batch.weight,
+        omega=batch.omega,
+        near=NEAR,
+        free=NEARLY_FREE,
+        work=work,
     )
     if not len(near):
         return delay, never
-    later = np.take_along_axis(states["omega"][near], order[near, np.newaxis], axis=2)
-    later_first, later_third = circulation_terms(ascending[near, np.newaxis], later)
-    moved = (later_first - later_third) - (about_first - about_third)[near, None]
-    share = np.abs(moved).max(axis=1, initial=0.0) / distance[near]
+    moments, omega = np.broadcast_to(batch.moments, (count, 3))[near], batch.omega[near]
+    order = np.argsort(moments, axis=1, kind="stable")
+    ascending = np.take_along_axis(moments, order, axis=1)
+    about_first, about_third = circulation_terms(
+        ascending, np.take_along_axis(omega, order, axis=1)
+    )
+    later = np.take_along_axis(states["omega"][near], order[:, np.newaxis], axis=2)
+    later_first, later_third = circulation_terms(ascending[:, np.newaxis], later)
+    moved = (later_first - later_third) - (about_first - about_third)[:, None]
+    share = np.abs(moved).max(axis=1, initial=0.0) / np.abs(about_first - about_third)
     first = np.empty(len(near))
     for axis in range(3):
-        mine = order[near, 1] == axis
+        mine = order[:, 1] == axis
         free = Batch(
             kind="free",
-            moments=np.ascontiguousarray(moments[near[mine]]),
+            moments=moments[mine],
             weight=np.zeros((1, 3)),
-            omega=np.ascontiguousarray(batch.omega[near[mine]]),
+            omega=omega[mine],
             attitude=np.array([[1.0, 0.0, 0.0, 0.0]]),
         )
         first[mine] = _core.flip_times(**free.columns(), axis=axis + 1, count=1)[:, 0]

@@ -49,15 +49,12 @@ def judged_status(
         fine = not np.count_nonzero(status) and np.count_nonzero(error < limit) == len(error)
     if fine:
         return status
-    coarse = (
-        (error > COARSE_ERROR) if spec["accuracy"] is None else np.zeros_like(error, dtype=bool)
-    )
-    judged = np.select(
-        [error >= error_limit(spec), np.isnan(error), coarse],
-        [Status.FLAGGED, Status.UNCHECKED, Status.COARSE],
-        Status.OK,
-    )
-    return np.where(status == Status.OK, judged, status).astype(np.uint8)
+    judged = np.full(len(error), Status.OK, dtype=np.uint8)
+    if spec["accuracy"] is None:
+        judged[error > COARSE_ERROR] = Status.COARSE
+    judged[np.isnan(error)] = Status.UNCHECKED
+    judged[error >= error_limit(spec)] = Status.FLAGGED
+    return np.where(status == Status.OK, judged, status)
 
 
 def sentences(words: Callable[..., str], *columns: NDArray[Any]) -> tuple[Any, ...]:
