@@ -9,6 +9,18 @@ from typing import Any
 import pytest
 
 
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Any]:
+    """Chromium; a test without it is skipped."""
+    from browsers import NoBrowserError, chromium
+
+    try:
+        with chromium() as opened:
+            yield opened
+    except NoBrowserError as reason:
+        pytest.skip(str(reason))
+
+
 @pytest.fixture(autouse=True)
 def _pyplot_keeps_no_figure() -> Iterator[None]:
     """Where a test has imported pyplot, it keeps the figures of all later tests too."""

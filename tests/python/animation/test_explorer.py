@@ -8,7 +8,6 @@ import re
 import shutil
 import subprocess
 import zlib
-from collections.abc import Iterator
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -18,10 +17,10 @@ import pytest
 from numpy.typing import NDArray
 
 import rigid
+from browsers import Opened
 from rigid import cli
 
 NODE = shutil.which("node")
-CHROMIUM = shutil.which("chromium")
 
 BOX = rigid.stability_map(
     rigid.FreeBody(rigid.Body.box(0.25, 0.08, 0.01, mass=0.3)),
@@ -186,27 +185,11 @@ def test_motions_of_the_page_are_those_of_replay(kind: str, tmp_path: Path) -> N
 # In a browser
 
 
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    playwright = pytest.importorskip("playwright.sync_api", reason="needs playwright")
-    if CHROMIUM is None:
-        pytest.skip("needs chromium")
-    flags = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
-    with playwright.sync_playwright() as driver:
-        opened = driver.chromium.launch(executable_path=CHROMIUM, args=flags)
-        yield opened
-        opened.close()
-
-
 @pytest.mark.browser
 @pytest.mark.parametrize(("width", "scheme"), [(1280, "light"), (375, "dark")])
 def test_the_explorer_works_in_a_browser(browser: Any, page: Path, width: int, scheme: str) -> None:
-    shown = browser.new_page(viewport={"width": width, "height": 800}, color_scheme=scheme)
-    seen: list[str] = []
-    shown.on("console", lambda message: seen.append(message.text))
-    shown.on("pageerror", lambda error: seen.append(str(error)))
-    shown.on("request", lambda request: seen.append(request.url))
-    shown.goto(page.as_uri())
+    opened = Opened(browser, page, width=width, height=800, scheme=scheme)
+    shown = opened.page
     shown.wait_for_selector(".map[data-ready]")
     inks = "new Set(new Uint32Array(document.querySelector('.map').getContext('2d')"
     inks += ".getImageData(0, 0, 300, 200).data.buffer)).size"
@@ -221,25 +204,26 @@ def test_the_explorer_works_in_a_browser(browser: Any, page: Path, width: int, s
     line = shown.locator(".python").text_content()
     assert re.fullmatch(r"result\.replay\(pixel=\(2, 3\), sample=\d\)", line)
     assert shown.locator(".dots button").count() == 6
-    shown.keyboard.press("n")
+    opened.press("n")
     assert shown.evaluate("location.hash") != first
-    shown.keyboard.press("p")
+    opened.press("p")
     assert shown.evaluate("location.hash") == first
     # The film runs, and its canvas is not blank.
     frame = "explorer.player.frame"
     shown.evaluate("explorer.player.play(true)")
     shown.wait_for_function(f"{frame} > 3")
     shown.evaluate("explorer.player.play(false)")
-    stage = shown.locator("canvas.stage")
-    assert len(set(stage.screenshot())) > 200
-    assert stage.bounding_box()["height"] > 100
+    stage = opened.pixels("canvas.stage")
+    assert len(np.unique(stage.reshape(-1, 3), axis=0)) > 200
+    assert len(stage) > 100
     assert shown.evaluate("document.documentElement.scrollWidth") <= width
-    # The address restores the view.
-    other = browser.new_page(viewport={"width": width, "height": 800})
-    other.goto(page.as_uri() + "#layer=upper&pixel=1,2&sample=3")
-    other.wait_for_selector("canvas.stage")
-    assert other.locator(".python").text_content() == "result.replay(pixel=(1, 2), sample=3)"
-    assert other.locator("select.layer").input_value() == "upper"
-    shown.close()
-    other.close()
-    assert seen == [page.as_uri()]
+    opened.close()
+
+
+@pytest.mark.browser
+def test_the_address_restores_the_view(browser: Any, page: Path) -> None:
+    opened = Opened(browser, page, address="#layer=upper&pixel=1,2&sample=3")
+    opened.page.wait_for_selector("canvas.stage")
+    assert opened.page.locator(".python").text_content() == "result.replay(pixel=(1, 2), sample=3)"
+    assert opened.page.locator("select.layer").input_value() == "upper"
+    opened.close()

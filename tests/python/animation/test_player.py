@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import io
-import shutil
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from PIL import Image
 
 import rigid
+from browsers import Opened
 
 pytestmark = pytest.mark.browser
 
@@ -27,64 +24,6 @@ TOPS = rigid.simulate(
     [np.cos(0.3), np.sin(0.3), 0.0, 0.0],
     t=np.linspace(0.0, 10.0, 201),
 )
-# The software renderer of Chromium: machines that run tests have no graphics card.
-FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    api = pytest.importorskip("playwright.sync_api", reason="playwright is needed")
-    with api.sync_playwright() as playwright:
-        found = shutil.which("chromium") or shutil.which("google-chrome")
-        try:
-            browser = playwright.chromium.launch(executable_path=found, args=FLAGS)
-        except api.Error as error:
-            pytest.skip(f"Chromium does not start: {str(error).splitlines()[0]}")
-        page = browser.new_page()
-        if not page.evaluate("!!document.createElement('canvas').getContext('webgl2')"):
-            browser.close()
-            pytest.skip("the browser has no WebGL2")
-        yield browser
-        browser.close()
-
-
-class Opened:
-    """A page with a film, and what it said and asked for."""
-
-    def __init__(self, browser: Any, path: Path, *, width: int, scheme: str) -> None:
-        self.page = browser.new_page(
-            viewport={"width": width, "height": 720},
-            color_scheme=scheme,
-            reduced_motion="reduce",
-        )
-        self.said: list[str] = []
-        self.asked: list[str] = []
-        self.page.on("console", lambda message: self.said.append(message.text))
-        self.page.on("pageerror", lambda error: self.said.append(str(error)))
-        self.page.on("request", lambda request: self.asked.append(request.url))
-        self.page.goto(path.as_uri())
-        self.settle()
-
-    def settle(self) -> None:
-        """Wait until the page has drawn its state."""
-        self.page.evaluate(
-            "() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
-        )
-
-    def press(self, key: str) -> None:
-        self.page.keyboard.press(key)
-        self.settle()
-
-    def pixels(self) -> Any:
-        """The picture of the first stage, in its middle."""
-        png = self.page.locator(".holder").first.screenshot()
-        return np.asarray(Image.open(io.BytesIO(png)).convert("RGB"), dtype=int)
-
-    def close(self) -> None:
-        # Drivers say in the console how they read pixels; that is no fault of a page.
-        assert [text for text in self.said if "GL Driver Message" not in text] == []
-        assert [url for url in self.asked if not url.startswith(("file:", "data:"))] == []
-        self.page.close()
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
@@ -105,13 +44,13 @@ def test_a_film_is_drawn(
     )
     stages = "player.stages.map(stage => stage.painter.name)"
     assert set(opened.page.evaluate(stages)) == {"WebGL2"}
-    pixels = opened.pixels()
+    pixels = opened.pixels(".holder")
     paper = pixels[2, 2]
     assert (paper.mean() > 200) == (scheme == "light")
     drawn = np.abs(pixels - paper).max(axis=-1) > 40
     assert 0.02 < drawn.mean() < 0.7
     opened.press("End")
-    assert (np.abs(opened.pixels() - pixels).max(axis=-1) > 40).mean() > 0.002
+    assert (np.abs(opened.pixels(".holder") - pixels).max(axis=-1) > 40).mean() > 0.002
     opened.close()
 
 
