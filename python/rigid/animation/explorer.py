@@ -21,9 +21,9 @@ from ..drawing import colours
 from ..maps.data import CLASSES, STATUS
 from ..maps.plot import cell_edges
 from ..maps.result import StabilityMap
-from ..model.criteria import Criterion, Regular, TiltBelow
-from ..model.scene import HeavyTop
+from ..model.criteria import Regular
 from .raster import AZIMUTH, ELEVATION
+from .watched import watched
 from .web import assembled
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ MOST_SAMPLES = 64
 
 SCRIPTS = (
     *("vectors.js", "stage.js", "charts.js", "player.js"),
-    *("motion.js", "solids.js", "explorer.js"),
+    *("motion.js", "quantities.js", "solids.js", "explorer.js"),
 )
 
 
@@ -164,7 +164,10 @@ def _content(result: StabilityMap, samples: int | None, threads: int) -> dict[st
         "attitude": _packed(start.attitude, np.float64),
         "horizon": _packed(spec.horizons, np.float64),
         "motion": _motion(spec),
-        "chart": _chart(spec),
+        "charts": [
+            chart | {"limits": [_packed(limits, np.float64) for limits in of_chart]}
+            for chart, of_chart in watched(spec)
+        ],
         "scene": spec.scene.title,
         "inks": {
             "axes": [ink.colour for ink in colours.AXES],
@@ -218,6 +221,11 @@ def _layers(result: StabilityMap) -> list[dict[str, Any]]:
         values["exponent"] = ("mean exponent (1/s)", result.exponent, False)
         values["largest_exponent"] = ("largest exponent (1/s)", result.largest_exponent, False)
         values["mean_megno"] = ("mean MEGNO", result.mean_megno, False)
+    for name, measured in result.measures.items():
+        unit = "" if measured.measure.unit == "1" else f" ({measured.measure.unit})"
+        for of in ("mean", "least", "largest"):
+            label = f"{measured.measure.words}{unit}, {of} of the pixel"
+            values[f"{name}.{of}"] = (label, getattr(measured, of), False)
     words = {
         "share": "share stable",
         "lower": "lower end of the 95 % interval",
@@ -256,27 +264,6 @@ def _motion(spec: MapSpec) -> dict[str, Any] | None:
     torque = np.zeros((count, 3)) if grid.torque is None else grid.torque
     columns = (grid.moments, grid.weight, damping.reshape(-1, 9), torque)
     return {"numbers": _packed(np.concatenate(columns, axis=1), np.float64)}
-
-
-def _chart(spec: MapSpec) -> dict[str, Any]:
-    """Which quantity is shown over time, and the limit of the criterion."""
-    stable: Criterion = spec.stable
-    if isinstance(stable, TiltBelow):
-        limits = np.empty(int(np.prod(spec.shape)))
-        for part in spec.parts:
-            of_part = part.spec.stable
-            assert isinstance(of_part, TiltBelow)
-            limits[part.pixels] = of_part.angle
-        axis = np.sign(stable.axis) * np.eye(3)[abs(stable.axis) - 1]
-        return {
-            "what": "tilt",
-            "axis": axis.tolist(),
-            "reference": stable.reference,
-            "limit": _packed(limits, np.float64),
-        }
-    if isinstance(spec.scene, HeavyTop):
-        return {"what": "tilt", "axis": None, "reference": "vertical", "limit": None}
-    return {"what": "rates"}
 
 
 _TEX = {r"\omega": "ω", r"\sqrt": "√", r"\,": " ", "{": "(", "}": ")", "_": "", "$": ""}

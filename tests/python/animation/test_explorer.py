@@ -142,17 +142,28 @@ def test_the_command_writes_a_page_and_replaces_none(
 # The motions of the page
 
 
-def moved(*arguments: Any) -> dict[str, NDArray[np.float64]]:
-    """The function ``motionOf`` of the page under Node."""
-    script = resources.files("rigid.animation").joinpath("page", "motion.js").read_text()
+def under_node(function: str, *arguments: Any) -> Any:
+    """What a function of the page says under Node."""
+    folder = resources.files("rigid.animation").joinpath("page")
+    script = "".join(
+        folder.joinpath(name).read_text() for name in ("vectors.js", "motion.js", "quantities.js")
+    )
     script += "const given = JSON.parse(require('fs').readFileSync(0, 'utf8'));"
-    script += "console.log(JSON.stringify(motionOf(...given)));"
-    asked = json.dumps([np.asarray(argument).tolist() for argument in arguments])
+    script += f"console.log(JSON.stringify(({function})(...given)));"
+    asked = json.dumps(
+        [one if isinstance(one, dict) else np.asarray(one).tolist() for one in arguments]
+    )
     assert NODE is not None
     done = subprocess.run(
         [NODE, "-e", script], input=asked, capture_output=True, check=True, text=True
     )
-    return {name: np.array(values) for name, values in json.loads(done.stdout).items()}
+    return json.loads(done.stdout)
+
+
+def moved(*arguments: Any) -> dict[str, NDArray[np.float64]]:
+    """The motion of the page."""
+    found = under_node("motionOf", *arguments)
+    return {name: np.array(values) for name, values in found.items()}
 
 
 @pytest.mark.skipif(NODE is None, reason="needs node")
@@ -180,6 +191,140 @@ def test_motions_of_the_page_are_those_of_replay(kind: str, tmp_path: Path) -> N
         found = moved(numbers[pixel], seen.omega, seen.attitude, run.t)
         assert np.abs(found["omega"] - run.omega).max() < 1e-9
         assert np.abs(found["attitude"] - run.attitude).max() < 1e-9
+
+
+# What the criterion watches
+
+
+SPUN = rigid.HeavyTop(rigid.Body((1.0, 1.3, 0.5)), mgl=1.0)
+LEANING = rigid.Start(spin=3.0, axis=3, tilt=0.4, noise=rigid.normal(0.3))
+FREE = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)))
+BRAKED = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)), damping=np.diag([0.1, 0.1, 0.2]))
+TURNED = rigid.Start(spin=2.0, axis=2, noise=rigid.normal(0.1))
+
+
+@pytest.mark.skipif(NODE is None, reason="needs node")
+@pytest.mark.parametrize(
+    ("scene", "start", "stable", "label"),
+    [
+        (SPUN, LEANING, rigid.tilt_below(1.0), "tilt of axis 3 from the vertical (°)"),
+        (SPUN, LEANING, rigid.tilt_below(2.5, axis=-2), "tilt of axis −2 from the vertical (°)"),
+        (FREE, TURNED, rigid.tilt_below(1.0, axis=2), "tilt of axis 2 from its start (°)"),
+        (SPUN, LEANING, rigid.tilt_between(0.35, 2.0), "tilt of axis 3 from the vertical (°)"),
+        (SPUN, LEANING, rigid.rate_within(0.6), "angle of ω from its start in space (°)"),
+        (FREE, TURNED, rigid.rate_within(1.0, frame="body"), "angle of ω from its start in the bo"),
+        (SPUN, LEANING, rigid.rate_within(0.4, of="L"), "angle of L from its start in space (°)"),
+        (FREE, TURNED, rigid.rate_within(1.0, "L", "body"), "angle of L from its start in the bo"),
+        (SPUN, LEANING, rigid.near_start(2.0), "rotation from the start (°)"),
+        (BRAKED, TURNED, rigid.spin_above(1.0), "|ω| (rad/s)"),
+        (FREE, TURNED, rigid.spin_above(0.5, axis=2), "ω₂ (rad/s)"),
+        (FREE, TURNED, rigid.spin_above(0.05, axis=-1), "−ω₁ (rad/s)"),
+        (FREE, TURNED, rigid.no_flip(2), "ω (rad/s)"),
+    ],
+)
+def test_a_body_leaves_where_its_chart_meets_the_limit(
+    scene: Any, start: Any, stable: Any, label: str, tmp_path: Path
+) -> None:
+    result = rigid.stability_map(
+        scene, axes={"spin": [2.0, 3.0]}, start=start, samples=8, t_end=30.0, stable=stable, rng=5
+    )
+    held = content(result.explore(tmp_path / "a.html"))
+    chart = held["charts"][0]
+    assert chart["label"].startswith(label)
+    limits = [unpacked(limit) for limit in chart["limits"]]
+    numbers = unpacked(held["motion"]["numbers"]).reshape(-1, 18)
+    starts, outcomes = result.starts(range(8)), result.outcomes(range(8))
+    seen = 0
+    for pixel, sample in np.argwhere((outcomes.outcome == "unstable") & (outcomes.left > 0.0)):
+        left = outcomes.left[pixel, sample]
+        values = under_node(
+            "(chart, numbers, omega, attitude, t) => "
+            "quantityOf(chart, numbers, motionOf(numbers, omega, attitude, t))",
+            {name: value for name, value in chart.items() if name != "limits"},
+            numbers[pixel],
+            starts.omega[pixel, sample],
+            starts.attitude[pixel, sample],
+            [0.0, left],
+        )
+        at = np.array(values)[:, -1]
+        reached = [np.abs(at - limit[pixel]).min() for limit in limits]
+        # Maps whose step is chosen for each body err by about 1e-8 rad, which is 6e-7 degrees.
+        assert min(reached) < 1e-6
+        seen += 1
+    assert seen > 2
+
+
+def test_joined_criteria_share_the_charts_of_what_they_watch(tmp_path: Path) -> None:
+    result = tops(
+        scene=SPUN,
+        stable=rigid.tilt_below(0.9)
+        & rigid.spin_above(1.0, axis=3)
+        & (rigid.tilt_below(0.5) | ~rigid.near_start(2.0)),
+    )
+    charts = content(result.explore(tmp_path / "a.html"))["charts"]
+    labels = ["tilt of axis 3 from the vertical (°)", "ω₃ (rad/s)", "rotation from the start (°)"]
+    assert [chart["label"] for chart in charts] == [*labels, "ω (rad/s)"]
+    limits = [[unpacked(limit)[0] for limit in chart["limits"]] for chart in charts]
+    assert limits == [list(np.rad2deg([0.9, 0.5])), [1.0], [np.rad2deg(2.0)], []]
+
+
+def test_an_axis_of_limits_gives_each_pixel_its_own(tmp_path: Path) -> None:
+    result = tops(axes={"spin": [3.0, 5.0], "limit": [0.3, 0.6, 0.9]})
+    (limits,) = content(result.explore(tmp_path / "a.html"))["charts"][0]["limits"]
+    np.testing.assert_allclose(unpacked(limits), np.rad2deg([0.3, 0.3, 0.6, 0.6, 0.9, 0.9]))
+
+
+def test_regular_maps_show_tilt_and_rates_without_a_limit(tmp_path: Path) -> None:
+    result = tops(axes={"spin": [3.0]}, stable=rigid.regular(), samples=1, t_end=50.0)
+    charts = content(result.explore(tmp_path / "a.html"))["charts"]
+    assert [(chart["label"], chart["limits"]) for chart in charts] == [
+        ("tilt of the centre of mass from the vertical (°)", []),
+        ("ω (rad/s)", []),
+    ]
+
+
+def test_a_page_has_a_layer_of_each_measure(tmp_path: Path) -> None:
+    result = tops(measure=[rigid.largest_tilt(), rigid.flips(1)])
+    layers = content(result.explore(tmp_path / "a.html"))["layers"]
+    for name in ("largest_tilt(3)", "flips(1)"):
+        for of in ("mean", "least", "largest"):
+            (layer,) = (layer for layer in layers if layer["name"] == f"{name}.{of}")
+            meant = getattr(result.measures[name], of).ravel().astype(np.float32)
+            np.testing.assert_array_equal(unpacked(layer["data"]), meant)
+
+
+@pytest.mark.skipif(NODE is None, reason="needs node")
+def test_a_page_says_from_when_on_a_chaotic_motion_is_doubtful() -> None:
+    # A start in the chaotic sea of the built-in map, and a fast, regular one.
+    com = np.array([0.30076793861678304, 0.20051195907785537, 0.9323806097120270])
+    top = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=com)
+    t = np.linspace(0.0, 200.0, 2001)
+    numbers = np.concatenate([[1.0, 1.6, 0.7], 1.2 * com, np.zeros(12)])
+    attitude = [np.cos(0.5), np.sin(0.5), 0.0, 0.0]
+    found = []
+    for spin in (2.0, 40.0):
+        omega = np.array([0.0, 0.0, spin])
+        twins = [omega, omega + 1e-12 * spin * np.array([0.6, -0.64, 0.48])]
+        run = rigid.simulate(top, twins, attitude, t=t, method="taylor26")
+        assert run.attitude is not None
+        apart = np.maximum(
+            np.linalg.norm(run.omega[1] - run.omega[0], axis=-1) / spin,
+            np.linalg.norm(run.attitude[1] - run.attitude[0], axis=-1),
+        )
+        meant = float(t[np.argmax(apart > 0.01)]) if apart.max() > 0.01 else np.inf
+        seen = under_node(
+            "(n, w, q, t) => doubtfulFrom(n, w, q, t, motionOf(n, w, q, t))",
+            numbers,
+            omega,
+            attitude,
+            t,
+        )
+        found.append((np.inf if seen is None else float(seen), meant))
+    (chaotic, meant), regular = found
+    assert 20.0 < meant < 180.0
+    # Rounding errors change the displacement by 1e-3 of it, and its time by less than two of t.
+    assert abs(chaotic - meant) <= 0.2
+    assert regular == (np.inf, np.inf)
 
 
 # In a browser
@@ -226,4 +371,82 @@ def test_the_address_restores_the_view(browser: Any, page: Path) -> None:
     opened.page.wait_for_selector("canvas.stage")
     assert opened.page.locator(".python").text_content() == "result.replay(pixel=(1, 2), sample=3)"
     assert opened.page.locator("select.layer").input_value() == "upper"
+    opened.close()
+
+
+@pytest.mark.browser
+def test_the_keyboard_alone_explores_a_map(browser: Any, page: Path) -> None:
+    opened = Opened(browser, page)
+    shown = opened.page
+    shown.wait_for_selector(".map[data-ready]")
+    shown.locator(".map").focus()
+    opened.press("ArrowRight")
+    opened.press("ArrowUp")
+    assert shown.evaluate("explorer.index(explorer.pixel)") == [3, 4]
+    said = shown.locator(".chosen")
+    assert said.get_attribute("aria-live") == "polite"
+    assert said.text_content().startswith("b = 0.1667 m, noise = 1 rad/s — sample")
+    whole = shown.evaluate("explorer.view")
+    opened.press("+")
+    near = shown.evaluate("explorer.view")
+    assert near[1] - near[0] == pytest.approx(0.7 * (whole[1] - whole[0]))
+    assert near[0] < 0.1667 < near[1]
+    opened.press("0")
+    assert shown.evaluate("explorer.view") == whole
+    assert shown.evaluate("explorer.player.speed") == 1  # the film has the same keys elsewhere
+    # All that can be pressed or chosen has a name.
+    unnamed = (
+        "[...document.querySelectorAll('button, select, input, canvas, [role]')].filter(one =>"
+    )
+    unnamed += " !(one.textContent.trim() && one.tagName == 'BUTTON') && !one.ariaLabel &&"
+    unnamed += " !one.labels?.length).map(one => one.outerHTML)"
+    assert shown.evaluate(unnamed) == []
+    opened.close()
+
+
+@pytest.mark.browser
+def test_charts_and_layers_are_chosen_and_kept(browser: Any, tmp_path: Path) -> None:
+    result = tops(
+        stable=rigid.tilt_between(0.001, 0.5) & rigid.near_start(2.0),
+        measure=[rigid.largest_tilt()],
+    )
+    page = result.explore(tmp_path / "joined.html")
+    where = "#layer=largest_tilt(3).mean&chart=1&pixel=1,2&sample=0"
+    opened = Opened(browser, page, address=where, width=375, height=800)
+    shown = opened.page
+    shown.wait_for_selector("canvas.strip")
+    strip = "explorer.player.films[0].chart"
+    assert shown.evaluate(f"{strip}.label") == "rotation from the start (°)"
+    assert shown.locator(".legend").text_content().endswith("mean of the pixel")
+    assert shown.evaluate("document.documentElement.scrollWidth") <= 375
+    shown.locator("select.quantity").select_option(index=0)
+    opened.settle()
+    assert shown.evaluate(f"{strip}.limits") == list(np.rad2deg([0.5, 0.001]))[::-1]
+    assert "chart" not in shown.evaluate("location.hash")
+    opened.close()
+
+
+@pytest.mark.browser
+def test_a_page_says_what_an_old_browser_lacks(browser: Any, page: Path) -> None:
+    old = Opened(browser, page, before="delete window.DecompressionStream")
+    said = old.page.locator(".detail").text_content()
+    assert said.startswith("The map cannot be shown: this browser cannot unpack the map; it needs")
+    old.page.close()
+    # Without scripts the page says so itself.
+    shown = browser.new_page(java_script_enabled=False)
+    shown.goto(page.as_uri())
+    assert "where scripts run" in shown.locator(".detail").text_content()
+    shown.close()
+
+
+@pytest.mark.browser
+def test_films_are_drawn_without_webgl(browser: Any, page: Path) -> None:
+    without = "const got = HTMLCanvasElement.prototype.getContext;"
+    without += "HTMLCanvasElement.prototype.getContext = function (kind, ...more) {"
+    without += " return kind === 'webgl2' ? null : got.call(this, kind, ...more); };"
+    opened = Opened(browser, page, address="#pixel=1,2&sample=3", before=without)
+    opened.page.wait_for_selector("canvas.stage")
+    assert "without WebGL2" in opened.page.locator("#player h1").text_content()
+    stage = opened.pixels("canvas.stage")
+    assert len(np.unique(stage.reshape(-1, 3), axis=0)) > 50
     opened.close()

@@ -41,15 +41,45 @@ class StripChart {
   }
 
   draw(frame) {
-    const {film, canvas} = this, {chart, t} = film;
-    const [pen, width, height] = sharp(canvas), [left, right] = this.sides(width);
-    const all = chart.values.flat().concat(chart.limit ?? []);
+    const {film, canvas} = this, {chart, t} = film, [pen, width, height] = sharp(canvas);
+    const look = [width, height, canvas.width, dark()].join();
+    if (look !== this.look) {  // what the cursor does not change is drawn once
+      this.look = look;
+      this.background = document.createElement("canvas");
+      [this.background.width, this.background.height] = [canvas.width, canvas.height];
+      const under = this.background.getContext("2d");
+      under.setTransform(pen.getTransform());
+      this.still(under, width, height);
+    }
+    pen.save();
+    pen.setTransform(1, 0, 0, 1, 0, 0);
+    pen.drawImage(this.background, 0, 0);
+    pen.restore();
+    const {x, y, top, bottom} = this.scale;
+    pen.strokeStyle = css("#222222");
+    pen.lineWidth = 1.4;
+    pen.beginPath();
+    pen.moveTo(x(t[frame]), top);
+    pen.lineTo(x(t[frame]), bottom);
+    pen.stroke();
+    chart.values.forEach((values, i) => {
+      pen.fillStyle = css(chart.colours[i]);
+      pen.beginPath();
+      pen.arc(x(t[frame]), y(values[frame]), 3.2, 0, 7);
+      pen.fill();
+    });
+  }
+
+  still(pen, width, height) {
+    const {chart, t} = this.film, [left, right] = this.sides(width), limits = chart.limits ?? [];
+    const all = chart.values.flat().concat(limits);
     let low = all.reduce((a, b) => Math.min(a, b), Infinity), high = all.reduce((a, b) => Math.max(a, b), -Infinity);
     const room = Math.max(0.06 * (high - low), 1e-9 * Math.max(Math.abs(high), 1));
     [low, high] = [low - room, high + room];
     const top = 22, bottom = height - 20, span = t[t.length - 1] - t[0] || 1;
     const x = time => left + (right - left) * (time - t[0]) / span;
     const y = value => bottom - (bottom - top) * (value - low) / (high - low);
+    this.scale = {x, y, top, bottom};
     pen.font = "11px system-ui, sans-serif";
     pen.lineWidth = 1;
     pen.textAlign = "right";
@@ -63,6 +93,10 @@ class StripChart {
       pen.stroke();
       pen.setLineDash([]);
     };
+    if (chart.doubtful < t[t.length - 1]) {  // from here on motions of equal starts differ
+      pen.fillStyle = css("#000000", 0.08);
+      pen.fillRect(x(chart.doubtful), top, right - x(chart.doubtful), bottom - top);
+    }
     for (const [value, text] of ticks(low, high, Math.max(2, (bottom - top) / 34))) {
       path(css("#000000", 0.09), [[left, y(value)], [right, y(value)]], 1);
       pen.fillStyle = css("#555555");
@@ -83,16 +117,16 @@ class StripChart {
       pen.fillText(name, at, 4);
       at += pen.measureText(name).width + 10;
     });
-    (chart.limit ?? []).forEach(limit =>
-      path(css("#d55e00"), [[left, y(limit)], [right, y(limit)]], 1.2, [5, 4]));
     chart.values.forEach((values, i) => path(css(chart.colours[i]), values.map((v, k) => [x(t[k]), y(v)]), 1.6));
-    path(css("#222222"), [[x(t[frame]), top], [x(t[frame]), bottom]], 1.4);
-    chart.values.forEach((values, i) => {
-      pen.fillStyle = css(chart.colours[i]);
-      pen.beginPath();
-      pen.arc(x(t[frame]), y(values[frame]), 3.2, 0, 7);
-      pen.fill();
-    });
+    pen.fillStyle = css("#222222");
+    pen.textAlign = "right";
+    for (const limit of limits) {
+      path(css("#222222"), [[left, y(limit)], [right, y(limit)]], 1.3, [6, 4]);
+      const isHigh = y(limit) < top + 14;
+      pen.textBaseline = isHigh ? "top" : "bottom";
+      pen.fillText("limit", right - 2, y(limit) + (isHigh ? 3 : -1));
+    }
+    if (chart.after > t[0]) path(css("#222222"), [[x(chart.after), top], [x(chart.after), bottom]], 1.3, [2, 3]);
   }
 }
 

@@ -2,6 +2,8 @@
 const CIVIDIS = ["#00224e", "#123570", "#3b496c", "#575d6d", "#707173", "#8a8678", "#a59c74", "#c3b369", "#e1cc55", "#fee838"];
 const OUTCOMES = {stable: "#e1cc55", unstable: "#5d7fb8", undecided: "#d55e00", failed: "#cc3311"};
 const FRAMES = 4000;
+const KEYS = [["n p", "next, previous sample"], ["arrows on the map", "choose a pixel"], ["+ − 0 on the map", "closer, farther, the whole map"]];
+const NEEDED = "Chromium 80, Firefox 113, Safari 16.4";
 const ARRAYS = {uint8: Uint8Array, int32: Int32Array, float32: Float32Array, float64: Float64Array};
 
 async function unpacked({type, data}) {
@@ -39,6 +41,14 @@ class Explorer {
     const select = find(".layer");
     map.layers.forEach(layer => select.add(new Option(layer.label, layer.name)));
     select.onchange = () => { this.layer = map.layers[select.selectedIndex]; this.draw(); this.keep(); };
+    this.quantity = find(".quantity");
+    map.charts.forEach(chart => this.quantity.add(new Option(chart.label)));
+    this.quantity.onchange = () => {
+      this.keep();
+      if (!this.player) return;
+      this.player.films[0].chart = this.strip();
+      this.player.chart();
+    };
     this.slices = map.axes.slice(2).map(axis => {
       const label = document.createElement("label"), list = document.createElement("select");
       label.append(`${axis.label} `, list);
@@ -51,15 +61,12 @@ class Explorer {
     this.all = this.edges.flatMap(edges => [Math.min(...edges), Math.max(...edges)]);
     this.view = [...this.all];
     this.canvas = find(".map");
-    this.canvas.setAttribute("aria-label", `${map.title}: the map; arrow keys choose a pixel`);
+    this.canvas.setAttribute("aria-label", `${map.title}: the map. Arrow keys choose a pixel, plus and minus zoom`);
     this.steer();
     find(".whole").onclick = () => { this.view = [...this.all]; this.draw(); this.keep(); };
     find(".before").onclick = () => this.next(-1);
     find(".after").onclick = () => this.next(1);
     find(".copy").onclick = () => this.copy();
-    find(".note").textContent = `This page has the starts of ${map.samples} of ${map.of} bodies of each pixel. `
-      + (map.motion ? "It computes their motions from these by a Taylor series; the outcomes are those of the map."
-        : "It does not compute motions under these torques: use the Python line.");
     document.addEventListener("keydown", event => {
       if (event.ctrlKey || event.altKey || event.metaKey || event.target instanceof HTMLSelectElement) return;
       if (event.key === "n" || event.key === "p") this.next(event.key === "n" ? 1 : -1);
@@ -67,6 +74,7 @@ class Explorer {
     new ResizeObserver(() => this.draw()).observe(this.canvas);
     window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.draw());
     window.addEventListener("hashchange", () => { if (location.hash !== this.hash) this.restore(); });
+    this.note();
     this.restore();
     this.canvas.dataset.ready = "yes";
   }
@@ -89,6 +97,7 @@ class Explorer {
     const asked = new URLSearchParams(location.hash.slice(1)), {map} = this;
     const layer = map.layers.findIndex(one => one.name === asked.get("layer"));
     if (layer >= 0) [this.layer, this.find(".layer").selectedIndex] = [map.layers[layer], layer];
+    if (map.charts[asked.get("chart")]) this.quantity.selectedIndex = Number(asked.get("chart"));
     const view = (asked.get("zoom") ?? "").split(",").map(Number);
     if (view.length === 4 && view.every(Number.isFinite) && view[0] < view[1] && view[2] < view[3]) this.view = view;
     const index = (asked.get("pixel") ?? "").split(",").map(Number), lengths = map.axes.map(axis => axis.values.length).reverse();
@@ -99,6 +108,7 @@ class Explorer {
 
   keep() {
     const parts = [`layer=${this.layer.name}`];
+    if (this.quantity.selectedIndex) parts.push(`chart=${this.quantity.selectedIndex}`);
     if (this.pixel !== null) parts.push(`pixel=${this.index(this.pixel).join()}`, `sample=${this.sample}`);
     if (this.view.some((x, i) => x !== this.all[i])) parts.push(`zoom=${this.view.map(x => Number(x.toPrecision(8))).join()}`);
     this.hash = `#${parts.join("&")}`;
@@ -154,14 +164,27 @@ class Explorer {
     });
     canvas.addEventListener("pointercancel", () => { drag = null; });
     canvas.addEventListener("pointerleave", () => this.hover(null));
-    canvas.addEventListener("wheel", event => {
-      event.preventDefault();
-      const [x, y] = this.from(event), factor = Math.exp(0.0015 * event.deltaY), [x0, x1, y0, y1] = this.view;
+    const closer = (x, y, factor) => {
+      const [x0, x1, y0, y1] = this.view;
       this.view = this.within([x - factor * (x - x0), x + factor * (x1 - x), y - factor * (y - y0), y + factor * (y1 - y)]);
       this.draw();
       this.keep();
+    };
+    canvas.addEventListener("wheel", event => {
+      event.preventDefault();
+      const [x, y] = this.from(event);
+      closer(x, y, Math.exp(0.0015 * event.deltaY));
     }, {passive: false});
     canvas.addEventListener("keydown", event => {
+      const factor = {"+": 0.7, "=": 0.7, "-": 1 / 0.7, 0: Infinity}[event.key];
+      if (factor) {
+        event.preventDefault();
+        event.stopPropagation();
+        const [x, y] = this.middle();
+        if (factor < Infinity) closer(x, y, factor);
+        else this.find(".whole").click();
+        return;
+      }
       const move = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1]}[event.key];
       if (!move) return;
       event.preventDefault();
@@ -171,6 +194,14 @@ class Explorer {
       const i = clamp(old[0] + turns[0] * move[0], 0, this.nx - 1), j = clamp((old[1] ?? 0) + turns[1] * move[1], 0, this.ny - 1);
       this.choose(this.slice * this.plane + j * this.nx + i, 0);
     });
+  }
+
+  middle() {  // of the chosen pixel, where it is in view, else of the view
+    const [x0, x1, y0, y1] = this.view, center = [(x0 + x1) / 2, (y0 + y1) / 2];
+    if (this.pixel === null) return center;
+    const at = [this.pixel % this.nx, Math.floor(this.pixel % this.plane / this.nx)];
+    const [x, y] = at.map((k, which) => (this.edges[which][k] + this.edges[which][k + 1]) / 2);
+    return x > x0 && x < x1 && y > y0 && y < y1 ? [x, y] : center;
   }
 
   within([x0, x1, y0, y1]) {  // no emptiness beside the map, and no closer than a thousandth of it
@@ -352,7 +383,25 @@ class Explorer {
     this.find(".python").textContent = `result.replay(pixel=${index.length > 1 ? `(${index.join(", ")})` : index[0]}, sample=${sample})`;
     this.keep();
     if (picked && map.motion) this.film(pixel, sample, picked);
-    else if (this.player) { this.player.play(false); this.player.root.hidden = true; }
+    else {
+      this.note();
+      if (this.player) { this.player.play(false); this.player.root.hidden = true; }
+    }
+  }
+
+  // What the reader must know of the motion.
+  note(doubtful = Infinity) {
+    const {map} = this;
+    this.find(".note").textContent = `This page has ${map.samples} of ${map.of} bodies of each pixel. ` + (!map.motion
+      ? "It does not compute motions under these torques: use the Python line."
+      : `It computes their motions from their exact starts by a Taylor series; the outcomes are those of the map. ${Number.isFinite(doubtful)
+        ? `A change of this start by 1e-12 shows from t = ${shown(doubtful)} s on: from there this motion, that of the map and that of replay may differ.`
+        : "Chaotic motions may leave those of the map."}`);
+  }
+
+  strip() {
+    const {pixel, numbers, motion, doubtful} = this.moved;
+    return stripOf(this.map, this.map.charts[this.quantity.selectedIndex], pixel, numbers, motion, doubtful);
   }
 
   film(pixel, sample, words) {
@@ -361,11 +410,14 @@ class Explorer {
     const begun = performance.now(), frames = Math.round(clamp(horizon * size(omega) / 0.2, 500, FRAMES));
     const times = Array.from({length: frames + 1}, (_, k) => horizon * k / frames);
     const motion = motionOf(numbers, omega, of(map.attitude, 4, body), times);
+    const doubtful = doubtfulFrom(numbers, omega, of(map.attitude, 4, body), times, motion);
     this.computed = performance.now() - begun;
+    this.moved = {pixel, numbers, motion, doubtful};
+    this.note(doubtful);
     const seconds = clamp(horizon, 4, 20), speed = horizon / seconds;
-    this.player ??= new Player(this.find("#player"));
+    this.player ??= new Player(this.find("#player"), KEYS);
     this.player.root.hidden = false;
-    const film = filmOf(map, numbers, map.chart.limit ? map.chart.limit[pixel] : null, times, motion, speed);
+    const film = filmOf(map, numbers, this.strip(), times, motion, speed);
     const short = motion.omega.length < times.length ? "; the page could not compute it to the end" : "";
     this.player.show([film], `${words}; film at ${shown(speed)} × the speed of the motion${short}`);
   }
@@ -383,12 +435,23 @@ class Explorer {
   }
 }
 
+// Unpacks all arrays inside plain data.
+async function unpackAll(data) {
+  await Promise.all(Object.entries(data).map(async ([name, value]) => {
+    if (value?.type in ARRAYS) data[name] = await unpacked(value);
+    else if (value instanceof Object) await unpackAll(value);
+  }));
+  return data;
+}
+
 async function begin() {
-  const map = JSON.parse(document.getElementById("map").textContent);
-  const places = [map, map.counts, map.motion ?? {}, map.chart, ...map.layers, ...map.curves];
-  await Promise.all(places.flatMap(place => Object.entries(place).filter(([, value]) => value?.type in ARRAYS)
-    .map(async ([name, value]) => { place[name] = await unpacked(value); })));
-  window.explorer = new Explorer(map);
+  try {
+    if (!window.DecompressionStream) throw new Error(`this browser cannot unpack the map; it needs ${NEEDED}, or newer`);
+    window.explorer = new Explorer(await unpackAll(JSON.parse(document.getElementById("map").textContent)));
+  } catch (error) {
+    document.querySelector(".detail").textContent = `The map cannot be shown: ${error.message}.`;
+    throw error;
+  }
 }
 
 begin();

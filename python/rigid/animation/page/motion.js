@@ -70,3 +70,13 @@ function motionOf(numbers, omega, attitude, times) {
   }
   return found;
 }
+
+// The time from which on a change of the start by 1e-12 of its size has grown to 0.01; infinite if it does not.
+function doubtfulFrom(numbers, omega, attitude, times, motion) {
+  const pace = Math.hypot(...omega) || 1;
+  const twin = motionOf(numbers, omega.map((x, i) => x + 1e-12 * pace * [0.6, -0.64, 0.48][i]), attitude, times);
+  const apart = (a, b) => Math.hypot(...a.map((x, i) => x - b[i]));
+  const first = twin.omega.findIndex((w, k) => k < motion.omega.length &&
+    (apart(w, motion.omega[k]) > 0.01 * pace || apart(twin.attitude[k], motion.attitude[k]) > 0.01));
+  return first < 0 ? Infinity : times[first];
+}

@@ -7,7 +7,7 @@ const CORNERS = `<svg width="14" height="14" viewBox="0 0 14 14" aria-hidden="tr
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4, 8];
 
 class Player {
-  constructor(root) {
+  constructor(root, more = []) {  // more keys, with what they do
     this.root = root;
     this.elapsed = 0;
     this.frame = 0;
@@ -22,7 +22,7 @@ class Player {
       <button type="button" class="reset" title="reset the view (r)">reset view</button>
       <button type="button" class="full" title="full screen (f)" aria-label="full screen">${CORNERS}</button>
       <button type="button" class="help" aria-expanded="false" aria-label="keys" title="keys (h)">?</button></footer>
-      <dl class="keys" hidden>${HELP.map(([key, what]) => `<dt>${key}</dt><dd>${what}</dd>`).join("")}</dl>`;
+      <dl class="keys" hidden>${[...HELP, ...more].map(([key, what]) => `<dt>${key}</dt><dd>${what}</dd>`).join("")}</dl>`;
     const find = name => root.querySelector(name);
     [this.button, this.slider, this.clock, this.chosen] = [".play", "input", "output", "select"].map(find);
     this.button.onclick = () => this.play(!this.playing);
@@ -52,19 +52,25 @@ class Player {
       find(".stages").append(holder);
       return new Stage(holder, film, this.camera, `${film.title}: film of the motion; drag to turn it`);
     });
+    if (!this.stages.every(stage => stage.painter.name === "WebGL2")) find("h1").textContent += "; without WebGL2, so drawn without depth and light";
     [...find(".stages").children].forEach(holder => { if (!holder.children.length) holder.remove(); });
-    find(".charts").replaceChildren();
-    const canvas = name => {
-      const made = document.createElement("canvas");
-      made.className = name;
-      find(".charts").append(made);
-      return made;
-    };
-    this.charts = films.flatMap(film => [
-      ...(film.polhode ? [new Sphere(canvas("sphere"), film)] : []),
-      new StripChart(canvas("strip"), film, frame => this.seek(frame))]);
+    this.chart();
     this.seek(0);
     this.play(!window.matchMedia("(prefers-reduced-motion: reduce)").matches);
+  }
+
+  chart() {  // what stands beside the stages
+    const charts = this.root.querySelector(".charts"), canvas = name => {
+      const made = document.createElement("canvas");
+      made.className = name;
+      charts.append(made);
+      return made;
+    };
+    charts.replaceChildren();
+    this.charts = this.films.flatMap(film => [
+      ...(film.polhode ? [new Sphere(canvas("sphere"), film)] : []),
+      new StripChart(canvas("strip"), film, frame => this.seek(frame))]);
+    this.stale = true;
   }
 
   play(playing) {

@@ -52,8 +52,17 @@ function separatrixOf(moments) {
   }));
 }
 
-function filmOf(map, numbers, limit, times, {omega, attitude}, speed) {
-  const {inks, chart} = map, moments = numbers.slice(0, 3), weight = numbers.slice(3, 6);
+// The strip chart of a quantity that the page offers.
+function stripOf(map, chart, pixel, numbers, motion, doubtful) {
+  const {inks} = map, values = quantityOf(chart, numbers, motion), isRates = chart.what === "rates";
+  const ink = chart.what === "rate" ? inks.axes[Math.abs(chart.axis) - 1]
+    : {tilt: inks.body, turn: inks.body, direction: chart.of === "L" ? inks.L : inks.omega, speed: inks.omega}[chart.what];
+  return {label: chart.label, names: isRates ? ["ω₁", "ω₂", "ω₃"] : [], colours: isRates ? inks.axes : [ink], axes: inks.axes,
+    values, limits: chart.limits.map(limits => limits[pixel]), after: chart.after, doubtful};
+}
+
+function filmOf(map, numbers, strip, times, {omega, attitude}, speed) {
+  const {inks} = map, moments = numbers.slice(0, 3), weight = numbers.slice(3, 6);
   const t = times.slice(0, omega.length), isTop = size(weight) > 0, isFree = numbers.slice(3).every(x => x === 0);
   const momentum = omega.map((w, k) => turned(attitude[k], w.map((x, i) => x * moments[i])));
   const rates = omega.map((w, k) => turned(attitude[k], w));
@@ -78,18 +87,6 @@ function filmOf(map, numbers, limit, times, {omega, attitude}, speed) {
       part("arrow", tips, [inks.omega], {label: "ω"}),
       part("arrow", momentum.map(v => scaled(v, 1.5 / spun)), [inks.L], {label: "L"})];
     reach = 1.75;
-  }
-  let strip = {label: "ω (rad/s)", names: ["ω₁", "ω₂", "ω₃"], colours: inks.axes, axes: inks.axes,
-    values: [0, 1, 2].map(i => omega.map(w => w[i])), limit: []};
-  if (chart.what === "tilt") {
-    const axis = chart.axis ?? (isTop ? unit(weight) : [0, 0, 1]);
-    const from = chart.reference === "vertical" ? [0, 0, 1] : turned(attitude[0], axis);
-    const tilt = attitude.map(q => {
-      const now = turned(q, axis);
-      return Math.atan2(size(cross(from, now)), dot(from, now)) * 180 / Math.PI;
-    });
-    strip = {...strip, label: "tilt (°)", names: [], colours: [inks.axes[2]], values: [tilt],
-      limit: limit === null ? [] : [limit * 180 / Math.PI]};
   }
   const step = t.length > 1 ? t[1] - t[0] : 1, digits = Math.max(0, Math.ceil(-Math.log10(step) - 1e-9));
   return {view: isTop ? "top" : "box", title: map.scene, t, digits, shown: t.map(() => step / speed),

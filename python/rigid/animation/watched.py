@@ -1,0 +1,97 @@
+"""The quantities that a criterion watches, with its limits: what the explorer draws over time.
+
+``page/quantities.js`` computes them from the motion.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..model.bounds import NearStart, RateWithin, ReturnsNear, SpinAbove, TiltBetween
+from ..model.criteria import Criterion, NoFlip, TiltBelow
+from ..model.scene import HeavyTop
+
+if TYPE_CHECKING:
+    from ..maps.spec import MapSpec
+
+__all__ = ["watched"]
+
+RATES = {"what": "rates", "label": "ω (rad/s)"}
+TURN = {"what": "turn", "label": "rotation from the start (°)"}
+SUBSCRIPTS = "₁₂₃"
+
+
+def watched(spec: MapSpec) -> list[tuple[dict[str, Any], list[NDArray[np.float64]]]]:
+    """Each quantity with its limits in each pixel, those of the criterion first.
+
+    Angles are in degrees. Joined criteria that watch the same quantity share a chart. The rates are
+    always there, and for a heavy top the tilt of its centre of mass.
+    """
+    charts: list[tuple[dict[str, Any], list[NDArray[np.float64]]]] = []
+    count = math.prod(spec.shape)
+    for number, leaf in enumerate(spec.stable.leaves):
+        found = _of(leaf)
+        if found is None:
+            continue
+        chart, limits_of = found
+        rows = np.empty((len(limits_of(leaf)), count))
+        for part in spec.parts:
+            of_part = limits_of(part.spec.stable.leaves[number])
+            rows[:, part.pixels] = np.array(of_part)[:, np.newaxis]
+        same = [limits for known, limits in charts if known == chart]
+        if same:
+            same[0].extend(rows)
+        else:
+            charts.append((chart, list(rows)))
+    kinds = [chart["what"] for chart, _ in charts]
+    if isinstance(spec.scene, HeavyTop) and "tilt" not in kinds:
+        charts.append((_tilt(None, "vertical"), []))
+    if "rates" not in kinds:
+        charts.append((RATES, []))
+    return charts
+
+
+def _of(leaf: Criterion) -> tuple[dict[str, Any], Callable[[Any], tuple[float, ...]]] | None:
+    """What a criterion watches, and how its limits are read; None if it has no limit."""
+    match leaf:
+        case NoFlip():
+            return RATES, lambda _: (0.0,)
+        case TiltBelow():
+            return _tilt(leaf.axis, str(leaf.reference)), _degrees("angle")
+        case TiltBetween():
+            return _tilt(leaf.axis, "vertical"), _degrees("low", "high")
+        case RateWithin():
+            vector = "ω" if leaf.of == "omega" else "L"
+            where = "in space" if leaf.frame == "space" else "in the body"
+            label = f"angle of {vector} from its start {where} (°)"
+            chart = {"what": "direction", "of": leaf.of, "frame": leaf.frame, "label": label}
+            return chart, _degrees("angle")
+        case NearStart():
+            return TURN, _degrees("angle")
+        case ReturnsNear():
+            return {**TURN, "after": leaf.after}, _degrees("angle")
+        case SpinAbove(axis=None):
+            return {"what": "speed", "label": "|ω| (rad/s)"}, lambda given: (given.rate,)
+        case SpinAbove(axis=int(axis)):
+            sign = "−" if axis < 0 else ""
+            label = f"{sign}ω{SUBSCRIPTS[abs(axis) - 1]} (rad/s)"
+            return {"what": "rate", "axis": axis, "label": label}, lambda given: (given.rate,)
+    return None
+
+
+def _tilt(axis: int | None, reference: str) -> dict[str, Any]:
+    """The tilt of a body axis, or of the centre of mass without one."""
+    of = "the centre of mass" if axis is None else f"axis {axis}".replace("-", "−")
+    origin = "its start" if reference == "start" else "the vertical"
+    label = f"tilt of {of} from {origin} (°)"
+    return {"what": "tilt", "axis": axis, "reference": reference, "label": label}
+
+
+def _degrees(*names: str) -> Callable[[Any], tuple[float, ...]]:
+    """Limits in degrees of a criterion that has them in rad."""
+    return lambda leaf: tuple(math.degrees(getattr(leaf, name)) for name in names)
