@@ -34,6 +34,14 @@ if TYPE_CHECKING:
 
 __all__ = ["explore"]
 
+OUTCOMES = {
+    "stable": "#e1cc55",
+    "unstable": "#5d7fb8",
+    "undecided": "#b04a00",
+    "failed": "#444444",
+}
+"""Colours of the bodies by outcome, which the colour-blind tell apart too."""
+
 MOST_BYTES = 1_500_000
 """Room for the starts in a page, compressed, unless a number of bodies is asked for."""
 
@@ -170,6 +178,7 @@ def _content(result: StabilityMap, samples: int | None, threads: int) -> dict[st
         ],
         "scene": spec.scene.title,
         "inks": {
+            "outcomes": OUTCOMES,
             "axes": [ink.colour for ink in colours.AXES],
             "body": colours.BODY.colour,
             "space": colours.SPACE.colour,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import itertools
 import json
 import re
 import shutil
@@ -19,6 +20,7 @@ from numpy.typing import NDArray
 import rigid
 from browsers import Opened
 from rigid import cli
+from rigid.animation import explorer
 
 NODE = shutil.which("node")
 
@@ -137,6 +139,53 @@ def test_the_command_writes_a_page_and_replaces_none(
     assert content(written)["samples"] == 6
     assert cli.main(["explore", str(data), "--out", str(tmp_path)]) == 2
     assert "--out: path = " in capsys.readouterr().err
+
+
+# Colours
+
+# G. M. Machado, M. M. Oliveira, L. A. F. Fernandes, IEEE Trans. Vis. Comput. Graph. 15 (2009) 1291,
+# doi 10.1109/TVCG.2009.113: severity 1.0, for linear RGB.
+SIGHT = {
+    "normal": np.eye(3),
+    "protanopia": np.array(
+        [
+            [0.152286, 1.052583, -0.204868],
+            [0.114503, 0.786281, 0.099216],
+            [-0.003882, -0.048116, 1.051998],
+        ]
+    ),
+    "deuteranopia": np.array(
+        [
+            [0.367322, 0.860646, -0.227968],
+            [0.280085, 0.672501, 0.047413],
+            [-0.011820, 0.042940, 0.968881],
+        ]
+    ),
+    "tritanopia": np.array(
+        [
+            [1.255528, -0.076749, -0.178779],
+            [-0.078411, 0.930809, 0.147602],
+            [0.004733, 0.691367, 0.303900],
+        ]
+    ),
+}
+
+
+def lab(colour: str, sight: NDArray[np.float64]) -> NDArray[np.float64]:
+    """CIELAB under D65 of an sRGB colour as it is seen (IEC 61966-2-1, ISO/CIE 11664-4)."""
+    rgb = np.array([int(colour[k : k + 2], 16) for k in (1, 3, 5)]) / 255.0
+    linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
+    to_xyz = [[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]]
+    xyz = to_xyz @ np.clip(sight @ linear, 0.0, 1.0) / [0.9505, 1.0, 1.0890]
+    x, y, z = np.where(xyz > (6 / 29) ** 3, np.cbrt(xyz), xyz / (3 * (6 / 29) ** 2) + 4 / 29)
+    return np.array([116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)])
+
+
+@pytest.mark.parametrize("sight", SIGHT)
+def test_outcomes_are_told_apart_by_the_colour_blind(sight: str) -> None:
+    seen = [lab(colour, SIGHT[sight]) for colour in explorer.OUTCOMES.values()]
+    # A just noticeable difference is 2.3 (Mahy, van Eycken and Oosterlinck 1994).
+    assert min(float(np.linalg.norm(a - b)) for a, b in itertools.combinations(seen, 2)) > 30.0
 
 
 # The motions of the page

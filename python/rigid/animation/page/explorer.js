@@ -1,6 +1,5 @@
 // The map explorer: the map with its layers, the bodies of a pixel, and the film of one body.
 const CIVIDIS = ["#00224e", "#123570", "#3b496c", "#575d6d", "#707173", "#8a8678", "#a59c74", "#c3b369", "#e1cc55", "#fee838"];
-const OUTCOMES = {stable: "#e1cc55", unstable: "#5d7fb8", undecided: "#d55e00", failed: "#cc3311"};
 const FRAMES = 4000;
 const KEYS = [["n p", "next, previous sample"], ["arrows on the map", "choose a pixel"], ["+ − 0 on the map", "closer, farther, the whole map"]];
 const NEEDED = "Chromium 80, Firefox 113, Safari 16.4";
@@ -350,7 +349,7 @@ class Explorer {
       const button = document.createElement("button");
       button.type = "button";
       button.className = of(k);
-      button.style.background = OUTCOMES[of(k)];
+      button.style.background = map.inks.outcomes[of(k)];
       button.textContent = {stable: "", unstable: "↯", undecided: "?", failed: "×"}[of(k)];
       const when = Number.isFinite(left(k)) ? `, left at ${shown(left(k))} s` : "";
       button.title = `sample ${k}: ${of(k)}${when}`;
