@@ -6,15 +6,14 @@ axis through omega, with the velocity ``v = omega × r``. Points on the axis are
 grows with the distance from the axis, and the distance between any two points is constant.
 """
 
-from itertools import product
-
 import matplotlib.pyplot as plt
 
 from rigid import figures
 
-corners = list(product((-1.0, 1.0), (-0.6, 0.6), (-0.3, 0.3)))
-figure = plt.figure(figsize=(7, 6))
+omega = [0.25, 0.1, 1.0]
+points = [[0.6, -0.4, -0.9], [0.6, -0.4, 0.9], [-0.5, 0.4, 0.9], [0.225, 0.09, 0.9]]
+figure = plt.figure(figsize=(6, 6), layout="constrained")
 ax = figure.add_subplot(projection="3d")
-figures.rotating_body(corners, [0.35, 0.1, 1.2], ax=ax)
+figures.rotating_body(points, omega, sides=[1.2, 0.8, 1.8], ax=ax)
 
 plt.show()

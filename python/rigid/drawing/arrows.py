@@ -65,7 +65,14 @@ class SpaceArrow(PlaneArrow):
 
     def write(self, ax: Any, text: str, **style: Any) -> None:
         """Name the arrow; where its tip is on the page is known when it is drawn."""
-        self._name = ax.annotate(text, (0.0, 0.0), (0.0, 0.0), textcoords="offset points", **style)
+        self._name = ax.annotate(
+            text,
+            (0.0, 0.0),
+            (0.0, 0.0),
+            textcoords="offset points",
+            annotation_clip=False,
+            **style,
+        )
         self._name.set_in_layout(False)
 
     def do_3d_projection(self, renderer: Any = None) -> float:

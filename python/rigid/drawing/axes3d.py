@@ -87,7 +87,11 @@ def fit(
     azim: float = -60.0,
     filled: float = FILLED,
 ) -> None:
-    """Set view and limits so that the points (..., 3) fill the axes, with equal scales."""
+    """Set view and limits so that the points (..., 3) fill the axes, with equal scales.
+
+    Call it when everything is drawn. Axes in space are square, so points that fill wide or high
+    axes leave that square: nothing is cut off at its edge.
+    """
     from mpl_toolkits.mplot3d.proj3d import proj_transform
 
     cloud = np.concatenate([np.reshape(some, (-1, 3)) for some in points])
@@ -105,10 +109,13 @@ def fit(
     ax.view_init(elev=elev, azim=azim)
     ax.set_box_aspect((1.0, 1.0, 1.0))
     x, y, _ = proj_transform(*cloud.T, ax.get_proj())
-    zoom = (
-        0.5 * filled * min(ax.viewLim.width / np.abs(x).max(), ax.viewLim.height / np.abs(y).max())
-    )
-    ax.set_box_aspect((1.0, 1.0, 1.0), zoom=zoom)
+    place = ax.get_position(original=True).transformed(ax.figure.transSubfigure)
+    wide, high = np.array(place.size) / min(place.size)
+    room = wide * ax.viewLim.width / np.abs(x).max(), high * ax.viewLim.height / np.abs(y).max()
+    ax.set_box_aspect((1.0, 1.0, 1.0), zoom=0.5 * filled * min(room))
+    for artist in (*ax.lines, *ax.collections, *ax.patches, *ax.artists):
+        artist.set_clip_on(False)
+        artist.set_in_layout(False)
 
 
 def arrow(

@@ -1,4 +1,4 @@
-"""A rotating body: points, their circles and their velocities."""
+"""A rotating body: its outline, points, their circles and their velocities."""
 
 from __future__ import annotations
 
@@ -8,9 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._checks.arguments import positive_int, shaped
+from .._checks.arguments import positive_int, shaped, vector
 from ..drawing import colours
 from ..drawing.axes3d import arrow, curve, fit, in_space
+from ..drawing.shapes import box_faces
+from ..drawing.sides import eye, surface
 from ..particles import velocity_field
 from ..rotations.so3 import rotate
 from .symmetric import turning
@@ -18,6 +20,10 @@ from .symmetric import turning
 __all__ = ["RotatingBody", "RotatingBodyArtists", "rotating_body", "rotating_body_data"]
 
 Floats = NDArray[np.float64]
+
+ELEV, AZIM = 22.0, -60.0
+FACE = "#c9e5f7"
+"""A light tint of the colour of the body."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -32,12 +38,15 @@ class RotatingBody:
         Positions and velocities of the points (m, m/s): ``v = omega × r``.
     circles : ndarray, shape (N, m, 3)
         The circle on which each point moves (m).
+    faces : ndarray, shape (6, 4, 3), or None
+        Corners of the faces of the block that represents the body (m).
     """
 
     omega: Floats
     positions: Floats
     velocities: Floats
     circles: Floats
+    faces: Floats | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -57,6 +66,8 @@ class RotatingBodyArtists:
         The velocities.
     points : Line3D
         The points.
+    block : Poly3DCollection or None
+        The block that represents the body.
     """
 
     ax: Any
@@ -65,10 +76,15 @@ class RotatingBodyArtists:
     position: Any
     velocities: tuple[Any, ...]
     points: Any
+    block: Any | None
 
 
 def rotating_body_data(
-    positions: ArrayLike, omega: ArrayLike, *, samples: int = 97
+    positions: ArrayLike,
+    omega: ArrayLike,
+    *,
+    sides: ArrayLike | None = None,
+    samples: int = 97,
 ) -> RotatingBody:
     """Velocities and paths of the figure :func:`rotating_body`.
 
@@ -78,6 +94,8 @@ def rotating_body_data(
         Points (m), at least one.
     omega : array_like, shape (3,)
         Angular velocity (rad/s), not zero.
+    sides : array_like, shape (3,), optional
+        Sides of the block that represents the body (m), positive; its centre is the origin.
     samples : int
         Number of points of a circle; the first and the last point coincide.
 
@@ -88,7 +106,8 @@ def rotating_body_data(
     Raises
     ------
     ValueError
-        If there are no points, the body does not turn, or an argument is not finite.
+        If there are no points, the body does not turn, a side is not positive, or an argument is
+        not finite.
 
     Examples
     --------
@@ -100,17 +119,25 @@ def rotating_body_data(
     if r.ndim != 2 or len(r) == 0:
         raise ValueError(f"positions: expected shape (N, 3) of one or more, got {r.shape}")
     w = turning(omega)
+    block = None if sides is None else 0.5 * vector("sides", sides, 3)
+    if block is not None and not (block > 0.0).all():
+        raise ValueError(f"sides = {(2.0 * block).tolist()}: must be positive")
     turns = np.linspace(0.0, 2.0 * np.pi, positive_int("samples", samples, minimum=2))
     return RotatingBody(
         omega=w,
         positions=r,
         velocities=velocity_field(w, r),
         circles=rotate(r[:, np.newaxis, :], w, turns),
+        faces=None if block is None else box_faces(block),
     )
 
 
 def rotating_body(
-    positions: ArrayLike, omega: ArrayLike, *, ax: Any | None = None
+    positions: ArrayLike,
+    omega: ArrayLike,
+    *,
+    sides: ArrayLike | None = None,
+    ax: Any | None = None,
 ) -> RotatingBodyArtists:
     """Draw the points of a rotating body with their velocities ``v = omega × r``.
 
@@ -119,7 +146,7 @@ def rotating_body(
 
     Parameters
     ----------
-    positions, omega
+    positions, omega, sides
         As in :func:`rotating_body_data`.
     ax : Axes3D, optional
         Axes to draw on; by default those of a new figure.
@@ -138,10 +165,11 @@ def rotating_body(
     Examples
     --------
     >>> from rigid import figures
-    >>> drawn = figures.rotating_body([[1, 0, 0], [0, 1, 0.5], [-0.5, -0.5, 0.8]], [0, 0, 2.0])
+    >>> corners = [[0.5, -1.0, 0.2], [-0.5, -1.0, -0.2]]
+    >>> drawn = figures.rotating_body(corners, [0.0, 0.0, 2.0], sides=(1.0, 2.0, 0.4))
     >>> drawn.ax.figure.savefig("rotating.png")  # doctest: +SKIP
     """
-    data = rotating_body_data(positions, omega)
+    data = rotating_body_data(positions, omega, sides=sides)
     ax = in_space(ax)
     size = float(np.linalg.norm(data.positions, axis=-1).max()) or 1.0
     speeds = np.linalg.norm(data.velocities, axis=-1)
@@ -149,6 +177,12 @@ def rotating_body(
     direction = data.omega / np.linalg.norm(data.omega)
     heights = data.positions @ direction
     reach = np.array([min(heights.min(), 0.0) - 0.25 * size, max(heights.max(), 0.0) + 0.6 * size])
+    block = None
+    shown = [data.circles]
+    if data.faces is not None:
+        style: dict[str, Any] = {"alpha": 0.6, "edgecolors": colours.NEUTRAL, "linewidths": 1.2}
+        block = surface(ax, data.faces, FACE, eye(ELEV, AZIM), **style)
+        shown.append(data.faces)
     curve(
         ax,
         reach[:, np.newaxis] * direction,
@@ -176,7 +210,7 @@ def rotating_body(
             colours.VELOCITY.colour,
             r"$\mathbf{v} = \boldsymbol{\omega}\times\mathbf{r}$" if number == farthest else "",
             start=place,
-            linewidth=1.6,
+            linewidth=2.0,
         )
         for number, (place, velocity) in enumerate(
             zip(data.positions, data.velocities, strict=True)
@@ -192,7 +226,14 @@ def rotating_body(
     )
     ax.plot([0.0], [0.0], [0.0], "o", color="black", markersize=4.0, zorder=6)
     ends = data.positions + scale * data.velocities
-    fit(ax, data.circles, ends, np.outer([reach[0], reach[1] + 0.55 * size], direction))
+    top = np.outer([reach[0], reach[1] + 0.55 * size], direction)
+    fit(ax, *shown, ends, top, elev=ELEV, azim=AZIM)
     return RotatingBodyArtists(
-        ax=ax, data=data, omega=spin, position=position, velocities=velocities, points=points
+        ax=ax,
+        data=data,
+        omega=spin,
+        position=position,
+        velocities=velocities,
+        points=points,
+        block=block,
     )

@@ -233,6 +233,17 @@ def test_velocities_are_drawn_to_one_scale() -> None:
     drawn(found.ax)
 
 
+def test_a_block_shows_the_body_of_the_points() -> None:
+    found = figures.rotating_body([[0.5, -1.0, 0.2]], [0.0, 0.0, 3.0], sides=(1.0, 2.0, 0.4))
+    faces = found.data.faces
+    assert faces is not None
+    assert found.block is not None
+    corners = {tuple(corner) for corner in faces.reshape(-1, 3).round(12).tolist()}
+    assert corners == {(x, y, z) for x in (-0.5, 0.5) for y in (-1.0, 1.0) for z in (-0.2, 0.2)}
+    assert figures.rotating_body([[1.0, 0.0, 0.0]], [0.0, 0.0, 3.0]).block is None
+    drawn(found.ax)
+
+
 def test_given_axes_are_used() -> None:
     figure = Figure()
     space, plane = figure.add_subplot(1, 2, 1, projection="3d"), figure.add_subplot(1, 2, 2)
@@ -257,6 +268,25 @@ def test_bodies_are_seen_to_scale_and_whole() -> None:
     limits = [ax.get_xlim3d(), ax.get_ylim3d(), ax.get_zlim3d()]
     sides = np.diff(limits, axis=1)[:, 0]
     np.testing.assert_allclose(sides, sides[0], rtol=1e-9)
+
+
+@pytest.mark.parametrize("size", [(8.0, 3.0), (3.0, 8.0)])
+def test_wide_and_high_axes_are_filled(size: tuple[float, float]) -> None:
+    """Axes in space are square; points that fill wide or high axes are drawn beyond the square."""
+    from mpl_toolkits.mplot3d.proj3d import proj_transform
+
+    from rigid.drawing.axes3d import curve, fit, in_space
+
+    page = np.array([[0.0, -size[0], -size[1]], [0.0, size[0], size[1]]])  # seen along x
+    figure = Figure(figsize=size)
+    ax = in_space(figure.add_axes((0.0, 0.0, 1.0, 1.0), projection="3d"))
+    line = curve(ax, page, "black")
+    fit(ax, page, elev=0.0, azim=0.0)
+    figure.draw_without_rendering()
+    x, y, _ = proj_transform(*page.T, ax.get_proj())
+    ends = ax.transData.transform(np.stack([x, y], axis=1))
+    np.testing.assert_allclose(np.ptp(ends, axis=0), 0.88 * np.array(figure.bbox.size), rtol=0.02)
+    assert not line.get_clip_on()
 
 
 @pytest.mark.parametrize("angle", [0.0, np.pi, -4.0])
@@ -288,6 +318,10 @@ def test_special_angles_draw_without_a_word(angle: float) -> None:
         (lambda: figures.rotating_body([], [0, 0, 1]), "positions: expected shape"),
         (lambda: figures.rotating_body(np.empty((0, 3)), [0, 0, 1]), "of one or more"),
         (lambda: figures.rotating_body([[1, 0, 0]], [0, 0, 0]), "omega = .*must not be zero"),
+        (
+            lambda: figures.rotating_body([[1, 0, 0]], [0, 0, 1], sides=(1, 0, 1)),
+            r"sides = \[1.0, 0.0, 1.0\]: must be positive",
+        ),
     ],
 )
 def test_what_cannot_be_drawn_is_refused(call: Any, message: str) -> None:
