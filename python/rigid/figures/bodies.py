@@ -34,8 +34,11 @@ Floats = NDArray[np.float64]
 
 _UP = np.array([0.0, 0.0, 1.0])
 
-_OUTER_EDGES = np.array([[0.0, 1.0, -1.0], [1.0, 0.0, -1.0], [1.0, -1.0, 0.0]])
+_OUTER_EDGES = np.array([[0.0, 1.0, -1.0], [1.0, 0.0, -1.0], [-1.0, 1.0, 0.0]])
 """For each axis, direction of its parallel edge at the outline of the visible faces +x, +y, +z."""
+
+_AWAY = np.array([[0.0, 0.0, -1.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+"""For each axis, direction from that edge to its dimension line, in the plane of a visible face."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -196,18 +199,9 @@ def box(body: Body, *, ax: Any | None = None) -> BoxArtists:
             rf"$I_{axis + 1} = ${_rounded(data.moments[axis])} kg m²"
         )
         axes.append(arrow(ax, 0.3 * longest * unit, ink.colour, name, start=start, linewidth=2.4))
-        outward = _OUTER_EDGES[axis]
-        place = 0.5 * data.sides * outward
-        label(
-            ax,
-            place + (0.03 if axis == 2 else 0.065) * longest * outward,
-            f"{data.sides[axis]:g} m",
-            colours.NEUTRAL,
-            fontsize="medium",
-            ha="right" if axis == 2 else "center",
-        )
+        _dimension(ax, data.sides, axis, longest)
     tips = np.diag(0.5 * data.sides + 0.3 * longest)
-    fit(ax, data.corners, tips, elev=elev, azim=azim, filled=0.74)
+    fit(ax, data.corners, tips, elev=elev, azim=azim, filled=0.8)
     return BoxArtists(ax=ax, data=data, edges=tuple(edges), axes=tuple(axes))
 
 
@@ -316,7 +310,7 @@ def heavy_top(
 ) -> HeavyTopArtists:
     """Draw a heavy top with its fixed point, its weight, and Euler's angles.
 
-    The torque of the weight, ``M g l sin theta``, has the direction of the line of nodes. It has no
+    The torque of the weight, ``mgl sin theta``, has the direction of the line of nodes. It has no
     component along the vertical and none along the axis, so both of these angular momenta are
     constant (Ercan 2016, fig. 14).
 
@@ -398,7 +392,7 @@ def heavy_top(
     weight = torque = None
     if data.weight.any():
         down = 0.75 * size * data.weight / np.linalg.norm(data.weight)
-        weight = arrow(ax, down, black, r"$M\mathbf{g}$", start=data.com, linewidth=2.2)
+        weight = arrow(ax, down, black, r"$m\mathbf{g}$", start=data.com, linewidth=2.2)
     if scene.mgl * abs(np.sin(theta)) > 0.0:
         along = 0.8 * size * data.torque / scene.mgl
         torque = arrow(ax, along, colours.TORQUE.colour, linewidth=2.6, zorder=6)
@@ -408,6 +402,29 @@ def heavy_top(
     azim = float(np.degrees(phi)) - 20.0
     fit(ax, data.rim, circle(origin, _UP, 1.1 * size), ends, elev=16.0, azim=azim, filled=0.86)
     return HeavyTopArtists(ax=ax, data=data, top=top, weight=weight, torque=torque, arcs=arcs)
+
+
+def _dimension(ax: Any, sides: Floats, axis: int, longest: float) -> None:
+    """The length of an outer edge, with a dimension line beside it."""
+    grey, away = colours.NEUTRAL, longest * _AWAY[axis]
+    middle = 0.5 * sides * _OUTER_EDGES[axis]
+    along = sides[axis] * np.eye(3)[axis]
+    for end in (middle - 0.5 * along, middle + 0.5 * along):
+        curve(ax, end + np.outer([0.02, 0.09], away), grey, linewidth=0.8)
+    start = middle - 0.5 * along + 0.07 * away
+    heads = "<|-|>" if sides[axis] > 0.2 * longest else "-"
+    arrow(ax, along, grey, start=start, linewidth=0.8, arrowstyle=heads, mutation_scale=8.0)
+    # Above the arrow of axis 2, and below the box on the outer sides of its nearest corner.
+    place = middle + 0.25 * along if axis == 2 else middle
+    label(
+        ax,
+        place + 0.1 * away,
+        f"{sides[axis]:g} m",
+        grey,
+        fontsize="medium",
+        ha="right" if axis == 1 else "left",
+        va="center" if axis == 2 else "top",
+    )
 
 
 def _face(sides: Floats, axis: int, sign: float) -> Floats:
