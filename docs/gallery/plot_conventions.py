@@ -27,9 +27,9 @@ assert np.allclose(run.rotation().as_matrix(), R)
 assert np.allclose(run.gamma, gamma)
 
 figure = plt.figure(figsize=(11, 5.5), layout="constrained")
-figures.node_frame(angles, ax=figure.add_subplot(1, 2, 1, projection="3d"))
-figures.heavy_top(top, angles, ax=figure.add_subplot(1, 2, 2, projection="3d"))
-words = "q = ({:.3f}, {:.3f}, {:.3f}, {:.3f})     gamma = R.T e3 = ({:.3f}, {:.3f}, {:.3f})"
-figure.suptitle(words.format(*q, *gamma), family="monospace", fontsize=10)
+frame = figures.node_frame(angles, ax=figure.add_subplot(1, 2, 1, projection="3d"))
+frame.ax.set_title("axes of space, of the body, and of the line of nodes", y=-0.04)
+still = figures.heavy_top(top, angles, ax=figure.add_subplot(1, 2, 2, projection="3d"))
+still.ax.set_title("a heavy top in this attitude", y=-0.04)
 
 plt.show()

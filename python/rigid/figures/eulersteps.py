@@ -166,7 +166,7 @@ def euler_steps(
         origin = np.zeros(3)
         before.append(triad(ax, data.axes[step], origin, old, linewidth=1.0, linestyle="dashed"))
         after.append(triad(ax, data.axes[step + 1], origin, new, linewidth=2.4))
-        node = data.turned_about[1] * np.array([[-1.0], [1.25]])
+        node = data.turned_about[1] * np.array([[-0.4], [1.5]])
         nodes.append(
             curve(ax, node, colours.NODE.colour, linewidth=1.2, linestyle="dashdot", zorder=3)
         )
@@ -180,7 +180,7 @@ def euler_steps(
                 colours.ANGLE.colour,
                 TURNS[step],
             )
-        label(ax, -1.12 * data.turned_about[1], "$N$", colours.NODE.colour)
+        label(ax, 1.62 * data.turned_about[1], "$N$", colours.NODE.colour)
         ax.set_title(f"{step + 1}.  {TURNS[step]} {_ABOUT[step]}", fontsize="medium")
         fit(ax, data.axes, node, elev=24.0, azim=azimuth(data.angles[0]), filled=0.8)
     arrow_of_point = _draw_turned_plane(plane, data)
@@ -218,7 +218,7 @@ def _draw_turned_plane(ax: Any, data: EulerSteps) -> Any:
     corners = np.vstack([np.zeros((1, 2)), longest * data.axes[:2, :2, :2].reshape(-1, 2)])
     low, high = corners.min(axis=0), corners.max(axis=0)
     margin = 0.14 * longest
-    ax.set_aspect("equal")
+    ax.set_aspect("equal", anchor="N")  # its title as high as those of the other panels
     ax.set(
         xlim=(low[0] - margin, high[0] + margin),
         ylim=(low[1] - margin, high[1] + margin),

@@ -15,7 +15,6 @@ from ..drawing.axes3d import (
     arc,
     arrow,
     arrow_in_plane,
-    circle,
     curve,
     fit,
     in_space,
@@ -352,7 +351,9 @@ def unit_vector_change(
             linestyle="dashed",
         )
     colour = colours.AXES[one].colour
-    turned = arrow(ax, data.turned, colour, rf"$\mathbf{{e}}_{one + 1}'$", linestyle="dashed")
+    turned = arrow(ax, data.turned, colour, linestyle="dashed")
+    below = 0.95 * data.turned + 0.1 * toward
+    label(ax, below, rf"$\mathbf{{e}}_{one + 1}'$", colour)
     black = colours.HUES["black"]
     change = arrow(ax, data.change, black, start=data.unit, linewidth=1.8)
     label(ax, 0.87 * data.unit + 0.6 * data.change, rf"$\Delta\mathbf{{e}}_{one + 1}$", black)
@@ -366,10 +367,11 @@ def unit_vector_change(
         ha="left",
     )
     arc(ax, data.about, 0.45 * data.unit, data.angle, black, r"$\delta$")
-    ring = circle(0.55 * data.about, data.about, 0.09)
-    curve(ax, ring, purple)
+    # The sense of the turn: most of a circle about the axis.
+    sense = np.copysign(5.0, data.angle)
+    arc(ax, data.about, 0.12 * np.eye(3)[third], sense, purple, centre=0.6 * data.about)
     shown = np.vstack([np.eye(3), data.turned, data.unit + data.first_order, np.zeros(3)])
-    fit(ax, shown, elev=18.0, azim=-58.0, filled=0.75)
+    fit(ax, shown, elev=18.0, azim=-58.0, filled=0.85)
     return UnitVectorChangeArtists(
         ax=ax, data=data, axes=axes, turned=turned, change=change, first_order=first
     )
