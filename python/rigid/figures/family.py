@@ -247,7 +247,7 @@ def polhodes(body: BodyLike | Run, *, count: int = 5, ax: Any | None = None) -> 
         sideways = float(np.cross(UP, towards)[k])
         align = "left" if sideways > 0.1 else "right" if sideways < -0.1 else "center"
         label(ax, tips[k] + 0.1 * np.eye(3)[k], words, ink.colour, fontsize="medium", ha=align)
-    fit(ax, faces, 1.05 * tips, elev=elev, azim=azim, filled=0.7)
+    fit(ax, faces, 1.05 * tips, elev=elev, azim=azim, filled=0.62)
     return PolhodesArtists(
         ax=ax,
         data=data,
