@@ -31,5 +31,6 @@ plt.show()
 figure = plt.figure(figsize=(6, 6), layout="constrained")
 ax = figure.add_subplot(projection="3d")
 figures.locus(top, [0.0, 1.5 * np.sin(np.pi / 3), 5.0], tilted, ax=ax)
+ax.set_title("loops of a top that starts on its lower circle")
 
 plt.show()

@@ -39,7 +39,7 @@ UPRIGHT = [1.0, 0.0, 0.0, 0.0]
 WORDS = {
     "prolate": "loops",
     "cusp": "cusps",
-    "curtate": "monotone",
+    "curtate": "waves",
     "retrograde": "against the spin",
     "steady": "steady precession",
 }
@@ -270,7 +270,7 @@ def loci(
 ) -> tuple[LocusArtists, ...]:
     """Draw the paths of several starts side by side, each with its kind.
 
-    The kinds are loops, cusps, monotone paths and paths that always oppose the spin, which the
+    The kinds are loops, cusps, waves and paths that always oppose the spin, which the
     lecture notes lack (erratum G-18).
 
     Parameters

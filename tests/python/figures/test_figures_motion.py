@@ -228,7 +228,7 @@ def test_panels_of_loci_are_named() -> None:
     drawn = figures.loci(TOP, [omega_of(name) for name in names], TILTED)
     assert [one.data.kind for one in drawn] == names
     titles = [one.ax.get_title() for one in drawn]
-    assert titles == ["loops", "cusps", "monotone", "against the spin"]
+    assert titles == ["loops", "cusps", "waves", "against the spin"]
 
 
 def test_tops_without_circles_are_drawn_for_given_times() -> None:
