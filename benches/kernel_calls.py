@@ -34,6 +34,11 @@ ALLOWED = {
     ),
     "two kernels with one code share it": KERNEL,
 }
+# A function of the user is called, by these kernels only, which are those of one body at a time.
+OF_THE_USER = re.compile(
+    r"\brigid::called::TorqueCall::torque\b|<rigid::called::TorqueCall>::torque\b"
+)
+MAY_CALL_IT = re.compile(r"::scalar::.*::CalledFrame\b")
 # The plain path is for processors without FMA: it rounds products as FMA does with the C library.
 WITHOUT_FMA = re.compile(r"^(fma|rint|roundeven)$")
 # What the compiler calls for a large copy. It is refused in two nested loops (steps and packs),
@@ -124,6 +129,8 @@ def why_refused(kernel: Function, at: int, callee: str) -> str | None:
     """Why the kernel must not make that call; None if it may."""
     callee = re.sub(r"@.*$", "", callee)
     if any(allowed.search(callee) for allowed in ALLOWED.values()):
+        return None
+    if OF_THE_USER.search(callee) and MAY_CALL_IT.search(kernel.name):
         return None
     if WITHOUT_FMA.search(callee):
         return "although it has FMA" if kernel.uses_fma else None

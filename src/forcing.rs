@@ -1,6 +1,7 @@
 //! `Forcing`: applied torque over time, linear damping, and what acts on a satellite, of one body or of many;
 //! `BodyForcing`: that of one of them.
 
+use crate::called::{TorqueCall, TorqueFunction};
 use crate::error::Error;
 use crate::memory;
 use crate::real::Real;
@@ -23,8 +24,10 @@ pub struct ForcingInterval<R> {
     pub rates: [R; 3],
     /// Eigenvectors of the damping rates, as columns.
     pub modes: [[R; 3]; 3],
-    /// Rotor, energy sink and orbit.
+    /// Rotor, energy sink, quadratic drag and orbit.
     pub satellite: Satellite<R>,
+    /// The function that returns a further torque.
+    pub function: Option<TorqueCall>,
     /// The change of the parameters that displaces the body, if displacements are integrated.
     pub change: ParameterChange<R>,
 }
@@ -79,6 +82,7 @@ impl<R: Real> ForcingInterval<R> {
             rates: [zero; 3],
             modes: [[zero; 3]; 3],
             satellite: Satellite::none(),
+            function: None,
             change: ParameterChange::none(),
         }
     }
@@ -97,12 +101,19 @@ pub struct Forcing {
     dampings: Vec<[f64; 6]>,
     /// What acts on the bodies as satellites.
     satellites: Vec<Satellite<f64>>,
+    /// The function that returns a further torque.
+    function: Option<TorqueFunction>,
 }
 
 impl Forcing {
     /// No applied torque and no damping.
-    pub const NONE: &'static Forcing =
-        &Forcing { times: Vec::new(), values: Vec::new(), dampings: Vec::new(), satellites: Vec::new() };
+    pub const NONE: &'static Forcing = &Forcing {
+        times: Vec::new(),
+        values: Vec::new(),
+        dampings: Vec::new(),
+        satellites: Vec::new(),
+        function: None,
+    };
 
     /// Torques in the body and in space, given at some times (without times: constant torques), and damping.
     ///
@@ -144,6 +155,7 @@ impl Forcing {
             values: memory::collected(TABLE, body.len(), values)?,
             dampings: memory::collected("damping", dampings.len(), dampings.iter().copied())?,
             satellites: Vec::new(),
+            function: None,
         };
         let rows = [body.len() / wanted, dampings.len()];
         if rows.iter().any(|&rows| rows > 1 && rows != made.bodies()) {
@@ -183,6 +195,24 @@ impl Forcing {
         Ok(Forcing { satellites, ..self })
     }
 
+    /// The same forcing with the torque that a function returns.
+    ///
+    /// # Errors
+    /// If it is that of another number of bodies, or something acts that no scheme integrates with it.
+    pub fn with_function(self, function: TorqueFunction) -> Result<Forcing, Error> {
+        if self.satellites.iter().any(|satellite| !satellite.is_none()) {
+            let (value, rule) =
+                ("a function".to_string(), "acts with other torques, damping and weight only");
+            return Err(Error::Value { argument: "torque", value, rule });
+        }
+        let (rows, others) = (function.bodies(), self.bodies());
+        if rows > 1 && others > 1 && rows != others {
+            let (expected, got) = (format!("({others}, ...)"), format!("({rows}, ...)"));
+            return Err(Error::Shape { argument: "data", expected, got });
+        }
+        Ok(Forcing { function: Some(function), ..self })
+    }
+
     /// The same forcing.
     ///
     /// # Errors
@@ -197,6 +227,7 @@ impl Forcing {
                 self.satellites.len(),
                 self.satellites.iter().copied(),
             )?,
+            function: self.function.as_ref().map(TorqueFunction::copied).transpose()?,
         })
     }
 
@@ -226,6 +257,7 @@ impl Forcing {
                 one @ ([] | [_]) => memory::collected("satellites", one.len(), one.iter().copied())?,
                 all => memory::collected("satellites", bodies.len(), bodies.iter().map(|&body| all[body]))?,
             },
+            function: self.function.as_ref().map(|function| function.of_some(bodies)).transpose()?,
         })
     }
 
@@ -243,7 +275,8 @@ impl Forcing {
     /// The number of bodies whose forcing it is; 1 if one forcing serves all.
     pub fn bodies(&self) -> usize {
         let tables = self.values.len() / self.times.len().max(1);
-        tables.max(self.dampings.len()).max(self.satellites.len()).max(1)
+        let functions = self.function.as_ref().map_or(1, TorqueFunction::bodies);
+        tables.max(self.dampings.len()).max(self.satellites.len()).max(functions)
     }
 
     /// The forcing of one of the bodies.
@@ -264,6 +297,7 @@ impl Forcing {
                 [satellite] => *satellite,
                 satellites => satellites[body],
             },
+            function: self.function.as_ref().map(|function| function.of(body)),
         }
     }
 
@@ -282,18 +316,25 @@ pub struct BodyForcing<'a> {
     values: &'a [[[f64; 3]; 2]],
     /// Entries 11, 22, 33, 23, 31, 12 of the damping matrix.
     damping: [f64; 6],
-    /// Rotor, energy sink and orbit.
+    /// Rotor, energy sink, quadratic drag and orbit.
     satellite: Satellite<f64>,
+    /// The function that returns a further torque.
+    function: Option<TorqueCall>,
 }
 
 impl BodyForcing<'_> {
     /// No applied torque and no damping.
-    pub const NONE: BodyForcing<'static> =
-        BodyForcing { times: &[], values: &[], damping: [0.0; 6], satellite: Satellite::NONE };
+    pub const NONE: BodyForcing<'static> = BodyForcing {
+        times: &[],
+        values: &[],
+        damping: [0.0; 6],
+        satellite: Satellite::NONE,
+        function: None,
+    };
 
     /// Whether there is no forcing.
     pub fn is_none(&self) -> bool {
-        self.values.is_empty() && self.damping == [0.0; 6] && self.satellite.is_none()
+        self.values.is_empty() && self.damping == [0.0; 6] && self.satellite.is_none() && !self.is_called()
     }
 
     /// The first values; zero if no torque is applied.
@@ -301,14 +342,19 @@ impl BodyForcing<'_> {
         self.values.first().copied().unwrap_or_default()
     }
 
-    /// Rotor, energy sink and orbit.
+    /// Rotor, energy sink, quadratic drag and orbit.
     pub fn satellite(&self) -> &Satellite<f64> {
         &self.satellite
     }
 
-    /// Whether there is a rotor, an energy sink or an orbit.
+    /// Whether there is a rotor, an energy sink, quadratic drag or an orbit.
     pub fn is_satellite(&self) -> bool {
         !self.satellite.is_none()
+    }
+
+    /// Whether a function returns a torque.
+    pub fn is_called(&self) -> bool {
+        self.function.is_some()
     }
 
     /// Whether no torque is applied and nothing damps: rotor, sink and orbit are not asked about.
@@ -316,9 +362,11 @@ impl BodyForcing<'_> {
         self.values.iter().flatten().flatten().all(|&x| x == 0.0) && self.damping == [0.0; 6]
     }
 
-    /// Whether a torque in space or a gravity gradient acts at any time: the rates then depend on the attitude.
+    /// Whether a torque in space, a gravity gradient or a function acts at any time: the rates then depend on the
+    /// attitude.
     pub fn acts_in_space(&self) -> bool {
         self.satellite.orbit_rate != 0.0
+            || self.is_called()
             || self.values.iter().any(|[_, space]| space.iter().any(|&x| x != 0.0))
     }
 
@@ -350,6 +398,7 @@ impl BodyForcing<'_> {
             rates,
             modes,
             satellite: self.satellite,
+            function: self.function.map(|function| function.from(time)),
             change: ParameterChange::none(),
         }
     }
@@ -431,7 +480,8 @@ impl BodyForcing<'_> {
 
     /// Entries 11, 22, 33, 23, 31, 12 of the damping matrix, if nothing else acts at any time.
     pub fn damping_alone(&self) -> Option<[f64; 6]> {
-        let is_alone = !self.is_satellite() && self.values.iter().flatten().flatten().all(|&x| x == 0.0);
+        let acts_otherwise = self.is_satellite() || self.is_called();
+        let is_alone = !acts_otherwise && self.values.iter().flatten().flatten().all(|&x| x == 0.0);
         is_alone.then_some(self.damping)
     }
 
@@ -457,8 +507,8 @@ impl BodyForcing<'_> {
     ///
     /// With `u = |I^(1/2) omega|`, `u' <= |I^(-1/2) torque| - d u`, and `|omega| <= u / sqrt(I_min)`; `d` is the least
     /// damping rate. Backward in time damping adds energy at the largest rate. On an orbit u is that of the rates seen
-    /// from the orbit, whose potential is bounded. Rotor and sink add no energy; backward in time a sink adds energy
-    /// without bound, and the rates are taken as if it added none.
+    /// from the orbit, whose potential is bounded. Rotor, sink and drag add no energy; backward in time sink and drag add
+    /// energy without bound, and the rates are taken as if they added none. Of a function a bound may be known.
     pub fn fastest_rate(
         &self,
         moments: [f64; 3],
@@ -483,7 +533,8 @@ impl BodyForcing<'_> {
             let gained = self.gain(moments, back, 0.0) + drag(-back);
             u = u.max((reach + gained) * exp(-fastest.max(0.0) * back) + turning);
         }
-        (u / least.sqrt()).max(swing)
+        let called = self.function.map_or(0.0, |function| function.fastest());
+        (u / least.sqrt()).max(swing).max(called)
     }
 }
 

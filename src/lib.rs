@@ -3,13 +3,14 @@
 //! An arrow points from a module to the modules that it uses:
 //!
 //! ```text
-//! real ← simd        real ← special ← kinematics        body, kinematics ← forcing ← start
+//! real ← simd        real ← special ← kinematics        body, kinematics ← called ← forcing ← start
 //! {kinematics, forcing} ← scene ← scheme ← observe ← kernel        {special, start} ← exact
 //! special ← sample        memory ← {forcing, kernel, parallel}
 //! {kernel, exact, sample, parallel} ← trajectory ← map ← python
 //! ```
 
 pub mod body;
+pub mod called;
 pub mod error;
 pub mod exact;
 pub mod forcing;

@@ -32,6 +32,8 @@ pub trait Real:
     fn max(self, other: Self) -> Self;
     /// Nearest integer, ties to even.
     fn round(self) -> Self;
+    /// The number of the first lane.
+    fn first(self) -> f64;
     /// Lane-wise `self < other`.
     fn lt(self, other: Self) -> Self::Mask;
     /// Lane-wise `if mask { a } else { b }`.
@@ -107,6 +109,10 @@ impl Real for f64 {
     #[inline(always)]
     fn any(mask: bool) -> bool {
         mask
+    }
+    #[inline(always)]
+    fn first(self) -> f64 {
+        self
     }
     #[inline(always)]
     fn exp2i(self) -> f64 {

@@ -1,16 +1,19 @@
-//! What acts on a satellite besides torque and damping: a rotor, an energy sink, and the gravity gradient on an orbit.
+//! What acts on a satellite besides torque and damping: a rotor, an energy sink, quadratic drag, and the gravity gradient
+//! on an orbit.
 
 use crate::error::Error;
 use crate::real::Real;
 use crate::start::Body;
 
-/// Rotor, energy sink and orbit of one body.
+/// Rotor, energy sink, quadratic drag and orbit of one body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Satellite<R> {
     /// Angular momentum of a rotor relative to the body, constant in the body.
     pub rotor: [R; 3],
     /// Coefficients of the energy sink along the body axes; see `scene::satellite`.
     pub sink: [R; 3],
+    /// Coefficients `c` of the quadratic drag `-|omega| c omega` along the body axes.
+    pub drag: [R; 3],
     /// Rate of the circular orbit, 0 without a gravity gradient.
     pub orbit_rate: R,
     /// The direction to the centre at time 0, in space: a unit vector.
@@ -27,6 +30,7 @@ impl<R: Real> Satellite<R> {
         Satellite {
             rotor: [zero; 3],
             sink: [zero; 3],
+            drag: [zero; 3],
             orbit_rate: zero,
             towards: [zero; 3],
             ahead: [zero; 3],
@@ -36,26 +40,34 @@ impl<R: Real> Satellite<R> {
 
 impl Satellite<f64> {
     /// Nothing acts.
-    pub const NONE: Satellite<f64> =
-        Satellite { rotor: [0.0; 3], sink: [0.0; 3], orbit_rate: 0.0, towards: [0.0; 3], ahead: [0.0; 3] };
+    pub const NONE: Satellite<f64> = Satellite {
+        rotor: [0.0; 3],
+        sink: [0.0; 3],
+        drag: [0.0; 3],
+        orbit_rate: 0.0,
+        towards: [0.0; 3],
+        ahead: [0.0; 3],
+    };
 
     /// How many numbers it has.
-    pub const LEN: usize = 13;
+    pub const LEN: usize = 16;
 
-    /// The satellite with these numbers: of the rotor, of the sink, of the orbit.
+    /// The satellite with these numbers: of the rotor, of the sink, of the drag, of the orbit.
     ///
     /// # Errors
-    /// If a number is not finite, a coefficient of the sink is negative, or the directions of the orbit are not unit
+    /// If a number is not finite, a coefficient of the sink or of the drag is negative, or the directions of the orbit are not unit
     /// vectors at right angles.
     pub fn of(numbers: &[f64; Satellite::LEN]) -> Result<Self, Error> {
-        let [h1, h2, h3, s1, s2, s3, orbit_rate, t1, t2, t3, a1, a2, a3] = *numbers;
+        let [h1, h2, h3, s1, s2, s3, d1, d2, d3, orbit_rate, t1, t2, t3, a1, a2, a3] = *numbers;
         let refuse = |argument, value: String, rule| Err(Error::Value { argument, value, rule });
         if let Some(bad) = numbers.iter().find(|x| !x.is_finite()) {
             return refuse("satellite", bad.to_string(), "must be finite");
         }
-        let (sink, towards, ahead) = ([s1, s2, s3], [t1, t2, t3], [a1, a2, a3]);
-        if sink.iter().any(|&s| s < 0.0) {
-            return refuse("dissipation", format!("{sink:?}"), "must not be negative");
+        let (sink, drag, towards, ahead) = ([s1, s2, s3], [d1, d2, d3], [t1, t2, t3], [a1, a2, a3]);
+        for (argument, coefficients) in [("dissipation", sink), ("drag", drag)] {
+            if coefficients.iter().any(|&c| c < 0.0) {
+                return refuse(argument, format!("{coefficients:?}"), "must not be negative");
+            }
         }
         let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
         let off = [dot(towards, towards) - 1.0, dot(ahead, ahead) - 1.0, dot(towards, ahead)];
@@ -66,28 +78,28 @@ impl Satellite<f64> {
                 "must be a unit vector across the normal of the orbit",
             );
         }
-        Ok(Satellite { rotor: [h1, h2, h3], sink, orbit_rate, towards, ahead })
+        Ok(Satellite { rotor: [h1, h2, h3], sink, drag, orbit_rate, towards, ahead })
     }
 
     /// The numbers, in the order of `of`.
     pub fn numbers(&self) -> [f64; Satellite::LEN] {
-        let ([h1, h2, h3], [s1, s2, s3]) = (self.rotor, self.sink);
+        let ([h1, h2, h3], [s1, s2, s3], [d1, d2, d3]) = (self.rotor, self.sink, self.drag);
         let ([t1, t2, t3], [a1, a2, a3]) = (self.towards, self.ahead);
-        [h1, h2, h3, s1, s2, s3, self.orbit_rate, t1, t2, t3, a1, a2, a3]
+        [h1, h2, h3, s1, s2, s3, d1, d2, d3, self.orbit_rate, t1, t2, t3, a1, a2, a3]
     }
 
-    /// The error of a request for displacements under rotor, energy sink or gravity gradient.
+    /// The error of a request for displacements under rotor, energy sink, drag or gravity gradient.
     pub fn not_displaced() -> Error {
         Error::Value {
             argument: "scene",
             value: "a satellite".to_string(),
-            rule: "displacements under a rotor, dissipation or a gravity gradient are not integrated",
+            rule: "displacements under a rotor, dissipation, drag or a gravity gradient are not integrated",
         }
     }
 
     /// Whether nothing acts.
     pub fn is_none(&self) -> bool {
-        self.rotor == [0.0; 3] && self.sink == [0.0; 3] && self.orbit_rate == 0.0
+        [self.rotor, self.sink, self.drag] == [[0.0; 3]; 3] && self.orbit_rate == 0.0
     }
 
     /// Bounds of the root of twice the energy in the frame of the orbit from that at rest, and of how much the rotation
@@ -109,8 +121,9 @@ impl Satellite<f64> {
         1.5 * self.orbit_rate * self.orbit_rate * (largest - least) / least.sqrt()
     }
 
-    /// What rotor and sink add to the rate that the steps of a body follow, whose rates reach `fastest`: the nutation
-    /// `|h| / I` by the rotor, and the turn `e` by the sink with the relaxation that it causes. The momentum in space is
+    /// What rotor, sink and drag add to the rate that the steps of a body follow, whose rates reach `fastest`: the nutation
+    /// `|h| / I` by the rotor, the relaxation `2 c |omega| / I` by the drag, and the turn `e` by the sink with the
+    /// relaxation that it causes. The momentum in space is
     /// constant if there is no torque, `is_torque_free`.
     pub(crate) fn step_rate(&self, body: &Body, fastest: f64, is_torque_free: bool) -> f64 {
         let [least, largest] = range(body.moments);
@@ -123,7 +136,8 @@ impl Satellite<f64> {
         };
         let torque = momentum * fastest + self.strength(body.moments) * least.sqrt();
         let sink = (0..3).map(|k| self.sink[k] / (body.moments[k] * body.moments[k])).fold(0.0, f64::max);
-        rotor / least + (sink * torque).max(sink * momentum * momentum / least)
+        let drag = (0..3).map(|k| self.drag[k] / body.moments[k]).fold(0.0, f64::max);
+        rotor / least + 2.0 * drag * fastest + (sink * torque).max(sink * momentum * momentum / least)
     }
 }
 
@@ -139,7 +153,7 @@ mod tests {
 
     #[test]
     fn numbers_of_a_satellite_are_checked() {
-        let numbers = [1.0, 2.0, 3.0, 0.0, 0.1, 0.2, 0.5, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+        let numbers = [1.0, 2.0, 3.0, 0.0, 0.1, 0.2, 0.3, 0.0, 0.4, 0.5, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
         let satellite = Satellite::of(&numbers).unwrap();
         assert_eq!(satellite.numbers(), numbers);
         assert!(!satellite.is_none() && Satellite::NONE.is_none());
@@ -150,7 +164,8 @@ mod tests {
         };
         assert!(with(0, f64::NAN).starts_with("satellite = NaN"));
         assert!(with(4, -1.0).starts_with("dissipation = [0.0, -1.0, 0.2]"));
-        assert!(with(7, 0.5).starts_with("towards = [0.5, 0.0, 0.0]"));
-        assert!(with(10, 0.5).starts_with("towards"));
+        assert!(with(8, -1.0).starts_with("drag = [0.3, 0.0, -1.0]"));
+        assert!(with(10, 0.5).starts_with("towards = [0.5, 0.0, 0.0]"));
+        assert!(with(13, 0.5).starts_with("towards"));
     }
 }

@@ -1,5 +1,6 @@
 //! Bodies side by side: one row of numbers for each variable, one lane for each body.
 
+use crate::called::TorqueCall;
 use crate::forcing::{ForcingInterval, ParameterChange};
 use crate::observe::{MAX_ROWS, Rows, UNOBSERVED};
 use crate::real::Pack;
@@ -78,6 +79,8 @@ pub struct ForcingRows {
     pub satellite: [Row; Satellite::LEN],
     /// Changes of moments, weight, damping and torque.
     pub change: [Row; ParameterChange::LEN],
+    /// The functions that return a torque.
+    pub functions: [Option<TorqueCall>; LANES],
 }
 
 impl ForcingRows {
@@ -90,6 +93,7 @@ impl ForcingRows {
         modes: [[Row::ZERO; 3]; 3],
         satellite: [Row::ZERO; Satellite::LEN],
         change: [Row::ZERO; ParameterChange::LEN],
+        functions: [None; LANES],
     };
 
     /// Sets the forcing of the body in a lane.
@@ -117,6 +121,7 @@ impl ForcingRows {
         for (row, number) in self.change.iter_mut().zip(numbers) {
             row.0[lane] = *number;
         }
+        self.functions[lane] = interval.function;
     }
 
     /// The lanes of a pack.
@@ -138,12 +143,13 @@ impl ForcingRows {
                 interval.modes[k][m] = P::load(&self.modes[k][m].0[at..]);
             }
         }
-        interval.satellite.orbit_rate = P::load(&self.satellite[6].0[at..]);
+        interval.satellite.orbit_rate = P::load(&self.satellite[9].0[at..]);
         for k in 0..3 {
             interval.satellite.rotor[k] = P::load(&self.satellite[k].0[at..]);
             interval.satellite.sink[k] = P::load(&self.satellite[3 + k].0[at..]);
-            interval.satellite.towards[k] = P::load(&self.satellite[7 + k].0[at..]);
-            interval.satellite.ahead[k] = P::load(&self.satellite[10 + k].0[at..]);
+            interval.satellite.drag[k] = P::load(&self.satellite[6 + k].0[at..]);
+            interval.satellite.towards[k] = P::load(&self.satellite[10 + k].0[at..]);
+            interval.satellite.ahead[k] = P::load(&self.satellite[13 + k].0[at..]);
             interval.change.moments[k] = P::load(&self.change[k].0[at..]);
             interval.change.weight[k] = P::load(&self.change[3 + k].0[at..]);
             interval.change.torque[k] = P::load(&self.change[12 + k].0[at..]);
@@ -151,6 +157,8 @@ impl ForcingRows {
         for k in 0..6 {
             interval.change.damping[k] = P::load(&self.change[6 + k].0[at..]);
         }
+        // Only packs of one body call it.
+        interval.function = self.functions[at];
         interval
     }
 }

@@ -6,9 +6,9 @@ use super::step::{invariants, prepared, process, step_block};
 use crate::observe::Observed;
 use crate::real::Pack;
 use crate::scene::{
-    Attitude, Axis, AxisAttitude, AxisSensitivity, AxisTangent, FREE, ForcedFrame, ForcedFrameTangent,
-    ForcedRates, Free, Layout, Model, Parameters, Rates, ReducedTop, SatelliteFrame, SatelliteRates, Scene,
-    TOP, Top, TwoAxes,
+    Attitude, Axis, AxisAttitude, AxisSensitivity, AxisTangent, CalledFrame, FREE, ForcedFrame,
+    ForcedFrameTangent, ForcedRates, Free, Layout, Model, Parameters, Rates, ReducedTop, SatelliteFrame,
+    SatelliteRates, Scene, TOP, Top, TwoAxes,
 };
 use crate::scheme::{
     AffineSplitting, ComposedPlanar, Dop853Tableau, Engine, Exponential, Hermite, ImplicitMidpoint,
@@ -149,7 +149,9 @@ macro_rules! entry_points {
                 N: Model<f64>,
                 L: Layout,
             {
-                if !S::MOVES || (L::TANGENT && !S::HAS_TANGENT) {
+                // A function of the user is called for one body at a time.
+                let packs_of_one = !L::CALLED || P::LANES == 1;
+                if !S::MOVES || (L::TANGENT && !S::HAS_TANGENT) || !packs_of_one {
                     return None;
                 }
                 Some(Code {
@@ -277,6 +279,7 @@ kernels! {
         ForcedFrame: TOP, Top, ForcedFrame;
         SatelliteRates: FREE, Free, SatelliteRates;
         SatelliteFrame: TOP, Top, SatelliteFrame;
+        CalledFrame: TOP, Top, CalledFrame;
         TopTangent: TOP, Top, AxisTangent;
         TopSensitivity: TOP, Top, AxisSensitivity;
         ForcedTangent: TOP, Top, ForcedFrameTangent;
@@ -314,8 +317,10 @@ pub(super) fn code(system: System, engine: Engine, isa: Isa) -> Option<&'static 
 pub struct Needs {
     /// Whether torque or damping is applied; work, impulse and time are then integrated.
     pub is_forced: bool,
-    /// Whether rotor, energy sink or gravity gradient act.
+    /// Whether rotor, energy sink, quadratic drag or gravity gradient act.
     pub is_satellite: bool,
+    /// Whether a function of the user returns a torque.
+    pub is_called: bool,
     /// Whether the body is integrated as a reduced top.
     pub is_reduced: bool,
     /// The least number of directions.
@@ -336,6 +341,7 @@ struct Traits {
     is_reduced: bool,
     balance_at: Option<usize>,
     is_satellite: bool,
+    is_called: bool,
     orbit_at: Option<usize>,
     tangent_at: Option<usize>,
     is_changed: bool,
@@ -351,6 +357,7 @@ impl Traits {
             is_reduced: M::REDUCED,
             balance_at: if L::BALANCE { Some(L::BALANCE_AT) } else { None },
             is_satellite: L::SATELLITE,
+            is_called: L::CALLED,
             orbit_at: if L::ORBITS { Some(L::ORBIT_AT) } else { None },
             tangent_at: if L::TANGENT { Some(L::TANGENT_AT) } else { None },
             is_changed: L::CHANGED,
@@ -369,6 +376,7 @@ impl System {
             system.scene() == scene
                 && traits.balance_at.is_some() == needs.is_forced
                 && traits.is_satellite == needs.is_satellite
+                && traits.is_called == needs.is_called
                 && traits.tangent_at.is_some() == needs.tangent
                 && (traits.is_changed || !needs.is_changed)
                 && traits.is_reduced == needs.is_reduced
@@ -392,6 +400,11 @@ impl System {
     /// Whether the system is forced.
     pub fn is_forced(self) -> bool {
         self.balance_at().is_some()
+    }
+
+    /// Whether a function of the user is called in the steps, which are then those of one body at a time.
+    pub(super) fn is_called(self) -> bool {
+        self.traits().is_called
     }
 
     /// Index in the state of work, impulse and time; `None` if the system is not forced.
@@ -449,6 +462,7 @@ mod tests {
         let needs = |directions, attitude| Needs {
             is_forced: false,
             is_satellite: false,
+            is_called: false,
             is_reduced: false,
             directions,
             attitude,
@@ -458,6 +472,7 @@ mod tests {
         let reduced = |needs| Needs { is_reduced: true, ..needs };
         let forced = |needs| Needs { is_forced: true, ..needs };
         let satellite = |needs| Needs { is_forced: true, is_satellite: true, ..needs };
+        let called = |needs| Needs { is_forced: true, is_called: true, ..needs };
         let tangent = |needs| Needs { tangent: true, ..needs };
         let changed = |needs| Needs { tangent: true, is_changed: true, ..needs };
         // A series does not integrate a top with a quaternion.
@@ -479,6 +494,8 @@ mod tests {
             (&TOP, series, forced(needs(0, false)), ForcedFrame),
             (&FREE, series, satellite(needs(0, false)), SatelliteRates),
             (&FREE, series, satellite(needs(0, true)), SatelliteFrame),
+            (&FREE, scheme::RK4.any, called(needs(0, false)), CalledFrame),
+            (&TOP, scheme::MIDPOINT.any, called(needs(0, true)), CalledFrame),
             // A free body is a top without weight.
             (&FREE, series, tangent(needs(0, false)), TopTangent),
             (&TOP, series, tangent(needs(0, false)), TopTangent),

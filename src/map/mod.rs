@@ -368,6 +368,7 @@ impl Watched<'_> {
         let needs = Needs {
             is_forced: self.is_forced(),
             is_satellite: self.is_satellite(),
+            is_called: false,
             is_reduced: false,
             directions: if in_space { 3 } else { self.criterion.directions(self.scene) },
             attitude: false,

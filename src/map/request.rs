@@ -229,8 +229,12 @@ impl Map {
             return refuse("method", format!("'{}'", Solver::EXACT), rule);
         }
         scheme.forced_limit()?;
-        if self.is_satellite() {
-            scheme.check_satellite()?;
+        for forcing in &self.forcing {
+            if forcing.of(0).is_called() {
+                let rule = "cannot act in a map, whose samples a Taylor series classifies again";
+                return refuse("torque", "a function".to_string(), rule);
+            }
+            scheme.check_forcing(forcing.of(0))?;
         }
         let is_from_start =
             self.conditions.iter().any(|one| matches!(one.criterion, Criterion::TiltFromStart(_)))

@@ -1,6 +1,7 @@
 //! Torque and damping from Python.
 
-use super::convert::{copied, rows, same_length};
+use super::convert::{copied, copied_rows, rows, same_length};
+use crate::called::TorqueFunction;
 use crate::forcing::{BodyForcing, Forcing};
 use crate::memory;
 use crate::satellite::Satellite;
@@ -8,31 +9,43 @@ use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, P
 use pyo3::prelude::*;
 
 /// Forcing of the bodies of a request: torques in the body and in space at some times, linear between them (no times:
-/// constant), table after table, damping, entries 11, 22, 33, 23, 31, 12 of its matrices, and the 13 numbers of rotor,
-/// energy sink and orbit. One table, matrix or row may serve all bodies; without tables no torque is applied.
+/// constant), table after table, damping, entries 11, 22, 33, 23, 31, 12 of its matrices, and the 16 numbers of rotor,
+/// energy sink, drag and orbit. One table, matrix or row may serve all bodies; without tables no torque is applied. A
+/// function that returns a further torque is its address, its data in rows, what its torques are multiplied by, and a
+/// bound of the rates, or 0.
 #[pyclass(frozen, name = "Forcing", module = "rigid._core")]
 pub struct PyForcing(pub Forcing);
+
+/// Address, data, units and the bound of the rates of a function.
+type GivenFunction<'py> = (usize, PyReadonlyArray2<'py, f64>, PyReadonlyArray1<'py, f64>, f64);
 
 #[pymethods]
 impl PyForcing {
     #[new]
-    #[pyo3(signature = (*, times, body, space, damping, satellite = None))]
+    #[pyo3(signature = (*, times, body, space, damping, satellite = None, function = None))]
     fn new(
         times: PyReadonlyArray1<'_, f64>,
         body: PyReadonlyArray2<'_, f64>,
         space: PyReadonlyArray2<'_, f64>,
         damping: PyReadonlyArray2<'_, f64>,
         satellite: Option<PyReadonlyArray2<'_, f64>>,
+        function: Option<GivenFunction<'_>>,
     ) -> PyResult<Self> {
         let (body, space) = (rows::<3>("torque", &body)?, rows::<3>("torque", &space)?);
         let times = copied("torque times", &times)?;
         let forcing = Forcing::new(&times, body, space, rows::<6>("damping", &damping)?)?;
-        Ok(PyForcing(match &satellite {
+        let forcing = match &satellite {
             Some(satellite) => {
                 forcing.with_satellites(rows::<{ Satellite::LEN }>("satellite", satellite)?)?
             }
             None => forcing,
-        }))
+        };
+        let Some((address, data, units, fastest)) = function else { return Ok(PyForcing(forcing)) };
+        let (data, width) = copied_rows("data of a torque", &data)?;
+        let units = copied("units", &units)?;
+        // SAFETY: what `rigid.Torque.call` asks of its caller.
+        let function = unsafe { TorqueFunction::new(address, data, width, units, fastest)? };
+        Ok(PyForcing(forcing.with_function(function)?))
     }
 
     /// The forcing of some bodies, in this order.

@@ -122,6 +122,7 @@ fn methods(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
         entry.set_item("driven", scheme.forced.is_some())?;
         entry.set_item("stiff", scheme.is_stiff())?;
         entry.set_item("satellite", scheme.moves_satellites())?;
+        entry.set_item("called", scheme.moves_called())?;
         entry.set_item("tops", scheme.moves_tops())?;
         entry.set_item("maps", !scheme.is_processed())?;
         entry.set_item("series", scheme.is_series())?;

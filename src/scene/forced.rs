@@ -43,6 +43,12 @@ fn damp<R: Real>(matrix: &[R; 6], [w1, w2, w3]: [R; 3], sum: &mut [R; 3]) {
     ];
 }
 
+/// A vector of the first lane.
+#[inline(always)]
+fn alone<R: Real>(v: &[R; 3]) -> [f64; 3] {
+    [v[0].first(), v[1].first(), v[2].first()]
+}
+
 impl<R: Real> Applied<R> {
     /// The constants of a body and its forcing.
     #[inline(always)]
@@ -79,10 +85,25 @@ impl<R: Real> Applied<R> {
         sum
     }
 
+    /// The torque that the function of the user returns at a state, of one body: `R` has one lane.
+    #[inline(always)]
+    pub fn called(&self, time: R, omega: &[R; 3], third: &[R; 3], first: &[R; 3]) -> [R; 3] {
+        let Some(function) = &self.forcing.function else { return [R::splat(0.0); 3] };
+        let torque = function.torque(time.first(), alone(omega), alone(third), alone(first));
+        [R::splat(torque[0]), R::splat(torque[1]), R::splat(torque[2])]
+    }
+
     /// Applied torque with damping, at a state.
     #[inline(always)]
     pub fn torque<L: Layout, const D: usize>(&self, y: &[R; D]) -> [R; 3] {
         let mut sum = self.undamped::<L, D>(y);
+        if L::CALLED {
+            let (third, first) = (direction(y, 0), direction(y, 1));
+            let called = self.called(y[L::TIME_AT], &[y[0], y[1], y[2]], &third, &first);
+            for i in 0..3 {
+                sum[i] = sum[i] + called[i];
+            }
+        }
         self.damp([y[0], y[1], y[2]], &mut sum);
         sum
     }

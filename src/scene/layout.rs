@@ -17,8 +17,10 @@ pub trait Layout: Copy {
     const TANGENT: bool = false;
     /// Whether a change of the parameters adds to the displacement.
     const CHANGED: bool = false;
-    /// Whether rotor, energy sink and gravity gradient act.
+    /// Whether rotor, energy sink, quadratic drag and gravity gradient act.
     const SATELLITE: bool = false;
+    /// Whether a function of the user returns a torque.
+    const CALLED: bool = false;
     /// The direction from which a tilt is measured: the last direction, or the vertical of a frame.
     const OBSERVED: usize = if Self::BALANCE { 0 } else { Self::VECTORS.saturating_sub(1) };
     /// Length of the state.
@@ -97,4 +99,14 @@ impl Layout for SatelliteFrame {
     const QUATERNION: bool = false;
     const BALANCE: bool = true;
     const SATELLITE: bool = true;
+}
+
+/// Rates, the space axes z, x and y, and the balance of a body under the torque that a function returns.
+#[derive(Clone, Copy)]
+pub struct CalledFrame;
+impl Layout for CalledFrame {
+    const VECTORS: usize = 3;
+    const QUATERNION: bool = false;
+    const BALANCE: bool = true;
+    const CALLED: bool = true;
 }

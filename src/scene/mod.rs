@@ -10,8 +10,8 @@ mod top;
 pub use forced::Applied;
 pub use free::{FREE, Free};
 pub use layout::{
-    Attitude, Axis, AxisAttitude, AxisSensitivity, AxisTangent, ForcedFrame, ForcedFrameTangent, ForcedRates,
-    Layout, Rates, SatelliteFrame, SatelliteRates, TwoAxes,
+    Attitude, Axis, AxisAttitude, AxisSensitivity, AxisTangent, CalledFrame, ForcedFrame, ForcedFrameTangent,
+    ForcedRates, Layout, Rates, SatelliteFrame, SatelliteRates, TwoAxes,
 };
 pub use reduced_top::ReducedTop;
 pub use satellite::SatelliteRate;

@@ -1,9 +1,13 @@
-//! What acts on a satellite: a rotor, an energy sink, and the gravity gradient on a circular orbit.
+//! What acts on a satellite: a rotor, an energy sink, quadratic drag, and the gravity gradient on a circular orbit.
 //!
 //! The angular momentum of the body with its rotor is `L = I omega + h`, with `h` constant in the body (the gyrostat of
 //! Zhukovsky 1885 and Volterra 1899; Wittenburg, Dynamics of Multibody Systems, 2nd ed., 2008, §4.2). The gravity
 //! gradient is the torque `3 n^2 o x I o`, `o` the direction to the centre (Hughes, Spacecraft Attitude Dynamics, 1986,
 //! §8.1).
+//!
+//! Quadratic drag is the torque `-|omega| c omega`, `c` one coefficient for each body axis: at large Reynolds numbers the
+//! moment of a rotating sphere or disk is proportional to the square of its rate (Schlichting & Gersten, Boundary-Layer
+//! Theory, 9th ed., 2017, §5.2).
 //!
 //! The energy sink is that of a cavity with a very viscous fluid, or of a damper that is tightly coupled: the momentum
 //! of the fluid relative to the body is `-P omega'` (Chernousko, USSR Comput. Math. Math. Phys. 5, 1965). With `omega`
@@ -58,6 +62,23 @@ impl<R: Real> Applied<R> {
         ]
     }
 
+    /// Which bodies have quadratic drag.
+    #[inline(always)]
+    pub fn is_dragged(&self) -> R::Mask {
+        let [c1, c2, c3] = self.forcing.satellite.drag;
+        R::splat(0.0).lt(c1 + c2 + c3)
+    }
+
+    /// Adds the quadratic drag to a torque, where there is one, from the products of speed and rates; linear.
+    #[inline(always)]
+    pub fn add_drag(&self, products: &[R; 3], torque: &mut [R; 3]) {
+        let is_dragged = self.is_dragged();
+        for i in 0..3 {
+            let with = self.forcing.satellite.drag[i].fnma(products[i], torque[i]);
+            torque[i] = R::select(is_dragged, with, torque[i]);
+        }
+    }
+
     /// `h x v`, with the momentum h of the rotor.
     #[inline(always)]
     pub fn rotor_across(&self, v: &[R; 3]) -> [R; 3] {
@@ -106,6 +127,10 @@ impl<R: Real> Applied<R> {
             for i in 0..3 {
                 torque[i] = torque[i] + gradient[i];
             }
+        }
+        if R::any(self.is_dragged()) {
+            let speed = dot(&omega, &omega).sqrt();
+            self.add_drag(&[speed * omega[0], speed * omega[1], speed * omega[2]], &mut torque);
         }
         let mut rate = model.euler(&[omega[1] * omega[2], omega[2] * omega[0], omega[0] * omega[1]], y);
         let mut with_rotor = self.rotor_across(&omega);

@@ -153,7 +153,7 @@ pub struct AffineSplitting<R> {
 
 impl<R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, L, D> for AffineSplitting<R> {
     const VARIABLES: Variables = Variables::Momenta;
-    const MOVES: bool = L::BALANCE && !L::SATELLITE;
+    const MOVES: bool = L::BALANCE && !L::SATELLITE && !L::CALLED;
 
     #[inline(always)]
     fn new(p: &Parameters<R>, interval: &ForcingInterval<R>, _numbers: &'static Numbers) -> Self {
@@ -380,7 +380,7 @@ impl<R: Real, M: Model<R>> Exponential<R, M> {
 
 impl<R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, L, D> for Exponential<R, M> {
     const VARIABLES: Variables = Variables::Rates;
-    const MOVES: bool = L::BALANCE && !L::SATELLITE;
+    const MOVES: bool = L::BALANCE && !L::SATELLITE && !L::CALLED;
 
     #[inline(always)]
     fn new(p: &Parameters<R>, interval: &ForcingInterval<R>, _numbers: &'static Numbers) -> Self {

@@ -388,7 +388,7 @@ fn weighted<R: Real, const D: usize>(
 impl<R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, L, D> for Hermite<R, M> {
     const VARIABLES: Variables = Variables::Rates;
     // As for the series: rows of the matrix are cheaper than the vertical and a quaternion.
-    const MOVES: bool = !L::SATELLITE && !(M::HEAVY && L::QUATERNION);
+    const MOVES: bool = !L::SATELLITE && !L::CALLED && !(M::HEAVY && L::QUATERNION);
     const REMEMBERS: bool = true;
     const HAS_POLYNOMIAL: bool = true;
 

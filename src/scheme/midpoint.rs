@@ -40,6 +40,8 @@ const NEWTON_STEPS: usize = 8;
 const SMALL_CORRECTION: f64 = 1e-9;
 /// The last correction from which on a solution is rejected.
 const LARGEST_CORRECTION: f64 = 1e-6;
+/// The difference of `u` from which the derivative of a function of the user follows, to half of the digits.
+const DIFFERENCE: f64 = 1e-7;
 /// Numbers of equal substeps if Newton's method does not solve the equation of a step (from about three radians on).
 const PARTS: [usize; 3] = [4, 16, 64];
 
@@ -79,6 +81,9 @@ struct Equation<R> {
     space: [R; 3],
     /// The vertical at the begin.
     gamma: [R; 3],
+    /// The first space axis at the begin, and the time in the middle, which a function is told.
+    first: [R; 3],
+    middle: R,
     damping: [[R; 3]; 3],
 }
 
@@ -218,7 +223,9 @@ impl<R: Real> ImplicitMidpoint<R> {
             }
         }
         let gamma = if const { M::HEAVY && L::VECTORS > 0 } { direction(y, 0) } else { zeros };
-        (Equation { start, space, gamma, damping: matrix(&constants.damping) }, u)
+        let first = if L::CALLED { direction(y, 1) } else { zeros };
+        let middle = if L::CALLED { y[L::TIME_AT] + half } else { half };
+        (Equation { start, space, gamma, first, middle, damping: matrix(&constants.damping) }, u)
     }
 
     /// The residual of an equation at `u`, and the columns of its derivative.
@@ -230,7 +237,7 @@ impl<R: Real> ImplicitMidpoint<R> {
         u: &[R; 3],
     ) -> ([R; 3], [[R; 3]; 3]) {
         let j = &self.ratios;
-        let Equation { start, space, gamma, damping } = equation;
+        let Equation { start, space, gamma, damping, .. } = equation;
         let turn = Turn::of(u);
         let momentum = [j[0] * u[0], j[1] * u[1], j[2] * u[2]];
         let term = cross(u, &momentum);
@@ -280,7 +287,36 @@ impl<R: Real> ImplicitMidpoint<R> {
                 }
             }
         }
+        // A step of zero, of a body that rests, turns at no rate.
+        if L::CALLED && R::any(R::splat(0.0).lt(constants.half.abs())) {
+            let torque = self.called(constants, equation, u);
+            let inverse = R::splat(1.0 / DIFFERENCE);
+            for i in 0..3 {
+                residual[i] = residual[i] - torque[i];
+            }
+            for k in 0..3 {
+                let mut beside = *u;
+                beside[k] = u[k] + R::splat(DIFFERENCE);
+                let other = self.called(constants, equation, &beside);
+                for i in 0..3 {
+                    a[k][i] = inverse.fnma(other[i] - torque[i], a[k][i]);
+                }
+            }
+        }
         (residual, a)
+    }
+
+    /// The torque of the function in the middle of a step that turns the body by `u`, as it stands in the equation.
+    #[inline(always)]
+    fn called(&self, constants: &StepConstants<R>, equation: &Equation<R>, u: &[R; 3]) -> [R; 3] {
+        let (turn, half) = (Turn::of(u), constants.half);
+        let omega = [u[0] / half, u[1] / half, u[2] / half];
+        let (third, first) = (turn.middle(&equation.gamma), turn.middle(&equation.first));
+        let mut torque = self.applied.called(equation.middle, &omega, &third, &first);
+        for i in 0..3 {
+            torque[i] = torque[i] * constants.torque_factor;
+        }
+        torque
     }
 
     /// The solution of an equation by Newton's method, and the last correction.

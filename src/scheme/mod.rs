@@ -28,7 +28,7 @@ pub use taylor::{Coefficients, Taylor};
 pub(crate) use taylor::{in_halves, two_sum};
 
 use crate::error::Error;
-use crate::forcing::ForcingInterval;
+use crate::forcing::{BodyForcing, ForcingInterval};
 use crate::kinematics::dot;
 use crate::real::Real;
 use crate::scene::{Applied, Layout, Model, Parameters, Scene};
@@ -409,7 +409,33 @@ impl Scheme {
         self.damping_limit() == Some(f64::INFINITY)
     }
 
-    /// Whether the scheme integrates rotors, energy sinks and gravity gradients.
+    /// Whether the scheme integrates the torque that a function of the user returns.
+    pub const fn moves_called(&self) -> bool {
+        match self.forced {
+            Some(forced) => {
+                matches!(forced.step.engine, Engine::Rk4 | Engine::Dop853 | Engine::Midpoint)
+            }
+            None => false,
+        }
+    }
+
+    /// Raises an error for a scheme that does not integrate what acts on a body.
+    ///
+    /// # Errors
+    /// Naming the scheme and the rule.
+    pub fn check_forcing(&self, forcing: BodyForcing) -> Result<(), Error> {
+        if forcing.is_satellite() {
+            self.check_satellite()?;
+        }
+        if !forcing.is_called() || self.moves_called() {
+            return Ok(());
+        }
+        let rule =
+            "needs more of a torque than a function returns: with one move 'rk4', 'dop853' and 'midpoint'";
+        Err(Error::Value { argument: "method", value: format!("'{}'", self.facts.name), rule })
+    }
+
+    /// Whether the scheme integrates rotors, energy sinks, quadratic drag and gravity gradients.
     pub const fn moves_satellites(&self) -> bool {
         match self.forced {
             Some(forced) => {
@@ -422,7 +448,7 @@ impl Scheme {
         }
     }
 
-    /// Raises an error for a scheme that does not integrate rotors, energy sinks and gravity gradients.
+    /// Raises an error for a scheme that does not integrate rotors, energy sinks, quadratic drag and gravity gradients.
     ///
     /// # Errors
     /// Naming the scheme and the rule.
@@ -430,8 +456,8 @@ impl Scheme {
         if self.moves_satellites() {
             return Ok(());
         }
-        let rule = "moves bodies without rotor, dissipation and gravity gradient only: with them move Runge-Kutta \
-                    methods and Taylor series";
+        let rule = "moves bodies without rotor, dissipation, drag and gravity gradient only: with them move \
+                    Runge-Kutta methods and Taylor series";
         Err(Error::Value { argument: "method", value: format!("'{}'", self.facts.name), rule })
     }
 
@@ -530,10 +556,22 @@ fn acceleration<R: Real, M: Model<R>, L: Layout, const D: usize>(
     if L::SATELLITE {
         return applied.satellite::<M, L, D>(model, y).omega;
     }
+    let torque = if L::BALANCE { applied.torque::<L, D>(y) } else { [R::splat(0.0); 3] };
+    acceleration_by::<R, M, L, D>(model, applied, y, &torque)
+}
+
+/// Euler's equations with this applied torque, if the body is forced.
+#[inline(always)]
+fn acceleration_by<R: Real, M: Model<R>, L: Layout, const D: usize>(
+    model: &M,
+    applied: &Applied<R>,
+    y: &[R; D],
+    torque: &[R; 3],
+) -> [R; 3] {
     let [w1, w2, w3] = [y[0], y[1], y[2]];
     let mut rate = model.euler(&[w2 * w3, w3 * w1, w1 * w2], y);
     if L::BALANCE {
-        let change = applied.over_moments(&applied.torque::<L, D>(y));
+        let change = applied.over_moments(torque);
         for i in 0..3 {
             rate[i] = rate[i] + change[i];
         }

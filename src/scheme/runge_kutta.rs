@@ -1,8 +1,8 @@
 //! Explicit Runge-Kutta methods: one engine, any tableau.
 
-use super::acceleration;
 use super::tangent::tangent_rate;
 use super::{Coefficients, Engine, Facts, Numbers, Scheme, Step, Stepper, Variables};
+use super::{acceleration, acceleration_by};
 use crate::forcing::ForcingInterval;
 use crate::kinematics;
 use crate::real::Real;
@@ -363,7 +363,8 @@ fn rate<R: Real, M: Model<R>, L: Layout, const D: usize>(
     }
     let omega = [y[0], y[1], y[2]];
     let mut dy = *y;
-    let change = acceleration::<R, M, L, D>(model, applied, y);
+    let torque = if L::BALANCE { applied.torque::<L, D>(y) } else { [R::splat(0.0); 3] };
+    let change = acceleration_by::<R, M, L, D>(model, applied, y, &torque);
     kinematics::put(&mut dy, 0, change);
     for v in 0..L::VECTORS {
         let at = 3 + 3 * v;
@@ -376,7 +377,6 @@ fn rate<R: Real, M: Model<R>, L: Layout, const D: usize>(
     }
     if L::BALANCE {
         let at = L::BALANCE_AT;
-        let torque = applied.torque::<L, D>(y);
         kinematics::put(&mut dy, at, applied.balance::<L, D>(&torque, y));
         dy[at + 2] = R::splat(1.0);
     }

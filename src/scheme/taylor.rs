@@ -204,8 +204,12 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
         c.push(*y);
         let spin = y[2];
         let (mut torques, mut space_torques) = (Torques::new(), Torques::new());
-        let mut satellite =
-            SatelliteSeries { sink: Torques::new(), impulse: Torques::new(), centre: Torques::new() };
+        let mut satellite = SatelliteSeries {
+            sink: Torques::new(),
+            impulse: Torques::new(),
+            centre: Torques::new(),
+            speed: Torques::new(),
+        };
         for half in 0..self.order / 2 {
             let k = 2 * half;
             let (mut sums, mut after) = (Products::none(), Products::none());
@@ -388,6 +392,9 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
             let [cos, sin] = applied.orbit_change([of_k[at], of_k[at + 1]]);
             put(next, at, [factor * cos, factor * sin]);
         }
+        if R::any(applied.is_dragged()) {
+            applied.add_drag(&Self::drag_products(&mut series.speed, c, k), &mut torque);
+        }
         let omega = [of_k[0], of_k[1], of_k[2]];
         let mut impulse = applied.rotor_across(&omega);
         impulse = [impulse[0] + torque[0], impulse[1] + torque[1], impulse[2] + torque[2]];
@@ -429,6 +436,71 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
         next[L::TIME_AT] = if k == 0 { unit } else { R::splat(0.0) };
     }
 
+    /// The coefficients of order k of `|omega| omega`. Those of the speed `|omega|`, rows of `speeds`, follow from those of
+    /// its square.
+    #[inline(always)]
+    fn drag_products<const D: usize>(speeds: &mut Torques<R>, c: &Coefficients<R, D>, k: usize) -> [R; 3] {
+        let (zero, half) = (R::splat(0.0), R::splat(0.5));
+        let mut square = zero;
+        for j in 0..=k {
+            let (a, b) = (c.order(j), c.order(k - j));
+            square = a[0].fma(b[0], a[1].fma(b[1], a[2].fma(b[2], square)));
+        }
+        let speed = if k == 0 {
+            square.sqrt()
+        } else {
+            // SAFETY: the calls for the orders 0 to k - 1, one each and ascending, have pushed the rows 0 to k - 1.
+            let [first, ..] = unsafe { *speeds.order(0) };
+            let moves = zero.lt(first);
+            let inverse = R::select(moves, half / first, zero);
+            let mut left = square;
+            for j in 1..k {
+                // SAFETY: as above.
+                let (a, b) = unsafe { (speeds.order(j), speeds.order(k - j)) };
+                left = a[0].fnma(b[0], left);
+            }
+            let speed = left * inverse;
+            if R::any(zero.lt(R::select(moves, zero, R::splat(1.0)))) {
+                R::select(moves, speed, Self::speed_from_rest(speeds, c, k))
+            } else {
+                speed
+            }
+        };
+        speeds.push(k, [speed; 3]);
+        let mut products = [zero; 3];
+        for j in 0..=k {
+            // SAFETY: the row k is pushed too.
+            let ([speed, ..], row) = unsafe { (*speeds.order(j), c.order(k - j)) };
+            for i in 0..3 {
+                products[i] = speed.fma(row[i], products[i]);
+            }
+        }
+        products
+    }
+
+    /// The coefficient of order k > 0 of the speed of a body that begins at rest: its square begins with order 2. Without a
+    /// torque at the begin it is zero, and so is the drag of this step.
+    #[inline(always)]
+    fn speed_from_rest<const D: usize>(speeds: &Torques<R>, c: &Coefficients<R, D>, k: usize) -> R {
+        let (zero, half) = (R::splat(0.0), R::splat(0.5));
+        let mut left = zero;
+        for j in 1..=k {
+            let (a, b) = (c.order(j), c.order(k + 1 - j));
+            left = a[0].fma(b[0], a[1].fma(b[1], a[2].fma(b[2], left)));
+        }
+        if k == 1 {
+            return left.sqrt();
+        }
+        // SAFETY: the rows 0 to k - 1 are pushed.
+        let [first, ..] = unsafe { *speeds.order(1) };
+        for j in 2..k {
+            // SAFETY: as above.
+            let (a, b) = unsafe { (speeds.order(j), speeds.order(k + 1 - j)) };
+            left = a[0].fnma(b[0], left);
+        }
+        R::select(zero.lt(first), left * (half / first), zero)
+    }
+
     /// Adds the effect of the change of the parameters to the displacement of order k + 1, whose rates are known.
     #[inline(always)]
     fn add_changed<L: Layout, const D: usize>(
@@ -461,12 +533,13 @@ fn times_unit<R: Real, L: Layout, const D: usize>(of_state: &[R; D], unit: R) ->
     scaled
 }
 
-/// Coefficients of what acts on a satellite: the turn by the sink, the torque of the impulse, and the direction to the
-/// centre.
+/// Coefficients of what acts on a satellite: the turn by the sink, the torque of the impulse, the direction to the centre,
+/// and the speed, the same in all three numbers.
 struct SatelliteSeries<R> {
     sink: Torques<R>,
     impulse: Torques<R>,
     centre: Torques<R>,
+    speed: Torques<R>,
 }
 
 /// Coefficients of the applied torque, in memory that nobody has to clear.
@@ -526,7 +599,7 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>, L: Layout, const D: usize> S
     const VARIABLES: Variables = Variables::Rates;
     // The attitude of a top is integrated as rows of its matrix: the vertical, which the torque needs anyway, and
     // another direction cost less than the vertical and a quaternion.
-    const MOVES: bool = !(M::HEAVY && L::QUATERNION);
+    const MOVES: bool = !L::CALLED && !(M::HEAVY && L::QUATERNION);
     const HAS_TANGENT: bool = true;
     const COMPENSATED: bool = COMPENSATED;
     const IS_SERIES: bool = true;

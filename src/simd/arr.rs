@@ -53,6 +53,10 @@ impl<R: Real, const K: usize> Real for Arr<R, K> {
     fn splat(x: f64) -> Self {
         Arr([R::splat(x); K])
     }
+    #[inline(always)]
+    fn first(self) -> f64 {
+        self.0[0].first()
+    }
     each! {
         fn fma(self, b, c);
         fn fnma(self, b, c);

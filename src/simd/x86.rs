@@ -79,6 +79,11 @@ impl Real for V8 {
         unsafe { V8(_mm512_set1_pd(x)) }
     }
     #[inline(always)]
+    fn first(self) -> f64 {
+        // SAFETY: the CPU has the instructions; see the module.
+        unsafe { _mm512_cvtsd_f64(self.0) }
+    }
+    #[inline(always)]
     fn round(self) -> Self {
         // SAFETY: the CPU has the instructions; see the module.
         unsafe { V8(_mm512_roundscale_pd::<_MM_FROUND_TO_NEAREST_INT>(self.0)) }
@@ -161,6 +166,11 @@ impl Real for V4 {
     fn splat(x: f64) -> Self {
         // SAFETY: the CPU has the instructions; see the module.
         unsafe { V4(_mm256_set1_pd(x)) }
+    }
+    #[inline(always)]
+    fn first(self) -> f64 {
+        // SAFETY: the CPU has the instructions; see the module.
+        unsafe { _mm256_cvtsd_f64(self.0) }
     }
     #[inline(always)]
     fn abs(self) -> Self {

@@ -98,8 +98,8 @@ pub fn simulate_into(
 /// Refuses a method that does not move forced bodies, a step beyond the stability of an explicit method, and a time at
 /// which the torque is unknown.
 fn check_forced(request: &Request, scheme: &Scheme) -> Result<(), Error> {
-    if (0..request.bodies.len()).any(|index| request.forcing_of(index).is_satellite()) {
-        scheme.check_satellite()?;
+    for index in 0..request.bodies.len() {
+        scheme.check_forcing(request.forcing_of(index))?;
     }
     let is_stable = scheme.forced_limit()? == f64::INFINITY || request.tolerance.is_some();
     let mut last = None;
@@ -218,6 +218,7 @@ struct Integration {
     assignment: KernelAssignment,
     is_forced: bool,
     is_satellite: bool,
+    is_called: bool,
     acts_in_space: bool,
 }
 
@@ -236,6 +237,7 @@ impl Integration {
             assignment,
             is_forced,
             is_satellite: forcing.is_satellite(),
+            is_called: forcing.is_called(),
             acts_in_space: forcing.acts_in_space(),
         }
     }
@@ -264,9 +266,9 @@ impl Integration {
     }
 
     /// What the bodies of a group share.
-    fn kind(&self) -> (Step, bool, bool, bool, bool) {
-        let Integration { assignment, is_forced, is_satellite, acts_in_space } = *self;
-        (assignment.step, assignment.is_reduced(), is_forced, is_satellite, acts_in_space)
+    fn kind(&self) -> (Step, [bool; 5]) {
+        let Integration { assignment, is_forced, is_satellite, is_called, acts_in_space } = *self;
+        (assignment.step, [assignment.is_reduced(), is_forced, is_satellite, is_called, acts_in_space])
     }
 
     /// The system that carries what is recorded and no more.
@@ -275,6 +277,7 @@ impl Integration {
         let needs = Needs {
             is_forced: self.is_forced,
             is_satellite: self.is_satellite,
+            is_called: self.is_called,
             is_reduced: self.assignment.is_reduced(),
             directions: if self.acts_in_space { 3 } else { directions },
             attitude: request.record == Record::Attitude,

@@ -132,9 +132,7 @@ impl Motion {
     /// Refuses what `trajectory::simulate` refuses of forced bodies.
     fn check_forced(&self, begin: f64, dt: f64) -> Result<(), Error> {
         self.scheme.forced_limit()?;
-        if self.forcing.of(0).is_satellite() {
-            self.scheme.check_satellite()?;
-        }
+        self.scheme.check_forcing(self.forcing.of(0))?;
         for time in [begin, begin + dt] {
             self.forcing.of(0).check_reaches(time)?;
         }
@@ -175,6 +173,7 @@ impl Motion {
             let needs = Needs {
                 is_forced: forced,
                 is_satellite: self.forcing.of(0).is_satellite(),
+                is_called: self.forcing.of(0).is_called(),
                 is_reduced: assignments[0].is_reduced(),
                 directions: 0,
                 attitude: true,
@@ -198,7 +197,8 @@ impl Motion {
                 if forced {
                     let [.., rate] = self.forcing.of(0).damping_rates(body.moments);
                     self.damping_rate = self.damping_rate.max(rate);
-                    if self.forcing.of(0).knots().is_empty() {
+                    // A function is told the time.
+                    if self.forcing.of(0).knots().is_empty() && !self.forcing.of(0).is_called() {
                         group.constant.push(self.forcing.of(0).interval(0.0, false, body.moments));
                     }
                 }

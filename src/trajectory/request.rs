@@ -1,5 +1,6 @@
 //! The request of a trajectory: bodies, record and times.
 
+use crate::called::TorqueCall;
 use crate::error::Error;
 use crate::forcing::{BodyForcing, Forcing, ForcingInterval, ParameterChange};
 use crate::satellite::Satellite;
@@ -128,13 +129,20 @@ impl Request<'_> {
         self.forcing.of(body)
     }
 
-    /// Refuses displacements of satellites, for which there are no kernels.
+    /// Refuses displacements of satellites and under functions, for which there are no kernels.
     ///
     /// # Errors
-    /// If a rotor, an energy sink or a gravity gradient acts on a body.
+    /// If a rotor, an energy sink, drag, a gravity gradient or the torque of a function acts on a body.
     pub fn check_displaced(&self) -> Result<(), Error> {
-        let is_one = (0..self.forcing.bodies()).any(|body| self.forcing_of(body).is_satellite());
-        if is_one { Err(Satellite::not_displaced()) } else { Ok(()) }
+        for body in 0..self.forcing.bodies() {
+            if self.forcing_of(body).is_satellite() {
+                return Err(Satellite::not_displaced());
+            }
+            if self.forcing_of(body).is_called() {
+                return Err(TorqueCall::not_displaced());
+            }
+        }
+        Ok(())
     }
 
     /// The forcing of a body from a time to the next knot, and the change of its parameters.

@@ -239,6 +239,9 @@ impl Real for Dual {
     fn splat(x: f64) -> Self {
         dual(x, 0.0)
     }
+    fn first(self) -> f64 {
+        self.value
+    }
     fn fma(self, b: Self, c: Self) -> Self {
         self * b + c
     }

@@ -130,7 +130,9 @@ def motion(
         np.array(values, dtype=np.float64).reshape(-1, 3)
         for values in ((torque.in_body, torque.in_space) if torque else (np.zeros(3), np.zeros(3)))
     )
-    satellite = np.zeros(13) if scene.satellite is None else np.array(scene.satellite)
+    assert scene.drag is None, "the reference has no drag"
+    satellite = np.zeros(16) if scene.satellite is None else np.array(scene.satellite)
+    satellite = np.delete(satellite, [6, 7, 8])
     wanted = np.array(times, dtype=np.float64)
     high, low = np.empty((2, len(wanted), RECORD))
     for side, outward in ((wanted < 0.0, slice(None, None, -1)), (wanted >= 0.0, slice(None))):

@@ -97,6 +97,7 @@ SCENE: Mapping[str, Key] = {
     "torque": Key("3 numbers", "constant torque in the body", "N m", "none"),
     "torque_in_space": Key("3 numbers", "constant torque in space", "N m", "none"),
     "damping": Key("number, 3 or 3×3", "the torque is `-damping * omega`", "N m s/rad", "none"),
+    "drag": Key("number or 3", "the torque is `-drag * abs(omega) * omega`", "N m s²", "none"),
 }
 
 SATELLITE: Mapping[str, Key] = {

@@ -72,7 +72,10 @@ def _forcing(table: Table) -> dict[str, Any]:
         rate = orbit.take("rate", finite_float)
         part = orbit.build(lambda: Torque.gravity_gradient(rate=rate, **directions))
         torque = part if torque is None else torque + part
-    return {"torque": torque, "damping": table.take("damping", as_is, default=None)}
+    return {
+        "torque": torque,
+        **{name: table.take(name, as_is, default=None) for name in ("damping", "drag")},
+    }
 
 
 def _body(table: Table) -> Body:

@@ -200,6 +200,11 @@ class MapSpec:
                 one.check_forced()
         if self.scene.torque is not None and self.scene.torque.times:
             raise ValueError("torque: maps accept constant torques only, not a table")
+        if self.scene.is_called:
+            raise ValueError(
+                "torque: a function cannot act in a map, whose samples a Taylor series classifies "
+                "again"
+            )
         check_method(
             self.method,
             self.scene.kind,

@@ -1,4 +1,4 @@
-"""What acts on a satellite: energy sink, rotor, and the orbit of a gravity gradient."""
+"""What acts on a satellite: energy sink, rotor, drag, and the orbit of a gravity gradient."""
 
 from __future__ import annotations
 
@@ -12,7 +12,16 @@ from numpy.typing import ArrayLike, NDArray
 from .._checks.arguments import brief, finite_float, shaped, unit_vector
 from .leading import Index, Shape, axes_of, frozen, same, taken
 
-__all__ = ["EnergySink", "Orbit", "checked_rotor", "checked_sink", "satellite_rows"]
+__all__ = [
+    "EnergySink",
+    "Orbit",
+    "checked_drag",
+    "checked_rotor",
+    "checked_sink",
+    "drag_words",
+    "rotor_words",
+    "satellite_rows",
+]
 
 Floats = NDArray[np.float64]
 Vector: TypeAlias = tuple[float, float, float]
@@ -223,6 +232,32 @@ def checked_rotor(rotor: ArrayLike | None) -> Vector | Floats | None:
     return _vector(array) if array.any() else None
 
 
+def checked_drag(drag: ArrayLike | None) -> Vector | Floats | None:
+    """``drag`` as coefficients along the axes of one body or of each; None if there is none.
+
+    Raises
+    ------
+    ValueError
+        If a coefficient is negative or not finite, or the shape does not fit.
+    """
+    if drag is None:
+        return None
+    array = shaped("drag", drag, nonnegative=True)
+    if array.ndim and array.shape[-1] != 3:
+        raise ValueError(f"drag: expected shape () or (..., 3), got {array.shape}")
+    return _vector(np.broadcast_to(array, (*array.shape[:-1], 3))) if array.any() else None
+
+
+def drag_words(drag: Vector | Floats) -> str:
+    """The quadratic drag in a few words."""
+    if isinstance(drag, np.ndarray):
+        return "drag of each"
+    first, second, third = drag
+    if first == second == third:
+        return f"drag {first:g}"
+    return f"drag ({first:g}, {second:g}, {third:g})"
+
+
 def rotor_words(rotor: Vector | Floats) -> str:
     """The rotor in a few words."""
     if isinstance(rotor, np.ndarray):
@@ -231,15 +266,19 @@ def rotor_words(rotor: Vector | Floats) -> str:
 
 
 def satellite_rows(
-    rotor: Vector | Floats | None, dissipation: EnergySink | None, orbit: Orbit | None
+    rotor: Vector | Floats | None,
+    dissipation: EnergySink | None,
+    drag: Vector | Floats | None,
+    orbit: Orbit | None,
 ) -> Floats | None:
-    """The numbers that the core reads, shape (..., 13); None if nothing acts."""
-    if rotor is None and dissipation is None and orbit is None:
+    """The numbers that the core reads, shape (..., 16); None if nothing acts."""
+    if rotor is None and dissipation is None and drag is None and orbit is None:
         return None
     none = (0.0, 0.0, 0.0)
     parts = [
         np.asarray(none if rotor is None else rotor),
         np.asarray(none if dissipation is None else dissipation.coefficient),
+        np.asarray(none if drag is None else drag),
         np.array(
             (0.0, *none, *none) if orbit is None else (orbit.rate, *orbit.towards, *orbit.ahead)
         ),

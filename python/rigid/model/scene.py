@@ -32,7 +32,15 @@ from .leading import (
     same,
     taken,
 )
-from .satellite import EnergySink, checked_rotor, checked_sink, rotor_words, satellite_rows
+from .satellite import (
+    EnergySink,
+    checked_drag,
+    checked_rotor,
+    checked_sink,
+    drag_words,
+    rotor_words,
+    satellite_rows,
+)
 from .start import Start, normal
 from .torque import (
     Damping,
@@ -61,7 +69,7 @@ __all__ = [
 Floats = NDArray[np.float64]
 Vector: TypeAlias = tuple[float, float, float]
 
-_ACTING = ("torque", "damping", "dissipation", "rotor")
+_ACTING = ("torque", "damping", "dissipation", "rotor", "drag")
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,6 +114,7 @@ class Scene(ABC):
     damping : 3 tuples of 3 floats, or None
     dissipation : EnergySink or None
     rotor : tuple of 3 floats, or None
+    drag : tuple of 3 floats, or None
     """
 
     __slots__ = ()
@@ -120,6 +129,7 @@ class Scene(ABC):
     damping: Damping | None
     dissipation: EnergySink | None = None
     rotor: Vector | Floats | None = None
+    drag: Vector | Floats | None = None
 
     @classmethod
     @abstractmethod
@@ -153,6 +163,8 @@ class Scene(ABC):
             shapes["dissipation"] = self.dissipation.shape
         if self.rotor is not None:
             shapes["rotor"] = axes_of(self.rotor, 1)
+        if self.drag is not None:
+            shapes["drag"] = axes_of(self.drag, 1)
         return leading_shape(shapes)
 
     def __len__(self) -> int:
@@ -186,6 +198,9 @@ class Scene(ABC):
         if self.rotor is not None:
             rotor = checked_rotor(taken(self.rotor, 1, shape, index))
             object.__setattr__(some, "rotor", rotor)
+        if self.drag is not None:
+            drag = checked_drag(taken(self.drag, 1, shape, index))
+            object.__setattr__(some, "drag", drag)
         return some
 
     def __eq__(self, other: object) -> bool:
@@ -201,20 +216,24 @@ class Scene(ABC):
 
     @property
     def is_driven(self) -> bool:
-        """Whether a torque, a rotor, or damping or dissipation that is not zero, was given."""
-        torque, damping = self.torque is not None, self.damping is not None
-        return torque or damping or self.dissipation is not None or self.rotor is not None
+        """Whether a torque, a rotor, or damping, drag or dissipation not zero, was given."""
+        return any(getattr(self, name) is not None for name in _ACTING)
 
     @property
     def is_satellite(self) -> bool:
-        """Whether a rotor, dissipation or a gravity gradient acts, which few methods integrate."""
+        """Whether rotor, dissipation, drag or gravity gradient act: few methods integrate them."""
         return self.satellite is not None
 
     @property
+    def is_called(self) -> bool:
+        """Whether a function returns a torque, which few methods integrate."""
+        return self.torque is not None and self.torque.function is not None
+
+    @property
     def satellite(self) -> Floats | None:
-        """The numbers of rotor, dissipation and orbit, shape (..., 13); None if nothing acts."""
+        """The numbers of rotor, dissipation, drag and orbit, shape (..., 16), or None."""
         orbit = None if self.torque is None else self.torque.orbit
-        return satellite_rows(self.rotor, self.dissipation, orbit)
+        return satellite_rows(self.rotor, self.dissipation, self.drag, orbit)
 
     @property
     def rates_need_attitude(self) -> bool:
@@ -237,7 +256,7 @@ class Scene(ABC):
     ) -> Self:
         """The scene with another body, damping and other numbers of its own."""
         kept = {name: getattr(self, name) for name in self.fields}
-        for name in ("dissipation", "rotor"):
+        for name in ("dissipation", "rotor", "drag"):
             if getattr(self, name) is not None:
                 kept[name] = getattr(self, name)
         return type(self)(body, **{**kept, **own}, torque=self.torque, damping=damping)  # type: ignore[call-arg]
@@ -259,11 +278,12 @@ class Scene(ABC):
             alike = given == given[..., :1, :1] * np.eye(3)
             if not alike.all():  # the same in all directions stays so to the bit
                 set_field(self, "damping", matrices_of(turned_matrix(back, given)))
-        if self.dissipation is not None:
-            parts = np.asarray(self.dissipation.coefficient)
+        sink = None if self.dissipation is None else self.dissipation.coefficient
+        for name, coefficients in (("dissipation", sink), ("drag", self.drag)):
+            parts = np.zeros(3) if coefficients is None else np.asarray(coefficients)
             if not (parts == parts[..., :1]).all():
                 raise ValueError(
-                    f"dissipation = {brief(self.dissipation)}: has coefficients along the "
+                    f"{name} = {brief(getattr(self, name))}: has coefficients along the "
                     "principal axes; with a frame give one number"
                 )
 
@@ -286,6 +306,8 @@ class Scene(ABC):
             data["dissipation"] = np.asarray(self.dissipation.coefficient).tolist()
         if self.rotor is not None:
             data["rotor"] = np.asarray(self.rotor).tolist()
+        if self.drag is not None:
+            data["drag"] = np.asarray(self.drag).tolist()
         return data
 
     def __repr__(self) -> str:
@@ -327,6 +349,8 @@ class Scene(ABC):
             parts.append(self.dissipation.words())
         if self.rotor is not None:
             parts.append(rotor_words(self.rotor))
+        if self.drag is not None:
+            parts.append(drag_words(self.drag))
         return ", ".join(parts)
 
 
@@ -376,8 +400,8 @@ def _check_body(body: object) -> None:
 class FreeBody(Scene):
     """A body without weight, turning about its centre of mass.
 
-    Euler's equations ``I omega' = (I omega + h) × omega + torque - D omega`` in the principal axes
-    of the body, ``h`` being the momentum of a rotor.
+    Euler's equations ``I omega' = (I omega + h) × omega + torque - D omega - |omega| C omega`` in
+    the principal axes of the body, ``h`` being the momentum of a rotor.
 
     Parameters
     ----------
@@ -385,7 +409,7 @@ class FreeBody(Scene):
         The body, or many.
     torque : Torque, optional
         Applied torque: :meth:`Torque.body`, :meth:`Torque.space`, :meth:`Torque.gravity_gradient`,
-        or a sum of them.
+        :meth:`Torque.call`, or a sum of them.
     damping : float or array_like, shape (3,) or (3, 3), optional
         Linear damping ``D`` (N m s): one coefficient, one for each body axis, or a symmetric
         positive semi-definite matrix in body axes. Use ``(0, 0, c)`` to damp only the spin. Axes
@@ -397,6 +421,9 @@ class FreeBody(Scene):
         Angular momentum ``h`` (kg m²/s) of a rotor relative to the body, constant in the body: a
         gyrostat (Zhukovsky 1885, Volterra 1899). The whole momentum is ``I omega + h``; energies
         are those of ``omega``, without that of the rotor's own spin.
+    drag : float or array_like, shape (3,) or (..., 3), optional
+        Quadratic drag: the coefficients ``C`` (N m s²) of the torque ``-|omega| C omega``, one for
+        each body axis or one for all.
     frame : array_like, shape (3, 3), optional
         The axes in which torques in the body, damping and rotor are given, if they are not the
         principal axes: ``axes`` as :meth:`Body.from_tensor` returns them. The scene keeps
@@ -410,9 +437,10 @@ class FreeBody(Scene):
     Raises
     ------
     ValueError
-        If the damping is not symmetric, not finite, or would add energy, or the rotor is not
-        finite; if the frame is no rotation matrix, or an energy sink differs along the axes, with
-        a frame: it has no components off its diagonal.
+        If the damping is not symmetric, not finite, or would add energy, if the rotor is not
+        finite, or a drag is negative or not finite; if the frame is no rotation matrix, or an
+        energy sink or drag differs along the axes, with a frame: it has no components off its
+        diagonal.
 
     Examples
     --------
@@ -437,6 +465,7 @@ class FreeBody(Scene):
     damping: Damping | None = field(default=None, kw_only=True)
     dissipation: EnergySink | None = field(default=None, kw_only=True)
     rotor: Vector | Floats | None = field(default=None, kw_only=True)
+    drag: Vector | Floats | None = field(default=None, kw_only=True)
 
     def __init__(
         self,
@@ -446,6 +475,7 @@ class FreeBody(Scene):
         damping: ArrayLike | None = None,
         dissipation: EnergySink | None = None,
         rotor: ArrayLike | None = None,
+        drag: ArrayLike | None = None,
         frame: ArrayLike | None = None,
     ) -> None:
         _check_body(body)
@@ -454,6 +484,7 @@ class FreeBody(Scene):
         set_field(self, "torque", checked_torque(torque))
         set_field(self, "dissipation", checked_sink(dissipation))
         set_field(self, "rotor", checked_rotor(rotor))
+        set_field(self, "drag", checked_drag(drag))
         set_field(self, "damping", None)
         set_field(self, "damping", checked_damping(damping, self.shape))
         # Raises for parts that do not broadcast.
@@ -498,7 +529,7 @@ class HeavyTop(Scene):
         Mass times gravity times the distance from the fixed point to the centre of mass (J), >= 0.
     com : array_like, shape (3,) or (..., 3), optional
         Unit vector from the fixed point to the centre of mass in the body. Default ``(0, 0, 1)``.
-    torque, damping, frame : optional
+    torque, damping, drag, frame : optional
         As in :class:`FreeBody`; ``com`` too is given in the frame.
 
     Raises
@@ -532,6 +563,7 @@ class HeavyTop(Scene):
     com: tuple[float, float, float] | Floats
     torque: Torque | None
     damping: Damping | None
+    drag: Vector | Floats | None
 
     def __init__(
         self,
@@ -541,6 +573,7 @@ class HeavyTop(Scene):
         com: ArrayLike = (0.0, 0.0, 1.0),
         torque: Torque | None = None,
         damping: ArrayLike | None = None,
+        drag: ArrayLike | None = None,
         frame: ArrayLike | None = None,
     ) -> None:
         _check_body(body)
@@ -555,6 +588,7 @@ class HeavyTop(Scene):
             )
         set_field(self, "com", _checked_com(com))
         set_field(self, "torque", checked_torque(torque))
+        set_field(self, "drag", checked_drag(drag))
         set_field(self, "damping", None)
         set_field(self, "damping", checked_damping(damping, self.shape))
         # Raises for parts that do not broadcast.
@@ -727,4 +761,6 @@ def scene_from_dict(data: Mapping[str, Any]) -> Scene:
         own["dissipation"] = EnergySink(data["dissipation"])
     if data.get("rotor") is not None:
         own["rotor"] = data["rotor"]
+    if data.get("drag") is not None:
+        own["drag"] = data["drag"]
     return scene(body, **own, torque=torque, damping=data.get("damping"))  # type: ignore[call-arg]

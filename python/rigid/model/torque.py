@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.arguments import brief, first_place, numbers, shaped, sorted_times
+from .called import TorqueFunction
 from .frame import turned
 from .leading import Index, Shape, axes_of, frozen, leading_shape, same, taken
 from .satellite import Orbit
@@ -38,7 +39,8 @@ NO_EXPONENT: NDArray[np.intc] = np.zeros(1, dtype=np.intc)
 class Torque:
     """A torque in the body or in space, constant or a table over time, of one body or of each.
 
-    Made by :meth:`body`, :meth:`space` and :meth:`gravity_gradient`; torques add. Between the times
+    Made by :meth:`body`, :meth:`space`, :meth:`gravity_gradient` and :meth:`call`; torques add.
+    Between the times
     of a table the torque is linear. Two values at one time are a jump. The torque is unknown
     outside the times of the table, so a run beyond them raises ValueError; if the torque ends, end
     the table with zeros.
@@ -52,6 +54,8 @@ class Torque:
         those of many bodies and are read-only.
     orbit : Orbit or None
         The circular orbit of a gravity gradient.
+    function : TorqueFunction or None
+        The function that returns a further torque.
 
     Examples
     --------
@@ -65,18 +69,25 @@ class Torque:
     in_body: tuple[Vector, ...] | Floats
     in_space: tuple[Vector, ...] | Floats
     orbit: Orbit | None = None
+    function: TorqueFunction | None = None
 
     @property
     def shape(self) -> Shape:
         """The axes of the bodies: ``()`` of one torque, ``(n,)`` of one for each of n bodies."""
-        return axes_of(self.in_body, 2)
+        own = axes_of(self.in_body, 2)
+        if self.function is None:
+            return own
+        return leading_shape({"torque": own, "data": self.function.shape})
 
     def of(self, shape: Shape, index: Index) -> Torque:
         """The torque of some of the bodies of this shape."""
         if not self.shape:
             return self
-        body, space = (taken(part, 2, shape, index) for part in (self.in_body, self.in_space))
-        return Torque(self.times, _vectors(body), _vectors(space), self.orbit)
+        body, space = (
+            np.asarray(taken(part, 2, shape, index)) for part in (self.in_body, self.in_space)
+        )
+        function = None if self.function is None else self.function.of(shape, index)
+        return Torque(self.times, _vectors(body), _vectors(space), self.orbit, function)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Torque):
@@ -84,14 +95,16 @@ class Torque:
         return all(same(getattr(self, name), getattr(other, name)) for name in self.__slots__)
 
     def __hash__(self) -> int:
-        return hash((self.times, self.shape or (self.in_body, self.in_space), self.orbit))
+        own = self.shape or (self.in_body, self.in_space)
+        return hash((self.times, own, self.orbit, self.function))
 
     def __repr__(self) -> str:
         if self.shape:
             return f"Torque({self.words()}, bodies of shape {self.shape})"
-        orbit = "" if self.orbit is None else f", orbit={self.orbit}"
+        others = "" if self.orbit is None else f", orbit={self.orbit}"
+        others += "" if self.function is None else f", {self.function}"
         return (
-            f"Torque(times={self.times}, in_body={self.in_body}, in_space={self.in_space}{orbit})"
+            f"Torque(times={self.times}, in_body={self.in_body}, in_space={self.in_space}{others})"
         )
 
     @classmethod
@@ -163,6 +176,66 @@ class Torque:
         return cls((), none, none, Orbit.of(rate, normal, towards))
 
     @classmethod
+    def call(
+        cls, address: object, data: ArrayLike | None = None, *, fastest: float | None = None
+    ) -> Torque:
+        """The torque in the body that a compiled function returns.
+
+        The function has the signature
+
+            void torque(double t, const double *omega, const double *attitude,
+                        const double *data, double *torque)
+
+        It is given the time (s), the rates (3, rad/s, in the body), the attitude (4, unit
+        quaternion, scalar first and not negative, body to space) and ``data``, and writes the
+        torque (3, N m, along the principal axes). A number that it does not write is NaN, which
+        ends the body with the status ``NOT_FINITE``. It must be smooth, must not depend on earlier
+        calls, and must be safe to call from several threads at once: a ``numba.cfunc`` is. A
+        callback of ctypes runs with the lock of the interpreter, one call at a time.
+
+        Runge-Kutta methods and ``midpoint`` integrate it, one body after the other: a step takes
+        several times as long as under another torque. Its bits are those of the function.
+
+        Parameters
+        ----------
+        address : int, numba.cfunc, or ctypes function
+            The function, or its address. A function is kept alive as long as the torque; of an
+            address you keep it. A wrong address ends the process.
+        data : array_like, shape (k,) or (..., k), optional
+            Numbers for the function, copied; leading axes give each body numbers of its own.
+        fastest : float, optional
+            A bound of ``|omega|`` under this torque (rad/s), and of the rate at which the torque
+            varies: the steps follow from it. Without it a run needs a ``step``.
+
+        Raises
+        ------
+        TypeError
+            If there is no address.
+        ValueError
+            If the address is not positive, or data or bound are not finite.
+
+        Examples
+        --------
+        Damping by a function in Python, which is slow; its data is the coefficient:
+
+        >>> import ctypes, numpy as np, rigid
+        >>> doubles = ctypes.POINTER(ctypes.c_double)
+        >>> @ctypes.CFUNCTYPE(None, ctypes.c_double, doubles, doubles, doubles, doubles)
+        ... def damping(t, omega, attitude, data, torque):
+        ...     for k in range(3):
+        ...         torque[k] = -data[0] * omega[k]
+        >>> body = rigid.Body((1.0, 1.5, 2.0))
+        >>> scene = rigid.FreeBody(body, torque=rigid.Torque.call(damping, [0.1], fastest=2.0))
+        >>> run = rigid.simulate(scene, [0.3, 1.0, 0.2], t=[5.0], accuracy=1e-9)
+        >>> damped = rigid.simulate(rigid.FreeBody(body, damping=0.1), [0.3, 1.0, 0.2], t=[5.0])
+        >>> bool(np.allclose(run.omega, damped.omega, rtol=0.0, atol=1e-8))
+        True
+        """
+        none = ((0.0, 0.0, 0.0),)
+        function = TorqueFunction.of_input(address, data, fastest)
+        return cls((), none, none, function=function)
+
+    @classmethod
     def _made(cls, values: ArrayLike, times: ArrayLike | None, frame: int) -> Torque:
         _refuse_function(values)
         array = shaped("torque", values)
@@ -196,22 +269,30 @@ class Torque:
         body, space = (_vectors(parts[0][frame] + parts[1][frame]) for frame in (0, 1))
         if self.orbit is not None and other.orbit is not None:
             raise ValueError("torque: a body has one orbit, and both torques are gravity gradients")
-        return Torque(tuple(knots.tolist()), body, space, self.orbit or other.orbit)
+        if self.function is not None and other.function is not None:
+            raise ValueError("torque: both are functions; write one function for their sum")
+        orbit, function = self.orbit or other.orbit, self.function or other.function
+        return Torque(tuple(knots.tolist()), body, space, orbit, function)
 
     def turned(self, axes: Floats) -> Torque:
         """The torque with other body axes: the part in the body becomes ``axes @ torque``."""
+        if self.function is not None:
+            raise ValueError(
+                "frame: a function returns a torque along the principal axes; turn its arguments "
+                "and its torque in the function, and leave the frame out"
+            )
         body = turned(axes, np.asarray(self.in_body))
         return Torque(self.times, _vectors(body), self.in_space, self.orbit)
 
     @property
     def acts_in_space(self) -> bool:
         """Whether a part of it depends on the attitude: then so do the rates."""
-        return self.orbit is not None or bool(np.any(self.in_space))
+        return self.orbit is not None or self.function is not None or bool(np.any(self.in_space))
 
     def at(self, t: ArrayLike) -> tuple[Floats, Floats]:
         """Torque in the body and in space at times ``t`` (m,), shapes (..., m, 3); after a jump.
 
-        A gravity gradient, which depends on the attitude, is not in them.
+        A gravity gradient, which depends on the attitude, and a function are not in them.
 
         Raises
         ------
@@ -235,10 +316,14 @@ class Torque:
             for name, values in (("body", self.in_body), ("space", self.in_space))
             if np.any(values)
         ]
+        own = []
         if self.orbit is not None:
-            gradient = f"gravity gradient of an orbit at {self.orbit.rate:g} rad/s"
+            own.append(f"gravity gradient of an orbit at {self.orbit.rate:g} rad/s")
+        if self.function is not None:
+            own.append("torque by a function")
+        if own:
             others = Torque(self.times, self.in_body, self.in_space)
-            return f"{gradient}, {others.words()}" if frames else gradient
+            return ", ".join([*own, others.words()] if frames else own)
         if not frames:
             return "torque zero"
         if self.shape and not self.times:
@@ -262,24 +347,27 @@ class Torque:
             "in_body": np.asarray(self.in_body).tolist(),
             "in_space": np.asarray(self.in_space).tolist(),
             **({} if self.orbit is None else {"orbit": self.orbit.to_dict()}),
+            **({} if self.function is None else {"function": self.function.to_dict()}),
         }
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Torque:
-        """The torque of :meth:`to_dict`."""
+        """The torque of :meth:`to_dict`; a function has no address then and cannot be called."""
         times = data["times"] or None
         parts = []
         for make, values in ((cls.body, data["in_body"]), (cls.space, data["in_space"])):
             parts.append(make(values if times else np.asarray(values)[..., 0, :], times=times))
         orbit = None if data.get("orbit") is None else Orbit.from_dict(data["orbit"])
-        return cls(parts[0].times, parts[0].in_body, parts[1].in_space, orbit)
+        given = data.get("function")
+        function = None if given is None else TorqueFunction.from_dict(given)
+        return cls(parts[0].times, parts[0].in_body, parts[1].in_space, orbit, function)
 
 
 def _refuse_function(torque: object) -> None:
     if callable(torque):
         raise TypeError(
             f"torque = {brief(torque)}: a torque is constant or a table of times; for one that "
-            "depends on the state make steps with rigid.Motion"
+            "depends on the state take rigid.Torque.call, or make steps with rigid.Motion"
         )
 
 
@@ -414,7 +502,7 @@ def forcing_of(
     """Torque and damping of bodies of this shape as the core reads them; None if nothing acts.
 
     They are counted in units of ``2**exponents``, one for each body or one for all. ``satellite``
-    has the numbers of rotor, dissipation and orbit, shape (..., 13).
+    has the numbers of rotor, dissipation, drag and orbit, shape (..., 16).
 
     Raises
     ------
@@ -441,17 +529,20 @@ def forcing_of(
 
     rows = None
     if satellite is not None:
-        of_body = scaled("rotor or dissipation", satellite[..., :6], 1)
-        of_orbit = satellite[..., 6:].reshape(-1, 7)
+        of_body = scaled("rotor, dissipation or drag", satellite[..., :9], 1)
+        of_orbit = satellite[..., 9:].reshape(-1, 7)
         count = max(len(of_body), len(of_orbit))
-        rows = np.empty((count, 13))
-        rows[:, :6], rows[:, 6:] = of_body, of_orbit[:1]
+        rows = np.empty((count, 16))
+        rows[:, :9], rows[:, 9:] = of_body, of_orbit[:1]
     return _core.Forcing(
         times=np.array(() if torque is None else torque.times, dtype=np.float64),
         body=scaled("torque", tables[0], 2),
         space=scaled("torque", tables[1], 2),
         damping=scaled("damping", entries, 1),
         satellite=rows,
+        function=None
+        if torque is None or torque.function is None
+        else torque.function.for_core(shape, exponents),
     )
 
 

@@ -53,6 +53,7 @@ from .methods import (
     driven_methods,
     plain_methods,
     run_methods,
+    series_methods,
 )
 from .plan import Plan, carried, left_out
 from .work import MANY
@@ -126,13 +127,13 @@ class Problem:
         if self.method is not None:
             one_of("method", self.method, run_methods())
             watched = not isinstance(self.question, str)
-            driven, satellite = self.scene.is_driven, self.scene.is_satellite
             check_method(
                 self.method,
                 self.scene.kind,
                 watched=watched,
-                driven=driven,
-                satellite=satellite,
+                driven=self.scene.is_driven,
+                satellite=self.scene.is_satellite,
+                called=self.scene.is_called,
             )
         for name in ("step", "accuracy"):
             if getattr(self, name) is not None:
@@ -288,6 +289,7 @@ def choose_method(problem: Problem) -> tuple[Plan, Floats | None]:
     The steps are None if there are none or if they are left to the core.
     """
     scene, question, span = problem.scene, problem.question, problem.span
+    _check_rates_are_known(problem)
     forms = _known_closed_forms(problem)
     if scene.torque is not None and span is not None:
         scene.torque.at(np.ravel(problem.times))  # ValueError outside the times of its table
@@ -311,6 +313,8 @@ def choose_method(problem: Problem) -> tuple[Plan, Floats | None]:
     else:
         estimate = _steps_estimate(problem, method, steps)
     error = estimate.error
+    if scene.is_called and error is not None:
+        error, why = None, [*why, UNKNOWN.format("the torque is that of a function")]
     if estimate.unknown is not None:
         why = [*why, UNKNOWN.format(estimate.unknown)]
     if error is not None and problem.batch is not None and method != EXACT:
@@ -336,6 +340,19 @@ def choose_method(problem: Problem) -> tuple[Plan, Floats | None]:
         memory=_memory(problem),
     )
     return chosen, steps
+
+
+def _check_rates_are_known(problem: Problem) -> None:
+    """Raise ValueError if steps should follow from rates that nothing bounds."""
+    torque = problem.scene.torque
+    function = None if torque is None else torque.function
+    if function is None or function.fastest is not None or problem.step is not None:
+        return
+    if problem.batch is not None:
+        raise ValueError(
+            "step: is needed, because nothing bounds the rates under the torque of a function; or "
+            "give Torque.call their bound, fastest"
+        )
 
 
 def closed_form_plan(
@@ -453,7 +470,7 @@ def _preferred(problem: Problem, forms: Codes) -> tuple[str, list[str]]:
 def _scheme(problem: Problem, why: list[str]) -> tuple[str, list[str]]:
     """The scheme of bodies without a closed form: the one for strong damping where it is needed."""
     slowing = _damping_rate(problem.scene)
-    if slowing == 0.0 or problem.scene.is_satellite:
+    if slowing == 0.0 or problem.scene.is_satellite or problem.scene.is_called:
         return FALLBACK, why
     turning = problem.rates()
     if problem.step is not None:
@@ -494,9 +511,13 @@ def _takes_usual_accuracy(problem: Problem, method: str) -> bool:
 
 def _applicable(scene: Scene) -> list[str]:
     """The schemes among which the cheapest is taken."""
-    if scene.is_driven:
-        return driven_methods(satellite=scene.is_satellite)
-    return plain_methods()
+    if not scene.is_driven:
+        return plain_methods()
+    known = driven_methods(satellite=scene.is_satellite, called=scene.is_called)
+    if scene.drag is not None and (scene.torque is not None or scene.weight.any()):
+        # The body may come to rest, beside which the speed is no series.
+        known = [name for name in known if name not in series_methods()]
+    return known
 
 
 def _usually_cheapest(problem: Problem, method: str, why: list[str]) -> str:

@@ -180,8 +180,12 @@ class FoundEvents:
         return np.where(self.stopped, self.end, np.inf)[:, np.newaxis]
 
 
-def check_event_method(method: str | None) -> None:
-    """Raise ValueError for a method whose steps are no polynomials of the motion."""
+def check_event_method(method: str | None, scene: Scene) -> None:
+    """Raise ValueError for a motion that is no polynomial between two steps."""
+    if scene.is_called:
+        raise ValueError(
+            "events: no method knows the motion under the torque of a function between two steps"
+        )
     known = (EXACT, *series_methods())
     if method is not None and method not in known:
         raise ValueError(

@@ -78,9 +78,10 @@ class Method:
     tangent : bool
         Integrates small displacements with the motion; a symplectic method those of bodies without
         torque and damping, and none by parameters.
-    driven, stiff, satellite : bool
+    driven, stiff, satellite, called : bool
         Integrates bodies under torque and damping; is stable for damping of any strength;
-        integrates them with a rotor, dissipation or a gravity gradient.
+        integrates them with a rotor, dissipation, drag or a gravity gradient; integrates the
+        torque of a function.
     tops, maps : bool
         Integrates bodies with weight, not only free ones; has a state after every step, which a
         map needs, not only at given times.
@@ -110,6 +111,7 @@ class Method:
     driven: bool
     stiff: bool
     satellite: bool
+    called: bool
     tops: bool
     maps: bool
     series: bool
@@ -212,9 +214,9 @@ def tangent_methods(*, forced: bool = False) -> tuple[str, ...]:
     return tuple(method.name for method in known if not (forced and method.symplectic))
 
 
-def driven_methods(*, satellite: bool = False) -> list[str]:
-    """The names of the schemes that move bodies under torque and damping, or satellites."""
-    known = (method for method in methods() if method.driven)
+def driven_methods(*, satellite: bool = False, called: bool = False) -> list[str]:
+    """The names of the schemes that move bodies under torque and damping, or under more."""
+    known = (method for method in methods() if method.driven and (method.called or not called))
     return [method.name for method in known if method.satellite or not satellite]
 
 
@@ -229,7 +231,13 @@ def map_methods() -> list[str]:
 
 
 def check_method(
-    name: str, kind: str, *, watched: bool, driven: bool = False, satellite: bool = False
+    name: str,
+    kind: str,
+    *,
+    watched: bool,
+    driven: bool = False,
+    satellite: bool = False,
+    called: bool = False,
 ) -> None:
     """Raise ValueError if a scheme does not integrate the kind of scene, or cannot be observed."""
     if name not in (AUTO, EXACT):
@@ -241,8 +249,14 @@ def check_method(
             )
         if satellite and not _named(name).satellite:
             raise ValueError(
-                f"method = {name!r}: moves bodies without rotor, dissipation and gravity gradient "
-                f"only; with them move {', '.join(map(repr, driven_methods(satellite=True)))}"
+                f"method = {name!r}: moves bodies without rotor, dissipation, drag and gravity "
+                "gradient only; with them move "
+                f"{', '.join(map(repr, driven_methods(satellite=True)))}"
+            )
+        if called and not _named(name).called:
+            raise ValueError(
+                f"method = {name!r}: needs more of a torque than a function returns; with one move "
+                f"{', '.join(map(repr, driven_methods(called=True)))}"
             )
 
 

@@ -94,6 +94,7 @@ class Motion:
             watched=False,
             driven=scene.is_driven,
             satellite=scene.is_satellite,
+            called=scene.is_called,
         )
         self._frame = None if frame is None else checked_frame(frame)
         if self._frame is not None:

@@ -216,7 +216,7 @@ def simulate(
     if events is not None or until is not None or count is not None:
         watched, counted = checked_events(events, until)
         count = _checked_count(count, watched, until)
-        check_event_method(method)
+        check_event_method(method, scene)
     parameters = check_parameters(tangent, scene)
     if parameters is not None:
         check_tangent(method, driven=scene.is_driven, by_parameters=bool(parameters))

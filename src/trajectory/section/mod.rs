@@ -278,6 +278,7 @@ impl<'a> Batch<'a> {
         let needs = Needs {
             is_forced: way.is_forced,
             is_satellite: way.is_satellite,
+            is_called: false,
             is_reduced: false,
             directions: 1,
             attitude: true,

@@ -83,6 +83,8 @@ SUBJECTS = (
     "geometric integration",
     "heavy tops of any shape",
     "satellites",
+    "quadratic drag",
+    "any torque",
     "libration on an orbit",
     "steps one by one",
     "tops from mass and centre of mass",

@@ -170,5 +170,8 @@ def test_what_is_asked_first_has_an_answer() -> None:
         lambda: rigid.Torque.body(lambda t: t),  # type: ignore[arg-type]
         lambda: rigid.FreeBody(body, torque=lambda t: t),  # type: ignore[arg-type]
     ):
-        with pytest.raises(TypeError, match=r"depends on the state make steps with rigid\.Motion"):
+        with pytest.raises(
+            TypeError,
+            match=r"take rigid\.Torque\.call, or make steps with rigid\.Motion",
+        ):
             ask()

@@ -558,7 +558,7 @@ def test_a_chosen_scheme_moves_satellites() -> None:
 
 @pytest.mark.parametrize(
     ("method", "words"),
-    [("midpoint", "moves bodies without rotor, dissipation and gravity gradient only")],
+    [("midpoint", "moves bodies without rotor, dissipation, drag and gravity gradient only")],
 )
 def test_a_scheme_that_does_not_move_satellites_is_refused(method: str, words: str) -> None:
     for scene in SCENES.values():
@@ -567,7 +567,9 @@ def test_a_scheme_that_does_not_move_satellites_is_refused(method: str, words: s
 
 
 def test_displacements_of_satellites_are_refused() -> None:
-    words = "displacements under a rotor, dissipation or a gravity gradient are not integrated"
+    words = (
+        "displacements under a rotor, dissipation, drag or a gravity gradient are not integrated"
+    )
     scene = SCENES["rotor"]
     with pytest.raises(ValueError, match=words):
         rigid.condition(scene, OMEGA, t=[1.0])
@@ -610,7 +612,7 @@ BAD = [
                 t=[1.0],
             )
         ),
-        "rotor or dissipation: must be below 1e308 times the largest moment",
+        "rotor, dissipation or drag: must be below 1e308 times the largest moment",
     ),
 ]
 

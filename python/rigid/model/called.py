@@ -1,0 +1,127 @@
+"""A torque that a compiled function returns, known by its address."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._checks.arguments import brief, finite_float, shaped
+from .leading import Index, Shape, axes_of, frozen, same, taken
+
+__all__ = ["TorqueFunction"]
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class TorqueFunction:
+    """A function that returns a torque; made by :meth:`Torque.call`.
+
+    Attributes
+    ----------
+    address : int
+        Address of the function; 0 if it was read from a file, which has none.
+    data : ndarray of shape (..., k), or None
+        The numbers that it is given, of all bodies or of each.
+    fastest : float or None
+        A bound of the rates under this torque (rad/s).
+    kept : object
+        What was given as the function: it lives as long as this.
+    """
+
+    address: int
+    data: Floats | None = None
+    fastest: float | None = None
+    kept: object = None
+
+    @classmethod
+    def of_input(cls, function: object, data: ArrayLike | None, fastest: float | None) -> Self:
+        """The function at an address, with its data.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If it has no address, or data or bound are not finite.
+        """
+        numbers = None
+        if data is not None:
+            numbers = shaped("data", data)
+            if not numbers.ndim or not numbers.size:
+                raise ValueError(f"data: expected shape (..., k) with numbers, got {numbers.shape}")
+            numbers = frozen(np.ascontiguousarray(numbers))
+        bound = None
+        if fastest is not None:
+            bound = finite_float("fastest", fastest, positive=True, unit="rad/s")
+        return cls(_address(function), numbers, bound, function)
+
+    @property
+    def shape(self) -> Shape:
+        """The axes of the bodies: ``()`` if all have the same data."""
+        return axes_of(self.data, 1)
+
+    def of(self, shape: Shape, index: Index) -> TorqueFunction:
+        """The function with the data of some of the bodies of this shape."""
+        if not self.shape:
+            return self
+        data = frozen(taken(self.data, 1, shape, index))
+        return TorqueFunction(self.address, data, self.fastest, self.kept)
+
+    def for_core(
+        self, shape: Shape, exponents: NDArray[np.intc]
+    ) -> tuple[int, Floats, Floats, float]:
+        """Address, rows of data, units of the torque and the bound, as the core reads them."""
+        rows = np.empty((0, 0))
+        if self.data is not None:
+            width = self.data.shape[-1]
+            lead = shape if self.shape else ()
+            rows = np.ascontiguousarray(np.broadcast_to(self.data, (*lead, width)))
+            rows = rows.reshape(-1, width)
+        return self.address, rows, np.ldexp(1.0, -exponents), self.fastest or 0.0
+
+    def to_dict(self) -> dict[str, Any]:
+        """What of the function a file may have: all but its address."""
+        data = None if self.data is None else self.data.tolist()
+        return {"data": data, "fastest": self.fastest}
+
+    @classmethod
+    def from_dict(cls, entries: Mapping[str, Any]) -> Self:
+        """The function of :meth:`to_dict`, which cannot be called."""
+        data = entries["data"]
+        return cls(0, None if data is None else frozen(np.array(data)), entries["fastest"])
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, TorqueFunction):
+            return NotImplemented
+        return (self.address, self.fastest) == (other.address, other.fastest) and same(
+            self.data, other.data
+        )
+
+    def __hash__(self) -> int:
+        return hash((self.address, self.fastest, self.shape))
+
+    def __repr__(self) -> str:
+        data = "" if self.data is None else f", data of shape {self.data.shape}"
+        return f"function at {self.address:#x}{data}"
+
+
+def _address(function: object) -> int:
+    """The address of a function of numba or ctypes, or the one given."""
+    found = getattr(function, "address", function)
+    if callable(found):
+        try:
+            found = ctypes.cast(found, ctypes.c_void_p).value  # type: ignore[arg-type]
+        except ctypes.ArgumentError:
+            raise TypeError(
+                f"address = {brief(function)}: a torque is called by its address; compile the "
+                "function with numba.cfunc or wrap it with ctypes.CFUNCTYPE"
+            ) from None
+    if isinstance(found, bool) or not isinstance(found, (int, np.integer)):
+        raise TypeError(f"address = {brief(function)}: must be the address of a function, an int")
+    if not 0 < found < 2**63:
+        raise ValueError(f"address = {found}: must be the address of a function")
+    return int(found)

@@ -1,0 +1,124 @@
+"""Quadratic drag: closed forms, the loss of energy, and what is refused."""
+
+import numpy as np
+import pytest
+
+import rigid
+
+METHODS = [method.name for method in rigid.methods() if method.satellite]
+SERIES = [method.name for method in rigid.methods() if method.series]
+BODY = rigid.Body((1.0, 1.5, 2.0))
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_sphere_slows_with_one_over_the_time(method):
+    # I w' = -c |w| w is w = w0 / (1 + c |w0| t / I), about the axis of the start.
+    sphere = rigid.FreeBody(rigid.Body((2.0, 2.0, 2.0)), drag=0.3)
+    omega, t = np.array([1.8, -0.7, 2.4]), np.array([0.0, 1.0, 10.0])
+    run = rigid.simulate(sphere, omega, t=t, method=method)
+    slower = 1.0 + 0.3 / 2.0 * np.linalg.norm(omega) * t
+    # The stated error, and some roundings.
+    allowed = run.error + 1e-14
+    assert np.abs(run.omega * slower[:, np.newaxis] - omega).max() < allowed * np.abs(omega).max()
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_motor_brings_a_body_at_rest_to_the_rate_at_which_drag_holds_it(method, sign):
+    # I w' = N - c w^2 from rest is w = sqrt(N / c) tanh(sqrt(N c) t / I).
+    torque = rigid.Torque.body((0.0, 0.0, 2.0 * sign))
+    motor = rigid.FreeBody(rigid.Body((1.0, 1.0, 2.0)), torque=torque, drag=(0.0, 0.1, 0.5))
+    t = np.array([0.0, 0.5, 2.0, 5.0])
+    run = rigid.simulate(motor, [0.0, 0.0, 0.0], t=t, method=method)
+    truth = 2.0 * sign * np.tanh(0.5 * t)
+    assert np.abs(run.omega[:, 2] - truth).max() < 2.0 * run.error + 1e-14
+    assert run.error < 1e-8
+
+
+@pytest.mark.parametrize("method", SERIES)
+def test_series_and_runge_kutta_agree_on_a_tumbling_body(method):
+    scene = rigid.FreeBody(BODY, drag=(0.1, 0.2, 0.3))
+    fine = rigid.simulate(scene, [0.3, 2.0, 0.4], t=[20.0], method="dop853", step=0.01)
+    run = rigid.simulate(scene, [0.3, 2.0, 0.4], t=[20.0], method=method)
+    assert np.abs(run.omega - fine.omega).max() < run.error + fine.error
+    own = rigid.simulate(scene, [0.3, 2.0, 0.4], t=[20.0], method=method, tolerance=1e-15)
+    assert np.abs(own.omega - fine.omega).max() < own.error + fine.error
+
+
+@pytest.mark.parametrize("method", [*METHODS, None])
+def test_the_energy_of_a_top_falls_by_the_power_of_the_drag(method):
+    drag = np.array([0.05, 0.02, 0.1])
+    top = rigid.HeavyTop(BODY, mgl=1.0, com=(0.0, 0.6, 0.8), drag=drag)
+    t = np.linspace(0.0, 5.0, 2001)
+    run = rigid.simulate(top, [0.3, 2.0, 4.0], t=t, method=method)
+    assert run.energy_drift < 1e-8
+    power = -np.linalg.norm(run.omega, axis=1) * (drag * run.omega**2).sum(axis=1)
+    # Simpson's rule of the power; its error is h^4 / 180 times five seconds and a fourth
+    # derivative of some 100 W/s^4 at most.
+    inner = 4.0 * power[1::2].sum() + 2.0 * power[2:-1:2].sum()
+    lost = (t[1] / 3.0) * (power[0] + power[-1] + inner)
+    assert abs(run.work[-1] - lost) < 1e-8
+    assert np.abs(run.energy() - run.energy()[0] - run.work).max() < 1e-8 * run.energy().max()
+    balance = rigid.free.power_balance(run)
+    # Differences of order 2 of a power that oscillates at some 10 rad/s.
+    assert np.abs(balance.residual).max() < 1e-2
+
+
+def test_a_body_without_drag_beside_one_with_drag_keeps_its_bits():
+    rotor = (0.3, -0.2, 0.5)
+    both = rigid.FreeBody(BODY, rotor=rotor, drag=[[0.0, 0.0, 0.0], [0.1, 0.0, 0.2]])
+    alone = rigid.FreeBody(BODY, rotor=rotor)
+    assert both[0] == alone
+    assert len(both) == 2
+    for method in ("dop853", "taylor16"):
+        run = rigid.simulate(both, [0.3, 1.0, 0.0], t=[7.0], method=method)
+        one = rigid.simulate(alone, [0.3, 1.0, 0.0], t=[7.0], method=method)
+        assert run.omega[0].tobytes() == one.omega.tobytes()
+
+
+def test_drag_acts_in_maps_motions_and_files():
+    scene = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)), drag=0.2)
+    assert rigid.model.scene.scene_from_dict(scene.to_dict()) == scene
+    assert "drag 0.2" in scene.words()
+    made = rigid.stability_map(
+        scene, axes={"I2": [1.2, 1.5]}, samples=8, t_end=5.0, stable=rigid.no_flip(), rng=1
+    )
+    assert made.stable.shape == (2,)
+    motion = rigid.Motion(scene, [0.3, 1.0, 0.2], method="rk4")
+    for _ in range(10):
+        motion.step(0.1)
+    run = rigid.simulate(scene, [0.3, 1.0, 0.2], t=[1.0], method="rk4", step=0.1)
+    assert np.abs(motion.omega - run.omega[-1]).max() < 1e-14
+
+
+def test_methods_of_bodies_that_may_stop_are_no_series():
+    stops = rigid.HeavyTop(BODY, mgl=1.0, drag=0.1)
+    plan = rigid.plan(stops, omega=[0.1, 0.2, 3.0], t_end=10.0, accuracy=1e-10)
+    assert plan.method in ("rk4", "dop853")
+    turns = rigid.FreeBody(BODY, drag=0.1)
+    assert rigid.plan(turns, omega=[0.1, 0.2, 3.0], t_end=10.0).method in METHODS
+
+
+@pytest.mark.parametrize(
+    ("drag", "words"),
+    [
+        (-0.1, "drag = -0.1: must not be negative"),
+        ((0.1, np.nan, 0.0), "drag"),
+        ((0.1, 0.2), r"drag: expected shape \(\) or \(..., 3\), got \(2,\)"),
+    ],
+)
+def test_impossible_drag_is_refused(drag, words):
+    with pytest.raises(ValueError, match=words):
+        rigid.FreeBody(BODY, drag=drag)
+
+
+def test_what_drag_does_not_go_with_is_refused():
+    scene = rigid.FreeBody(BODY, drag=0.1)
+    with pytest.raises(ValueError, match="'midpoint': moves bodies without rotor"):
+        rigid.simulate(scene, [0.3, 1.0, 0.2], t=[1.0], method="midpoint")
+    with pytest.raises(ValueError, match="drag or a gravity gradient are not integrated"):
+        rigid.simulate(scene, [0.3, 1.0, 0.2], t=[1.0], tangent=True)
+    axes = np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    assert rigid.FreeBody(BODY, drag=0.1, frame=axes).drag == (0.1, 0.1, 0.1)
+    with pytest.raises(ValueError, match="with a frame give one number"):
+        rigid.FreeBody(BODY, drag=(0.1, 0.2, 0.3), frame=axes)
