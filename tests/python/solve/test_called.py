@@ -1,6 +1,10 @@
 """The torque of a function: against its built-in twin, its data, and what is refused."""
 
+from __future__ import annotations
+
 import ctypes
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,21 +16,26 @@ BODY = rigid.Body((1.0, 1.5, 2.0))
 OMEGA = np.array([0.3, 2.0, 1.0])
 TILTED = rigid.rotations.euler_to_quaternion([0.3, 0.5, 0.2])
 DOUBLES = ctypes.POINTER(ctypes.c_double)
-SIGNATURE = ctypes.CFUNCTYPE(None, ctypes.c_double, DOUBLES, DOUBLES, DOUBLES, DOUBLES)
+SIGNATURE: Any = ctypes.CFUNCTYPE(None, ctypes.c_double, DOUBLES, DOUBLES, DOUBLES, DOUBLES)
 
 
-def top(**acting):
+def states(*given: Any, **asked: Any) -> Any:
+    """A run whose arrays are all there."""
+    return rigid.simulate(*given, **asked)
+
+
+def top(**acting: Any) -> rigid.HeavyTop:
     return rigid.HeavyTop(BODY, mgl=1.0, com=(0.0, 0.6, 0.8), **acting)
 
 
-@SIGNATURE
-def damping(t, omega, attitude, data, torque):
+@SIGNATURE  # type: ignore[untyped-decorator]
+def damping(t: float, omega: Any, attitude: Any, data: Any, torque: Any) -> None:
     for k in range(3):
         torque[k] = -data[k] * omega[k]
 
 
-@SIGNATURE
-def ramp_in_space(t, omega, attitude, data, torque):
+@SIGNATURE  # type: ignore[untyped-decorator]
+def ramp_in_space(t: float, omega: Any, attitude: Any, data: Any, torque: Any) -> None:
     """The torque (0.1, 0.2, 0.1 + 0.05 t) in space, in body components."""
     w, x, y, z = attitude[:4]
     a, b, c = 0.1, 0.2, 0.1 + 0.05 * t
@@ -36,20 +45,20 @@ def ramp_in_space(t, omega, attitude, data, torque):
     torque[2] = 2 * (x * z + w * y) * a + 2 * (y * z - w * x) * b + (1 - 2 * (x * x + y * y)) * c
 
 
-@SIGNATURE
-def nothing(t, omega, attitude, data, torque):
+@SIGNATURE  # type: ignore[untyped-decorator]
+def nothing(t: float, omega: Any, attitude: Any, data: Any, torque: Any) -> None:
     """Writes no torque."""
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_damping_by_a_function_is_damping(method):
+def test_damping_by_a_function_is_damping(method: str) -> None:
     # Of Runge-Kutta methods the torques are equal to a rounding each; the derivative of the
     # midpoint rule is that of differences, whose errors Newton's method leaves below 1e-13.
     coefficients = (0.1, 0.2, 0.3)
     called = top(torque=rigid.Torque.call(damping, coefficients))
-    mine = rigid.simulate(called, OMEGA, TILTED, t=[-0.5, 3.0], method=method, step=0.02)
+    mine = states(called, OMEGA, TILTED, t=[-0.5, 3.0], method=method, step=0.02)
     known = top(damping=coefficients)
-    twin = rigid.simulate(known, OMEGA, TILTED, t=[-0.5, 3.0], method=method, step=0.02)
+    twin = states(known, OMEGA, TILTED, t=[-0.5, 3.0], method=method, step=0.02)
     assert np.abs(mine.omega - twin.omega).max() < 1e-12
     assert np.abs(mine.attitude - twin.attitude).max() < 1e-12
     assert np.abs(mine.work - twin.work).max() < 1e-11
@@ -57,37 +66,37 @@ def test_damping_by_a_function_is_damping(method):
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_a_function_is_told_time_and_attitude_in_the_order_of_the_scheme(method):
+def test_a_function_is_told_time_and_attitude_in_the_order_of_the_scheme(method: str) -> None:
     # A ramp in space; its table has knots at which steps end, as the wanted times do.
     table = rigid.Torque.space([(0.1, 0.2, 0.1), (0.1, 0.2, 0.25)], times=[0.0, 3.0])
-    truth = rigid.simulate(top(torque=table), OMEGA, TILTED, t=[3.0], method="taylor20")
+    truth = states(top(torque=table), OMEGA, TILTED, t=[3.0], method="taylor20")
     scene = top(torque=rigid.Torque.call(ramp_in_space))
     order = next(one.order for one in rigid.methods() if one.name == method)
     steps = {2: 0.02, 4: 0.05, 8: 0.3}[order]
     errors = []
     for step in (steps, steps / 2.0):
-        run = rigid.simulate(scene, OMEGA, TILTED, t=[3.0], method=method, step=step, check=False)
+        run = states(scene, OMEGA, TILTED, t=[3.0], method=method, step=step, check=False)
         errors.append(np.abs(run.omega - truth.omega).max())
     # Half the step divides the error by 2^order, up to terms of the next order.
     assert errors[0] / errors[1] > 0.6 * 2.0**order
     assert errors[1] < 1e-4
 
 
-def test_each_body_has_data_of_its_own():
+def test_each_body_has_data_of_its_own() -> None:
     data = np.array([[0.1, 0.1, 0.1], [0.0, 0.0, 0.3], [0.2, 0.0, 0.0]])
     many = top(torque=rigid.Torque.call(damping, data, fastest=5.0))
     assert len(many) == 3
     assert many[1].torque == rigid.Torque.call(damping, data[1], fastest=5.0)
-    run = rigid.simulate(many, OMEGA, t=[1.0, 2.0], accuracy=1e-10, threads=2)
+    run = states(many, OMEGA, t=[1.0, 2.0], accuracy=1e-10, threads=2)
     assert np.all(run.error < 1e-10)
     for k, row in enumerate(data):
-        one = rigid.simulate(many[k], OMEGA, t=[1.0, 2.0], method=run.plan.method, step=0.05)
-        twin = rigid.simulate(top(damping=row), OMEGA, t=[1.0, 2.0], accuracy=1e-12)
+        one = states(many[k], OMEGA, t=[1.0, 2.0], method=run.plan.method, step=0.05)
+        twin = states(top(damping=row), OMEGA, t=[1.0, 2.0], accuracy=1e-12)
         assert np.abs(run.omega[k] - twin.omega).max() < 1e-9
         assert np.abs(one.omega - twin.omega).max() < 1e-9
 
 
-def test_units_of_the_body_do_not_change_the_motion():
+def test_units_of_the_body_do_not_change_the_motion() -> None:
     # Moments, weight and torque 2^40 times as large: the same rates, bit by bit.
     scale = 2.0**40
     small = rigid.FreeBody(BODY, torque=rigid.Torque.call(damping, [0.1] * 3))
@@ -95,52 +104,52 @@ def test_units_of_the_body_do_not_change_the_motion():
         rigid.Body(scale * np.array(BODY.moments)),
         torque=rigid.Torque.call(damping, [0.1 * scale] * 3),
     )
-    runs = [rigid.simulate(one, OMEGA, t=[2.0], method="rk4", step=0.1) for one in (small, large)]
+    runs = [states(one, OMEGA, t=[2.0], method="rk4", step=0.1) for one in (small, large)]
     assert runs[0].omega.tobytes() == runs[1].omega.tobytes()
     assert runs[1].work[-1] == scale * runs[0].work[-1]
 
 
-def test_a_motion_calls_the_function_at_its_time():
+def test_a_motion_calls_the_function_at_its_time() -> None:
     scene = top(torque=rigid.Torque.call(ramp_in_space))
     motion = rigid.Motion(scene, OMEGA, TILTED, method="dop853")
     for _ in range(30):
         motion.step(0.1)
-    run = rigid.simulate(scene, OMEGA, TILTED, t=[3.0], method="dop853", step=0.1)
+    run = states(scene, OMEGA, TILTED, t=[3.0], method="dop853", step=0.1)
     assert np.abs(motion.omega - run.omega[-1]).max() < 1e-13
 
 
-def test_a_function_adds_to_other_torques():
+def test_a_function_adds_to_other_torques() -> None:
     both = rigid.Torque.call(damping, [0.1] * 3) + rigid.Torque.body((0.0, 0.0, 0.2))
     assert both.words() == "torque by a function, torque (0, 0, 0.2) in the body"
     known = rigid.FreeBody(BODY, torque=rigid.Torque.body((0.0, 0.0, 0.2)), damping=0.1)
     runs = [
-        rigid.simulate(scene, OMEGA, t=[2.0], method="dop853", step=0.05)
+        states(scene, OMEGA, t=[2.0], method="dop853", step=0.05)
         for scene in (rigid.FreeBody(BODY, torque=both), known)
     ]
     assert np.abs(runs[0].omega - runs[1].omega).max() < 1e-13
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_a_torque_that_is_not_written_ends_the_body(method):
+def test_a_torque_that_is_not_written_ends_the_body(method: str) -> None:
     scene = rigid.FreeBody(BODY, torque=rigid.Torque.call(nothing))
-    run = rigid.simulate(scene, OMEGA, t=[0.0, 1.0], method=method, step=0.1)
+    run = states(scene, OMEGA, t=[0.0, 1.0], method=method, step=0.1)
     assert run.status == rigid.Status.NOT_FINITE
     assert np.isnan(run.omega[1]).any()
 
 
-def test_a_compiled_function_of_numba():
-    numba = pytest.importorskip("numba")
+def test_a_compiled_function_of_numba() -> None:
+    numba: Any = pytest.importorskip("numba")
     c_type = numba.types.CPointer(numba.float64)
 
-    @numba.cfunc(numba.void(numba.float64, c_type, c_type, c_type, c_type))
-    def compiled(t, omega, attitude, data, torque):
+    @numba.cfunc(numba.void(numba.float64, c_type, c_type, c_type, c_type))  # type: ignore[untyped-decorator]
+    def compiled(t: float, omega: Any, attitude: Any, data: Any, torque: Any) -> None:
         for k in range(3):
             torque[k] = -data[k] * omega[k]
 
     for given in (compiled, compiled.address):
         scene = top(torque=rigid.Torque.call(given, (0.1, 0.2, 0.3)))
-        run = rigid.simulate(scene, OMEGA, t=[3.0], method="dop853", step=0.02, threads=2)
-        twin = rigid.simulate(top(damping=(0.1, 0.2, 0.3)), OMEGA, t=[3.0], method="dop853")
+        run = states(scene, OMEGA, t=[3.0], method="dop853", step=0.02, threads=2)
+        twin = states(top(damping=(0.1, 0.2, 0.3)), OMEGA, t=[3.0], method="dop853")
         assert np.abs(run.omega - twin.omega).max() < 1e-11
 
 
@@ -154,18 +163,23 @@ def test_a_compiled_function_of_numba():
         (len, TypeError, "compile the function with numba.cfunc"),
     ],
 )
-def test_what_is_no_address_is_refused(address, error, words):
+def test_what_is_no_address_is_refused(address: Any, error: type[Exception], words: str) -> None:
     with pytest.raises(error, match=words):
         rigid.Torque.call(address)
 
 
-def test_what_a_function_does_not_go_with_is_refused():
+def test_what_a_function_does_not_go_with_is_refused() -> None:
     torque = rigid.Torque.call(damping, [0.1] * 3)
     scene = top(torque=torque)
-    run = rigid.simulate(scene, OMEGA, t=[0.0, 0.5, 1.0], method="rk4", step=0.1)
+    run = states(scene, OMEGA, t=[0.0, 0.5, 1.0], method="rk4", step=0.1)
     turned = np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
-    one = {"t": [1.0], "step": 0.1}
-    grid = {"axes": {"mgl": [1.0]}, "t_end": 1.0, "stable": rigid.tilt_below(1.0), "samples": 4}
+    one: dict[str, Any] = {"t": [1.0], "step": 0.1}
+    grid: dict[str, Any] = {
+        "axes": {"mgl": [1.0]},
+        "t_end": 1.0,
+        "stable": rigid.tilt_below(1.0),
+        "samples": 4,
+    }
     for words, refused in (
         ("step: is needed", lambda: rigid.simulate(scene, OMEGA, t=[1.0])),
         ("'taylor16': needs more", lambda: rigid.simulate(scene, OMEGA, method="taylor16", **one)),
@@ -196,9 +210,9 @@ def test_what_a_function_does_not_go_with_is_refused():
             refused()
 
 
-def test_a_saved_run_has_its_states_but_no_function(tmp_path):
+def test_a_saved_run_has_its_states_but_no_function(tmp_path: Path) -> None:
     scene = top(torque=rigid.Torque.call(damping, [0.1] * 3, fastest=5.0))
-    run = rigid.simulate(scene, OMEGA, t=[0.0, 1.0], method="rk4")
+    run = states(scene, OMEGA, t=[0.0, 1.0], method="rk4")
     read = rigid.load_run(run.save(tmp_path / "run.npz"))
     assert np.array_equal(read.energy(), run.energy())
     with pytest.raises(ValueError, match="its address is not known here"):

@@ -1,9 +1,14 @@
 """Quadratic drag: closed forms, the loss of energy, and what is refused."""
 
+from __future__ import annotations
+
+from typing import Any
+
 import numpy as np
 import pytest
 
 import rigid
+from rigid.model.scene import scene_from_dict
 
 METHODS = [method.name for method in rigid.methods() if method.satellite]
 SERIES = [method.name for method in rigid.methods() if method.series]
@@ -11,7 +16,7 @@ BODY = rigid.Body((1.0, 1.5, 2.0))
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_a_sphere_slows_with_one_over_the_time(method):
+def test_a_sphere_slows_with_one_over_the_time(method: str) -> None:
     # I w' = -c |w| w is w = w0 / (1 + c |w0| t / I), about the axis of the start.
     sphere = rigid.FreeBody(rigid.Body((2.0, 2.0, 2.0)), drag=0.3)
     omega, t = np.array([1.8, -0.7, 2.4]), np.array([0.0, 1.0, 10.0])
@@ -24,7 +29,9 @@ def test_a_sphere_slows_with_one_over_the_time(method):
 
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_a_motor_brings_a_body_at_rest_to_the_rate_at_which_drag_holds_it(method, sign):
+def test_a_motor_brings_a_body_at_rest_to_the_rate_at_which_drag_holds_it(
+    method: str, sign: float
+) -> None:
     # I w' = N - c w^2 from rest is w = sqrt(N / c) tanh(sqrt(N c) t / I).
     torque = rigid.Torque.body((0.0, 0.0, 2.0 * sign))
     motor = rigid.FreeBody(rigid.Body((1.0, 1.0, 2.0)), torque=torque, drag=(0.0, 0.1, 0.5))
@@ -36,7 +43,7 @@ def test_a_motor_brings_a_body_at_rest_to_the_rate_at_which_drag_holds_it(method
 
 
 @pytest.mark.parametrize("method", SERIES)
-def test_series_and_runge_kutta_agree_on_a_tumbling_body(method):
+def test_series_and_runge_kutta_agree_on_a_tumbling_body(method: str) -> None:
     scene = rigid.FreeBody(BODY, drag=(0.1, 0.2, 0.3))
     fine = rigid.simulate(scene, [0.3, 2.0, 0.4], t=[20.0], method="dop853", step=0.01)
     run = rigid.simulate(scene, [0.3, 2.0, 0.4], t=[20.0], method=method)
@@ -46,7 +53,7 @@ def test_series_and_runge_kutta_agree_on_a_tumbling_body(method):
 
 
 @pytest.mark.parametrize("method", [*METHODS, None])
-def test_the_energy_of_a_top_falls_by_the_power_of_the_drag(method):
+def test_the_energy_of_a_top_falls_by_the_power_of_the_drag(method: str) -> None:
     drag = np.array([0.05, 0.02, 0.1])
     top = rigid.HeavyTop(BODY, mgl=1.0, com=(0.0, 0.6, 0.8), drag=drag)
     t = np.linspace(0.0, 5.0, 2001)
@@ -57,6 +64,7 @@ def test_the_energy_of_a_top_falls_by_the_power_of_the_drag(method):
     # derivative of some 100 W/s^4 at most.
     inner = 4.0 * power[1::2].sum() + 2.0 * power[2:-1:2].sum()
     lost = (t[1] / 3.0) * (power[0] + power[-1] + inner)
+    assert run.work is not None
     assert abs(run.work[-1] - lost) < 1e-8
     assert np.abs(run.energy() - run.energy()[0] - run.work).max() < 1e-8 * run.energy().max()
     balance = rigid.free.power_balance(run)
@@ -64,7 +72,7 @@ def test_the_energy_of_a_top_falls_by_the_power_of_the_drag(method):
     assert np.abs(balance.residual).max() < 1e-2
 
 
-def test_a_body_without_drag_beside_one_with_drag_keeps_its_bits():
+def test_a_body_without_drag_beside_one_with_drag_keeps_its_bits() -> None:
     rotor = (0.3, -0.2, 0.5)
     both = rigid.FreeBody(BODY, rotor=rotor, drag=[[0.0, 0.0, 0.0], [0.1, 0.0, 0.2]])
     alone = rigid.FreeBody(BODY, rotor=rotor)
@@ -76,9 +84,9 @@ def test_a_body_without_drag_beside_one_with_drag_keeps_its_bits():
         assert run.omega[0].tobytes() == one.omega.tobytes()
 
 
-def test_drag_acts_in_maps_motions_and_files():
+def test_drag_acts_in_maps_motions_and_files() -> None:
     scene = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)), drag=0.2)
-    assert rigid.model.scene.scene_from_dict(scene.to_dict()) == scene
+    assert scene_from_dict(scene.to_dict()) == scene
     assert "drag 0.2" in scene.words()
     made = rigid.stability_map(
         scene, axes={"I2": [1.2, 1.5]}, samples=8, t_end=5.0, stable=rigid.no_flip(), rng=1
@@ -91,7 +99,7 @@ def test_drag_acts_in_maps_motions_and_files():
     assert np.abs(motion.omega - run.omega[-1]).max() < 1e-14
 
 
-def test_methods_of_bodies_that_may_stop_are_no_series():
+def test_methods_of_bodies_that_may_stop_are_no_series() -> None:
     stops = rigid.HeavyTop(BODY, mgl=1.0, drag=0.1)
     plan = rigid.plan(stops, omega=[0.1, 0.2, 3.0], t_end=10.0, accuracy=1e-10)
     assert plan.method in ("rk4", "dop853")
@@ -107,12 +115,12 @@ def test_methods_of_bodies_that_may_stop_are_no_series():
         ((0.1, 0.2), r"drag: expected shape \(\) or \(..., 3\), got \(2,\)"),
     ],
 )
-def test_impossible_drag_is_refused(drag, words):
+def test_impossible_drag_is_refused(drag: Any, words: str) -> None:
     with pytest.raises(ValueError, match=words):
         rigid.FreeBody(BODY, drag=drag)
 
 
-def test_what_drag_does_not_go_with_is_refused():
+def test_what_drag_does_not_go_with_is_refused() -> None:
     scene = rigid.FreeBody(BODY, drag=0.1)
     with pytest.raises(ValueError, match="'midpoint': moves bodies without rotor"):
         rigid.simulate(scene, [0.3, 1.0, 0.2], t=[1.0], method="midpoint")
