@@ -6,8 +6,8 @@
 //! §8.1).
 //!
 //! Quadratic drag is the torque `-|omega| c omega`, `c` one coefficient for each body axis: at large Reynolds numbers the
-//! moment of a rotating sphere or disk is proportional to the square of its rate (Schlichting & Gersten, Boundary-Layer
-//! Theory, 9th ed., 2017, §5.2).
+//! moment of a rotating sphere or disk over the square of its rate varies slowly (rotating disk: von Kármán, Z. angew.
+//! Math. Mech. 1, 1921, doi 10.1002/zamm.19210010401: the power 9/5).
 //!
 //! The energy sink is that of a cavity with a very viscous fluid, or of a damper that is tightly coupled: the momentum
 //! of the fluid relative to the body is `-P omega'` (Chernousko, USSR Comput. Math. Math. Phys. 5, 1965). With `omega`

@@ -40,10 +40,9 @@ class Torque:
     """A torque in the body or in space, constant or a table over time, of one body or of each.
 
     Made by :meth:`body`, :meth:`space`, :meth:`gravity_gradient` and :meth:`call`; torques add.
-    Between the times
-    of a table the torque is linear. Two values at one time are a jump. The torque is unknown
-    outside the times of the table, so a run beyond them raises ValueError; if the torque ends, end
-    the table with zeros.
+    Between the times of a table the torque is linear. Two values at one time are a jump. The torque
+    is unknown outside the times of the table, so a run beyond them raises ValueError; if the torque
+    ends, end the table with zeros.
 
     Attributes
     ----------
