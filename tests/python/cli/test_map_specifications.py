@@ -107,6 +107,19 @@ def test_a_specification_of_a_top_means_what_it_says() -> None:
     assert spec.seed != parse_spec(TOP, "top.toml").seed  # fresh entropy, kept
 
 
+@pytest.mark.parametrize(
+    ("line", "drag"),
+    [("drag = 0.02", (0.02, 0.02, 0.02)), ("drag = [0.1, 0.2, 0.3]", (0.1, 0.2, 0.3))],
+)
+def test_quadratic_drag_of_a_specification(line: str, drag: tuple[float, ...]) -> None:
+    spec = parse_spec(BOX.replace("mass = 0.3", f"mass = 0.3\n{line}"), "box.toml")
+    box = rigid.Body.box(0.25, 0.08, 0.01, mass=0.3)
+    assert spec.scene.drag == drag == rigid.FreeBody(box, drag=drag).drag
+    assert rigid.MapSpec.from_json(spec.to_json()).scene == spec.scene
+    with pytest.raises(ValueError, match="drag"):
+        parse_spec(BOX.replace("mass = 0.3", "mass = 0.3\ndrag = -1.0"), "box.toml")
+
+
 def test_what_a_specification_may_leave_out() -> None:
     text = TOP.replace("com = [0.6, 0.0, 0.8]\n", "").replace("axis = -3\n", "")
     text = text.replace('reference = "start"\n', "")
