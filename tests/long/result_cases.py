@@ -50,6 +50,8 @@ SCENES: dict[str, Any] = {
         torque=TORQUE + rigid.Torque.space((0.0, 0.1, 0.0)),
         damping=[[0.2, 0.05, 0.0], [0.05, 0.1, 0.0], [0.0, 0.0, 0.3]],
     ),
+    "free-with-drag": rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)), drag=(0.1, 0.2, 0.05)),
+    "top-with-drag": rigid.HeavyTop(WHEEL, mgl=3.0, com=(0.6, 0.0, 0.8), drag=0.1),
     "damped-lagrange-top": rigid.HeavyTop(WHEEL, mgl=1.0, damping=(0.0, 0.0, 0.05)),
     "gyrostat-with-sink": rigid.FreeBody(
         rigid.Body((1.0, 1.5, 2.0)),
@@ -82,6 +84,7 @@ def cases() -> Iterator[Case]:
     yield from _maps()
     yield from _builtin_maps()
     yield from _limits()
+    yield from _events()
     yield from _conditions()
     yield from _reports()
     yield from _textbook()
@@ -591,6 +594,54 @@ def _limits() -> Iterator[Case]:
         watched = {**request, "stable": questions["joined"], "measure": measures}
         yield f"core/limits/{scene}/measures", partial(numbers, watched)
         yield f"core/limits/{scene}/chunks", partial(numbers, watched, chunk=7, threads=2)
+
+
+def _events() -> Iterator[Case]:
+    """Events of runs by closed forms and series, the ends that they set, and other times."""
+    omega = np.array(
+        [[0.5, 2.0, -0.25], [0.03125, 1.0, 0.0625], [1.0, -0.5, 3.0], [0.0, 0.25, 2.0]]
+    )
+    attitude = np.array([[3.0, 1.0, 0.0, 0.5], [1.0, 0.25, -1.0, 0.0]] * 2)
+    asked = [
+        rigid.crosses("omega2"),
+        rigid.crosses("tilt3", 0.75, 1),
+        rigid.turns("gamma1", -1),
+        rigid.crosses(omega=(1.0, 0.5, -0.25), value=0.125),
+    ]
+
+    def run(scene: str, **options: Any) -> rigid.Run:
+        options = {"t": (0.0, 4.0, 9.0), "check": False, **options}
+        return rigid.simulate(SCENES[scene], omega, attitude, **options)
+
+    def found(scene: str, **options: Any) -> Any:
+        made = run(scene, **options)
+        names = ("t", "body", "count", "omega", "gamma", "attitude", "direction", "grazing")
+        return {
+            "ends": getattr(made, "end", None),
+            "states": _states(made),
+            "events": [{name: getattr(one, name) for name in names} for one in made.events],
+        }
+
+    def between(scene: str, **options: Any) -> Any:
+        other = run(scene, **options).at([3.0, 0.5, 8.75])
+        return {name: getattr(other, name) for name in ("omega", "attitude")}
+
+    for scene in ("free", "free-symmetric", "lagrange-top", "top", "torque-in-space", "damped-top"):
+        for method in ("exact", "taylor16", "taylor8"):
+            options = {"method": method}
+            for name, more in {
+                "all": {"events": asked},
+                "until": {"events": asked[:1], "until": asked[3], "count": 2},
+                "threads": {"events": asked, "threads": 2},
+            }.items():
+                yield (
+                    f"core/events/{scene}/{method}/{name}",
+                    partial(_answered, partial(found, scene, **options, **more)),
+                )
+            yield (
+                f"core/at/{scene}/{method}",
+                partial(_answered, partial(between, scene, **options)),
+            )
 
 
 def _conditions() -> Iterator[Case]:
