@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 from .._checks.arguments import brief, finite_float, nearest
 from ..drawing.figure import shown_figure
 from ..model.criteria import Regular
+from ..solve.methods import AUTO
 from .data import MapData
 from .measured import BIN, Measures
 from .parameters import Axis
@@ -28,6 +30,12 @@ Floats = NDArray[np.float64]
 
 SHARE, COST = "share", "cost"
 """What is drawn by default, and the processor time."""
+
+FINER = 4
+"""Most steps in each cell of the grid on which lines of theory are drawn."""
+
+FINEST = 2**19
+"""Most cells of that grid, unless the map has more pixels: their prediction takes 200 MB."""
 
 UNDECIDED = 0.05
 """Cells with more than this share of undecided (or of failed) bodies are hatched."""
@@ -49,6 +57,7 @@ class _View:
 
     data: MapData
     index: tuple[int | slice, ...]
+    at: Mapping[int, int]
     axes: tuple[Axis, ...]
     share: Floats
     filled: Floats
@@ -66,11 +75,12 @@ class _View:
         axes = data.spec.axes
         index = tuple(at.get(k, slice(None)) for k in reversed(range(len(axes))))
         if theory is not None:
-            curves = tuple(Curve(one.label, one.field[index]) for one in theory.curves)
+            curves = tuple(replace(one, field=one.field[index]) for one in theory.curves)
             theory = Theory(theory.label, theory.share[index], curves)
         return cls(
             data=data,
             index=index,
+            at=at,
             axes=tuple(axis for k, axis in enumerate(axes) if k not in at),
             theory=theory,
             **{name: getattr(data, name)[index] for name in _DRAWN},
@@ -308,9 +318,9 @@ def _plane(view: _View, ax: Axes) -> tuple[Any, list[Any]]:
         *edges, np.ma.masked_invalid(view.filled), cmap="cividis", vmin=0, vmax=1, rasterized=True
     )
     handles = _hatch(view, ax, *edges)
-    curves = view.theory.curves if view.theory else ()
+    axes, curves = _fine_curves(view)
     for curve, dashes in zip(curves, _DASHES, strict=False):
-        handles += _draw_curve(view, ax, curve, dashes)
+        handles += _draw_curve(axes, ax, curve, dashes)
     return mesh, handles
 
 
@@ -341,13 +351,45 @@ def _draw_cells(data: MapData, ax: Axes) -> None:
     ax.add_collection(LineCollection(list(outlines), colors="white", linewidths=0.3, alpha=0.6))
 
 
+def _fine_curves(view: _View) -> tuple[tuple[Axis, ...], tuple[Curve, ...]]:
+    """The lines of theory, and the axes of their points: finer than the pixels, up to the edges."""
+    spec = view.data.spec
+    if view.theory is None or not view.theory.curves:
+        return view.axes, ()
+    if spec.own is not None or min(len(axis.values) for axis in view.axes) < 2:
+        return view.axes, view.theory.curves  # a function of the user is called for pixels only
+    steps = min(FINER, max(math.isqrt(FINEST // view.share.size), 1))
+    axes = tuple(
+        replace(axis, values=(axis.values[view.at[k]],) if k in view.at else _finer(axis, steps))
+        for k, axis in enumerate(spec.axes)
+    )
+    try:
+        theory = predict(spec.replace(axes=axes, method=AUTO, refine=None, budget=None))
+    except ValueError:  # the edges are no values of the axes
+        return view.axes, view.theory.curves
+    drawn = tuple(axis for k, axis in enumerate(axes) if k not in view.at)
+    shape = tuple(len(axis.values) for axis in reversed(drawn))
+    curves = () if theory is None else theory.curves
+    return drawn, tuple(replace(one, field=one.field.reshape(shape)) for one in curves)
+
+
+def _finer(axis: Axis, steps: int) -> tuple[float, ...]:
+    """Values from edge to edge, so many steps in each cell; those that the axis allows."""
+    edges = cell_edges(axis)
+    places = np.arange(steps * len(axis.values) + 1) / steps
+    marks = np.log(edges) if axis.geometric else edges
+    fine = np.interp(places, np.arange(len(edges)), marks)
+    values = np.exp(fine) if axis.geometric else fine
+    return tuple(values[~axis.parameter.rejects(values)].tolist())
+
+
 def _draw_curve(
-    view: _View, ax: Axes, curve: Curve, dashes: Literal["solid", "dashed"]
+    axes: tuple[Axis, ...], ax: Axes, curve: Curve, dashes: Literal["solid", "dashed"]
 ) -> list[Any]:
     from matplotlib.lines import Line2D
     from matplotlib.patheffects import Normal, Stroke
 
-    x, y = view.axes
+    x, y = axes
     if min(curve.field.shape) < 2:
         return []  # no plane to draw a line in
     lines = ax.contour(

@@ -10,6 +10,7 @@ import pytest
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import PolyCollection, QuadMesh
+from matplotlib.contour import QuadContourSet
 from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 
@@ -231,6 +232,59 @@ def test_the_curve_of_theory_is_drawn_and_named() -> None:
     )
     assert none.theory() is None
     assert not any("theory" in text for text in legend_of(none.plot()))
+
+
+def curve_of(ax: Axes) -> Floats:
+    """Points of the first line of theory of a picture, (x, y)."""
+    contour, *_ = (one for one in ax.collections if isinstance(one, QuadContourSet))
+    (path,) = contour.get_paths()
+    return np.asarray(path.vertices)
+
+
+def test_the_separatrix_is_drawn_to_a_twentieth_of_a_pixel() -> None:
+    # A spin about axis 2, tilted towards axis 1; I1 = 1, I3 = 2: 2 E I2 = L² is tan² = I2 (I2 - 2).
+    # On 13 pixels the interpolated line would be 0.2 pixels off where the border begins.
+    x, y = np.linspace(1.5, 2.4, 13), np.linspace(0.0, 1.2, 11)
+    start = rigid.Start(spin=1.0, axis=2)
+    ax = pretended(spec_of(axes={"I2": x, "tilt": y}, start=start)).plot()
+    drawn = curve_of(ax)
+    tilt = np.linspace(-0.1, 1.2, 100_001)
+    exact = np.stack([1.0 + np.sqrt(1.0 + np.tan(tilt) ** 2), tilt], axis=1)
+    pixel = np.array([x[1] - x[0], y[1] - y[0]])
+    distance = [np.linalg.norm((exact - point) / pixel, axis=1).min() for point in drawn]
+    assert max(distance) < 0.05
+    # From the lower edge of the cells to the right one.
+    assert drawn[:, 0].max() == ax.get_xlim()[1]
+    assert drawn[:, 1].min() == ax.get_ylim()[0]
+
+
+def test_a_line_of_theory_reaches_the_edges_that_are_values() -> None:
+    # The lower edge would be a negative damping, and without damping there is no onset.
+    axes = {"spin": np.linspace(4.2, 9.0, 9), "damping3": np.linspace(0.0, 4e-3, 9)}
+    start = rigid.Start(spin=5.0, attitude_noise=rigid.normal(1e-2))
+    options: dict[str, Any] = {"stable": rigid.tilt_below(0.5), "rng": 1, "progress": False}
+    result = rigid.stability_map(
+        rigid.HeavyTop, axes=axes, start=start, samples=1, t_end=1e-6, **options
+    )
+    spec = result.spec.replace(t_end=100.0)
+    ax = pretended(spec).plot()
+    onset = curve_of(ax)
+    assert 0.0 < onset[:, 1].min() < 2.5e-4
+    assert onset[:, 0].max() == ax.get_xlim()[1]
+    # ln(I3 w / 2) I3 / c = t_end, to a twentieth of a pixel.
+    damping = 0.5 * np.log(onset[:, 0] / 4.0) / 100.0
+    assert np.abs(damping - onset[:, 1]).max() < 0.05 * 5e-4
+
+
+def test_a_line_of_theory_belongs_to_its_slice() -> None:
+    tilts, moments = np.linspace(0.0, 1.2, 11), [1.6, 2.0]
+    axes = {"I2": np.linspace(1.5, 2.4, 13), "tilt": tilts, "I3": moments}
+    result = pretended(spec_of(axes=axes, start=rigid.Start(spin=1.0, axis=2)))
+    for middle in moments:
+        # I2 (I2 - I3) = (I3 - I1) I1 tan².
+        moment, tilt = curve_of(result.plot(at={"I3": middle})).T
+        exact = np.arctan(np.sqrt(np.maximum(moment * (moment - middle) / (middle - 1.0), 0.0)))
+        assert np.abs(np.abs(tilt) - exact).max() < 0.05
 
 
 # A line
