@@ -432,7 +432,7 @@ PARAMETERS: Mapping[str, Parameter] = {
     ),
     **{
         f"damping{k}": Parameter(
-            f"$c_{k}$",
+            f"damping about axis {k}, $D_{{{k}{k}}}$",
             "N m s",
             f"damping about body axis {k}",
             _component("damping", k - 1, k - 1),

@@ -267,7 +267,8 @@ def _free_no_flip(spec: MapSpec) -> Theory | None:
             share = np.where(np.isnan(law), share, law)
             label += "; heteroclinic flip time about the middle axis"
             name = "half have flipped by" if normal else "first flip at"
-            curves[f"{name} t = {spec.t_end:g} s"] = np.where(np.isnan(law), np.nan, excess)
+            until = f"t = {spec.t_end:g} s, for small perturbations"
+            curves[f"{name} {until}"] = np.where(np.isnan(law), np.nan, excess)
     return _theory(spec, label, share, curves)
 
 

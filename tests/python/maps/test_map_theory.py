@@ -239,7 +239,7 @@ def test_half_have_flipped_on_the_curve() -> None:
         stable=rigid.no_flip(2),
         t_end=20.0,
     )
-    field = curve(theory, "half have flipped by t = 20 s")
+    field = curve(theory, "half have flipped by t = 20 s, for small perturbations")
     np.testing.assert_array_equal(field > 0.0, theory.share > 0.5)
     assert (field > 0.0).any()
     assert (field < 0.0).any()
