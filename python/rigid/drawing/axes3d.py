@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from .arrows import PlaneArrow, SpaceArrow
 
 __all__ = [
+    "BELOW",
+    "KEY",
     "arc",
     "arc_between",
     "arrow",
@@ -36,6 +38,12 @@ Floats = NDArray[np.float64]
 Kind = Literal["space", "plane"]
 
 _PROJECTION: dict[Kind, str | None] = {"space": "3d", "plane": None}
+
+KEY: dict[str, Any] = {"frameon": False, "handlelength": 3.0}
+"""Style of a legend that belongs to a whole figure."""
+
+BELOW: dict[str, Any] = {**KEY, "loc": "upper center", "bbox_to_anchor": (0.5, -0.12)}
+"""Style and place of a legend below its axes."""
 
 FILLED = 0.88
 """Fraction of the axes that the drawing fills; labels need the rest."""

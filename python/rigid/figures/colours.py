@@ -2,7 +2,7 @@
 
 The hues are those of Okabe and Ito, which colour-blind readers can distinguish. The components and
 axes x, y, z are blue, green and vermilion. Every vector and frame has one colour and one name in
-all figures, so that the figures need no legend.
+all figures; a figure with other quantities has a key.
 """
 
 from __future__ import annotations

@@ -13,7 +13,7 @@ from .. import free
 from .._checks.arguments import brief
 from ..animation.states import scene_of
 from ..drawing import colours
-from ..drawing.axes3d import in_plane, label, panels
+from ..drawing.axes3d import KEY, in_plane, panels
 from ..exact.symmetry import symmetry_of
 from ..model.scene import HeavyTop
 from ..solve.run import Run
@@ -28,6 +28,9 @@ __all__ = [
 ]
 
 Floats = NDArray[np.float64]
+
+DASHES = ("solid", "dashed", "dotted")
+"""Line styles of the components 1, 2, 3: colour alone does not tell them apart for everyone."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -101,8 +104,8 @@ def throw(experiment: free.ThrowExperiment, *, axes: Sequence[Any] | None = None
         rates = experiment.omega[k].T
         lines.append(
             tuple(
-                ax.plot(experiment.t, rate, color=ink.colour, linewidth=1.4)[0]
-                for rate, ink in zip(rates, colours.AXES, strict=True)
+                ax.plot(experiment.t, rate, color=ink.colour, linewidth=1.6, linestyle=dash)[0]
+                for rate, ink, dash in zip(rates, colours.AXES, DASHES, strict=True)
             )
         )
         dots += ax.plot(experiment.dots_t, experiment.dots[k], "o", color="black", markersize=3)
@@ -113,15 +116,11 @@ def throw(experiment: free.ThrowExperiment, *, axes: Sequence[Any] | None = None
         if k >= 3:
             ax.set_xlabel("$t$ (s)")
     for row in (0, 3):
-        places[row].set_ylabel(r"$\omega$ (rad/s)")
-    # Write the names in the first panel, where the rates differ and are constant.
-    for place, (name, colour) in enumerate(
-        [(rf"$\omega_{k + 1}$", ink.colour) for k, ink in enumerate(colours.AXES)]
-        + [(r"max Re $\lambda$ (1/s)", "black")]
-    ):
-        where = np.array([0.04 + 0.13 * place, 0.62])
-        style: dict[str, Any] = {"transform": places[0].transAxes, "ha": "left"}
-        label(places[0], where, name, colour, fontsize="medium", **style)
+        places[row].set_ylabel(r"$\omega$ (rad/s), growth rate (1/s)")
+    names = [*(rf"$\omega_{k}$" for k in (1, 2, 3)), r"growth rate: largest Re $\lambda$"]
+    places[0].figure.legend(
+        handles=[*lines[0], dots[0]], labels=names, loc="outside lower center", ncols=4, **KEY
+    )
     return ThrowArtists(axes=tuple(places), data=experiment, omega=tuple(lines), dots=tuple(dots))
 
 

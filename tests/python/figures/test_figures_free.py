@@ -199,8 +199,13 @@ def test_the_picture_of_the_throw_carries_the_experiment() -> None:
     assert titles[0] == "exactly about axis 1"
     assert titles[5] == "with noise about axis 3"
     assert drawn.axes[3].get_xlabel() == "$t$ (s)"
-    assert drawn.axes[0].get_ylabel() == r"$\omega$ (rad/s)"
-    assert r"max Re $\lambda$ (1/s)" in texts(drawn.axes[0])
+    assert drawn.axes[0].get_ylabel() == r"$\omega$ (rad/s), growth rate (1/s)"
+    (key,) = drawn.axes[0].figure.legends
+    names = [text.get_text() for text in key.get_texts()]
+    assert names[:3] == [r"$\omega_1$", r"$\omega_2$", r"$\omega_3$"]
+    assert names[3].startswith("growth rate")
+    # Colour is not needed to tell the components apart.
+    assert len({str(line.get_linestyle()) for line in drawn.omega[4]}) == 3
 
 
 # Drift
