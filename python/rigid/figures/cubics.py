@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from .. import top
 from .._checks.arguments import vector
 from ..drawing import colours
-from ..drawing.axes3d import in_plane, label, panels
+from ..drawing.axes3d import BELOW, KEY, in_plane, label, panels
 from ..model.scene import HeavyTop, check_heavy_top
 from .potential import constants_of
 
@@ -210,15 +210,22 @@ def cubic(
         close.locator_params(nbins=4)
         ax.indicate_inset_zoom(close, edgecolor=colours.NEUTRAL)
     (allowed,) = close.plot(data.allowed, data.f_allowed, color=red, linewidth=2.4)
+    handles, names = [allowed], ["the top moves from $u_1$ to $u_2$"]
     still = None
     if data.near[0] < data.still < data.near[-1]:
         still = close.axvline(data.still, color=black, linewidth=1.0, linestyle="dashed", zorder=2)
         label(close, np.array([data.still, 0.85 * unit]), "$a/b$", black)
+        handles.append(still)
+        names.append(r"$u = a/b$: no precession; $a = p_\phi/I_1$, $b = p_\psi/I_1$")
     if seen[1] - seen[0] < 1e-3:
         label(close, np.array([seen[0], 0.25 * unit]), "$u_1 = u_2$")
     else:
         for place, name in zip(seen, ("$u_1$", "$u_2$"), strict=False):
             label(close, np.array([place, -0.18 * unit]), name)
+    if len(seen) == 3:
+        handles.append(roots)
+        names.append("$u_1$, $u_2$, $u_3$: roots of $f$; the top never reaches $u_3$")
+    ax.legend(handles=handles, labels=names, **BELOW)
     return CubicArtists(
         ax=ax,
         close=close,
@@ -379,7 +386,7 @@ def upright_cubic(
     exact, approximate = [], []
     for k, ax in enumerate(places):
         positive = np.maximum(data.exact[k], 0.0)
-        ax.fill_between(data.u, positive, color=blue, alpha=0.2, linewidth=0.0)
+        reached = ax.fill_between(data.u, positive, color=blue, alpha=0.2, linewidth=0.0)
         ax.axhline(0.0, color=colours.NEUTRAL, linewidth=0.8, zorder=1)
         approximate += ax.plot(
             data.u, data.approximate[k], color=orange, linestyle="dashed", linewidth=1.6
@@ -392,13 +399,18 @@ def upright_cubic(
         ax.set(xlim=(data.u[0], 1.0), ylim=(-size, size), xlabel=r"height $u = \cos\theta$")
         ax.locator_params(nbins=5)
     places[0].set_ylabel("$f(u)$ (1/s²)")
-    left = data.u[0] + 0.05 * (1.0 - data.u[0])
-    bold: dict[str, Any] = {"ha": "left", "fontsize": "medium"}
-    label(places[0], np.array([left, -0.6 * size]), "$f(u)$", blue, **bold)
-    nearby = r"$(1-u)^2(2\alpha-a^2)$"
-    label(places[0], np.array([left, -0.75 * size]), nearby, orange, **bold)
-    known = r"$\alpha = 2mgl/I_1$, $a = I_3\omega_3/I_1$"
-    label(places[0], np.array([left, -0.9 * size]), known, colours.NEUTRAL, **bold)
+    names = (
+        "$f(u)$",
+        r"$(1-u)^2(2\alpha-a^2)$ with $\alpha = 2mgl/I_1$, $a = I_3\omega_3/I_1$",
+        "heights that the top reaches",
+    )
+    places[0].figure.legend(
+        handles=[exact[0], approximate[0], reached],
+        labels=names,
+        loc="outside lower center",
+        ncols=3,
+        **KEY,
+    )
     return UprightCubicArtists(
         axes=tuple(places), data=data, exact=tuple(exact), approximate=tuple(approximate)
     )
