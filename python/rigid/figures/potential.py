@@ -12,7 +12,7 @@ from .. import top
 from .._checks.arguments import vector
 from ..animation.states import require_unforced
 from ..drawing import colours
-from ..drawing.axes3d import in_plane, label
+from ..drawing.axes3d import BELOW, in_plane, label
 from ..model.scene import HeavyTop, check_heavy_top
 
 if TYPE_CHECKING:
@@ -187,29 +187,44 @@ def effective_potential(
 
     height = max(data.E_prime - data.lowest, 0.2 * scene.mgl, 0.05 * abs(data.lowest))
     low, high = data.lowest - 0.75 * height, data.E_prime + 1.6 * height
+    # A stiff well may lie between two tilts of the curve.
+    well = np.sort([*np.degrees(data.tilt[data.potential <= high]), *ends])
+    margin = 0.5 * max(float(np.ptp(well)), 1.0)
+    first, last = max(well[0] - margin, 0.0), min(well[-1] + margin, 180.0)
+    wide = last - first
     marks = [(data.theta_steady, data.lowest, r"$\theta_\mathrm{m}$", 0.16)]
-    if ends[1] - ends[0] > 1.0:
+    if ends[1] - ends[0] > 0.04 * wide:
         marks.append((data.theta_upper, data.E_prime, r"$\theta_\mathrm{upper}$", 0.06))
         marks.append((data.theta_lower, data.E_prime, r"$\theta_\mathrm{lower}$", 0.06))
     for theta, value, name, share in marks:
         place = np.degrees(theta)
         ax.plot([place, place], [low, value], color=colours.FAINT, linewidth=0.9, zorder=1)
         # Outside the well, but inside the axes.
-        left = (22.0 < place < 158.0 and theta < data.theta_steady) or place >= 158.0
-        beside = np.array([place + (-2.0 if left else 2.0), low + share * (high - low)])
+        room = 0.12 * wide
+        left = (first + room < place and theta < data.theta_steady) or place >= last - room
+        beside = np.array([place + 0.01 * wide * (-1 if left else 1), low + share * (high - low)])
         label(ax, beside, name, ha="right" if left else "left")
-    # Write the names beside the lines, outside the well.
-    label(ax, np.array([176.0, data.E_prime]), "$E'$", level_colour, va="bottom")
-    rising = np.flatnonzero(data.potential < low + 0.88 * (high - low))[-1]
-    beside = np.array([np.degrees(data.tilt[rising]) + 3.0, data.potential[rising]])
-    label(ax, beside, r"$V'(\theta)$", blue, ha="left", va="top")
+    # Write the names beside the lines, outside the well, on the side that has room.
+    right = well[-1] + margin <= 180.0 or well[0] - margin < 0.0
+    end = last - 0.03 * wide if right else first + 0.03 * wide
+    label(ax, np.array([end, data.E_prime]), "$E'$", level_colour, va="bottom")
+    near = low + 0.88 * (high - low)
+    seen = np.flatnonzero(data.potential <= max(near, data.potential.min()))
+    place, off, side = (seen[-1], 0.02, "left") if right else (seen[0], -0.02, "right")
+    value = min(data.potential[place], near)
+    beside = np.array([np.degrees(data.tilt[place]) + off * wide, value])
+    label(ax, beside, r"$V'(\theta)$", blue, ha=side, va="top")
     ax.set(
-        xlim=(0.0, 180.0),
+        xlim=(first, last),
         ylim=(low, high),
         xlabel=r"tilt $\theta$ (°)",
         ylabel="energy (J)",
-        xticks=np.arange(0.0, 181.0, 30.0),
     )
+    names = (
+        r"highest ($\theta_\mathrm{upper}$) and lowest ($\theta_\mathrm{lower}$) axis: $V' = E'$",
+        r"steady precession ($\theta_\mathrm{m}$): the least $V'$",
+    )
+    ax.legend(handles=[turning, steady], labels=names, **BELOW)
     return PotentialWellArtists(
         ax=ax, data=data, curve=curve, level=level, turning=turning, steady=steady
     )

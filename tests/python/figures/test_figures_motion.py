@@ -66,6 +66,11 @@ def test_the_path_moves_in_the_well() -> None:
     np.testing.assert_allclose(data.E_prime - well, 0.5 * (u_rate / sine) ** 2, atol=1e-6)
 
 
+def keys(legend: Any) -> list[str]:
+    """The words of a legend."""
+    return [text.get_text() for text in legend.get_texts()]
+
+
 def test_the_picture_of_the_well_carries_its_numbers() -> None:
     drawn = figures.effective_potential(TOP, omega_of("cusp"), TILTED)
     data = drawn.data
@@ -80,6 +85,11 @@ def test_the_picture_of_the_well_carries_its_numbers() -> None:
     assert {"$E'$", r"$V'(\theta)$", r"$\theta_\mathrm{m}$"} < set(texts(drawn.ax))
     low, high = drawn.ax.get_ylim()
     assert low < data.lowest < data.E_prime < high
+    # The well fills the half of the width, and a key says which circle is high.
+    well = np.degrees(data.tilt[data.potential <= high])
+    left, right = drawn.ax.get_xlim()
+    assert np.ptp(well) == pytest.approx(0.5 * (right - left), rel=1e-9)
+    assert keys(drawn.ax.get_legend())[0].startswith(r"highest ($\theta_\mathrm{upper}$)")
 
 
 def test_a_steady_top_lies_at_the_bottom_of_the_well() -> None:
@@ -138,6 +148,8 @@ def test_the_picture_of_the_cubic_carries_its_numbers() -> None:
     assert drawn.ax.get_ylabel() == r"$f(u) = \dot u^2$ (1/s²)"
     assert "$u_3$" in texts(drawn.ax)
     assert {"$u_1$", "$u_2$", "$a/b$"} <= set(texts(drawn.close))
+    defined = " ".join(keys(drawn.ax.get_legend()))
+    assert all(name in defined for name in ("$u_3$", r"$a = p_\phi/I_1$", r"$b = p_\psi/I_1$"))
     # The wide interval of the fourth kind needs no closer look, and its u3 is out of sight.
     wide = figures.cubic(TOP, omega_of("retrograde"), TILTED)
     assert wide.close is wide.ax
@@ -181,6 +193,8 @@ def test_an_upright_top_sleeps_where_f_is_negative() -> None:
     titles = [ax.get_title() for ax in drawn.axes]
     assert [title.split(": ")[1] for title in titles] == ["falls", "sleeps", "sleeps"]
     assert drawn.axes[0].get_ylabel() == "$f(u)$ (1/s²)"
+    (key,) = drawn.axes[0].figure.legends
+    assert r"$\alpha = 2mgl/I_1$, $a = I_3\omega_3/I_1$" in keys(key)[1]
 
 
 # The locus
