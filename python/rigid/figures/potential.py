@@ -211,8 +211,8 @@ def effective_potential(
     near = low + 0.88 * (high - low)
     seen = np.flatnonzero(data.potential <= max(near, data.potential.min()))
     place, off, side = (seen[-1], 0.02, "left") if right else (seen[0], -0.02, "right")
-    value = min(data.potential[place], near)
-    beside = np.array([np.degrees(data.tilt[place]) + off * wide, value])
+    across = np.degrees(data.tilt[place]) + off * wide
+    beside = np.array([across, np.minimum(data.potential[place], near)])
     label(ax, beside, r"$V'(\theta)$", blue, ha=side, va="top")
     ax.set(
         xlim=(first, last),
