@@ -180,7 +180,7 @@ class Torque:
     ) -> Torque:
         """The torque in the body that a compiled function returns.
 
-        The function has the signature
+        The function has the signature ::
 
             void torque(double t, const double *omega, const double *attitude,
                         const double *data, double *torque)
