@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from .. import _core
 from ..model.criteria import Regular
 from . import sequential
-from .measured import BIN, Measures
+from .measured import Measures
 from .refine import Stages, filled, refined, stages
 from .spec import MapSpec
 
@@ -156,8 +156,6 @@ class MapData:
         default of no values.
         Columns that are not given, as those that are not saved, are NaN.
         """
-        if bins is None:
-            bins = [np.empty((0, BIN), np.int64) for _ in spec.measure]
         unknown = np.full(spec.shape, np.nan)
         columns = {
             column.name: arrays[column.name].reshape(spec.shape)

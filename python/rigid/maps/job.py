@@ -166,18 +166,18 @@ def _one(
 
 def _of_core(spec: MapSpec, pixels: NDArray[np.int64] | None, samples: range) -> _core.MapJob:
     """What the core makes of a map of one horizon and one limit; it draws the bodies at least."""
-    grid = spec.grid if pixels is None else spec.starting(spec.start.starts[0], pixels)
-    of_mixture: dict[str, Any] = {}
+    grids = [spec.starting(start, pixels) for start in spec.start.starts]
+    starts = [_starts(*one) for one in zip(spec.start.starts, grids, strict=True)]
+    grid, of_mixture = grids[0], dict[str, Any]()
     if isinstance(spec.start, Mixture):
-        every = [_starts(start, spec.starting(start, pixels)) for start in spec.start.starts]
-        of_mixture = {"mixture": every, "mixture_shares": spec.start.shares().tolist()}
+        of_mixture = {"mixture": starts, "mixture_shares": spec.start.shares().tolist()}
     return _core.MapJob(
         scene=spec.scene.kind,
         # What draws for a function classifies nothing, and may have no closed form.
         method=AUTO if isinstance(spec.stable, Judged) and spec.method == EXACT else spec.method,
         moments=grid.moments,
         weight=grid.weight,
-        **_starts(spec.start.starts[0], grid),
+        **starts[0],
         **of_mixture,
         conditions=spec.stable.conditions(),
         logic=" ".join(map(str, spec.stable.logic())),

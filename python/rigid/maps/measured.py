@@ -162,11 +162,19 @@ class Measured:
 
 
 class Measures(Mapping[str, Measured]):
-    """The measures of a map by name: ``"flips(2)"``, or ``"flips"`` if there is but one."""
+    """The measures of a map by name: ``"flips(2)"``, or ``"flips"`` if there is but one.
+
+    Without bins no body has a value.
+    """
 
     def __init__(
-        self, measures: Sequence[Measure], bins: Sequence[Ints], shape: tuple[int, ...]
+        self,
+        measures: Sequence[Measure],
+        bins: Sequence[Ints] | None,
+        shape: tuple[int, ...],
     ) -> None:
+        if bins is None:
+            bins = [np.empty((0, BIN), np.int64) for _ in measures]
         self._known = {
             str(measure): Measured(measure, rows, shape)
             for measure, rows in zip(measures, bins, strict=True)

@@ -72,7 +72,7 @@ def _rates(spec: MapSpec, pixels: NDArray[np.intp], scheme: str) -> Floats:
     """The rates that the steps of these pixels follow."""
     rates = np.zeros(len(pixels))
     for start in spec.start.starts:
-        grid = spec.grid if start is spec.start.starts[0] else spec.starting(start)
+        grid = spec.starting(start)
         starts = grid.omega[pixels], grid.attitude[pixels]
         for mine, batch in grid.batches_by_forcing(pixels, *starts):
             fastest = batch.fastest_rates((0.0, spec.t_end), scheme)

@@ -16,7 +16,7 @@ from ..drawing.figure import shown_figure
 from ..model.criteria import Regular
 from ..solve.methods import AUTO
 from .data import MapData
-from .measured import BIN, Measures
+from .measured import Measures
 from .parameters import Axis
 from .spec import MapSpec
 from .theory import Curve, Theory, predict
@@ -241,9 +241,8 @@ def check_what(spec: MapSpec, what: str) -> None:
     """Raise ValueError if the picture of a map cannot show this."""
     if what != SHARE and len(spec.axes) > 2:
         raise ValueError(f"what = {brief(what)}: a picture of more than two axes shows the share")
-    nothing = [np.empty((0, BIN), np.int64) for _ in spec.measure]
     if what not in (SHARE, COST):
-        _measured(Measures(spec.measure, nothing, spec.shape), what)
+        _measured(Measures(spec.measure, None, spec.shape), what)
 
 
 def _field(data: MapData, what: object) -> tuple[Floats | None, str]:

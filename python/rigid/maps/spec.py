@@ -397,12 +397,17 @@ class MapSpec:
     @cached_property
     def grid(self) -> NominalStarts:
         """The nominal start of every pixel, computed once; of a mixture that of the first start."""
-        return self.starting(self.start.starts[0])
+        return self._nominal(self.start.starts[0])
 
     def starting(self, start: Start, pixels: NDArray[np.int64] | None = None) -> NominalStarts:
         """The nominal start of every pixel, or of some, by one of the starts of a mixture."""
-        self.require_scene()
+        if pixels is None and start is self.start.starts[0]:
+            return self.grid
         # Not those of other pixels, of which there may be millions.
+        return self._nominal(start, pixels)
+
+    def _nominal(self, start: Start, pixels: NDArray[np.int64] | None = None) -> NominalStarts:
+        self.require_scene()
         return nominal_starts(self.scene, start, self.axes, pixels, self.made)
 
     def __getstate__(self) -> dict[str, Any]:

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from .. import _core
 from .._checks.arguments import one_line
-from ..maps.grid import nominal_starts
 from ..maps.identity import FORMAT, FORMAT_VERSIONS, canonical, differences, head_of, key_of
 from ..maps.spec import MapSpec
 
@@ -115,11 +114,10 @@ class Head:
 
 def moment_status(spec: MapSpec) -> NDArray[np.uint8]:
     """The status of the moments of each pixel in C order: 0 where the body is possible."""
-    spec.require_scene()
     pixels = int(np.prod(spec.shape))
     status = np.empty(pixels, np.uint8)
     for begin in range(0, pixels, PIXELS_TOGETHER):
         index = np.arange(begin, min(begin + PIXELS_TOGETHER, pixels))
-        starts = nominal_starts(spec.scene, spec.start.starts[0], spec.axes, index, spec.made)
+        starts = spec.starting(spec.start.starts[0], index)
         status[index] = _core.moment_status(starts.moments)
     return status

@@ -201,16 +201,17 @@ class Table:
         """The bins of each measure of the map, merged over the segments of each pixel."""
         measures, segments = len(self._head.spec.measure), self._head.segments
         every = self.block(np.flatnonzero(self.known)).bins
-        by_measure = [every[every[:, 1] == number] for number in range(measures)]
+        of_units = [
+            np.delete(every[every[:, 1] == number], 1, axis=1) for number in range(measures)
+        ]
         if segments == 1:
-            return [np.delete(bins, 1, axis=1) for bins in by_measure]
+            return of_units
         pixels = len(self.rows) // segments
         statistics = _core.MapStatistics(pixels, measures)
         # The core puts the bins of all segments of a pixel together.
-        merged = [np.delete(bins, 1, axis=1) for bins in by_measure]
-        for bins in merged:
+        for bins in of_units:
             bins[:, 0] //= segments
-        statistics.merge({**_core.MapStatistics(pixels).arrays(), "first": 0, "measures": merged})
+        statistics.merge({**_core.MapStatistics(pixels).arrays(), "first": 0, "measures": of_units})
         return statistics.bins()
 
     def _segment(self, units: slice) -> dict[str, NDArray[Any]]:
