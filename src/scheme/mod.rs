@@ -430,8 +430,7 @@ impl Scheme {
         if !forcing.is_called() || self.moves_called() {
             return Ok(());
         }
-        let rule =
-            "needs more of a torque than a function returns: with one move 'rk4', 'dop853' and 'midpoint'";
+        let rule = "cannot integrate the torque of a function; use 'rk4', 'dop853' or 'midpoint'";
         Err(Error::Value { argument: "method", value: format!("'{}'", self.facts.name), rule })
     }
 

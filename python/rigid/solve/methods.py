@@ -255,7 +255,7 @@ def check_method(
             )
         if called and not _named(name).called:
             raise ValueError(
-                f"method = {name!r}: needs more of a torque than a function returns; with one move "
+                f"method = {name!r}: cannot integrate the torque of a function; use one of "
                 f"{', '.join(map(repr, driven_methods(called=True)))}"
             )
 

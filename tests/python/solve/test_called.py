@@ -182,7 +182,7 @@ def test_what_a_function_does_not_go_with_is_refused() -> None:
     }
     for words, refused in (
         ("step: is needed", lambda: rigid.simulate(scene, OMEGA, t=[1.0])),
-        ("'taylor16': needs more", lambda: rigid.simulate(scene, OMEGA, method="taylor16", **one)),
+        ("'taylor16': cannot integrate the torque of a function", lambda: rigid.simulate(scene, OMEGA, method="taylor16", **one)),
         ("displacements are not", lambda: rigid.simulate(scene, OMEGA, tangent=True, **one)),
         (
             "events: no method",
