@@ -146,6 +146,36 @@ fn over_threads(threads: usize, stop: &Interrupt, worker: &(impl Fn() + Sync)) {
     });
 }
 
+/// Does `work` on another thread, while the caller asks whether `work` shall stop; in the caller's thread where no other
+/// can be started.
+///
+/// A function of Python that `work` calls in the thread of the caller would handle the signals, and lose what their
+/// handlers raise.
+pub fn apart<T: Send>(stop: &Interrupt, work: impl FnOnce() -> Result<T, Error> + Send) -> Result<T, Error> {
+    let (caller, work, result) = (thread::current(), Mutex::new(Some(work)), Mutex::new(None));
+    let once = || {
+        let work = work.lock().expect("nothing panics here").take();
+        *result.lock().expect("nothing panics here") = work.map(caught);
+    };
+    thread::scope(|scope| {
+        let other = || {
+            once();
+            caller.unpark();
+        };
+        let has_room = memory::has_room(BYTES_OF_A_THREAD);
+        match has_room.then(|| thread::Builder::new().spawn_scoped(scope, other)) {
+            Some(Ok(other)) => {
+                while !other.is_finished() {
+                    thread::park_timeout(BETWEEN_QUESTIONS);
+                    stop.is_wanted();
+                }
+            }
+            _ => once(),
+        }
+    });
+    result.into_inner().expect("nothing panics there").expect("the work was done")
+}
+
 /// The result of `work`; a panic becomes an error.
 pub fn caught<T>(work: impl FnOnce() -> Result<T, Error>) -> Result<T, Error> {
     catch_unwind(AssertUnwindSafe(work))
@@ -246,6 +276,23 @@ mod tests {
         })
         .unwrap();
         assert_eq!(questions.into_inner(), 2);
+    }
+
+    #[test]
+    fn the_caller_is_asked_while_its_work_is_done_apart() {
+        let caller = thread::current().id();
+        let asked = AtomicBool::new(false);
+        let ask = || !asked.swap(true, Ordering::Relaxed);
+        let stop = Interrupt::when(&ask);
+        let worker = apart(&stop, || {
+            while !stop.is_wanted() {
+                thread::sleep(Duration::from_millis(1));
+            }
+            Ok(thread::current().id())
+        });
+        assert!(worker.is_ok_and(|worker| worker != caller));
+        let fault = apart(&stop, || -> Result<(), Error> { panic!("it is bad") });
+        assert_eq!(fault, Err(Error::Fault { words: "it is bad".into() }));
     }
 
     #[test]

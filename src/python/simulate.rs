@@ -8,7 +8,7 @@ use super::target::Target;
 use crate::forcing::{Forcing, ParameterChange};
 use crate::map::MethodChoice;
 use crate::memory;
-use crate::parallel::Interrupt;
+use crate::parallel::{self, Interrupt};
 use crate::scene::Scene;
 use crate::scheme::Scheme;
 use crate::simd::Isa;
@@ -148,7 +148,10 @@ pub fn simulate<'py>(
         for target in &mut targets {
             states.give(target.name, target.part(part.clone())?);
         }
-        let run = |stop: &Interrupt| trajectory::simulate_into(request, states, threads, isa, stop);
+        let run = |stop: &Interrupt| {
+            let simulate = || trajectory::simulate_into(request, states, threads, isa, stop);
+            if forcing.of(0).is_called() { parallel::apart(stop, simulate) } else { simulate() }
+        };
         nanoseconds += interruptible(py, None, run)?.map_err(|error| error.of_part(part.start))?.nanoseconds;
         for target in &mut targets {
             target.finish(part.clone())?;

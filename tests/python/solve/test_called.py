@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import signal
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 
 import rigid
+from interrupts import sigint
 
 METHODS = [method.name for method in rigid.methods() if method.called]
 BODY = rigid.Body((1.0, 1.5, 2.0))
@@ -168,6 +170,24 @@ def test_what_is_no_address_is_refused(address: Any, error: type[Exception], wor
         rigid.Torque.call(address)
 
 
+def test_ctrl_c_within_a_function_of_python_ends_the_run() -> None:
+    # ctypes ignores what a callback raises: the handler of the signal must not run in it.
+    calls = 0
+
+    @SIGNATURE  # type: ignore[untyped-decorator]
+    def interrupted(t: float, omega: Any, attitude: Any, data: Any, torque: Any) -> None:
+        nonlocal calls
+        calls += 1
+        if calls == 100:
+            signal.raise_signal(signal.SIGINT)
+        torque[0] = torque[1] = torque[2] = 0.0
+
+    scene = rigid.FreeBody(BODY, torque=rigid.Torque.call(interrupted))
+    with sigint(signal.default_int_handler), pytest.raises(KeyboardInterrupt):
+        rigid.simulate(scene, OMEGA, t=[1.0], method="rk4", step=1e-6, check=False)
+    assert calls < 4 * 10**6
+
+
 def test_what_a_function_does_not_go_with_is_refused() -> None:
     torque = rigid.Torque.call(damping, [0.1] * 3)
     scene = top(torque=torque)
@@ -182,7 +202,10 @@ def test_what_a_function_does_not_go_with_is_refused() -> None:
     }
     for words, refused in (
         ("step: is needed", lambda: rigid.simulate(scene, OMEGA, t=[1.0])),
-        ("'taylor16': cannot integrate the torque of a function", lambda: rigid.simulate(scene, OMEGA, method="taylor16", **one)),
+        (
+            "'taylor16': cannot integrate",
+            lambda: rigid.simulate(scene, OMEGA, method="taylor16", **one),
+        ),
         ("displacements are not", lambda: rigid.simulate(scene, OMEGA, tangent=True, **one)),
         (
             "events: no method",
