@@ -10,29 +10,46 @@ use crate::real::Real;
 use crate::special::{exp_m1, ln, ln_1p, sincos};
 use std::f64::consts::TAU;
 
-/// The ten rounds.
+/// The ten rounds, of several counters in turn: each round has to wait for the one before.
 #[inline(always)]
-pub fn philox4x64(mut counter: [u64; 4], mut key: [u64; 2]) -> [u64; 4] {
+pub fn philox4x64<const N: usize>(mut counters: [[u64; 4]; N], mut key: [u64; 2]) -> [[u64; 4]; N] {
     for _ in 0..10 {
-        let a = u128::from(counter[0]) * 0xD2E7_470E_E14C_6C93;
-        let b = u128::from(counter[2]) * 0xCA5A_8263_9512_1157;
-        counter = [
-            (b >> 64) as u64 ^ counter[1] ^ key[0],
-            b as u64,
-            (a >> 64) as u64 ^ counter[3] ^ key[1],
-            a as u64,
-        ];
+        for counter in &mut counters {
+            let a = u128::from(counter[0]) * 0xD2E7_470E_E14C_6C93;
+            let b = u128::from(counter[2]) * 0xCA5A_8263_9512_1157;
+            *counter = [
+                (b >> 64) as u64 ^ counter[1] ^ key[0],
+                b as u64,
+                (a >> 64) as u64 ^ counter[3] ^ key[1],
+                a as u64,
+            ];
+        }
         key[0] = key[0].wrapping_add(0x9E37_79B9_7F4A_7C15);
         key[1] = key[1].wrapping_add(0xBB67_AE85_84CA_A73B);
     }
-    counter
+    counters
 }
 
 /// Four uniforms in [0, 1) of a block of draws.
 #[inline(always)]
 pub fn uniforms(key: [u64; 2], block: u64, sample: u64, pixel: u64) -> [f64; 4] {
-    philox4x64([block + 1, sample, pixel, 0], key)
-        .map(|bits| (bits >> 11) as f64 * (1.0 / 9_007_199_254_740_992.0))
+    let [u] = uniforms_together(key, block, [[pixel, sample]]);
+    u
+}
+
+/// The same of several samples, each given by its pixel and its number.
+#[inline(always)]
+pub fn uniforms_together<const N: usize>(key: [u64; 2], block: u64, samples: [[u64; 2]; N]) -> [[f64; 4]; N] {
+    let (mut counters, mut uniforms) = ([[0; 4]; N], [[0.0; 4]; N]);
+    for ([pixel, sample], counter) in samples.into_iter().zip(&mut counters) {
+        *counter = [block + 1, sample, pixel, 0];
+    }
+    for (drawn, own) in philox4x64(counters, key).iter().zip(&mut uniforms) {
+        for k in 0..4 {
+            own[k] = (drawn[k] >> 11) as f64 * (1.0 / 9_007_199_254_740_992.0);
+        }
+    }
+    uniforms
 }
 
 /// The distributions of a perturbation. Each takes four uniforms, even if it needs fewer.

@@ -47,6 +47,9 @@ pub struct Mixed {
 /// The block of draws that tells which start of a mixture a sample takes; those before are of the rates and the attitude.
 const OF_MIXTURE: u64 = 2;
 
+/// Samples whose random bits are drawn in turn: together they take two thirds of their time one by one.
+const TOGETHER: usize = 4;
+
 const NOTHING: Row = Row([0.0; LANES]);
 
 /// The uniforms of each lane, the nominal starts and the sizes of the perturbations.
@@ -57,12 +60,6 @@ struct Draws {
     sizes: [Row; 4],
     /// Rates or an attitude: first the nominal, then the perturbed ones.
     start: [Row; 4],
-}
-
-impl Draws {
-    fn set_uniforms(&mut self, lane: usize, u: [f64; 4]) {
-        set(&mut self.uniforms, lane, u);
-    }
 }
 
 fn set(rows: &mut [Row; 4], lane: usize, u: [f64; 4]) {
@@ -156,6 +153,22 @@ impl Map {
         [self.numbers.get(pixel as usize).copied().unwrap_or(pixel), self.first + sample]
     }
 
+    /// The uniforms of a block of draws, of each place in a lane.
+    #[inline(always)]
+    fn draw_uniforms(&self, block: u64, places: &[(u64, u64)], rows: &mut [Row; 4]) {
+        for (first, places) in (0..).step_by(TOGETHER).zip(places.chunks(TOGETHER)) {
+            // A short chunk has its last place several times.
+            let mut samples = [[0; 2]; TOGETHER];
+            for k in 0..TOGETHER {
+                samples[k] = self.counter(places[k.min(places.len() - 1)]);
+            }
+            let uniforms = sample::uniforms_together(self.key, block, samples);
+            for k in 0..TOGETHER {
+                set(rows, first + k, uniforms[k]);
+            }
+        }
+    }
+
     /// The starts of a range of samples in pixel-major order; the nominal ones where the pixel has no body.
     pub fn draw(&self, isa: Isa, range: Range<u64>) -> Result<Vec<Body>, Error> {
         // As many as a block has at most.
@@ -212,10 +225,9 @@ impl Map {
         let (rates_mix, attitude_mix) = (mix.filter(|_| of_rates), mix.filter(|_| of_attitude));
         for (bodies, places) in bodies.chunks_mut(LANES).zip(places.chunks(LANES)) {
             if laws.omega != Law::None {
+                self.draw_uniforms(0, places, &mut draws.uniforms);
                 for (lane, place) in places.iter().enumerate() {
                     let Pixel { body, omega_size, .. } = pixel(place);
-                    let [number, sample] = self.counter(*place);
-                    draws.set_uniforms(lane, sample::uniforms(self.key, 0, sample, number));
                     for k in 0..3 {
                         draws.sizes[k].0[lane] = omega_size[k];
                         draws.start[k].0[lane] = body.omega[k];
@@ -224,18 +236,19 @@ impl Map {
                 vectors_of(isa, laws.omega, rates_mix, &mut draws);
                 for (lane, (body, place)) in bodies.iter_mut().zip(places).enumerate() {
                     if pixel(place).possible {
-                        body.omega = [0, 1, 2].map(|k| draws.start[k].0[lane]);
+                        for k in 0..3 {
+                            body.omega[k] = draws.start[k].0[lane];
+                        }
                     }
                 }
             }
             if laws.attitude != Law::None {
+                self.draw_uniforms(1, places, &mut draws.uniforms);
+                if attitude_mix.is_some() {
+                    self.draw_uniforms(0, places, &mut draws.of_rates);
+                }
                 for (lane, place) in places.iter().enumerate() {
                     let Pixel { body, attitude_size, .. } = pixel(place);
-                    let [number, sample] = self.counter(*place);
-                    draws.set_uniforms(lane, sample::uniforms(self.key, 1, sample, number));
-                    if attitude_mix.is_some() {
-                        set(&mut draws.of_rates, lane, sample::uniforms(self.key, 0, sample, number));
-                    }
                     for k in 0..3 {
                         draws.sizes[k].0[lane] = attitude_size[k];
                     }
@@ -246,7 +259,9 @@ impl Map {
                 attitudes_of(isa, laws.attitude, attitude_mix, &mut draws);
                 for (lane, (body, place)) in bodies.iter_mut().zip(places).enumerate() {
                     if pixel(place).possible {
-                        body.attitude = [0, 1, 2, 3].map(|k| draws.start[k].0[lane]);
+                        for k in 0..4 {
+                            body.attitude[k] = draws.start[k].0[lane];
+                        }
                     }
                 }
             }

@@ -33,7 +33,7 @@ fn philox_known_answers() {
             [0xa528f45403e61d95, 0x38c72dbd566e9788, 0xa5a1610e72fd18b5, 0x57bd43b5e52b7fe6],
         ),
     ] {
-        assert_eq!(philox4x64(counter, key), answer);
+        assert_eq!(philox4x64([counter], key), [answer]);
     }
 }
 
