@@ -46,11 +46,13 @@ impl Body {
     }
 
     /// Whether the centre of mass lies on this body axis.
+    #[inline]
     pub fn is_weighed_along(&self, axis: usize) -> bool {
         self.weight[axis] != 0.0 && self.weight[(axis + 1) % 3] == 0.0 && self.weight[(axis + 2) % 3] == 0.0
     }
 
     /// Whether the two moments across this axis are equal, to the bit.
+    #[inline]
     pub fn is_symmetric_about(&self, axis: usize) -> bool {
         self.moments[(axis + 1) % 3] == self.moments[(axis + 2) % 3]
     }

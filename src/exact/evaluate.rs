@@ -37,6 +37,7 @@ impl StartRows {
     }
 
     /// Puts a body into a lane.
+    #[inline]
     pub fn set(&mut self, lane: usize, body: &Body) {
         for k in 0..3 {
             self.moments[k].0[lane] = body.moments[k];

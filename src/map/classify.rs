@@ -13,41 +13,38 @@ use crate::status::Status;
 /// the rounding of a phase.
 const DOUBT: f64 = 1e-14;
 
-/// Parameters of the exit time of a sample, which is evaluated in closed form.
-#[derive(Clone, Copy)]
-struct ExitQuery {
-    form: CanonicalForm,
-    /// Observed component, in the variables of the closed form.
-    axis: usize,
-    /// 1 - cos of the limit, measured to the centre of mass, and the direction in which the limit is crossed.
-    limit: f64,
-    direction: f64,
-    /// The exit time, if it is known without the motion: at once, or never.
-    known: Option<f64>,
+/// When a sample leaves stability.
+enum Exit {
+    /// At this time, which is known without the motion: at once, or never.
+    At(f64),
+    /// Where the motion crosses a limit.
+    Crossing {
+        /// Observed component, in the variables of the closed form.
+        axis: usize,
+        /// 1 - cos of the limit, measured to the centre of mass.
+        limit: f64,
+        /// The direction in which the limit is crossed.
+        direction: f64,
+    },
 }
 
-impl ExitQuery {
-    /// The exit query of a map for a body, if the exit time has a closed form.
+impl Exit {
+    /// The exit of a body of a map, if its time has a closed form.
     #[inline(always)]
-    fn of(map: Watched<'_>, body: &Body) -> Option<ExitQuery> {
-        let form = CanonicalForm::of(body)?;
+    fn of(map: Watched<'_>, body: &Body, form: &CanonicalForm) -> Option<Exit> {
+        const NEVER: Option<Exit> = Some(Exit::At(f64::INFINITY));
         let watched = (map.axis.unsigned_abs() as usize).max(1) - 1;
         let axis = form.axis(watched);
         // The plan of a map depends on the moments and the weight only, so it cannot treat a top at rest separately.
         let symmetric =
             body.is_symmetric_about(watched) && (body.weight == [0.0; 3] || body.is_weighed_along(watched));
-        let query = ExitQuery { form, axis, limit: 0.0, direction: 1.0, known: None };
         match (map.criterion, form.closed_form) {
-            (criterion, _) if !map.scene.has_weight && criterion.is_kept_without_torque() => {
-                Some(ExitQuery { known: Some(f64::INFINITY), ..query })
+            (criterion, _) if !map.scene.has_weight && criterion.is_kept_without_torque() => NEVER,
+            (Criterion::NoFlip, ClosedForm::PermanentRotation) if !map.scene.has_weight || symmetric => NEVER,
+            (Criterion::NoFlip, ClosedForm::Symmetric | ClosedForm::Asymmetric) => {
+                Some(Exit::Crossing { axis, limit: 0.0, direction: 1.0 })
             }
-            (Criterion::NoFlip, ClosedForm::PermanentRotation) if !map.scene.has_weight || symmetric => {
-                Some(ExitQuery { known: Some(f64::INFINITY), ..query })
-            }
-            (Criterion::NoFlip, ClosedForm::Symmetric | ClosedForm::Asymmetric) => Some(query),
-            (Criterion::NoFlip, ClosedForm::Lagrange) if axis == 2 => {
-                Some(ExitQuery { known: Some(f64::INFINITY), ..query })
-            }
+            (Criterion::NoFlip, ClosedForm::Lagrange) if axis == 2 => NEVER,
             (Criterion::TiltFromVertical(angle), ClosedForm::Lagrange | ClosedForm::PermanentRotation)
                 if map.scene.has_weight && symmetric =>
             {
@@ -55,11 +52,11 @@ impl ExitQuery {
                 let along = (map.axis > 0) == (body.weight[watched] > 0.0);
                 let part = if along { half.0 } else { half.1 };
                 let (limit, direction) = (2.0 * part * part, if along { 1.0 } else { -1.0 });
-                let known = (form.closed_form == ClosedForm::PermanentRotation).then(|| {
-                    let now = body.depth(watched);
-                    if direction * (now - limit) > 0.0 { 0.0 } else { f64::INFINITY }
-                });
-                Some(ExitQuery { limit, direction, known, ..query })
+                if form.closed_form == ClosedForm::Lagrange {
+                    return Some(Exit::Crossing { axis, limit, direction });
+                }
+                let now = body.depth(watched);
+                if direction * (now - limit) > 0.0 { Some(Exit::At(0.0)) } else { NEVER }
             }
             _ => None,
         }
@@ -68,7 +65,10 @@ impl ExitQuery {
 
 /// Whether the body is classified in closed form.
 pub(super) fn answers(map: Watched<'_>, body: &Body) -> bool {
-    if map.criterion.rule().is_some() { is_integrable(body) } else { ExitQuery::of(map, body).is_some() }
+    if map.criterion.rule().is_some() {
+        return is_integrable(body);
+    }
+    CanonicalForm::of(body).is_some_and(|form| Exit::of(map, body, &form).is_some())
 }
 
 /// Whether all motions of such a body are regular by theorem.
@@ -110,18 +110,22 @@ impl<'a> ClosedFormClassifier<'a> {
             }
             return is_known;
         }
-        let Some(query) = ExitQuery::of(self.map, body) else { return false };
-        if let Some(left) = query.known {
-            outcomes[index] = Some(outcome(self.map, left));
-            return true;
-        }
-        let kind = query.form.kind();
+        let Some(form) = CanonicalForm::of(body) else { return false };
+        let (axis, limit, direction) = match Exit::of(self.map, body, &form) {
+            None => return false,
+            Some(Exit::At(left)) => {
+                outcomes[index] = Some(outcome(self.map, left));
+                return true;
+            }
+            Some(Exit::Crossing { axis, limit, direction }) => (axis, limit, direction),
+        };
+        let kind = form.kind();
         let isa = self.isa;
         let waiting = self.waiting[kind as usize].get_or_insert_with(|| {
             let nothing = Row([0.0; LANES]);
             Waiting {
                 evaluator: Evaluator::new(kind, isa),
-                starts: StartRows::filled(&query.form.to_canonical(body)),
+                starts: StartRows::filled(&form.to_canonical(body)),
                 exits: ExitRows { axis: nothing, limit: nothing, direction: nothing },
                 indices: [0; LANES],
                 filled: 0,
@@ -130,11 +134,11 @@ impl<'a> ClosedFormClassifier<'a> {
         let lane = waiting.filled;
         match kind {
             EvaluatorKind::Free => waiting.starts.set(lane, body),
-            _ => waiting.starts.set(lane, &query.form.to_canonical(body)),
+            _ => waiting.starts.set(lane, &form.to_canonical(body)),
         }
-        waiting.exits.axis.0[lane] = query.axis as f64;
-        waiting.exits.limit.0[lane] = query.limit;
-        waiting.exits.direction.0[lane] = query.direction;
+        waiting.exits.axis.0[lane] = axis as f64;
+        waiting.exits.limit.0[lane] = limit;
+        waiting.exits.direction.0[lane] = direction;
         waiting.indices[lane] = index;
         waiting.filled += 1;
         if waiting.filled == LANES {

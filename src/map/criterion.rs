@@ -57,6 +57,7 @@ impl Criterion {
     }
 
     /// The bound that is observed, if one is.
+    #[inline]
     pub(super) fn bound(self) -> Option<Bound> {
         match self {
             Criterion::Bounded(bound) => Some(bound),
@@ -65,6 +66,7 @@ impl Criterion {
     }
 
     /// Whether no free body leaves it: the angular momentum is constant in space.
+    #[inline]
     pub(super) fn is_kept_without_torque(self) -> bool {
         let constant = Quantity::Turn { of_momentum: true, in_space: true };
         self.bound().is_some_and(|bound| bound.quantity == constant)
@@ -84,6 +86,7 @@ impl Criterion {
     }
 
     /// When a run is regular, if that is asked for.
+    #[inline]
     pub(super) fn rule(self) -> Option<Rule> {
         match self {
             Criterion::RegularRates(rule) | Criterion::RegularAttitude(rule) => Some(rule),
@@ -92,6 +95,7 @@ impl Criterion {
     }
 
     /// What is observed of a sample.
+    #[inline]
     pub(super) fn observed(self) -> Observed {
         match self {
             Criterion::NoFlip => Observed::Flips,

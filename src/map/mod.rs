@@ -39,6 +39,7 @@ use integrate::{RUNS, Run};
 use joined::Joined;
 use statistics::Sample;
 use std::ops::{Deref, Range};
+use std::slice;
 use std::sync::Mutex;
 
 /// A sample takes whole blocks of this many steps and may stop after each. What is observed at the ends of blocks then
@@ -154,12 +155,13 @@ impl Map {
             let mut added = Ok(());
             self.with_sample(&classified, start + at as u64, |sample, _| {
                 statistics.add(sample);
-                added = self.values(sample, &measured, at).zip(&mut sketches[first..]).try_for_each(
-                    |((value, steps), sketch)| {
-                        statistics.steps += steps;
-                        sketch.add(value)
-                    },
-                );
+                for (number, sketch) in sketches[first..].iter_mut().enumerate() {
+                    let (value, steps) = self.value(number, sample, &measured, at);
+                    statistics.steps += steps;
+                    if let Err(error) = sketch.add(value) {
+                        added = Err(error);
+                    }
+                }
             });
             added?;
         }
@@ -173,18 +175,17 @@ impl Map {
         Ok((pixels, sketches))
     }
 
-    /// The value of each measure of a sample, and the steps of its own run.
+    /// The value of a measure of a sample, and the steps of its own run.
     #[inline(always)]
-    fn values(
+    fn value(
         &self,
+        number: usize,
         sample: &Sample,
         measured: &[Vec<Option<Outcome>>],
         at: usize,
-    ) -> impl Iterator<Item = (f64, u64)> {
-        self.measures.iter().zip(measured).map(move |(measure, outcomes)| {
-            let own = outcomes.get(at).and_then(Option::as_ref);
-            (measure.value(sample, own), own.map_or(0, |own| own.steps))
-        })
+    ) -> (f64, u64) {
+        let own = measured[number].get(at).and_then(Option::as_ref);
+        (self.measures[number].value(sample, own), own.map_or(0, |own| own.steps))
     }
 
     /// Samples of strictly ascending flat numbers: each with its start, its classification and the outcome of its first
@@ -243,7 +244,8 @@ impl Map {
                     .get(at)
                     .map_or((Class::Failed, &Outcome::REFUSED), |(_, class, first)| (*class, first));
                 let sample = Sample { class, first, second: None, audited: false, t_end: self.t_end };
-                for (k, (value, steps)) in self.values(&sample, &measured, index).enumerate() {
+                for k in 0..measures {
+                    let (value, steps) = self.value(k, &sample, &measured, index);
                     all.0[at * measures + k] = value;
                     all.1[at] += steps;
                 }
@@ -279,7 +281,8 @@ impl Map {
         let mut known = Known { body, class: Class::Failed, outcome: Outcome::REFUSED, parts, measures };
         let measured = self.measured(flat..flat + 1, isa, interrupt)?;
         self.with_sample(&classified, flat, |sample, parts| {
-            known.measures.extend(self.values(sample, &measured, 0).map(|(value, _)| value));
+            let value = |number| self.value(number, sample, &measured, 0).0;
+            known.measures.extend((0..self.measures.len()).map(value));
             (known.class, known.outcome) = (sample.class, *sample.first);
             known.parts.extend(parts.iter().map(|part| (part.class, part.first.left)));
         });
@@ -304,17 +307,22 @@ impl Map {
     #[inline(always)]
     fn with_sample(&self, all: &[Classified], flat: u64, mut see: impl FnMut(&Sample, &[Sample])) {
         let (t_end, index) = (self.t_end, |one: &Classified| (flat - one.range.start) as usize);
-        let Some(sample) = all[0].sample(index(&all[0]), t_end) else { return };
-        if all.len() == 1 && self.logic.is_single() {
-            return see(&sample, &[sample]);
-        }
-        let mut parts = [sample; MOST_CONDITIONS];
-        for (part, one) in parts.iter_mut().zip(all) {
-            *part = one.sample(index(one), t_end).expect("a body is possible whatever is asked of it");
-        }
-        let parts = &parts[..all.len()];
-        let Joined { class, first, second, audited } = self.logic.joined(parts);
-        see(&Sample { class, first: &first, second: second.as_ref(), audited, t_end }, parts)
+        let Some(alone) = all[0].sample(index(&all[0]), t_end) else { return };
+        let (mut each, joined);
+        let (sample, parts) = if all.len() == 1 && self.logic.is_single() {
+            (alone, slice::from_ref(&alone))
+        } else {
+            each = [alone; MOST_CONDITIONS];
+            for (part, one) in each.iter_mut().zip(all) {
+                *part = one.sample(index(one), t_end).expect("a body is possible whatever is asked of it");
+            }
+            joined = self.logic.joined(&each[..all.len()]);
+            let Joined { class, first, second, audited } = &joined;
+            let (class, second, audited) = (*class, second.as_ref(), *audited);
+            (Sample { class, first, second, audited, t_end }, &each[..all.len()])
+        };
+        // Called once, so that the compiler keeps the sample in registers.
+        see(&sample, parts)
     }
 }
 

@@ -206,6 +206,7 @@ impl Map {
     }
 
     /// Whether torque or damping is applied.
+    #[inline]
     pub(super) fn is_forced(&self) -> bool {
         !self.forcing.is_empty()
     }

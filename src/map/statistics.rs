@@ -84,7 +84,11 @@ impl Outcome {
 
     /// A number in units of 2^-20; zero if it is not known. Sums of such numbers do not depend on their order.
     fn fixed(number: f64) -> i64 {
-        // A NaN becomes zero. Far below 2^63, which no sum reaches then.
+        // Most criteria measure no such number.
+        if number.is_nan() {
+            return 0;
+        }
+        // Far below 2^63, which no sum reaches then.
         (number * FIXED_POINT).round().clamp(-LARGEST_FIXED, LARGEST_FIXED) as i64
     }
 
@@ -231,13 +235,13 @@ macro_rules! columns {
                 $(self.$name = <$reduction as Reduction<$type>>::merged(self.$name, other.$name);)*
             }
 
-            /// The statistics of one sample.
-            fn of(sample: &Sample) -> Statistics {
-                $(let $name: $type = {
+            /// Merges one sample into the statistics.
+            #[inline(always)]
+            pub(super) fn add(&mut self, sample: &Sample) {
+                $({
                     let $sample = sample;
-                    $value
-                };)*
-                Statistics { $($name,)* }
+                    self.$name = <$reduction as Reduction<$type>>::merged(self.$name, $value);
+                })*
             }
         }
     };
@@ -310,13 +314,6 @@ columns! {
     exact: u64 Sum, "1", "bodies classified in closed form", true, |s| u64::from(s.first.exact);
     /// Processor time, shared out over a block after its end.
     nanoseconds: f64 Sum, "ns", "processor time", false, |_| 0.0;
-}
-
-impl Statistics {
-    /// Merges one sample into the statistics.
-    pub(super) fn add(&mut self, sample: &Sample) {
-        self.merge(&Statistics::of(sample));
-    }
 }
 
 #[cfg(test)]
