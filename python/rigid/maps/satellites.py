@@ -4,7 +4,9 @@ Free body with an energy sink, spinning about its axis of the smallest moment, *
     The energy falls slowly against the nutation, at constant L. By the mean over a nutation of
     ``dE/dt = -omega'·P omega'`` it reaches the separatrix at a time after which the rate about the
     axis changes its sign within about half a nutation. The prediction is 1 before that time less a
-    tenth, and 0 after it and a tenth, for the largest and the smallest noise that is likely.
+    tenth, and 0 after it and a tenth, for the largest and the smallest noise that is likely. The
+    time grows as the smallest moment comes near to the middle one, until the separatrix is so near
+    to the axis that the noise begins beside it; then it falls.
 
 Satellite at rest on a circular orbit, criterion *tilt of the pitch axis from the normal*
     Roll and yaw are linear for small noise, with the equations of :func:`rigid.free.libration`.
@@ -24,6 +26,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import _core
 from .._moments import possible
 from ..model.criteria import NoFlip, TiltBelow
 from ..model.scene import FreeBody
@@ -38,6 +41,12 @@ Predicted: TypeAlias = tuple[str, Floats, dict[str, Floats]]
 
 NORMAL_REACH = 4.0
 """Largest deviation of normal noise that is considered, in standard deviations (all but 6e-5)."""
+
+BLOCK = 8192
+"""Most pixels whose times are computed together: each needs a kilobyte in each of some arrays."""
+
+CHI_SQUARED_HALF = 0.4549364231195727
+"""Median of the square of a normal number, in squares of its standard deviation."""
 
 RAYLEIGH_HALF = math.sqrt(2.0 * math.log(2.0))
 """Median of the length of two normal components, in standard deviations."""
@@ -65,53 +74,119 @@ def flat_spin(spec: MapSpec) -> Predicted | None:
     known = possible(moments) & (np.abs(omega).sum(axis=1) == spin) & (spin > 0.0)
     known &= (moments[:, across] > moments[:, [tested]]).all(axis=1)
     order = [tested, *across]
-    columns = (moments[:, order], np.array(sink.coefficient)[order], spin)
-    least, most, half = (
-        time_to_separatrix(*columns, reach * size.max(axis=1))
-        for reach in (1e-3, NORMAL_REACH, RAYLEIGH_HALF)
-    )
+    sinks = np.array(sink.coefficient)[order]
+    least, most, half = np.full((3, len(moments)), np.nan)
+    places = np.flatnonzero(known)
+    for rows in np.array_split(places, len(places) // BLOCK + 1):
+        body, largest = moments[rows][:, order], size[rows].max(axis=1)
+        for time, rate in (
+            (least, 1e-3 * largest),
+            (most, NORMAL_REACH * largest),
+            (half, median_across(body, size[rows][:, across])),
+        ):
+            time[rows] = time_to_separatrix(body, sinks, spin[rows], rate)
     share = np.where(spec.t_end < 0.9 * most, 1.0, np.nan)
     share = np.where(spec.t_end > 1.1 * least, 0.0, share)
-    border = np.where(known, half / spec.t_end - 1.0, np.nan)
-    curves = {f"half pass the separatrix by t = {spec.t_end:g} s": border}
-    label = f"mean loss of energy until t = {spec.t_end:g} s"
-    return label, np.where(known, share, np.nan), curves
+    curves = {f"half pass the separatrix by t = {spec.t_end:g} s": half / spec.t_end - 1.0}
+    return f"mean loss of energy until t = {spec.t_end:g} s", share, curves
+
+
+def median_across(moments: Floats, size: Floats) -> Floats:
+    """Median of the nutation of normal rates, as a rate about the axis of the largest moment.
+
+    Near axis 1 the energy of the nutation is that of ``I2 (I2 - I1) w2² + I3 (I3 - I1) w3²``. With
+    the rates in polar form its distribution is a mean over their angle (Hoyt, *Bell Syst. Tech. J.*
+    26 (1947) 318), whose median Newton's method finds.
+
+    Parameters
+    ----------
+    moments : ndarray, shape (n, 3)
+        Moments (kg m²); that of axis 1 is the smallest.
+    size : ndarray, shape (n, 2)
+        Standard deviations of the rates about axes 2 and 3 (rad/s).
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        The median (rad/s).
+    """
+    energy = moments[:, 1:] * (moments[:, 1:] - moments[:, :1])
+    parts = energy * size**2
+    whole = parts.max(axis=1)
+    ratio = np.divide(parts.min(axis=1), whole, out=np.ones_like(whole), where=whole > 0.0)
+    angle = (np.arange(64) + 0.5) * np.pi / 128.0
+    rate = 0.5 / (np.cos(angle) ** 2 + ratio[:, np.newaxis] * np.sin(angle) ** 2)
+    median = np.full(len(moments), CHI_SQUARED_HALF)
+    for _ in range(5):  # from below: the chance of more is convex
+        more = np.exp(-rate * median[:, np.newaxis])
+        median += (more.mean(axis=1) - 0.5) / (rate * more).mean(axis=1)
+    return np.asarray(np.sqrt(median * whole / energy.max(axis=1)))
 
 
 def time_to_separatrix(moments: Floats, sink: Floats, spin: Floats, across: Floats) -> Floats:
     """Time until a spin about axis 1, of the smallest moment, has fallen to the separatrix.
 
-    With ``I3`` the largest moment, the polhode about axis 1 is ``w2 = a2 sin f``, ``w3 = a3 cos f``
-    with ``f' = p sqrt(1 - m sin² f)``. Here ``x`` is the share of the energy between that of the
+    With ``I3`` the largest moment, the polhode about axis 1 is ``w1 = a1 dn``, ``w2 = a2 sn``,
+    ``w3 = a3 cn`` with the parameter m. Here ``x`` is the share of the energy between that of the
     axis and that of the separatrix, from ``x0`` by the rates ``across`` at the start to 1.
+
+    Parameters
+    ----------
+    moments : ndarray, shape (n, 3)
+        Moments (kg m²); that of axis 1 is the smallest.
+    sink : ndarray, shape (3,)
+        Coefficients of the energy sink (kg m² s).
+    spin : ndarray, shape (n,)
+        Rate about axis 1 (rad/s).
+    across : ndarray, shape (n,)
+        Rate about the axis of the largest moment at the start (rad/s).
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        The time (s).
     """
-    swap = moments[:, 1] > moments[:, 2]
-    moments = np.where(swap[:, np.newaxis], moments[:, [0, 2, 1]], moments)
-    i1, i2, i3 = (moments[:, k, np.newaxis, np.newaxis] for k in range(3))
-    p1, p2, p3 = np.where(swap[:, np.newaxis], sink[[0, 2, 1]], sink).T[:, :, None, None]
-    square = (i1 * spin[:, np.newaxis, np.newaxis]) ** 2  # L²
+    swap = (moments[:, 1] > moments[:, 2])[:, np.newaxis]
+    i1, i2, i3 = np.where(swap, moments[:, [0, 2, 1]], moments).T[:, :, np.newaxis]
+    p1, p2, p3 = np.where(swap, sink[[0, 2, 1]], sink).T[:, :, np.newaxis]
+    square = (i1 * spin[:, np.newaxis]) ** 2  # L²
     # The energy falls from L²/2 I1 by x of (1/I1 - 1/I2) L²/2.
-    whole = square * (1.0 / i1 - 1.0 / i2)
-    begun = i3 * across[:, np.newaxis, np.newaxis] ** 2 * (i3 / i1 - 1.0) / whole
+    whole = square * (i2 - i1) / (i1 * i2)
+    begun = i3 * across[:, np.newaxis] ** 2 * (i3 - i1) / (i1 * whole)
     # Points in the logarithms of x and 1 - x: both ends are approached like exponentials.
     nodes, weights = np.polynomial.legendre.leggauss(48)
     low, high = np.log(begun), 30.0
-    place = low + (high - low) * 0.5 * (1.0 + nodes[:, np.newaxis])
+    place = low + (high - low) * 0.5 * (1.0 + nodes)
     x, rest = 1.0 / (1.0 + np.exp(-place)), 1.0 / (1.0 + np.exp(place))
-    measure = 0.5 * (high - low) * weights[:, np.newaxis] * x * rest
-    lost = x * whole  # L²/I1 - 2E
-    a2 = np.sqrt(lost * i1 / (i2 * (i2 - i1)))
-    a3 = np.sqrt(lost * i1 / (i3 * (i3 - i1)))
-    # On the polhode the rate about axis 1 follows from L.
-    phase = (np.arange(64) + 0.5) * np.pi / 64.0
-    w2, w3 = a2 * np.sin(phase), a3 * np.cos(phase)
-    w1 = np.sqrt(np.maximum(square - (i2 * w2) ** 2 - (i3 * w3) ** 2, 0.0)) / i1
-    power = p1 * ((i2 - i3) / i1 * w2 * w3) ** 2 + p2 * ((i3 - i1) / i2 * w3 * w1) ** 2
-    power = power + p3 * ((i1 - i2) / i3 * w1 * w2) ** 2
-    # df = p w1 dt up to a constant: the time on a part of the polhode is df / w1.
-    mean = (power / w1).sum(axis=-1) / (1.0 / w1).sum(axis=-1)
-    time: Floats = (0.5 * whole[..., 0] * measure[..., 0] / mean).sum(axis=-1)
+    measure = 0.5 * (high - low) * weights * x * rest
+    # Squares of the amplitudes, and means of products of squares of Jacobi functions.
+    near, far = i1 * (i3 - i2) / (i2 * (i3 - i1)), i3 * (i2 - i1) / (i2 * (i3 - i1))  # sum: 1
+    left = rest + near * x
+    a1, a2, a3 = left * square / i1**2, x * square / i2**2, far * x * square / i3**2
+    sncn, sndn, cndn = mean_products(near * x / left, rest / left)
+    # ((I3 - I2)/I1)² sn² cn², with near divided out of m = near x / left: both vanish at I2 = I3.
+    slip = (i3 - i2) * i2 * (i3 - i1) / i1**3 * left / x
+    power = p1 * slip * a2 * a3 * sncn
+    power += p2 * ((i3 - i1) / i2) ** 2 * a1 * a3 * cndn
+    power += p3 * ((i2 - i1) / i3) ** 2 * a1 * a2 * sndn
+    time: Floats = (0.5 * whole * measure / power).sum(axis=-1)
     return time
+
+
+def mean_products(m: Floats, mc: Floats) -> tuple[Floats, Floats, Floats]:
+    """Means of ``m sn² cn²``, ``sn² dn²`` and ``cn² dn²`` over a period; ``mc`` is ``1 - m``.
+
+    The mean of sn² is ``R_D(0, mc, 1) / (3 R_F(0, mc, 1))`` (DLMF 19.25.1); that of sn⁴ follows
+    from the derivative of ``sn cn dn``.
+    """
+    shape, complement = mc.shape, mc.ravel()
+    zero, one = np.zeros_like(complement), np.ones_like(complement)
+    rd = _core.elliptic("rd", [zero, complement, one])[0]
+    rf = _core.elliptic("rf", [zero, complement, one])[0]
+    square = (rd / (3.0 * rf)).reshape(shape)
+    # The difference loses digits where m is small; there the mean is m/8 + O(m³).
+    sncn = np.where(m < 1e-5, 0.125 * m, (1.0 - 2.0 * square + m * square) / 3.0)
+    return sncn, mc * square + sncn, 1.0 - square - sncn
 
 
 def on_orbit(spec: MapSpec) -> Predicted | None:

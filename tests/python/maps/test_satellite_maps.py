@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from statistics import NormalDist
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,7 @@ import pytest
 
 import rigid
 from rigid.cli.toml_map import read_spec
-from rigid.maps.satellites import time_to_separatrix
+from rigid.maps.satellites import mean_products, median_across, time_to_separatrix
 from rigid.maps.spec import MapSpec
 
 
@@ -52,36 +53,91 @@ def test_built_in_maps_agree_with_their_theory(name: str, least: float, lines: l
         assert curve.label.startswith(words)
 
 
+def passage(
+    moments: tuple[float, float, float], sink: float, *, spin: float = 1.3, across: float = 0.02
+) -> tuple[float, float]:
+    """Times at which one body passes the separatrix, by integration and by the mean loss."""
+    scene = rigid.FreeBody(rigid.Body(moments), dissipation=rigid.EnergySink(sink))
+    i1, i2, i3 = sorted(moments)
+    # The rates across axis 1 whose energy is that of the given rate about the largest axis.
+    start = np.zeros(3)
+    start[0], start[int(np.argmax(moments))] = spin, across
+    expected = float(
+        time_to_separatrix(
+            np.array([moments]), np.full(3, sink), np.array([spin]), np.array([across])
+        )[0]
+    )
+    t = np.linspace(0.0, 1.3 * expected, 4001)
+    run = rigid.simulate(
+        scene, start, t=t, method="taylor16", tolerance=1e-12, record="rates", check=False
+    )
+    w = run.omega[:, np.argsort(moments)]
+    above = i1 * (i2 - i1) * w[:, 0] ** 2 - i3 * (i3 - i2) * w[:, 2] ** 2
+    passed = t[np.flatnonzero(above < 0.0)[0]]
+    flipped = t[np.flatnonzero(run.omega[:, 0] < 0.0)[0]]
+    assert flipped > passed
+    return float(passed), expected
+
+
 @pytest.mark.parametrize("moments", [(1.0, 1.7, 2.2), (0.3, 2.0, 1.8), (1.0, 1.05, 1.9)])
 def test_the_separatrix_is_reached_in_the_time_of_the_mean_loss(
     moments: tuple[float, float, float],
 ) -> None:
     """The weaker the sink, the better the mean over a nutation holds."""
-    spin, across = 1.3, 0.02
     off = []
     for sink in (0.02, 0.005):
-        scene = rigid.FreeBody(rigid.Body(moments), dissipation=rigid.EnergySink(sink))
-        i1, i2, i3 = sorted(moments)
-        # The rates across axis 1 whose energy is that of the given rate about the largest axis.
-        start = np.zeros(3)
-        start[0], start[int(np.argmax(moments))] = spin, across
-        expected = float(
-            time_to_separatrix(
-                np.array([moments]), np.full(3, sink), np.array([spin]), np.array([across])
-            )[0]
-        )
-        t = np.linspace(0.0, 1.3 * expected, 4001)
-        run = rigid.simulate(
-            scene, start, t=t, method="taylor16", tolerance=1e-12, record="rates", check=False
-        )
-        w = run.omega[:, np.argsort(moments)]
-        above = i1 * (i2 - i1) * w[:, 0] ** 2 - i3 * (i3 - i2) * w[:, 2] ** 2
-        passed = t[np.flatnonzero(above < 0.0)[0]]
+        passed, expected = passage(moments, sink)
         off.append(abs(passed / expected - 1.0))
-        flipped = t[np.flatnonzero(run.omega[:, 0] < 0.0)[0]]
-        assert flipped > passed
     assert off[0] < 0.1
     assert off[1] < 0.03
+
+
+def test_next_to_a_symmetric_body_the_separatrix_is_near() -> None:
+    """So the time to it, which grows with the smallest moment, falls in the end."""
+    known = [passage((i1, 1.7, 2.0), 0.01, across=1e-3) for i1 in (1.5, 1.68, 1.699)]
+    passed, expected = np.array(known).T
+    # Less than one loss for each nutation: the start within it moves the passage by half of one.
+    np.testing.assert_allclose(passed, expected, rtol=0.06)
+    for times in (passed, expected):
+        assert times[0] < times[1] > times[2]
+
+
+def test_means_of_products_of_jacobi_functions() -> None:
+    m = np.array([0.0, 1e-9, 0.9e-5, 1.1e-5, 1e-3, 0.3, 0.9, 0.999])
+    u = (
+        (np.arange(4096) + 0.5)
+        / 4096.0
+        * (0.5 * np.pi / rigid.exact.agm(1.0, np.sqrt(1.0 - m)))[:, np.newaxis]
+    )  # a quarter of a period, where the midpoint rule is exact to rounding
+    sn, cn, dn = (part**2 for part in rigid.exact.jacobi(u, np.broadcast_to(1.0 - m, u.T.shape).T))
+    expected = [(m * (sn * cn).mean(axis=1)), (sn * dn).mean(axis=1), (cn * dn).mean(axis=1)]
+    for found, mean in zip(mean_products(m, 1.0 - m), expected, strict=True):
+        # 1e-10 of m/8 where the series ends, 1e-16 / m of it where the difference begins.
+        np.testing.assert_allclose(found, mean, rtol=1e-9, atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("moments", "size"),
+    [
+        ((1.0, 2.0, 2.0), (1.0, 1.0)),
+        ((1.0, 1.001, 1.9), (1.0, 1.0)),
+        ((1.0, 1.5, 1.2), (0.4, 3.0)),
+        ((1.0, 1.6, 1.9), (0.0, 2.0)),
+    ],
+)
+def test_half_of_the_nutations_are_larger_than_the_median(
+    moments: tuple[float, float, float], size: tuple[float, float]
+) -> None:
+    """By quantiles of the normal distribution about both axes."""
+    inertia = np.array(moments)
+    weights = inertia[1:] * (inertia[1:] - inertia[0])
+    number = 2000
+    normal = np.array([NormalDist().inv_cdf((k + 0.5) / number) for k in range(number)])
+    first, second = weights * np.square(size)
+    energy = first * normal[:, np.newaxis] ** 2 + second * normal**2
+    median = median_across(inertia[np.newaxis], np.array([size]))[0]
+    # The quantiles are a grid of 2000 steps of 1/2000 in the chance.
+    assert abs((energy > median**2 * weights.max()).mean() - 0.5) < 1.0 / number
 
 
 def test_a_satellite_map_is_replayed_to_the_bit() -> None:
