@@ -49,5 +49,5 @@ rolling = rigid.simulate(body, omega, t=np.linspace(0.0, 20.0, 801))
 momenta = rolling.omega * np.array(body.body.moments)
 distance = np.sum(rolling.omega * momenta, axis=1) / np.linalg.norm(momenta, axis=1)
 assert np.ptp(distance) < 1e-14
-figures.poinsot(rolling)
+figures.poinsot(rolling, frame=455)
 plt.show()

@@ -81,9 +81,10 @@ class PoinsotArtists:
     polhode, hidden : Line3D
         The polhode on the visible and on the hidden side of the ellipsoid.
     herpolhode, contact : Line3D
-        The herpolhode, and the point of contact.
+        The herpolhode up to the time, and the point of contact.
     omega, momentum : SpaceArrow
-        Arrows of the angular velocity, which ends at the contact, and of the direction of L.
+        Arrows of the angular velocity, which ends at the contact, and of the direction of L outside
+        the ellipsoid.
     """
 
     ax: Any
@@ -157,7 +158,7 @@ def poinsot(run: Run, *, frame: int = 0, ax: Any | None = None) -> PoinsotArtist
     The ellipsoid touches the plane at omega, on the momentary axis of rotation. The point of
     contact moves along the polhode on the ellipsoid and along the herpolhode in the plane (Landau
     and Lifshitz, *Mechanics*, § 37; Goldstein, *Classical Mechanics*, § 5.6; lecture notes,
-    fig. 5.3).
+    fig. 5.3). From its first point the herpolhode is bold up to the contact, and thin after it.
 
     Parameters
     ----------
@@ -190,7 +191,7 @@ def poinsot(run: Run, *, frame: int = 0, ax: Any | None = None) -> PoinsotArtist
     ax = in_space(ax)
     faces = ellipsoid_faces(data.semi_axes, rings=30, sectors=60) @ data.axes
     towards = eye(ELEV, AZIM)
-    ellipsoid = surface(ax, faces, "#b9ddf4", towards)
+    ellipsoid = surface(ax, faces, "#b9ddf4", towards, alpha=0.7, linewidths=0.0)
     foot = data.distance * UP
     radius = float(np.linalg.norm(data.herpolhode - foot, axis=1).max())
     square = plane_face(foot, UP, 1.25 * max(radius, 0.3 * data.distance))
@@ -199,27 +200,42 @@ def poinsot(run: Run, *, frame: int = 0, ax: Any | None = None) -> PoinsotArtist
     near, far = sides(data.polhode, outward, towards)
     polhode = curve(ax, near, POLHODE, linewidth=1.6, zorder=3)
     hidden = curve(ax, far, POLHODE, linewidth=0.8, alpha=0.5, zorder=3)
-    herpolhode = curve(ax, data.herpolhode, HERPOLHODE, linewidth=1.2, zorder=4)
-    omega = arrow(ax, data.contact, colours.OMEGA.colour, zorder=4)
-    label(
-        ax,
-        0.6 * data.contact + 0.06 * data.distance * np.cross(towards, UP),
-        colours.OMEGA.label,
-        colours.OMEGA.colour,
+    drawn, later = np.split(data.herpolhode, [frame % len(run.t) + 1])
+    curve(ax, np.concatenate([drawn[-1:], later]), HERPOLHODE, linewidth=0.9, alpha=0.6, zorder=4)
+    herpolhode = curve(ax, drawn, HERPOLHODE, linewidth=1.6, zorder=4)
+    ax.plot(*data.herpolhode[:1].T, "o", color=HERPOLHODE, markersize=4, zorder=4)
+    # Inside the ellipsoid arrows are dashed: omega ends on it, L leaves it.
+    inside: dict[str, Any] = {"linestyle": "dashed", "zorder": 3}
+    omega = arrow(ax, data.contact, colours.OMEGA.colour, linewidth=1.6, **inside)
+    leaves = UP / np.linalg.norm(data.axes @ UP / data.semi_axes)
+    curve(ax, np.array([0.0 * UP, leaves]), colours.L.colour, linewidth=1.6, **inside)
+    momentum = arrow(
+        ax, 1.4 * foot - leaves, colours.L.colour, colours.L.label, start=leaves, zorder=4
     )
-    momentum = arrow(ax, 1.4 * foot, colours.L.colour, colours.L.label, zorder=4)
     (contact,) = ax.plot(
         *data.contact[:, np.newaxis], "o", color=colours.OMEGA.colour, markersize=6, zorder=6
     )
     right = np.cross(UP, towards)
-    for path, name, colour in (
-        (near, "  polhode", POLHODE),
-        (data.herpolhode, "  herpolhode", HERPOLHODE),
+    right /= np.linalg.norm(right)
+    away = 1.0 if data.contact @ right < 0.0 else -1.0
+    label(
+        ax,
+        0.6 * data.contact - 0.07 * away * data.distance * right,
+        colours.OMEGA.label,
+        colours.OMEGA.colour,
+    )
+    # The names stand outside the curves, that of the herpolhode on the side without the contact.
+    side = float(np.sign(near[np.nanargmax(np.abs(near @ right))] @ right))
+    for path, towards_name, name, colour, sign in (
+        (near, side * right, "polhode", POLHODE, side),
+        (data.herpolhode, away * right + np.cross(towards, right), "herpolhode", HERPOLHODE, away),
     ):
-        end = path[int(np.nan_to_num(path @ right, nan=-np.inf).argmax())]
-        label(ax, end, name, colour, fontsize="small", ha="left", va="bottom")
-    leftmost = square[0, (square[0] @ np.cross(towards, UP)).argmax()]
-    label(ax, leftmost, "invariable plane ", colours.NEUTRAL, fontsize="small", ha="right")
+        end = path[np.nanargmax(path @ towards_name)] + 0.03 * data.distance * sign * right
+        align = "left" if sign > 0.0 else "right"
+        label(ax, end, name, colour, fontsize="medium", ha=align, va="bottom")
+    corner = square[0, (-away * square[0] @ right).argmax()] - 0.03 * data.distance * away * right
+    align = "right" if away > 0.0 else "left"
+    label(ax, corner, "invariable plane", colours.NEUTRAL, fontsize="medium", ha=align)
     fit(ax, faces, square, 1.5 * foot, elev=ELEV, azim=AZIM)
     return PoinsotArtists(
         ax=ax,

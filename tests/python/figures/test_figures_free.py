@@ -89,10 +89,13 @@ def test_the_picture_of_poinsot_carries_its_curves() -> None:
     drawn = figures.poinsot(poinsot_run(401), frame=100)
     data = drawn.data
     np.testing.assert_array_equal(joined(drawn.polhode, drawn.hidden), data.polhode)
-    np.testing.assert_array_equal(data_of(drawn.herpolhode), data.herpolhode)
+    np.testing.assert_array_equal(data_of(drawn.herpolhode), data.herpolhode[:101])
     np.testing.assert_array_equal(data_of(drawn.contact), data.contact[np.newaxis])
     np.testing.assert_array_equal(drawn.omega.vector, data.contact)
+    # L is solid from where it leaves the ellipsoid.
     np.testing.assert_allclose(drawn.momentum.vector[:2], 0.0)
+    leaves = data.axes @ drawn.momentum.start
+    assert np.sum((leaves / data.semi_axes) ** 2) == pytest.approx(1.0, rel=1e-14)
     assert "invariable plane" in [text.strip() for text in texts(drawn.ax)]
     assert colours.L.label in texts(drawn.ax)
     assert colours.OMEGA.label in texts(drawn.ax)
