@@ -26,11 +26,12 @@ figures.loci(top, omega, tilted, axes=axes)
 plt.show()
 
 # %%
-# A single top that starts on its lower circle: large loops that nearly reach the vertical.
+# A single top that starts on its lower circle: large loops that nearly reach the vertical. Seen
+# from as many degrees as the lower circle is tilted, no part of the path is hidden.
 
 figure = plt.figure(figsize=(6, 6), layout="constrained")
 ax = figure.add_subplot(projection="3d")
-figures.locus(top, [0.0, 1.5 * np.sin(np.pi / 3), 5.0], tilted, ax=ax)
+figures.locus(top, [0.0, 1.5 * np.sin(np.pi / 3), 5.0], tilted, elev=60.0, ax=ax)
 ax.set_title("loops of a top that starts on its lower circle")
 
 plt.show()

@@ -10,13 +10,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import exact, top
-from .._checks.arguments import positive_int, rows, sorted_times, vector
+from .._checks.arguments import finite_float, positive_int, rows, sorted_times, vector
 from .._checks.arrays import attitudes
 from ..drawing import colours
-from ..drawing.axes3d import arrow, circle, curve, fit, in_space, panels
+from ..drawing.axes3d import arrow, circle, curve, fit, in_space, label, panels
 from ..drawing.shapes import ellipsoid_faces
 from ..drawing.sides import eye, sides, surface
 from ..model.scene import HeavyTop, check_heavy_top
+from ..rotations.euler import rotation_z
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -196,6 +197,7 @@ def locus(
     attitude: ArrayLike | Rotation | None = None,
     *,
     t: ArrayLike | None = None,
+    elev: float = ELEV,
     ax: Any | None = None,
 ) -> LocusArtists:
     """Draw the path of the axis of a top on the unit sphere, between its two circles.
@@ -207,6 +209,9 @@ def locus(
     ----------
     scene, omega, attitude, t
         As in :func:`locus_data`.
+    elev : float
+        Elevation of the viewer (degrees). From as many degrees as the lower circle is tilted, the
+        whole path is on the visible side.
     ax : Axes3D, optional
         Axes to draw on; by default those of a new figure.
 
@@ -230,26 +235,30 @@ def locus(
     >>> drawn = figures.locus(scene, [0.0, 0.0, 5.0], tilted)
     >>> drawn.ax.figure.savefig("locus.png")  # doctest: +SKIP
     """
+    elevation = finite_float("elev", elev)
     data = locus_data(scene, omega, attitude, t=t)
     ax = in_space(ax)
-    towards = eye(ELEV, AZIM)
+    towards = eye(elevation, AZIM)
     faces = ellipsoid_faces(np.ones(3), rings=24, sectors=48)
     sphere = surface(ax, faces, "#f2f2f2", towards)
     curve(ax, circle(np.zeros(3), towards, 1.0), colours.FAINT, linewidth=1.0, zorder=2)
     red, blue = colours.HUES["vermilion"], colours.HUES["blue"]
     circles = []
-    for theta, name in ((data.theta_upper, "upper"), (data.theta_lower, "lower")):
-        if theta is not None:
+    upper, lower = data.theta_upper, data.theta_lower
+    if upper is not None and lower is not None:
+        gap = (np.cos(upper) - np.cos(lower)) * np.cos(np.radians(elevation))
+        for theta, name, align in ((upper, "upper", "bottom"), (lower, "lower", "top")):
             ring = circle(np.cos(theta) * UP, UP, float(np.sin(theta)))
             near, far = sides(ring, ring, towards)
             circles.append(curve(ax, near, blue, linewidth=1.0, zorder=3, label=name))
             curve(ax, far, blue, linewidth=0.6, linestyle="dotted", zorder=2)
+            _name_circle(ax, ring, name, blue, towards, "center" if gap > 0.1 else align)
     near, far = sides(data.point, data.point, towards)
     hidden = curve(ax, far, red, linewidth=0.8, alpha=0.45, zorder=2)
     seen = curve(ax, near, red, linewidth=1.8, zorder=4)
     (start,) = ax.plot(*data.point[:1].T, "o", color=red, markersize=5, zorder=5)
     arrow(ax, 0.35 * UP, colours.VERTICAL.colour, colours.VERTICAL.label, start=UP, linewidth=1.4)
-    fit(ax, faces, 1.4 * UP, elev=ELEV, azim=AZIM)
+    fit(ax, faces, 1.4 * UP, elev=elevation, azim=AZIM)
     return LocusArtists(
         ax=ax,
         data=data,
@@ -259,6 +268,21 @@ def locus(
         start=start,
         sphere=sphere,
     )
+
+
+def _name_circle(
+    ax: Any, ring: Floats, name: str, colour: str, towards: Floats, align: str
+) -> None:
+    """Name a circle beside the sphere."""
+    right = rotation_z(np.radians(AZIM))[:, 1]
+    page_up = np.cross(towards, right)
+    end = ring[np.argmax(ring @ right)]
+    # The edge of the sphere at this height on the page.
+    height = float(end @ page_up)
+    place = np.sqrt(max(1.0 - height**2, 0.0)) * right + height * page_up
+    curve(ax, np.array([end, place + 0.04 * right]), colour, linewidth=0.5, zorder=3)
+    text = f"  $\\theta_\\mathrm{{{name}}}$"
+    label(ax, place, text, colour, fontsize="medium", ha="left", va=align)
 
 
 def loci(

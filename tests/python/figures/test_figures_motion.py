@@ -235,6 +235,18 @@ def test_the_picture_of_the_locus_carries_its_path() -> None:
     eye = np.array([np.cos(elev) * np.cos(azim), np.cos(elev) * np.sin(azim), np.sin(elev)])
     assert np.nanmin(data_of(drawn.seen) @ eye) >= -1e-12
     assert np.nanmax(data_of(drawn.hidden) @ eye) <= 1e-12
+    assert {r"$\theta_\mathrm{upper}$", r"$\theta_\mathrm{lower}$"} <= {
+        text.strip() for text in texts(drawn.ax)
+    }
+
+
+def test_from_above_the_lower_circle_no_path_is_hidden() -> None:
+    omega = omega_of("cusp")
+    lower = figures.locus_data(TOP, omega, TILTED).theta_lower
+    assert lower is not None
+    for above, hidden in ((1.0, False), (-1.0, True)):
+        drawn = figures.locus(TOP, omega, TILTED, elev=np.degrees(lower) + above)
+        assert np.isfinite(data_of(drawn.hidden)).any() == hidden
 
 
 def test_panels_of_loci_are_named() -> None:
@@ -333,6 +345,7 @@ def test_the_picture_of_cycloids_carries_both_curves() -> None:
             r"t = None: the axis of this top has no period \(general\)",
         ),
         (lambda: figures.locus(TOP, [0, 0, 5]), ValueError, r"no period \(sleeping\)"),
+        (lambda: figures.locus(TOP, [0, 0, 5], elev=np.nan), ValueError, "elev = nan: must be fin"),
         (lambda: figures.locus(wrong(BODY), [0, 0, 5]), TypeError, "must be a rigid.HeavyTop"),
         (
             lambda: figures.locus(TOP, [0, 0, 5], [TILTED]),
