@@ -3,9 +3,9 @@ r"""Curves and a sea
 
 Poincaré sections of four tops at the energy 1.5 J: every point at which the centre of mass of a
 motion is highest, forty motions each. Lagrange's, Kovalevskaya's and Goryachev's and Chaplygin's
-top with :math:`L\cdot\gamma = 0` are integrable, so the points of each motion lie on a curve. The
-last top is the third one with :math:`L\cdot\gamma = 1.5`: most of its motions wander through one
-chaotic sea, around islands of regular motions.
+top with :math:`\mathbf{L}\cdot\gamma = 0` are integrable, so the points of each motion lie on a
+curve. The last top is the third one with :math:`\mathbf{L}\cdot\gamma = 1.5` kg m²/s: most of its
+motions wander through one chaotic sea, around islands of regular motions.
 """
 
 import matplotlib.pyplot as plt
@@ -17,10 +17,16 @@ KOVALEVSKAYA = rigid.HeavyTop(rigid.Body((2.0, 2.0, 1.0)), mgl=1.0, com=(1.0, 0.
 GORYACHEV = rigid.HeavyTop(rigid.Body((4.0, 4.0, 1.0)), mgl=1.0, com=(1.0, 0.0, 0.0))
 
 PANELS = (
-    ("Lagrange, $L\\cdot\\gamma = 0.5$", LAGRANGE, 0.5, "gamma1", "gamma2"),
-    ("Kovalevskaya, $L\\cdot\\gamma = 0.5$", KOVALEVSKAYA, 0.5, "gamma2", "omega3"),
-    ("Goryachev–Chaplygin, $L\\cdot\\gamma = 0$", GORYACHEV, 0.0, "gamma2", "omega3"),
-    ("the same, $L\\cdot\\gamma = 1.5$", GORYACHEV, 1.5, "gamma2", "omega3"),
+    ("Lagrange, $\\mathbf{L}\\cdot\\gamma = 0.5$ kg m²/s", LAGRANGE, 0.5, "gamma1", "gamma2"),
+    (
+        "Kovalevskaya, $\\mathbf{L}\\cdot\\gamma = 0.5$ kg m²/s",
+        KOVALEVSKAYA,
+        0.5,
+        "gamma2",
+        "omega3",
+    ),
+    ("Goryachev–Chaplygin, $\\mathbf{L}\\cdot\\gamma = 0$", GORYACHEV, 0.0, "gamma2", "omega3"),
+    ("the same, $\\mathbf{L}\\cdot\\gamma = 1.5$ kg m²/s", GORYACHEV, 1.5, "gamma2", "omega3"),
 )
 
 figure, axes = plt.subplots(2, 2, figsize=(10, 9), layout="constrained")

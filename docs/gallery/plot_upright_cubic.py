@@ -3,8 +3,8 @@
 
 An upright top stays upright if its cubic f is negative near ``u = 1``. Below the least spin ``2
 sqrt(mgl I1) / I3`` f is positive there (blue), and the top falls as far as f is positive. The usual
-approximation ``(1 - u)² (2 alpha - a²)`` is zero at the least spin and does not decide; f itself is
-``-alpha (1 - u)³`` there, and the top sleeps.
+approximation ``(1 - u)² (2 beta - b²)`` is zero at the least spin and does not decide; f itself is
+``-beta (1 - u)³`` there, and the top sleeps.
 """
 
 import matplotlib.pyplot as plt

@@ -42,7 +42,7 @@ impl Displacement {
 
 /// Logarithm of the size of a displacement over its size at the start, and integrals of the logarithm over the time.
 ///
-/// With `L = ln |v| / |v(0)|` and its integral `A`, MEGNO is `2 (L - A / t)` (Cincotta & Simó 2000, doi
+/// With `Λ = ln |v| / |v(0)|` and its integral `A`, MEGNO is `2 (Λ - A / t)` (Cincotta & Simó 2000, doi
 /// 10.1051/aas:2000108), and its mean over the time is `(2 / t) (A - integral of A / t)`. The integrals are trapezoids of
 /// the steps of a Runge-Kutta method. A series is known inside its steps: there they are those of the implicit
 /// Runge-Kutta method of Gauss with four stages.

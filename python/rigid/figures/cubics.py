@@ -261,7 +261,7 @@ class UprightCubic:
     u : ndarray, shape (m,)
         Heights.
     exact, approximate : ndarray, shape (k, m)
-        ``f(u)`` and ``(1 - u)² (2 alpha - a²)`` (1/s²).
+        ``f(u)`` and ``(1 - u)² (2 beta - b²)`` (1/s²).
     stable : ndarray of bool, shape (k,)
         Whether the top stays upright.
     """
@@ -350,7 +350,7 @@ def upright_cubic(
     """Draw f near the vertical for a top with a spin below, at and above the bound of sleeping.
 
     The top reaches heights with positive f. At the bound the approximation is zero and does
-    not decide; there ``f = -alpha (1 - u)³`` is negative, so the top sleeps (lecture notes,
+    not decide; there ``f = -beta (1 - u)³`` is negative, so the top sleeps (lecture notes,
     fig. 5.6; erratum G-19).
 
     Parameters
@@ -401,7 +401,7 @@ def upright_cubic(
     places[0].set_ylabel("$f(u)$ (1/s²)")
     names = (
         "$f(u)$",
-        r"$(1-u)^2(2\alpha-a^2)$ with $\alpha = 2mgl/I_1$, $a = I_3\omega_3/I_1$",
+        r"$(1-u)^2(2\beta-b^2)$ with $\beta = 2mgl/I_1$, $b = I_3\omega_3/I_1$",
         "heights that the top reaches",
     )
     places[0].figure.legend(

@@ -27,14 +27,14 @@ class Growth:
     t : ndarray, shape (m,)
         Times (s).
     log_growth : ndarray, shape (n, m)
-        ``L(t) = ln |v(t)| / |v(0)|`` of the first displacement.
+        ``Λ(t) = ln |v(t)| / |v(0)|`` of the first displacement.
     megno : ndarray, shape (n, m)
-        ``2 (L - mean of L)``: near 2 on regular motions, ``lambda t`` on chaotic ones.
+        ``2 (Λ - mean of Λ)``: near 2 on regular motions, ``lambda t`` on chaotic ones.
     mean_megno : ndarray, shape (n, m)
         Its mean over the time: tends to 2 on regular motions, grows like ``lambda t / 2`` on
         chaotic ones.
     fli : ndarray, shape (n, m)
-        Fast Lyapunov indicator: the largest ``L`` until then.
+        Fast Lyapunov indicator: the largest ``Λ`` until then.
     spectrum : ndarray, shape (n, m, k)
         The ``k`` largest exponents (1/s) over the time, in descending order as they are found.
     zeros : ndarray of int, shape (n,)

@@ -116,8 +116,8 @@ def lyapunov(
 
     Notes
     -----
-    All integrals are those of ``L = ln |v|`` over the time. They are sums over the steps of a
-    Runge-Kutta method; a Taylor method knows ``L`` inside its steps too.
+    All integrals are those of ``Λ = ln |v|`` over the time. They are sums over the steps of a
+    Runge-Kutta method; a Taylor method knows ``Λ`` inside its steps too.
 
     References
     ----------

@@ -194,7 +194,7 @@ def test_an_upright_top_sleeps_where_f_is_negative() -> None:
     assert [title.split(": ")[1] for title in titles] == ["falls", "sleeps", "sleeps"]
     assert drawn.axes[0].get_ylabel() == "$f(u)$ (1/s²)"
     (key,) = drawn.axes[0].figure.legends
-    assert r"$\alpha = 2mgl/I_1$, $a = I_3\omega_3/I_1$" in keys(key)[1]
+    assert r"$\beta = 2mgl/I_1$, $b = I_3\omega_3/I_1$" in keys(key)[1]
 
 
 # The locus
