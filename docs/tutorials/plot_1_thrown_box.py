@@ -42,11 +42,8 @@ assert abs(2.0 * np.diff(flips)[0] - 22.4739532603) < 1e-7  # the period
 
 # %%
 # The rates: long stays about axis 2 with short flips between them.
-figure, ax = plt.subplots()
-for name, values, colour in zip("123", run.omega.T, ("#0072b2", "#009e73", "#d55e00"), strict=True):
-    ax.plot(run.t, values, color=colour, label=f"axis {name}")
-ax.set(xlabel="t (s)", ylabel="ω (rad/s)", title="A box thrown about its middle axis")
-figure.legend(loc="outside lower center", ncols=3)
+ax = run.plot()
+ax.set_title("A box thrown about its middle axis")
 
 # %%
 # How small must the error of the hand be? A map throws 32 boxes for each thickness and each error,

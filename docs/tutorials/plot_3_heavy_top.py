@@ -28,8 +28,13 @@ assert abs(turned - 1.14228871898) < 1e-8
 print(f"a nutation takes {period:.4f} s and carries the axis by {np.degrees(turned):.2f} degrees")
 
 figure, ax = plt.subplots()
-ax.plot(axis[:, 0], axis[:, 1], color="#0072b2")
-ax.set(xlabel="x", ylabel="y", aspect="equal", title="The axis of the top from above: cusps")
+ax.plot(axis[:, 0], axis[:, 1], color="#0072b2", label="end of the axis")
+turn = np.linspace(0.0, 2.0 * np.pi, 181)
+for u, style in ((0.5, "k--"), (0.191767987534, "k:")):  # roots of the cubic
+    sine = np.sqrt(1.0 - u * u)
+    ax.plot(sine * np.cos(turn), sine * np.sin(turn), style, linewidth=1.0, label=f"$u = {u:.3g}$")
+ax.set(xlabel="$x'$", ylabel="$y'$", aspect="equal", title="The axis of the top from above: cusps")
+ax.legend(loc="center")
 
 # %%
 # Two rates of precession are steady at 60°, the roots of

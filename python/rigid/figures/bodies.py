@@ -377,7 +377,7 @@ def heavy_top(
     arrow(ax, 1.35 * radius * frame.body[0], colours.X.colour, "$x$", start=centre, linewidth=1.8)
     phi, theta, psi = frame.angles.tolist()
     arcs = (
-        arc(ax, _UP, 0.66 * size * frame.space[0], phi, black, r"$\phi$"),
+        arc(ax, _UP, 0.66 * size * frame.space[0], phi, black, r"$\phi$", beyond=0.68),
         arc_between(ax, _UP, axis, 1.6 * size, black, r"$\theta$", beyond=1.08)
         if theta
         else arc(ax, _UP, frame.space[0], 0.0, black),

@@ -219,6 +219,8 @@ def cones(
     ):
         outermost = rim[np.argmax(side * (rim @ right))]
         place = 0.5 * outermost + 0.07 * side * size * right
+        if height == "top":  # below the edge, however flat it lies
+            place[2] -= 0.06 * size
         text = f"{name}\n{np.degrees(angle):.1f}°"
         align = "left" if side > 0.0 else "right"
         label(ax, place, text, colours.NEUTRAL, fontsize="medium", va=height, ha=align)

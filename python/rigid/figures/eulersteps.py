@@ -166,7 +166,8 @@ def euler_steps(
         origin = np.zeros(3)
         before.append(triad(ax, data.axes[step], origin, old, linewidth=1.0, linestyle="dashed"))
         after.append(triad(ax, data.axes[step + 1], origin, new, linewidth=2.4))
-        node = data.turned_about[1] * np.array([[-0.4], [1.5]])
+        # Beyond the tip of axis 1 is its name.
+        node = data.turned_about[1] * np.array([[-0.4], [1.0], [np.nan], [1.35], [1.6]])
         nodes.append(
             curve(ax, node, colours.NODE.colour, linewidth=1.2, linestyle="dashdot", zorder=3)
         )
@@ -180,9 +181,9 @@ def euler_steps(
                 colours.ANGLE.colour,
                 TURNS[step],
             )
-        label(ax, 1.62 * data.turned_about[1], "$N$", colours.NODE.colour)
+        label(ax, 1.72 * data.turned_about[1], "$N$", colours.NODE.colour)
         ax.set_title(f"{step + 1}.  {TURNS[step]} {_ABOUT[step]}", fontsize="medium")
-        fit(ax, data.axes, node, elev=24.0, azim=azimuth(data.angles[0]), filled=0.8)
+        fit(ax, data.axes, node[[0, -1]], elev=24.0, azim=azimuth(data.angles[0]), filled=0.8)
     arrow_of_point = _draw_turned_plane(plane, data)
     return EulerStepsArtists(
         axes=(*spaces, plane),

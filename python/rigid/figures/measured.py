@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import finite_float, numbers
 from ..drawing import colours
-from ..drawing.axes3d import panels
+from ..drawing.axes3d import label, panels
 from ..fixed_axis import bearing_torques
 from ..springs import pair_system, spring_body
 
@@ -197,16 +197,19 @@ def spring_modes(
         for part, colour in zip(held, (vermilion, blue), strict=True)
     )
     highest = float(data.frequencies.max())
-    spectrum.text(
-        0.7,
-        0.06 * highest,
-        f"{data.zero} without\nfrequency:\nshifts and\nturns",
-        color=vermilion,
+    words = f"{data.zero} at zero:\ntranslations\nand rotations"
+    label(
+        spectrum,
+        np.array([0.7, 0.06 * highest]),
+        words,
+        vermilion,
+        fontsize="medium",
+        ha="left",
         va="bottom",
     )
     spectrum.set(
         xlabel="mode",
-        ylabel=f"frequency for k = {data.stiffness[0]:g} N/m (rad/s)",
+        ylabel=f"frequency for $k$ = {data.stiffness[0]:g} N/m (rad/s)",
         ylim=(0.0, 1.08 * highest),
         xlim=(0.3, number[-1] + 0.7),
     )
@@ -218,7 +221,7 @@ def spring_modes(
     limit.set(
         xscale="log",
         yscale="log",
-        xlabel="stiffness k of the springs (N/m)",
+        xlabel="stiffness $k$ of the springs (N/m)",
         ylabel="largest distance from the rigid body (m)",
     )
     middle = len(law) // 2
