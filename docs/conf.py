@@ -34,7 +34,8 @@ exclude_patterns = [
 templates_path = ["_templates"]
 html_theme = "furo"
 html_title = f"rigid {release}"
-html_static_path = ["_static"]
+html_static_path = ["_static", "style"]
+html_css_files = ["pictures.css"]
 
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 3
