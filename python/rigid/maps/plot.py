@@ -220,6 +220,7 @@ def _small_pictures(
         figure.legend(
             handles=list(handles.values()),
             loc="outside lower left",
+            handlelength=3.0,
             ncols=2,
             frameon=False,
             fontsize="small",
@@ -293,6 +294,7 @@ def _draw(view: _View, ax: Axes, title: str, field: Floats | None, label: str) -
             loc="upper left",
             bbox_to_anchor=(0.0, -0.12),
             borderaxespad=0.0,
+            handlelength=3.0,
             ncols=2,
             frameon=False,
             fontsize="small",
@@ -397,9 +399,13 @@ def _draw_curve(
     if not any(len(path) for path in lines.get_paths()):
         return []  # between pixels, or where theory does not reach
     handle = Line2D([], [], color="white", linestyle=dashes, label=f"theory: {curve.label}")
+    # A black line below the dashes too: dashes alone read as equality signs in a legend.
+    below = Stroke(
+        linewidth=3.4, foreground="black", dashes={"dash_offset": 0.0, "dash_list": None}
+    )
     for artist in (lines, handle):
         artist.set(linewidth=1.6)
-        artist.set_path_effects([Stroke(linewidth=3.4, foreground="black"), Normal()])
+        artist.set_path_effects([below, Normal()])
     return [handle]
 
 
