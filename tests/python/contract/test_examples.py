@@ -50,20 +50,10 @@ def test_the_public_names_with_arguments_have_examples() -> None:
         assert any(test.examples for test in found), name
 
 
-PAGES = ["README.md"] + [
-    f"docs/{name}.md"
-    for name in (
-        "quickstart",
-        "own_bodies",
-        "measurements",
-        "results",
-        "methods",
-        "conventions",
-        "torque_and_damping",
-        "events",
-        "maps",
-        "extremes",
-    )
+PAGES = [
+    page.relative_to(ROOT).as_posix()
+    for page in (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))
+    if "```python\n" in page.read_text(encoding="utf-8")
 ]
 
 
@@ -79,4 +69,4 @@ def test_pages(page: str) -> None:
             assert doctest.DocTestRunner().run(test, clear_globs=False).failed == 0
             names.update(test.globs)
         else:
-            exec(compile(block, f"README.md, block {number}", "exec"), names)
+            exec(compile(block, f"{page}, block {number}", "exec"), names)
