@@ -202,7 +202,8 @@ def cubic(
 
     close, unit = ax, high
     if highest < 0.2 * depth:
-        close = ax.inset_axes((0.16, 0.66, 0.5, 0.3))
+        close = ax.inset_axes((0.16, 0.62, 0.5, 0.3))
+        close.xaxis.tick_top()  # below are the lines to its place
         _with_roots(close, data.near, data.f_near, seen[:2])
         unit = max(1.6 * highest, 0.3 * -data.f_near.min())
         close.set(xlim=(data.near[0], data.near[-1]), ylim=(-0.5 * unit, unit))
@@ -220,8 +221,9 @@ def cubic(
     if seen[1] - seen[0] < 1e-3:
         label(close, np.array([seen[0], 0.25 * unit]), "$u_1 = u_2$")
     else:
-        for place, name in zip(seen, ("$u_1$", "$u_2$"), strict=False):
-            label(close, np.array([place, -0.18 * unit]), name)
+        # Between the roots the curve is above their names.
+        for place, name, align in ((seen[0], "$u_1$", "left"), (seen[1], "$u_2$", "right")):
+            label(close, np.array([place, -0.2 * unit]), name, ha=align)
     if len(seen) == 3:
         handles.append(roots)
         names.append("$u_1$, $u_2$, $u_3$: roots of $f$; the top never reaches $u_3$")
