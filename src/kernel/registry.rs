@@ -258,7 +258,7 @@ macro_rules! kernels {
                         type M = $model<R>;
                         kernels_of::$engine::avx2::code::<R, $stepper, M, Alone, AloneModel, $layout, D, { LANES / R::LANES }>()
                     },
-                    scalar: kernels_of::$engine::scalar::code::<R, Alone, M, Alone, M, $layout, D, { LANES / R::LANES }>(),
+                    scalar: kernels_of::$engine::scalar::code::<R, Alone, M, Alone, AloneModel, $layout, D, { LANES / R::LANES }>(),
                 }
             },)*
         }
