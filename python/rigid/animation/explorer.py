@@ -21,6 +21,7 @@ from ..drawing import colours
 from ..maps.data import CLASSES, STATUS
 from ..maps.plot import cell_edges
 from ..maps.result import StabilityMap
+from ..maps.samples import Outcomes, Starts
 from ..model.criteria import Regular
 from .raster import AZIMUTH, ELEVATION
 from .watched import watched
@@ -32,7 +33,7 @@ if TYPE_CHECKING:
     from ..maps.parameters import Axis
     from ..maps.spec import MapSpec
 
-__all__ = ["explore"]
+__all__ = ["content_of_bodies", "content_of_map", "drawn_edges", "explore", "page_of"]
 
 OUTCOMES = {
     "stable": "#e1cc55",
@@ -119,38 +120,65 @@ def explore(
         samples = operator.index(samples)
         if not 1 <= samples <= most:
             raise ValueError(f"samples = {brief(samples)}: must lie in 1 .. {most}, as in the map")
-    page = assembled(
-        "explorer.html",
-        ("film.css", "explorer.css"),
-        SCRIPTS,
-        map=_content(result, samples, resolve_threads(threads)),
+    count = samples or _affordable(result)
+    held = content_of_map(result, count) | content_of_bodies(
+        result.starts(range(count)),
+        result.outcomes(range(count), threads=resolve_threads(threads)),
     )
     with published(target) as file:
-        file.write(page.encode())
+        file.write(page_of(held).encode())
     return target
 
 
-def _content(result: StabilityMap, samples: int | None, threads: int) -> dict[str, Any]:
-    """The map and its bodies as plain data."""
-    spec = result.spec
-    count = samples or _affordable(result)
-    numbers = np.arange(count)
-    start = result.starts(numbers)
-    seen = result.outcomes(numbers, threads=threads)
+def page_of(content: dict[str, Any] | None) -> str:
+    """The page of a map; without content, the page that waits for maps."""
+    return assembled("explorer.html", ("film.css", "explorer.css"), SCRIPTS, map=content)
+
+
+def content_of_bodies(start: Starts, seen: Outcomes) -> dict[str, Any]:
+    """Bodies, their starts and what became of them, as plain data."""
     outcome = np.full(seen.outcome.shape, len(CLASSES), dtype=np.uint8)
     for code, name in enumerate(CLASSES):
         outcome[seen.outcome == name] = code
+    return {
+        "outcome": _packed(outcome, np.uint8),
+        "left": _packed(seen.left, np.float64),
+        "omega": _packed(start.omega, np.float64),
+        "attitude": _packed(start.attitude, np.float64),
+    }
+
+
+def content_of_map(
+    result: StabilityMap, count: int, *, python: str = "result", whole: MapSpec | None = None
+) -> dict[str, Any]:
+    """A map as plain data, without the bodies.
+
+    Parameters
+    ----------
+    result : StabilityMap
+    count : int
+        Bodies of each pixel that the page has.
+    python : str
+        The name of the map in the Python line of a body.
+    whole : MapSpec, optional
+        The map that this one is a finer part of: its axes say which scales are logarithmic.
+    """
+    spec = result.spec
     theory = result.theory()
     shape = spec.shape if len(spec.shape) > 1 else (1, *spec.shape)
     what = "Regular motions" if isinstance(spec.stable, Regular) else "Stability"
     return {
         "title": spec.title or f"{what} of a {spec.scene.title}",
+        "python": python,
         "detail": f"stable: {spec.criterion}; {spec.samples} bodies per pixel"
         + ("" if spec.half_width is None else " at most"),
         "complete": result.complete,
         "shape": shape,
         "dimensions": len(spec.shape),
-        "axes": [_axis(axis) for axis in spec.axes],
+        "axes": [
+            _axis(axis, drawn.geometric)
+            for axis, drawn in zip(spec.axes, (whole or spec).axes, strict=True)
+        ],
         "layers": _layers(result),
         "status": _packed(result.status, np.uint8),
         "statuses": STATUS,
@@ -166,10 +194,6 @@ def _content(result: StabilityMap, samples: int | None, threads: int) -> dict[st
         "samples": count,
         "of": spec.samples,
         "classes": CLASSES,
-        "outcome": _packed(outcome, np.uint8),
-        "left": _packed(seen.left, np.float64),
-        "omega": _packed(start.omega, np.float64),
-        "attitude": _packed(start.attitude, np.float64),
         "horizon": _packed(spec.horizons, np.float64),
         "motion": _motion(spec),
         "charts": [
@@ -197,17 +221,21 @@ def _affordable(result: StabilityMap) -> int:
     return int(max(1, min(MOST_BYTES // size, MOST_SAMPLES, result.spec.samples)))
 
 
-def _axis(axis: Axis) -> dict[str, Any]:
-    edges = cell_edges(axis)
-    drawn = np.log(edges) if axis.geometric else edges
+def _axis(axis: Axis, geometric: bool) -> dict[str, Any]:
     return {
         "name": axis.name,
         "label": axis.name if axis.unit == "1" else f"{axis.name} ({axis.unit})",
         "unit": "" if axis.unit == "1" else axis.unit,
         "values": list(axis.values),
-        "edges": drawn.tolist(),
-        "geometric": axis.geometric,
+        "edges": drawn_edges(axis, geometric).tolist(),
+        "geometric": geometric,
     }
+
+
+def drawn_edges(axis: Axis, geometric: bool) -> NDArray[np.float64]:
+    """The borders of the cells of an axis as the page draws them; logarithms where geometric."""
+    edges = cell_edges(axis)
+    return np.log(edges) if geometric else edges
 
 
 def _layers(result: StabilityMap) -> list[dict[str, Any]]:

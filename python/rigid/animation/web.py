@@ -13,7 +13,7 @@ from ..drawing.shapes import across
 from .film import Film
 from .raster import AZIMUTH, ELEVATION
 
-__all__ = ["assembled", "film_page", "plain"]
+__all__ = ["as_json", "assembled", "film_page", "plain", "template"]
 
 SHADERS = ("surface.vert", "surface.frag", "line.vert", "line.frag")
 
@@ -26,7 +26,7 @@ def film_page(films: Sequence[Film]) -> str:
 
 
 def assembled(
-    page: str, styles: Sequence[str], scripts: Sequence[str], **data: dict[str, Any]
+    page: str, styles: Sequence[str], scripts: Sequence[str], **data: dict[str, Any] | None
 ) -> str:
     """The template of a page with its styles, shaders, scripts and data."""
     shaders = json.dumps({name: template(name) for name in SHADERS})
@@ -35,13 +35,17 @@ def assembled(
         "script": "".join([f"const SHADERS = {shaders};\n", *map(template, scripts)]),
     }
     for name, content in data.items():
-        text = json.dumps(content, separators=(",", ":"), allow_nan=False)
         # HTML ends a script at the first "</", even inside a string.
-        pieces[name] = text.replace("<", "\\u003c")
+        pieces[name] = as_json(content).replace("<", "\\u003c")
     filled = template(page)
     for name, piece in pieces.items():
         filled = filled.replace(f"{{{{{name}}}}}", piece)
     return filled
+
+
+def as_json(content: dict[str, Any] | None) -> str:
+    """Plain data as the scripts of pages read them."""
+    return json.dumps(content, separators=(",", ":"), allow_nan=False)
 
 
 def template(name: str) -> str:

@@ -9,12 +9,18 @@ function sharp(canvas) {
   return [pen, width, height];
 }
 
+// Digits that tell numbers between two ends apart which are a step away from each other.
+function digitsOf(low, high, step, least) {
+  const most = Math.max(Math.abs(low), Math.abs(high));
+  return step > 0 && most > 0 ? clamp(Math.ceil(Math.log10(most / step)) + 1, least, 15) : least;
+}
+
 function ticks(low, high, wanted) {
   const rough = (high - low) / wanted, power = 10 ** Math.floor(Math.log10(rough));
   const step = [1, 2, 5, 10].map(x => x * power).find(x => x >= rough) ?? power;
   const found = [];
   for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k++) found.push(k * step);
-  return found.map(x => [x, String(Number(x.toPrecision(6)))]);
+  return found.map(x => [x, String(Number(x.toPrecision(digitsOf(low, high, step, 6))))]);
 }
 
 class StripChart {

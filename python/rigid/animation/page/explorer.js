@@ -20,49 +20,33 @@ function mixedInk(share) {
   return `rgb(${a.map((x, i) => Math.round(x + (at - k) * (b[i] - x))).join(",")})`;
 }
 
-const shown = x => Number.isFinite(x) ? String(Number(x.toPrecision(4))) : x === Infinity ? "never" : "none";
+const shown = (x, digits = 4) => Number.isFinite(x) ? String(Number(x.toPrecision(digits))) : x === Infinity ? "never" : "none";
 
 class Explorer {
-  constructor(map) {
-    this.map = map;
-    const find = name => document.querySelector(name);
-    this.find = find;
-    [this.ny, this.nx] = map.shape.slice(-2);
-    this.plane = this.nx * this.ny;
-    this.slice = 0;
-    this.pixel = null;  // its number in C order of the grid
-    this.sample = 0;
-    this.hovered = null;
-    this.layer = map.layers[0];
-    document.title = map.title;
-    find("h1").textContent = map.title;
-    find(".detail").textContent = map.detail + (map.complete ? "" : "; the map is not complete");
-    const select = find(".layer");
-    map.layers.forEach(layer => select.add(new Option(layer.label, layer.name)));
-    select.onchange = () => { this.layer = map.layers[select.selectedIndex]; this.draw(); this.keep(); };
-    this.quantity = find(".quantity");
-    map.charts.forEach(chart => this.quantity.add(new Option(chart.label)));
+  constructor() {
+    this.map = null;
+    this.loads = 0;
+    this.kept = () => {};  // called when the reader has changed the view
+    this.bodiesOf = pixel => this.bodiesIn(this.map, pixel);  // the bodies of a pixel, or a promise of them
+    this.quantity = this.find(".quantity");
+    this.canvas = this.find(".map");
+  }
+
+  find(name) {
+    return document.querySelector(name);
+  }
+
+  listen() {
+    const find = name => this.find(name);
+    find(".layer").onchange = () => { this.layer = this.map.layers[find(".layer").selectedIndex]; this.draw(); this.kept(); };
     this.quantity.onchange = () => {
-      this.keep();
-      if (!this.player) return;
+      this.kept();
+      if (!this.player || this.player.root.hidden) return;
       this.player.films[0].chart = this.strip();
       this.player.chart();
     };
-    this.slices = map.axes.slice(2).map(axis => {
-      const label = document.createElement("label"), list = document.createElement("select");
-      label.append(`${axis.label} `, list);
-      axis.values.forEach(value => list.add(new Option(shown(value), value)));
-      list.onchange = () => { this.slice = this.numberOfSlice(); this.draw(); this.keep(); };
-      find(".slices").append(label);
-      return list;
-    });
-    this.edges = [map.axes[0].edges, map.axes[1]?.edges ?? [0, 1]];
-    this.all = this.edges.flatMap(edges => [Math.min(...edges), Math.max(...edges)]);
-    this.view = [...this.all];
-    this.canvas = find(".map");
-    this.canvas.setAttribute("aria-label", `${map.title}: the map. Arrow keys choose a pixel, plus and minus zoom`);
     this.steer();
-    find(".whole").onclick = () => { this.view = [...this.all]; this.draw(); this.keep(); };
+    find(".whole").onclick = () => { this.view = [...this.all]; this.draw(); this.kept(); };
     find(".before").onclick = () => this.next(-1);
     find(".after").onclick = () => this.next(1);
     find(".copy").onclick = () => this.copy();
@@ -72,10 +56,87 @@ class Explorer {
     });
     new ResizeObserver(() => this.draw()).observe(this.canvas);
     window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.draw());
-    window.addEventListener("hashchange", () => { if (location.hash !== this.hash) this.restore(); });
+  }
+
+  // Shows the map of a text in JSON, with the view of an address. A later call overtakes an earlier one.
+  async load(text, address) {
+    const number = ++this.loads;
+    try {
+      if (!window.DecompressionStream) throw new Error(`this browser cannot unpack the map; it needs ${NEEDED}, or newer`);
+      const map = await this.read(text);
+      if (number === this.loads) this.show(map, address);
+    } catch (error) {
+      this.find(".detail").textContent = `The map cannot be shown: ${error.message}.`;
+      throw error;
+    }
+  }
+
+  read(text) {
+    return unpackAll(JSON.parse(text));
+  }
+
+  show(map, address) {
+    const find = name => this.find(name), layer = this.layer?.name;
+    const options = (list, labels, values = labels) => list.replaceChildren(...labels.map((label, k) => new Option(label, values[k])));
+    if (!this.map) this.listen();
+    this.map = map;
+    [this.ny, this.nx] = map.shape.slice(-2);
+    this.plane = this.nx * this.ny;
+    this.slice = 0;
+    this.pixel = null;  // its number in C order of the grid
+    this.bodies = null;
+    this.sample = 0;
+    this.hovered = null;
+    document.title = map.title;
+    find("h1").textContent = map.title;
+    find(".detail").textContent = map.detail + (map.complete ? "" : "; the map is not complete");
+    options(find(".layer"), map.layers.map(one => one.label), map.layers.map(one => one.name));
+    this.chooseLayer(layer);
+    const quantity = Math.max(this.quantity.selectedIndex, 0);
+    options(this.quantity, map.charts.map(chart => chart.label));
+    this.quantity.selectedIndex = quantity;
+    find(".slices").replaceChildren();
+    this.slices = map.axes.slice(2).map(axis => {
+      const label = document.createElement("label"), list = document.createElement("select");
+      label.append(`${axis.label} `, list);
+      options(list, axis.values.map(shown), axis.values);
+      list.onchange = () => { this.slice = this.numberOfSlice(); this.draw(); this.kept(); };
+      find(".slices").append(label);
+      return list;
+    });
+    this.edges = [map.axes[0].edges, map.axes[1]?.edges ?? [0, 1]];
+    this.own = this.edges.flatMap(edges => [Math.min(...edges), Math.max(...edges)]);
+    this.all = map.all ?? this.own;
+    this.digits = map.axes.map(({values}) => {
+      const steps = values.slice(1).map((value, k) => Math.abs(value - values[k]));
+      return digitsOf(values[0], values[values.length - 1], steps.reduce((a, b) => Math.min(a, b), Infinity), 4);
+    });
+    this.view = [...this.own];
+    this.canvas.setAttribute("aria-label", `${map.title}: the map. Arrow keys choose a pixel, plus and minus zoom`);
+    this.empty("Click a pixel to see its bodies.");
     this.note();
-    this.restore();
+    this.restore(address);
     this.canvas.dataset.ready = "yes";
+  }
+
+  chooseLayer(name) {
+    const {map} = this, at = Math.max(map.layers.findIndex(one => one.name === name), 0);
+    [this.layer, this.find(".layer").selectedIndex] = [map.layers[at], at];
+  }
+
+  // No bodies, for this reason.
+  empty(reason) {
+    this.order = [];
+    this.find(".dots").replaceChildren();
+    this.find(".chosen").textContent = reason;
+    this.find(".python").textContent = "";
+    this.rest();
+  }
+
+  rest() {
+    if (!this.player) return;
+    this.player.play(false);
+    this.player.root.hidden = true;
   }
 
   numberOfSlice() {
@@ -92,10 +153,9 @@ class Explorer {
     return index;
   }
 
-  restore() {
-    const asked = new URLSearchParams(location.hash.slice(1)), {map} = this;
-    const layer = map.layers.findIndex(one => one.name === asked.get("layer"));
-    if (layer >= 0) [this.layer, this.find(".layer").selectedIndex] = [map.layers[layer], layer];
+  restore(address) {
+    const asked = new URLSearchParams(address.slice(1)), {map} = this;
+    if (asked.has("layer")) this.chooseLayer(asked.get("layer"));
     if (map.charts[asked.get("chart")]) this.quantity.selectedIndex = Number(asked.get("chart"));
     const view = (asked.get("zoom") ?? "").split(",").map(Number);
     if (view.length === 4 && view.every(Number.isFinite) && view[0] < view[1] && view[2] < view[3]) this.view = view;
@@ -105,13 +165,25 @@ class Explorer {
     this.draw();
   }
 
-  keep() {
+  get address() {
     const parts = [`layer=${this.layer.name}`];
     if (this.quantity.selectedIndex) parts.push(`chart=${this.quantity.selectedIndex}`);
     if (this.pixel !== null) parts.push(`pixel=${this.index(this.pixel).join()}`, `sample=${this.sample}`);
-    if (this.view.some((x, i) => x !== this.all[i])) parts.push(`zoom=${this.view.map(x => Number(x.toPrecision(8))).join()}`);
-    this.hash = `#${parts.join("&")}`;
-    history.replaceState(null, "", this.hash);
+    if (this.view.some((x, i) => x !== this.own[i])) parts.push(`zoom=${this.view.map(x => Number(x.toPrecision(8))).join()}`);
+    return `#${parts.join("&")}`;
+  }
+
+  // What a finer map is wanted of, as widget.js asks the kernel for it: null for the whole map.
+  get region() {
+    const {map, view} = this, [wide, high] = [this.own[1] - this.own[0], this.own[3] - this.own[2]];
+    const isAt = place => view.every((x, i) => Math.abs(x - place[i]) <= 1e-9 * (i < 2 ? wide : high));
+    if (isAt(this.all)) return null;
+    if (isAt(this.own)) return map.region;  // it is shown
+    return {view, at: map.region?.at ?? this.slices.map(list => list.selectedIndex)};
+  }
+
+  say(words) {
+    this.find(".said").textContent = words;
   }
 
   // Place of the map on the canvas, and from the canvas.
@@ -158,7 +230,7 @@ class Explorer {
     canvas.addEventListener("pointerup", event => {
       const pixel = this.pixelAt(this.from(event)), moved = drag?.moved;
       drag = null;
-      if (moved) this.keep();
+      if (moved) this.kept();
       else if (pixel !== null) this.choose(pixel, 0);
     });
     canvas.addEventListener("pointercancel", () => { drag = null; });
@@ -167,7 +239,7 @@ class Explorer {
       const [x0, x1, y0, y1] = this.view;
       this.view = this.within([x - factor * (x - x0), x + factor * (x1 - x), y - factor * (y - y0), y + factor * (y1 - y)]);
       this.draw();
-      this.keep();
+      this.kept();
     };
     canvas.addEventListener("wheel", event => {
       event.preventDefault();
@@ -203,12 +275,16 @@ class Explorer {
     return x > x0 && x < x1 && y > y0 && y < y1 ? [x, y] : center;
   }
 
-  within([x0, x1, y0, y1]) {  // no emptiness beside the map, and no closer than a thousandth of it
-    const inside = (low, high, least, most) => {
-      const width = clamp(high - low, 1e-3 * (most - least), most - least), begin = clamp(0.5 * (low + high - width), least, most - width);
+  // No emptiness beside the whole map, no closer than a thousandth of the map that is shown, and no closer than labels tell.
+  within(view) {
+    return [0, 1].flatMap(which => {
+      const [least, most] = this.all.slice(2 * which), [low, high] = view.slice(2 * which);
+      if (this.edges[which].length < 3) return [least, most];  // a single value
+      const closest = Math.max(1e-3 * (this.own[2 * which + 1] - this.own[2 * which]), 1e-9 * Math.max(Math.abs(low), Math.abs(high)));
+      const width = clamp(high - low, closest, most - least);
+      const begin = clamp(0.5 * (low + high - width), least, most - width);
       return [begin, begin + width];
-    };
-    return [...inside(x0, x1, this.all[0], this.all[1]), ...inside(y0, y1, this.all[2], this.all[3])];
+    });
   }
 
   ink(pixel) {
@@ -316,7 +392,7 @@ class Explorer {
 
   words(pixel) {
     const {map} = this, index = this.index(pixel).reverse(), {counts} = map;
-    const place = map.axes.map((axis, k) => `${axis.name} = ${shown(axis.values[index[k]])} ${axis.unit}`.trim()).join(", ");
+    const place = map.axes.map((axis, k) => `${axis.name} = ${shown(axis.values[index[k]], this.digits[k])} ${axis.unit}`.trim()).join(", ");
     if (map.status[pixel]) return `${place}\nno such body is possible: ${map.statuses[map.status[pixel]]}`;
     const value = name => map.layers.find(layer => layer.name === name).data[pixel];
     const of = ["stable", "unstable", "undecided", "failed"].map(name => `${counts[name][pixel]} ${name}`).join(", ");
@@ -340,12 +416,29 @@ class Explorer {
       list.selectedIndex = rest % length;
       rest = Math.floor(rest / length);
     });
-    const of = k => map.classes[map.outcome[pixel * map.samples + k]] ?? "", left = k => map.left[pixel * map.samples + k];
+    this.empty("");
+    this.draw();
+    return this.list(pixel, sample);
+  }
+
+  // The bodies of a pixel, by its number in arrays of the bodies of pixels.
+  bodiesIn({outcome, left, omega, attitude}, pixel) {
+    const {samples} = this.map, rows = (array, width) => Array.from({length: samples}, (_, k) => {
+      const begin = width * (pixel * samples + k);
+      return Array.from(array.subarray(begin, begin + width));
+    });
+    return {outcome: rows(outcome, 1).flat(), left: rows(left, 1).flat(), omega: rows(omega, 3), attitude: rows(attitude, 4)};
+  }
+
+  async list(pixel, sample) {
+    const {map} = this, bodies = await this.bodiesOf(pixel);
+    if (this.map !== map || this.pixel !== pixel || !bodies) return;
+    this.bodies = bodies;
+    const of = k => map.classes[bodies.outcome[k]] ?? "", left = k => bodies.left[k];
     // By outcome, and those that left in the order of their times.
-    this.order = Array.from({length: map.samples}, (_, k) => k).filter(k => of(k)).sort((a, b) =>
+    this.order = bodies.outcome.map((_, k) => k).filter(k => of(k)).sort((a, b) =>
       map.classes.indexOf(of(a)) - map.classes.indexOf(of(b)) || (left(a) || 0) - (left(b) || 0) || a - b);
-    const dots = this.find(".dots");
-    dots.replaceChildren(...this.order.map(k => {
+    this.find(".dots").replaceChildren(...this.order.map(k => {
       const button = document.createElement("button");
       button.type = "button";
       button.className = of(k);
@@ -358,7 +451,6 @@ class Explorer {
       button.onclick = () => this.pick(k);
       return button;
     }));
-    this.draw();
     this.pick(this.order.includes(sample) ? sample : this.order[0] ?? 0);
   }
 
@@ -379,21 +471,21 @@ class Explorer {
     }
     this.find(".chosen").textContent = `${this.words(pixel).split("\n")[0]}${picked ? ` — ${picked}` : " — no body"}`;
     const index = this.index(pixel);
-    this.find(".python").textContent = `result.replay(pixel=${index.length > 1 ? `(${index.join(", ")})` : index[0]}, sample=${sample})`;
-    this.keep();
+    this.find(".python").textContent = `${map.python}.replay(pixel=${index.length > 1 ? `(${index.join(", ")})` : index[0]}, sample=${sample})`;
+    this.kept();
     if (picked && map.motion) this.film(pixel, sample, picked);
     else {
       this.note();
-      if (this.player) { this.player.play(false); this.player.root.hidden = true; }
+      this.rest();
     }
   }
 
   // What the reader must know of the motion.
   note(doubtful = Infinity) {
     const {map} = this;
-    this.find(".note").textContent = `This page has ${map.samples} of ${map.of} bodies of each pixel. ` + (!map.motion
-      ? "It does not compute motions under these torques: use the Python line."
-      : `It computes their motions from their exact starts by a Taylor series; the outcomes are those of the map. ${Number.isFinite(doubtful)
+    this.find(".note").textContent = `Here are ${map.samples} of ${map.of} bodies of each pixel. ` + (!map.motion
+      ? "The page does not compute motions under these torques: use the Python line."
+      : `The page computes their motions from their exact starts by a Taylor series; the outcomes are those of the map. ${Number.isFinite(doubtful)
         ? `A change of this start by 1e-12 shows from t = ${shown(doubtful)} s on: from there this motion, that of the map and that of replay may differ.`
         : "Chaotic motions may leave those of the map."}`);
   }
@@ -404,12 +496,12 @@ class Explorer {
   }
 
   film(pixel, sample, words) {
-    const {map} = this, body = pixel * map.samples + sample, of = (array, width, row) => Array.from(array.subarray(width * row, width * row + width));
-    const numbers = of(map.motion.numbers, 18, pixel), omega = of(map.omega, 3, body), horizon = map.horizon[pixel];
+    const {map} = this, numbers = Array.from(map.motion.numbers.subarray(18 * pixel, 18 * pixel + 18)), horizon = map.horizon[pixel];
+    const omega = this.bodies.omega[sample], attitude = this.bodies.attitude[sample];
     const begun = performance.now(), frames = Math.round(clamp(horizon * size(omega) / 0.2, 500, FRAMES));
     const times = Array.from({length: frames + 1}, (_, k) => horizon * k / frames);
-    const motion = motionOf(numbers, omega, of(map.attitude, 4, body), times);
-    const doubtful = doubtfulFrom(numbers, omega, of(map.attitude, 4, body), times, motion);
+    const motion = motionOf(numbers, omega, attitude, times);
+    const doubtful = doubtfulFrom(numbers, omega, attitude, times, motion);
     this.computed = performance.now() - begun;
     this.moved = {pixel, numbers, motion, doubtful};
     this.note(doubtful);
@@ -443,14 +535,18 @@ async function unpackAll(data) {
   return data;
 }
 
-async function begin() {
-  try {
-    if (!window.DecompressionStream) throw new Error(`this browser cannot unpack the map; it needs ${NEEDED}, or newer`);
-    window.explorer = new Explorer(await unpackAll(JSON.parse(document.getElementById("map").textContent)));
-  } catch (error) {
-    document.querySelector(".detail").textContent = `The map cannot be shown: ${error.message}.`;
-    throw error;
-  }
+// A page of its own holds its map, and its address keeps the view. In a notebook widget.js gives the maps.
+function begin() {
+  const text = document.getElementById("map").textContent, explorer = new Explorer();
+  window.explorer = explorer;
+  if (text === "null") return;
+  let address = location.hash;
+  explorer.kept = () => {
+    ({address} = explorer);
+    history.replaceState(null, "", address);
+  };
+  window.addEventListener("hashchange", () => { if (location.hash !== address && explorer.map) explorer.restore(location.hash); });
+  explorer.load(text, address);
 }
 
 begin();
