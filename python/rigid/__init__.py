@@ -243,7 +243,14 @@ def _explore(result: StabilityMap, path: str | PathLike[str], **options: Any) ->
     return explore(result, path, **options)
 
 
-plug_in_explorer(_explore)
+def _widget(result: StabilityMap, **options: Any) -> Any:
+    """The view of :mod:`rigid.animation.widget`, imported when it is first called."""
+    from .animation.widget import MapWidget
+
+    return MapWidget(result, **options)
+
+
+plug_in_explorer(_explore, _widget)
 plug_in_evaluator(_states_at)
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import io
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -64,6 +64,7 @@ class Opened:
         height: int = 720,
         scheme: str = "light",
         before: str | None = None,
+        functions: Mapping[str, Callable[..., object]] | None = None,
     ) -> None:
         self.page = browser.new_page(
             viewport={"width": width, "height": height},
@@ -72,6 +73,8 @@ class Opened:
         )
         if before is not None:
             self.page.add_init_script(before)
+        for name, function in (functions or {}).items():
+            self.page.expose_function(name, function)
         self.said: list[str] = []
         self.asked: list[str] = []
         self.page.on("console", lambda message: self.said.append(message.text))

@@ -116,7 +116,8 @@ class StabilityMap(MapData):
     __slots__ = ()
 
     _explorer: ClassVar[Callable[..., Path]]
-    """Set by the package, whose module of pages imports this one."""
+    _widget: ClassVar[Callable[..., Any]]
+    """Set by the package, whose modules of pages import this one."""
 
     def __repr__(self) -> str:
         """Scene, grid and the share of each class."""
@@ -215,23 +216,28 @@ class StabilityMap(MapData):
         """
         return replay(self, pixel, sample, t)
 
-    def starts(self, sample: ArrayLike = 0) -> Starts:
-        """Starts of some bodies of every pixel, with the bits that they have in the map.
+    def starts(
+        self, sample: ArrayLike = 0, *, pixel: int | tuple[int, ...] | None = None
+    ) -> Starts:
+        """Starts of some bodies of every pixel, or of one pixel, with the bits of the map.
 
         Parameters
         ----------
         sample : int or array_like of int
             Number of the body in its pixel, from 0, or an array of numbers.
+        pixel : int or tuple of int, optional
+            Index of one pixel, as in :meth:`replay`.
 
         Returns
         -------
         Starts
-            ``omega`` and ``attitude`` of shape ``(*grid, *sample, 3)`` and ``(..., 4)``.
+            ``omega`` and ``attitude`` of shape ``(*grid, *sample, 3)`` and ``(..., 4)``, without
+            the grid for one pixel.
 
         Raises
         ------
         IndexError
-            If the map has no such sample.
+            If the map has no such pixel or sample.
 
         Examples
         --------
@@ -242,10 +248,10 @@ class StabilityMap(MapData):
         ... )
         >>> result.starts(range(10)).omega.shape
         (2, 10, 3)
-        >>> bool((result.starts(3).omega[1] == result.replay(1, 3).omega).all())
+        >>> bool((result.starts(3, pixel=1).omega == result.replay(1, 3).omega).all())
         True
         """
-        return starts(self, sample)
+        return starts(self, sample, pixel)
 
     def outcomes(
         self,
@@ -457,6 +463,34 @@ class StabilityMap(MapData):
         """
         return self._explorer(self, path, samples=samples, threads=threads)
 
+    def widget(self, *, threads: int | None = None) -> Any:
+        """The view of :meth:`explore` in a notebook, where zooming computes a finer map.
+
+        Half a second after a zoom the map of what is in view is computed, with as many pixels,
+        samples and the seed of this map: a map of its own, by ``spec.replace(axes=...)``. Its
+        values lie between the least and the largest value of this map; of axes after the second it
+        has the values that are chosen. A further zoom replaces a computation that has not ended.
+        *whole map* shows this map again. The view lists up to 64 bodies of a pixel.
+
+        Parameters
+        ----------
+        threads : int, optional
+            Default: ``RIGID_NUM_THREADS``, else the cores that this process may use.
+
+        Returns
+        -------
+        rigid.animation.widget.MapWidget
+            An ``anywidget``. Its attribute ``result`` is the map that the view shows.
+
+        Raises
+        ------
+        ImportError
+            Without anywidget.
+        ValueError
+            If a function that the map needs is not known; see :func:`load_map`.
+        """
+        return self._widget(self, threads=threads)
+
     def to_xarray(self) -> xarray.Dataset:
         """The map as an xarray Dataset.
 
@@ -587,9 +621,11 @@ def load_map(
     return StabilityMap.from_arrays(spec.with_functions(scene=scene, stable=stable), arrays, bins)
 
 
-def plug_in_explorer(explorer: Callable[..., Path]) -> None:
+def plug_in_explorer(explorer: Callable[..., Path], widget: Callable[..., Any]) -> None:
     """Let :meth:`StabilityMap.explore` call ``explorer(result, path, **options)``.
 
-    Its module imports this one.
+    :meth:`StabilityMap.widget` calls ``widget(result, **options)``. The modules of both import this
+    one.
     """
     StabilityMap._explorer = staticmethod(explorer)
+    StabilityMap._widget = staticmethod(widget)

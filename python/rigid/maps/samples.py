@@ -26,9 +26,9 @@ class Starts:
 
     Attributes
     ----------
-    omega : ndarray, shape ``(*grid, *sample, 3)``
+    omega : ndarray, shape ``(*grid, *sample, 3)``, of one pixel ``(*sample, 3)``
         Rates in the body, rad/s.
-    attitude : ndarray, shape ``(*grid, *sample, 4)``
+    attitude : ndarray, shape ``(*grid, *sample, 4)``, of one pixel ``(*sample, 4)``
         Quaternions (w, x, y, z).
     """
 
@@ -89,11 +89,12 @@ _NUMBERS = (
 )
 
 
-def starts(data: MapData, sample: ArrayLike) -> Starts:
-    """Starts of bodies of all pixels; see :meth:`rigid.StabilityMap.starts`."""
+def starts(data: MapData, sample: ArrayLike, pixel: int | tuple[int, ...] | None = None) -> Starts:
+    """Starts of bodies; see :meth:`rigid.StabilityMap.starts`."""
     spec = data.spec
     numbers = _samples(sample, spec.samples)
-    flat, possible = _flat(data, numbers)
+    flat, possible = _flat(data, numbers, pixel)
+    shape = numbers.shape if pixel is not None else (*spec.shape, *numbers.shape)
     found = [
         part.reshape(-1, width)
         for part, width in zip(to_core(spec).starts(flat), (3, 4), strict=True)
@@ -102,7 +103,7 @@ def starts(data: MapData, sample: ArrayLike) -> Starts:
     for part in found:
         every = np.full((possible.size, part.shape[1]), np.nan)
         every[possible.ravel()] = part
-        arrays.append(every.reshape(*spec.shape, *numbers.shape, part.shape[1]))
+        arrays.append(every.reshape(*shape, part.shape[1]))
     return Starts(omega=arrays[0], attitude=arrays[1])
 
 

@@ -10,7 +10,7 @@ import pytest
 import rigid
 from processes import python_process
 
-OPTIONAL = ["scipy", "matplotlib", "xarray", "pandas", "tqdm", "numba"]
+OPTIONAL = ["anywidget", "scipy", "matplotlib", "xarray", "pandas", "tqdm", "numba"]
 
 BLOCKED = f"""
 import sys
