@@ -1,12 +1,13 @@
 """The map explorer: one page with a map, the bodies of its pixels, and their motions as films.
 
-The page has starts and verdicts of some bodies of each pixel. It computes their motions itself, by
-a Taylor series of the equations of motion (``page/motion.js``).
+The page has the verdicts of some bodies of each pixel. It draws their starts as the core does
+(``page/draw.js``), and computes their motions by a Taylor series (``page/motion.js``).
 """
 
 from __future__ import annotations
 
 import base64
+import math
 import operator
 import zlib
 from pathlib import Path
@@ -23,6 +24,8 @@ from ..maps.plot import cell_edges
 from ..maps.result import StabilityMap
 from ..maps.samples import Outcomes, Starts
 from ..model.criteria import Regular
+from ..model.mixture import Mixture
+from ..model.start import Samples
 from .raster import AZIMUTH, ELEVATION
 from .watched import watched
 from .web import assembled
@@ -33,7 +36,14 @@ if TYPE_CHECKING:
     from ..maps.parameters import Axis
     from ..maps.spec import MapSpec
 
-__all__ = ["content_of_bodies", "content_of_map", "drawn_edges", "explore", "page_of"]
+__all__ = [
+    "content_of_map",
+    "content_of_outcomes",
+    "content_of_starts",
+    "drawn_edges",
+    "explore",
+    "page_of",
+]
 
 OUTCOMES = {
     "stable": "#e1cc55",
@@ -43,15 +53,15 @@ OUTCOMES = {
 }
 """Colours of the bodies by outcome, which the colour-blind tell apart too."""
 
-MOST_BYTES = 1_500_000
-"""Room for the starts in a page, compressed, unless a number of bodies is asked for."""
+MOST_BYTES = 500_000
+"""Room for the bodies in a page, compressed, unless a number of bodies is asked for."""
 
 MOST_SAMPLES = 64
 """Most bodies of each pixel, unless a number is asked for."""
 
 SCRIPTS = (
     *("vectors.js", "stage.js", "charts.js", "player.js"),
-    *("motion.js", "quantities.js", "solids.js", "explorer.js"),
+    *("motion.js", "draw.js", "quantities.js", "solids.js", "explorer.js"),
 )
 
 
@@ -68,11 +78,12 @@ def explore(
     theory. A click on a pixel lists bodies of it by their outcome, and shows the motion of one body
     as a film.
 
-    The page has the exact starts of the bodies. It computes their motions by a Taylor series of
-    order 24 with a relative error of about 1e-14 a step. The outcomes are those of the map. A
-    chaotic motion may therefore differ from that which the map has seen; ``result.replay`` gives
-    the latter. Motions under torques that act in space or change in time, and of satellites, are
-    not computed in the page.
+    The page draws the starts of the bodies as the map has drawn them, to the bit. It holds those of
+    mixtures, given samples, covariances and von Mises-Fisher directions. It computes the motions by
+    a Taylor series of order 24 with a relative error of about 1e-14 a step. The outcomes are those
+    of the map. A chaotic motion may therefore differ from that which the map has seen;
+    ``result.replay`` gives the latter. Motions under torques that act in space or change in time,
+    and of satellites, are not computed in the page.
 
     Parameters
     ----------
@@ -81,7 +92,7 @@ def explore(
     path : path-like
         The page; its name must end in ``.html``.
     samples : int, optional
-        Bodies of each pixel that the page has, the first ones. By default as many as need 1.5 MB,
+        Bodies of each pixel that the page has, the first ones. By default as many as need 0.7 MB,
         at least 1 and at most 64.
     threads : int, optional
         Threads that classify the bodies again. Default: ``RIGID_NUM_THREADS``, else the cores that
@@ -121,10 +132,10 @@ def explore(
         if not 1 <= samples <= most:
             raise ValueError(f"samples = {brief(samples)}: must lie in 1 .. {most}, as in the map")
     count = samples or _affordable(result)
-    held = content_of_map(result, count) | content_of_bodies(
-        result.starts(range(count)),
-        result.outcomes(range(count), threads=resolve_threads(threads)),
-    )
+    seen = result.outcomes(range(count), threads=resolve_threads(threads))
+    draw = _draw(result.spec)
+    starts = content_of_starts(result.starts(range(count))) if draw is None else {"draw": draw}
+    held = content_of_map(result, count) | starts | content_of_outcomes(seen)
     with published(target) as file:
         file.write(page_of(held).encode())
     return target
@@ -135,16 +146,22 @@ def page_of(content: dict[str, Any] | None) -> str:
     return assembled("explorer.html", ("film.css", "explorer.css"), SCRIPTS, map=content)
 
 
-def content_of_bodies(start: Starts, seen: Outcomes) -> dict[str, Any]:
-    """Bodies, their starts and what became of them, as plain data."""
+def content_of_starts(start: Starts) -> dict[str, Any]:
+    """The starts of bodies as plain data."""
+    return {
+        "omega": _packed(start.omega, np.float64),
+        "attitude": _packed(start.attitude, np.float64),
+    }
+
+
+def content_of_outcomes(seen: Outcomes) -> dict[str, Any]:
+    """What became of bodies as plain data."""
     outcome = np.full(seen.outcome.shape, len(CLASSES), dtype=np.uint8)
     for code, name in enumerate(CLASSES):
         outcome[seen.outcome == name] = code
     return {
         "outcome": _packed(outcome, np.uint8),
-        "left": _packed(seen.left, np.float64),
-        "omega": _packed(start.omega, np.float64),
-        "attitude": _packed(start.attitude, np.float64),
+        "left": _packed(seen.left, np.float32),  # the page shows four digits
     }
 
 
@@ -215,10 +232,37 @@ def content_of_map(
 
 
 def _affordable(result: StabilityMap) -> int:
-    """The number of bodies a pixel whose starts take the room that a page has for them."""
-    first = result.starts(0)
-    size = len(_compressed(first.omega)) + len(_compressed(first.attitude))
+    """The number of bodies a pixel that take the room which a page has for them."""
+    # Times of leaving are hardly compressed, and a class takes two bits at most.
+    done = max(int(result.samples.sum()), 1)
+    size = result.status.size * (4.0 * int(result.unstable.sum()) / done + 0.25)
+    if _draw(result.spec) is None:
+        first = result.starts(0)
+        size += len(_compressed(first.omega)) + len(_compressed(first.attitude))
     return int(max(1, min(MOST_BYTES // size, MOST_SAMPLES, result.spec.samples)))
+
+
+def _draw(spec: MapSpec) -> dict[str, Any] | None:
+    """What ``page/draw.js`` draws the starts from; None if it has not the laws of this map."""
+    start = spec.start
+    if isinstance(start, Mixture) or isinstance(start.noise, Samples) or start.joint:
+        return None
+    laws = []
+    for noise in (start.noise, start.attitude_noise):
+        if noise is not None and (noise.cov is not None or noise.is_direction):
+            return None
+        laws.append(None if noise is None else noise.kind)
+    numbers = np.empty(math.prod(spec.shape), dtype=np.int32)  # by which each pixel draws
+    for part in spec.parts:
+        numbers[part.pixels] = np.arange(len(part.pixels))
+    grid = spec.grid
+    columns = ("omega", "omega_size", "attitude", "attitude_size")
+    return {
+        "key": [str(spec.seed % 2**64), str(spec.seed >> 64)],
+        "laws": laws,
+        "numbers": _packed(numbers, np.int32),
+        **{name: _packed(getattr(grid, name), np.float64) for name in columns},
+    }
 
 
 def _axis(axis: Axis, geometric: bool) -> dict[str, Any]:

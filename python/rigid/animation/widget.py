@@ -15,7 +15,14 @@ from numpy.typing import NDArray
 from .._checks.arguments import resolve_threads
 from ..maps.compute import stability_map
 from ..maps.result import StabilityMap
-from .explorer import MOST_SAMPLES, content_of_bodies, content_of_map, drawn_edges, page_of
+from .explorer import (
+    MOST_SAMPLES,
+    content_of_map,
+    content_of_outcomes,
+    content_of_starts,
+    drawn_edges,
+    page_of,
+)
 from .web import as_json, template
 
 try:
@@ -146,10 +153,9 @@ class MapWidget(anywidget.AnyWidget):
             with self._one_answer:
                 result = self.result
             numbers = range(self._count)
-            held = content_of_bodies(
-                result.starts(numbers, pixel=pixel),
-                result.outcomes(numbers, pixel=pixel, threads=self._threads),
-            )
+            start = result.starts(numbers, pixel=pixel)
+            seen = result.outcomes(numbers, pixel=pixel, threads=self._threads)
+            held = content_of_starts(start) | content_of_outcomes(seen)
             self.send({"pixel": pixel, "bodies": as_json(held)})
         except Exception as error:
             self.send({"pixel": pixel, "error": f"The bodies cannot be computed: {error}"})

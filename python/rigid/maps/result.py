@@ -445,7 +445,7 @@ class StabilityMap(MapData):
             The page; its name must end in ``.html``.
         samples : int, optional
             Bodies of each pixel that the page has, the first ones. By default as many as need
-            1.5 MB, at least 1 and at most 64.
+            0.7 MB, at least 1 and at most 64.
         threads : int, optional
             Default: ``RIGID_NUM_THREADS``, else the cores that this process may use.
 

@@ -70,16 +70,19 @@ def unpacked(packed: dict[str, str]) -> NDArray[Any]:
 # What the page holds
 
 
-def test_a_page_holds_the_starts_and_outcomes_of_the_map_to_the_bit(page: Path) -> None:
+def test_a_page_holds_nominal_starts_and_the_outcomes_of_the_map(page: Path) -> None:
     held = content(page)
     count = held["samples"]
     assert (count, held["of"], held["shape"]) == (6, 6, [4, 7])
-    starts, outcomes = BOX.starts(range(count)), BOX.outcomes(range(count))
-    assert (unpacked(held["omega"]) == starts.omega.ravel()).all()
-    assert (unpacked(held["attitude"]) == starts.attitude.ravel()).all()
+    outcomes = BOX.outcomes(range(count))
+    nominal = held["draw"]
+    assert (unpacked(nominal["omega"]).reshape(-1, 3) == [0.0, 10.0, 0.0]).all()
+    assert (unpacked(nominal["omega_size"]).reshape(4, 7, 3)[2] == 1e-1).all()
+    assert (nominal["laws"], nominal["key"]) == (["normal", None], ["2026", "0"])
     words = np.array([*held["classes"], ""])[unpacked(held["outcome"])]
     assert (words == outcomes.outcome.ravel()).all()
-    np.testing.assert_array_equal(unpacked(held["left"]), outcomes.left.ravel())
+    left = outcomes.left.ravel().astype(np.float32)
+    np.testing.assert_array_equal(unpacked(held["left"]), left)
     layers = {layer["name"]: unpacked(layer["data"]) for layer in held["layers"]}
     np.testing.assert_array_equal(layers["share"], BOX.share.ravel().astype(np.float32))
     assert {"lower", "upper", "undecided", "failed", "earliest"} <= set(layers)
@@ -92,7 +95,7 @@ def test_a_page_needs_nothing_from_elsewhere(page: Path) -> None:
 
 def test_a_page_has_as_many_bodies_as_are_asked_for(tmp_path: Path) -> None:
     held = content(BOX.explore(tmp_path / "a.html", samples=2))
-    assert (held["samples"], len(unpacked(held["omega"]))) == (2, 28 * 2 * 3)
+    assert (held["samples"], len(unpacked(held["outcome"]))) == (2, 28 * 2)
 
 
 def test_motions_under_torques_in_space_are_not_in_the_page(tmp_path: Path) -> None:
@@ -188,14 +191,15 @@ def test_outcomes_are_told_apart_by_the_colour_blind(sight: str) -> None:
     assert min(float(np.linalg.norm(a - b)) for a, b in itertools.combinations(seen, 2)) > 30.0
 
 
-# The motions of the page
+# The starts and motions of the page
 
 
 def under_node(function: str, *arguments: Any) -> Any:
     """What a function of the page says under Node."""
     folder = resources.files("rigid.animation").joinpath("page")
     script = "".join(
-        folder.joinpath(name).read_text() for name in ("vectors.js", "motion.js", "quantities.js")
+        folder.joinpath(name).read_text()
+        for name in ("vectors.js", "motion.js", "draw.js", "quantities.js")
     )
     script += "const given = JSON.parse(require('fs').readFileSync(0, 'utf8'));"
     script += f"console.log(JSON.stringify(({function})(...given)));"
@@ -213,6 +217,67 @@ def moved(*arguments: Any) -> dict[str, NDArray[np.float64]]:
     """The motion of the page."""
     found = under_node("motionOf", *arguments)
     return {name: np.array(values) for name, values in found.items()}
+
+
+LAWS = [rigid.normal, rigid.uniform, rigid.direction]
+
+
+@pytest.mark.skipif(NODE is None, reason="needs node")
+@pytest.mark.parametrize(
+    ("noise", "attitude_noise"),
+    [
+        *((law(0.3), None) for law in LAWS),
+        *((law([0.1, 0.0, 1e-3]), law(size)) for law in LAWS for size in (1e-3, 3.0)),
+        (None, rigid.uniform_attitude()),
+    ],
+)
+def test_the_page_draws_the_starts_of_the_map_to_the_bit(
+    noise: Any, attitude_noise: Any, tmp_path: Path
+) -> None:
+    result = rigid.stability_map(
+        rigid.HeavyTop(rigid.Body((1.0, 1.3, 0.5)), mgl=1.0),
+        # Pixels of other horizons draw by the same numbers; one body has impossible moments.
+        axes={"spin": [-3.0, 1.0, 4.0], "t_end": [0.1, 0.2], "I3": [0.5, 9.0]},
+        start=rigid.Start(spin=1.0, axis=3, tilt=0.4, noise=noise, attitude_noise=attitude_noise),
+        samples=40,
+        stable=rigid.tilt_below(1.0),
+        rng=2**100 + 7,
+    )
+    draw = content(result.explore(tmp_path / "a.html"))["draw"]
+    arrays = {name: unpacked(packed) for name, packed in draw.items() if "type" in packed}
+    found = under_node(
+        "draw => { for (const name in draw) if (!['key', 'laws'].includes(name)) "
+        "draw[name] = Float64Array.from(draw[name]); "
+        "return [0, 2, 4].flatMap(pixel => "
+        "Array.from({length: 40}, (_, k) => startOf(draw, pixel, k))); }",
+        draw | {name: array.tolist() for name, array in arrays.items()},
+    )
+    meant = result.starts(range(40))
+    for name, column in (("omega", 0), ("attitude", 1)):
+        of_map = getattr(meant, name).reshape(12, 40, -1)[[0, 2, 4]]
+        np.testing.assert_array_equal([body[column] for body in found], of_map.reshape(120, -1))
+
+
+MIXED = rigid.mixture([rigid.Start(spin=1.0, axis=3), rigid.Start(spin=2.0, axis=3)])
+GIVEN = rigid.samples(omega=[[0.1, 0.0, 0.0], [0.0, 0.2, 0.0]])
+
+
+@pytest.mark.parametrize(
+    "start",
+    [
+        MIXED,
+        rigid.Start(spin=1.0, axis=3, noise=GIVEN),
+        rigid.Start(spin=1.0, axis=3, noise=rigid.normal(cov=np.diag([0.1, 0.2, 0.3]))),
+        rigid.Start(spin=1.0, axis=3, noise=rigid.von_mises_fisher(20.0)),
+    ],
+)
+def test_a_page_holds_the_starts_that_it_does_not_draw(start: Any, tmp_path: Path) -> None:
+    result = tops(axes={"mgl": [0.6, 1.0]}, start=start)
+    held = content(result.explore(tmp_path / "a.html"))
+    assert "draw" not in held
+    meant = result.starts(range(held["samples"]))
+    assert (unpacked(held["omega"]) == meant.omega.ravel()).all()
+    assert (unpacked(held["attitude"]) == meant.attitude.ravel()).all()
 
 
 @pytest.mark.skipif(NODE is None, reason="needs node")
@@ -395,6 +460,9 @@ def test_the_explorer_works_in_a_browser(browser: Any, page: Path, width: int, s
     shown.wait_for_selector("canvas.stage")
     first = shown.evaluate("location.hash")
     assert re.fullmatch(r"#layer=share&pixel=2,3&sample=\d", first)
+    start = BOX.starts(3, pixel=(2, 3))
+    drawn = shown.evaluate("explorer.bodies.start(3)")
+    assert drawn == [start.omega.tolist(), start.attitude.tolist()]
     line = shown.locator(".python").text_content()
     assert re.fullmatch(r"result\.replay\(pixel=\(2, 3\), sample=\d\)", line)
     assert shown.locator(".dots button").count() == 6

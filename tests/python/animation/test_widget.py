@@ -318,7 +318,7 @@ def test_the_view_zooms_in_and_back(browser: Any, width: int, scheme: str, tmp_p
     assert frame.locator(".chosen").text_content().startswith("spin = ")
     assert frame.locator(".dots button").count() == 64
     seen = finer.starts(0, pixel=(2, 5))
-    assert frame.evaluate("explorer.bodies.omega[0]") == seen.omega.tolist()
+    assert frame.evaluate("explorer.bodies.start(0)[0]") == seen.omega.tolist()
     page.keyboard.press("n")
     following = frame.evaluate("explorer.order[explorer.order.indexOf(0) + 1]")
     line = f"widget.result.replay(pixel=(2, 5), sample={following})"

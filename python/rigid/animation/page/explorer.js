@@ -107,10 +107,8 @@ class Explorer {
     this.edges = [map.axes[0].edges, map.axes[1]?.edges ?? [0, 1]];
     this.own = this.edges.flatMap(edges => [Math.min(...edges), Math.max(...edges)]);
     this.all = map.all ?? this.own;
-    this.digits = map.axes.map(({values}) => {
-      const steps = values.slice(1).map((value, k) => Math.abs(value - values[k]));
-      return digitsOf(values[0], values[values.length - 1], steps.reduce((a, b) => Math.min(a, b), Infinity), 4);
-    });
+    this.digits = map.axes.map(({values}) =>
+      values.slice(1).reduce((most, value, k) => digitsOf(value, values[k], Math.abs(value - values[k]), most), 4));
     this.view = [...this.own];
     this.canvas.setAttribute("aria-label", `${map.title}: the map. Arrow keys choose a pixel, plus and minus zoom`);
     this.empty("Click a pixel to see its bodies.");
@@ -421,13 +419,11 @@ class Explorer {
     return this.list(pixel, sample);
   }
 
-  // The bodies of a pixel, by its number in arrays of the bodies of pixels.
-  bodiesIn({outcome, left, omega, attitude}, pixel) {
-    const {samples} = this.map, rows = (array, width) => Array.from({length: samples}, (_, k) => {
-      const begin = width * (pixel * samples + k);
-      return Array.from(array.subarray(begin, begin + width));
-    });
-    return {outcome: rows(outcome, 1).flat(), left: rows(left, 1).flat(), omega: rows(omega, 3), attitude: rows(attitude, 4)};
+  // The bodies of a pixel, by its number in arrays of the bodies of pixels. Starts are in arrays too, or are drawn.
+  bodiesIn({outcome, left, omega, attitude, draw}, pixel) {
+    const {samples} = this.map, first = pixel * samples, row = (array, width, k) => Array.from(array.subarray(width * k, width * (k + 1)));
+    return {outcome: row(outcome, samples, pixel), left: row(left, samples, pixel),
+      start: k => draw ? startOf(draw, pixel, k) : [row(omega, 3, first + k), row(attitude, 4, first + k)]};
   }
 
   async list(pixel, sample) {
@@ -497,7 +493,7 @@ class Explorer {
 
   film(pixel, sample, words) {
     const {map} = this, numbers = Array.from(map.motion.numbers.subarray(18 * pixel, 18 * pixel + 18)), horizon = map.horizon[pixel];
-    const omega = this.bodies.omega[sample], attitude = this.bodies.attitude[sample];
+    const [omega, attitude] = this.bodies.start(sample);
     const begun = performance.now(), frames = Math.round(clamp(horizon * size(omega) / 0.2, 500, FRAMES));
     const times = Array.from({length: frames + 1}, (_, k) => horizon * k / frames);
     const motion = motionOf(numbers, omega, attitude, times);
