@@ -1,11 +1,11 @@
 // Beside the film: a strip chart with the cursor of the film, and the path of L in the body.
 function sharp(canvas) {
   const ratio = Math.min(window.devicePixelRatio || 1, 2);
-  const width = canvas.clientWidth, height = canvas.clientHeight;
-  canvas.width = Math.round(width * ratio);
-  canvas.height = Math.round(height * ratio);
-  const pen = canvas.getContext("2d");
+  const width = canvas.clientWidth, height = canvas.clientHeight, pen = canvas.getContext("2d");
+  const [wide, high] = [width, height].map(x => Math.round(x * ratio));
+  if (canvas.width !== wide || canvas.height !== high) [canvas.width, canvas.height] = [wide, high];
   pen.setTransform(ratio, 0, 0, ratio, 0, 0);
+  pen.clearRect(0, 0, width, height);
   return [pen, width, height];
 }
 
@@ -23,13 +23,36 @@ function ticks(low, high, wanted) {
   return found.map(x => [x, String(Number(x.toPrecision(digitsOf(low, high, step, 6))))]);
 }
 
-class StripChart {
-  constructor(canvas, film, seek) {
+// A chart: what a film changes is drawn over a picture of the rest.
+class Chart {
+  constructor(canvas, film, label) {
     this.canvas = canvas;
     this.film = film;
-    this.background = null;
+    this.background = document.createElement("canvas");
     canvas.setAttribute("role", "img");
-    canvas.setAttribute("aria-label", `${film.chart.label} against time`);
+    canvas.setAttribute("aria-label", label);
+  }
+
+  draw(frame) {
+    const {canvas, background} = this, [pen, width, height] = sharp(canvas), look = [width, height, canvas.width, dark()].join();
+    if (look !== this.look) {
+      this.look = look;
+      [background.width, background.height] = [canvas.width, canvas.height];
+      const under = background.getContext("2d");
+      under.setTransform(pen.getTransform());
+      this.still(under, width, height);
+    }
+    pen.save();
+    pen.setTransform(1, 0, 0, 1, 0, 0);
+    pen.drawImage(background, 0, 0);
+    pen.restore();
+    this.moving(pen, frame);
+  }
+}
+
+class StripChart extends Chart {
+  constructor(canvas, film, seek) {
+    super(canvas, film, `${film.chart.label} against time`);
     const to = event => {
       const box = canvas.getBoundingClientRect(), [left, right] = this.sides(box.width);
       const {t} = this.film, share = clamp((event.clientX - box.left - left) / (right - left), 0, 1);
@@ -46,22 +69,8 @@ class StripChart {
     return [46, width - 10];
   }
 
-  draw(frame) {
-    const {film, canvas} = this, {chart, t} = film, [pen, width, height] = sharp(canvas);
-    const look = [width, height, canvas.width, dark()].join();
-    if (look !== this.look) {  // what the cursor does not change is drawn once
-      this.look = look;
-      this.background = document.createElement("canvas");
-      [this.background.width, this.background.height] = [canvas.width, canvas.height];
-      const under = this.background.getContext("2d");
-      under.setTransform(pen.getTransform());
-      this.still(under, width, height);
-    }
-    pen.save();
-    pen.setTransform(1, 0, 0, 1, 0, 0);
-    pen.drawImage(this.background, 0, 0);
-    pen.restore();
-    const {x, y, top, bottom} = this.scale;
+  moving(pen, frame) {
+    const {chart, t} = this.film, {x, y, top, bottom} = this.scale;
     pen.strokeStyle = css("#222222");
     pen.lineWidth = 1.4;
     pen.beginPath();
@@ -138,22 +147,18 @@ class StripChart {
 
 // The direction of L in the body moves on a sphere along one curve, the polhode of the momenta; great
 // circles through the middle axis, the separatrix, divide the curves round the first and the third axis.
-class Sphere {
+class Sphere extends Chart {
   constructor(canvas, film) {
-    this.canvas = canvas;
-    this.film = film;
-    canvas.setAttribute("role", "img");
-    canvas.setAttribute("aria-label", "direction of the angular momentum in the body, and the separatrix");
+    super(canvas, film, "direction of the angular momentum in the body, and the separatrix");
     const start = film.polhode.points[0], eye = unit(start.map((x, i) => x + (x < 0 ? -1 : 1) * [0.75, 0.55, 0.9][i]));
     const [right, up] = across(eye);
     this.axes = [scaled(right, -1), up, eye];
     this.axes[0] = cross(up, eye);
   }
 
-  draw(frame) {
-    const {polhode, chart} = this.film, [pen, width, height] = sharp(this.canvas);
-    const radius = Math.min(width, height - 18) / 2 - 14, cx = width / 2, cy = (height + 16) / 2;
-    const see = p => [cx + radius * dot(p, this.axes[0]), cy - radius * dot(p, this.axes[1]), dot(p, this.axes[2])];
+  still(pen, width, height) {
+    const {polhode, chart} = this.film, radius = Math.min(width, height - 18) / 2 - 14, cx = width / 2, cy = (height + 16) / 2;
+    const see = this.see = p => [cx + radius * dot(p, this.axes[0]), cy - radius * dot(p, this.axes[1]), dot(p, this.axes[2])];
     pen.fillStyle = css("#000000", 0.05);
     pen.beginPath();
     pen.arc(cx, cy, radius, 0, 7);
@@ -186,14 +191,17 @@ class Sphere {
       pen.arc(x, y, 2.4, 0, 7);
       pen.fill();
     }));
-    const [x, y, depth] = see(polhode.points[frame]);
-    pen.fillStyle = css("#cc79a7", depth < 0 ? 0.45 : 1);
-    pen.beginPath();
-    pen.arc(x, y, 5, 0, 7);
-    pen.fill();
     pen.fillStyle = css("#555555");
     pen.textAlign = "left";
     pen.textBaseline = "top";
     pen.fillText("L in the body", 4, 4);
+  }
+
+  moving(pen, frame) {
+    const [x, y, depth] = this.see(this.film.polhode.points[frame]);
+    pen.fillStyle = css("#cc79a7", depth < 0 ? 0.45 : 1);
+    pen.beginPath();
+    pen.arc(x, y, 5, 0, 7);
+    pen.fill();
   }
 }

@@ -227,10 +227,14 @@ function glPainter(canvas) {
       gl.attachShader(made, shader);
     }
     gl.linkProgram(made);
-    const uniform = {}, place = name => gl.getAttribLocation(made, name);
+    const uniform = {}, place = {};
     for (let i = 0; i < gl.getProgramParameter(made, gl.ACTIVE_UNIFORMS); i++) {
       const {name} = gl.getActiveUniform(made, i);
       uniform[name] = gl.getUniformLocation(made, name);
+    }
+    for (let i = 0; i < gl.getProgramParameter(made, gl.ACTIVE_ATTRIBUTES); i++) {
+      const {name} = gl.getActiveAttrib(made, i);
+      place[name] = gl.getAttribLocation(made, name);
     }
     return {made, uniform, place};
   };
@@ -243,13 +247,14 @@ function glPainter(canvas) {
     return buffer;
   };
   const corners = stored(new Float32Array([0, -1, 0, 1, 1, -1, 1, 1]), gl.STATIC_DRAW);
-  const moving = gl.createBuffer();
+  const isVector = part => part.kind === "arrow" || part.kind === "dot";
   let meshes = new Map(), colours = null;
 
   function load(film) {
     colours = dark();
     for (const {buffer} of meshes.values()) gl.deleteBuffer(buffer);
-    meshes = new Map(film.parts.filter(part => part.kind !== "arrow" && part.kind !== "dot").map(part => {
+    meshes = new Map(film.parts.map(part => {
+      if (isVector(part)) return [part, {buffer: gl.createBuffer(), count: 0, point: null}];
       const data = part.kind === "faces" ? trianglesOf(part.points, part.colours.map(inked))
         : new Float32Array(part.points.flat());
       return [part, {buffer: stored(data, gl.STATIC_DRAW), count: data.length / 9}];
@@ -259,7 +264,7 @@ function glPainter(canvas) {
   function triangles(buffer, count) {
     gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
     ["position", "normal", "colour"].forEach((name, i) => {
-      const place = surface.place(name);
+      const place = surface.place[name];
       gl.enableVertexAttribArray(place);
       gl.vertexAttribDivisor(place, 0);
       gl.vertexAttribPointer(place, 3, gl.FLOAT, false, 36, 12 * i);
@@ -267,29 +272,32 @@ function glPainter(canvas) {
     gl.drawArrays(gl.TRIANGLES, 0, count);
   }
 
-  function solid(film, part, look) {
+  // The mesh of an arrow or a dot, made again where the point has changed.
+  function vectorMesh(film, part, point) {
+    const mesh = meshes.get(part);
+    if (mesh.point !== point) {
+      const faces = part.kind === "arrow" ? arrowFaces(point, film.reach) : ballFaces(point, 0.03 * film.reach);
+      const data = trianglesOf(faces, part.colours.map(inked));
+      gl.bindBuffer(gl.ARRAY_BUFFER, mesh.buffer);
+      gl.bufferData(gl.ARRAY_BUFFER, data, gl.DYNAMIC_DRAW);
+      [mesh.count, mesh.point] = [data.length / 9, point];
+    }
+    return mesh;
+  }
+
+  function solid(film, part, look, opacity = part.opacity) {
     const {uniform} = surface, attitude = carriedBy(film, part, look.frame);
     gl.uniformMatrix3fv(uniform.turn, false, [[1, 0, 0], [0, 1, 0], [0, 0, 1]].flatMap(e => turned(attitude, e)));
-    gl.uniform1f(uniform.opacity, part.opacity);
+    gl.uniform1f(uniform.opacity, opacity);
     gl.uniform1f(uniform.gloss, part.kind === "faces" ? 0.22 : 0.1);
-    if (part.kind === "faces") {
-      const {buffer, count} = meshes.get(part);
-      if (part.opacity === 1) return triangles(buffer, count);
-      gl.enable(gl.CULL_FACE);  // the far side first
-      for (const side of [gl.FRONT, gl.BACK]) {
-        gl.cullFace(side);
-        triangles(buffer, count);
-      }
-      gl.disable(gl.CULL_FACE);
-      return null;
+    const {buffer, count} = isVector(part) ? vectorMesh(film, part, pointsAt(film, part, look.frame)[0]) : meshes.get(part);
+    if (part.kind !== "faces" || opacity === 1) return triangles(buffer, count);
+    gl.enable(gl.CULL_FACE);  // the far side first
+    for (const side of [gl.FRONT, gl.BACK]) {
+      gl.cullFace(side);
+      triangles(buffer, count);
     }
-    const [point] = pointsAt(film, part, look.frame);
-    const faces = part.kind === "arrow" ? arrowFaces(point, film.reach) : ballFaces(point, 0.03 * film.reach);
-    const data = trianglesOf(faces, part.colours.map(inked));
-    gl.bindBuffer(gl.ARRAY_BUFFER, moving);
-    gl.bufferData(gl.ARRAY_BUFFER, data, gl.DYNAMIC_DRAW);
-    triangles(moving, data.length / 9);
-    return null;
+    return gl.disable(gl.CULL_FACE);
   }
 
   function curve(film, part, look) {
@@ -302,13 +310,13 @@ function glPainter(canvas) {
     gl.uniform1f(uniform.pieces, last - first);
     gl.uniform1f(uniform.oldest, part.kind === "trail" && film.trail !== null ? 0 : 1);
     gl.bindBuffer(gl.ARRAY_BUFFER, corners);
-    const corner = ribbon.place("corner");
+    const {corner} = ribbon.place;
     gl.enableVertexAttribArray(corner);
     gl.vertexAttribDivisor(corner, 0);
     gl.vertexAttribPointer(corner, 2, gl.FLOAT, false, 0, 0);
     gl.bindBuffer(gl.ARRAY_BUFFER, meshes.get(part).buffer);
     ["begin", "end"].forEach((name, i) => {
-      const place = ribbon.place(name);
+      const place = ribbon.place[name];
       gl.enableVertexAttribArray(place);
       gl.vertexAttribDivisor(place, 1);
       gl.vertexAttribPointer(place, 3, gl.FLOAT, false, 12, 12 * (first + i));
@@ -343,7 +351,6 @@ function glPainter(canvas) {
       gl.uniform1f(ribbon.uniform.width, 2.2 * look.ratio);
       film.parts.filter(part => part.kind === "line" || part.kind === "trail").forEach(part => curve(film, part, look));
     };
-    const isVector = part => part.kind === "arrow" || part.kind === "dot";
     surfaces();
     film.parts.filter(part => part.kind === "faces" && part.opacity === 1).forEach(part => solid(film, part, look));
     film.parts.filter(isVector).forEach(part => solid(film, part, look));
@@ -352,7 +359,7 @@ function glPainter(canvas) {
     // Vectors inside a solid shine through it.
     gl.depthMask(false);
     gl.depthFunc(gl.GREATER);
-    film.parts.filter(isVector).forEach(part => solid(film, {...part, opacity: 0.22}, look));
+    film.parts.filter(isVector).forEach(part => solid(film, part, look, 0.22));
     gl.depthFunc(gl.LESS);
     film.parts.filter(part => part.kind === "faces" && part.opacity < 1).forEach(part => solid(film, part, look));
     gl.depthMask(true);
