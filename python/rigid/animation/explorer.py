@@ -61,7 +61,7 @@ MOST_SAMPLES = 64
 
 SCRIPTS = (
     *("vectors.js", "stage.js", "charts.js", "player.js"),
-    *("motion.js", "draw.js", "quantities.js", "solids.js", "explorer.js"),
+    *("motion.js", "draw.js", "quantities.js", "solids.js", "map.js", "explorer.js"),
 )
 
 
