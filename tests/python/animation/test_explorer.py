@@ -2,14 +2,8 @@
 
 from __future__ import annotations
 
-import base64
 import itertools
-import json
 import re
-import shutil
-import subprocess
-import zlib
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -19,10 +13,9 @@ from numpy.typing import NDArray
 
 import rigid
 from browsers import Opened
+from pages import NODE, content, under_node, unpacked
 from rigid import cli
 from rigid.animation import explorer
-
-NODE = shutil.which("node")
 
 BOX = rigid.stability_map(
     rigid.FreeBody(rigid.Body.box(0.25, 0.08, 0.01, mass=0.3)),
@@ -51,20 +44,6 @@ def tops(**changes: Any) -> rigid.StabilityMap:
 @pytest.fixture(scope="module")
 def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return BOX.explore(tmp_path_factory.mktemp("explorer") / "box.html")
-
-
-def content(page: Path) -> dict[str, Any]:
-    found = re.search(r'<script type="application/json" id="map">(.*?)</script>', page.read_text())
-    assert found is not None
-    held: dict[str, Any] = json.loads(found[1])
-    return held
-
-
-def unpacked(packed: dict[str, str]) -> NDArray[Any]:
-    dtype = np.dtype(packed["type"])
-    planes = np.frombuffer(zlib.decompress(base64.b64decode(packed["data"])), dtype=np.uint8)
-    mixed = np.ascontiguousarray(planes.reshape(dtype.itemsize, -1).T)
-    return mixed.reshape(-1).view(dtype)
 
 
 # What the page holds
@@ -191,93 +170,13 @@ def test_outcomes_are_told_apart_by_the_colour_blind(sight: str) -> None:
     assert min(float(np.linalg.norm(a - b)) for a, b in itertools.combinations(seen, 2)) > 30.0
 
 
-# The starts and motions of the page
-
-
-def under_node(function: str, *arguments: Any) -> Any:
-    """What a function of the page says under Node."""
-    folder = resources.files("rigid.animation").joinpath("page")
-    script = "".join(
-        folder.joinpath(name).read_text()
-        for name in ("vectors.js", "motion.js", "draw.js", "quantities.js")
-    )
-    script += "const given = JSON.parse(require('fs').readFileSync(0, 'utf8'));"
-    script += f"console.log(JSON.stringify(({function})(...given)));"
-    asked = json.dumps(
-        [one if isinstance(one, dict) else np.asarray(one).tolist() for one in arguments]
-    )
-    assert NODE is not None
-    done = subprocess.run(
-        [NODE, "-e", script], input=asked, capture_output=True, check=True, text=True
-    )
-    return json.loads(done.stdout)
+# The motions of the page
 
 
 def moved(*arguments: Any) -> dict[str, NDArray[np.float64]]:
     """The motion of the page."""
     found = under_node("motionOf", *arguments)
     return {name: np.array(values) for name, values in found.items()}
-
-
-LAWS = [rigid.normal, rigid.uniform, rigid.direction]
-
-
-@pytest.mark.skipif(NODE is None, reason="needs node")
-@pytest.mark.parametrize(
-    ("noise", "attitude_noise"),
-    [
-        *((law(0.3), None) for law in LAWS),
-        *((law([0.1, 0.0, 1e-3]), law(size)) for law in LAWS for size in (1e-3, 3.0)),
-        (None, rigid.uniform_attitude()),
-    ],
-)
-def test_the_page_draws_the_starts_of_the_map_to_the_bit(
-    noise: Any, attitude_noise: Any, tmp_path: Path
-) -> None:
-    result = rigid.stability_map(
-        rigid.HeavyTop(rigid.Body((1.0, 1.3, 0.5)), mgl=1.0),
-        # Pixels of other horizons draw by the same numbers; one body has impossible moments.
-        axes={"spin": [-3.0, 1.0, 4.0], "t_end": [0.1, 0.2], "I3": [0.5, 9.0]},
-        start=rigid.Start(spin=1.0, axis=3, tilt=0.4, noise=noise, attitude_noise=attitude_noise),
-        samples=40,
-        stable=rigid.tilt_below(1.0),
-        rng=2**100 + 7,
-    )
-    draw = content(result.explore(tmp_path / "a.html"))["draw"]
-    arrays = {name: unpacked(packed) for name, packed in draw.items() if "type" in packed}
-    found = under_node(
-        "draw => { for (const name in draw) if (!['key', 'laws'].includes(name)) "
-        "draw[name] = Float64Array.from(draw[name]); "
-        "return [0, 2, 4].flatMap(pixel => "
-        "Array.from({length: 40}, (_, k) => startOf(draw, pixel, k))); }",
-        draw | {name: array.tolist() for name, array in arrays.items()},
-    )
-    meant = result.starts(range(40))
-    for name, column in (("omega", 0), ("attitude", 1)):
-        of_map = getattr(meant, name).reshape(12, 40, -1)[[0, 2, 4]]
-        np.testing.assert_array_equal([body[column] for body in found], of_map.reshape(120, -1))
-
-
-MIXED = rigid.mixture([rigid.Start(spin=1.0, axis=3), rigid.Start(spin=2.0, axis=3)])
-GIVEN = rigid.samples(omega=[[0.1, 0.0, 0.0], [0.0, 0.2, 0.0]])
-
-
-@pytest.mark.parametrize(
-    "start",
-    [
-        MIXED,
-        rigid.Start(spin=1.0, axis=3, noise=GIVEN),
-        rigid.Start(spin=1.0, axis=3, noise=rigid.normal(cov=np.diag([0.1, 0.2, 0.3]))),
-        rigid.Start(spin=1.0, axis=3, noise=rigid.von_mises_fisher(20.0)),
-    ],
-)
-def test_a_page_holds_the_starts_that_it_does_not_draw(start: Any, tmp_path: Path) -> None:
-    result = tops(axes={"mgl": [0.6, 1.0]}, start=start)
-    held = content(result.explore(tmp_path / "a.html"))
-    assert "draw" not in held
-    meant = result.starts(range(held["samples"]))
-    assert (unpacked(held["omega"]) == meant.omega.ravel()).all()
-    assert (unpacked(held["attitude"]) == meant.attitude.ravel()).all()
 
 
 @pytest.mark.skipif(NODE is None, reason="needs node")

@@ -7,17 +7,16 @@ import json
 import subprocess
 import sys
 import threading
-import zlib
 from importlib import resources
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 import rigid
 from browsers import Opened
+from pages import unpacked
 from rigid.animation.widget import MapWidget, zoomed
 
 ASK: dict[str, Any] = {
@@ -40,12 +39,6 @@ VIEW = [2.0, 6.0, float(np.log(1e-3)), float(np.log(1e-1))]
 def content_of(widget: MapWidget) -> dict[str, Any]:
     content: dict[str, Any] = json.loads(widget._content)
     return content
-
-
-def unpacked(packed: dict[str, str]) -> NDArray[Any]:
-    dtype = np.dtype(packed["type"])
-    planes = np.frombuffer(zlib.decompress(base64.b64decode(packed["data"])), dtype=np.uint8)
-    return np.ascontiguousarray(planes.reshape(dtype.itemsize, -1).T).reshape(-1).view(dtype)
 
 
 def zoom(widget: MapWidget, region: dict[str, Any] | None) -> None:

@@ -12,18 +12,22 @@ function uniformsOf(key, block, sample, pixel) {  // four in [0, 1)
   return [a, b, c, d].map(bits => Number(bits >> 11n) / 2 ** 53);
 }
 
-// a b + c, rounded once, of numbers that are neither tiny nor huge: a whole number becomes a double by one rounding.
 const DOUBLE = new DataView(new ArrayBuffer(8));
-function wholeOf(x) {  // x = whole 2^exponent
+function wholeOf(x) {  // x = whole 2^exponent, of a normal number
   DOUBLE.setFloat64(0, x);
   const bits = DOUBLE.getBigUint64(0), whole = bits & (1n << 52n) - 1n | 1n << 52n;
   return [x < 0 ? -whole : whole, Number(bits >> 52n & 0x7FFn) - 1075];
 }
+
+// a b + c, rounded once, if it is a normal number: a sum of whole numbers becomes a double by one rounding.
 function fma(a, b, c) {
   if (a === 0 || b === 0 || c === 0) return a * b + c;
-  const [[wa, ea], [wb, eb], [wc, ec]] = [a, b, c].map(wholeOf), least = Math.min(ea + eb, ec);
-  const whole = (wa * wb << BigInt(ea + eb - least)) + (wc << BigInt(ec - least)), half = least >> 1;
-  return Number(whole) * 2 ** half * 2 ** (least - half);
+  const [[wa, ea], [wb, eb]] = [wholeOf(a), wholeOf(b)];
+  const product = [wa * wb, ea + eb], term = wholeOf(c);
+  const least = Math.max(product[1], term[1]) - 300;  // below there only the sign decides
+  const aligned = ([whole, power]) => power < least ? (whole < 0n ? -1n : 1n) : whole << BigInt(power - least);
+  const half = least >> 1;
+  return Number(aligned(product) + aligned(term)) * 2 ** half * 2 ** (least - half);
 }
 const fnma = (a, b, c) => fma(-a, b, c), fms = (a, b, c) => fma(a, b, -c);
 const nearest = x => x + 6755399441055744 - 6755399441055744;  // a whole number, ties to even
