@@ -85,9 +85,9 @@ class MapWidget(anywidget.AnyWidget):
         result.spec.require_functions()
         self.result = self._whole = result
         self._threads = resolve_threads(threads)
-        self._zooms = 0
+        self._zooms = self._shown = 0  # how many there were, and the number of that which is shown
         self._one_answer = threading.Lock()
-        super().__init__(_page=page_of(None), _content=self._as_content(result, None))
+        super().__init__(_page=page_of(None), _content=self._as_content(0, result, None))
         self.on_msg(self._list_bodies)
 
     @traitlets.observe("_region")
@@ -121,20 +121,21 @@ class MapWidget(anywidget.AnyWidget):
 
     def _show(self, number: int, result: StabilityMap, region: dict[str, Any] | None) -> None:
         """Let the view show a map, unless there was another zoom."""
-        content = self._as_content(result, region)
+        content = self._as_content(number, result, region)
         with self._one_answer:
             if number == self._zooms:
-                self.result, self._content, self._said = result, content, ""
+                self.result, self._shown = result, number
+                self._content, self._said = content, ""
 
     def _say(self, number: int, words: str) -> None:
         with self._one_answer:
             if number == self._zooms:
                 self._said = words
 
-    def _as_content(self, result: StabilityMap, region: dict[str, Any] | None) -> str:
+    def _as_content(self, number: int, result: StabilityMap, region: dict[str, Any] | None) -> str:
         whole = self._whole.spec
         content = content_of_map(result, self._count, python="widget.result", whole=whole)
-        content["region"] = region
+        content |= {"zoom": number, "region": region}
         if region is not None:
             # How far the reader may zoom out: to the borders of the whole map.
             edges = [drawn_edges(axis, axis.geometric) for axis in whole.axes[:2]]
@@ -147,18 +148,20 @@ class MapWidget(anywidget.AnyWidget):
         return min(self._whole.spec.samples, MOST_SAMPLES)
 
     def _list_bodies(self, _widget: object, asked: dict[str, Any], _buffers: object) -> None:
-        """Answer a click on a pixel with its bodies."""
+        """Answer a click on a pixel with its bodies, unless its map is shown no longer."""
         pixel = asked["pixel"]
+        with self._one_answer:
+            result, shown = self.result, self._shown
+        if asked["zoom"] != shown:
+            return
         try:
-            with self._one_answer:
-                result = self.result
             numbers = range(self._count)
             start = result.starts(numbers, pixel=pixel)
             seen = result.outcomes(numbers, pixel=pixel, threads=self._threads)
             held = content_of_starts(start) | content_of_outcomes(seen)
-            self.send({"pixel": pixel, "bodies": as_json(held)})
+            self.send(asked | {"bodies": as_json(held)})
         except Exception as error:
-            self.send({"pixel": pixel, "error": f"The bodies cannot be computed: {error}"})
+            self.send(asked | {"error": f"The bodies cannot be computed: {error}"})
 
 
 class _OvertakenError(Exception):

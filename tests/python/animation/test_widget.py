@@ -172,7 +172,7 @@ def test_the_view_tells_what_goes_wrong(monkeypatch: pytest.MonkeyPatch) -> None
     zoom(widget, None)
     assert widget._said == ""
     sent = messages(widget, monkeypatch)
-    widget._handle_custom_msg({"pixel": 99}, [])
+    widget._handle_custom_msg({"pixel": 99, "zoom": 2}, [])
     assert sent[0]["pixel"] == 99
     assert sent[0]["error"].startswith("The bodies cannot be computed: pixel = 99")
 
@@ -181,7 +181,9 @@ def test_a_click_lists_the_bodies_of_the_map_that_is_shown(monkeypatch: pytest.M
     widget = MAP.widget()
     zoom(widget, {"view": VIEW, "at": []})
     sent = messages(widget, monkeypatch)
-    widget._handle_custom_msg({"pixel": 29}, [])
+    widget._handle_custom_msg({"pixel": 29, "zoom": 0}, [])
+    assert not sent  # this map is shown no longer
+    widget._handle_custom_msg({"pixel": 29, "zoom": 1}, [])
     bodies = json.loads(sent[0]["bodies"])
     count = content_of(widget)["samples"]
     assert count == 64

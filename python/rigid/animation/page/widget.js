@@ -21,8 +21,8 @@ export default {
       model.set("_region", explorer.region);
       model.save_changes();
     };
-    const hear = async ({pixel, bodies, error}) => {
-      if (pixel !== waiting?.pixel) return;
+    const hear = async ({pixel, zoom: of, bodies, error}) => {
+      if (pixel !== waiting?.pixel || of !== explorer.map.zoom) return;
       const {answer} = waiting;
       waiting = null;
       answer(bodies ? explorer.bodiesIn(await explorer.read(bodies), 0) : null);
@@ -37,7 +37,7 @@ export default {
       };
       explorer.bodiesOf = pixel => new Promise(answer => {
         waiting = {pixel, answer};
-        model.send({pixel});
+        model.send({pixel, zoom: explorer.map.zoom});
       });
       load(address);
       say();
