@@ -319,6 +319,13 @@ def test_the_view_zooms_in_and_back(browser: Any, width: int, scheme: str, tmp_p
     line = f"widget.result.replay(pixel=(2, 5), sample={following})"
     assert frame.locator(".python").text_content() == line
     assert frame.evaluate("document.documentElement.scrollWidth") <= width
+    # Out again, beyond the finer map.
+    frame.locator(".map").focus()
+    page.keyboard.press("-")
+    out = frame.evaluate("explorer.view")
+    assert out[1] - out[0] == pytest.approx((wanted[1] - wanted[0]) / 0.7)
+    frame.wait_for_function("explorer.map.zoom === 2")
+    np.testing.assert_allclose(frame.evaluate("explorer.view"), out, rtol=1e-13)
     frame.locator("button.whole").click()
     frame.wait_for_function("explorer.map.region === null")
     assert notebook.widget.result is MAP
