@@ -6,6 +6,7 @@
 use super::{Class, Outcome, STEP_BLOCK, Watched};
 use crate::kernel::{Group, System};
 use crate::observe::{Displacement, Growth};
+use crate::simd::Isa;
 use crate::start::Body;
 use crate::status::Status;
 use crate::trajectory::{Frame, STEPS_TOGETHER, settle};
@@ -132,7 +133,8 @@ impl Course {
 
     /// Brings the displacement of a lane near one in size, which changes no digit of its growth.
     pub(super) fn settle(&self, group: &mut Group, system: System, lane: usize) {
-        settle(group, system, lane, &self.norm, self.turns, &mut Frame::new(1));
+        // One displacement takes so few operations that the instruction set does not matter.
+        settle(group, system, lane, &self.norm, self.turns, &mut Frame::new(1, Isa::Scalar));
     }
 
     /// The outcome, from that of the motion alone.

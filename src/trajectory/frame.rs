@@ -1,6 +1,7 @@
 //! Displacements of a body made orthogonal: what they span, however much they grow and align.
 
 use crate::observe::Displacement;
+use crate::simd::Isa;
 use crate::special::ln;
 
 /// Most displacements of a body: the rates and the rotation vector have six components.
@@ -12,38 +13,47 @@ pub const MAX_DISPLACEMENTS: usize = 6;
 #[derive(Clone, Copy)]
 pub struct Frame {
     count: usize,
+    isa: Isa,
     upper: [[f64; MAX_DISPLACEMENTS]; MAX_DISPLACEMENTS],
     column: [i64; MAX_DISPLACEMENTS],
     diagonal: [i64; MAX_DISPLACEMENTS],
 }
 
 /// Mantissa in [1, 2) and exponent of a positive number.
+#[inline(always)]
 fn parts(x: f64) -> (f64, i64) {
     let (mantissa, exponent) = crate::real::Real::frexp(x);
     (mantissa, exponent as i64)
 }
 
 /// `x 2^n`, zero if it is less than any double.
+#[inline(always)]
 pub(super) fn times_power_of_two(x: f64, n: i64) -> f64 {
     // Two factors, so that neither leaves the range of normal numbers.
     let n = n.clamp(-2000, 2000);
     let half = n / 2;
-    [half, n - half].iter().fold(x, |x, &n| x * f64::from_bits(((1023 + n) as u64) << 52))
+    x * f64::from_bits(((1023 + half) as u64) << 52) * f64::from_bits(((1023 + n - half) as u64) << 52)
 }
 
+#[inline(always)]
 fn product(a: &[f64; 6], b: &[f64; 6]) -> f64 {
-    a.iter().zip(b).fold(0.0, |sum, (a, b)| a.mul_add(*b, sum))
+    let mut sum = 0.0;
+    for k in 0..6 {
+        sum = a[k].mul_add(b[k], sum);
+    }
+    sum
 }
 
 impl Frame {
-    /// So many displacements at their start.
-    pub fn new(count: usize) -> Frame {
+    /// So many displacements at their start. Each instruction set gives the same bits. Panics if the CPU lacks it.
+    pub fn new(count: usize, isa: Isa) -> Frame {
+        assert!(isa.is_available());
         let mut upper = [[0.0; MAX_DISPLACEMENTS]; MAX_DISPLACEMENTS];
         for i in 0..MAX_DISPLACEMENTS {
             upper[i][i] = 1.0;
         }
         let zeros = [0; MAX_DISPLACEMENTS];
-        Frame { count, upper, column: zeros, diagonal: zeros }
+        Frame { count, isa, upper, column: zeros, diagonal: zeros }
     }
 
     /// Number of displacements.
@@ -59,24 +69,49 @@ impl Frame {
         vertical: &[f64; 3],
         displacements: &mut [[f64; 6]],
     ) -> [i64; MAX_DISPLACEMENTS] {
+        #[cfg(target_arch = "x86_64")]
+        #[target_feature(enable = "avx2,fma")]
+        fn by_fma(
+            frame: &mut Frame,
+            norm: &Displacement,
+            vertical: &[f64; 3],
+            displacements: &mut [[f64; 6]],
+        ) -> [i64; MAX_DISPLACEMENTS] {
+            frame.settle_inline(norm, vertical, displacements)
+        }
+        match self.isa {
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: `new` has seen the features.
+            Isa::Avx512 | Isa::Avx2 => unsafe { by_fma(self, norm, vertical, displacements) },
+            _ => self.settle_inline(norm, vertical, displacements),
+        }
+    }
+
+    #[inline(always)]
+    fn settle_inline(
+        &mut self,
+        norm: &Displacement,
+        vertical: &[f64; 3],
+        displacements: &mut [[f64; 6]],
+    ) -> [i64; MAX_DISPLACEMENTS] {
         let mut shifts = [0; MAX_DISPLACEMENTS];
-        let mut measured = [[0.0; 6]; MAX_DISPLACEMENTS];
+        let (mut measured, mut squares) = ([[0.0; 6]; MAX_DISPLACEMENTS], [0.0; MAX_DISPLACEMENTS]);
         // The factors of this round: unit upper triangular.
         let mut factors = [[0.0; MAX_DISPLACEMENTS]; MAX_DISPLACEMENTS];
         for i in 0..self.count {
             let mut own = norm.measured(&displacements[i], vertical);
             for j in 0..i {
-                let factor = product(&measured[j], &own) / product(&measured[j], &measured[j]);
+                let factor = product(&measured[j], &own) / squares[j];
                 factors[j][i] = factor;
                 for k in 0..6 {
                     displacements[i][k] = (-factor).mul_add(displacements[j][k], displacements[i][k]);
                     own[k] = (-factor).mul_add(measured[j][k], own[k]);
                 }
             }
-            measured[i] = own;
+            (measured[i], squares[i]) = (own, product(&own, &own));
         }
         for i in 0..self.count {
-            let square = product(&measured[i], &measured[i]);
+            let square = squares[i];
             // Half of the exponent, rounded down.
             shifts[i] = if square > 0.0 && square.is_finite() { parts(square).1.div_euclid(2) } else { 0 };
             for k in 0..6 {
@@ -88,6 +123,7 @@ impl Frame {
     }
 
     /// Multiplies U from the left by the factors of a round.
+    #[inline(always)]
     fn advance(
         &mut self,
         factors: &[[f64; MAX_DISPLACEMENTS]; MAX_DISPLACEMENTS],

@@ -119,7 +119,7 @@ pub fn growth(
                 members,
                 displacements,
                 compiled: Compiled::new(kernel, isa),
-                frames: [Frame::new(displacements.count); LANES],
+                frames: [Frame::new(displacements.count, isa); LANES],
                 start_logs: [[0.0; MAX_DISPLACEMENTS]; LANES],
             };
             batch.run(&mut part, stop)?;
