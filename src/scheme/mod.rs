@@ -594,6 +594,8 @@ pub trait Stepper<R: Real, M: Model<R>, L: Layout, const D: usize>: Copy {
     const REMEMBERS: bool = false;
     /// Whether a step moves a displacement by the derivative of the step.
     const HAS_TANGENT: bool = false;
+    /// Whether a step can move further displacements with the same motion.
+    const SHARES_MOTION: bool = false;
     /// Whether a step has so few operations that the loop over packs counts. Its sums are not compensated, and it uses
     /// no past.
     const IS_SHORT: bool = false;
@@ -615,6 +617,17 @@ pub trait Stepper<R: Real, M: Model<R>, L: Layout, const D: usize>: Copy {
         compensation: &mut [R; D],
         dense: &mut Coefficients<R, D>,
     );
+    /// Moves a further displacement by the last step, whose coefficients of the motion are known; those of the displacement
+    /// are replaced.
+    #[inline(always)]
+    fn displace(
+        &self,
+        _displacement: &mut [R; 6],
+        _compensation: &mut [R; 6],
+        _dense: &mut Coefficients<R, D>,
+    ) {
+        unreachable!("only some steps move further displacements")
+    }
     /// The derivatives at a start and at two states before it, as if no torque had jumped.
     #[inline(always)]
     fn begin(&self, _y: &[R; D], _past: &mut Past<R, D>) {

@@ -4,7 +4,7 @@
 //! (Jorba & Zou 2005, §2). Coefficients are those of powers of t / step: their sum is the state after a step.
 
 use super::acceleration;
-use super::tangent::{Variation, spin, turn};
+use super::tangent::{Variation, turn};
 use super::{Engine, Facts, MAX_ORDER, Numbers, Scheme, Step, Stepper, Variables};
 use crate::forcing::ForcingInterval;
 use crate::kinematics::{
@@ -115,6 +115,14 @@ impl<R: Real, const D: usize> Coefficients<R, D> {
         self.known - 1
     }
 
+    /// Replaces the coefficients of one order of neighbouring numbers.
+    #[inline(always)]
+    fn set(&mut self, k: usize, first: usize, numbers: [R; 6]) {
+        assert!(k < self.known);
+        // SAFETY: `push` has written all rows below `known`.
+        put(unsafe { self.rows[k].assume_init_mut() }, first, numbers);
+    }
+
     /// The coefficients of one order.
     #[inline(always)]
     pub fn order(&self, k: usize) -> &[R; D] {
@@ -124,26 +132,19 @@ impl<R: Real, const D: usize> Coefficients<R, D> {
     }
 }
 
-/// Cauchy products of one order: of the rates with each other, with the directions, with the quaternion and with the
-/// displacement.
+/// Cauchy products of one order: of the rates with each other, with the directions and with the quaternion.
 #[derive(Clone, Copy)]
 struct Products<R> {
     rates: [R; 3],
     directions: [[R; 3]; 3],
     quaternion: [R; 4],
-    variation: Variation<R>,
 }
 
 impl<R: Real> Products<R> {
     #[inline(always)]
     fn none() -> Self {
         let zero = R::splat(0.0);
-        Products {
-            rates: [zero; 3],
-            directions: [[zero; 3]; 3],
-            quaternion: [zero; 4],
-            variation: Variation::none(),
-        }
+        Products { rates: [zero; 3], directions: [[zero; 3]; 3], quaternion: [zero; 4] }
     }
 
     /// Adds the products of the rates of one order with the rates, directions and quaternion of another order.
@@ -151,9 +152,7 @@ impl<R: Real> Products<R> {
     fn add<M: Model<R>, L: Layout, const D: usize>(&mut self, a: &[R; D], b: &[R; D]) {
         let [w1, w2, w3] = [a[0], a[1], a[2]];
         if !M::REDUCED {
-            self.rates[0] = w2.fma(b[2], self.rates[0]);
-            self.rates[1] = w3.fma(b[0], self.rates[1]);
-            self.rates[2] = w1.fma(b[1], self.rates[2]);
+            add_rates(a, b, &mut self.rates);
             self.add_spin::<L, D>(w3, b);
         }
         for v in 0..L::VECTORS {
@@ -161,9 +160,6 @@ impl<R: Real> Products<R> {
         }
         if L::QUATERNION {
             add_roll_across(&quaternion::<R, L, D>(b), [w1, w2], &mut self.quaternion);
-        }
-        if L::TANGENT {
-            self.variation.add::<M, L, D>(b, a);
         }
     }
 
@@ -176,6 +172,35 @@ impl<R: Real> Products<R> {
         }
         if L::QUATERNION {
             add_roll_along(&quaternion::<R, L, D>(b), w3, &mut self.quaternion);
+        }
+    }
+}
+
+/// Adds the products of the rates of one order with those of another.
+#[inline(always)]
+fn add_rates<R: Real, const D: usize>(a: &[R; D], b: &[R; D], sums: &mut [R; 3]) {
+    *sums = [a[1].fma(b[2], sums[0]), a[2].fma(b[0], sums[1]), a[0].fma(b[1], sums[2])];
+}
+
+/// Cauchy products of one order with a displacement, and those of the rates where a change of the parameters needs them.
+#[derive(Clone, Copy)]
+struct VariedProducts<R> {
+    variation: Variation<R>,
+    rates: [R; 3],
+}
+
+impl<R: Real> VariedProducts<R> {
+    #[inline(always)]
+    fn none() -> Self {
+        VariedProducts { variation: Variation::none(), rates: [R::splat(0.0); 3] }
+    }
+
+    /// Adds the products of the motion of one order with the displacement of another.
+    #[inline(always)]
+    fn add<M: Model<R>, L: Layout, const D: usize>(&mut self, a: &[R; D], b: &[R; D]) {
+        self.variation.add::<M, L, D>(b, a);
+        if L::CHANGED {
+            add_rates(a, b, &mut self.rates);
         }
     }
 }
@@ -203,7 +228,7 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
         c.clear();
         c.push(*y);
         let spin = y[2];
-        let (mut torques, mut space_torques) = (Torques::new(), Torques::new());
+        let mut torques = Torques::new();
         let mut satellite = SatelliteSeries {
             sink: Torques::new(),
             impulse: Torques::new(),
@@ -222,33 +247,98 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
                 after.add::<M, L, D>(c.order(1), c.order(k));
             }
             sums.add::<M, L, D>(c.order(k), c.order(0));
-            let varied = self.varied_torque::<L, D>(unit, &mut space_torques, c, k);
-            let mut next = self.next::<L, D>(unit, sums, spin, (c.order(k), k), varied);
+            let mut next = self.next::<L, D>(unit, sums, spin, (c.order(k), k));
             if L::SATELLITE {
                 let series = (&mut torques, &mut satellite);
                 self.add_satellite::<L, D>(unit, &sums.rates, series, c, &mut next, k);
             } else if L::BALANCE {
                 self.add_applied::<L, D>(unit, &mut torques, c, &mut next, k);
             }
-            if L::CHANGED {
-                self.add_changed::<L, D>(unit, &sums.rates, (c.order(k), k), &mut next);
-            }
             c.push(next);
             after.add::<M, L, D>(c.order(0), c.order(k + 1));
             after.add::<M, L, D>(c.order(k + 1), c.order(0));
-            let varied = self.varied_torque::<L, D>(unit, &mut space_torques, c, k + 1);
-            let mut next = self.next::<L, D>(unit, after, spin, (c.order(k + 1), k + 1), varied);
+            let mut next = self.next::<L, D>(unit, after, spin, (c.order(k + 1), k + 1));
             if L::SATELLITE {
                 let series = (&mut torques, &mut satellite);
                 self.add_satellite::<L, D>(unit, &after.rates, series, c, &mut next, k + 1);
             } else if L::BALANCE {
                 self.add_applied::<L, D>(unit, &mut torques, c, &mut next, k + 1);
             }
-            if L::CHANGED {
-                self.add_changed::<L, D>(unit, &after.rates, (c.order(k + 1), k + 1), &mut next);
-            }
             c.push(next);
         }
+        if L::TANGENT {
+            self.displaced::<L, D>(unit, c);
+        }
+    }
+
+    /// All coefficients of the displacement that begins with that of order 0, from those of the motion. The motion alone
+    /// comes first, because the sums of both together exceed the registers.
+    #[inline(always)]
+    fn displaced<L: Layout, const D: usize>(&self, unit: R, c: &mut Coefficients<R, D>) {
+        let mut torques = Torques::new();
+        for half in 0..self.order / 2 {
+            let k = 2 * half;
+            let (mut sums, mut after) = (VariedProducts::none(), VariedProducts::none());
+            for j in 1..k {
+                sums.add::<M, L, D>(c.order(j), c.order(k - j));
+                after.add::<M, L, D>(c.order(j + 1), c.order(k - j));
+            }
+            if k > 0 {
+                sums.add::<M, L, D>(c.order(0), c.order(k));
+                after.add::<M, L, D>(c.order(1), c.order(k));
+            }
+            sums.add::<M, L, D>(c.order(k), c.order(0));
+            self.set_next_displaced::<L, D>(unit, &sums, &mut torques, c, k);
+            after.add::<M, L, D>(c.order(0), c.order(k + 1));
+            after.add::<M, L, D>(c.order(k + 1), c.order(0));
+            self.set_next_displaced::<L, D>(unit, &after, &mut torques, c, k + 1);
+        }
+    }
+
+    /// Computes the coefficients of order k + 1 of the displacement, from the products and the coefficients of order k.
+    #[inline(always)]
+    fn set_next_displaced<L: Layout, const D: usize>(
+        &self,
+        unit: R,
+        sums: &VariedProducts<R>,
+        torques: &mut Torques<R>,
+        c: &mut Coefficients<R, D>,
+        k: usize,
+    ) {
+        let factor = unit * R::splat(INVERSE[k + 1]);
+        let torque = self.varied_torque::<L, D>(unit, torques, c, k);
+        let mut next = sums.variation.rate::<M, L, D>(&self.model, &self.applied, c.order(k), torque);
+        for i in 0..6 {
+            next[i] = factor * next[i];
+        }
+        if L::CHANGED {
+            self.add_changed::<L, D>(factor, &sums.rates, [c.order(k), c.order(k + 1)], k, &mut next);
+        }
+        c.set(k + 1, L::TANGENT_AT, next);
+    }
+
+    /// Adds the sum of a series to the numbers at its begin; `first` is the index of the first of them.
+    #[inline(always)]
+    fn add_series<const N: usize, const D: usize>(
+        &self,
+        c: &Coefficients<R, D>,
+        first: usize,
+        y: &mut [R; N],
+        compensation: &mut [R; N],
+    ) {
+        // Small terms first, the state last.
+        let mut increment = *y;
+        in_halves!(d in N { increment[d] = c.order(self.order)[first + d]; });
+        for k in (1..self.order).rev() {
+            in_halves!(d in N { increment[d] = increment[d] + c.order(k)[first + d]; });
+        }
+        in_halves!(d in N {
+            if COMPENSATED {
+                (y[d], compensation[d]) = two_sum(y[d], increment[d] + compensation[d]);
+            } else {
+                y[d] = y[d] + increment[d];
+            }
+        });
     }
 
     /// The coefficients of order k + 1 from the products and the coefficients of order k.
@@ -259,14 +349,13 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
         mut sums: Products<R>,
         spin: R,
         (of_k, k): (&[R; D], usize),
-        varied_torque: [R; 3],
     ) -> [R; D] {
         let factor = unit * R::splat(INVERSE[k + 1]);
         let acceleration = self.model.euler(&sums.rates, of_k);
         if M::REDUCED {
             sums.add_spin::<L, D>(spin, of_k);
         }
-        // Every number is written: those of the balance by `add_applied`.
+        // Every number is written: those of the balance by `add_applied`, those of the displacement by `displaced`.
         let mut next = [unit; D];
         for i in 0..3 {
             next[i] = factor * acceleration[i];
@@ -278,12 +367,6 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
             let half = factor * R::splat(0.5);
             for i in 0..4 {
                 next[L::QUATERNION_AT + i] = half * sums.quaternion[i];
-            }
-        }
-        if L::TANGENT {
-            let change = sums.variation.rate::<M, L, D>(&self.model, &self.applied, of_k, varied_torque);
-            for i in 0..6 {
-                next[L::TANGENT_AT + i] = factor * change[i];
             }
         }
         next
@@ -501,25 +584,26 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
         R::select(zero.lt(first), left * (half / first), zero)
     }
 
-    /// Adds the effect of the change of the parameters to the displacement of order k + 1, whose rates are known.
+    /// Adds the effect of the change of the parameters to the displacement of order k + 1, from the motion of the orders k
+    /// and k + 1; `factor` is the unit of time over k + 1.
     #[inline(always)]
     fn add_changed<L: Layout, const D: usize>(
         &self,
-        unit: R,
+        factor: R,
         products: &[R; 3],
-        (of_k, k): (&[R; D], usize),
-        next: &mut [R; D],
+        [of_k, next]: [&[R; D]; 2],
+        k: usize,
+        displacement: &mut [R; 6],
     ) {
-        let factor = unit * R::splat(INVERSE[k + 1]);
         let mut torque = self.applied.changed_torque(products, of_k);
         let own = self.applied.changed_applied_torque();
         for i in 0..3 {
             // The change of the applied torque is constant: its series has one term.
             torque[i] = factor * (if k == 0 { torque[i] + own[i] } else { torque[i] });
         }
-        let mut spin = spin::<R, L, D>(next);
+        let mut spin = [displacement[0], displacement[1], displacement[2]];
         self.applied.add_changed_rate(&torque, &[next[0], next[1], next[2]], &mut spin);
-        put(next, L::TANGENT_AT, spin);
+        put(displacement, 0, spin);
     }
 }
 
@@ -603,6 +687,7 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>, L: Layout, const D: usize> S
     const HAS_TANGENT: bool = true;
     const COMPENSATED: bool = COMPENSATED;
     const IS_SERIES: bool = true;
+    const SHARES_MOTION: bool = L::TANGENT;
 
     #[inline(always)]
     fn new(p: &Parameters<R>, forcing: &ForcingInterval<R>, numbers: &'static Numbers) -> Self {
@@ -620,18 +705,14 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>, L: Layout, const D: usize> S
         c: &mut Coefficients<R, D>,
     ) {
         self.coefficients::<L, D>(self.step, y, c);
-        // Small terms first, the state last.
-        let mut increment = *c.order(self.order);
-        for k in (1..self.order).rev() {
-            in_halves!(d in D { increment[d] = increment[d] + c.order(k)[d]; });
-        }
-        in_halves!(d in D {
-            if COMPENSATED {
-                (y[d], compensation[d]) = two_sum(y[d], increment[d] + compensation[d]);
-            } else {
-                y[d] = y[d] + increment[d];
-            }
-        });
+        self.add_series(c, 0, y, compensation);
+    }
+
+    #[inline(always)]
+    fn displace(&self, displacement: &mut [R; 6], compensation: &mut [R; 6], c: &mut Coefficients<R, D>) {
+        c.set(0, L::TANGENT_AT, *displacement);
+        self.displaced::<L, D>(self.step, c);
+        self.add_series(c, L::TANGENT_AT, displacement, compensation);
     }
 
     #[inline(always)]
