@@ -44,6 +44,11 @@ impl Compiled {
         unsafe { (self.code.advance)(group, forcing, steps, self.kernel.observed, self.kernel.step.numbers) }
     }
 
+    /// Whether the further displacements of a group are moved with its motions.
+    pub fn shares_motion(self) -> bool {
+        self.code.shares_motion
+    }
+
     /// Whether the steps use other variables than the state.
     pub fn is_processed(self) -> bool {
         self.kernel.step.is_processed()

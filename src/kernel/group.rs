@@ -33,6 +33,21 @@ pub struct PastRows {
     pub is_known: Row,
 }
 
+/// A displacement of each body, beside the one in its state: the numbers, and their rounding errors.
+#[derive(Clone, Copy)]
+pub struct DisplacementRows {
+    /// Change of the rates, and rotation vector.
+    pub state: [Row; 6],
+    /// Rounding error, for schemes with compensation.
+    pub compensation: [Row; 6],
+}
+
+impl DisplacementRows {
+    /// No displacement.
+    pub const ZERO: DisplacementRows =
+        DisplacementRows { state: [Row::ZERO; 6], compensation: [Row::ZERO; 6] };
+}
+
 /// The bodies that are integrated together, with their states and invariants.
 #[derive(Clone)]
 pub struct Group {
@@ -58,6 +73,9 @@ pub struct Group {
     pub momentum: DriftRows,
     /// Largest deviation of the length of a direction from one.
     pub unit: Row,
+    /// Further displacements of all bodies, for a kernel that moves them with one motion. A change of the parameters is that
+    /// of the displacement in the state.
+    pub further: Vec<DisplacementRows>,
     /// The past of all lanes, for a scheme that uses it.
     pub past: Option<Box<PastRows>>,
 }
@@ -184,6 +202,7 @@ impl Group {
             energy: drift,
             momentum: drift,
             unit: Row::ZERO,
+            further: Vec::new(),
             past: None,
         };
         for lane in 0..LANES {

@@ -10,6 +10,6 @@ mod step;
 
 pub use adaptive::AdaptiveSteps;
 pub use compiled::Compiled;
-pub use group::{DriftRows, ForcingRows, Group, MAX_STATE};
+pub use group::{DisplacementRows, DriftRows, ForcingRows, Group, MAX_STATE};
 pub use load::{Balance, Entry, KernelAssignment, State, load, read, reset_time, unload};
 pub use registry::{Kernel, Needs, System};

@@ -45,6 +45,8 @@ pub(super) struct Code {
     pub(super) advance: Advance,
     pub(super) process: Option<Process>,
     pub(super) invariants: Invariants,
+    /// Whether the further displacements of a group are moved with its motions.
+    pub(super) shares_motion: bool,
     pub(super) adaptive: Option<Adaptive>,
     pub(super) dense: Option<Dense>,
 }
@@ -158,6 +160,7 @@ macro_rules! entry_points {
                     advance: advance::<P, S, M, L, D, PACKS>,
                     process: if S::PROCESSED { Some(processed::<P, S, M, L, D, PACKS>) } else { None },
                     invariants: invariants_of::<T, N, L, D>,
+                    shares_motion: S::SHARES_MOTION,
                     adaptive: if S::IS_SERIES { Some(adaptive::<P, M, L, D, PACKS>) } else { None },
                     dense: if S::IS_SERIES { Some(dense::<D>) } else { None },
                 })

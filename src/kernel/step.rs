@@ -3,7 +3,7 @@
 //! A block advances all bodies of a `Group` by some steps. Lanes are loaded and read by scalar code. No lane depends on
 //! another.
 
-use super::group::{DriftRows, ForcingRows, Group, PastRows};
+use super::group::{DisplacementRows, DriftRows, ForcingRows, Group, PastRows};
 use crate::forcing::ForcingInterval;
 use crate::kinematics::{direction, dot};
 use crate::observe::{Observed, Segment};
@@ -180,6 +180,11 @@ pub(super) fn step_block<P, const PACKS: usize, M, L, S, const D: usize>(
                 let mut segment = Segment { begin, before: &before, after: &y, ends, dense: &mut dense };
                 observed.after_step::<P, M, L, S, D>(stepper, p, &mut g.observed, at, &mut segment);
             }
+            if const { S::SHARES_MOTION } {
+                for rows in &mut g.further {
+                    displace::<P, M, L, S, D>(stepper, rows, at, &mut dense);
+                }
+            }
         }
     }
     if const { S::REMEMBERS }
@@ -200,6 +205,31 @@ pub(super) fn step_block<P, const PACKS: usize, M, L, S, const D: usize>(
             observed.after_block::<P, M, L, S, D>(stepper, p, &mut g.observed, at, &y);
         }
         end_block::<P, M, L, S, D>(g, at, p, &y, steps);
+    }
+}
+
+/// Moves a further displacement of the pack that begins at a lane by the last step.
+#[inline(always)]
+fn displace<P: Pack, M: Model<P>, L: Layout, S: Stepper<P, M, L, D>, const D: usize>(
+    stepper: &S,
+    rows: &mut DisplacementRows,
+    at: usize,
+    dense: &mut Coefficients<P, D>,
+) {
+    let zero = P::splat(0.0);
+    let (mut displacement, mut compensation) = ([zero; 6], [zero; 6]);
+    for k in 0..6 {
+        displacement[k] = P::load(&rows.state[k].0[at..]);
+        if S::COMPENSATED {
+            compensation[k] = P::load(&rows.compensation[k].0[at..]);
+        }
+    }
+    stepper.displace(&mut displacement, &mut compensation, dense);
+    for k in 0..6 {
+        displacement[k].store(&mut rows.state[k].0[at..]);
+        if S::COMPENSATED {
+            compensation[k].store(&mut rows.compensation[k].0[at..]);
+        }
     }
 }
 

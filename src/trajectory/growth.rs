@@ -1,22 +1,30 @@
 //! Growth of displacements: how fast neighbouring motions part, by steps of a scheme with a tangent.
 //!
-//! The displacements of a body are integrated in lanes of their own, each with the motion. After some steps they are
-//! divided by powers of two, which changes no digit, and all but the first are made orthogonal to those before.
+//! The displacements of a body are integrated with one motion, if the scheme can, or in lanes of their own, each with the
+//! motion. After some steps they are divided by powers of two, which changes no digit, and all but the first are made
+//! orthogonal to those before.
 
 use super::fixed::{GroupStops, Leg};
 use super::frame::{Frame, MAX_DISPLACEMENTS};
 use super::{Integration, Request, kinds_in, neighbours};
 use crate::error::Error;
-use crate::kernel::{Compiled, Entry, ForcingRows, Group, Kernel, System, load, reset_time};
+use crate::kernel::{
+    Compiled, DisplacementRows, Entry, ForcingRows, Group, Kernel, System, load, reset_time,
+};
 use crate::memory;
 use crate::observe::{Displacement, Growth, Observed};
 use crate::parallel::{Interrupt, over_blocks};
 use crate::scheme::Scheme;
 use crate::simd::{Isa, LANES};
 use crate::status::{DRIFT_LIMIT, Status};
+use std::ops::Range;
 
 /// Steps between two divisions of a displacement, so few that none overflows; of several, so few that they do not align.
 pub const STEPS_TOGETHER: [u64; 2] = [64, 16];
+
+/// Bodies in a group of a scheme whose steps move all displacements: they take so long that one register of bodies hides
+/// every latency, and few wait for the body with the most steps.
+const FEW: usize = LANES / 4;
 
 /// The displacements of the bodies of a request, and what is wanted.
 #[derive(Clone, Copy)]
@@ -105,24 +113,36 @@ pub fn growth(
     over_blocks(parts, threads, stop, |(block, mut part)| {
         let ways = Integration::of_block(request, scheme, block.clone())?;
         let kind = |index: usize| ways[index - block.start].kind();
-        let together = LANES / displacements.count;
-        for members in kinds_in(block.clone(), kind)?.iter().flat_map(|kind| kind.chunks(together)) {
+        for mut alike in kinds_in(block.clone(), kind)? {
+            // Bodies with as many steps together, so that few wait for others.
+            alike.sort_unstable_by(|&a, &b| {
+                request.steps[block.start + a].total_cmp(&request.steps[block.start + b])
+            });
             let kernel = Kernel {
-                system: ways[members[0]].system(request),
-                step: ways[members[0]].assignment.step,
+                system: ways[alike[0]].system(request),
+                step: ways[alike[0]].assignment.step,
                 observed: Observed::Growth,
             };
-            let batch = GrowthBatch {
-                request,
-                ways: &ways,
-                first: block.start,
-                members,
-                displacements,
-                compiled: Compiled::new(kernel, isa),
-                frames: [Frame::new(displacements.count, isa); LANES],
-                start_logs: [[0.0; MAX_DISPLACEMENTS]; LANES],
+            let compiled = Compiled::new(kernel, isa);
+            let (lanes_each, together) = if compiled.shares_motion() {
+                (1, FEW)
+            } else {
+                (displacements.count, LANES / displacements.count)
             };
-            batch.run(&mut part, stop)?;
+            for members in alike.chunks(together) {
+                let batch = GrowthBatch {
+                    request,
+                    ways: &ways,
+                    first: block.start,
+                    members,
+                    displacements,
+                    compiled,
+                    lanes_each,
+                    frames: [Frame::new(displacements.count, isa); LANES],
+                    start_logs: [[0.0; MAX_DISPLACEMENTS]; LANES],
+                };
+                batch.run(&mut part, stop)?;
+            }
         }
         Ok(())
     })?;
@@ -157,7 +177,7 @@ impl<'a> Part<'a> {
     }
 }
 
-/// The bodies of one group: displacement j of body b is in lane `b count + j`.
+/// The bodies of one group. Body b has the lanes from `b lanes_each` on.
 struct GrowthBatch<'a> {
     request: &'a Request<'a>,
     ways: &'a [Integration],
@@ -167,6 +187,8 @@ struct GrowthBatch<'a> {
     members: &'a [usize],
     displacements: Displacements<'a>,
     compiled: Compiled,
+    /// One if the displacements share a motion, else one for each displacement.
+    lanes_each: usize,
     frames: [Frame; LANES],
     start_logs: [[f64; MAX_DISPLACEMENTS]; LANES],
 }
@@ -191,16 +213,22 @@ impl GrowthBatch<'_> {
             }
         }
         let mut group = Group::inactive();
+        group.further = memory::filled("displacements", count - self.lanes_each, DisplacementRows::ZERO)?;
         let is_forced = self.ways[self.members[0]].is_forced;
         for (b, &member) in self.members.iter().enumerate() {
             let index = self.first + member;
             let body = &self.request.bodies[index];
             let range = self.request.range_of(index);
             let rate = is_forced.then(|| body.fastest_rate(self.request.forcing_of(index), range));
-            for j in 0..count {
-                let displacement = self.displacements.each[index * count + j];
-                let entry = Entry { displacement, ..Entry::unobserved(body, rate, 0.0) };
-                load(&mut group, b * count + j, self.compiled, self.ways[member].assignment, &entry);
+            let each = &self.displacements.each[index * count..][..count];
+            let (assignment, lane) = (self.ways[member].assignment, self.lane(b));
+            for j in 0..self.lanes_each {
+                let entry = Entry { displacement: each[j], ..Entry::unobserved(body, rate, 0.0) };
+                load(&mut group, lane + j, self.compiled, assignment, &entry);
+            }
+            for (rows, displacement) in group.further.iter_mut().zip(&each[self.lanes_each..]) {
+                let start = assignment.displacement(displacement, body).start;
+                rows.state.iter_mut().zip(start).for_each(|(row, number)| row.0[lane] = number);
             }
             self.settle(&mut group, b);
             let (norm, vertical, displacements) = self.read(&group, b);
@@ -217,7 +245,7 @@ impl GrowthBatch<'_> {
                 }
                 if is_forced {
                     let interval = self.request.interval_of(index, next[b].from, false);
-                    for lane in b * count..(b + 1) * count {
+                    for lane in self.lanes(b) {
                         forcing_rows.set(lane, &interval);
                         reset_time(&mut group, self.compiled.kernel().system, lane);
                     }
@@ -253,7 +281,7 @@ impl GrowthBatch<'_> {
             }
             let next = end.min((done / together + 1) * together);
             for (b, leg) in legs.iter().enumerate() {
-                for lane in b * count..(b + 1) * count {
+                for lane in self.lanes(b) {
                     group.set_step(lane, if leg.steps > done { leg.step } else { 0.0 });
                 }
             }
@@ -268,6 +296,16 @@ impl GrowthBatch<'_> {
         }
     }
 
+    /// The first lane of a body.
+    fn lane(&self, b: usize) -> usize {
+        b * self.lanes_each
+    }
+
+    /// The lanes of a body.
+    fn lanes(&self, b: usize) -> Range<usize> {
+        self.lane(b)..self.lane(b + 1)
+    }
+
     /// The norm of a body in the variables of the kernel.
     fn norm(&self, b: usize) -> Displacement {
         let (member, index) = (self.members[b], self.first + self.members[b]);
@@ -277,25 +315,24 @@ impl GrowthBatch<'_> {
 
     /// Norm, vertical and displacements of a body, in the variables of the kernel.
     fn read(&self, group: &Group, b: usize) -> (Displacement, [f64; 3], [[f64; 6]; MAX_DISPLACEMENTS]) {
-        let count = self.displacements.count;
         let norm = self.norm(b);
-        let (vertical, displacements) = read(group, self.compiled.kernel().system, b * count, count);
+        let (system, count) = (self.compiled.kernel().system, self.displacements.count);
+        let (vertical, displacements) = read(group, system, self.lane(b), count);
         (norm, vertical, displacements)
     }
 
     /// Makes the displacements of a body orthogonal, and near one in size.
     fn settle(&mut self, group: &mut Group, b: usize) {
-        let count = self.displacements.count;
-        let norm = self.norm(b);
+        let (norm, lane) = (self.norm(b), self.lane(b));
         let is_damped = self.ways[self.members[b]].is_forced;
         let system = self.compiled.kernel().system;
-        settle(group, system, b * count, &norm, is_damped, &mut self.frames[b]);
+        settle(group, system, lane, &norm, is_damped, &mut self.frames[b]);
     }
 
     /// Writes the growth of a body, number `at` of all.
     fn record(&self, group: &Group, b: usize, at: usize, member: usize, part: &mut Part) {
         let count = self.displacements.count;
-        let lane = b * count;
+        let lane = self.lane(b);
         let rows = group.observed_in(lane);
         part.logs[LOGS * at..][..LOGS].copy_from_slice(&Growth::logs(&rows));
         let (norm, vertical, displacements) = self.read(group, b);
@@ -325,7 +362,7 @@ impl GrowthBatch<'_> {
     }
 }
 
-/// The vertical and the displacements of a body in lanes from `lane` on.
+/// The vertical and the displacements of a body in lanes from `lane` on, or in one lane if they share a motion.
 fn read(
     group: &Group,
     system: System,
@@ -336,15 +373,17 @@ fn read(
     let vertical = [3, 4, 5].map(|d| group.state[d].0[lane]);
     let mut displacements = [[0.0; 6]; MAX_DISPLACEMENTS];
     for j in 0..count {
-        for k in 0..6 {
-            displacements[j][k] = group.state[at + k].0[lane + j];
-        }
+        let (rows, lane) = match group.further.get(j.wrapping_sub(1)) {
+            Some(further) => (&further.state[..], lane),
+            None => (&group.state[at..at + 6], lane + j),
+        };
+        displacements[j] = std::array::from_fn(|k| rows[k].0[lane]);
     }
     (vertical, displacements)
 }
 
-/// Makes the displacements of a body orthogonal, and near one in size. They are in lanes from `lane` on, as many as the
-/// frame has.
+/// Makes the displacements of a body orthogonal, and near one in size, as many as the frame has. They are in lanes from
+/// `lane` on, or in one lane if they share a motion.
 pub fn settle(
     group: &mut Group,
     system: System,
@@ -365,14 +404,19 @@ pub fn settle(
     }
     let shifts = frame.settle(norm, &vertical, &mut displacements[..count]);
     for j in 0..count {
-        let lane = lane + j;
+        let (rows, rests, lane) = match group.further.get_mut(j.wrapping_sub(1)) {
+            Some(further) => (&mut further.state[..], &mut further.compensation[..], lane),
+            None => {
+                group.observed[Growth::SHIFT].0[lane + j] += shifts[j] as f64;
+                (&mut group.state[at..at + 6], &mut group.compensation[at..at + 6], lane + j)
+            }
+        };
         for k in 0..6 {
-            let rest = &mut group.compensation[at + k].0[lane];
+            let rest = &mut rests[k].0[lane];
             // Of a displacement that was changed the lost digits are those of another.
             *rest = if j == 0 { super::frame::times_power_of_two(*rest, -shifts[0]) } else { 0.0 };
-            group.state[at + k].0[lane] = displacements[j][k];
+            rows[k].0[lane] = displacements[j][k];
         }
-        group.observed[Growth::SHIFT].0[lane] += shifts[j] as f64;
     }
 }
 

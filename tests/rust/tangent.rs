@@ -2,8 +2,10 @@
 
 use crate::tests::scene_of;
 use rigid::forcing::{Forcing, ForcingInterval, ParameterChange};
-use rigid::kernel::{Compiled, Entry, ForcingRows, Group, Kernel, KernelAssignment, System, load};
-use rigid::observe::{Displacement, Growth, Observed};
+use rigid::kernel::{
+    Compiled, DisplacementRows, Entry, ForcingRows, Group, Kernel, KernelAssignment, System, load,
+};
+use rigid::observe::{Displacement, Growth, MAX_ROWS, Observed};
 use rigid::parallel::Interrupt;
 use rigid::real::Real;
 use rigid::scene::{
@@ -100,6 +102,56 @@ fn the_motion_has_the_same_bits_with_and_without_a_displacement() {
                 }
                 for (d, row) in with.observed.iter().enumerate() {
                     assert_equal_bits(&scalar.observed[d].0, &row.0, &what(d));
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_displacement_that_shares_a_motion_has_the_bits_of_one_with_a_lane_of_its_own() {
+    let displacement = |j: usize| DISPLACEMENT.map(|x| x * (1.0 + 0.3 * j as f64) + 0.1 * j as f64);
+    for (system, forcing) in
+        [(System::TopTangent, ForcingRows::NONE), (System::ForcedTangent, rows(&interval()))]
+    {
+        for scheme in schemes().filter(|scheme| scheme.is_series()) {
+            let assignment = KernelAssignment::of(scheme, &BODY, scene_of(true));
+            for isa in Isa::available() {
+                let kernel = Kernel { system, step: scheme.any, observed: Observed::Growth };
+                let compiled = Compiled::new(kernel, isa);
+                assert!(compiled.shares_motion());
+                let at = system.tangent_at().unwrap();
+                let (mut own, mut shared) = (Group::inactive(), Group::inactive());
+                shared.further = vec![DisplacementRows::ZERO; 5];
+                let lane = 9;
+                for j in 0..6 {
+                    let displacement = Displacement::new(displacement(j));
+                    let entry = Entry { displacement, ..Entry::unobserved(&BODY, None, 0.1) };
+                    load(&mut own, j, compiled, assignment, &entry);
+                    if j == 0 {
+                        load(&mut shared, lane, compiled, assignment, &entry);
+                    } else {
+                        for k in 0..6 {
+                            shared.further[j - 1].state[k].0[lane] = displacement.start[k];
+                        }
+                    }
+                }
+                for group in [&mut own, &mut shared] {
+                    compiled.advance(group, &forcing, 25);
+                }
+                for j in 0..6 {
+                    for k in 0..6 {
+                        let alone = [own.state[at + k].0[j], own.compensation[at + k].0[j]];
+                        let rows = match j {
+                            0 => [&shared.state[at + k], &shared.compensation[at + k]],
+                            _ => [&shared.further[j - 1].state[k], &shared.further[j - 1].compensation[k]],
+                        };
+                        let what = format!("{system:?} {scheme:?} {isa:?}, number {k} of {j}");
+                        assert_equal_bits(&alone, &rows.map(|row| row.0[lane]), &what);
+                    }
+                }
+                for row in 0..MAX_ROWS {
+                    assert_equal_bits(&[own.observed[row].0[0]], &[shared.observed[row].0[lane]], "growth");
                 }
             }
         }
