@@ -285,11 +285,15 @@ impl GrowthBatch<'_> {
                     group.set_step(lane, if leg.steps > done { leg.step } else { 0.0 });
                 }
             }
+            let worst = group.energy.worst;
             self.compiled.advance(group, forcing_rows, (next - done) as usize);
             for (b, leg) in legs.iter().enumerate() {
                 let is_due = next % together == 0 || next == leg.steps;
                 if leg.steps > done && is_due {
                     self.settle(group, b);
+                } else {
+                    // So that the drift does not depend on the other bodies either.
+                    group.energy.worst.0[self.lane(b)] = worst.0[self.lane(b)];
                 }
             }
             done = next;
