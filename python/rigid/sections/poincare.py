@@ -12,8 +12,9 @@ from .._checks.progress import ProgressOption
 from ..model.body import Body
 from ..model.scene import Scene, check_scene
 from ..solve.batch import Batch
-from ..solve.choose_method import Problem, choose_method
+from ..solve.choose_method import choose_method
 from ..solve.methods import EXACT, series_methods
+from ..solve.problem import Problem
 from ..solve.status import Status
 from ..solve.surfaces import METHOD, TOLERANCE, Search, Surfaces
 from .crossings import Crossings
@@ -122,7 +123,7 @@ def poincare(
     batch, shape = Batch.from_input(scene, omega, attitude)
     weight = np.broadcast_to(batch.weight, (len(batch), 3))
     normals = surface.normals(scene, weight)
-    plan, _ = choose_method(
+    choice = choose_method(
         Problem(
             scene=scene,
             question="attitude",
@@ -180,7 +181,7 @@ def poincare(
         stays=of_body(found["stays"] > 0),
         steps=of_body(found["steps"]),
         section=surface,
-        plan=plan,
+        plan=choice.plan(),
         spec={
             "scene": scene.to_dict(),
             "method": chosen,

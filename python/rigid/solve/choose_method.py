@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
-from math import prod
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .. import _core
 from .._checks.arguments import brief, finite_float, one_of, positive_int
 from ..model.body import Body
 from ..model.criteria import Criterion, known_criteria
 from ..model.scene import Scene, check_scene
 from ..model.start import Start
-from .arrays import Range
 from .batch import Batch
+from .choice import UNKNOWN, Choice, damping_rate, some_of, stepped_question
 from .closed_form import (
     FORCED_RULE,
     NO_FORM,
@@ -27,46 +25,23 @@ from .closed_form import (
     are_slowed_evenly,
     closed_forms,
     moment_rows,
-    names,
     question_words,
     rule,
     weight_rows,
     why_not,
 )
-from .cost_model import (
-    Estimate,
-    calibration_classes,
-    cheapest,
-    check_attainable,
-    closed_form_estimate,
-    costliest,
-    schemes,
-    steps_estimate,
-    steps_for,
-)
-from .foresight import nearness_of_poles, why_unforeseen
-from .methods import (
-    EXACT,
-    FALLBACK,
-    STIFF,
-    check_method,
-    driven_methods,
-    plain_methods,
-    run_methods,
-    series_methods,
-)
-from .plan import Plan, carried, left_out
-from .work import MANY
+from .cost_model import cheapest, check_attainable, schemes, steps_for
+from .foresight import why_unforeseen
+from .methods import EXACT, FALLBACK, STIFF, driven_methods, plain_methods, series_methods
+from .plan import Plan
+from .problem import Problem
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-__all__ = ["Problem", "choose_method", "closed_form_plan", "plan"]
+__all__ = ["choose_method", "closed_form_plan", "plan"]
 
 Floats = NDArray[np.float64]
-
-UNKNOWN = "error unknown: {}"
-"""How a plan says why its error is unknown."""
 
 USUAL_ACCURACY = 1e-8
 """The accuracy of states for which neither a method nor a step is asked."""
@@ -79,103 +54,6 @@ LOST_ANGLE = 1e15
 
 STIFFNESS = 10.0
 """Damping is strong if it slows a body this many times faster than the body turns."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Problem:
-    """A question about a scene: the known data of its bodies, and the requested result.
-
-    Attributes
-    ----------
-    scene : Scene
-    question : str or Criterion
-        With all defaults filled in.
-    batch : Batch or None
-        The bodies with their starts, None if the starts are not known.
-    begin : float or ndarray, shape (n,)
-        First time of the run (s), not positive; of all bodies or of each.
-    span : float, ndarray of shape (n,), or None
-        Time that the run covers (s), None if it is not known.
-    accuracy, step : float or None
-        Largest error at the end; longest step (s). Only one of the two can be given.
-    method : str or None
-        The requested method.
-    states : int
-        Number of requested states of a body.
-    bodies : int or None
-        Number of bodies that share a call; None: those of the batch.
-
-    Raises
-    ------
-    ValueError
-        If the method is unknown or does not move the scene, if accuracy or step are not positive,
-        or if both are given.
-    """
-
-    scene: Scene
-    question: Question
-    batch: Batch | None = None
-    begin: float | Floats = 0.0
-    span: float | Floats | None = None
-    accuracy: float | None = None
-    method: str | None = None
-    step: float | None = None
-    states: int = 1
-    bodies: int | None = None
-
-    def __post_init__(self) -> None:
-        if self.method is not None:
-            one_of("method", self.method, run_methods())
-            watched = not isinstance(self.question, str)
-            check_method(
-                self.method,
-                self.scene.kind,
-                watched=watched,
-                driven=self.scene.is_driven,
-                satellite=self.scene.is_satellite,
-                called=self.scene.is_called,
-            )
-        for name in ("step", "accuracy"):
-            if getattr(self, name) is not None:
-                value = finite_float(name, getattr(self, name), positive=True)
-                object.__setattr__(self, name, value)
-        if self.accuracy is not None and self.step is not None:
-            raise ValueError(
-                f"accuracy = {self.accuracy:g}, step = {self.step:g}: exclude each other, "
-                "because the step follows from the accuracy"
-            )
-
-    @property
-    def times(self) -> Range:
-        """First and last time of the run (s)."""
-        begin, span = np.broadcast_arrays(self.begin, 0.0 if self.span is None else self.span)
-        return begin, begin + span
-
-    def inertia(self) -> tuple[Floats, Floats]:
-        """Moments and weight of the bodies in rows, in any unit; one row may serve all."""
-        if self.batch is not None:
-            return self.batch.moments, self.batch.weight
-        return moment_rows(self.scene), weight_rows(self.scene)
-
-    def classes(self) -> NDArray[np.str_]:
-        """The class of bodies that each is calibrated as; shape (n,), or (1,) if all are alike."""
-        if self.batch is not None:
-            return calibration_classes(self.scene, *self.inertia(), self.batch.driven())
-        return calibration_classes(self.scene, *self.inertia(), np.array([self.scene.is_driven]))
-
-    @property
-    def count(self) -> int:
-        """Number of bodies that share a call; of samples of a map many do."""
-        if self.bodies is not None:
-            return self.bodies
-        known = self.batch is not None and isinstance(self.question, str)
-        return max(len(self.batch), 1) if known and self.batch is not None else MANY
-
-    def rates(self, method: str | None = None) -> Floats | None:
-        """Bounds of the rates, or the rates that the steps of a method follow, if known."""
-        if self.batch is None or (self.span is None and self.scene.is_driven):
-            return None
-        return self.batch.fastest_rates(self.times, method)
 
 
 def plan(
@@ -265,7 +143,7 @@ def plan(
         states=_states(question, times),
         bodies=None if bodies is None else positive_int("bodies", bodies),
     )
-    chosen = choose_method(problem)[0]
+    chosen = choose_method(problem).plan()
     if batch is not None and chosen.method == EXACT and chosen.error is not None:
         unforeseen = why_unforeseen(batch, problem.times, by_steps=False)
         if unforeseen is not None:
@@ -283,63 +161,32 @@ def _states(question: Question, times: int | None) -> int:
     return 0
 
 
-def choose_method(problem: Problem) -> tuple[Plan, Floats | None]:
-    """The plan for the bodies of a problem, and the longest step of each (s).
-
-    The steps are None if there are none or if they are left to the core.
-    """
-    scene, question, span = problem.scene, problem.question, problem.span
+def choose_method(problem: Problem) -> Choice:
+    """The method for the bodies of a problem, and the longest step of each."""
+    scene = problem.scene
     _check_rates_are_known(problem)
     forms = _known_closed_forms(problem)
-    if scene.torque is not None and span is not None:
+    if scene.torque is not None and problem.span is not None:
         scene.torque.at(np.ravel(problem.times))  # ValueError outside the times of its table
     method, why = _preferred(problem, forms)
     steps = None
     accuracy = problem.accuracy
     if accuracy is None and _takes_usual_accuracy(problem, method):
         accuracy = USUAL_ACCURACY
-    knows = problem.rates() is not None and problem.span is not None
-    if accuracy is not None and (knows or problem.accuracy is not None):
+    if accuracy is not None and (problem.accuracy is not None or problem.knows_angles):
         method, steps = _accurate(problem, accuracy, method, why)
+    elif accuracy is not None:
+        method = _usually_cheapest(problem, method, why)
     elif problem.step is not None and method != EXACT and problem.batch is not None:
         steps = np.full(len(problem.batch), problem.step)
-    if method == EXACT:
-        estimate = closed_form_estimate(
-            question, forms, problem.states, problem.rates(), span, problem.count
-        )
-    elif accuracy is not None and not knows:
-        method = _usually_cheapest(problem, method, why)
-        estimate = Estimate(None, None, None, None)
-    else:
-        estimate = _steps_estimate(problem, method, steps)
-    error = estimate.error
-    if scene.is_called and error is not None:
-        error, why = None, [*why, UNKNOWN.format("the torque is that of a function")]
-    if estimate.unknown is not None:
-        why = [*why, UNKNOWN.format(estimate.unknown)]
-    if error is not None and problem.batch is not None and method != EXACT:
-        unforeseen = why_unforeseen(problem.batch, problem.times, by_steps=True)
-        if unforeseen is not None:
-            error, why = None, [*why, UNKNOWN.format(unforeseen)]
-    if error is not None and problem.accuracy is not None:
-        # The steps of the run are shortened until it is met.
-        error = min(error, problem.accuracy)
-    chosen = Plan(
-        scene=scene.words(),
-        question=question_words(question),
-        closed_form=", ".join(names(forms)) or None if method == EXACT else None,
+    return Choice(
+        problem=problem,
         method=method,
-        carried=carried(scene, question, method),
-        why=tuple(why),
-        left_out=left_out(scene, question, method, problem.step, forms),
-        step=estimate.step,
-        steps=estimate.steps,
-        work=estimate.work,
-        error=error,
+        steps=steps,
+        forms=forms,
         accuracy=accuracy,
-        memory=_memory(problem),
+        why=tuple(why),
     )
-    return chosen, steps
 
 
 def _check_rates_are_known(problem: Problem) -> None:
@@ -375,46 +222,7 @@ def _plan_of_any_start(
     if not closed_forms(question, moment_rows(scene), weight_rows(scene)).all():
         return None
     problem = Problem(scene=scene, question=question, method=method, states=states, bodies=bodies)
-    return choose_method(problem)[0]
-
-
-def _steps_estimate(problem: Problem, method: str, steps: Floats | None) -> Estimate:
-    """Work and error of a scheme, the largest of all classes of bodies."""
-    classes, rates = problem.classes(), problem.rates(method)
-    nearness: float | Floats = 1.0
-    if problem.batch is not None and rates is not None:
-        nearness = nearness_of_poles(problem.batch, rates)
-    parts = []
-    for kind in sorted(set(classes.tolist())):
-        mine = slice(None) if len(classes) == 1 else np.flatnonzero(classes == kind)
-        longest = steps if problem.step is None else problem.step
-        part = steps_estimate(
-            _stepped_question(problem, method),
-            method,
-            kind,
-            None if rates is None else rates[mine],
-            None if problem.span is None else _some(problem.span, mine),
-            longest[mine] if isinstance(longest, np.ndarray) else longest,
-            _damping_rate(problem.scene),
-            _some(nearness, mine),
-            states=problem.states,
-            bodies=problem.count,
-        )
-        parts.append(part)
-    return costliest(parts)
-
-
-def _some(values: float | Floats, mine: slice | NDArray[np.intp]) -> float | Floats:
-    """The values of some bodies, or that of all."""
-    return values[mine] if isinstance(values, np.ndarray) and values.ndim else values
-
-
-def _damping_rate(scene: Scene) -> float:
-    """The largest rate at which damping slows a body (1/s)."""
-    forcing = scene.forcing
-    if forcing is None:
-        return 0.0
-    return float(forcing.damping_rates(moment_rows(scene)).max(initial=0.0))
+    return choose_method(problem).plan()
 
 
 def _known_closed_forms(problem: Problem) -> Codes:
@@ -469,7 +277,7 @@ def _preferred(problem: Problem, forms: Codes) -> tuple[str, list[str]]:
 
 def _scheme(problem: Problem, why: list[str]) -> tuple[str, list[str]]:
     """The scheme of bodies without a closed form: the one for strong damping where it is needed."""
-    slowing = _damping_rate(problem.scene)
+    slowing = damping_rate(problem.scene)
     if slowing == 0.0 or problem.scene.is_satellite or problem.scene.is_called:
         return FALLBACK, why
     turning = problem.rates()
@@ -483,23 +291,6 @@ def _scheme(problem: Problem, why: list[str]) -> tuple[str, list[str]]:
     if not is_stiff:
         return FALLBACK, why
     return STIFF, [*why, f"strong damping, at a rate of {slowing:.3g} 1/s: {STIFF}"]
-
-
-def _memory(problem: Problem) -> int | None:
-    """Bytes of the states of the bodies, if their number is known."""
-    bodies = len(problem.batch) if problem.batch is not None else problem.bodies
-    if bodies is None and problem.scene.shape:
-        bodies = prod(problem.scene.shape)
-    if bodies is None or not isinstance(problem.question, str):
-        return None
-    forcing = problem.scene.forcing if problem.batch is None else problem.batch.forcing
-    return _core.state_bytes(
-        scene=problem.scene.kind,
-        record=problem.question,
-        bodies=bodies if problem.bodies is None else problem.bodies,
-        times=problem.states,
-        forcing=forcing,
-    )
 
 
 def _takes_usual_accuracy(problem: Problem, method: str) -> bool:
@@ -526,7 +317,7 @@ def _usually_cheapest(problem: Problem, method: str, why: list[str]) -> str:
     usual = cheapest(
         USUAL_ACCURACY,
         str(problem.classes()[0]),
-        _stepped_question(problem, method),
+        stepped_question(problem, method),
         dict.fromkeys(names, USUAL_ANGLE),
         problem.states,
     )
@@ -562,7 +353,7 @@ def _accurate(
             }
         else:
             angles = dict.fromkeys(plain_methods(), _largest_angle(turning, span))
-        question = _stepped_question(problem, method)
+        question = stepped_question(problem, method)
         method = cheapest(accuracy, kind, question, angles, problem.states)
         why.append(f"{method} is the cheapest scheme for an error of {accuracy:g}")
     why.append(f"the step follows from the error of {accuracy:g} at the end")
@@ -570,7 +361,7 @@ def _accurate(
     steps = np.empty_like(rates)
     for own in kinds.tolist():
         mine = slice(None) if len(classes) == 1 else np.flatnonzero(classes == own)
-        steps[mine] = steps_for(accuracy, schemes()[method, own], rates[mine], _some(span, mine))
+        steps[mine] = steps_for(accuracy, schemes()[method, own], rates[mine], some_of(span, mine))
     return method, steps
 
 
@@ -579,14 +370,6 @@ def _largest_angle(rates: Floats, span: float | Floats) -> float:
     with np.errstate(invalid="ignore", over="ignore"):
         angles = rates * span
     return float(angles[angles < LOST_ANGLE].max(initial=0.0))
-
-
-def _stepped_question(problem: Problem, method: str) -> Question:
-    """A question whose steps have the same cost: forced rates may need a larger state."""
-    scene, question = problem.scene, problem.question
-    if not scene.is_driven or not isinstance(question, str):
-        return question
-    return "attitude" if "gamma" in carried(scene, question, method) else "rates"
 
 
 def _resolved(scene: Scene, question: object, batch: Batch | None) -> Question:

@@ -15,10 +15,11 @@ from ..model.criteria import NORMS, Regular
 from ..model.scene import Scene, check_scene
 from .arrays import time_span
 from .batch import Batch
-from .choose_method import Problem, choose_method
+from .choose_method import choose_method
 from .growth import Growth
 from .integrate import integrate
 from .methods import EXACT, SECOND
+from .problem import Problem
 from .request import Request
 from .saddle import verticals
 from .status import Status
@@ -183,7 +184,7 @@ def growth_of(
 ) -> Growth:
     """The growth of displacements of checked bodies, whose axes are ``shape``."""
     chosen = method
-    plan, steps = choose_method(
+    choice = choose_method(
         Problem(
             scene=scene,
             question="axis",
@@ -197,7 +198,7 @@ def growth_of(
     every = np.union1d(times, times[-1] * np.array(CHECKPOINTS))
     run = _Run(batch, every, of, max_steps, threads)
     vectors = _displacements(batch, start, count, of)
-    found = run.growth(chosen, steps, vectors)
+    found = run.growth(chosen, choice.steps, vectors)
     wanted = np.searchsorted(every, times)
     marks = np.searchsorted(every, times[-1] * np.array(CHECKPOINTS))
     log, largest, mean, mean_megno = np.moveaxis(found["logs"], -1, 0)
@@ -211,7 +212,7 @@ def growth_of(
         rounding = np.finfo(float).eps * np.maximum(1.0, np.abs(log[:, wanted]))
         error = (3.0 * apart + rounding).max(axis=1)
         second = np.ascontiguousarray(2.0 * again["logs"][1::2, marks, 3])
-        lost_from = _lost_from(batch, times, chosen, steps, run.max_steps, threads)
+        lost_from = _lost_from(batch, times, chosen, choice.steps, run.max_steps, threads)
     else:
         status = np.where(status == Status.OK, Status.UNCHECKED, status).astype(np.uint8)
     means = np.ascontiguousarray(2.0 * mean_megno[:, marks])
@@ -221,6 +222,7 @@ def growth_of(
     def of_body(values: NDArray[Any]) -> Any:
         return values.reshape(*shape, *values.shape[1:]) if shape else values[0]
 
+    plan = choice.plan()
     several = count > 1
     words = f"{count} displacement{'s' if several else ''} of the {of}, growth by their tangent"
     return Growth(

@@ -11,7 +11,7 @@ from ..model.leading import Shape
 from .batch import Batch
 from .error_estimate import ErrorEstimate
 from .events import FoundEvents
-from .plan import Plan
+from .plan import LazyPlan
 from .run import Run
 from .status import Status, judged_status
 from .target import COLUMNS
@@ -36,7 +36,7 @@ def to_run(
     times: NDArray[np.float64],
     estimate: ErrorEstimate,
     spec: dict[str, Any],
-    plan: Plan,
+    plan: LazyPlan,
     batch: Batch,
     shape: Shape,
     parameters: tuple[str, ...] = (),
@@ -82,5 +82,5 @@ def to_run(
         lost_from=of_body(lost_from),
         nanoseconds=states["nanoseconds"],
         spec=spec,
-        plan=plan,
+        _plan=plan,
     )

@@ -13,11 +13,12 @@ from .._checks.arrays import finite_array
 from ..model.scene import scene_from_dict
 from .arrays import Range, in_rows, time_ranges
 from .batch import Batch
-from .choose_method import Problem, choose_method
+from .choose_method import choose_method
 from .error_estimate import closed_form_error
 from .integrate import integrate
 from .made_run import end_records, to_run
 from .methods import EXACT
+from .problem import Problem
 from .request import Request
 from .run import Run
 from .target import COLUMNS
@@ -45,13 +46,13 @@ def states_at(run: Run, t: ArrayLike) -> Run:
     request = Request(
         batch=batch,
         times=np.minimum(times, last) if (times > last).any() else times,
-        method=run.plan.method,
+        method=spec["method"],
         record=spec["record"],
         max_steps=10**9,
         threads=resolve_threads(None),
         tolerance=spec["tolerance"],
     )
-    if run.plan.method == EXACT:
+    if spec["method"] == EXACT:
         states = request.states(None)
         batch.note_rates(states["fastest_rate"])
         estimate = closed_form_error(batch, request.times, states["omega"])
@@ -65,11 +66,11 @@ def states_at(run: Run, t: ArrayLike) -> Run:
                 begin=reached[0],
                 span=reached[1] - reached[0],
                 accuracy=run.plan.accuracy if spec["step"] is None else None,
-                method=run.plan.method,
+                method=spec["method"],
                 step=spec["step"],
                 states=times.shape[-1],
             )
-            steps = choose_method(problem)[1]
+            steps = choose_method(problem).steps
         unknown = np.isnan(run.error)
         states, estimate = integrate(
             request,
@@ -82,7 +83,7 @@ def states_at(run: Run, t: ArrayLike) -> Run:
         np.ldexp(states["work"], batch.scale_exponent[:, np.newaxis], out=states["work"])
     states = {**states, "tangent": None}
     end_records(states, times, last)
-    made = to_run(states, ascending, estimate, spec, run.plan, batch, shape)
+    made = to_run(states, ascending, estimate, spec, run._plan, batch, shape)
     if (order[..., 1:] < order[..., :-1]).any():
         made = _in_order(made, given, order)
     return made if run.frame is None else made.in_frame(run.frame)

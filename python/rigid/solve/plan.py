@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,7 +19,7 @@ from .closed_form import Codes, Question, names
 from .methods import EXACT
 from .work import unit_nanoseconds
 
-__all__ = ["Plan", "carried", "left_out"]
+__all__ = ["LazyPlan", "Plan", "carried", "left_out"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -78,24 +78,6 @@ class Plan:
     error: float | None
     accuracy: float | None = None
     memory: int | None = None
-
-    def with_error(self, error: float | None) -> Plan:
-        """The plan with another error; faster than :func:`dataclasses.replace`."""
-        return Plan(
-            scene=self.scene,
-            question=self.question,
-            closed_form=self.closed_form,
-            method=self.method,
-            carried=self.carried,
-            step=self.step,
-            steps=self.steps,
-            why=self.why,
-            left_out=self.left_out,
-            work=self.work,
-            error=error,
-            accuracy=self.accuracy,
-            memory=self.memory,
-        )
 
     @property
     def cost(self) -> float | None:
@@ -164,6 +146,40 @@ class Plan:
         if self.steps is not None:
             parts.append(f"about {self.steps:,} steps")
         return ", ".join(parts)
+
+
+class LazyPlan:
+    """A plan that is made when it is first read: many runs are made, and few plans are read.
+
+    What it is made of must not change meanwhile. Two threads that read it first make the same plan.
+    """
+
+    __slots__ = ("_make", "_plan")
+
+    def __init__(self, make: Callable[[], Plan]) -> None:
+        self._make: Callable[[], Plan] | None = make
+        self._plan: Plan | None = None
+
+    @classmethod
+    def of(cls, plan: Plan) -> LazyPlan:
+        """A plan that is made already."""
+        return cls(lambda: plan)
+
+    def __call__(self) -> Plan:
+        """The plan."""
+        make = self._make
+        if make is not None:
+            self._plan = make()
+            self._make = None  # and what it holds: this comes last, for other threads
+        assert self._plan is not None
+        return self._plan
+
+    def then(self, change: Callable[[Plan], Plan]) -> LazyPlan:
+        """The plan after a change."""
+        return LazyPlan(lambda: change(self()))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return LazyPlan.of, (self(),)
 
 
 def left_out(

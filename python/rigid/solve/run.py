@@ -18,7 +18,7 @@ from .archive import read_archive, write_archive
 from .attitude_ephemeris import write_aem
 from .events import Events, columns_of, from_columns
 from .methods import EXACT
-from .plan import Plan
+from .plan import LazyPlan, Plan
 from .status import Status, error_limit, sentences
 
 if TYPE_CHECKING:
@@ -136,8 +136,6 @@ class Run:
         Processor time of the states, of all threads together; not that of the second run.
     spec : dict
         Scene, method, step, accuracy, tolerance and record, as a dict; the scene in principal axes.
-    plan : Plan
-        The method, the omissions and the reasons.
     """
 
     t: NDArray[np.float64]
@@ -161,7 +159,7 @@ class Run:
     lost_from: NDArray[np.float64]
     nanoseconds: int
     spec: dict[str, Any]
-    plan: Plan
+    _plan: LazyPlan
 
     _animator: ClassVar[Callable[..., Any]]
     _evaluator: ClassVar[Callable[..., Run]]
@@ -197,6 +195,11 @@ class Run:
         return html_with_picture(
             lambda ax: self.plot(ax, body=0 if many else None), words, height=3.0
         )
+
+    @property
+    def plan(self) -> Plan:
+        """The method, the omissions and the reasons."""
+        return self._plan()
 
     @property
     def frame(self) -> NDArray[np.float64] | None:
@@ -690,7 +693,7 @@ def load_run(path: str | PathLike[str]) -> Run:
             events=events,
             nanoseconds=int(header["nanoseconds"]),
             spec=header["spec"],
-            plan=Plan.from_dict(header["plan"]),
+            _plan=LazyPlan.of(Plan.from_dict(header["plan"])),
         )
     except (KeyError, TypeError, ValueError) as error:
         raise ValueError(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,7 +26,7 @@ from ..model.frame import attitudes_in_principal_axes, checked_frame, turned
 from ..model.scene import Scene, check_scene
 from .arrays import in_rows, largest, time_ranges, time_span
 from .batch import Batch
-from .choose_method import Problem, choose_method, closed_form_plan
+from .choose_method import choose_method, closed_form_plan
 from .closed_form import RECORDS
 from .error_estimate import ErrorEstimate, closed_form_error, unknown_error
 from .events import check_event_method, find_events
@@ -33,6 +34,8 @@ from .integrate import integrate
 from .made_run import end_records, to_run
 from .methods import EXACT, series_methods
 from .parameters import check_parameters, parameter_changes
+from .plan import LazyPlan, Plan
+from .problem import Problem
 from .request import Request
 from .run import Run
 from .surfaces import METHOD
@@ -240,7 +243,7 @@ def simulate(
     if step is None and accuracy is None and tolerance is None and given.ndim == 1:
         known = closed_form_plan(scene, record, method, max(len(batch), 1), len(times))
     if known is not None:
-        plan, steps = known, None
+        plan, chosen, steps = LazyPlan.of(known), EXACT, None
     else:
         begin, end = time_ranges(times)
         problem = Problem(
@@ -254,17 +257,18 @@ def simulate(
             step=step,
             states=times.shape[-1],
         )
-        plan, steps = choose_method(problem)
-        if watched and plan.method != EXACT and plan.method not in series_methods():
-            plan, steps = choose_method(replace(problem, method=METHOD))
-            plan = replace(plan, why=("a Taylor series knows the events inside its steps",))
+        choice = choose_method(problem)
+        plan = LazyPlan(choice.plan)
+        if watched and choice.method != EXACT and choice.method not in series_methods():
+            choice = choose_method(replace(problem, method=METHOD))
+            plan = LazyPlan(choice.plan).then(_by_series)
+        chosen, steps = choice.method, choice.steps
     if tolerance is not None:
-        own = f"each body takes its own steps, last terms below {tolerance:g}"
-        plan = replace(plan, why=(*plan.why, own), step=None, steps=None, work=None, error=None)
+        plan = plan.then(partial(_by_tolerance, tolerance))
     request = Request(
         batch=batch,
         times=times,
-        method=plan.method,
+        method=chosen,
         record=record,
         max_steps=positive_int("max_steps", max_steps),
         threads=resolve_threads(threads),
@@ -282,7 +286,7 @@ def simulate(
             counted,
             count,
             frame=frame,
-            method=plan.method,
+            method=chosen,
             tolerance=tolerance,
             check=check,
             max_steps=request.max_steps,
@@ -291,12 +295,12 @@ def simulate(
         if found.stopped.any():
             # States are computed up to the end of a body, and so are their errors.
             request = replace(request, times=np.minimum(times, found.last))
-    if plan.method == EXACT:
+    if chosen == EXACT:
         states = request.states(None, out=target.given, single=target.single)
         batch.note_rates(states["fastest_rate"])
         estimate = closed_form_error(batch, request.times, states["omega"])
         worst = largest(estimate.error)
-        plan = plan.with_error(worst if worst < 1.0 else None)
+        plan = plan.then(partial(_with_error, worst if worst < 1.0 else None))
     else:
         every = method is None and step is None
         states, estimate = integrate(
@@ -308,13 +312,13 @@ def simulate(
     if parameters is not None:
         change = parameter_changes(scene, batch, shape, parameters) if parameters else None
         matrices, sensitivity, words = tangent_of(request, steps, method, change)
-        plan = replace(plan, why=(*plan.why, words))
+        plan = plan.then(partial(_with_reason, words))
     if target is not PLAIN:
         estimate = ErrorEstimate(target.finish(states, estimate.error), estimate.lost_from)
     spec = {
         "scene": scene.to_dict(),
-        "method": plan.method,
-        "step": None if plan.method == EXACT else step,
+        "method": chosen,
+        "step": None if chosen == EXACT else step,
         "accuracy": accuracy,
         "tolerance": tolerance,
         "record": record,
@@ -324,6 +328,23 @@ def simulate(
         end_records(states, times, found.last)
     run = to_run(states, given, estimate, spec, plan, batch, shape, parameters or (), found)
     return run if frame is None else run.in_frame(frame)
+
+
+def _by_series(plan: Plan) -> Plan:
+    return replace(plan, why=("a Taylor series knows the events inside its steps",))
+
+
+def _by_tolerance(tolerance: float, plan: Plan) -> Plan:
+    own = f"each body takes its own steps, last terms below {tolerance:g}"
+    return replace(plan, why=(*plan.why, own), step=None, steps=None, work=None, error=None)
+
+
+def _with_error(error: float | None, plan: Plan) -> Plan:
+    return replace(plan, error=error)
+
+
+def _with_reason(words: str, plan: Plan) -> Plan:
+    return replace(plan, why=(*plan.why, words))
 
 
 def _checked_count(count: int | None, watched: Sequence[Event], until: object) -> int | None:
@@ -399,12 +420,12 @@ def _replayed(
         method=method,
         step=step,
     )
-    plan, steps = choose_method(problem)
+    choice = choose_method(problem)
     states = _core.simulate(
         **batch.columns(),
         method=method,
         record="attitude",
-        step=None if looks.get("tolerance") is not None else steps,
+        step=None if looks.get("tolerance") is not None else choice.steps,
         max_steps=2**63,
         threads=1,
         **looks,
@@ -418,6 +439,7 @@ def _replayed(
         "record": "attitude",
     }
     # The map that this body comes from has its own check of the error.
+    plan = LazyPlan(choice.plan)
     return to_run(states, times, unknown_error(1), spec, plan, batch, ())
 
 

@@ -1,0 +1,123 @@
+"""A question about a scene: what a method is chosen for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._checks.arguments import finite_float, one_of
+from ..model.scene import Scene
+from .arrays import Range
+from .batch import Batch
+from .closed_form import Question, moment_rows, weight_rows
+from .cost_model import calibration_classes
+from .methods import check_method, run_methods
+from .work import MANY
+
+__all__ = ["Problem"]
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Problem:
+    """A question about a scene: the known data of its bodies, and the requested result.
+
+    Attributes
+    ----------
+    scene : Scene
+    question : str or Criterion
+        With all defaults filled in.
+    batch : Batch or None
+        The bodies with their starts, None if the starts are not known.
+    begin : float or ndarray, shape (n,)
+        First time of the run (s), not positive; of all bodies or of each.
+    span : float, ndarray of shape (n,), or None
+        Time that the run covers (s), None if it is not known.
+    accuracy, step : float or None
+        Largest error at the end; longest step (s). Only one of the two can be given.
+    method : str or None
+        The requested method.
+    states : int
+        Number of requested states of a body.
+    bodies : int or None
+        Number of bodies that share a call; None: those of the batch.
+
+    Raises
+    ------
+    ValueError
+        If the method is unknown or does not move the scene, if accuracy or step are not positive,
+        or if both are given.
+    """
+
+    scene: Scene
+    question: Question
+    batch: Batch | None = None
+    begin: float | Floats = 0.0
+    span: float | Floats | None = None
+    accuracy: float | None = None
+    method: str | None = None
+    step: float | None = None
+    states: int = 1
+    bodies: int | None = None
+
+    def __post_init__(self) -> None:
+        if self.method is not None:
+            one_of("method", self.method, run_methods())
+            watched = not isinstance(self.question, str)
+            check_method(
+                self.method,
+                self.scene.kind,
+                watched=watched,
+                driven=self.scene.is_driven,
+                satellite=self.scene.is_satellite,
+                called=self.scene.is_called,
+            )
+        for name in ("step", "accuracy"):
+            if getattr(self, name) is not None:
+                value = finite_float(name, getattr(self, name), positive=True)
+                object.__setattr__(self, name, value)
+        if self.accuracy is not None and self.step is not None:
+            raise ValueError(
+                f"accuracy = {self.accuracy:g}, step = {self.step:g}: exclude each other, "
+                "because the step follows from the accuracy"
+            )
+
+    @property
+    def times(self) -> Range:
+        """First and last time of the run (s)."""
+        begin, span = np.broadcast_arrays(self.begin, 0.0 if self.span is None else self.span)
+        return begin, begin + span
+
+    def inertia(self) -> tuple[Floats, Floats]:
+        """Moments and weight of the bodies in rows, in any unit; one row may serve all."""
+        if self.batch is not None:
+            return self.batch.moments, self.batch.weight
+        return moment_rows(self.scene), weight_rows(self.scene)
+
+    def classes(self) -> NDArray[np.str_]:
+        """The class of bodies that each is calibrated as; shape (n,), or (1,) if all are alike."""
+        if self.batch is not None:
+            return calibration_classes(self.scene, *self.inertia(), self.batch.driven())
+        return calibration_classes(self.scene, *self.inertia(), np.array([self.scene.is_driven]))
+
+    @property
+    def count(self) -> int:
+        """Number of bodies that share a call; of samples of a map many do."""
+        if self.bodies is not None:
+            return self.bodies
+        known = self.batch is not None and isinstance(self.question, str)
+        return max(len(self.batch), 1) if known and self.batch is not None else MANY
+
+    @property
+    def knows_angles(self) -> bool:
+        """Whether rates and horizon are known, and so the angles that the bodies turn."""
+        return self.batch is not None and self.span is not None
+
+    def rates(self, method: str | None = None) -> Floats | None:
+        """Bounds of the rates, or the rates that the steps of a method follow, if known."""
+        if self.batch is None or (self.span is None and self.scene.is_driven):
+            return None
+        return self.batch.fastest_rates(self.times, method)
