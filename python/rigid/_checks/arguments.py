@@ -6,7 +6,7 @@ import difflib
 import math
 import os
 import sys
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from numbers import Real
 
 import numpy as np
@@ -21,6 +21,7 @@ __all__ = [
     "first_place",
     "nearest",
     "numbers",
+    "of_shape",
     "one_line",
     "one_of",
     "positive_int",
@@ -68,7 +69,7 @@ def one_line(message: Exception | str) -> str:
 
 def one_of(argument: str, value: object, known: Iterable[str]) -> str:
     """``value`` if it is one of the known names."""
-    names = list(known)
+    names = known if isinstance(known, Collection) else list(known)
     if isinstance(value, str) and value in names:
         return value
     known_names = ", ".join(map(repr, names))
@@ -187,7 +188,19 @@ def shaped(
 
     None means any length. A quantity is taken in ``unit``, as :func:`numbers` does.
     """
-    array = numbers(name, value, unit)
+    return of_shape(
+        name, numbers(name, value, unit), *shape, positive=positive, nonnegative=nonnegative
+    )
+
+
+def of_shape(
+    name: str,
+    array: NDArray[np.float64],
+    *shape: int | None,
+    positive: bool = False,
+    nonnegative: bool = False,
+) -> NDArray[np.float64]:
+    """The array, if it is as :func:`shaped` returns it."""
     last = array.shape[max(array.ndim - len(shape), 0) :]
     if last != shape and (
         len(last) < len(shape)
@@ -253,7 +266,8 @@ def sorted_times(name: str, value: ArrayLike) -> NDArray[np.float64]:
 
 def times_of_each(name: str, value: ArrayLike) -> NDArray[np.float64]:
     """``value`` as finite times that ascend along the last axis, shape ``(..., m)``."""
-    array = np.atleast_1d(numbers(name, value))
+    array = numbers(name, value)
+    array = array if array.ndim else array.reshape(1)
     _finite(name, array)
     if array.shape[-1] > 1 and (array[..., 1:] < array[..., :-1]).any():
         index, place = first_place(array[..., 1:] < array[..., :-1])
@@ -265,10 +279,11 @@ def times_of_each(name: str, value: ArrayLike) -> NDArray[np.float64]:
     return array
 
 
-def resolve_threads(threads: int | None) -> int:
+def resolve_threads(threads: int | None, bodies: int | None = None) -> int:
     """Number of threads: the argument, else ``RIGID_NUM_THREADS``, else the cores we may use.
 
-    These are the cores that the affinity of the process and its control group allow.
+    These are the cores that the affinity of the process and its control group allow. One body, if
+    the number of ``bodies`` is given, needs no second core.
     """
     if threads is not None:
         threads = positive_int("threads", threads)
@@ -287,6 +302,8 @@ def resolve_threads(threads: int | None) -> int:
                 f"RIGID_NUM_THREADS = {brief(variable)}: must be at most {MOST_THREADS}"
             )
         return int(digits)
+    if bodies == 1:
+        return 1
     threads = min(_core.available_threads(), MOST_THREADS)
     if hasattr(os, "sched_getaffinity"):  # it may have changed since the core looked
         threads = min(threads, len(os.sched_getaffinity(0)))

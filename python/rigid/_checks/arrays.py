@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .arguments import first_place, numbers, shaped
+from .arguments import first_place, numbers, of_shape, shaped
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -42,7 +42,7 @@ def require(name: str, array: NDArray[Any], good: NDArray[np.bool_], rule: str) 
 def vectors(name: str, value: ArrayLike, width: int = 3) -> Floats:
     """``value`` as finite floats of shape (..., width)."""
     array = numbers(name, value)
-    return np.empty((0, width)) if array.shape == (0,) else shaped(name, array, width)
+    return np.empty((0, width)) if array.shape == (0,) else of_shape(name, array, width)
 
 
 def attitudes(attitude: ArrayLike | Rotation, name: str = "attitude") -> Floats:

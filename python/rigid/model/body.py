@@ -513,8 +513,9 @@ class Body:
 
     def to_dict(self) -> dict[str, Any]:
         """The body as a dict of numbers."""
+        moments = self.moments
         return {
-            "moments": np.asarray(self.moments).tolist(),
+            "moments": moments.tolist() if isinstance(moments, np.ndarray) else list(moments),
             "mass": self.mass.tolist() if isinstance(self.mass, np.ndarray) else self.mass,
             "sides": None if self.sides is None else list(self.sides),
         }

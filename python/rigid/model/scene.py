@@ -8,9 +8,9 @@ The core integrates the scene under the same ``kind``.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Container, Iterable, Iterator, Mapping
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeAlias
+from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -68,6 +68,7 @@ __all__ = [
 
 Floats = NDArray[np.float64]
 Vector: TypeAlias = tuple[float, float, float]
+Made = TypeVar("Made")
 
 _ACTING = ("torque", "damping", "dissipation", "rotor", "drag")
 
@@ -117,7 +118,7 @@ class Scene(ABC):
     drag : tuple of 3 floats, or None
     """
 
-    __slots__ = ()
+    __slots__ = ("_made",)
 
     kind: ClassVar[str]
     title: ClassVar[str]
@@ -130,6 +131,8 @@ class Scene(ABC):
     dissipation: EnergySink | None = None
     rotor: Vector | Floats | None = None
     drag: Vector | Floats | None = None
+
+    _made: dict[Callable[[Any], Any], Any]
 
     @classmethod
     @abstractmethod
@@ -149,9 +152,27 @@ class Scene(ABC):
     def weight(self) -> Floats:
         """``mgl com`` (J), zero without weight; shape (3,), or (..., 3) if many bodies differ."""
 
+    def once(self, make: Callable[[Scene], Made]) -> Made:
+        """What the function ``make`` of a module returns for this scene; it is called once.
+
+        A scene does not change, but its constructors change it: they do not call this method.
+        """
+        try:
+            made = self._made
+        except AttributeError:  # of a new scene, or of one that was copied or unpickled
+            object.__setattr__(self, "_made", made := {})
+        try:
+            value: Made = made[make]
+        except KeyError:
+            value = made[make] = make(self)
+        return value
+
     @property
     def shape(self) -> Shape:
         """The axes of the bodies: ``()`` of one body, ``(n,)`` of n bodies."""
+        return self.once(_shape_of)
+
+    def _shape_of_parts(self) -> Shape:
         shapes = {"moments": self.body.shape}
         for name, known in self.fields.items():
             shapes[name] = axes_of(getattr(self, name), int(known.width > 1))
@@ -354,6 +375,10 @@ class Scene(ABC):
         return ", ".join(parts)
 
 
+def _shape_of(scene: Scene) -> Shape:
+    return scene._shape_of_parts()
+
+
 def _body_words(body: Body, varied: Container[str]) -> str:
     if body.shape:
         return "moments of each"
@@ -486,9 +511,9 @@ class FreeBody(Scene):
         set_field(self, "rotor", checked_rotor(rotor))
         set_field(self, "drag", checked_drag(drag))
         set_field(self, "damping", None)
-        set_field(self, "damping", checked_damping(damping, self.shape))
+        set_field(self, "damping", checked_damping(damping, self._shape_of_parts()))
         # Raises for parts that do not broadcast.
-        self.shape  # noqa: B018
+        self._shape_of_parts()
         if frame is not None:
             self._turn_into_principal_axes(frame)
 
@@ -590,9 +615,9 @@ class HeavyTop(Scene):
         set_field(self, "torque", checked_torque(torque))
         set_field(self, "drag", checked_drag(drag))
         set_field(self, "damping", None)
-        set_field(self, "damping", checked_damping(damping, self.shape))
+        set_field(self, "damping", checked_damping(damping, self._shape_of_parts()))
         # Raises for parts that do not broadcast.
-        self.shape  # noqa: B018
+        self._shape_of_parts()
         if frame is not None:
             self._turn_into_principal_axes(frame)
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
 from math import prod
 from typing import TYPE_CHECKING, Any, Self
 
@@ -32,7 +31,7 @@ SLOWEST = 1e-140
 """Squares of slower rates, and their products, would underflow (rad/s)."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(slots=True, kw_only=True, eq=False)
 class Batch:
     """Bodies of one kind with their starts.
 
@@ -43,7 +42,7 @@ class Batch:
     moments, weight : ndarray, shape (n, 3) or (1, 3)
         Principal moments and ``mgl com``; one row may serve all bodies.
     omega : ndarray, shape (n, 3)
-        Angular velocities in the body (rad/s).
+        Angular velocities in the body (rad/s). A run keeps them and the attitudes: they are copies.
     attitude : ndarray, shape (n, 4) or (1, 4)
         Unit quaternions; one row may serve all bodies.
     forcing : Forcing or None
@@ -81,21 +80,22 @@ class Batch:
             squares underflow, or the weight, torque or damping so large that they overflow in the
             unit of the moments.
         """
-        rates, quaternions = vectors("omega", omega), _attitudes(attitude)
-        own = scene.shape
+        rates, quaternions = _own(vectors("omega", omega), omega), _attitudes(attitude)
         shape = leading_shape(
             {
-                "scene": own,
+                "scene": scene.shape,
                 "omega": rates.shape[:-1],
                 "attitude": quaternions.shape[:-1],
                 "t": times,
             }
         )
-        if own or scene.is_driven:
+        known = scene.once(_columns_of_one)
+        if known is None:
             exponents = _scale_exponents(scene, shape)
             batch = cls.of_scene(scene, rates, quaternions, shape, exponents)
+            swing = batch._swings()
         else:
-            moments, weight, exponents = _columns_of_one(scene)
+            moments, weight, exponents, swing = known
             batch = cls(
                 kind=scene.kind,
                 moments=moments,
@@ -104,7 +104,7 @@ class Batch:
                 attitude=in_rows(quaternions, shape),
                 scale_exponent=exponents,
             )
-        batch._check_time_unit(shape)
+        batch._check_time_unit(swing, shape)
         return batch, shape
 
     @classmethod
@@ -220,13 +220,17 @@ class Batch:
             forms[self.driven()] = 0
         return forms
 
-    def _check_time_unit(self, shape: Shape) -> None:
-        """Raise ValueError for rates whose squares underflow."""
-        swing = np.zeros(1)
-        if np.count_nonzero(self.weight):
-            # Rows of weights and moments may differ in number.
-            with np.errstate(over="ignore"):
-                swing = np.sqrt(np.abs(self.weight).max(axis=1) / self.moments.min(axis=1))
+    def _swings(self) -> Floats:
+        """The rate of the swing of each body, or of all (rad/s)."""
+        if not np.count_nonzero(self.weight):
+            return np.zeros(1)
+        # Rows of weights and moments may differ in number.
+        with np.errstate(over="ignore"):
+            swings: Floats = np.sqrt(np.abs(self.weight).max(axis=1) / self.moments.min(axis=1))
+        return swings
+
+    def _check_time_unit(self, swing: Floats, shape: Shape) -> None:
+        """Raise ValueError for rates whose squares underflow, beside these rates of the swings."""
         if len(swing) == 1:
             slow = _core.first_slow(self.omega, float(swing[0]), SLOWEST)
         else:
@@ -240,6 +244,13 @@ class Batch:
                 f"omega{place}: the rates of the body are {rate:.3g} rad/s at most; "
                 f"they must be zero or reach {SLOWEST:g} rad/s: count the time in another unit"
             )
+
+
+def _own(rates: Floats, given: ArrayLike) -> Floats:
+    """The rates, read-only, and a copy if they may be in memory that the caller can write to."""
+    own = rates if isinstance(given, list | tuple) else rates.copy()
+    own.flags.writeable = False
+    return own
 
 
 def _row_of_each(vectors: Floats, shape: Shape) -> Floats:
@@ -260,15 +271,22 @@ def _scale_exponents(scene: Scene, shape: Shape) -> NDArray[np.intc]:
     return np.array([math.frexp(max(scene.body.moments))[1]], dtype=np.intc)
 
 
-@lru_cache(maxsize=128)
-def _columns_of_one(scene: Scene) -> tuple[Floats, Floats, NDArray[np.intc]]:
-    """Moments, weight and unit of a scene of one body without torque and damping."""
+def _columns_of_one(
+    scene: Scene,
+) -> tuple[Floats, Floats, NDArray[np.intc], Floats] | None:
+    """Moments, weight, unit and swing of a scene of one body without torque and damping, or None.
+
+    A scene of many bodies or under torque keeps none: they would take memory.
+    """
+    if scene.shape or scene.is_driven:
+        return None
     exponents = _scale_exponents(scene, ())
     start = np.zeros(3), _IDENTITY
     batch = Batch.of_scene(scene, *start, (), exponents)
-    for column in (batch.moments, batch.weight, exponents):
+    columns = batch.moments, batch.weight, exponents, batch._swings()
+    for column in columns:
         column.flags.writeable = False
-    return batch.moments, batch.weight, exponents
+    return columns
 
 
 @np.errstate(over="ignore")
@@ -292,4 +310,6 @@ def _attitudes(attitude: ArrayLike | Rotation | None) -> Floats:
     """Unit quaternions, shape (..., 4)."""
     if attitude is None:
         return _IDENTITY
-    return attitudes(attitude)
+    quaternions = attitudes(attitude)
+    quaternions.flags.writeable = False
+    return quaternions

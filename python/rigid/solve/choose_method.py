@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -39,7 +38,7 @@ from .problem import Problem
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-__all__ = ["choose_method", "closed_form_plan", "plan"]
+__all__ = ["choose_method", "has_closed_form", "plan"]
 
 Floats = NDArray[np.float64]
 
@@ -202,27 +201,18 @@ def _check_rates_are_known(problem: Problem) -> None:
         )
 
 
-def closed_form_plan(
-    scene: Scene, question: str, method: str | None, bodies: int, states: int
-) -> Plan | None:
-    """The plan of states in closed form without torque and damping, None if there may be none.
+def has_closed_form(scene: Scene) -> bool:
+    """Whether the scene is one body without torque and damping, whose states have a closed form.
 
-    It does not depend on the starts, but for its error: it is made once for a scene of one body.
+    From any start: of a top that swings as a pendulum from some it is false.
     """
-    if scene.shape or scene.is_driven or method not in (None, EXACT):
-        return None
-    return _plan_of_any_start(scene, question, method, bodies, states)
+    return scene.once(_has_closed_form)
 
 
-@lru_cache(maxsize=128)
-def _plan_of_any_start(
-    scene: Scene, question: str, method: str | None, bodies: int, states: int
-) -> Plan | None:
-    """The plan without its error, None if some start of the scene has no closed form."""
-    if not closed_forms(question, moment_rows(scene), weight_rows(scene)).all():
-        return None
-    problem = Problem(scene=scene, question=question, method=method, states=states, bodies=bodies)
-    return choose_method(problem).plan()
+def _has_closed_form(scene: Scene) -> bool:
+    if scene.shape or scene.is_driven:
+        return False
+    return bool(closed_forms("rates", moment_rows(scene), weight_rows(scene)).all())
 
 
 def _known_closed_forms(problem: Problem) -> Codes:

@@ -54,7 +54,7 @@ BETWEEN = 64
 """Times, at most, at which runs that may part by whole turns are compared besides the wanted."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True, eq=False)
 class ErrorEstimate:
     """Estimated errors of some bodies.
 

@@ -43,12 +43,6 @@ def to_run(
     found: FoundEvents | None = None,
 ) -> Run:
     """The run of bodies of this shape, from the columns of the core."""
-
-    def of_body(values: Any) -> Any:
-        if values is None:
-            return None
-        return values.reshape(*shape, *values.shape[1:]) if shape else values[0]
-
     error, lost_from = estimate.error, estimate.lost_from
     if np.count_nonzero(states["status"]):
         unknown = np.isin(states["status"], (Status.STEP_LIMIT, Status.NOT_FINITE))
@@ -60,27 +54,17 @@ def to_run(
     attitude = batch.attitude
     if len(attitude) != len(batch):
         attitude = np.broadcast_to(attitude, (len(batch), 4))
+    states["start_omega"], states["start_attitude"] = batch.omega, attitude
+    states["error"], states["lost_from"] = error, lost_from
+    states["end"] = None if found is None else found.end
+    states.pop("fastest_rate", None)  # a run keeps what it shows
     return Run(
         t=times,
-        omega=of_body(states["omega"]),
-        gamma=of_body(states["vertical"]),
-        attitude=of_body(states["attitude"]),
-        work=of_body(states["work"]),
-        tangent=of_body(states["tangent"]),
-        sensitivity=of_body(states.get("sensitivity")),
         parameters=parameters,
         events=() if found is None else found.events,
-        end=None if found is None else of_body(found.end),
-        start_omega=of_body(batch.omega),
-        start_attitude=of_body(attitude),
-        energy_drift=of_body(states["energy_drift"]),
-        momentum_drift=of_body(states["momentum_drift"]),
-        unit_drift=of_body(states["unit_drift"]),
-        status=of_body(states["status"]),
-        steps=of_body(states["steps"]),
-        error=of_body(error),
-        lost_from=of_body(lost_from),
-        nanoseconds=states["nanoseconds"],
+        nanoseconds=states.pop("nanoseconds"),
         spec=spec,
+        _shape=shape,
+        _columns=states,
         _plan=plan,
     )

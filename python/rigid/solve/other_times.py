@@ -81,7 +81,7 @@ def states_at(run: Run, t: ArrayLike) -> Run:
         )
     if states["work"] is not None:
         np.ldexp(states["work"], batch.scale_exponent[:, np.newaxis], out=states["work"])
-    states = {**states, "tangent": None}
+    states["tangent"] = None
     end_records(states, times, last)
     made = to_run(states, ascending, estimate, spec, run._plan, batch, shape)
     if (order[..., 1:] < order[..., :-1]).any():
@@ -114,4 +114,4 @@ def _in_order(run: Run, times: NDArray[np.float64], order: NDArray[np.intp]) -> 
         return np.take_along_axis(array, index, axis=axis)
 
     states = {name: moved(getattr(run, name), width) for name, (_, width) in COLUMNS.items()}
-    return replace(run, t=times, **states)  # type: ignore[arg-type]
+    return replace(run.with_arrays(**states), t=times)

@@ -17,7 +17,7 @@ __all__ = ["Request", "select_states"]
 Floats = NDArray[np.float64]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(slots=True, kw_only=True, eq=False)
 class Request:
     """States of a batch of bodies at given times.
 

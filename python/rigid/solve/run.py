@@ -13,9 +13,11 @@ from numpy.typing import ArrayLike, NDArray
 from .. import _core
 from .._checks.arguments import brief, one_of
 from ..model.frame import attitudes_in_frame, attitudes_in_principal_axes, checked_frame, turned
+from ..model.leading import Shape
 from ..model.scene import scene_from_dict
 from .archive import read_archive, write_archive
 from .attitude_ephemeris import write_aem
+from .columns import Column, Columns, HasColumns, columns_of_arrays
 from .events import Events, columns_of, from_columns
 from .methods import EXACT
 from .plan import LazyPlan, Plan
@@ -29,6 +31,8 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.axes import Axes
     from scipy.spatial.transform import Rotation
+
+Floats = NDArray[np.float64]
 
 __all__ = ["Run", "load_run", "plug_in_animator", "plug_in_evaluator"]
 
@@ -55,7 +59,7 @@ _STATUS_WORDS: Mapping[Status, str] = {
 
 
 @dataclass(frozen=True, slots=True)
-class Run:
+class Run(HasColumns):
     """The result of :func:`simulate`. With a single body the leading axis ``n`` is absent.
 
     Scenes, rates and attitudes of other leading axes give these axes in the place of ``n``.
@@ -139,27 +143,30 @@ class Run:
     """
 
     t: NDArray[np.float64]
-    omega: NDArray[np.float64]
-    gamma: NDArray[np.float64] | None
-    attitude: NDArray[np.float64] | None
-    work: NDArray[np.float64] | None
-    tangent: NDArray[np.float64] | None
-    sensitivity: NDArray[np.float64] | None
     parameters: tuple[str, ...]
     events: tuple[Events, ...]
-    end: NDArray[np.float64] | None
-    start_omega: NDArray[np.float64]
-    start_attitude: NDArray[np.float64]
-    energy_drift: NDArray[np.float64]
-    momentum_drift: NDArray[np.float64]
-    unit_drift: NDArray[np.float64]
-    status: NDArray[np.uint8]
-    steps: NDArray[np.uint64]
-    error: NDArray[np.float64]
-    lost_from: NDArray[np.float64]
     nanoseconds: int
     spec: dict[str, Any]
+    _shape: Shape
+    _columns: Columns
     _plan: LazyPlan
+
+    omega = Column[Floats]("omega")
+    gamma = Column[Floats | None]("vertical")
+    attitude = Column[Floats | None]("attitude")
+    work = Column[Floats | None]("work")
+    tangent = Column[Floats | None]("tangent")
+    sensitivity = Column[Floats | None]("sensitivity")
+    end = Column[Floats | None]("end")
+    start_omega = Column[Floats]("start_omega")
+    start_attitude = Column[Floats]("start_attitude")
+    energy_drift = Column[Floats]("energy_drift")
+    momentum_drift = Column[Floats]("momentum_drift")
+    unit_drift = Column[Floats]("unit_drift")
+    status = Column[NDArray[np.uint8]]("status")
+    steps = Column[NDArray[np.uint64]]("steps")
+    error = Column[Floats]("error")
+    lost_from = Column[Floats]("lost_from")
 
     _animator: ClassVar[Callable[..., Any]]
     _evaluator: ClassVar[Callable[..., Run]]
@@ -172,14 +179,14 @@ class Run:
         error = f"error {known.max():.1e}" if len(known) else "error unknown"
         if self.status.ndim == 0:
             how = Status(int(self.status)).name.lower()
-            return f"Run(one body at {times}; {self.plan.method}; {error}; {how})"
+            return f"Run(one body at {times}; {self.spec['method']}; {error}; {how})"
         codes, counts = np.unique(self.status, return_counts=True)
         ends = [
             f"{count:,} {Status(code).name.lower()}"
             for code, count in zip(codes.tolist(), counts.tolist(), strict=True)
         ]
         bodies = f"{self.status.size:,} bod{'y' if self.status.size == 1 else 'ies'}"
-        parts = [f"{bodies} at {times}", self.plan.method, error]
+        parts = [f"{bodies} at {times}", self.spec["method"], error]
         return f"Run({'; '.join(parts)}; {', '.join(ends) or 'nothing'})"
 
     def _repr_html_(self) -> str:
@@ -268,8 +275,7 @@ class Run:
         if tangent is not None:
             rows = _turned_rows(axes, tangent)
             tangent = np.swapaxes(_turned_rows(axes, np.swapaxes(rows, -1, -2)), -1, -2)
-        return replace(
-            self,
+        return self.with_arrays(
             omega=turned(axes, self.omega),
             gamma=None if gamma is None else turned(axes, gamma),
             attitude=attitude,
@@ -277,6 +283,12 @@ class Run:
             sensitivity=None if sensitivity is None else _turned_rows(axes, sensitivity),
             error=self.error + _ROUNDING_OF_TURN,
         )
+
+    def with_arrays(self, **arrays: Any) -> Run:
+        """The run with other arrays, in the axes of the bodies, by the names of its attributes."""
+        renamed = {getattr(type(self), name).name: array for name, array in arrays.items()}
+        columns = {**self._columns, **columns_of_arrays(renamed, self._shape)}
+        return replace(self, _columns=columns)
 
     @property
     def flagged(self) -> NDArray[np.bool_]:
@@ -683,18 +695,20 @@ def load_run(path: str | PathLike[str]) -> Run:
         scene_from_dict(header["spec"]["scene"])
         if "frame" in header["spec"]:
             checked_frame(header["spec"]["frame"])
-        fields = {name: arrays.get(name) for name in _ARRAYS}
+        fields: dict[str, Any] = {name: arrays.get(name) for name in _ARRAYS}
         for name in ("t", "omega", "start_omega", "start_attitude", "status", "error"):
             if fields[name] is None:
                 raise ValueError(f"no array {name!r}")
         run = Run(
-            **fields,  # type: ignore[arg-type]
+            t=fields.pop("t"),
+            _shape=fields["status"].shape,
+            _columns={},
             parameters=tuple(header["parameters"]),
             events=events,
             nanoseconds=int(header["nanoseconds"]),
             spec=header["spec"],
             _plan=LazyPlan.of(Plan.from_dict(header["plan"])),
-        )
+        ).with_arrays(**fields)
     except (KeyError, TypeError, ValueError) as error:
         raise ValueError(
             f"path = {str(path)!r}: is no run that rigid has saved ({error})"

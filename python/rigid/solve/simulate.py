@@ -26,7 +26,7 @@ from ..model.frame import attitudes_in_principal_axes, checked_frame, turned
 from ..model.scene import Scene, check_scene
 from .arrays import in_rows, largest, time_ranges, time_span
 from .batch import Batch
-from .choose_method import choose_method, closed_form_plan
+from .choose_method import choose_method, has_closed_form
 from .closed_form import RECORDS
 from .error_estimate import ErrorEstimate, closed_form_error, unknown_error
 from .events import check_event_method, find_events
@@ -239,11 +239,11 @@ def simulate(
         target.check(batch, time_ranges(times), accuracy)
     if tolerance is not None:
         tolerance = _checked_tolerance(tolerance, method, step, accuracy)
-    known = None
-    if step is None and accuracy is None and tolerance is None and given.ndim == 1:
-        known = closed_form_plan(scene, record, method, max(len(batch), 1), len(times))
-    if known is not None:
-        plan, chosen, steps = LazyPlan.of(known), EXACT, None
+    plain = step is None and accuracy is None and tolerance is None and given.ndim == 1
+    if plain and method in (None, EXACT) and has_closed_form(scene):
+        bodies, wanted = max(len(batch), 1), len(times)
+        plan = LazyPlan(partial(_plan_of_any_start, scene, record, method, bodies, wanted))
+        chosen, steps = EXACT, None
     else:
         begin, end = time_ranges(times)
         problem = Problem(
@@ -271,7 +271,7 @@ def simulate(
         method=chosen,
         record=record,
         max_steps=positive_int("max_steps", max_steps),
-        threads=resolve_threads(threads),
+        threads=resolve_threads(threads, len(batch)),
         tolerance=tolerance,
     )
     found = None
@@ -323,11 +323,19 @@ def simulate(
         "tolerance": tolerance,
         "record": record,
     }
-    states = {**states, "tangent": matrices, "sensitivity": sensitivity}
+    states["tangent"], states["sensitivity"] = matrices, sensitivity
     if found is not None:
         end_records(states, times, found.last)
     run = to_run(states, given, estimate, spec, plan, batch, shape, parameters or (), found)
     return run if frame is None else run.in_frame(frame)
+
+
+def _plan_of_any_start(
+    scene: Scene, record: str, method: str | None, bodies: int, states: int
+) -> Plan:
+    """The plan of a scene all of whose motions have a closed form, but for its error."""
+    problem = Problem(scene=scene, question=record, method=method, bodies=bodies, states=states)
+    return choose_method(problem).plan()
 
 
 def _by_series(plan: Plan) -> Plan:
