@@ -9,6 +9,7 @@ use std::f64::consts::PI;
 /// `2 T I2 - L^2`, moments ascending, vanishes on the separatrix (Landau & Lifshitz, *Mechanics*, § 37). It is formed
 /// without cancellation. A body is nearly free if weight and `work` are below the share `free` of twice its kinetic
 /// energy.
+#[inline]
 pub fn is_near_separatrix(body: &Body, work: f64, near: f64, free: f64) -> bool {
     let squares = |v: [f64; 3]| v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
     let twice_kinetic: f64 = (0..3).map(|k| body.moments[k] * body.omega[k] * body.omega[k]).sum();

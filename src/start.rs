@@ -35,13 +35,16 @@ impl Body {
     }
 
     /// The kinetic energy at the start.
+    #[inline]
     pub fn kinetic_energy(&self) -> f64 {
         (0..3).map(|k| 0.5 * self.moments[k] * self.omega[k] * self.omega[k]).sum()
     }
 
     /// `L.L` at the start.
+    #[inline]
     pub fn squared_momentum(&self) -> f64 {
-        let momentum = [0, 1, 2].map(|k| self.moments[k] * self.omega[k]);
+        let ([i1, i2, i3], [a, b, c]) = (self.moments, self.omega);
+        let momentum = [i1 * a, i2 * b, i3 * c];
         dot(&momentum, &momentum)
     }
 
@@ -94,6 +97,7 @@ impl Body {
     }
 
     /// Moments in ascending order, and the rates about their axes; equal moments stay in their order.
+    #[inline]
     pub(crate) fn ascending(&self) -> ([f64; 3], [f64; 3]) {
         let (mut moments, mut rates) = (self.moments, self.omega);
         for (a, b) in [(0, 1), (1, 2), (0, 1)] {

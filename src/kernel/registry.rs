@@ -193,9 +193,10 @@ macro_rules! kernels {
             }
 
             /// Properties of the model and the layout.
-            const fn traits(self) -> Traits {
+            #[inline]
+            const fn traits(self) -> &'static Traits {
                 match self {
-                    $(System::$system => Traits::of::<$model<f64>, $layout>(),)*
+                    $(System::$system => const { &Traits::of::<$model<f64>, $layout>() },)*
                 }
             }
 
@@ -396,51 +397,61 @@ impl System {
 
     /// Length of the state.
     #[allow(clippy::len_without_is_empty)] // No state is empty.
+    #[inline]
     pub fn len(self) -> usize {
         self.traits().len
     }
 
     /// Whether the system is forced.
+    #[inline]
     pub fn is_forced(self) -> bool {
         self.balance_at().is_some()
     }
 
     /// Whether a function of the user is called in the steps, which are then those of one body at a time.
+    #[inline]
     pub(super) fn is_called(self) -> bool {
         self.traits().is_called
     }
 
     /// Index in the state of work, impulse and time; `None` if the system is not forced.
+    #[inline]
     pub(super) fn balance_at(self) -> Option<usize> {
         self.traits().balance_at
     }
 
     /// Index in the state of cosine and sine of the angle on an orbit; `None` without one.
+    #[inline]
     pub(super) fn orbit_at(self) -> Option<usize> {
         self.traits().orbit_at
     }
 
     /// Index in the state of the displacement; `None` without one.
+    #[inline]
     pub fn tangent_at(self) -> Option<usize> {
         self.traits().tangent_at
     }
 
     /// Number of directions in the state.
+    #[inline]
     pub(super) fn vectors(self) -> usize {
         self.traits().vectors
     }
 
     /// Whether the attitude is integrated as rows of its matrix: the third row, which is the vertical, then the first.
+    #[inline]
     pub fn has_rows(self) -> bool {
         self.vectors() > 1
     }
 
     /// Index in the state of the direction from which a tilt is measured.
+    #[inline]
     pub(super) fn observed_at(self) -> usize {
         self.traits().observed_at
     }
 
     /// Index of the quaternion in the state; `None` without a quaternion.
+    #[inline]
     pub fn quaternion_at(self) -> Option<usize> {
         self.traits().quaternion_at
     }

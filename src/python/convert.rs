@@ -166,7 +166,8 @@ impl<'a> BodyColumns<'a> {
         )
     }
 
-    fn new(
+    /// Columns of equal length, or of one row.
+    pub fn new(
         moments: &'a [[f64; 3]],
         weight: &'a [[f64; 3]],
         omega: &'a [[f64; 3]],
@@ -199,14 +200,19 @@ impl<'a> BodyColumns<'a> {
 
     /// Copies of some bodies: without the lock other threads may write to the arrays.
     pub fn bodies(&self, part: Range<usize>) -> Result<Vec<Body>, Error> {
-        let row = |i: usize, rows: usize| if rows == 1 { 0 } else { i };
-        let body = |i: usize| Body {
-            moments: self.moments[row(i, self.moments.len())],
-            weight: self.weight[row(i, self.weight.len())],
-            omega: self.omega[i],
-            attitude: self.attitude[row(i, self.attitude.len())],
-        };
-        memory::collected("bodies", part.len(), part.map(body))
+        memory::collected("bodies", part.len(), part.map(|index| self.body(index)))
+    }
+
+    /// One body.
+    #[inline]
+    pub fn body(&self, index: usize) -> Body {
+        let row = |rows: usize| if rows == 1 { 0 } else { index };
+        Body {
+            moments: self.moments[row(self.moments.len())],
+            weight: self.weight[row(self.weight.len())],
+            omega: self.omega[index],
+            attitude: self.attitude[row(self.attitude.len())],
+        }
     }
 }
 

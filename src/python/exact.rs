@@ -1,6 +1,6 @@
 //! The derived quantities of closed forms and the elliptic functions, array by array.
 
-use super::convert::{bodies, bodies_of, column, copied, evaluated, rows, same_length};
+use super::convert::{BodyColumns, bodies, bodies_of, column, copied, evaluated, rows, same_length};
 use crate::error::Error;
 use crate::exact::derived::{
     FreeQuantities, TopQuantities, free_quantities, saddle, sign_change_time, sign_changes, tilt_time,
@@ -107,15 +107,15 @@ pub fn near_separatrix<'py>(
     free: f64,
     work: Option<PyReadonlyArray1<'py, f64>>,
 ) -> PyResult<Bound<'py, PyArray1<i64>>> {
-    let bodies = free_bodies(&moments, &weight, &omega)?;
+    let columns = free_columns(&moments, &weight, &omega)?;
     let work = work.map(|work| copied("work", &work)).transpose()?;
     if let Some(work) = &work {
-        same_length("work", bodies.len(), work.len())?;
+        same_length("work", columns.len(), work.len())?;
     }
     let work = |index: usize| work.as_ref().map_or(0.0, |work| work[index]);
     let mut found = Vec::new();
-    for (index, body) in bodies.iter().enumerate() {
-        if is_near_separatrix(body, work(index), near, free) {
+    for index in 0..columns.len() {
+        if is_near_separatrix(&columns.body(index), work(index), near, free) {
             memory::push("bodies near a separatrix", &mut found, index as i64)?;
         }
     }
@@ -134,7 +134,8 @@ pub fn nearness_of_poles<'py>(
     rates: PyReadonlyArray1<'py, f64>,
     pole: f64,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-    let bodies = free_bodies(&moments, &weight, &omega)?;
+    let columns = free_columns(&moments, &weight, &omega)?;
+    let bodies = columns.bodies(0..columns.len())?;
     let rates = copied("rates", &rates)?;
     same_length("rates", bodies.len(), rates.len())?;
     let nearness = |index: usize| Ok(nearness_of_pole(&bodies[index], rates[index], pole));
@@ -142,12 +143,12 @@ pub fn nearness_of_poles<'py>(
 }
 
 /// Bodies whose attitudes do not matter.
-fn free_bodies(
-    moments: &PyReadonlyArray2<'_, f64>,
-    weight: &PyReadonlyArray2<'_, f64>,
-    omega: &PyReadonlyArray2<'_, f64>,
-) -> PyResult<Vec<Body>> {
-    bodies(
+fn free_columns<'a>(
+    moments: &'a PyReadonlyArray2<'_, f64>,
+    weight: &'a PyReadonlyArray2<'_, f64>,
+    omega: &'a PyReadonlyArray2<'_, f64>,
+) -> PyResult<BodyColumns<'a>> {
+    BodyColumns::new(
         rows::<3>("moments", moments)?,
         rows::<3>("weight", weight)?,
         rows::<3>("omega", omega)?,

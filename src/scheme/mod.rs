@@ -231,6 +231,7 @@ impl std::fmt::Debug for Step {
 }
 
 impl PartialEq for Step {
+    #[inline]
     fn eq(&self, other: &Step) -> bool {
         let same = std::ptr::eq(self.numbers, other.numbers);
         self.engine == other.engine && (same || self.numbers == other.numbers)

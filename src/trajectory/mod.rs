@@ -246,8 +246,10 @@ impl Integration {
     fn of_block(request: &Request, scheme: &Scheme, block: Range<usize>) -> Result<Vec<Self>, Error> {
         let mut ways = memory::reserved("bodies of a block", block.len())?;
         let mut last: Option<(&Body, Self)> = None;
+        let all_free = request.forcing.is_none();
         for index in block {
-            let (body, is_free) = (&request.bodies[index], request.forcing_of(index).is_none());
+            let is_free = all_free || request.forcing_of(index).is_none();
+            let body = &request.bodies[index];
             let way = match last {
                 // Neighbours mostly have the same moments and the same weight.
                 Some((other, way))
@@ -266,6 +268,7 @@ impl Integration {
     }
 
     /// What the bodies of a group share.
+    #[inline]
     fn kind(&self) -> (Step, [bool; 5]) {
         let Integration { assignment, is_forced, is_satellite, is_called, acts_in_space } = *self;
         (assignment.step, [assignment.is_reduced(), is_forced, is_satellite, is_called, acts_in_space])

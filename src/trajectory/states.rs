@@ -280,6 +280,7 @@ impl StatesPart<'_> {
 
 /// The relative errors of energy and conserved momentum of a state, and of a top those with the vertical that follows
 /// from its attitude, given start and inverse scale of both.
+#[inline]
 pub(super) fn invariant_errors(now: &State, at_start: [[f64; 2]; 2]) -> [Option<[f64; 2]>; 2] {
     let scales = now.balance.map(|balance| balance.scales);
     let mut errors = [None; 2];
@@ -308,10 +309,12 @@ fn inverse_or_zero(inverse: f64) -> f64 {
 }
 
 /// The larger of two errors; a NaN is worse than any number.
+#[inline]
 pub(super) fn worse(old: f64, new: f64) -> f64 {
     if new <= old || old.is_nan() { old } else { new }
 }
 
+#[inline]
 pub(super) fn norm<const N: usize>(v: &[f64; N]) -> f64 {
     v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }

@@ -36,7 +36,7 @@ class Choice:
     steps : ndarray, shape (n,), or None
         The longest step of each body (s); None if there are none or if they are left to the core.
     forms : ndarray of uint8
-        The closed forms of the bodies, by their codes.
+        The closed forms of the bodies, by their codes; empty if a scheme was asked for.
     accuracy : float or None
         The error for which method and steps were chosen.
     why : tuple of str

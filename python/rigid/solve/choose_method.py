@@ -164,7 +164,9 @@ def choose_method(problem: Problem) -> Choice:
     """The method for the bodies of a problem, and the longest step of each."""
     scene = problem.scene
     _check_rates_are_known(problem)
-    forms = _known_closed_forms(problem)
+    asked = problem.method
+    # A scheme that was asked for does not depend on them.
+    forms = _known_closed_forms(problem) if asked in (None, EXACT) else np.empty(0, np.uint8)
     if scene.torque is not None and problem.span is not None:
         scene.torque.at(np.ravel(problem.times))  # ValueError outside the times of its table
     method, why = _preferred(problem, forms)

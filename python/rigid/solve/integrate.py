@@ -69,7 +69,10 @@ def integrate(
         estimate = _sampled_estimate(request, states, steps, most)
     else:
         estimate = unknown_error(len(request.batch))
-    delay, lost = separatrix_error(request.batch, states, time_ranges(request.times))
+    near = separatrix_error(request.batch, states, time_ranges(request.times))
+    if near is None:
+        return states, estimate
+    delay, lost = near
     # Of a body that was not run again no error is known, but that its phase is lost.
     known = ~np.isnan(estimate.error) | np.isfinite(lost)
     error = np.where(known & (delay > 0.0), np.fmax(estimate.error, delay), estimate.error)

@@ -197,9 +197,10 @@ def _named(name: str) -> Method:
     return next(method for method in methods() if method.name == name)
 
 
-def run_methods() -> list[str]:
+@cache
+def run_methods() -> tuple[str, ...]:
     """The names that :func:`rigid.simulate` accepts."""
-    return [EXACT, *(method.name for method in methods())]
+    return (EXACT, *(method.name for method in methods()))
 
 
 def series_methods() -> list[str]:

@@ -174,10 +174,6 @@ class LazyPlan:
         assert self._plan is not None
         return self._plan
 
-    def then(self, change: Callable[[Plan], Plan]) -> LazyPlan:
-        """The plan after a change."""
-        return LazyPlan(lambda: change(self()))
-
     def __reduce__(self) -> tuple[Any, ...]:
         return LazyPlan.of, (self(),)
 

@@ -62,8 +62,14 @@ class Request:
         record is ``"tangent"``, from those at the start, (n, 6), or ``"sensitivity"``, by changes
         of parameters, (n, 15).
         """
+        batch = self.batch
         return _core.simulate(
-            **self.batch.columns(),
+            scene=batch.kind,
+            moments=batch.moments,
+            weight=batch.weight,
+            omega=batch.omega,
+            attitude=batch.attitude,
+            forcing=batch.forcing,
             method=self.method,
             record=self.record,
             step=steps,

@@ -36,7 +36,7 @@ def circulation_terms(moments: Floats, omega: Floats) -> tuple[Floats, Floats]:
 @np.errstate(all="ignore")
 def separatrix_error(
     batch: Batch, states: Mapping[str, Any], reached: Range
-) -> tuple[Floats, Floats]:
+) -> tuple[Floats, Floats] | None:
     """Phase error (rad) that drift causes near the separatrix, and the time it may be lost from.
 
     ``2 T I2 - L²``, moments ascending, is negative on the polhodes about axis 3 and positive on
@@ -60,11 +60,12 @@ def separatrix_error(
         Phase error (rad); 0 away from the separatrix.
     lost_from : ndarray, shape (n,)
         Time (s) from which on the phase is unknown; infinite if never.
+
+    None if no body is near its separatrix.
     """
     count = len(batch)
-    delay, never = np.zeros(count), np.full(count, np.inf)
     if not count:
-        return delay, never
+        return None
     work = None
     if states["work"] is not None:
         work = np.abs(states["work"]).max(axis=1, initial=0.0)
@@ -77,7 +78,8 @@ def separatrix_error(
         work=work,
     )
     if not len(near):
-        return delay, never
+        return None
+    delay, never = np.zeros(count), np.full(count, np.inf)
     moments, omega = np.broadcast_to(batch.moments, (count, 3))[near], batch.omega[near]
     order = np.argsort(moments, axis=1, kind="stable")
     ascending = np.take_along_axis(moments, order, axis=1)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
@@ -48,6 +48,8 @@ if TYPE_CHECKING:
 __all__ = [
     "simulate",
 ]
+
+MakesPlan: TypeAlias = Callable[[], Plan]
 
 _IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
 
@@ -242,7 +244,7 @@ def simulate(
     plain = step is None and accuracy is None and tolerance is None and given.ndim == 1
     if plain and method in (None, EXACT) and has_closed_form(scene):
         bodies, wanted = max(len(batch), 1), len(times)
-        plan = LazyPlan(partial(_plan_of_any_start, scene, record, method, bodies, wanted))
+        plan: MakesPlan = partial(_plan_of_any_start, scene, record, method, bodies, wanted)
         chosen, steps = EXACT, None
     else:
         begin, end = time_ranges(times)
@@ -258,13 +260,13 @@ def simulate(
             states=times.shape[-1],
         )
         choice = choose_method(problem)
-        plan = LazyPlan(choice.plan)
+        plan = choice.plan
         if watched and choice.method != EXACT and choice.method not in series_methods():
             choice = choose_method(replace(problem, method=METHOD))
-            plan = LazyPlan(choice.plan).then(_by_series)
+            plan = partial(_by_series, choice.plan)
         chosen, steps = choice.method, choice.steps
     if tolerance is not None:
-        plan = plan.then(partial(_by_tolerance, tolerance))
+        plan = partial(_by_tolerance, plan, tolerance)
     request = Request(
         batch=batch,
         times=times,
@@ -300,7 +302,7 @@ def simulate(
         batch.note_rates(states["fastest_rate"])
         estimate = closed_form_error(batch, request.times, states["omega"])
         worst = largest(estimate.error)
-        plan = plan.then(partial(_with_error, worst if worst < 1.0 else None))
+        plan = partial(_with_error, plan, worst if worst < 1.0 else None)
     else:
         every = method is None and step is None
         states, estimate = integrate(
@@ -312,7 +314,7 @@ def simulate(
     if parameters is not None:
         change = parameter_changes(scene, batch, shape, parameters) if parameters else None
         matrices, sensitivity, words = tangent_of(request, steps, method, change)
-        plan = plan.then(partial(_with_reason, words))
+        plan = partial(_with_reason, plan, words)
     if target is not PLAIN:
         estimate = ErrorEstimate(target.finish(states, estimate.error), estimate.lost_from)
     spec = {
@@ -326,7 +328,8 @@ def simulate(
     states["tangent"], states["sensitivity"] = matrices, sensitivity
     if found is not None:
         end_records(states, times, found.last)
-    run = to_run(states, given, estimate, spec, plan, batch, shape, parameters or (), found)
+    lazy = LazyPlan(plan)
+    run = to_run(states, given, estimate, spec, lazy, batch, shape, parameters or (), found)
     return run if frame is None else run.in_frame(frame)
 
 
@@ -338,20 +341,22 @@ def _plan_of_any_start(
     return choose_method(problem).plan()
 
 
-def _by_series(plan: Plan) -> Plan:
-    return replace(plan, why=("a Taylor series knows the events inside its steps",))
+def _by_series(make: MakesPlan) -> Plan:
+    return replace(make(), why=("a Taylor series knows the events inside its steps",))
 
 
-def _by_tolerance(tolerance: float, plan: Plan) -> Plan:
+def _by_tolerance(make: MakesPlan, tolerance: float) -> Plan:
+    plan = make()
     own = f"each body takes its own steps, last terms below {tolerance:g}"
     return replace(plan, why=(*plan.why, own), step=None, steps=None, work=None, error=None)
 
 
-def _with_error(error: float | None, plan: Plan) -> Plan:
-    return replace(plan, error=error)
+def _with_error(make: MakesPlan, error: float | None) -> Plan:
+    return replace(make(), error=error)
 
 
-def _with_reason(words: str, plan: Plan) -> Plan:
+def _with_reason(make: MakesPlan, words: str) -> Plan:
+    plan = make()
     return replace(plan, why=(*plan.why, words))
 
 

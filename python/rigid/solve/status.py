@@ -49,12 +49,12 @@ def judged_status(
         fine = not np.count_nonzero(status) and np.count_nonzero(error < limit) == len(error)
     if fine:
         return status
-    judged = np.full(len(error), Status.OK, dtype=np.uint8)
-    if spec["accuracy"] is None:
-        judged[error > COARSE_ERROR] = Status.COARSE
-    judged[np.isnan(error)] = Status.UNCHECKED
-    judged[error >= error_limit(spec)] = Status.FLAGGED
-    return np.where(status == Status.OK, judged, status)
+    judged = np.isnan(error) * np.uint8(Status.UNCHECKED)
+    if not judged.all():
+        if spec["accuracy"] is None:
+            judged[error > COARSE_ERROR] = Status.COARSE
+        judged[error >= error_limit(spec)] = Status.FLAGGED
+    return np.where(status == Status.OK, judged, status) if np.count_nonzero(status) else judged
 
 
 def sentences(words: Callable[..., str], *columns: NDArray[Any]) -> tuple[Any, ...]:
