@@ -69,6 +69,7 @@ def columns_of_arrays(arrays: Mapping[str, Any], shape: Shape) -> dict[str, NDAr
             continue
         own = np.shape(array)
         if own[: len(shape)] != shape:
-            raise ValueError(f"{name}: expected shape ({shape}, ...), got {own}")
+            wanted = ", ".join(map(str, (*shape, "...")))
+            raise ValueError(f"{name}: expected shape ({wanted}), got {own}")
         columns[name] = np.reshape(array, (prod(shape), *own[len(shape) :]))
     return columns

@@ -76,6 +76,12 @@ def test_a_damaged_run_is_refused(tmp_path: Path) -> None:
     np.savez(path, header=np.array('{"format": "rigid run 1"}'), strange=np.zeros(2))
     with pytest.raises(ValueError, match=r"unknown arrays \['strange'\]"):
         rigid.load_run(path)
+    path = RUNS["many"].save(tmp_path / "many.npz")
+    with np.load(path) as archive:
+        arrays = dict(archive)
+    np.savez(path, **{**arrays, "steps": arrays["steps"][:1]})
+    with pytest.raises(ValueError, match=r"steps: expected shape \(2, ...\), got \(1,\)"):
+        rigid.load_run(path)
     with pytest.raises(FileNotFoundError):
         rigid.load_run(tmp_path / "none.npz")
 

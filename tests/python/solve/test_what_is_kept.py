@@ -1,0 +1,165 @@
+"""What a scene and a run keep for later: never stale, never large, and the same when it is read."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rigid
+from rigid._checks.arguments import resolve_threads
+from rigid.model.scene import Scene
+
+BODY = rigid.Body((1.0, 1.6, 0.7))
+FREE = rigid.FreeBody(BODY)
+TOP = rigid.HeavyTop(BODY, mgl=1.2, com=(0.6, 0.0, 0.8))
+RATES = np.array([[0.3, 0.1, 2.0], [0.5, -0.2, 1.0]])
+QUATERNIONS = np.array([[0.5, -0.5, 0.5, 0.5], [1.0, 0.0, 0.0, 0.0]])
+
+STEPS: dict[str, Any] = {"method": "rk4", "step": 0.01, "check": False}
+
+# Equal scenes: the components of `com` differ by the sign of a zero.
+SIGNED = [
+    rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0, com=(zero, 0.0, 1.0))
+    for zero in (0.0, -0.0)
+]
+
+MANY = rigid.FreeBody(rigid.Body([[1.0, 2.0, 2.5], [1.0, 1.0, 1.8]]), damping=[0.1, 0.0])
+
+_, AXES = rigid.Body.from_tensor([[2.0, 0.3, 0.0], [0.3, 2.5, 0.1], [0.0, 0.1, 3.0]])
+
+SCENES: dict[str, Scene] = {
+    "free": FREE,
+    "top": TOP,
+    "without weight": rigid.HeavyTop(BODY, mgl=0.0),
+    "com (0, 0, 1)": SIGNED[0],
+    "com (-0, 0, 1)": SIGNED[1],
+    "many": MANY,
+    "damped, of many": MANY[0],
+    "undamped, of many": MANY[1],
+    "in a frame": rigid.FreeBody(BODY, damping=(0.1, 0.2, 0.3), frame=AXES),
+    "driven": rigid.FreeBody(BODY, torque=rigid.Torque.body((0.1, 0.0, 0.0))),
+}
+
+
+def everything(scene: Scene, **options: Any) -> tuple[Any, ...]:
+    run = rigid.simulate(scene, RATES, t=[0.0, 0.7, 2.0], **options)
+    arrays = (run.omega, run.attitude, run.error, run.energy_drift, run.status, run.start_omega)
+    return (*(np.asarray(array).tobytes() for array in arrays), run.spec, run.plan)
+
+
+def renewed(scene: Scene) -> Scene:
+    """The scene as it was before it was used."""
+    return pickle.loads(pickle.dumps(scene))  # type: ignore[no-any-return]
+
+
+@pytest.mark.parametrize("options", [{}, STEPS], ids=["closed form or cheapest", "steps"])
+def test_a_scene_that_was_used_gives_what_a_new_one_gives(options: dict[str, Any]) -> None:
+    for _ in range(2):
+        for name, scene in SCENES.items():
+            new, copied = renewed(scene), copy.copy(scene)
+            shape, is_driven = scene.shape, scene.is_driven
+            assert (new.shape, new.is_driven) == (shape, is_driven), name
+            assert everything(scene, **options) == everything(new, **options), name
+            assert everything(scene, **options) == everything(copied, **options), name
+
+
+def test_equal_scenes_keep_what_is_their_own() -> None:
+    one, other = SIGNED
+    assert one == other
+    words = [rigid.simulate(scene, RATES[0], t=[1.0]).plan.scene for scene in SIGNED]
+    assert words == [one.words(), other.words()]
+    assert words[0] != words[1]
+
+
+def test_a_body_of_many_keeps_nothing_of_the_others() -> None:
+    scene = rigid.FreeBody(rigid.Body([[1.0, 2.0, 2.5], [1.0, 1.0, 1.8]]), damping=[0.1, 0.0])
+    assert scene.shape == (2,)
+    assert [part.shape for part in scene] == [(), ()]
+    assert [part.is_driven for part in scene] == [True, False]
+    assert [rigid.simulate(part, RATES[0], t=[1.0]).work is None for part in scene] == [False, True]
+
+
+def test_a_scene_keeps_no_large_array() -> None:
+    moments = 1.0 + np.random.default_rng(1).uniform(size=(1000, 3))
+    scenes = [rigid.FreeBody(rigid.Body(moments)), rigid.FreeBody(BODY, damping=0.1), FREE, TOP]
+    for scene in scenes:
+        for states in (1, 50):
+            rigid.simulate(scene, [0.1, 1.0, 0.2], t=np.linspace(0.0, 1.0, states))
+        # One entry for each function, whatever was asked; a dozen numbers each.
+        assert len(scene._made) < 5
+        assert len(pickle.dumps(list(scene._made.values()))) < 2000
+
+
+def test_threads_share_a_scene() -> None:
+    scene = renewed(TOP)
+    alone = everything(renewed(TOP))
+    with ThreadPoolExecutor(8) as pool:
+        found = list(pool.map(lambda _: everything(scene), range(16)))
+    assert all(one == alone for one in found)
+
+
+# The plan of a run, which is made when it is read.
+
+
+@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize(
+    "options", [{}, STEPS, {"method": "taylor16", "tolerance": 1e-10}, {"accuracy": 1e-7}]
+)
+def test_a_plan_that_is_read_late_is_that_of_the_call(name: str, options: dict[str, Any]) -> None:
+    omega, attitude, times = RATES.copy(), QUATERNIONS.copy(), np.array([0.5, 2.0])
+    early = rigid.simulate(SCENES[name], RATES, QUATERNIONS, t=times.copy(), **options).plan
+    run = rigid.simulate(SCENES[name], omega, attitude, t=times, **options)
+    omega[:], attitude[:], times[:] = 1e3, 0.1, 7.0
+    assert run.plan == early
+    assert run.plan is run.plan
+    assert run.spec["method"] == early.method
+
+
+def test_the_plan_of_a_run_is_the_plan_that_is_asked_for() -> None:
+    run = rigid.simulate(TOP, RATES, t=[2.0], **STEPS)
+    options = {"omega": RATES, "t_end": 2.0, "method": "rk4", "step": 0.01}
+    assert run.plan == rigid.plan(TOP, "attitude", **options)
+
+
+def test_a_run_is_copied_and_pickled_with_its_plan() -> None:
+    run = rigid.simulate(TOP, RATES, t=[2.0], **STEPS)
+    for again in (pickle.loads(pickle.dumps(run)), copy.deepcopy(run), copy.copy(run)):
+        assert again.plan == run.plan
+        assert repr(again) == repr(run)
+        assert again.omega.tobytes() == run.omega.tobytes()
+
+
+def test_threads_read_one_plan() -> None:
+    for _ in range(20):
+        run = rigid.simulate(TOP, RATES, t=[2.0], **STEPS)
+        with ThreadPoolExecutor(8) as pool:
+            plans = list(pool.map(lambda _, run=run: run.plan, range(8)))
+        assert all(plan == plans[0] for plan in plans)
+
+
+# The start of a run.
+
+
+def test_a_run_keeps_its_start_when_the_arrays_of_the_caller_change() -> None:
+    omega, attitude = RATES.copy(), QUATERNIONS.copy()
+    run = rigid.simulate(FREE, omega, attitude, t=[2.0])
+    omega[:], attitude[:] = 9.0, 0.5
+    assert np.array_equal(run.start_omega, RATES)
+    assert np.array_equal(run.at([2.0]).omega, run.omega)
+    for start in (run.start_omega, run.start_attitude):
+        with pytest.raises(ValueError, match="read-only"):
+            start[0] = 0.0
+
+
+def test_a_single_body_needs_one_thread(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("RIGID_NUM_THREADS", raising=False)
+    assert resolve_threads(None, 1) == 1
+    assert resolve_threads(3, 1) == 3
+    monkeypatch.setenv("RIGID_NUM_THREADS", "many")
+    with pytest.raises(ValueError, match="RIGID_NUM_THREADS = 'many': must be a whole number"):
+        rigid.simulate(FREE, RATES[0], t=[1.0])
