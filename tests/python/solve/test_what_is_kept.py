@@ -122,7 +122,7 @@ def test_a_plan_that_is_read_late_is_that_of_the_call(name: str, options: dict[s
 
 def test_the_plan_of_a_run_is_the_plan_that_is_asked_for() -> None:
     run = rigid.simulate(TOP, RATES, t=[2.0], **STEPS)
-    options = {"omega": RATES, "t_end": 2.0, "method": "rk4", "step": 0.01}
+    options: dict[str, Any] = {"omega": RATES, "t_end": 2.0, "method": "rk4", "step": 0.01}
     assert run.plan == rigid.plan(TOP, "attitude", **options)
 
 
