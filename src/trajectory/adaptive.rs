@@ -189,7 +189,7 @@ impl<'a> AdaptiveBatch<'a> {
         while let Some(0.0) = self.next_time(&task) {
             let mut start = unload(&self.group, lane, self.kernel, task.assignment, 0.0);
             start.omega = body.omega;
-            self.record(lane, &mut task, start, states);
+            self.record(lane, &mut task, &start, states);
             task.wanted += 1;
         }
         self.aim(lane, task, states)
@@ -227,7 +227,7 @@ impl<'a> AdaptiveBatch<'a> {
             let units = ((time - begin) - lost) / unit;
             let y = self.kernel.dense_output(&self.adaptive, lane, units);
             let state = read(&self.group, lane, self.kernel, task.assignment, y, time);
-            self.record(lane, &mut task, state, states);
+            self.record(lane, &mut task, &state, states);
             if task.backward && task.wanted == 0 {
                 return self.leave(lane, task, states);
             }
@@ -295,7 +295,7 @@ impl<'a> AdaptiveBatch<'a> {
         None
     }
 
-    fn record(&self, lane: usize, task: &mut LaneTask, state: State, states: &mut StatesPart) {
+    fn record(&self, lane: usize, task: &mut LaneTask, state: &State, states: &mut StatesPart) {
         let at = task.body * self.request.schedule.len() + task.wanted;
         let known = (invariants_at_start(&self.group, lane), &mut task.last);
         states.record(task.body, at, state, known);

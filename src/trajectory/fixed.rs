@@ -328,7 +328,7 @@ impl<'a, 'b> FixedBatch<'a, 'b> {
             now.tangent = now.tangent.map(|_| self.request.record.displacement_of(self.first + member));
         }
         let at = member * self.request.schedule.len() + state;
-        self.states.record(member, at, now, (invariants_at_start(group, lane), &mut self.last[lane]));
+        self.states.record(member, at, &now, (invariants_at_start(group, lane), &mut self.last[lane]));
     }
 }
 

@@ -225,7 +225,7 @@ impl StatesPart<'_> {
         &mut self,
         body: usize,
         at: usize,
-        mut now: State,
+        now: &State,
         (invariants, last): ([[f64; 2]; 2], &mut [f64; 4]),
     ) {
         if let Some(omega) = &mut self.omega {
@@ -238,14 +238,13 @@ impl StatesPart<'_> {
                 vertical[3 * at..][..3].copy_from_slice(direction);
             }
         }
-        let sign_is_free = now.sign_is_free;
-        if let (Some(now), Some(attitude)) = (&mut now.attitude, &mut self.attitude) {
-            if sign_is_free && (0..4).map(|k| now[k] * last[k]).sum::<f64>() < 0.0 {
-                *now = now.map(|x| -x);
+        if let (Some(mut attitude), Some(attitudes)) = (now.attitude, &mut self.attitude) {
+            if now.sign_is_free && (0..4).map(|k| attitude[k] * last[k]).sum::<f64>() < 0.0 {
+                attitude = attitude.map(|x| -x);
             }
-            *last = *now;
-            units = worse(units, (norm(now) - 1.0).abs());
-            attitude[4 * at..][..4].copy_from_slice(now);
+            *last = attitude;
+            units = worse(units, (norm(&attitude) - 1.0).abs());
+            attitudes[4 * at..][..4].copy_from_slice(&attitude);
         }
         if let Some(work) = &mut self.work {
             // A body without forcing may have neighbours with it.
@@ -254,7 +253,7 @@ impl StatesPart<'_> {
         if let (Some(now), Some(tangent)) = (&now.tangent, &mut self.tangent) {
             tangent[6 * at..][..6].copy_from_slice(now);
         }
-        for [energy, momentum] in invariant_errors(&now, invariants).into_iter().flatten() {
+        for [energy, momentum] in invariant_errors(now, invariants).into_iter().flatten() {
             self.energy_drift[body] = worse(self.energy_drift[body], energy);
             self.momentum_drift[body] = worse(self.momentum_drift[body], momentum);
         }

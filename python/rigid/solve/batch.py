@@ -35,6 +35,9 @@ SLOWEST = 1e-140
 class Batch:
     """Bodies of one kind with their starts.
 
+    As :class:`.request.Request` and :class:`.error_estimate.ErrorEstimate`, which a call makes too,
+    it is not frozen: a frozen object takes twice as long to make.
+
     Attributes
     ----------
     kind : str

@@ -98,9 +98,8 @@ def closed_form_error(batch: Batch, times: Floats, omega: Floats) -> ErrorEstima
     if not top and isinstance(span, float) and (fastest := largest(rates)) * span < 0.5 / ROUNDING:
         # No error reaches one. One number is multiplied faster outside of an array.
         if len(rates) == 1:
-            error = np.array([ROUNDING * (1.0 + fastest * span)])
-        else:
-            error = ROUNDING * (1.0 + rates * span)
+            return ErrorEstimate(np.array([ROUNDING * (1.0 + fastest * span)]), np.array([np.inf]))
+        error = ROUNDING * (1.0 + rates * span)
         return ErrorEstimate(error, error + np.inf)
     with np.errstate(all="ignore"):
         return _closed_form_error(batch, rates, reached, omega)

@@ -44,17 +44,18 @@ def judged_status(
     """The status of bodies whose error is known: only a small error leaves them ``OK``."""
     limit = COARSE_ERROR if spec["accuracy"] is None else error_limit(spec)
     if len(error) == 1:  # without reductions, which are slow
-        fine = not status[0] and error[0] < limit
+        arrived, accurate = not status[0], error[0] < limit
     else:
-        fine = not np.count_nonzero(status) and np.count_nonzero(error < limit) == len(error)
-    if fine:
+        arrived = not np.count_nonzero(status)
+        accurate = np.count_nonzero(error < limit) == len(error)
+    if arrived and accurate:
         return status
     judged = np.isnan(error) * np.uint8(Status.UNCHECKED)
     if not judged.all():
         if spec["accuracy"] is None:
             judged[error > COARSE_ERROR] = Status.COARSE
         judged[error >= error_limit(spec)] = Status.FLAGGED
-    return np.where(status == Status.OK, judged, status) if np.count_nonzero(status) else judged
+    return judged if arrived else np.where(status == Status.OK, judged, status)
 
 
 def sentences(words: Callable[..., str], *columns: NDArray[Any]) -> tuple[Any, ...]:
