@@ -239,7 +239,7 @@ impl<'a> Entry<'a> {
 
 /// Loads a body into a lane.
 pub fn load(group: &mut Group, lane: usize, compiled: Compiled, assignment: KernelAssignment, entry: &Entry) {
-    let &Entry { body, forcing, axis, limit, step, displacement, ref bound } = entry;
+    let &Entry { body, forcing, axis, limit, step, ref displacement, ref bound } = entry;
     let kernel = compiled.kernel();
     let mut unit = [0.0; 3];
     if axis != 0 {
@@ -247,7 +247,7 @@ pub fn load(group: &mut Group, lane: usize, compiled: Compiled, assignment: Kern
     }
     let unit = assignment.to_kernel_axes(unit);
     let mut y = kernel_state(kernel.system, assignment, body, unit);
-    let displacement = assignment.displacement(&displacement, body);
+    let displacement = assignment.displacement(displacement, body);
     if let Some(at) = kernel.system.tangent_at() {
         y[at..at + 6].copy_from_slice(&displacement.start);
     }
@@ -356,14 +356,14 @@ pub fn read(
 ) -> State {
     let kernel = compiled.kernel();
     let at = |rows: &[Row; 3]| [rows[0].0[lane], rows[1].0[lane], rows[2].0[lane]];
-    let moments = at(&group.moments);
-    let parameters = Parameters { moments, weight: at(&group.weight), step: 0.0 };
+    let parameters = Parameters { moments: at(&group.moments), weight: at(&group.weight), step: 0.0 };
+    let moments = &parameters.moments;
     let invariants = compiled.invariants(&parameters, &y);
     let quaternion = kernel.system.quaternion_at();
     let in_rows = kernel.system.has_rows();
     let row = |y: &[f64; MAX_STATE], at: usize| [y[at], y[at + 1], y[at + 2]];
     let tangent = kernel.system.tangent_at();
-    let tangent = tangent.map(|at| assignment.displacement_of([row(&y, at), row(&y, at + 3)], moments));
+    let tangent = tangent.map(|at| assignment.displacement_of([row(&y, at), row(&y, at + 3)], *moments));
     // With a quaternion, the space axes are permuted like the body axes.
     let attitude_and_vertical = match quaternion {
         Some(at) => Some(([y[at], y[at + 1], y[at + 2], y[at + 3]], assignment.to_kernel_axes(VERTICAL))),

@@ -275,8 +275,8 @@ impl<'a, 'b> FixedBatch<'a, 'b> {
                 let timed = is_forced && !matches!(self.request.schedule, Schedule::Strides(_));
                 let rate = timed
                     .then(|| body.fastest_rate(self.request.forcing_of(index), self.request.range_of(index)));
-                let displacement = Displacement::new(self.request.record.displacement_of(index));
-                let entry = Entry { displacement, ..Entry::unobserved(body, rate, 0.0) };
+                let mut entry = Entry::unobserved(body, rate, 0.0);
+                entry.displacement = Displacement::new(self.request.record.displacement_of(index));
                 load(&mut group, lane, self.compiled, self.ways[self.members[lane]].assignment, &entry);
             }
             let mut moved = [false; LANES];
