@@ -312,7 +312,7 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
             next[i] = factor * next[i];
         }
         if L::CHANGED {
-            self.add_changed::<L, D>(factor, &sums.rates, [c.order(k), c.order(k + 1)], k, &mut next);
+            self.add_changed::<D>(factor, &sums.rates, [c.order(k), c.order(k + 1)], k, &mut next);
         }
         c.set(k + 1, L::TANGENT_AT, next);
     }
@@ -328,8 +328,9 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
     ) {
         // Small terms first, the state last.
         let mut increment = *y;
-        in_halves!(d in N { increment[d] = c.order(self.order)[first + d]; });
-        for k in (1..self.order).rev() {
+        let (last, before) = (c.order(self.order), c.order(self.order - 1));
+        in_halves!(d in N { increment[d] = last[first + d] + before[first + d]; });
+        for k in (1..self.order - 1).rev() {
             in_halves!(d in N { increment[d] = increment[d] + c.order(k)[first + d]; });
         }
         in_halves!(d in N {
@@ -587,7 +588,7 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
     /// Adds the effect of the change of the parameters to the displacement of order k + 1, from the motion of the orders k
     /// and k + 1; `factor` is the unit of time over k + 1.
     #[inline(always)]
-    fn add_changed<L: Layout, const D: usize>(
+    fn add_changed<const D: usize>(
         &self,
         factor: R,
         products: &[R; 3],
