@@ -2,12 +2,12 @@
 //! and refused requests.
 
 use crate::tests::scene_of;
-use rigid::parallel::Interrupt;
 use rigid::forcing::Forcing;
 use rigid::kernel::{Compiled, Kernel, System};
 use rigid::kernel::{Entry, KernelAssignment, load};
 use rigid::kernel::{ForcingRows, Group};
 use rigid::observe::Observed;
+use rigid::parallel::Interrupt;
 use rigid::sample::{Law, attitude, uniforms};
 use rigid::scene::FREE;
 use rigid::scheme::{self, Scheme, Step};
@@ -71,7 +71,8 @@ fn every_kernel_on_every_instruction_set_and_in_every_lane() {
                     let step = if number == 3 { 0.0 } else { 0.02 + 0.002 * number as f64 };
                     load(group, lane, compiled, assignment_of(&body), &Entry::unobserved(&body, None, step));
                     let forcing = table(number.is_multiple_of(2));
-                    forcing_rows.set(lane, &forcing.of(0).interval(0.01 * number as f64, false, body.moments));
+                    forcing_rows
+                        .set(lane, &forcing.of(0).interval(0.01 * number as f64, false, body.moments));
                 };
             let full_group = |isa| {
                 let compiled = Compiled::new(kernel, isa);
@@ -168,7 +169,7 @@ fn trajectories_have_the_same_bits_everywhere_and_alone() {
                         let again = integrate(method, record, tolerance, (&bodies, is_top), 3, isa);
                         assert_eq!(all_bits(&first), all_bits(&again), "{method:?} {isa:?}");
                     }
-                    let alone = ask(method, record, tolerance, (&bodies[..1], is_top), 1, Isa::Scalar);
+                    let alone = integrate(method, record, tolerance, (&bodies[..1], is_top), 1, Isa::Scalar);
                     assert_eq!(bits(&first.rates()[..18]), bits(alone.rates()), "{method:?}");
                 }
             }

@@ -8,6 +8,7 @@ mod elementary_functions;
 mod elliptic_functions;
 mod events_of_series;
 mod flips;
+mod forced_bodies;
 mod hermite;
 mod incomplete_beta;
 mod odd_requests;
