@@ -13,7 +13,8 @@ use crate::special::{exp, ln};
 /// Time and last polynomial of each body of a group.
 #[derive(Clone)]
 pub struct AdaptiveSteps {
-    /// Coefficients of the last step, in powers of the time since its begin over `unit`.
+    /// Coefficients of the last step of a block, in powers of the time since its begin over `unit`; of lanes that end
+    /// the block, or of all if it has made as many steps as it may.
     pub powers: Vec<[Row; MAX_STATE]>,
     /// The time unit of `powers`.
     pub unit: Row,
@@ -100,11 +101,6 @@ where
                 y[d].store(&mut g.state[d].0[at..]);
                 compensation[d].store(&mut g.compensation[d].0[at..]);
             });
-            for k in 0..=order {
-                for d in 0..D {
-                    c.order(k)[d].store(&mut l.powers[k][d].0[at..]);
-                }
-            }
             let step = unit.fma(bound, zero_or_nan);
             unit.store(&mut l.unit.0[at..]);
             step.store(&mut g.step.0[at..]);
@@ -118,7 +114,15 @@ where
             let ahead = (P::load(&l.next.0[at..]) - time) * P::load(&l.direction.0[at..]);
             let (zero, one) = (P::splat(0.0), P::splat(1.0));
             // True if the time is reached, or NaN.
-            reached |= P::any(zero.lt(P::select(zero.lt(ahead), zero, one)));
+            let is_reached = P::any(zero.lt(P::select(zero.lt(ahead), zero, one)));
+            reached |= is_reached;
+            if is_reached || done == most {
+                for k in 0..=order {
+                    for d in 0..D {
+                        c.order(k)[d].store(&mut l.powers[k][d].0[at..]);
+                    }
+                }
+            }
         }
         if reached {
             return done;
