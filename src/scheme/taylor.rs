@@ -228,43 +228,42 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
         c.clear();
         c.push(*y);
         let spin = y[2];
-        let mut torques = Torques::new();
-        let mut satellite = SatelliteSeries {
+        let side_by_side = const { L::VECTORS < 3 };
+        let satellite = SatelliteSeries {
             sink: Torques::new(),
             impulse: Torques::new(),
             centre: Torques::new(),
             speed: Torques::new(),
         };
+        let mut series = (Torques::new(), satellite);
         for half in 0..self.order / 2 {
             let k = 2 * half;
             let (mut sums, mut after) = (Products::none(), Products::none());
             for j in 1..k {
                 sums.add::<M, L, D>(c.order(j), c.order(k - j));
-                after.add::<M, L, D>(c.order(j + 1), c.order(k - j));
+                if side_by_side {
+                    after.add::<M, L, D>(c.order(j + 1), c.order(k - j));
+                }
             }
             if k > 0 {
                 sums.add::<M, L, D>(c.order(0), c.order(k));
-                after.add::<M, L, D>(c.order(1), c.order(k));
+                if side_by_side {
+                    after.add::<M, L, D>(c.order(1), c.order(k));
+                }
             }
             sums.add::<M, L, D>(c.order(k), c.order(0));
-            let mut next = self.next::<L, D>(unit, sums, spin, (c.order(k), k));
-            if L::SATELLITE {
-                let series = (&mut torques, &mut satellite);
-                self.add_satellite::<L, D>(unit, &sums.rates, series, c, &mut next, k);
-            } else if L::BALANCE {
-                self.add_applied::<L, D>(unit, &mut torques, c, &mut next, k);
+            self.push_next::<L, D>(unit, sums, spin, &mut series, c, k);
+            if !side_by_side {
+                for j in 1..k {
+                    after.add::<M, L, D>(c.order(j + 1), c.order(k - j));
+                }
+                if k > 0 {
+                    after.add::<M, L, D>(c.order(1), c.order(k));
+                }
             }
-            c.push(next);
             after.add::<M, L, D>(c.order(0), c.order(k + 1));
             after.add::<M, L, D>(c.order(k + 1), c.order(0));
-            let mut next = self.next::<L, D>(unit, after, spin, (c.order(k + 1), k + 1));
-            if L::SATELLITE {
-                let series = (&mut torques, &mut satellite);
-                self.add_satellite::<L, D>(unit, &after.rates, series, c, &mut next, k + 1);
-            } else if L::BALANCE {
-                self.add_applied::<L, D>(unit, &mut torques, c, &mut next, k + 1);
-            }
-            c.push(next);
+            self.push_next::<L, D>(unit, after, spin, &mut series, c, k + 1);
         }
         if L::TANGENT {
             self.displaced::<L, D>(unit, c);
@@ -340,6 +339,26 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
                 y[d] = y[d] + increment[d];
             }
         });
+    }
+
+    /// Adds the coefficients of order k + 1, from the products of order k.
+    #[inline(always)]
+    fn push_next<L: Layout, const D: usize>(
+        &self,
+        unit: R,
+        sums: Products<R>,
+        spin: R,
+        (torques, satellite): &mut (Torques<R>, SatelliteSeries<R>),
+        c: &mut Coefficients<R, D>,
+        k: usize,
+    ) {
+        let mut next = self.next::<L, D>(unit, sums, spin, (c.order(k), k));
+        if L::SATELLITE {
+            self.add_satellite::<L, D>(unit, &sums.rates, (torques, satellite), c, &mut next, k);
+        } else if L::BALANCE {
+            self.add_applied::<L, D>(unit, torques, c, &mut next, k);
+        }
+        c.push(next);
     }
 
     /// The coefficients of order k + 1 from the products and the coefficients of order k.
@@ -425,7 +444,7 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
             next[i] = factor.fma(change[i], next[i]);
         }
         let mut balance = [R::splat(0.0); 2];
-        for j in 0..=k {
+        for j in 0..k + 1 {
             // SAFETY: the calls for the orders 0 to k, one each and ascending, have pushed the rows 0 to k.
             let torque = unsafe { torques.order(j) };
             let [power, impulse] = self.applied.balance::<L, D>(torque, c.order(k - j));
