@@ -167,6 +167,22 @@ impl<R: Real> Applied<R> {
         sum
     }
 
+    /// Whether a coefficient of the torque at an order above 1 may differ from minus the damping of the rates of this
+    /// order: a torque in space turns with the body. A torque in the body ends at order 1, but leaves a zero with its sign.
+    #[inline(always)]
+    pub fn has_high_orders(&self) -> bool {
+        let (zero, one) = (R::splat(0.0), R::splat(1.0));
+        let mut any = false;
+        for i in 0..3 {
+            for j in 0..2 {
+                any |= R::any(zero.lt(self.forcing.space[j][i].abs()));
+            }
+            // A zero has a sign too.
+            any |= R::any((one / self.forcing.body[1][i]).lt(zero));
+        }
+        any
+    }
+
     /// The change of the torque by that of the parameters, `(dI w) x w + n x d(mgl com) - dD w`, from the products of the
     /// rates; linear in the products and in the state. The change of the applied torque is not in it.
     #[inline(always)]

@@ -218,6 +218,8 @@ pub struct Taylor<const COMPENSATED: bool, R, M> {
     applied: Applied<R>,
     step: R,
     order: usize,
+    /// Whether orders above 1 of the applied torque have more than damping.
+    has_high_orders: bool,
 }
 
 impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
@@ -225,45 +227,46 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
     /// same rows. The newest rows are summed last, so that the first sums need not wait.
     #[inline(always)]
     fn coefficients<L: Layout, const D: usize>(&self, unit: R, y: &[R; D], c: &mut Coefficients<R, D>) {
-        c.clear();
-        c.push(*y);
         let spin = y[2];
         let side_by_side = const { L::VECTORS < 3 };
-        let satellite = SatelliteSeries {
-            sink: Torques::new(),
-            impulse: Torques::new(),
-            centre: Torques::new(),
-            speed: Torques::new(),
-        };
-        let mut series = (Torques::new(), satellite);
-        for half in 0..self.order / 2 {
-            let k = 2 * half;
-            let (mut sums, mut after) = (Products::none(), Products::none());
-            for j in 1..k {
-                sums.add::<M, L, D>(c.order(j), c.order(k - j));
-                if side_by_side {
-                    after.add::<M, L, D>(c.order(j + 1), c.order(k - j));
-                }
-            }
-            if k > 0 {
-                sums.add::<M, L, D>(c.order(0), c.order(k));
-                if side_by_side {
-                    after.add::<M, L, D>(c.order(1), c.order(k));
-                }
-            }
-            sums.add::<M, L, D>(c.order(k), c.order(0));
-            self.push_next::<L, D>(unit, sums, spin, &mut series, c, k);
-            if !side_by_side {
+        let mut all_orders = self.has_high_orders;
+        loop {
+            c.clear();
+            c.push(*y);
+            let mut series = Beside::new(all_orders);
+            for half in 0..self.order / 2 {
+                let k = 2 * half;
+                let (mut sums, mut after) = (Products::none(), Products::none());
                 for j in 1..k {
-                    after.add::<M, L, D>(c.order(j + 1), c.order(k - j));
+                    sums.add::<M, L, D>(c.order(j), c.order(k - j));
+                    if side_by_side {
+                        after.add::<M, L, D>(c.order(j + 1), c.order(k - j));
+                    }
                 }
                 if k > 0 {
-                    after.add::<M, L, D>(c.order(1), c.order(k));
+                    sums.add::<M, L, D>(c.order(0), c.order(k));
+                    if side_by_side {
+                        after.add::<M, L, D>(c.order(1), c.order(k));
+                    }
                 }
+                sums.add::<M, L, D>(c.order(k), c.order(0));
+                self.push_next::<L, D>(unit, sums, spin, &mut series, c, k);
+                if !side_by_side {
+                    for j in 1..k {
+                        after.add::<M, L, D>(c.order(j + 1), c.order(k - j));
+                    }
+                    if k > 0 {
+                        after.add::<M, L, D>(c.order(1), c.order(k));
+                    }
+                }
+                after.add::<M, L, D>(c.order(0), c.order(k + 1));
+                after.add::<M, L, D>(c.order(k + 1), c.order(0));
+                self.push_next::<L, D>(unit, after, spin, &mut series, c, k + 1);
             }
-            after.add::<M, L, D>(c.order(0), c.order(k + 1));
-            after.add::<M, L, D>(c.order(k + 1), c.order(0));
-            self.push_next::<L, D>(unit, after, spin, &mut series, c, k + 1);
+            if !(L::BALANCE && L::VECTORS > 0) || all_orders || is_finite(&directions::<R, L, D>(c)) {
+                break;
+            }
+            all_orders = true;
         }
         if L::TANGENT {
             self.displaced::<L, D>(unit, c);
@@ -348,15 +351,15 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
         unit: R,
         sums: Products<R>,
         spin: R,
-        (torques, satellite): &mut (Torques<R>, SatelliteSeries<R>),
+        series: &mut Beside<R>,
         c: &mut Coefficients<R, D>,
         k: usize,
     ) {
         let mut next = self.next::<L, D>(unit, sums, spin, (c.order(k), k));
         if L::SATELLITE {
-            self.add_satellite::<L, D>(unit, &sums.rates, (torques, satellite), c, &mut next, k);
+            self.add_satellite::<L, D>(unit, &sums.rates, series, c, &mut next, k);
         } else if L::BALANCE {
-            self.add_applied::<L, D>(unit, torques, c, &mut next, k);
+            self.add_applied::<L, D>(unit, series, c, &mut next, k);
         }
         c.push(next);
     }
@@ -420,24 +423,39 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
         sum
     }
 
+    /// The coefficient of order k of the applied torque with damping.
+    #[inline(always)]
+    fn torque<L: Layout, const D: usize>(
+        &self,
+        unit: R,
+        c: &Coefficients<R, D>,
+        k: usize,
+        all_orders: bool,
+    ) -> [R; 3] {
+        let of_k = c.order(k);
+        if k == 0 {
+            self.applied.torque::<L, D>(of_k)
+        } else if k == 1 || all_orders {
+            let before = times_unit::<R, L, D>(c.order(k - 1), unit);
+            self.applied.torque_of_order::<L, D>(c.order(0), of_k, &before)
+        } else {
+            self.applied.damped([R::splat(0.0); 3], [of_k[0], of_k[1], of_k[2]])
+        }
+    }
+
     /// Adds the applied torque to the coefficients of order k + 1, and computes those of the balance. The coefficient
     /// of the torque of order k is linear in the states of orders k and k - 1; the power is one more Cauchy product.
     #[inline(always)]
     fn add_applied<L: Layout, const D: usize>(
         &self,
         unit: R,
-        torques: &mut Torques<R>,
+        Beside { torques, all_orders, .. }: &mut Beside<R>,
         c: &Coefficients<R, D>,
         next: &mut [R; D],
         k: usize,
     ) {
         let factor = unit * R::splat(INVERSE[k + 1]);
-        let newest = if k == 0 {
-            self.applied.torque::<L, D>(c.order(0))
-        } else {
-            let before = times_unit::<R, L, D>(c.order(k - 1), unit);
-            self.applied.torque_of_order::<L, D>(c.order(0), c.order(k), &before)
-        };
+        let newest = self.torque::<L, D>(unit, c, k, *all_orders);
         torques.push(k, newest);
         let change = self.applied.over_moments(&newest);
         for i in 0..3 {
@@ -462,19 +480,14 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
         &self,
         unit: R,
         products: &[R; 3],
-        (torques, series): (&mut Torques<R>, &mut SatelliteSeries<R>),
+        Beside { torques, satellite: series, all_orders, .. }: &mut Beside<R>,
         c: &Coefficients<R, D>,
         next: &mut [R; D],
         k: usize,
     ) {
         let (applied, of_k, zero) = (&self.applied, c.order(k), [R::splat(0.0); 3]);
         let factor = unit * R::splat(INVERSE[k + 1]);
-        let mut torque = if k == 0 {
-            applied.torque::<L, D>(of_k)
-        } else {
-            let before = times_unit::<R, L, D>(c.order(k - 1), unit);
-            applied.torque_of_order::<L, D>(c.order(0), of_k, &before)
-        };
+        let mut torque = self.torque::<L, D>(unit, c, k, *all_orders);
         if L::ORBITS {
             let at = L::ORBIT_AT;
             let mut centre = zero;
@@ -637,6 +650,50 @@ fn times_unit<R: Real, L: Layout, const D: usize>(of_state: &[R; D], unit: R) ->
     scaled
 }
 
+/// The directions among the coefficients of the highest order; in place of those that a layout has not, a rate.
+#[inline(always)]
+fn directions<R: Real, L: Layout, const D: usize>(c: &Coefficients<R, D>) -> [R; 9] {
+    let last = c.order(c.highest());
+    let mut directions = [last[0]; 9];
+    for d in 0..3 * L::VECTORS {
+        directions[d] = last[3 + d];
+    }
+    directions
+}
+
+/// Whether all coefficients of the highest order are finite, and so all lower ones: where one of them overflows, so do those
+/// after it. A torque that is zero times one that has overflowed is not a number, and may not be skipped.
+#[inline(always)]
+fn is_finite<R: Real, const N: usize>(last: &[R; N]) -> bool {
+    let (zero, one) = (R::splat(0.0), R::splat(1.0));
+    let mut zero_or_nan = zero;
+    for i in 0..N {
+        zero_or_nan = last[i].fma(zero, zero_or_nan);
+    }
+    !R::any(zero.lt(R::select(zero_or_nan.lt(one), zero, one)))
+}
+
+/// Coefficients beside those of the state.
+struct Beside<R> {
+    torques: Torques<R>,
+    satellite: SatelliteSeries<R>,
+    /// Whether no order of the torque is skipped.
+    all_orders: bool,
+}
+
+impl<R: Real> Beside<R> {
+    #[inline(always)]
+    fn new(all_orders: bool) -> Self {
+        let satellite = SatelliteSeries {
+            sink: Torques::new(),
+            impulse: Torques::new(),
+            centre: Torques::new(),
+            speed: Torques::new(),
+        };
+        Beside { torques: Torques::new(), satellite, all_orders }
+    }
+}
+
 /// Coefficients of what acts on a satellite: the turn by the sink, the torque of the impulse, the direction to the centre,
 /// and the speed, the same in all three numbers.
 struct SatelliteSeries<R> {
@@ -713,7 +770,8 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>, L: Layout, const D: usize> S
     fn new(p: &Parameters<R>, forcing: &ForcingInterval<R>, numbers: &'static Numbers) -> Self {
         // The bound shows the compiler that no index lies outside the table.
         let (model, applied) = (M::new(p), Applied::new(p, forcing));
-        Taylor { model, applied, step: p.step, order: numbers.order.min(MAX_ORDER) }
+        let has_high_orders = L::BALANCE && applied.has_high_orders();
+        Taylor { model, applied, step: p.step, order: numbers.order.min(MAX_ORDER), has_high_orders }
     }
 
     #[inline(always)]
