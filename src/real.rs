@@ -60,6 +60,18 @@ pub trait Pack: Real {
     fn store(self, to: &mut [f64]);
 }
 
+/// A `Pack` of four lanes that can hold four numbers of one body.
+pub trait Quad: Pack {
+    /// All lanes set to the number of one lane.
+    fn lane(self, lane: usize) -> Self;
+    /// The first three lanes, and the last lane of `other`.
+    fn with_last(self, other: Self) -> Self;
+    /// The outer lanes, and the first lanes of two others between them.
+    fn with_middle(self, second: Self, third: Self) -> Self;
+    /// All lanes set to the largest number.
+    fn largest(self) -> Self;
+}
+
 impl Real for f64 {
     type Mask = bool;
     #[inline(always)]

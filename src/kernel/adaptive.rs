@@ -143,9 +143,16 @@ fn step_bound<R: Real, L: Layout, const D: usize>(
     let displacement =
         if L::TANGENT { largest_change::<R, L, D>(c.order(0), inverse_rate) } else { R::splat(1.0) };
     let scales = [inverse_rate, displacement];
-    let last = log_margin::<R, L, D>(c.order(order), scales, tolerance) * R::splat(1.0 / order as f64);
-    let before =
-        log_margin::<R, L, D>(c.order(order - 1), scales, tolerance) * R::splat(1.0 / (order - 1) as f64);
+    let last = log_margin::<R, L, D>(c.order(order), scales, tolerance);
+    let before = log_margin::<R, L, D>(c.order(order - 1), scales, tolerance);
+    bound_of_margins(last, before, order)
+}
+
+/// The longest step, from ln of the tolerance over the largest number of the last term and of the one before.
+#[inline(always)]
+pub(super) fn bound_of_margins<R: Real>(last: R, before: R, order: usize) -> R {
+    let last = last * R::splat(1.0 / order as f64);
+    let before = before * R::splat(1.0 / (order - 1) as f64);
     // The factor between two steps is at most 2^30, because a body at rest has no time scale.
     let growth = R::splat(30.0 * std::f64::consts::LN_2);
     let margin = R::splat(0.7 / (order - 1) as f64);

@@ -79,7 +79,8 @@ impl Compiled {
         lanes: &mut AdaptiveSteps,
         most: usize,
     ) -> usize {
-        let adaptive = self.code.adaptive.expect("only series choose their steps");
+        let alone = self.code.alone.filter(|_| group.is_of_one());
+        let adaptive = alone.or(self.code.adaptive).expect("only series choose their steps");
         // SAFETY: as above.
         unsafe { adaptive(group, forcing, lanes, most, self.kernel.step.numbers) }
     }

@@ -211,6 +211,11 @@ impl Group {
         group
     }
 
+    /// Whether only the first lane has been loaded.
+    pub(super) fn is_of_one(&self) -> bool {
+        self.used == 1
+    }
+
     /// The numbers of the observable of a lane.
     pub fn observed_in(&self, lane: usize) -> Rows<f64> {
         self.observed.each_ref().map(|row| row.0[lane])

@@ -2,6 +2,7 @@
 //! steps or in adaptive steps.
 
 mod adaptive;
+mod alone;
 mod compiled;
 mod group;
 mod load;

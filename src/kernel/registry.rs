@@ -1,10 +1,11 @@
 //! The list of kernels: systems and engines, and the code of each pair that a scheme can request.
 
 use super::adaptive::{AdaptiveSteps, adaptive_block, dense_output};
+use super::alone::adaptive_alone;
 use super::group::{ForcingRows, Group, MAX_STATE};
 use super::step::{invariants, prepared, process, step_block};
 use crate::observe::Observed;
-use crate::real::Pack;
+use crate::real::{Pack, Quad};
 use crate::scene::{
     Attitude, Axis, AxisAttitude, AxisSensitivity, AxisTangent, CalledFrame, FREE, ForcedFrame,
     ForcedFrameTangent, ForcedRates, Free, Layout, Model, Parameters, Rates, ReducedTop, SatelliteFrame,
@@ -48,6 +49,8 @@ pub(super) struct Code {
     /// Whether the further displacements of a group are moved with its motions.
     pub(super) shares_motion: bool,
     pub(super) adaptive: Option<Adaptive>,
+    /// The same for a group of one body.
+    pub(super) alone: Option<Adaptive>,
     pub(super) dense: Option<Dense>,
 }
 
@@ -116,6 +119,23 @@ macro_rules! entry_points {
             }
 
             $($feature)*
+            #[allow(dead_code)] // Plain code has no such registers.
+            fn alone<R, M, L, const D: usize>(
+                g: &mut Group,
+                forcing: &ForcingRows,
+                l: &mut AdaptiveSteps,
+                most: usize,
+                numbers: &'static Numbers,
+            ) -> usize
+            where
+                R: Quad,
+                M: Model<R>,
+                L: Layout,
+            {
+                adaptive_alone::<R, M, L, D>(g, forcing, l, most, numbers)
+            }
+
+            $($feature)*
             fn dense<const D: usize>(
                 l: &AdaptiveSteps,
                 lane: usize,
@@ -142,7 +162,21 @@ macro_rules! entry_points {
                 invariants::<f64, N, L, T, D>(p, &state)
             }
 
-            pub const fn code<P, S, M, T, N, L, const D: usize, const PACKS: usize>() -> Option<Code>
+            /// Adaptive steps of a body whose directions stand side by side. With one direction nothing is gained.
+            #[allow(dead_code)] // As above.
+            pub const fn code_alone<R, M, L, const D: usize>() -> Option<Adaptive>
+            where
+                R: Quad,
+                M: Model<R>,
+                L: Layout,
+            {
+                let has_more = L::TANGENT || L::SATELLITE || L::CALLED;
+                if L::VECTORS > 1 && !has_more { Some(alone::<R, M, L, D>) } else { None }
+            }
+
+            pub const fn code<P, S, M, T, N, L, const D: usize, const PACKS: usize>(
+                alone: Option<Adaptive>,
+            ) -> Option<Code>
             where
                 P: Pack,
                 S: Stepper<P, M, L, D>,
@@ -162,6 +196,7 @@ macro_rules! entry_points {
                     invariants: invariants_of::<T, N, L, D>,
                     shares_motion: S::SHARES_MOTION,
                     adaptive: if S::IS_SERIES { Some(adaptive::<P, M, L, D, PACKS>) } else { None },
+                    alone: if S::IS_SERIES { alone } else { None },
                     dense: if S::IS_SERIES { Some(dense::<D>) } else { None },
                 })
             }
@@ -254,15 +289,17 @@ macro_rules! kernels {
                     avx512: {
                         type R = $avx512;
                         type M = $model<R>;
-                        kernels_of::$engine::avx512::code::<R, $stepper, M, Alone, AloneModel, $layout, D, { LANES / R::LANES }>()
+                        let alone = kernels_of::$engine::avx512::code_alone::<V4, $model<V4>, $layout, D>();
+                        kernels_of::$engine::avx512::code::<R, $stepper, M, Alone, AloneModel, $layout, D, { LANES / R::LANES }>(alone)
                     },
                     #[cfg(target_arch = "x86_64")]
                     avx2: {
                         type R = $avx2;
                         type M = $model<R>;
-                        kernels_of::$engine::avx2::code::<R, $stepper, M, Alone, AloneModel, $layout, D, { LANES / R::LANES }>()
+                        let alone = kernels_of::$engine::avx2::code_alone::<V4, $model<V4>, $layout, D>();
+                        kernels_of::$engine::avx2::code::<R, $stepper, M, Alone, AloneModel, $layout, D, { LANES / R::LANES }>(alone)
                     },
-                    scalar: kernels_of::$engine::scalar::code::<R, Alone, M, Alone, AloneModel, $layout, D, { LANES / R::LANES }>(),
+                    scalar: kernels_of::$engine::scalar::code::<R, Alone, M, Alone, AloneModel, $layout, D, { LANES / R::LANES }>(None),
                 }
             },)*
         }

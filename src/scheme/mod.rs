@@ -3,6 +3,7 @@
 //! A scheme is one constant, listed in [`ALL`]: its facts, and its step for each kind of body. A step is an
 //! engine and its numbers; all other properties of a scheme follow from its steps.
 
+mod alone;
 mod compositions;
 mod exponential;
 mod hermite;
@@ -13,6 +14,7 @@ mod splitting;
 mod tangent;
 mod taylor;
 
+pub use alone::{COLUMNS, Columns, SeriesAlone, in_columns};
 use compositions::check_composition;
 pub(crate) use exponential::phi;
 pub use exponential::{AffineSplitting, Exponential};

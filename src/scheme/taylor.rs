@@ -73,7 +73,7 @@ pub const TAYLOR20: Scheme = series!(20, 9.0 / 10.0, 4.41);
 pub const TAYLOR26: Scheme = series!(26, 9.0 / 8.0, 5.53);
 
 /// 1 / k.
-const INVERSE: [f64; MAX_ORDER + 1] = {
+pub(super) const INVERSE: [f64; MAX_ORDER + 1] = {
     let mut inverse = [0.0; MAX_ORDER + 1];
     let mut k = 1;
     while k <= MAX_ORDER {
@@ -121,6 +121,14 @@ impl<R: Real, const D: usize> Coefficients<R, D> {
         assert!(k < self.known);
         // SAFETY: `push` has written all rows below `known`.
         put(unsafe { self.rows[k].assume_init_mut() }, first, numbers);
+    }
+
+    /// The coefficients of all orders known.
+    #[inline(always)]
+    pub(super) fn all(&self) -> &[[R; D]] {
+        let rows = &self.rows[..self.known];
+        // SAFETY: `push` has written all rows below `known`; an initialised row has the layout of its type.
+        unsafe { &*(std::ptr::from_ref(rows) as *const [[R; D]]) }
     }
 
     /// The coefficients of one order.
@@ -214,12 +222,12 @@ fn quaternion<R: Real, L: Layout, const D: usize>(y: &[R; D]) -> [R; 4] {
 /// The engine.
 #[derive(Clone, Copy)]
 pub struct Taylor<const COMPENSATED: bool, R, M> {
-    model: M,
-    applied: Applied<R>,
+    pub(super) model: M,
+    pub(super) applied: Applied<R>,
     step: R,
-    order: usize,
+    pub(super) order: usize,
     /// Whether orders above 1 of the applied torque have more than damping.
-    has_high_orders: bool,
+    pub(super) has_high_orders: bool,
 }
 
 impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
@@ -642,7 +650,7 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
 
 /// The directions among the coefficients of a state, times the unit of time; the other numbers have no meaning.
 #[inline(always)]
-fn times_unit<R: Real, L: Layout, const D: usize>(of_state: &[R; D], unit: R) -> [R; D] {
+pub(super) fn times_unit<R: Real, L: Layout, const D: usize>(of_state: &[R; D], unit: R) -> [R; D] {
     let mut scaled = [unit; D];
     for d in 3..L::BALANCE_AT {
         scaled[d] = of_state[d] * unit;
@@ -664,7 +672,7 @@ fn directions<R: Real, L: Layout, const D: usize>(c: &Coefficients<R, D>) -> [R;
 /// Whether all coefficients of the highest order are finite, and so all lower ones: where one of them overflows, so do those
 /// after it. A torque that is zero times one that has overflowed is not a number, and may not be skipped.
 #[inline(always)]
-fn is_finite<R: Real, const N: usize>(last: &[R; N]) -> bool {
+pub(super) fn is_finite<R: Real, const N: usize>(last: &[R; N]) -> bool {
     let (zero, one) = (R::splat(0.0), R::splat(1.0));
     let mut zero_or_nan = zero;
     for i in 0..N {

@@ -4,7 +4,7 @@
 //! features of their set name the types, and each is entered after `Isa::is_available` has seen the CPU's feature bits:
 //! those of `kernel`, of `exact::Evaluator` and of the draws of `map`.
 
-use crate::real::{INTEGER_SHIFT, Pack, Real};
+use crate::real::{INTEGER_SHIFT, Pack, Quad, Real};
 use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -254,5 +254,38 @@ impl Pack for V4 {
         assert!(to.len() >= 4);
         // SAFETY: the CPU has the instructions (see the module); the slice is as long as the register.
         unsafe { _mm256_storeu_pd(to.as_mut_ptr(), self.0) }
+    }
+}
+
+impl Quad for V4 {
+    #[inline(always)]
+    fn lane(self, lane: usize) -> Self {
+        // SAFETY: the CPU has the instructions; see the module.
+        unsafe {
+            V4(match lane {
+                0 => _mm256_permute4x64_pd::<0b00_00_00_00>(self.0),
+                1 => _mm256_permute4x64_pd::<0b01_01_01_01>(self.0),
+                2 => _mm256_permute4x64_pd::<0b10_10_10_10>(self.0),
+                _ => _mm256_permute4x64_pd::<0b11_11_11_11>(self.0),
+            })
+        }
+    }
+    #[inline(always)]
+    fn with_last(self, other: Self) -> Self {
+        // SAFETY: the CPU has the instructions; see the module.
+        unsafe { V4(_mm256_blend_pd::<0b1000>(self.0, other.0)) }
+    }
+    #[inline(always)]
+    fn with_middle(self, second: Self, third: Self) -> Self {
+        // SAFETY: the CPU has the instructions; see the module.
+        unsafe { V4(_mm256_blend_pd::<0b0100>(_mm256_blend_pd::<0b0010>(self.0, second.0), third.0)) }
+    }
+    #[inline(always)]
+    fn largest(self) -> Self {
+        // SAFETY: the CPU has the instructions; see the module.
+        unsafe {
+            let of_pairs = _mm256_max_pd(self.0, _mm256_permute_pd::<0b0101>(self.0));
+            V4(_mm256_max_pd(of_pairs, _mm256_permute4x64_pd::<0b01_00_11_10>(of_pairs)))
+        }
     }
 }
