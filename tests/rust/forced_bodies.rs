@@ -177,6 +177,85 @@ fn trajectories_have_the_same_bits_everywhere_and_alone() {
     }
 }
 
+/// Bodies whose forcing is of all kinds, with the moments of damping and the torques at two times that each body has:
+/// rotations about one axis, where many coefficients are zeros with a sign, a body at rest, and one that overflows.
+fn of_all_kinds(is_top: bool) -> (Vec<Body>, Forcing) {
+    let (none, along, against, turning) =
+        ([[0.0; 3]; 2], [[0.1; 3], [0.4; 3]], [[0.1; 3], [-0.4, 0.0, -0.0]], [[0.2, -0.1, 0.3]; 2]);
+    let (weak, undamped) = ([1e-3, 2e-3, 3e-3, 0.0, 0.0, 0.0], [0.0; 6]);
+    let kinds = [
+        (None, none, none, weak),
+        (Some([0.0, 0.0, 2.0]), none, none, weak),
+        (Some([0.0, -2.0, -0.0]), none, none, weak),
+        (Some([0.0; 3]), [[0.0, 0.1, 0.0]; 2], none, weak),
+        (Some([-0.0; 3]), [[0.0, 0.0, -0.1], [0.0; 3]], none, undamped),
+        (Some([0.0, 0.0, -1.0]), along, none, undamped),
+        (None, against, none, undamped),
+        (None, none, turning, weak),
+        (Some([0.0, 1.0, 0.0]), none, [[0.0; 3], [0.0, 0.0, 0.2]], undamped),
+        (Some([1e200, 1e200, 1.0]), none, none, weak),
+    ];
+    let bodies = kinds.iter().enumerate().map(|(i, &(omega, ..))| {
+        let body = body(i as u64, is_top);
+        Body { omega: omega.unwrap_or(body.omega), ..body }
+    });
+    let tables = |pick: fn(&[[[f64; 3]; 2]; 2]) -> [[f64; 3]; 2]| -> Vec<[f64; 3]> {
+        kinds.iter().flat_map(|&(_, body, space, _)| pick(&[body, space])).collect()
+    };
+    let dampings: Vec<[f64; 6]> = kinds.iter().map(|&(.., damping)| damping).collect();
+    let forcing = Forcing::new(&[-3.0, 4.0], &tables(|of| of[0]), &tables(|of| of[1]), &dampings).unwrap();
+    (bodies.collect(), forcing)
+}
+
+/// A body alone has registers of its own, and zero parts of its torque are skipped. Beside others it shares a register
+/// with bodies that have all parts.
+#[test]
+fn adaptive_steps_of_a_body_alone_are_those_beside_others() {
+    for is_top in [false, true] {
+        let (bodies, all) = of_all_kinds(is_top);
+        for method in scheme::ALL.iter().copied().filter(|method| method.is_series()) {
+            for record in [Record::Rates, Record::Attitude] {
+                let run = |bodies: &[Body], forcing: &Forcing, isa| {
+                    let request = Request {
+                        bodies,
+                        scene: scene_of(is_top),
+                        forcing,
+                        solver: Solver::Steps(method),
+                        record,
+                        schedule: Schedule::Times(&TIMES),
+                        steps: &vec![0.03; bodies.len()],
+                        tolerance: Some(1e-12),
+                        refinement: 1.0,
+                        max_steps: 5000,
+                    };
+                    simulate(&request, 1, isa, &GO).unwrap()
+                };
+                let together = run(&bodies, &all, Isa::Scalar);
+                let lost = together.status.iter().position(|&status| status != Status::Finished);
+                assert_eq!(lost, Some(bodies.len() - 1), "{method:?} {:?}", together.status);
+                for isa in Isa::available() {
+                    assert_eq!(all_bits(&run(&bodies, &all, isa)), all_bits(&together), "{method:?} {isa:?}");
+                    for i in 0..bodies.len() {
+                        let alone = run(&bodies[i..=i], &all.of_some(&[i]).unwrap(), isa);
+                        let expected = run(&bodies[i..=i], &all.of_some(&[i]).unwrap(), Isa::Scalar);
+                        assert_eq!(all_bits(&alone), all_bits(&expected), "{method:?} {isa:?} body {i}");
+                        let beside = &together.rates()[18 * i..][..18];
+                        assert_eq!(bits(alone.rates()), bits(beside), "{method:?} {isa:?} body {i}");
+                        assert_eq!(alone.status[0], together.status[i], "{method:?} {isa:?} body {i}");
+                        let pairs = [(&alone.attitude, &together.attitude), (&alone.work, &together.work)];
+                        for (own, shared) in pairs {
+                            if let (Some(own), Some(shared)) = (own, shared) {
+                                let shared = &shared[own.len() * i..][..own.len()];
+                                assert_eq!(bits(own), bits(shared), "{method:?} {isa:?} body {i}");
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
 /// Steps that end at a knot lose neither order nor accuracy.
 #[test]
 fn steps_of_a_series_end_at_knots() {
