@@ -341,7 +341,7 @@ fn damping_that_adds_energy_and_unstable_steps_are_refused() {
             };
             simulate(&request, 1, Isa::Scalar, &GO)
         };
-        let [.., rate] = stiff.damping_rates(bodies[0].moments);
+        let [.., rate] = stiff.of(0).damping_rates(bodies[0].moments);
         match method.damping_limit() {
             None => assert!(run(1e-4).is_err_and(|e| e.to_string().contains("without torque and damping"))),
             Some(limit) if limit.is_finite() => {
