@@ -660,6 +660,7 @@ pub(super) fn times_unit<R: Real, L: Layout, const D: usize>(of_state: &[R; D], 
 
 /// The directions among the coefficients of the highest order; in place of those that a layout has not, a rate.
 #[inline(always)]
+#[allow(clippy::manual_memcpy)] // The compiler does not always inline `copy_from_slice`.
 fn directions<R: Real, L: Layout, const D: usize>(c: &Coefficients<R, D>) -> [R; 9] {
     let last = c.order(c.highest());
     let mut directions = [last[0]; 9];
