@@ -199,11 +199,10 @@ fn of_all_kinds(is_top: bool) -> (Vec<Body>, Forcing) {
         let body = body(i as u64, is_top);
         Body { omega: omega.unwrap_or(body.omega), ..body }
     });
-    let tables = |pick: fn(&[[[f64; 3]; 2]; 2]) -> [[f64; 3]; 2]| -> Vec<[f64; 3]> {
-        kinds.iter().flat_map(|&(_, body, space, _)| pick(&[body, space])).collect()
-    };
+    let in_body: Vec<[f64; 3]> = kinds.iter().flat_map(|&(_, body, ..)| body).collect();
+    let in_space: Vec<[f64; 3]> = kinds.iter().flat_map(|&(_, _, space, _)| space).collect();
     let dampings: Vec<[f64; 6]> = kinds.iter().map(|&(.., damping)| damping).collect();
-    let forcing = Forcing::new(&[-3.0, 4.0], &tables(|of| of[0]), &tables(|of| of[1]), &dampings).unwrap();
+    let forcing = Forcing::new(&[-3.0, 4.0], &in_body, &in_space, &dampings).unwrap();
     (bodies.collect(), forcing)
 }
 
