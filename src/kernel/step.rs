@@ -10,7 +10,7 @@ use crate::observe::{Observed, Segment};
 use crate::real::{Pack, Real};
 use crate::scene::{Layout, Model, Parameters};
 use crate::scheme::{Coefficients, DERIVATIVES, NODES, Numbers, Past, Stepper, ages};
-use crate::simd::{LANES, Row, unrolled};
+use crate::simd::{LANES, Row};
 
 #[inline(always)]
 fn load3<P: Pack>(rows: &[Row; 3], at: usize) -> [P; 3] {
@@ -271,25 +271,35 @@ fn short_steps<P, const PACKS: usize, M, L, S, const D: usize>(
     L: Layout,
     S: Stepper<P, M, L, D>,
 {
-    let bodies = prepared::<P, PACKS, M, L, S, D>(g, forcing, numbers);
+    macro_rules! each_pack {
+        ($b:ident => $body:block) => {
+            each_pack!(@each $b $body 0 1 2 3 4 5 6 7);
+        };
+        (@each $b:ident $body:block $($number:literal)*) => {$({
+            const $b: usize = $number;
+            if const { $b < PACKS } $body
+        })*};
+    }
+    let mut bodies = [prepared_pack::<P, M, L, S, D>(g, forcing, 0, numbers); PACKS];
     let mut states = [[P::splat(0.0); D]; PACKS];
-    unrolled!(pack b in (0..PACKS) => {
+    each_pack!(B => {
+        bodies[B] = prepared_pack::<P, M, L, S, D>(g, forcing, B * P::LANES, numbers);
         for d in 0..D {
-            states[b][d] = P::load(&g.state[d].0[b * P::LANES..]);
+            states[B][d] = P::load(&g.state[d].0[B * P::LANES..]);
         }
     });
     for _ in 0..steps {
-        unrolled!(pack b in (0..PACKS) => {
-            let (p, stepper) = &bodies[b];
-            let (mut compensation, mut dense) = (states[b], Coefficients::new());
-            stepper.step(p, &mut states[b], &mut compensation, &mut dense);
+        each_pack!(B => {
+            let (p, stepper) = &bodies[B];
+            let (mut compensation, mut dense) = (states[B], Coefficients::new());
+            stepper.step(p, &mut states[B], &mut compensation, &mut dense);
         });
     }
-    unrolled!(pack b in (0..PACKS) => {
+    each_pack!(B => {
         for d in 0..D {
-            states[b][d].store(&mut g.state[d].0[b * P::LANES..]);
+            states[B][d].store(&mut g.state[d].0[B * P::LANES..]);
         }
-        end_block::<P, M, L, S, D>(g, b * P::LANES, &bodies[b].0, &states[b], steps);
+        end_block::<P, M, L, S, D>(g, B * P::LANES, &bodies[B].0, &states[B], steps);
     });
 }
 

@@ -13,7 +13,6 @@ use crate::kinematics::{
 };
 use crate::real::Real;
 use crate::scene::{Applied, Layout, Model, Parameters};
-use crate::simd::unrolled;
 
 /// Hermite steps of order 9.
 pub const HERMITE9: Scheme = Scheme::direct(
@@ -124,6 +123,22 @@ const _: () = {
     check(&CORRECTOR, 1, [0, 1]);
     check(&LAST_TWO, 0, [-2, 0]);
 };
+
+/// Writes a statement once for each number of a range, so that the compiler keeps the numbers in registers.
+macro_rules! unrolled {
+    (variable $d:ident in $range:expr => $body:block) => {
+        unrolled!(@each $d $range, $body, 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14)
+    };
+    (vector $v:ident in $range:expr => $body:block) => {
+        unrolled!(@each $v $range, $body, 0 1 2)
+    };
+    (@each $d:ident $range:expr, $body:block, $($number:literal)*) => {$(
+        if const { $range.start <= $number && $number < $range.end } {
+            let $d: usize = $number;
+            $body
+        }
+    )*};
+}
 
 /// The engine.
 #[derive(Clone, Copy)]
