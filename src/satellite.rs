@@ -55,8 +55,8 @@ impl Satellite<f64> {
     /// The satellite with these numbers: of the rotor, of the sink, of the drag, of the orbit.
     ///
     /// # Errors
-    /// If a number is not finite, a coefficient of the sink or of the drag is negative, or the directions of the orbit are not unit
-    /// vectors at right angles.
+    /// If a number is not finite, a coefficient of the sink or of the drag is negative, or the directions of the orbit
+    /// are not unit vectors at right angles.
     pub fn of(numbers: &[f64; Satellite::LEN]) -> Result<Self, Error> {
         let [h1, h2, h3, s1, s2, s3, d1, d2, d3, orbit_rate, t1, t2, t3, a1, a2, a3] = *numbers;
         let refuse = |argument, value: String, rule| Err(Error::Value { argument, value, rule });
@@ -123,8 +123,7 @@ impl Satellite<f64> {
 
     /// What rotor, sink and drag add to the rate that the steps of a body follow, whose rates reach `fastest`: the nutation
     /// `|h| / I` by the rotor, the relaxation `2 c |omega| / I` by the drag, and the turn `e` by the sink with the
-    /// relaxation that it causes. The momentum in space is
-    /// constant if there is no torque, `is_torque_free`.
+    /// relaxation that it causes. The momentum in space is constant if there is no torque, `is_torque_free`.
     pub(crate) fn step_rate(&self, body: &Body, fastest: f64, is_torque_free: bool) -> f64 {
         let [least, largest] = range(body.moments);
         let size = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();

@@ -40,8 +40,9 @@ pub fn closed_forms<'py>(
     Ok(evaluated(py, "closed forms", bodies.len(), code)?.into_pyarray(py))
 }
 
-/// The code of the closed form that applies to a question for each body from any start. The question is "states", "regular", "no_flip" or "tilt_from_vertical"; the last two need a body axis, 1 to 3, which is
-/// optional for "no_flip".
+/// The code of the closed form that applies to a question for each body from any start. The question is "states",
+/// "regular", "no_flip" or "tilt_from_vertical"; the last two need a body axis, 1 to 3, which is optional for
+/// "no_flip".
 #[pyfunction]
 #[pyo3(signature = (question, *, moments, weight, axis=None))]
 pub fn closed_forms_for<'py>(
