@@ -263,10 +263,12 @@ def simulate(
         plan = choice.plan
         if watched and choice.method != EXACT and choice.method not in series_methods():
             choice = choose_method(replace(problem, method=METHOD))
-            plan = partial(_by_series, choice.plan)
+            why = ("a Taylor series knows the events inside its steps",)
+            plan = partial(_amended, choice.plan, why=why)
         chosen, steps = choice.method, choice.steps
     if tolerance is not None:
-        plan = partial(_by_tolerance, plan, tolerance)
+        own = f"each body takes its own steps, last terms below {tolerance:g}"
+        plan = partial(_amended, plan, own, step=None, steps=None, work=None, error=None)
     request = Request(
         batch=batch,
         times=times,
@@ -302,7 +304,7 @@ def simulate(
         batch.note_rates(states["fastest_rate"])
         estimate = closed_form_error(batch, request.times, states["omega"])
         worst = largest(estimate.error)
-        plan = partial(_with_error, plan, worst if worst < 1.0 else None)
+        plan = partial(_amended, plan, error=worst if worst < 1.0 else None)
     else:
         every = method is None and step is None
         states, estimate = integrate(
@@ -314,7 +316,7 @@ def simulate(
     if parameters is not None:
         change = parameter_changes(scene, batch, shape, parameters) if parameters else None
         matrices, sensitivity, words = tangent_of(request, steps, method, change)
-        plan = partial(_with_reason, plan, words)
+        plan = partial(_amended, plan, words)
     if target is not PLAIN:
         estimate = ErrorEstimate(target.finish(states, estimate.error), estimate.lost_from)
     spec = {
@@ -341,23 +343,12 @@ def _plan_of_any_start(
     return choose_method(problem).plan()
 
 
-def _by_series(make: MakesPlan) -> Plan:
-    return replace(make(), why=("a Taylor series knows the events inside its steps",))
-
-
-def _by_tolerance(make: MakesPlan, tolerance: float) -> Plan:
+def _amended(make: MakesPlan, reason: str | None = None, **fields: Any) -> Plan:
+    """A plan with other fields, and with one reason more."""
     plan = make()
-    own = f"each body takes its own steps, last terms below {tolerance:g}"
-    return replace(plan, why=(*plan.why, own), step=None, steps=None, work=None, error=None)
-
-
-def _with_error(make: MakesPlan, error: float | None) -> Plan:
-    return replace(make(), error=error)
-
-
-def _with_reason(make: MakesPlan, words: str) -> Plan:
-    plan = make()
-    return replace(plan, why=(*plan.why, words))
+    if reason is not None:
+        fields["why"] = (*plan.why, reason)
+    return replace(plan, **fields)
 
 
 def _checked_count(count: int | None, watched: Sequence[Event], until: object) -> int | None:
