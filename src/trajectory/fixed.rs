@@ -1,7 +1,8 @@
 //! States by steps of a scheme.
 
 use super::{
-    Effort, Integration, Request, Schedule, StatesPart, blocks, invariants_at_start, kinds_in, over_blocks_of,
+    Effort, Integration, Request, Schedule, StatesPart, blocks, invariants_at_start, kinds_in, neighbours,
+    over_blocks_of,
 };
 use crate::error::Error;
 use crate::forcing::BodyForcing;
@@ -166,24 +167,46 @@ pub fn simulate(
     isa: Isa,
     stop: &Interrupt,
 ) -> Result<Effort, Error> {
-    let ways = Integration::of_block(request, scheme, 0..request.bodies.len())?;
+    let count = request.bodies.len();
+    let ways = Integration::of_block(request, scheme, 0..count)?;
     let kind = |index: usize| ways[index].kind();
+    let is_even = (1..count).all(|index| steps_of_legs(request, index) == steps_of_legs(request, 0));
+    let blocks = match is_even {
+        true => blocks(count, kind)?,
+        false => neighbours(count, bodies_of_uneven_blocks(count, threads), |_| ())?,
+    };
     // The bits of a body do not depend on the others of its group.
-    over_blocks_of(
-        request,
-        &blocks(request.bodies.len(), kind)?,
-        states,
-        threads,
-        stop,
-        |block, mut states| {
-            states.forget();
-            for members in kinds_in(block.clone(), kind)?.iter().flat_map(|kind| kind.chunks(LANES)) {
-                let own = &ways[block.clone()];
-                FixedBatch::new(request, own, block.start, members, isa, &mut states).run(stop)?;
+    over_blocks_of(request, &blocks, states, threads, stop, |block, mut states| {
+        states.forget();
+        for mut members in kinds_in(block.clone(), kind)? {
+            if !is_even {
+                // A group makes the steps of the body that needs most.
+                members.sort_unstable_by_key(|&member| steps_of_legs(request, block.start + member));
             }
-            Ok(0)
-        },
-    )
+            for group in members.chunks(LANES) {
+                let own = &ways[block.clone()];
+                FixedBatch::new(request, own, block.start, group, isa, &mut states).run(stop)?;
+            }
+        }
+        Ok(0)
+    })
+}
+
+/// The steps that a body makes between two wanted times, as if these were equally spaced.
+fn steps_of_legs(request: &Request, index: usize) -> u64 {
+    let [first, last] = request.range_of(index);
+    if last - first < f64::INFINITY {
+        ((last - first) / (request.steps[index] * request.schedule.len() as f64)).ceil() as u64
+    } else {
+        // The schedule gives the steps.
+        0
+    }
+}
+
+/// Bodies of a block whose groups are formed by their numbers of steps: the more, the more alike are those of a group.
+fn bodies_of_uneven_blocks(count: usize, threads: usize) -> usize {
+    const MOST: usize = 16 * LANES;
+    count.div_ceil(2 * threads.max(1)).next_multiple_of(LANES).clamp(LANES, MOST)
 }
 
 /// The bodies of one group.

@@ -362,10 +362,13 @@ def costliest(parts: Sequence[Estimate]) -> Estimate:
 
 
 def _by_group(steps: Floats) -> float:
-    """The mean of the steps of groups: each takes as many as the body of it that needs most."""
+    """The mean of the steps of groups: each takes as many as the body of it that needs most.
+
+    Groups are formed by the numbers of steps.
+    """
     if not len(steps):
         return 0.0
-    return float(np.maximum.reduceat(steps, np.arange(0, len(steps), LANES)).mean())
+    return float(np.maximum.reduceat(np.sort(steps), np.arange(0, len(steps), LANES)).mean())
 
 
 def _ends(steps: Floats) -> float:
@@ -373,8 +376,7 @@ def _ends(steps: Floats) -> float:
     if not len(steps) or steps.min() == steps.max():
         return 1.0
     groups = np.full((math.ceil(len(steps) / LANES), LANES), np.nan)
-    groups.flat[: len(steps)] = np.ceil(steps)
-    groups.sort(axis=1)
+    groups.flat[: len(steps)] = np.sort(np.ceil(steps))
     return 1.0 + float(np.count_nonzero(np.diff(groups, axis=1) > 0.0)) / len(groups)
 
 
