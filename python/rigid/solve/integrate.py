@@ -29,6 +29,15 @@ SAMPLE = 32
 ATTEMPTS = 4
 """Largest number of times that the steps of a body are shortened to reach an accuracy."""
 
+MARGIN = 4.0
+"""Shorter steps should err by the accuracy over this. Another attempt costs more than they do."""
+
+LEAST, MOST = 1.2, 8.0
+"""The steps of an attempt are shorter by a factor between these."""
+
+MUCH = 2.0
+"""Steps shorter by less may err more: errors of few steps do not fall evenly."""
+
 DIVISION = 8.0
 """Under strong damping each attempt divides all steps by this."""
 
@@ -134,33 +143,39 @@ def _refine(
     longest = intervals(request.times).max(axis=-1, initial=0.0)
     steps, order = np.minimum(steps, longest), order_of(request.method)
     pending = np.flatnonzero(estimate.error > accuracy)
+    stiffly = is_damped_stiffly(request)
     for attempt in range(1, ATTEMPTS + 1):
         if not len(pending):
             break
-        refinement = 1.0
-        if is_damped_stiffly(request):
+        before = estimate.error[pending]
+        shortened = _step_reductions(before, accuracy, order)
+        if stiffly:
             # What the start forgets at once needs short steps there, not everywhere.
             refinement = DIVISION**attempt
         else:
-            steps[pending] /= _step_reductions(estimate.error[pending], accuracy, order)
+            refinement = 1.0
+            steps[pending] /= shortened
         some = request.select(pending)
         shorter = some.states(steps[pending], refinement)
         again = estimate_error(some, shorter, steps[pending], refinement)
-        # Shorter steps do not help where rounding or chaos dominates.
-        better = again.error < estimate.error[pending]
+        better = again.error < before
         states["nanoseconds"] += shorter["nanoseconds"]
         _replace_states(states, pending[better], select_states(shorter, np.flatnonzero(better)))
         estimate.error[pending[better]] = again.error[better]
         estimate.lost_from[pending[better]] = again.lost_from[better]
-        pending = pending[better & (again.error > accuracy)]
+        # Where half of the digits are still missing, rounding or chaos keeps them.
+        helped = again.error < np.sqrt(before * accuracy)
+        lost = better & (before >= 1.0)
+        helped |= better if stiffly else lost | (shortened < MUCH) & (attempt == 1)
+        pending = pending[helped & (again.error > accuracy)]
     return estimate
 
 
 def _step_reductions(errors: Floats, accuracy: float, order: int) -> Floats:
-    """The factors by which steps must shrink for errors to fall below the accuracy."""
+    """The factors by which steps must shrink for errors to fall well below the accuracy."""
     # Powers of single floats: those of an array have other bits on other processors.
-    factors = [(2.0 * error / accuracy) ** (1.0 / order) for error in errors.tolist()]
-    reductions: Floats = np.clip(np.array(factors), 1.05, 8.0)
+    factors = [(MARGIN * error / accuracy) ** (1.0 / order) for error in errors.tolist()]
+    reductions: Floats = np.clip(np.array(factors), LEAST, MOST)
     return reductions
 
 
