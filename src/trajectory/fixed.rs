@@ -1,8 +1,8 @@
 //! States by steps of a scheme.
 
 use super::{
-    Effort, Integration, Request, Schedule, StatesPart, blocks, invariants_at_start, kinds_in, neighbours,
-    over_blocks_of,
+    Effort, Integration, Request, Schedule, StatesPart, blocks, bodies_of_uneven_blocks, has_even_steps,
+    invariants_at_start, kinds_in, neighbours, over_blocks_of, steps_of_legs,
 };
 use crate::error::Error;
 use crate::forcing::BodyForcing;
@@ -170,7 +170,7 @@ pub fn simulate(
     let count = request.bodies.len();
     let ways = Integration::of_block(request, scheme, 0..count)?;
     let kind = |index: usize| ways[index].kind();
-    let is_even = (1..count).all(|index| steps_of_legs(request, index) == steps_of_legs(request, 0));
+    let is_even = has_even_steps(request);
     let blocks = match is_even {
         true => blocks(count, kind)?,
         false => neighbours(count, bodies_of_uneven_blocks(count, threads), |_| ())?,
@@ -190,23 +190,6 @@ pub fn simulate(
         }
         Ok(0)
     })
-}
-
-/// The steps that a body makes between two wanted times, as if these were equally spaced.
-fn steps_of_legs(request: &Request, index: usize) -> u64 {
-    let [first, last] = request.range_of(index);
-    if last - first < f64::INFINITY {
-        ((last - first) / (request.steps[index] * request.schedule.len() as f64)).ceil() as u64
-    } else {
-        // The schedule gives the steps.
-        0
-    }
-}
-
-/// Bodies of a block whose groups are formed by their numbers of steps: the more, the more alike are those of a group.
-fn bodies_of_uneven_blocks(count: usize, threads: usize) -> usize {
-    const MOST: usize = 16 * LANES;
-    count.div_ceil(2 * threads.max(1)).next_multiple_of(LANES).clamp(LANES, MOST)
 }
 
 /// The bodies of one group.

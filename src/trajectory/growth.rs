@@ -6,7 +6,7 @@
 
 use super::fixed::{GroupStops, Leg};
 use super::frame::{Frame, MAX_DISPLACEMENTS};
-use super::{Integration, Request, kinds_in, neighbours};
+use super::{Integration, Request, bodies_of_uneven_blocks, has_even_steps, kinds_in, neighbours};
 use crate::error::Error;
 use crate::kernel::{
     Compiled, DisplacementRows, Entry, ForcingRows, Group, Kernel, System, load, reset_time,
@@ -107,7 +107,9 @@ pub fn growth(
         status: &mut growths.status,
         steps: &mut growths.steps,
     };
-    let blocks = neighbours(request.bodies.len(), LANES, |_| ())?;
+    let count = request.bodies.len();
+    let most = if has_even_steps(request) { LANES } else { bodies_of_uneven_blocks(count, threads) };
+    let blocks = neighbours(count, most, |_| ())?;
     let parts =
         blocks.iter().map(|block| (block.clone(), rest.split_off(times, displacements.count, block.len())));
     over_blocks(parts, threads, stop, |(block, mut part)| {

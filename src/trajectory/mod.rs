@@ -171,6 +171,28 @@ fn kinds_in<K: PartialEq>(block: Range<usize>, kind: impl Fn(usize) -> K) -> Res
     Ok(kinds.into_iter().map(|(_, members)| members).collect())
 }
 
+/// The steps that a body makes between two wanted times, as if these were equally spaced.
+fn steps_of_legs(request: &Request, index: usize) -> u64 {
+    let [first, last] = request.range_of(index);
+    if last - first < f64::INFINITY {
+        ((last - first) / (request.steps[index] * request.schedule.len() as f64)).ceil() as u64
+    } else {
+        // The schedule gives the steps.
+        0
+    }
+}
+
+/// Whether all bodies make as many steps: then they need not be sorted.
+fn has_even_steps(request: &Request) -> bool {
+    (1..request.bodies.len()).all(|index| steps_of_legs(request, index) == steps_of_legs(request, 0))
+}
+
+/// Bodies of a block whose groups are formed by their numbers of steps: the more, the more alike are those of a group.
+fn bodies_of_uneven_blocks(count: usize, threads: usize) -> usize {
+    const MOST: usize = 16 * LANES;
+    count.div_ceil(2 * threads.max(1)).next_multiple_of(LANES).clamp(LANES, MOST)
+}
+
 /// Whether the request takes less than some 100 microseconds, about as long as to start a thread.
 fn is_light(request: &Request) -> bool {
     // Steps and states of many bodies cost tens of nanoseconds each.
