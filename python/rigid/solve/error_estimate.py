@@ -2,10 +2,11 @@
 
 Steps that are shorter by ``2**(2/p)``, and at least by a sixth, leave a quarter or less of the
 truncation error of a method of order ``p``: the difference of the two runs is nearly all of it.
-Where rounding dominates, or chaos amplifies it, the two runs differ by about as much as each of
-them errs. In both cases three times the difference is stated: nearly always more than the error,
-and seldom much more. The extrapolation is Richardson's (Hairer, Nørsett, Wanner, *Solving Ordinary
-Differential Equations I*, § II.4).
+Where bodies are integrated again they are shorter by ``2**(4/p)``. Where rounding dominates, or
+chaos amplifies it, the two runs differ by about as much as each of them errs. In both cases three
+times the difference is stated: nearly always more than the error, and seldom much more. The
+extrapolation is Richardson's (Hairer, Nørsett, Wanner, *Solving Ordinary Differential Equations I*,
+§ II.4).
 
 The second run divides the steps of the first: between any two wanted times it takes at least one
 step more. It begins at a start that is rounded otherwise. The runs are compared at every wanted
@@ -28,7 +29,7 @@ from .cost_model import ROUNDING, phase_error
 from .request import Request, select_states
 from .rounding import REST, common_rounding
 from .saddle import RateSizes, departure, homoclinic, separatrices
-from .second_run import FEW, is_damped_stiffly, second_run
+from .second_run import FEW, HALVINGS, is_damped_stiffly, second_run
 from .status import Status
 
 __all__ = [
@@ -134,8 +135,9 @@ def estimate_error(
     states: Mapping[str, Any],
     steps: Floats | None,
     refinement: float = 1.0,
+    halvings: float = HALVINGS,
 ) -> ErrorEstimate:
-    """The error of states from a second run.
+    """The error of states from a second run, which halves the truncation error so many times.
 
     The states were made with these longest steps (s) and this :meth:`refinement <Request.states>`.
     """
@@ -148,7 +150,7 @@ def estimate_error(
             if len(some):
                 longest = None if steps is None else steps[some]
                 parts = request.select(some), select_states(states, some), longest
-                estimate.write(some, estimate_error(*parts, refinement))
+                estimate.write(some, estimate_error(*parts, refinement, halvings))
         return estimate
     span = time_span(times)
     if not np.any(span) or not times.shape[-1]:
@@ -159,7 +161,7 @@ def estimate_error(
     fastest = lengths(states["omega"]).max(axis=1)
     compensated = request.tolerance is not None
     floor = common_rounding(batch, method, states, rates, scale, span, compensated=compensated)
-    again = second_run(request, steps, refinement, taken)
+    again = second_run(request, steps, refinement, taken, halvings)
     error = _stated_distances(batch, states, again, rates)
     sizes = RateSizes(fastest, REST * scale, scale)
     error += floor[:, None] + departure(batch, times, sizes) + homoclinic(batch, times, sizes)

@@ -15,9 +15,12 @@ from .batch import Batch
 from .methods import is_stiff, order_of, series_methods
 from .request import Request
 
-__all__ = ["is_damped_stiffly", "second_run"]
+__all__ = ["HALVINGS", "is_damped_stiffly", "second_run"]
 
 Floats = NDArray[np.float64]
+
+HALVINGS = 2.0
+"""The second run halves the truncation error so many times."""
 
 FEW = 32
 """Fewer steps under strong damping: the error may grow at first as they become shorter."""
@@ -34,7 +37,11 @@ The tolerance is that of the rates: under damping their squares, the power, conv
 
 
 def second_run(
-    request: Request, steps: Floats | None, refinement: float, taken: Floats
+    request: Request,
+    steps: Floats | None,
+    refinement: float,
+    taken: Floats,
+    halvings: float = HALVINGS,
 ) -> dict[str, Any]:
     """The states of the same bodies at the same times, with shorter steps than those taken.
 
@@ -52,7 +59,7 @@ def second_run(
             tolerance = min(tolerance, max(tolerance / TIGHTER, FINEST))
         method = other if request.method == last else last
         return replace(second, method=method, tolerance=tolerance).states(None)
-    ratio = max(2.0 ** (2.0 / order_of(request.method)), 1.2)
+    ratio = max(2.0 ** (halvings / order_of(request.method)), 1.2)
     if is_damped_stiffly(request):
         # Under strong damping the order of these methods falls, to one at worst.
         ratio = max(ratio, 4.0 if taken.min() < FEW else 2.0)
