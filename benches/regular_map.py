@@ -48,6 +48,18 @@ def starts() -> tuple[Floats, Floats, Floats]:
     return omega, vertical, attitude
 
 
+def columns() -> dict[str, Floats]:
+    """Moments, weight, rates and attitude of the bodies."""
+    omega, _, attitude = starts()
+    moments, weight = (np.tile(row, (len(omega), 1)) for row in (MOMENTS, MGL * COM))
+    return {"moments": moments, "weight": weight, "omega": omega, "attitude": attitude}
+
+
+def displacements() -> Floats:
+    """The displacement of each body at the start."""
+    return np.ascontiguousarray(_core.displacement_starts(**columns())[:, 0])
+
+
 def rates() -> Callable[..., tuple[Any, ...]]:
     """Rates of change of rates, vertical and displacement; the numbers of the body as literals."""
     i1, i2, i3 = MOMENTS.tolist()
@@ -84,9 +96,7 @@ class Numba:
         import numba
 
         omega, vertical, _ = starts()
-        unit = np.sqrt((omega**2).sum(axis=1) + MGL / MOMENTS.min())
-        tangent = np.tile(_core.displacement_starts()[0], (len(omega), 1))
-        tangent[:, :3] *= unit[:, None]
+        tangent = displacements()
         self.start = np.ascontiguousarray(np.concatenate([omega, vertical, tangent], axis=1).T)
         form = Form("top", 12, rates(), lambda *_: self.start, lambda *_: ((), ()))
         fast = {"fastmath": True, "error_model": "numpy"}
@@ -115,20 +125,11 @@ class Rigid:
     """All bodies by a method, in steps of an angle of the bound of their rates."""
 
     def __init__(self, method: str) -> None:
-        omega, _, attitude = starts()
         self.method = method
-        self.bodies = {
-            "scene": "top",
-            "moments": np.tile(MOMENTS, (len(omega), 1)),
-            "weight": np.tile(MGL * COM, (len(omega), 1)),
-            "omega": omega,
-            "attitude": attitude,
-        }
+        self.bodies = {"scene": "top", **columns()}
         self.rates = _core.fastest_rates(**self.bodies)
-        columns = {name: self.bodies[name] for name in ("moments", "weight", "omega", "attitude")}
-        self.scale = _core.rate_units(**columns)
-        self.displacements = np.tile(_core.displacement_starts()[0], (len(omega), 1))
-        self.displacements[:, :3] *= self.scale[:, None]
+        self.scale = _core.rate_units(**columns())
+        self.displacements = displacements()
 
     def run(self, per_radian: float) -> dict[str, Any]:
         return _core.growth(

@@ -97,7 +97,7 @@ impl Watched<'_> {
                     let step = self.t_end / steps as f64;
                     let assignment = self.assignment(body, cross_check);
                     let displacement = match rule {
-                        Some(_) => regular::displacement(body, of_attitude, cross_check),
+                        Some(_) => regular::displacement(body, forcing, of_attitude, cross_check),
                         None => Displacement::NONE,
                     };
                     let course = rule.map(|rule| {

@@ -19,7 +19,7 @@ pub use draw::{Laws, Mixed};
 pub use interval::{clopper_pearson, clopper_pearson_of_each};
 pub use joined::{Condition, Logic, MOST_CONDITIONS};
 pub use measure::{Measure, Quantity};
-pub use regular::{DISPLACEMENTS, PARTS, Rule};
+pub use regular::{DISPLACEMENTS, PARTS, Rule, displacement_start};
 pub use request::{Map, MethodChoice, Pixel};
 pub use sketch::{Bin, Sketch};
 pub use statistics::{Class, Column, FIXED_POINT, Field, Outcome, Statistics};

@@ -4,7 +4,9 @@
 //! where displacements grow exponentially, so it doubles with the time.
 
 use super::{Class, Outcome, STEP_BLOCK, Watched};
+use crate::forcing::BodyForcing;
 use crate::kernel::{Group, System};
+use crate::kinematics::cross;
 use crate::observe::{Displacement, Growth};
 use crate::simd::Isa;
 use crate::start::Body;
@@ -65,8 +67,8 @@ impl Rule {
     }
 }
 
-/// The generic displacements of the first and of the second run, with rates in the unit of the body: each has a part
-/// along the direction that grows most. The others are for spectra.
+/// Generic displacements, with rates in the unit of the body: each has a part along the direction that grows most. Those
+/// of the first and of the second run of a verdict follow from the first two; the others are for spectra.
 pub const DISPLACEMENTS: [[f64; 6]; 6] = [
     [0.5, -0.25, 0.375, 0.3125, 0.4375, -0.5],
     [-0.25, 0.5, 0.125, 0.25, -0.375, 0.625],
@@ -76,14 +78,66 @@ pub const DISPLACEMENTS: [[f64; 6]; 6] = [
     [-0.5, 0.375, 0.25, -0.125, 0.5, -0.625],
 ];
 
+/// The largest component of what is left on the level of `L.gamma` must exceed this: rounding has no part in it then.
+const LEAST_LEFT: f64 = 1.0 / (1 << 20) as f64;
+
 /// The displacement of a run of a sample.
-pub(super) fn displacement(body: &Body, of_attitude: bool, cross_check: bool) -> Displacement {
-    let unit = body.rate_unit();
-    let mut start = DISPLACEMENTS[usize::from(cross_check)];
+pub(super) fn displacement(
+    body: &Body,
+    forcing: BodyForcing,
+    of_attitude: bool,
+    cross_check: bool,
+) -> Displacement {
+    let start = displacement_start(body, forcing, cross_check);
+    Displacement { start, inverse_scale: [1.0 / body.rate_unit(); 3], of_attitude }
+}
+
+/// The displacement from which a verdict begins: that of the first run, or of the one that checks it.
+///
+/// Where `L.gamma` is conserved by a weight, it is the part of the generic displacement that keeps `L.gamma`. A motion
+/// changes with `L.gamma` too: at a resonance quadratically in the time, and a top may be integrable at one value only.
+pub fn displacement_start(body: &Body, forcing: BodyForcing, cross_check: bool) -> [f64; 6] {
+    let (generic, unit) = (DISPLACEMENTS[usize::from(cross_check)], body.rate_unit());
+    let keeps_momentum = forcing.is_none() && body.weight != [0.0; 3];
+    let gradient = if keeps_momentum { momentum_gradient(body, unit) } else { None };
+    let level = gradient.map(|gradient| across(&generic, &gradient));
+    let mut start = level.filter(|level| largest(level) > LEAST_LEFT).unwrap_or(generic);
     for rate in &mut start[..3] {
         *rate *= unit;
     }
-    Displacement { start, inverse_scale: [1.0 / unit; 3], of_attitude }
+    start
+}
+
+/// The gradient of `L.gamma = I omega . gamma` by a displacement with rates in this unit, its largest component one in
+/// size: `(unit I gamma, I omega x gamma)`, because a rotation vector x changes gamma by `gamma x x`. `None` if it
+/// vanishes or is not finite. Moments over the largest one and rates over their unit leave no range.
+fn momentum_gradient(body: &Body, unit: f64) -> Option<[f64; 6]> {
+    let vertical = body.vertical();
+    let most = largest(&body.moments);
+    let moments = body.moments.map(|moment| moment / most);
+    let momentum = [0, 1, 2].map(|k| moments[k] * (body.omega[k] / unit));
+    let [a, b, c] = [0, 1, 2].map(|k| moments[k] * vertical[k]);
+    let [x, y, z] = cross(&momentum, &vertical);
+    let gradient = [a, b, c, x, y, z];
+    let most = largest(&gradient);
+    let scaled = gradient.map(|g| g / most);
+    scaled.iter().all(|g| g.is_finite()).then_some(scaled)
+}
+
+/// The part of a displacement across a direction.
+fn across(displacement: &[f64; 6], direction: &[f64; 6]) -> [f64; 6] {
+    let product = |a: &[f64; 6], b: &[f64; 6]| a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + a * b);
+    let along = product(displacement, direction) / product(direction, direction);
+    let mut left = *displacement;
+    for (left, direction) in left.iter_mut().zip(direction) {
+        *left -= along * direction;
+    }
+    left
+}
+
+/// The largest size of some components.
+fn largest(components: &[f64]) -> f64 {
+    components.iter().fold(0.0, |largest, component| largest.max(component.abs()))
 }
 
 /// The way of a sample through its checkpoints.
@@ -192,8 +246,130 @@ impl Watched<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::forcing::Forcing;
+    use crate::kinematics::{dot, quaternion_product};
+    use std::array;
 
     const RULE: Rule = Rule { sure: 2.1, low: 3.0, high: 5.0, ratio: 1.5 };
+
+    const TOP: Body = Body {
+        moments: [1.0, 1.6, 0.7],
+        weight: [0.3, 0.2, 1.1],
+        omega: [0.5, -2.4, 1.25],
+        attitude: [0.5, -0.1, 0.7, 0.5],
+    };
+
+    /// `L.gamma` of a body with this change of its rates, turned by this rotation vector in the body.
+    fn momentum_about_vertical(body: &Body, [a, b, c, x, y, z]: [f64; 6]) -> f64 {
+        let angle = (x * x + y * y + z * z).sqrt();
+        let share = if angle > 0.0 { (0.5 * angle).sin() / angle } else { 0.0 };
+        let turn = [(0.5 * angle).cos(), share * x, share * y, share * z];
+        let turned = Body { attitude: quaternion_product(&body.attitude, &turn), ..*body };
+        let [p, q, r] = body.omega;
+        let momentum = [body.moments[0] * (p + a), body.moments[1] * (q + b), body.moments[2] * (r + c)];
+        dot(&momentum, &turned.vertical())
+    }
+
+    /// The derivative of `L.gamma` along a displacement by central differences.
+    fn slope(body: &Body, displacement: [f64; 6]) -> f64 {
+        let [after, before] =
+            [STEP, -STEP].map(|h| momentum_about_vertical(body, displacement.map(|u| h * u)));
+        (after - before) / (2.0 * STEP)
+    }
+
+    const STEP: f64 = 1e-5;
+
+    #[test]
+    fn displacements_of_a_verdict_keep_the_momentum_about_the_vertical() {
+        let tops = [
+            TOP,
+            Body { weight: [1.0, 0.0, 0.0], moments: [4.0, 4.0, 1.0], ..TOP },
+            Body { omega: [0.0; 3], ..TOP },
+            Body { omega: [30.0, -20.0, 40.0], ..TOP },
+            Body { moments: [1.0, 1.0, 1e-6], attitude: [1.0, 0.0, 0.0, 0.0], ..TOP },
+        ];
+        for body in tops {
+            let unit = body.rate_unit();
+            for cross_check in [false, true] {
+                let found = displacement_start(&body, BodyForcing::NONE, cross_check);
+                let generic = DISPLACEMENTS[usize::from(cross_check)];
+                let mut scaled = found;
+                scaled[..3].iter_mut().for_each(|rate| *rate /= unit);
+                // Truncation is the square of the step, rounding 2^-53 over the step, each times some L.
+                let momentum = largest(&body.moments) * unit;
+                assert!(slope(&body, found).abs() < 1e-10 * momentum, "{body:?}: {}", slope(&body, found));
+                // Only what is along the gradient is gone, and of it everything.
+                let gone: [f64; 6] = array::from_fn(|k| generic[k] - scaled[k]);
+                let gradient: [f64; 6] = array::from_fn(|k| {
+                    let mut along = [0.0; 6];
+                    along[k] = if k < 3 { unit } else { 1.0 };
+                    slope(&body, along) / momentum
+                });
+                let product = |a: &[f64; 6], b: &[f64; 6]| (0..6).map(|k| a[k] * b[k]).sum::<f64>();
+                let sizes = product(&gone, &gone).sqrt() * product(&gradient, &gradient).sqrt();
+                assert!((product(&gone, &gradient).abs() - sizes).abs() < 1e-9, "{body:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn displacements_do_not_depend_on_units() {
+        let known = displacement_start(&TOP, BodyForcing::NONE, false);
+        for (mass, rate) in [(3, -7), (900, 40), (900, -400), (-900, 400), (-900, -40)] {
+            let [mass, rate] = [mass, rate].map(|power| 2.0_f64.powi(power));
+            let scaled = Body {
+                moments: TOP.moments.map(|x| x * mass),
+                weight: TOP.weight.map(|x| x * rate * mass * rate),
+                omega: TOP.omega.map(|x| x * rate),
+                ..TOP
+            };
+            let mut found = displacement_start(&scaled, BodyForcing::NONE, false);
+            found[..3].iter_mut().for_each(|x| *x /= rate);
+            assert_eq!(found, known, "{mass:e} {rate:e}");
+        }
+    }
+
+    #[test]
+    fn bodies_whose_momentum_about_the_vertical_is_not_that_of_a_weight_have_generic_displacements() {
+        let damping = Forcing::new(&[], &[], &[], &[[0.1, 0.1, 0.1, 0.0, 0.0, 0.0]]).unwrap();
+        let nothing = Forcing::new(&[], &[], &[], &[[0.0; 6]]).unwrap();
+        let is_generic = |body: &Body, forcing: &Forcing| {
+            let unit = body.rate_unit();
+            let [a, b, c, x, y, z] = DISPLACEMENTS[1];
+            let found = displacement_start(body, forcing.of(0), true);
+            found == [a * unit, b * unit, c * unit, x, y, z]
+        };
+        assert!(!is_generic(&TOP, Forcing::NONE));
+        assert!(!is_generic(&TOP, &nothing));
+        assert!(is_generic(&TOP, &damping));
+        assert!(is_generic(&Body { weight: [0.0; 3], ..TOP }, Forcing::NONE));
+        assert!(is_generic(&Body { attitude: [f64::NAN; 4], ..TOP }, Forcing::NONE));
+    }
+
+    #[test]
+    fn a_displacement_along_the_gradient_stays() {
+        // The gradient (unit I gamma, L x gamma) is made equal to the displacement (d, x): gamma follows from d and moments
+        // for which gamma is across x, L from x, and the weight from the unit.
+        let [a, b, c, x, y, z] = DISPLACEMENTS[0];
+        let (i1, i2) = (0.1, 0.2);
+        let moments = [i1, i2, -c * z / (a * x / i1 + b * y / i2)];
+        let along = [a / moments[0], b / moments[1], c / moments[2]];
+        let unit = dot(&along, &along).sqrt();
+        let gamma = along.map(|x| x / unit);
+        let momentum = cross(&gamma, &[x, y, z]);
+        let omega = [0, 1, 2].map(|k| momentum[k] / moments[k]);
+        let mgl = (unit * unit - dot(&omega, &omega)) * moments.iter().fold(f64::INFINITY, |a, &b| a.min(b));
+        assert!(mgl > 0.0);
+        // The shortest turn that brings the vertical to gamma in the body.
+        let scale = (2.0 * (1.0 + gamma[2])).sqrt();
+        let attitude = [0.5 * scale, gamma[1] / scale, -gamma[0] / scale, 0.0];
+        let body = Body { moments, weight: [mgl, 0.0, 0.0], omega, attitude };
+        assert!((0..3).all(|k| (body.vertical()[k] - gamma[k]).abs() < 1e-15));
+        assert!((body.rate_unit() - unit).abs() < 1e-14);
+        let found = displacement_start(&body, BodyForcing::NONE, false);
+        assert_eq!(found[3..], DISPLACEMENTS[0][3..]);
+        assert_ne!(displacement_start(&body, BodyForcing::NONE, true)[3..], DISPLACEMENTS[1][3..]);
+    }
 
     #[test]
     fn powers_of_the_time_are_regular_or_undecided_and_exponentials_chaotic() {

@@ -4,7 +4,7 @@ use super::convert::{BodyColumns, column, copied, interruptible, rows, same_leng
 use super::forcing::PyForcing;
 use super::simulate::forcing_of;
 use crate::error::Error;
-use crate::map::{Class, DISPLACEMENTS, Rule};
+use crate::map::{Class, DISPLACEMENTS, Rule, displacement_start};
 use crate::memory;
 use crate::observe::Displacement;
 use crate::parallel::Interrupt;
@@ -17,7 +17,7 @@ use crate::status::Status;
 use crate::trajectory::{self, Displacements, Growths, MAX_DISPLACEMENTS, Record, Request, Schedule};
 use numpy::ndarray::Array3;
 use numpy::{
-    IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
+    IntoPyArray, PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
     PyUntypedArrayMethods,
 };
 use pyo3::prelude::*;
@@ -109,10 +109,32 @@ fn to_dict(
     Ok(dict)
 }
 
-/// The displacements that are taken if none are given, (6, 6): rates in the unit of the body, rotation vectors in rad.
+/// Generic displacements, (6, 6): rates in the unit of the body, rotation vectors in rad.
 #[pyfunction]
-pub fn displacement_starts(py: Python<'_>) -> PyResult<Bound<'_, PyArray2<f64>>> {
+pub fn generic_displacements(py: Python<'_>) -> PyResult<Bound<'_, PyArray2<f64>>> {
     DISPLACEMENTS.as_flattened().to_vec().into_pyarray(py).reshape([6, 6])
+}
+
+/// The displacements of the two runs of a verdict on each body, (n, 2, 6): changes of the rates, rotation vectors in rad.
+#[pyfunction]
+#[pyo3(signature = (*, moments, weight, omega, attitude, forcing=None))]
+pub fn displacement_starts<'py>(
+    py: Python<'py>,
+    moments: PyReadonlyArray2<'py, f64>,
+    weight: PyReadonlyArray2<'py, f64>,
+    omega: PyReadonlyArray2<'py, f64>,
+    attitude: PyReadonlyArray2<'py, f64>,
+    forcing: Option<PyRef<'py, PyForcing>>,
+) -> PyResult<Bound<'py, PyArray3<f64>>> {
+    let columns = BodyColumns::of_arrays(&moments, &weight, &omega, &attitude)?;
+    let n = columns.len();
+    let forcing = forcing_of(forcing.as_ref(), n)?;
+    let both = (0..n).map(|index| {
+        let (body, forcing) = (columns.body(index), forcing.of(index));
+        [false, true].map(|cross_check| displacement_start(&body, forcing, cross_check))
+    });
+    let starts = memory::collected("displacements", n, both)?;
+    starts.into_flattened().into_flattened().into_pyarray(py).reshape([n, 2, 6])
 }
 
 /// The unit of changes of the rates of each body.

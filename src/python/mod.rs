@@ -51,7 +51,7 @@ mod _core {
     #[pymodule_export]
     use super::forcing::PyForcing;
     #[pymodule_export]
-    use super::growth::{displacement_starts, growth, rate_units, verdicts};
+    use super::growth::{displacement_starts, generic_displacements, growth, rate_units, verdicts};
     #[pymodule_export]
     use super::map::{MapJob, MapStatistics, clopper_pearson, map_columns};
     #[pymodule_export]

@@ -296,8 +296,8 @@ def regular(
     A small displacement of the motion is integrated with it. It grows like a power of the time on
     regular motions, and exponentially on chaotic ones: the mean MEGNO stays, or doubles with the
     time. What is neither yet is undecided. A map runs each body twice, by two methods and from two
-    displacements. A body is regular if both runs are; chaotic if one is and the other is not
-    regular.
+    displacements, which keep ``L·gamma`` of a top without torque and damping. A body is regular if
+    both runs are; chaotic if one is and the other is not regular.
 
     Parameters
     ----------

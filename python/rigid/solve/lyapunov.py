@@ -32,9 +32,9 @@ __all__ = ["growth_of", "lyapunov"]
 
 Floats = NDArray[np.float64]
 
-STARTS = _core.displacement_starts()
-"""Displacements at the start: rates in the unit of the body, rotation vectors in rad. They are
-generic, so that each has a part along the direction that grows most."""
+GENERIC = _core.generic_displacements()
+"""Displacements at the start: rates in the unit of the body, rotation vectors in rad. Each has a
+part along the direction that grows most."""
 
 ANOTHER = "taylor20"
 """The method of the second run of :data:`SECOND`."""
@@ -91,7 +91,8 @@ def lyapunov(
         Number of exponents, from the largest down, by Gram-Schmidt: 1 to 6, to 5 of the rates.
     start : array_like, shape (6,) or (exponents, 6), optional
         Displacements at the start: changes of the rates (rad/s), and rotation vectors in the body
-        (rad). Default: generic ones, the same for all bodies in their units.
+        (rad). Default: generic ones, the same for all bodies in their units; the first, whose
+        growth the verdict is on, is projected on the level of ``L·gamma`` of a top.
     method : str, optional
         One of the :func:`rigid.methods` with a tangent. Default: ``"taylor16"``.
     step : float, optional
@@ -117,6 +118,10 @@ def lyapunov(
 
     Notes
     -----
+    ``L·gamma`` of a top without torque and damping is conserved, and how the motion changes with it
+    is no matter of chaos: at a resonance this change is quadratic in the time, and some tops are
+    integrable at one value only. So both displacements of a verdict keep it.
+
     All integrals are those of ``Λ = ln |v|`` over the time. They are sums over the steps of a
     Runge-Kutta method; a Taylor method knows ``Λ`` inside its steps too.
 
@@ -281,12 +286,22 @@ class _Run:
 
     def again(self, method: str, first: Floats) -> dict[str, Any]:
         """Each body twice, with the same displacement (n, 6) and with another, by a method."""
-        other = _unscaled(STARTS[1], self.scale)
-        alike = np.linalg.norm(_unscaled(first, 1.0 / self.scale) - STARTS[1], axis=1) < 1e-8
-        other = np.where(alike[:, np.newaxis], _unscaled(STARTS[0], self.scale), other)
+        starts = _starts(self.batch)
+        first_in_units, in_units = (
+            _unscaled(vectors, 1.0 / self.scale) for vectors in (first, starts[:, 1])
+        )
+        alike = np.linalg.norm(first_in_units - in_units, axis=1) < 1e-8
+        other = np.where(alike[:, np.newaxis], starts[:, 0], starts[:, 1])
         pairs = np.stack([first, other], axis=1)
         twice = _Run(self.batch.repeat(2), self.times, self.of, self.max_steps, self.threads)
         return twice.growth(method, None, pairs.reshape(-1, 1, 6), FEWEST_AGAIN)
+
+
+def _starts(batch: Batch) -> Floats:
+    """Displacements of the two runs of a verdict on each body at its start, (n, 2, 6)."""
+    columns = batch.columns()
+    del columns["scene"]
+    return _core.displacement_starts(**columns)
 
 
 def _unscaled(vectors: Floats, scale: Floats) -> Floats:
@@ -303,8 +318,9 @@ def _displacements(batch: Batch, start: ArrayLike | None, count: int, of: str) -
     """Displacements of each body at its start, (n, k, 6)."""
     scale = rate_scale(batch)
     if start is None:
-        several = np.broadcast_to(STARTS[:count], (len(batch), count, 6))
-        return _unscaled(several, scale)
+        several = _unscaled(np.broadcast_to(GENERIC[:count], (len(batch), count, 6)), scale)
+        several[:, 0] = _starts(batch)[:, 0]
+        return several
     given = np.atleast_2d(numbers("start", start))
     if given.shape != (count, 6):
         raise ValueError(f"start: expected shape ({count}, 6), got {np.shape(start)}")

@@ -169,13 +169,15 @@ def test_damping_makes_every_motion_regular() -> None:
 
 
 def test_the_rule_can_be_moved() -> None:
-    """Nothing is chaotic above an unattainable bound, and nothing regular below a tiny one."""
+    """Nothing is chaotic above an unattainable bound, and below a tiny one only what stays."""
     never = regular_map(stable=rigid.regular(high=1e6))
     assert never.unstable.sum() == 0
     assert never.resolution == 1e4
     strict = regular_map(stable=rigid.regular(sure=1e-9, low=1e-6))
-    assert strict.stable.sum() == 0
     plain = regular_map()
+    # Beside a stable steady rotation displacements are bounded, and the limit of MEGNO is 0.
+    assert (strict.mean_megno[strict.stable == 1] < 1e-6).all()
+    assert strict.stable.sum() < 0.1 * plain.stable.sum()
     assert (strict.unstable == plain.unstable).all()
 
 
