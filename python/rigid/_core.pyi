@@ -32,6 +32,7 @@ __all__ = [
     "first_slow",
     "flip_times",
     "free_quantities",
+    "generic_displacements",
     "growth",
     "lagrange_axes",
     "map_columns",

@@ -110,7 +110,7 @@ pub fn displacement_start(body: &Body, forcing: BodyForcing, cross_check: bool) 
 
 /// The gradient of `L.gamma = I omega . gamma` by a displacement with rates in this unit, its largest component one in
 /// size: `(unit I gamma, I omega x gamma)`, because a rotation vector x changes gamma by `gamma x x`. `None` if it
-/// vanishes or is not finite. Moments over the largest one and rates over their unit leave no range.
+/// vanishes or is not finite. Moments over the largest one and rates over their unit stay in the range of doubles.
 fn momentum_gradient(body: &Body, unit: f64) -> Option<[f64; 6]> {
     let vertical = body.vertical();
     let most = largest(&body.moments);
