@@ -5,6 +5,7 @@
 
 mod alone;
 mod compositions;
+mod displacements;
 mod exponential;
 mod hermite;
 mod midpoint;

@@ -1,10 +1,9 @@
-//! Taylor series in time: one engine, any order.
+//! Taylor series in time of a motion: one engine, any order.
 //!
 //! The equations of motion are quadratic, so each order follows from the Cauchy products of the lower ones
 //! (Jorba & Zou 2005, §2). Coefficients are those of powers of t / step: their sum is the state after a step.
 
 use super::acceleration;
-use super::tangent::{Variation, turn};
 use super::{Engine, Facts, MAX_ORDER, Numbers, Scheme, Step, Stepper, Variables};
 use crate::forcing::ForcingInterval;
 use crate::kinematics::{
@@ -117,7 +116,7 @@ impl<R: Real, const D: usize> Coefficients<R, D> {
 
     /// Replaces the coefficients of one order of neighbouring numbers.
     #[inline(always)]
-    fn set(&mut self, k: usize, first: usize, numbers: [R; 6]) {
+    pub(super) fn set(&mut self, k: usize, first: usize, numbers: [R; 6]) {
         assert!(k < self.known);
         // SAFETY: `push` has written all rows below `known`.
         put(unsafe { self.rows[k].assume_init_mut() }, first, numbers);
@@ -186,31 +185,8 @@ impl<R: Real> Products<R> {
 
 /// Adds the products of the rates of one order with those of another.
 #[inline(always)]
-fn add_rates<R: Real, const D: usize>(a: &[R; D], b: &[R; D], sums: &mut [R; 3]) {
+pub(super) fn add_rates<R: Real, const D: usize>(a: &[R; D], b: &[R; D], sums: &mut [R; 3]) {
     *sums = [a[1].fma(b[2], sums[0]), a[2].fma(b[0], sums[1]), a[0].fma(b[1], sums[2])];
-}
-
-/// Cauchy products of one order with a displacement, and those of the rates where a change of the parameters needs them.
-#[derive(Clone, Copy)]
-struct VariedProducts<R> {
-    variation: Variation<R>,
-    rates: [R; 3],
-}
-
-impl<R: Real> VariedProducts<R> {
-    #[inline(always)]
-    fn none() -> Self {
-        VariedProducts { variation: Variation::none(), rates: [R::splat(0.0); 3] }
-    }
-
-    /// Adds the products of the motion of one order with the displacement of another.
-    #[inline(always)]
-    fn add<M: Model<R>, L: Layout, const D: usize>(&mut self, a: &[R; D], b: &[R; D]) {
-        self.variation.add::<M, L, D>(b, a);
-        if L::CHANGED {
-            add_rates(a, b, &mut self.rates);
-        }
-    }
 }
 
 #[inline(always)]
@@ -279,52 +255,6 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
         if L::TANGENT {
             self.displaced::<L, D>(unit, c);
         }
-    }
-
-    /// All coefficients of the displacement that begins with that of order 0, from those of the motion. The motion alone
-    /// comes first, because the sums of both together exceed the registers.
-    #[inline(always)]
-    fn displaced<L: Layout, const D: usize>(&self, unit: R, c: &mut Coefficients<R, D>) {
-        let mut torques = Torques::new();
-        for half in 0..self.order / 2 {
-            let k = 2 * half;
-            let (mut sums, mut after) = (VariedProducts::none(), VariedProducts::none());
-            for j in 1..k {
-                sums.add::<M, L, D>(c.order(j), c.order(k - j));
-                after.add::<M, L, D>(c.order(j + 1), c.order(k - j));
-            }
-            if k > 0 {
-                sums.add::<M, L, D>(c.order(0), c.order(k));
-                after.add::<M, L, D>(c.order(1), c.order(k));
-            }
-            sums.add::<M, L, D>(c.order(k), c.order(0));
-            self.set_next_displaced::<L, D>(unit, &sums, &mut torques, c, k);
-            after.add::<M, L, D>(c.order(0), c.order(k + 1));
-            after.add::<M, L, D>(c.order(k + 1), c.order(0));
-            self.set_next_displaced::<L, D>(unit, &after, &mut torques, c, k + 1);
-        }
-    }
-
-    /// Computes the coefficients of order k + 1 of the displacement, from the products and the coefficients of order k.
-    #[inline(always)]
-    fn set_next_displaced<L: Layout, const D: usize>(
-        &self,
-        unit: R,
-        sums: &VariedProducts<R>,
-        torques: &mut Torques<R>,
-        c: &mut Coefficients<R, D>,
-        k: usize,
-    ) {
-        let factor = unit * R::splat(INVERSE[k + 1]);
-        let torque = self.varied_torque::<L, D>(unit, torques, c, k);
-        let mut next = sums.variation.rate::<M, L, D>(&self.model, &self.applied, c.order(k), torque);
-        for i in 0..6 {
-            next[i] = factor * next[i];
-        }
-        if L::CHANGED {
-            self.add_changed::<D>(factor, &sums.rates, [c.order(k), c.order(k + 1)], k, &mut next);
-        }
-        c.set(k + 1, L::TANGENT_AT, next);
     }
 
     /// Adds the sum of a series to the numbers at its begin; `first` is the index of the first of them.
@@ -401,34 +331,6 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
             }
         }
         next
-    }
-
-    /// The change of order k of the torque in space by the displacement: the torque turns with the body.
-    #[inline(always)]
-    fn varied_torque<L: Layout, const D: usize>(
-        &self,
-        unit: R,
-        torques: &mut Torques<R>,
-        c: &Coefficients<R, D>,
-        k: usize,
-    ) -> [R; 3] {
-        let mut sum = [R::splat(0.0); 3];
-        if !(L::TANGENT && L::BALANCE) {
-            return sum;
-        }
-        let newest = if k == 0 {
-            self.applied.space_torque::<L, D>(c.order(0))
-        } else {
-            let before = times_unit::<R, L, D>(c.order(k - 1), unit);
-            self.applied.space_torque_of_order::<L, D>(c.order(0), c.order(k), &before)
-        };
-        torques.push(k, newest);
-        for j in 0..=k {
-            // SAFETY: the calls for the orders 0 to k, one each and ascending, have pushed the rows 0 to k.
-            let torque = unsafe { torques.order(j) };
-            add_cross(torque, &turn::<R, L, D>(c.order(k - j)), &mut sum);
-        }
-        sum
     }
 
     /// The coefficient of order k of the applied torque with damping.
@@ -624,28 +526,6 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
         }
         R::select(zero.lt(first), left * (half / first), zero)
     }
-
-    /// Adds the effect of the change of the parameters to the displacement of order k + 1, from the motion of the orders k
-    /// and k + 1; `factor` is the unit of time over k + 1.
-    #[inline(always)]
-    fn add_changed<const D: usize>(
-        &self,
-        factor: R,
-        products: &[R; 3],
-        [of_k, next]: [&[R; D]; 2],
-        k: usize,
-        displacement: &mut [R; 6],
-    ) {
-        let mut torque = self.applied.changed_torque(products, of_k);
-        let own = self.applied.changed_applied_torque();
-        for i in 0..3 {
-            // The change of the applied torque is constant: its series has one term.
-            torque[i] = factor * (if k == 0 { torque[i] + own[i] } else { torque[i] });
-        }
-        let mut spin = [displacement[0], displacement[1], displacement[2]];
-        self.applied.add_changed_rate(&torque, &[next[0], next[1], next[2]], &mut spin);
-        put(displacement, 0, spin);
-    }
 }
 
 /// The directions among the coefficients of a state, times the unit of time; the other numbers have no meaning.
@@ -715,7 +595,7 @@ struct SatelliteSeries<R> {
 /// Coefficients of the applied torque, in memory that nobody has to clear.
 ///
 /// Without the counter of `Coefficients`, which would cost time here: only builds with debug assertions count.
-struct Torques<R> {
+pub(super) struct Torques<R> {
     rows: [MaybeUninit<[R; 3]>; MAX_ORDER + 1],
     #[cfg(debug_assertions)]
     known: usize,
@@ -723,7 +603,7 @@ struct Torques<R> {
 
 impl<R: Real> Torques<R> {
     #[inline(always)]
-    fn new() -> Self {
+    pub(super) fn new() -> Self {
         Torques {
             rows: [const { MaybeUninit::uninit() }; MAX_ORDER + 1],
             #[cfg(debug_assertions)]
@@ -733,7 +613,7 @@ impl<R: Real> Torques<R> {
 
     /// Writes the row of order k, the one after those that are known.
     #[inline(always)]
-    fn push(&mut self, k: usize, row: [R; 3]) {
+    pub(super) fn push(&mut self, k: usize, row: [R; 3]) {
         #[cfg(debug_assertions)]
         {
             assert_eq!(k, self.known, "one call an order, ascending");
@@ -747,7 +627,7 @@ impl<R: Real> Torques<R> {
     /// # Safety
     /// The row has been pushed.
     #[inline(always)]
-    unsafe fn order(&self, k: usize) -> &[R; 3] {
+    pub(super) unsafe fn order(&self, k: usize) -> &[R; 3] {
         #[cfg(debug_assertions)]
         assert!(k < self.known, "order {k} is not known");
         // SAFETY: the caller's promise.

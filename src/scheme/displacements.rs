@@ -1,0 +1,133 @@
+//! The Taylor series of the displacements of a motion.
+//!
+//! The equations of a displacement (`tangent`) are linear in it, and the series of the motion is known when they are
+//! solved: each order follows from the Cauchy products of the motion with the lower orders of the displacement (Jorba &
+//! Zou 2005, §2). The motion does not depend on its displacements, so any number of them share one motion.
+
+use super::tangent::{Variation, turn};
+use super::taylor::{INVERSE, Torques, add_rates, times_unit};
+use super::{Coefficients, Taylor};
+use crate::kinematics::{add_cross, put};
+use crate::real::Real;
+use crate::scene::{Layout, Model};
+
+/// Cauchy products of one order with a displacement, and those of the rates where a change of the parameters needs them.
+#[derive(Clone, Copy)]
+struct VariedProducts<R> {
+    variation: Variation<R>,
+    rates: [R; 3],
+}
+
+impl<R: Real> VariedProducts<R> {
+    #[inline(always)]
+    fn none() -> Self {
+        VariedProducts { variation: Variation::none(), rates: [R::splat(0.0); 3] }
+    }
+
+    /// Adds the products of the motion of one order with the displacement of another.
+    #[inline(always)]
+    fn add<M: Model<R>, L: Layout, const D: usize>(&mut self, a: &[R; D], b: &[R; D]) {
+        self.variation.add::<M, L, D>(b, a);
+        if L::CHANGED {
+            add_rates(a, b, &mut self.rates);
+        }
+    }
+}
+
+impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
+    /// All coefficients of the displacement that begins with that of order 0, from those of the motion. The motion alone
+    /// comes first, because the sums of both together exceed the registers.
+    #[inline(always)]
+    pub(super) fn displaced<L: Layout, const D: usize>(&self, unit: R, c: &mut Coefficients<R, D>) {
+        let mut torques = Torques::new();
+        for half in 0..self.order / 2 {
+            let k = 2 * half;
+            let (mut sums, mut after) = (VariedProducts::none(), VariedProducts::none());
+            for j in 1..k {
+                sums.add::<M, L, D>(c.order(j), c.order(k - j));
+                after.add::<M, L, D>(c.order(j + 1), c.order(k - j));
+            }
+            if k > 0 {
+                sums.add::<M, L, D>(c.order(0), c.order(k));
+                after.add::<M, L, D>(c.order(1), c.order(k));
+            }
+            sums.add::<M, L, D>(c.order(k), c.order(0));
+            self.set_next_displaced::<L, D>(unit, &sums, &mut torques, c, k);
+            after.add::<M, L, D>(c.order(0), c.order(k + 1));
+            after.add::<M, L, D>(c.order(k + 1), c.order(0));
+            self.set_next_displaced::<L, D>(unit, &after, &mut torques, c, k + 1);
+        }
+    }
+
+    /// Computes the coefficients of order k + 1 of the displacement, from the products and the coefficients of order k.
+    #[inline(always)]
+    fn set_next_displaced<L: Layout, const D: usize>(
+        &self,
+        unit: R,
+        sums: &VariedProducts<R>,
+        torques: &mut Torques<R>,
+        c: &mut Coefficients<R, D>,
+        k: usize,
+    ) {
+        let factor = unit * R::splat(INVERSE[k + 1]);
+        let torque = self.varied_torque::<L, D>(unit, torques, c, k);
+        let mut next = sums.variation.rate::<M, L, D>(&self.model, &self.applied, c.order(k), torque);
+        for i in 0..6 {
+            next[i] = factor * next[i];
+        }
+        if L::CHANGED {
+            self.add_changed::<D>(factor, &sums.rates, [c.order(k), c.order(k + 1)], k, &mut next);
+        }
+        c.set(k + 1, L::TANGENT_AT, next);
+    }
+
+    /// The change of order k of the torque in space by the displacement: the torque turns with the body.
+    #[inline(always)]
+    fn varied_torque<L: Layout, const D: usize>(
+        &self,
+        unit: R,
+        torques: &mut Torques<R>,
+        c: &Coefficients<R, D>,
+        k: usize,
+    ) -> [R; 3] {
+        let mut sum = [R::splat(0.0); 3];
+        if !(L::TANGENT && L::BALANCE) {
+            return sum;
+        }
+        let newest = if k == 0 {
+            self.applied.space_torque::<L, D>(c.order(0))
+        } else {
+            let before = times_unit::<R, L, D>(c.order(k - 1), unit);
+            self.applied.space_torque_of_order::<L, D>(c.order(0), c.order(k), &before)
+        };
+        torques.push(k, newest);
+        for j in 0..=k {
+            // SAFETY: the calls for the orders 0 to k, one each and ascending, have pushed the rows 0 to k.
+            let torque = unsafe { torques.order(j) };
+            add_cross(torque, &turn::<R, L, D>(c.order(k - j)), &mut sum);
+        }
+        sum
+    }
+
+    /// Adds the effect of the change of the parameters to the displacement of order k + 1, from the motion of the orders k
+    /// and k + 1; `factor` is the unit of time over k + 1.
+    #[inline(always)]
+    fn add_changed<const D: usize>(
+        &self,
+        factor: R,
+        products: &[R; 3],
+        [of_k, next]: [&[R; D]; 2],
+        k: usize,
+        displacement: &mut [R; 6],
+    ) {
+        let mut torque = self.applied.changed_torque(products, of_k);
+        let own = self.applied.changed_applied_torque();
+        for i in 0..3 {
+            // The change of the applied torque is constant: its series has one term.
+            torque[i] = factor * (if k == 0 { torque[i] + own[i] } else { torque[i] });
+        }
+        let mut spin = [displacement[0], displacement[1], displacement[2]];
+        self.applied.add_changed_rate(&torque, &[next[0], next[1], next[2]], &mut spin);
+        put(displacement, 0, spin);
+    }
+}
