@@ -40,6 +40,12 @@ pub trait Real:
     fn select(mask: Self::Mask, a: Self, b: Self) -> Self;
     /// Whether some lane is true. Use it only to skip work whose result no lane needs.
     fn any(mask: Self::Mask) -> bool;
+    /// Whether all lanes are true; a comparison with a NaN is false.
+    #[inline(always)]
+    fn all(mask: Self::Mask) -> bool {
+        let (zero, one) = (Self::splat(0.0), Self::splat(1.0));
+        !Self::any(zero.lt(Self::select(mask, zero, one)))
+    }
     /// 2^self for an integer-valued self in -1022 ..= 1023.
     fn exp2i(self) -> Self;
     /// Mantissa in [1, 2) and exponent of a positive normal number.
@@ -70,6 +76,23 @@ pub trait Quad: Pack {
     fn with_middle(self, second: Self, third: Self) -> Self;
     /// All lanes set to the largest number.
     fn largest(self) -> Self;
+}
+
+/// Zero in the lanes in which all numbers are finite, NaN in the others.
+#[inline(always)]
+pub(crate) fn zero_or_nan<R: Real>(numbers: &[R]) -> R {
+    let zero = R::splat(0.0);
+    let mut sum = zero;
+    for number in numbers {
+        sum = number.fma(zero, sum);
+    }
+    sum
+}
+
+/// Whether all numbers are finite, in all lanes.
+#[inline(always)]
+pub(crate) fn is_finite<R: Real>(numbers: &[R]) -> bool {
+    R::all(zero_or_nan(numbers).lt(R::splat(1.0)))
 }
 
 impl Real for f64 {

@@ -4,7 +4,7 @@ use super::group::{Group, MAX_STATE};
 use super::step::used_packs;
 use crate::error::Error;
 use crate::memory;
-use crate::real::{Pack, Real};
+use crate::real::{Pack, Real, zero_or_nan};
 use crate::scene::{Layout, Model, Parameters};
 use crate::scheme::{Coefficients, Stepper, in_halves, two_sum};
 use crate::simd::{LANES, Row};
@@ -91,17 +91,13 @@ where
             for k in (1..order).rev() {
                 in_halves!(d in D { increment[d] = increment[d].fma(bound, c.order(k)[d]); });
             }
-            let mut zero_or_nan = P::splat(0.0);
             in_halves!(d in D {
                 (y[d], compensation[d]) = two_sum(y[d], increment[d].fma(bound, compensation[d]));
-                // The motion goes on if the displacement overflows.
-                if d < L::TANGENT_AT {
-                    zero_or_nan = y[d].fma(P::splat(0.0), zero_or_nan);
-                }
                 y[d].store(&mut g.state[d].0[at..]);
                 compensation[d].store(&mut g.compensation[d].0[at..]);
             });
-            let step = unit.fma(bound, zero_or_nan);
+            // The motion goes on if the displacement overflows.
+            let step = unit.fma(bound, zero_or_nan(&y[..L::TANGENT_AT]));
             unit.store(&mut l.unit.0[at..]);
             step.store(&mut g.step.0[at..]);
 
@@ -112,11 +108,9 @@ where
             time.store(&mut l.now[0].0[at..]);
             residue.store(&mut l.now[1].0[at..]);
             let ahead = (P::load(&l.next.0[at..]) - time) * P::load(&l.direction.0[at..]);
-            let (zero, one) = (P::splat(0.0), P::splat(1.0));
-            // True if the time is reached, or NaN.
-            let is_reached = P::any(zero.lt(P::select(zero.lt(ahead), zero, one)));
-            reached |= is_reached;
-            if is_reached || done == most {
+            let ends = some_ends(ahead);
+            reached |= ends;
+            if ends || done == most {
                 for k in 0..=order {
                     for d in 0..D {
                         c.order(k)[d].store(&mut l.powers[k][d].0[at..]);
@@ -129,6 +123,12 @@ where
         }
     }
     most
+}
+
+/// Whether the time ahead of some lane is over, or NaN.
+#[inline(always)]
+pub(super) fn some_ends<R: Real>(ahead: R) -> bool {
+    !R::all(R::splat(0.0).lt(ahead))
 }
 
 /// The longest step, in units, for which the last two terms of the series are below the tolerance, with the safety

@@ -1,9 +1,9 @@
 //! Adaptive steps of one body alone: those of `adaptive_block`, with the same bits, and the directions side by side.
 
-use super::adaptive::{AdaptiveSteps, bound_of_margins};
+use super::adaptive::{AdaptiveSteps, bound_of_margins, some_ends};
 use super::group::{ForcingRows, Group, MAX_STATE};
 use crate::forcing::ForcingInterval;
-use crate::real::Quad;
+use crate::real::{Quad, is_finite};
 use crate::scene::{Layout, Model, Parameters};
 use crate::scheme::{COLUMNS, Columns, Numbers, SeriesAlone, Stepper, Taylor, in_columns, two_sum};
 use crate::simd::Row;
@@ -113,21 +113,17 @@ pub fn adaptive_alone<R: Quad, M: Model<R>, L: Layout, const D: usize>(
                 increment[d] = increment[d].fma(bound, columns[d]);
             }
         }
-        let mut zero_or_nan = zero;
         for d in 0..COLUMNS {
             (y[d], compensation[d]) = two_sum(y[d], increment[d].fma(bound, compensation[d]));
-            zero_or_nan = y[d].fma(zero, zero_or_nan);
         }
         // The next step need not wait for the look at the state.
         step = unit.fma(bound, zero);
-        if R::any(zero.lt(R::select(zero_or_nan.lt(one), zero, one))) {
+        if !is_finite(&y) {
             step = R::splat(f64::NAN);
         }
         let (time, residue) = two_sum(begin[0], step + begin[1]);
         now = [time, residue];
-        let ahead = (next - time) * direction;
-        // True if the time is reached, or NaN.
-        if R::any(zero.lt(R::select(zero.lt(ahead), zero, one))) || done == most {
+        if some_ends((next - time) * direction) || done == most {
             break;
         }
     }

@@ -3,10 +3,10 @@
 //! All directions have the same products with the rates. So one operation makes the products of all of them. The sums
 //! have the order of `Taylor`, so a coefficient has the same bits.
 
-use super::taylor::{INVERSE, is_finite, times_unit};
+use super::taylor::{INVERSE, times_unit};
 use super::{Coefficients, Taylor};
 use crate::kinematics::{add_turn_across, add_turn_along, dot};
-use crate::real::Quad;
+use crate::real::{Quad, is_finite};
 use crate::scene::{Layout, Model};
 
 /// Length of a state in registers: three columns and the balance.
@@ -159,6 +159,7 @@ impl<const COMPENSATED: bool, R: Quad, M: Model<R>> Taylor<COMPENSATED, R, M> {
                 let next = self.next_alone::<L, D>([unit, time], after, (torques, all_orders), rows);
                 c.push(next);
             }
+            // As in `coefficients`.
             if !L::BALANCE || all_orders || is_finite(&first_three(c.order(c.highest()))) {
                 break;
             }

@@ -9,7 +9,7 @@ use crate::forcing::ForcingInterval;
 use crate::kinematics::{
     add_cross, add_roll_across, add_roll_along, add_turn_across, add_turn_along, direction, put,
 };
-use crate::real::Real;
+use crate::real::{Real, is_finite};
 use crate::scene::{Applied, Layout, Model, Parameters};
 use std::mem::MaybeUninit;
 
@@ -247,6 +247,8 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
                 after.add::<M, L, D>(c.order(k + 1), c.order(0));
                 self.push_next::<L, D>(unit, after, spin, &mut series, c, k + 1);
             }
+            // All coefficients are finite if those of the highest order are: where one overflows, so do those after it. A
+            // torque that is zero times one that has overflowed is not a number, and may not be skipped.
             if !(L::BALANCE && L::VECTORS > 0) || all_orders || is_finite(&directions::<R, L, D>(c)) {
                 break;
             }
@@ -486,11 +488,7 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
                 left = a[0].fnma(b[0], left);
             }
             let speed = left * inverse;
-            if R::any(zero.lt(R::select(moves, zero, R::splat(1.0)))) {
-                R::select(moves, speed, Self::speed_from_rest(speeds, c, k))
-            } else {
-                speed
-            }
+            if R::all(moves) { speed } else { R::select(moves, speed, Self::speed_from_rest(speeds, c, k)) }
         };
         speeds.push(k, [speed; 3]);
         let mut products = [zero; 3];
@@ -548,18 +546,6 @@ fn directions<R: Real, L: Layout, const D: usize>(c: &Coefficients<R, D>) -> [R;
         directions[d] = last[3 + d];
     }
     directions
-}
-
-/// Whether all coefficients of the highest order are finite, and so all lower ones: where one of them overflows, so do those
-/// after it. A torque that is zero times one that has overflowed is not a number, and may not be skipped.
-#[inline(always)]
-pub(super) fn is_finite<R: Real, const N: usize>(last: &[R; N]) -> bool {
-    let (zero, one) = (R::splat(0.0), R::splat(1.0));
-    let mut zero_or_nan = zero;
-    for i in 0..N {
-        zero_or_nan = last[i].fma(zero, zero_or_nan);
-    }
-    !R::any(zero.lt(R::select(zero_or_nan.lt(one), zero, one)))
 }
 
 /// Coefficients beside those of the state.
