@@ -1,8 +1,8 @@
 //! States by steps of a scheme.
 
 use super::{
-    Effort, Integration, Request, Schedule, StatesPart, blocks, bodies_of_uneven_blocks, has_even_steps,
-    invariants_at_start, kinds_in, neighbours, over_blocks_of, steps_of_legs,
+    Effort, Integration, Request, Schedule, StatesPart, blocks, invariants_at_start, kinds_in,
+    over_blocks_of, steps_of_legs,
 };
 use crate::error::Error;
 use crate::forcing::BodyForcing;
@@ -170,19 +170,13 @@ pub fn simulate(
     let count = request.bodies.len();
     let ways = Integration::of_block(request, scheme, 0..count)?;
     let kind = |index: usize| ways[index].kind();
-    let is_even = has_even_steps(request);
-    let blocks = match is_even {
-        true => blocks(count, kind)?,
-        false => neighbours(count, bodies_of_uneven_blocks(count, threads), |_| ())?,
-    };
+    let blocks = blocks(count, threads, |index| (kind(index), steps_of_legs(request, index)))?;
     // The bits of a body do not depend on the others of its group.
     over_blocks_of(request, &blocks, states, threads, stop, |block, mut states| {
         states.forget();
         for mut members in kinds_in(block.clone(), kind)? {
-            if !is_even {
-                // A group makes the steps of the body that needs most.
-                members.sort_unstable_by_key(|&member| steps_of_legs(request, block.start + member));
-            }
+            // A group makes the steps of the body that needs most.
+            members.sort_unstable_by_key(|&member| steps_of_legs(request, block.start + member));
             for group in members.chunks(LANES) {
                 let own = &ways[block.clone()];
                 FixedBatch::new(request, own, block.start, group, isa, &mut states).run(stop)?;

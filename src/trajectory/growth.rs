@@ -6,7 +6,7 @@
 
 use super::fixed::{GroupStops, Leg};
 use super::frame::{Frame, MAX_DISPLACEMENTS};
-use super::{Integration, Request, bodies_of_uneven_blocks, has_even_steps, kinds_in, neighbours};
+use super::{Integration, Request, blocks, kinds_in, steps_of_legs};
 use crate::error::Error;
 use crate::kernel::{
     Compiled, DisplacementRows, Entry, ForcingRows, Group, Kernel, System, load, reset_time,
@@ -107,9 +107,7 @@ pub fn growth(
         status: &mut growths.status,
         steps: &mut growths.steps,
     };
-    let count = request.bodies.len();
-    let most = if has_even_steps(request) { LANES } else { bodies_of_uneven_blocks(count, threads) };
-    let blocks = neighbours(count, most, |_| ())?;
+    let blocks = blocks(request.bodies.len(), threads, |index| steps_of_legs(request, index))?;
     let parts =
         blocks.iter().map(|block| (block.clone(), rest.split_off(times, displacements.count, block.len())));
     over_blocks(parts, threads, stop, |(block, mut part)| {
@@ -117,9 +115,7 @@ pub fn growth(
         let kind = |index: usize| ways[index - block.start].kind();
         for mut alike in kinds_in(block.clone(), kind)? {
             // Bodies with as many steps together, so that few wait for others.
-            alike.sort_unstable_by(|&a, &b| {
-                request.steps[block.start + a].total_cmp(&request.steps[block.start + b])
-            });
+            alike.sort_unstable_by_key(|&index| steps_of_legs(request, block.start + index));
             let kernel = Kernel {
                 system: ways[alike[0]].system(request),
                 step: ways[alike[0]].assignment.step,

@@ -123,17 +123,22 @@ fn check_forced(request: &Request, scheme: &Scheme) -> Result<(), Error> {
     Ok(())
 }
 
-/// Bodies of a block of neighbours that are not alike.
-const MIXED: usize = 512;
+/// Most bodies of a block of neighbours that are not alike.
+const MIXED: usize = 16 * LANES;
 
 /// Bodies 0 .. `n` in blocks of neighbours: of those of one kind, at most a group each. Where few neighbours are of one
-/// kind the blocks are larger, and `kinds_in` finds the groups.
-fn blocks<K: PartialEq>(n: usize, kind: impl Fn(usize) -> K) -> Result<Vec<Range<usize>>, Error> {
+/// kind the blocks are larger, as far as every thread has two, and `kinds_in` finds the groups.
+fn blocks<K: PartialEq>(
+    n: usize,
+    threads: usize,
+    kind: impl Fn(usize) -> K,
+) -> Result<Vec<Range<usize>>, Error> {
     let groups = neighbours(n, LANES, kind)?;
     if groups.len() <= 2 * n.div_ceil(LANES) {
         return Ok(groups);
     }
-    neighbours(n, MIXED, |_| ())
+    let most = n.div_ceil(2 * threads.max(1)).next_multiple_of(LANES).min(MIXED);
+    neighbours(n, most, |_| ())
 }
 
 /// Neighbours of one kind, at most `most` together.
@@ -180,17 +185,6 @@ fn steps_of_legs(request: &Request, index: usize) -> u64 {
         // The schedule gives the steps.
         0
     }
-}
-
-/// Whether all bodies make as many steps: then they need not be sorted.
-fn has_even_steps(request: &Request) -> bool {
-    (1..request.bodies.len()).all(|index| steps_of_legs(request, index) == steps_of_legs(request, 0))
-}
-
-/// Bodies of a block whose groups are formed by their numbers of steps: the more, the more alike are those of a group.
-fn bodies_of_uneven_blocks(count: usize, threads: usize) -> usize {
-    const MOST: usize = 16 * LANES;
-    count.div_ceil(2 * threads.max(1)).next_multiple_of(LANES).clamp(LANES, MOST)
 }
 
 /// Whether the request takes less than some 100 microseconds, about as long as to start a thread.
