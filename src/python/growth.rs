@@ -1,6 +1,6 @@
 //! Growth of displacements.
 
-use super::convert::{BodyColumns, column, copied, interruptible, rows, same_length};
+use super::convert::{BodyColumns, column, copied, evaluated, interruptible, rows, same_length};
 use super::forcing::PyForcing;
 use super::simulate::forcing_of;
 use crate::error::Error;
@@ -129,11 +129,12 @@ pub fn displacement_starts<'py>(
     let columns = BodyColumns::of_arrays(&moments, &weight, &omega, &attitude)?;
     let n = columns.len();
     let forcing = forcing_of(forcing.as_ref(), n)?;
-    let both = (0..n).map(|index| {
-        let (body, forcing) = (columns.body(index), forcing.of(index));
-        [false, true].map(|cross_check| displacement_start(&body, forcing, cross_check))
-    });
-    let starts = memory::collected("displacements", n, both)?;
+    let bodies = columns.bodies(0..n)?;
+    let both = |index: usize| {
+        let start = |cross_check| displacement_start(&bodies[index], forcing.of(index), cross_check);
+        Ok([false, true].map(start))
+    };
+    let starts = evaluated(py, "displacements", n, both)?;
     starts.into_flattened().into_flattened().into_pyarray(py).reshape([n, 2, 6])
 }
 
