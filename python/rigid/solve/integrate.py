@@ -154,12 +154,11 @@ def _refine(
         if not len(pending):
             break
         before = estimate.error[pending]
-        shortened = _step_reductions(before, accuracy, order)
         if stiffly:
             # What the start forgets at once needs short steps there, not everywhere.
-            refinement = DIVISION**attempt
+            refinement, shortened = DIVISION**attempt, np.full_like(before, DIVISION)
         else:
-            refinement = 1.0
+            refinement, shortened = 1.0, _step_reductions(before, accuracy, order)
             steps[pending] /= shortened
         some = request.select(pending)
         shorter = some.states(steps[pending], refinement)
@@ -171,8 +170,8 @@ def _refine(
         estimate.lost_from[pending[better]] = again.lost_from[better]
         # Where half of the digits are still missing, rounding or chaos keeps them.
         helped = again.error < np.sqrt(before * accuracy)
-        lost = better & (before >= 1.0)
-        helped |= better if stiffly else lost | (shortened < MUCH) & (attempt == 1)
+        helped |= better & (stiffly | (before >= 1.0))
+        helped |= (shortened < MUCH) & (attempt == 1)
         pending = pending[helped & (again.error > accuracy)]
     return estimate
 
