@@ -471,7 +471,7 @@ impl System {
 
     /// Number of directions in the state.
     #[inline]
-    pub(super) fn vectors(self) -> usize {
+    pub fn vectors(self) -> usize {
         self.traits().vectors
     }
 

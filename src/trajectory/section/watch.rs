@@ -22,8 +22,11 @@ pub struct Watch {
     used: [bool; 6],
     /// Whether a surface depends on the angular momentum in space.
     uses_momentum: bool,
-    /// Index of the quaternion in the state; without one the state has the space axes 3, 1 and 2 from index 3 on.
+    /// Index of the quaternion in the state; without one the state has the space axes 3 and 1 from index 3 on, and mostly
+    /// space axis 2.
     quaternion: Option<usize>,
+    /// Whether the state has space axis 2.
+    has_second_axis: bool,
     order: usize,
     /// The sides of the surface at the end of the last step; `None` at the start.
     side: [Option<Side>; LANES],
@@ -61,6 +64,7 @@ impl Watch {
             used,
             uses_momentum,
             quaternion: system.quaternion_at(),
+            has_second_axis: system.vectors() > 2,
             order,
             side: [None; LANES],
             scale: Row::ZERO,
@@ -157,14 +161,20 @@ impl Watch {
             };
             let direction = match self.quaternion {
                 Some(at) => self.turned_back([0, 1, 2, 3].map(|k| of(at + k)), along),
-                None => [0, 1, 2].map(|k| {
-                    let axes = [of(6 + k), of(9 + k), of(3 + k)];
-                    let mut powers = [0.0; TERMS];
-                    for (axis, along) in axes.iter().zip(along) {
-                        (0..=self.order).for_each(|i| powers[i] += along * axis[i]);
-                    }
-                    powers
-                }),
+                None => {
+                    let (third, first) = ([3, 4, 5].map(of), [6, 7, 8].map(of));
+                    let second = match self.has_second_axis {
+                        true => [9, 10, 11].map(of),
+                        false => self.cross(&third, &first),
+                    };
+                    [0, 1, 2].map(|k| {
+                        let mut powers = [0.0; TERMS];
+                        for (axis, along) in [first, second, third].iter().zip(along) {
+                            (0..=self.order).for_each(|i| powers[i] += along * axis[k][i]);
+                        }
+                        powers
+                    })
+                }
             };
             for k in 0..3 {
                 let mut momentum = of(k).map(|x| x * group.moments[k].0[lane]);
@@ -196,6 +206,17 @@ impl Watch {
             for i in 0..=self.order {
                 powers[i] = v[k] * lengths[i] + first[i] - second[i];
             }
+            powers
+        })
+    }
+
+    /// The vector product of two vectors of series, up to their order.
+    fn cross(&self, a: &[Powers; 3], b: &[Powers; 3]) -> [Powers; 3] {
+        [0, 1, 2].map(|k| {
+            let (next, last) = ((k + 1) % 3, (k + 2) % 3);
+            let mut powers = self.product(&a[next], &b[last]);
+            let other = self.product(&a[last], &b[next]);
+            (0..=self.order).for_each(|i| powers[i] -= other[i]);
             powers
         })
     }
