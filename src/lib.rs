@@ -5,7 +5,7 @@
 //! ```text
 //! real ← simd        real ← special ← kinematics        body, kinematics ← called ← forcing ← start
 //! {kinematics, forcing} ← scene ← scheme ← observe ← kernel        {special, start} ← exact
-//! special ← sample        memory ← {forcing, kernel, parallel}
+//! special ← sample        memory ← {forcing, kernel, parallel}        float_environment ← {parallel, python}
 //! {kernel, exact, sample, parallel} ← trajectory ← map ← python
 //! ```
 
@@ -13,6 +13,7 @@ pub mod body;
 pub mod called;
 pub mod error;
 pub mod exact;
+pub mod float_environment;
 pub mod forcing;
 pub mod kernel;
 pub mod kinematics;

@@ -1,6 +1,7 @@
 //! Work over threads, and the processor time that it takes.
 
 use crate::error::Error;
+use crate::float_environment::FloatEnvironment;
 use crate::memory;
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -176,8 +177,9 @@ pub fn apart<T: Send>(stop: &Interrupt, work: impl FnOnce() -> Result<T, Error> 
     result.into_inner().expect("nothing panics there").expect("the work was done")
 }
 
-/// The result of `work`; a panic becomes an error.
+/// The result of `work` in the standard floating-point environment; a panic becomes an error.
 pub fn caught<T>(work: impl FnOnce() -> Result<T, Error>) -> Result<T, Error> {
+    let _standard = FloatEnvironment::standard();
     catch_unwind(AssertUnwindSafe(work))
         .unwrap_or_else(|panic| Err(Error::Fault { words: words_of(&*panic) }))
 }

@@ -1,6 +1,7 @@
 //! Confidence intervals of shares.
 
 use crate::error::Error;
+use crate::parallel::Interrupt;
 use crate::special::inverse_incomplete_beta;
 use std::collections::HashMap;
 
@@ -40,15 +41,19 @@ pub fn clopper_pearson(successes: u64, trials: u64, confidence: f64) -> Result<[
 /// The intervals of successes and trials; those of equal counts, as most pixels have, are computed once.
 ///
 /// # Errors
-/// As [`clopper_pearson`].
+/// As [`clopper_pearson`]; `Stopped` if `stop` is wanted.
 pub fn clopper_pearson_of_each(
     counts: impl Iterator<Item = [u64; 2]>,
     confidence: f64,
+    stop: &Interrupt,
 ) -> Result<Vec<[f64; 2]>, Error> {
     let mut known = HashMap::new();
     let mut interval = |count: [u64; 2]| {
         if let Some(&ends) = known.get(&count) {
             return Ok(ends);
+        }
+        if stop.is_wanted() {
+            return Err(Error::Stopped);
         }
         let ends = clopper_pearson(count[0], count[1], confidence)?;
         known.insert(count, ends);

@@ -1,6 +1,7 @@
 //! Arrays and names of Python as the core reads them, and work without the interpreter.
 
 use crate::error::Error;
+use crate::float_environment::FloatEnvironment;
 use crate::forcing::ParameterChange;
 use crate::memory;
 use crate::parallel::{Interrupt, caught};
@@ -247,6 +248,7 @@ pub fn first_not_finite(array: PyReadonlyArrayDyn<'_, f64>) -> PyResult<Option<u
 /// The first body whose fastest rate, the largest component of `omega` or `swing`, is below `least` but not zero.
 #[pyfunction]
 pub fn first_slow(omega: PyReadonlyArray2<'_, f64>, swing: f64, least: f64) -> PyResult<Option<usize>> {
+    let _standard = FloatEnvironment::standard();
     let fastest = |omega: &[f64; 3]| omega.iter().fold(swing, |rate, x| rate.max(x.abs()));
     let is_slow = |omega: &[f64; 3]| fastest(omega) > 0.0 && fastest(omega) < least;
     Ok(rows::<3>("omega", &omega)?.iter().position(is_slow))

@@ -7,6 +7,7 @@ use crate::exact::derived::{
     top_quantities,
 };
 use crate::exact::{CanonicalForm, ClosedForm, Question, lagrange_axis};
+use crate::float_environment::FloatEnvironment;
 use crate::memory;
 use crate::polhode::{is_near_separatrix, nearness_of_pole};
 use crate::scene::Scene;
@@ -86,6 +87,7 @@ pub fn lagrange_axes<'py>(
     moments: PyReadonlyArray2<'py, f64>,
     weight: PyReadonlyArray2<'py, f64>,
 ) -> PyResult<Bound<'py, PyArray1<i64>>> {
+    let _standard = FloatEnvironment::standard();
     let (moments, weight) = (rows::<3>("moments", &moments)?, rows::<3>("weight", &weight)?);
     same_length("weight", moments.len(), weight.len())?;
     let axis = |(&moments, &weight)| lagrange_axis(moments, weight).map_or(0, |axis| axis as i64 + 1);
@@ -106,6 +108,7 @@ pub fn near_separatrix<'py>(
     free: f64,
     work: Option<PyReadonlyArray1<'py, f64>>,
 ) -> PyResult<Bound<'py, PyArray1<i64>>> {
+    let _standard = FloatEnvironment::standard();
     let columns = free_columns(&moments, &weight, &omega)?;
     let work = work.map(|work| copied("work", &work)).transpose()?;
     if let Some(work) = &work {

@@ -2,6 +2,7 @@
 
 use super::convert::{copied, copied_rows, rows, same_length};
 use crate::called::TorqueFunction;
+use crate::float_environment::FloatEnvironment;
 use crate::forcing::{BodyForcing, Forcing};
 use crate::memory;
 use crate::satellite::Satellite;
@@ -31,6 +32,7 @@ impl PyForcing {
         satellite: Option<PyReadonlyArray2<'_, f64>>,
         function: Option<GivenFunction<'_>>,
     ) -> PyResult<Self> {
+        let _standard = FloatEnvironment::standard();
         let (body, space) = (rows::<3>("torque", &body)?, rows::<3>("torque", &space)?);
         let times = copied("torque times", &times)?;
         let forcing = Forcing::new(&times, body, space, rows::<6>("damping", &damping)?)?;
@@ -99,6 +101,7 @@ impl PyForcing {
         moments: &PyReadonlyArray2<'_, f64>,
         of: impl Fn(BodyForcing<'_>, [f64; 3]) -> f64,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let _standard = FloatEnvironment::standard();
         let moments = rows::<3>("moments", moments)?;
         let bodies = self.0.bodies().max(moments.len());
         if moments.len() > 1 && self.0.bodies() > 1 {

@@ -4,6 +4,7 @@ use super::convert::{BodyColumns, column, copied, evaluated, interruptible, rows
 use super::forcing::PyForcing;
 use super::simulate::forcing_of;
 use crate::error::Error;
+use crate::float_environment::FloatEnvironment;
 use crate::map::{Class, DISPLACEMENTS, Rule, displacement_start};
 use crate::memory;
 use crate::observe::Displacement;
@@ -45,6 +46,7 @@ pub fn growth<'py>(
     threads: usize,
     forcing: Option<PyRef<'py, PyForcing>>,
 ) -> PyResult<Bound<'py, PyDict>> {
+    let _standard = FloatEnvironment::standard();
     let (scene, scheme, isa) = (Scene::parse(scene)?, Scheme::parse(method)?, Isa::current()?);
     let columns = BodyColumns::of_arrays(&moments, &weight, &omega, &attitude)?;
     let n = columns.len();
@@ -148,6 +150,7 @@ pub fn rate_units<'py>(
     omega: PyReadonlyArray2<'py, f64>,
     attitude: PyReadonlyArray2<'py, f64>,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let _standard = FloatEnvironment::standard();
     let columns = BodyColumns::of_arrays(&moments, &weight, &omega, &attitude)?;
     column(py, &columns.bodies(0..columns.len())?, Body::rate_unit)
 }

@@ -4,6 +4,7 @@ use super::convert::{self, bodies, interruptible, rows, rows_of, same_length};
 use super::forcing::PyForcing;
 use crate::body::MomentStatus;
 use crate::error::Error;
+use crate::float_environment::FloatEnvironment;
 use crate::forcing::Forcing;
 use crate::map::{
     Bin, Check, Column, Condition, Criterion, Field, Known, Laws, Logic, Map, Measure, MethodChoice, Mixed,
@@ -69,7 +70,8 @@ pub fn clopper_pearson<'py>(
         .zip(trials)
         .map(|(&successes, &trials)| Ok([count("successes", successes)?, count("trials", trials)?]))
         .collect::<Result<_, Error>>()?;
-    let intervals = clopper_pearson_of_each(counts.into_iter(), confidence)?;
+    let intervals =
+        interruptible(py, None, |stop| clopper_pearson_of_each(counts.into_iter(), confidence, stop))??;
     Ok([0, 1].map(|end| intervals.iter().map(|ends| ends[end]).collect::<Vec<f64>>().into_pyarray(py)))
 }
 
@@ -86,6 +88,7 @@ fn count(argument: &'static str, value: i64) -> Result<u64, Error> {
 
 /// Writes the statistics of pixels as one array a column.
 fn write_columns(py: Python<'_>, dict: &Bound<'_, PyDict>, pixels: &[Statistics]) -> PyResult<()> {
+    let _standard = FloatEnvironment::standard();
     for column in Statistics::COLUMNS {
         match column.field {
             Field::Count(of) => {
@@ -185,6 +188,7 @@ impl MapStatistics {
 
     /// Merges a part in, by the reduction of each column. The order of the parts has no effect.
     fn merge(&self, part: &Bound<'_, PyDict>) -> PyResult<()> {
+        let _standard = FloatEnvironment::standard();
         let first: usize = part.as_any().get_item("first")?.extract()?;
         let bins: Vec<PyReadonlyArray2<'_, i64>> = match part.get_item("measures")? {
             Some(bins) => bins.extract()?,
@@ -220,6 +224,7 @@ impl MapStatistics {
         pixels: PyReadonlyArray1<'_, u64>,
         values: PyReadonlyArray1<'_, f64>,
     ) -> PyResult<()> {
+        let _standard = FloatEnvironment::standard();
         let (pixels, values) = (pixels.as_array(), values.as_array());
         same_length("values", pixels.len(), values.len())?;
         let mut all = self.all.lock().expect("no thread panics while it holds the statistics");
@@ -493,6 +498,7 @@ impl MapJob {
     #[new]
     #[pyo3(signature = (**request))]
     fn new(request: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        let _standard = FloatEnvironment::standard();
         let given = |name: &str| request.is_some_and(|request| request.contains(name).unwrap_or(false));
         let known = || MapRequest::KEYWORDS.iter().chain(StartsRequest::KEYWORDS);
         let missing = |name: &&&str| !MapRequest::OPTIONAL.contains(*name) && !given(name);
@@ -592,7 +598,7 @@ impl MapJob {
         let count = self.map.samples;
         let places = flat.iter().map(|sample| (sample / count, sample % count));
         let places = memory::collected("samples", flat.len(), places)?;
-        let bodies = py.detach(|| self.map.draw_at(self.isa, &places))?;
+        let bodies = interruptible(py, None, |_| self.map.draw_at(self.isa, &places))??;
         let omega = bodies.iter().flat_map(|body| body.omega);
         let attitude = bodies.iter().flat_map(|body| body.attitude);
         Ok([

@@ -12,6 +12,7 @@ mod target;
 
 use crate::body::{Inertia, MomentStatus, principal_axes as axes_of};
 use crate::error::Error;
+use crate::float_environment::FloatEnvironment;
 use crate::map::MethodChoice;
 use crate::memory;
 use crate::scene::Scene;
@@ -22,7 +23,7 @@ use convert::{column, rows};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::exceptions::{PyMemoryError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyTuple};
 use std::sync::OnceLock;
 
 impl From<Error> for PyErr {
@@ -62,8 +63,8 @@ mod _core {
     use super::simulate::{default_steps, fastest_rates, simulate, state_bytes, status_names};
     #[pymodule_export]
     use super::{
-        available_threads, build_info, check_method, check_moments, chosen_methods, methods, moment_status,
-        moment_status_names, principal_axes, unit_quaternions,
+        available_threads, build_info, check_method, check_moments, chosen_methods, in_standard_floats,
+        methods, moment_status, moment_status_names, principal_axes, unit_quaternions,
     };
     /// Largest relative error of energy, momentum or unit lengths of a motion that has not drifted.
     #[pymodule_export]
@@ -150,6 +151,17 @@ fn chosen_methods(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     Ok(names)
 }
 
+/// Calls a function while its thread rounds to nearest and keeps subnormal numbers.
+#[pyfunction]
+fn in_standard_floats<'py>(
+    function: &Bound<'py, PyAny>,
+    args: &Bound<'py, PyTuple>,
+    kwargs: &Bound<'py, PyDict>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let _standard = FloatEnvironment::standard();
+    function.call(args, Some(kwargs))
+}
+
 /// Raises if the method does not integrate that scene, or cannot be observed between steps, which a map needs.
 #[pyfunction]
 fn check_method(method: &str, scene: &str, watched: bool) -> PyResult<()> {
@@ -170,6 +182,7 @@ fn moment_status<'py>(
     py: Python<'py>,
     moments: PyReadonlyArray2<'py, f64>,
 ) -> PyResult<Bound<'py, PyArray1<u8>>> {
+    let _standard = FloatEnvironment::standard();
     column(py, rows::<3>("moments", &moments)?, |&moments| MomentStatus::of(moments) as u8)
 }
 
@@ -185,6 +198,7 @@ fn unit_quaternions<'py>(
     py: Python<'py>,
     quaternions: PyReadonlyArray2<'py, f64>,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let _standard = FloatEnvironment::standard();
     let quaternions = rows::<4>("attitude", &quaternions)?;
     let mut units: Vec<[f64; 4]> = memory::reserved("unit quaternions", quaternions.len())?;
     for (index, &quaternion) in quaternions.iter().enumerate() {
@@ -196,6 +210,7 @@ fn unit_quaternions<'py>(
 /// Principal moments, ascending, and axes (columns) of a tensor of inertia.
 #[pyfunction]
 fn principal_axes(tensor: [[f64; 3]; 3]) -> PyResult<([f64; 3], [[f64; 3]; 3])> {
+    let _standard = FloatEnvironment::standard();
     let (inertia, axes) = axes_of(tensor)?;
     Ok((inertia.moments(), axes))
 }

@@ -3,6 +3,7 @@
 use super::convert::{bodies_of, rows};
 use super::forcing::PyForcing;
 use crate::error::Error;
+use crate::float_environment::FloatEnvironment;
 use crate::forcing::Forcing;
 use crate::memory;
 use crate::parallel::caught;
@@ -43,6 +44,7 @@ impl PyMotion {
         threads: usize,
         forcing: Option<PyRef<'_, PyForcing>>,
     ) -> PyResult<Self> {
+        let _standard = FloatEnvironment::standard();
         let bodies = bodies_of(&moments, &weight, &omega, &attitude)?;
         let forcing = forcing.as_ref().map_or(Forcing::NONE, |forcing| &forcing.0).copied()?;
         let (scene, scheme) = (Scene::parse(scene)?, Scheme::parse(method)?);
@@ -74,6 +76,7 @@ impl PyMotion {
         dt: &Bound<'_, PyAny>,
         torque: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<()> {
+        let _standard = FloatEnvironment::standard();
         let no_number = |_| PyTypeError::new_err(format!("dt = {dt}: must be a real number"));
         let dt: f64 = dt.extract().map_err(no_number)?;
         let Some(torque) = torque else { return self.make(py, dt, &[]) };

@@ -4,6 +4,7 @@ use super::convert::{BodyColumns, copied, interruptible, rows, same_length};
 use super::forcing::PyForcing;
 use super::simulate::forcing_of;
 use crate::error::Error;
+use crate::float_environment::FloatEnvironment;
 use crate::memory;
 use crate::parallel::Interrupt;
 use crate::scene::Scene;
@@ -42,6 +43,7 @@ pub fn section<'py>(
     threads: usize,
     forcing: Option<PyRef<'py, PyForcing>>,
 ) -> PyResult<Bound<'py, PyDict>> {
+    let _standard = FloatEnvironment::standard();
     let (scene, scheme, isa) = (Scene::parse(scene)?, Scheme::parse(method)?, Isa::current()?);
     let columns = BodyColumns::of_arrays(&moments, &weight, &omega, &attitude)?;
     let n = columns.len();

@@ -5,6 +5,7 @@ use super::convert::{
 };
 use super::forcing::PyForcing;
 use super::target::Target;
+use crate::float_environment::FloatEnvironment;
 use crate::forcing::{Forcing, ParameterChange};
 use crate::map::MethodChoice;
 use crate::memory;
@@ -74,6 +75,7 @@ pub fn simulate<'py>(
     out: Option<&Bound<'py, PyDict>>,
     single: bool,
 ) -> PyResult<Bound<'py, PyDict>> {
+    let _standard = FloatEnvironment::standard();
     let (scene, solver, isa) = (Scene::parse(scene)?, Solver::parse(method)?, Isa::current()?);
     let columns = BodyColumns::of_arrays(&moments, &weight, &omega, &attitude)?;
     let n = columns.len();
@@ -229,6 +231,7 @@ pub fn default_steps<'py>(
     rates: PyReadonlyArray1<'py, f64>,
     of_growth: bool,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let _standard = FloatEnvironment::standard();
     let choice = MethodChoice::parse(method)?;
     let rates = copied("rates", &rates)?;
     column(py, &rates, |&rate| choice.default_step(of_growth, rate))

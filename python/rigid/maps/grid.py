@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
+from .._checks.float_environment import in_standard_floats
 from ..model.body import Body
 from ..model.scene import Scene
 from ..model.start import Noise, Start, tilted_attitude, tilted_rates
@@ -158,6 +159,7 @@ def grid_shape(axes: tuple[Axis, ...]) -> tuple[int, ...]:
     return tuple(len(axis.values) for axis in reversed(axes))
 
 
+@in_standard_floats
 def nominal_starts(
     scene: Scene,
     start: Start,

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.arguments import numbers, one_of, positive_int, resolve_threads, sorted_times
+from .._checks.float_environment import in_standard_floats
 from ..model.body import Body
 from ..model.criteria import NORMS, Regular
 from ..model.scene import Scene, check_scene
@@ -52,6 +53,7 @@ FEWEST_AGAIN = 91
 """That of the second run: series of two orders in the same steps round alike, bit by bit."""
 
 
+@in_standard_floats
 def lyapunov(
     scene: Scene | Body,
     omega: ArrayLike,

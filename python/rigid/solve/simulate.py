@@ -20,6 +20,7 @@ from .._checks.arguments import (
     times_of_each,
 )
 from .._checks.arrays import attitudes, vectors
+from .._checks.float_environment import in_standard_floats
 from ..model.body import Body
 from ..model.events import Event, checked_events
 from ..model.frame import attitudes_in_principal_axes, checked_frame, turned
@@ -54,6 +55,7 @@ MakesPlan: TypeAlias = Callable[[], Plan]
 _IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
 
 
+@in_standard_floats
 def simulate(
     scene: Scene | Body,
     omega: ArrayLike,

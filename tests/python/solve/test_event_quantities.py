@@ -8,7 +8,6 @@ two of them, crosses its value only where the signs differ.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import pytest
