@@ -263,6 +263,7 @@ class Motion:
         weight: NDArray[np.float64],
         omega: NDArray[np.float64],
         attitude: NDArray[np.float64],
+        time: float,
         unit: float,
         threads: int,
         forcing: Forcing | None = None,
@@ -272,6 +273,8 @@ class Motion:
     def omega(self) -> NDArray[np.float64]: ...
     def attitude(self) -> NDArray[np.float64]: ...
     def step(self, dt: float, torque: Any = None) -> None: ...
+    def numbers(self) -> tuple[NDArray[np.float64], bool]: ...
+    def restore(self, numbers: NDArray[np.float64], forced: bool) -> None: ...
 
 @final
 class Forcing:

@@ -4,12 +4,11 @@ use super::group::{Group, MAX_STATE};
 use super::{Compiled, System};
 use crate::body::Inertia;
 use crate::forcing::{BodyForcing, ForcingInterval};
-use crate::kinematics::{attitude_of_rows, dot, quaternion_product, to_body_frame};
+use crate::kinematics::{attitude_of_rows, dot, to_body_frame};
 use crate::observe::{self, Bound, Displacement};
 use crate::scene::{Parameters, Scene};
 use crate::scheme::{Scheme, Step, Variables};
 use crate::simd::Row;
-use crate::special::sincos;
 use crate::start::{Body, VERTICAL};
 use std::sync::OnceLock;
 
@@ -39,8 +38,6 @@ pub struct KernelAssignment {
     pub step: Step,
     /// The permutation.
     shift: usize,
-    /// For a reduced top: the moment about the symmetry axis.
-    spin_moment: Option<f64>,
 }
 
 impl KernelAssignment {
@@ -56,41 +53,13 @@ impl KernelAssignment {
         };
         let step = if scene.has_weight { step } else { step.torque_free() };
         let shift = if step.engine.variables() == Variables::Rates { 0 } else { shift };
-        KernelAssignment { step, shift, spin_moment: None }
+        KernelAssignment { step, shift }
     }
 
     /// The assignment of a forced body, in the axes of the user. Panics if the scheme does not integrate forced bodies.
     pub fn of_forced(scheme: &Scheme, _body: &Body) -> KernelAssignment {
         let forced = scheme.forced.expect("checked when the request was made");
-        KernelAssignment { step: forced.step, shift: 0, spin_moment: None }
-    }
-
-    /// The assignment of a body without its spin: a Lagrange top is integrated as a reduced top, if the scheme can.
-    pub fn of_path(scheme: &Scheme, body: &Body, scene: &Scene) -> KernelAssignment {
-        let assignment = KernelAssignment::of(scheme, body, scene);
-        let can = scene.has_weight && scheme.reduced && System::ReducedTopAxis.is_moved_by(assignment.step);
-        match body.lagrange_axis().filter(|_| can && body.weight != [0.0; 3]) {
-            Some(axis) => KernelAssignment {
-                shift: (axis + 1) % 3,
-                spin_moment: Some(body.moments[axis]),
-                ..assignment
-            },
-            None => assignment,
-        }
-    }
-
-    /// Whether the body is integrated as a reduced top.
-    pub fn is_reduced(self) -> bool {
-        self.spin_moment.is_some()
-    }
-
-    /// Moments and rates in the variables of the kernel.
-    fn moments_and_rates(self, body: &Body) -> ([f64; 3], [f64; 3]) {
-        let (moments, omega) = (self.to_kernel_axes(body.moments), self.to_kernel_axes(body.omega));
-        match self.spin_moment {
-            Some(moment) => ([moments[0]; 3], [omega[0], omega[1], omega[2] * (moment / moments[0])]),
-            None => (moments, omega),
-        }
+        KernelAssignment { step: forced.step, shift: 0 }
     }
 
     /// A displacement in the variables of the kernel: a change of momenta, if the kernel integrates them.
@@ -178,7 +147,7 @@ fn kernel_state(
     observed_axis: [f64; 3],
 ) -> [f64; MAX_STATE] {
     let mut y = [0.0; MAX_STATE];
-    let (moments, omega) = assignment.moments_and_rates(body);
+    let (moments, omega) = (assignment.to_kernel_axes(body.moments), assignment.to_kernel_axes(body.omega));
     for k in 0..3 {
         y[k] = match assignment.step.engine.variables() {
             Variables::Rates => omega[k],
@@ -252,7 +221,7 @@ pub fn load(group: &mut Group, lane: usize, compiled: Compiled, assignment: Kern
         y[at..at + 6].copy_from_slice(&displacement.start);
     }
     let parameters = Parameters {
-        moments: assignment.moments_and_rates(body).0,
+        moments: assignment.to_kernel_axes(body.moments),
         weight: assignment.to_kernel_axes(body.weight),
         step,
     };
@@ -330,29 +299,22 @@ fn widen_scales(group: &mut Group, lane: usize, system: System, body: &Body, rat
     }
 }
 
-/// The state of the body in a lane, `time` after its start.
-pub fn unload(
-    group: &Group,
-    lane: usize,
-    compiled: Compiled,
-    assignment: KernelAssignment,
-    time: f64,
-) -> State {
+/// The state of the body in a lane.
+pub fn unload(group: &Group, lane: usize, compiled: Compiled, assignment: KernelAssignment) -> State {
     let mut y = [0.0; MAX_STATE];
     for d in 0..compiled.kernel().system.len() {
         y[d] = group.state[d].0[lane];
     }
-    read(group, lane, compiled, assignment, y, time)
+    read(group, lane, compiled, assignment, y)
 }
 
-/// The state in the user's axes of the body in a lane, `time` after its start, from the state `y` of the kernel.
+/// The state in the user's axes of the body in a lane, from the state `y` of the kernel.
 pub fn read(
     group: &Group,
     lane: usize,
     compiled: Compiled,
     assignment: KernelAssignment,
     mut y: [f64; MAX_STATE],
-    time: f64,
 ) -> State {
     let kernel = compiled.kernel();
     let at = |rows: &[Row; 3]| [rows[0].0[lane], rows[1].0[lane], rows[2].0[lane]];
@@ -381,9 +343,6 @@ pub fn read(
             y[k] /= moments[k];
         }
     }
-    if let Some(moment) = assignment.spin_moment {
-        add_spin(&mut y, quaternion, moments[0] / moment, time);
-    }
     let omega = [y[0], y[1], y[2]];
     let balance = kernel.system.balance_at().map(|at| {
         let work = y[at];
@@ -409,23 +368,5 @@ pub fn read(
         invariants_of_attitude,
         tangent,
         balance,
-    }
-}
-
-/// Transforms a state from the frame of a reduced top to the body; `ratio` is I1 / I3.
-fn add_spin(y: &mut [f64; MAX_STATE], quaternion: Option<usize>, ratio: f64, time: f64) {
-    // (1/I3 - 1/I1) L3, with L3 = I1 y3.
-    let angle = (ratio - 1.0) * y[2] * time;
-    let (s, c) = sincos(angle);
-    for at in [0, 3, 6].into_iter().filter(|&at| quaternion != Some(at)) {
-        let (a, b) = (y[at], y[at + 1]);
-        y[at] = c * a + s * b;
-        y[at + 1] = c * b - s * a;
-    }
-    y[2] *= ratio;
-    if let Some(at) = quaternion {
-        let (s, c) = sincos(0.5 * angle);
-        let q = [y[at], y[at + 1], y[at + 2], y[at + 3]];
-        y[at..at + 4].copy_from_slice(&quaternion_product(&q, &[c, 0.0, 0.0, s]));
     }
 }

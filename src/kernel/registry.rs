@@ -8,8 +8,8 @@ use crate::observe::Observed;
 use crate::real::{Pack, Quad};
 use crate::scene::{
     Attitude, Axis, AxisAttitude, AxisSensitivity, AxisTangent, CalledFrame, FREE, ForcedFrame,
-    ForcedFrameTangent, ForcedRates, Free, Layout, Model, Parameters, Rates, ReducedTop, SatelliteFrame,
-    SatelliteRates, Scene, TOP, Top, TwoAxes,
+    ForcedFrameTangent, ForcedRates, Free, Layout, Model, Parameters, Rates, SatelliteFrame, SatelliteRates,
+    Scene, TOP, Top, TwoAxes,
 };
 use crate::scheme::{
     AffineSplitting, ComposedPlanar, Dop853Tableau, Engine, Exponential, Hermite, ImplicitMidpoint,
@@ -313,9 +313,6 @@ kernels! {
         TopAxis: TOP, Top, Axis;
         TopAttitude: TOP, Top, AxisAttitude;
         TopTwoAxes: TOP, Top, TwoAxes;
-        ReducedTopAxis: TOP, ReducedTop, Axis;
-        ReducedTopAttitude: TOP, ReducedTop, AxisAttitude;
-        ReducedTopTwoAxes: TOP, ReducedTop, TwoAxes;
         ForcedRates: FREE, Free, ForcedRates;
         ForcedFrame: TOP, Top, ForcedFrame;
         SatelliteRates: FREE, Free, SatelliteRates;
@@ -362,8 +359,6 @@ pub struct Needs {
     pub is_satellite: bool,
     /// Whether a function of the user returns a torque.
     pub is_called: bool,
-    /// Whether the body is integrated as a reduced top.
-    pub is_reduced: bool,
     /// The least number of directions.
     pub directions: usize,
     /// Whether the attitude is needed, as a quaternion or as rows of its matrix.
@@ -379,7 +374,6 @@ struct Traits {
     len: usize,
     vectors: usize,
     quaternion_at: Option<usize>,
-    is_reduced: bool,
     balance_at: Option<usize>,
     is_satellite: bool,
     is_called: bool,
@@ -395,7 +389,6 @@ impl Traits {
             len: L::LEN,
             vectors: L::VECTORS,
             quaternion_at: if L::QUATERNION { Some(L::QUATERNION_AT) } else { None },
-            is_reduced: M::REDUCED,
             balance_at: if L::BALANCE { Some(L::BALANCE_AT) } else { None },
             is_satellite: L::SATELLITE,
             is_called: L::CALLED,
@@ -420,7 +413,6 @@ impl System {
                 && traits.is_called == needs.is_called
                 && traits.tangent_at.is_some() == needs.tangent
                 && (traits.is_changed || !needs.is_changed)
-                && traits.is_reduced == needs.is_reduced
                 && traits.vectors >= needs.directions
                 && (!needs.attitude || traits.quaternion_at.is_some() || system.has_rows())
                 && system.is_moved_by(step)
@@ -459,7 +451,7 @@ impl System {
 
     /// Index in the state of cosine and sine of the angle on an orbit; `None` without one.
     #[inline]
-    pub(super) fn orbit_at(self) -> Option<usize> {
+    pub fn orbit_at(self) -> Option<usize> {
         self.traits().orbit_at
     }
 
@@ -514,13 +506,11 @@ mod tests {
             is_forced: false,
             is_satellite: false,
             is_called: false,
-            is_reduced: false,
             directions,
             attitude,
             tangent: false,
             is_changed: false,
         };
-        let reduced = |needs| Needs { is_reduced: true, ..needs };
         let forced = |needs| Needs { is_forced: true, ..needs };
         let satellite = |needs| Needs { is_forced: true, is_satellite: true, ..needs };
         let called = |needs| Needs { is_forced: true, is_called: true, ..needs };
@@ -537,8 +527,6 @@ mod tests {
             (&TOP, series, needs(2, false), TopTwoAxes),
             (&TOP, series, needs(0, true), TopTwoAxes),
             (&TOP, rotations, needs(0, true), TopAttitude),
-            (&TOP, series, reduced(needs(0, false)), ReducedTopAxis),
-            (&TOP, series, reduced(needs(0, true)), ReducedTopTwoAxes),
             (&FREE, series, forced(needs(0, false)), ForcedRates),
             (&FREE, series, forced(needs(1, false)), ForcedFrame),
             (&FREE, series, forced(needs(0, true)), ForcedFrame),

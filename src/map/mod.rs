@@ -377,7 +377,6 @@ impl Watched<'_> {
             is_forced: self.is_forced(),
             is_satellite: self.is_satellite(),
             is_called: false,
-            is_reduced: false,
             directions: if in_space { 3 } else { self.criterion.directions(self.scene) },
             attitude: false,
             tangent: self.criterion.rule().is_some(),

@@ -285,7 +285,7 @@ impl Observable for Bounds {
 
 impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Bounds {
     /// True for the rates alone, and for rates with a vertical or a frame.
-    const FITS: bool = !M::REDUCED && !L::QUATERNION && !L::TANGENT && (L::VECTORS != 1 || M::HEAVY);
+    const FITS: bool = !L::QUATERNION && !L::TANGENT && (L::VECTORS != 1 || M::HEAVY);
 
     #[inline(always)]
     fn after_step<S: Stepper<R, M, L, D>>(

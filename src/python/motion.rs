@@ -11,7 +11,7 @@ use crate::scene::Scene;
 use crate::scheme::Scheme;
 use crate::simd::Isa;
 use crate::start::Body;
-use crate::trajectory::{Motion, Torques};
+use crate::trajectory::{Motion, NUMBERS, Torques};
 use numpy::{IntoPyArray, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -31,7 +31,7 @@ pub struct PyMotion {
 #[pymethods]
 impl PyMotion {
     #[new]
-    #[pyo3(signature = (*, scene, method, moments, weight, omega, attitude, unit, threads, forcing=None))]
+    #[pyo3(signature = (*, scene, method, moments, weight, omega, attitude, time, unit, threads, forcing=None))]
     #[allow(clippy::too_many_arguments)] // The columns of a request.
     fn new(
         scene: &str,
@@ -40,6 +40,7 @@ impl PyMotion {
         weight: PyReadonlyArray2<'_, f64>,
         omega: PyReadonlyArray2<'_, f64>,
         attitude: PyReadonlyArray2<'_, f64>,
+        time: f64,
         unit: f64,
         threads: usize,
         forcing: Option<PyRef<'_, PyForcing>>,
@@ -48,8 +49,20 @@ impl PyMotion {
         let bodies = bodies_of(&moments, &weight, &omega, &attitude)?;
         let forcing = forcing.as_ref().map_or(Forcing::NONE, |forcing| &forcing.0).copied()?;
         let (scene, scheme) = (Scene::parse(scene)?, Scheme::parse(method)?);
-        let motion = Motion::new(&bodies, scene, scheme, forcing, Isa::current()?)?;
+        let motion = Motion::new(&bodies, time, scene, scheme, forcing, Isa::current()?)?;
         Ok(PyMotion { motion, unit, threads })
+    }
+
+    /// The numbers of the steps of each body, and whether a torque has been applied; see `restore`.
+    fn numbers<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyArray2<f64>>, bool)> {
+        let (all, forced) = self.motion.numbers()?;
+        let n = all.len();
+        Ok((all.into_flattened().into_pyarray(py).reshape([n, NUMBERS])?, forced))
+    }
+
+    /// Sets the bodies to the numbers of a motion that began alike.
+    fn restore(&mut self, numbers: PyReadonlyArray2<'_, f64>, forced: bool) -> PyResult<()> {
+        Ok(self.motion.restore(rows::<NUMBERS>("numbers", &numbers)?, forced)?)
     }
 
     /// The present time.

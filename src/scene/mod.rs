@@ -3,7 +3,6 @@
 mod forced;
 mod free;
 mod layout;
-mod reduced_top;
 mod satellite;
 mod top;
 
@@ -13,7 +12,6 @@ pub use layout::{
     Attitude, Axis, AxisAttitude, AxisSensitivity, AxisTangent, CalledFrame, ForcedFrame, ForcedFrameTangent,
     ForcedRates, Layout, Rates, SatelliteFrame, SatelliteRates, TwoAxes,
 };
-pub use reduced_top::ReducedTop;
 pub use satellite::SatelliteRate;
 pub use top::{TOP, Top};
 
@@ -102,8 +100,6 @@ pub struct Parameters<R> {
 
 /// The equations of a scene: the torque and the conserved quantities. If there is weight, `y[3..6]` is the vertical.
 pub trait Model<R: Real>: Copy {
-    /// Whether all moments are equal, and no torque acts along axis 3.
-    const REDUCED: bool = false;
     /// Whether there may be weight.
     const HEAVY: bool = true;
     /// Constants of the equations of motion from the constants of the body.

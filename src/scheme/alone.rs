@@ -88,10 +88,8 @@ impl<R: Quad> Products<R> {
     fn add<M: Model<R>>(&mut self, [_, _, _, w1, w2, w3, w231, _]: &Terms<R>, other: &Terms<R>) {
         let [n1, n2, n3, .., v312] = other;
         let n = [*n1, *n2, *n3];
-        if !M::REDUCED {
-            self.rates = w231.fma(*v312, self.rates);
-            add_turn_along(&n, *w3, &mut self.directions);
-        }
+        self.rates = w231.fma(*v312, self.rates);
+        add_turn_along(&n, *w3, &mut self.directions);
         add_turn_across(&n, [*w1, *w2], &mut self.directions);
     }
 }
@@ -172,17 +170,13 @@ impl<const COMPENSATED: bool, R: Quad, M: Model<R>> Taylor<COMPENSATED, R, M> {
     fn next_alone<L: Layout, const D: usize>(
         &self,
         [unit, time]: [R; 2],
-        mut sums: Products<R>,
+        sums: Products<R>,
         (torques, all_orders): (&mut Coefficients<R, 3>, bool),
         rows: &[Terms<R>],
     ) -> Terms<R> {
         let k = rows.len() - 1;
         let (factor, zero) = (unit * R::splat(INVERSE[k + 1]), R::splat(0.0));
         let [n1, n2, n3, w1, w2, w3, ..] = rows[k];
-        if M::REDUCED {
-            let spin = rows[0][5];
-            add_turn_along(&[n1, n2, n3], spin, &mut sums.directions);
-        }
         let vertical = [w1, w2, w3, n1.lane(0), n2.lane(0), n3.lane(0)];
         let products = [sums.rates.lane(0), sums.rates.lane(1), sums.rates.lane(2)];
         let acceleration = self.model.euler(&products, &vertical);

@@ -96,7 +96,6 @@ pub const SPLITTING: Scheme = Scheme {
     },
     any: Step { engine: Engine::Planar, numbers: &Numbers::of(&[0.5, 0.5, 0.5, 1.0, 0.5, 0.5, 0.5]) },
     symmetric: Step { engine: Engine::KickRotor, numbers: &Numbers::of(&[0.5, 1.0, 0.5]) },
-    reduced: false,
     forced: Some(ForcedStep { step: Step::plain(Engine::Affine), damping_limit: f64::INFINITY }),
 };
 
@@ -128,7 +127,6 @@ const fn composition(facts: Facts, two: &'static Numbers, four: &'static Numbers
         facts: Facts { stages: four.fractions.len(), ..facts },
         any: Step { engine: Engine::ComposedPlanar, numbers: four },
         symmetric: Step { engine: Engine::KickRotor, numbers: two },
-        reduced: true,
         forced: None,
     }
 }
@@ -283,7 +281,6 @@ const fn kicks_and_drifts(facts: Facts, numbers: &'static Numbers) -> Scheme {
         facts,
         any: Step { engine: Engine::KickMoserVeselov, numbers },
         symmetric: Step { engine: Engine::KickRotor, numbers },
-        reduced: true,
         forced: None,
     }
 }
@@ -414,7 +411,6 @@ const fn drift(name: &'static str, order: u32, numbers: &'static Numbers) -> Sch
         facts,
         any: Step { engine: Engine::KickMoserVeselov, numbers },
         symmetric: SPLITTING.symmetric,
-        reduced: false,
         forced: None,
     }
 }

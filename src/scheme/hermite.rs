@@ -31,7 +31,6 @@ pub const HERMITE9: Scheme = Scheme::direct(
         doi: "10.1016/j.newast.2008.01.010",
     },
     Step::plain(Engine::Hermite),
-    true,
     0.2,
 );
 
@@ -172,13 +171,11 @@ impl<R: Real, M: Model<R>> Hermite<R, M> {
         [self.step * rates[0], self.step * rates[1], self.step * rates[2]]
     }
 
-    /// Adds `n x angles`, with derivatives of the angles: those of a reduced top about axis 3 are zero.
+    /// Adds `n x angles`, with derivatives of the angles.
     #[inline(always)]
     fn turn(n: &[R; 3], angles: &[R; 3], sum: &mut [R; 3]) {
         add_turn_across(n, [angles[0], angles[1]], sum);
-        if !M::REDUCED {
-            add_turn_along(n, angles[2], sum);
-        }
+        add_turn_along(n, angles[2], sum);
     }
 
     /// The state or its derivatives of order `j`, for the products of order `ORDER` (Leibniz), with the derivatives of the

@@ -30,7 +30,6 @@ pub const MIDPOINT: Scheme = Scheme::direct(
         doi: "10.1002/nme.1620310103",
     },
     Step::plain(Engine::Midpoint),
-    false,
     f64::INFINITY,
 );
 
@@ -419,7 +418,7 @@ impl<R: Real> ImplicitMidpoint<R> {
 
 impl<R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, L, D> for ImplicitMidpoint<R> {
     const VARIABLES: Variables = Variables::Momenta;
-    const MOVES: bool = !L::SATELLITE && !M::REDUCED && !(M::HEAVY && L::QUATERNION);
+    const MOVES: bool = !L::SATELLITE && !(M::HEAVY && L::QUATERNION);
 
     #[inline(always)]
     fn new(p: &Parameters<R>, interval: &ForcingInterval<R>, _numbers: &'static Numbers) -> Self {

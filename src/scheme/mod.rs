@@ -112,9 +112,6 @@ pub struct Scheme {
     pub any: Step,
     /// The step of a body whose moments about two axes are equal.
     pub symmetric: Step,
-    /// Whether a Lagrange top is integrated as a reduced top. The oldest schemes are used in the frame of the body, as
-    /// published.
-    pub reduced: bool,
     /// The step under torque and damping; `None` if the scheme does not integrate forced bodies.
     pub forced: Option<ForcedStep>,
 }
@@ -322,14 +319,8 @@ impl std::fmt::Debug for Scheme {
 
 impl Scheme {
     /// A scheme with one step for all bodies, stable under torque and damping up to a product of step and damping rate.
-    const fn direct(facts: Facts, step: Step, reduced: bool, damping_limit: f64) -> Scheme {
-        Scheme {
-            facts,
-            any: step,
-            symmetric: step,
-            reduced,
-            forced: Some(ForcedStep { step, damping_limit }),
-        }
+    const fn direct(facts: Facts, step: Step, damping_limit: f64) -> Scheme {
+        Scheme { facts, any: step, symmetric: step, forced: Some(ForcedStep { step, damping_limit }) }
     }
 
     /// The steps of the scheme; a step may occur more than once.

@@ -14,8 +14,8 @@ use std::marker::PhantomData;
 pub trait Tableau: Copy {
     /// Order of the method.
     const ORDER: usize;
-    /// Whether the scheme integrates reduced tops, and the attitude of tops as rows of its matrix only.
-    const REDUCES: bool;
+    /// Whether the attitude of tops is integrated as rows of its matrix only.
+    const ROWS_ONLY: bool;
     /// Rows 1, 2, … of the matrix a; row i has i entries.
     const A: &'static [&'static [f64]];
     /// Weights over the common divisor: whole numbers where they can be.
@@ -26,7 +26,7 @@ pub trait Tableau: Copy {
     const STAGES: usize = Self::WEIGHTS.len();
 }
 
-/// Classical Runge-Kutta of order 4. The scheme is used in the frame of the body, as published.
+/// Classical Runge-Kutta of order 4.
 pub const RK4: Scheme = Scheme::direct(
     Facts {
         name: "rk4",
@@ -42,7 +42,6 @@ pub const RK4: Scheme = Scheme::direct(
         doi: "",
     },
     Step::plain(Engine::Rk4),
-    false,
     2.78,
 );
 
@@ -63,7 +62,6 @@ pub const DOP853: Scheme = Scheme::direct(
         doi: "10.1007/978-3-540-78862-1",
     },
     Step::plain(Engine::Dop853),
-    true,
     6.39,
 );
 
@@ -77,7 +75,7 @@ pub struct Dop853Tableau;
 
 impl Tableau for Rk4Tableau {
     const ORDER: usize = 4;
-    const REDUCES: bool = false;
+    const ROWS_ONLY: bool = false;
     const A: &'static [&'static [f64]] = &[&[0.5], &[0.0, 0.5], &[0.0, 0.0, 1.0]];
     const WEIGHTS: &'static [f64] = &[1.0, 2.0, 2.0, 1.0];
     const DIVISOR: f64 = 6.0;
@@ -85,7 +83,7 @@ impl Tableau for Rk4Tableau {
 
 impl Tableau for Dop853Tableau {
     const ORDER: usize = 8;
-    const REDUCES: bool = true;
+    const ROWS_ONLY: bool = true;
     const A: &'static [&'static [f64]] = &[
         &[0.05260015195876773],
         &[0.0197250569845379, 0.0591751709536137],
@@ -437,7 +435,7 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, 
     for RungeKutta<T, R, M>
 {
     const VARIABLES: Variables = Variables::Rates;
-    const MOVES: bool = if T::REDUCES { !(M::HEAVY && L::QUATERNION) } else { !M::REDUCED };
+    const MOVES: bool = !(T::ROWS_ONLY && M::HEAVY && L::QUATERNION);
     const HAS_TANGENT: bool = true;
     const IS_SHORT: bool = T::STAGES <= 4 && !(L::BALANCE || L::TANGENT);
     /// With twelve stages and the search inside a step, the compiler copies the set-up of a pack by calls.

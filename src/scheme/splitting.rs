@@ -42,8 +42,6 @@ pub trait Round: Copy {
     const FLOWS: &'static [Flow];
     /// The numbers for which the code is specialised, if any: a step of one round is then faster by a tenth.
     const SPECIALISED: Option<&'static Numbers> = None;
-    /// Whether the composition integrates reduced tops.
-    const REDUCES: bool = false;
     /// Whether the composition may have a processor.
     const PROCESSED: bool = false;
 }
@@ -75,7 +73,6 @@ pub struct KickRotor;
 impl Round for KickRotor {
     type Drift<R: Real> = ExactRotor<R>;
     const FLOWS: &'static [Flow] = KICK_DRIFT;
-    const REDUCES: bool = true;
     const PROCESSED: bool = true;
 }
 
@@ -212,9 +209,7 @@ impl<R: Real> Drift<R> for ExactRotor<R> {
             let q = [y[at], y[at + 1], y[at + 2], y[at + 3]];
             kinematics::put(y, at, kinematics::quaternion_product(&q, &kinematics::rotation_by(&w)));
         }
-        if !M::REDUCED {
-            turn_by_momentum::<R, L, D>(y, 2, fraction * self.spin);
-        }
+        turn_by_momentum::<R, L, D>(y, 2, fraction * self.spin);
     }
 }
 
@@ -282,7 +277,7 @@ fn kick<R: Real, M: Model<R>, L: Layout, const D: usize>(
 impl<C: Round, R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, L, D> for Splitting<C, R> {
     const VARIABLES: Variables = Variables::Momenta;
     // Layouts with two directions have no processor, because the directions are observed.
-    const MOVES: bool = !L::BALANCE && !L::CHANGED && (!M::REDUCED || (C::REDUCES && L::VECTORS < 2));
+    const MOVES: bool = !L::BALANCE && !L::CHANGED;
     const PROCESSED: bool = C::PROCESSED && M::HEAVY && L::VECTORS < 2 && !L::TANGENT;
     const HAS_TANGENT: bool = <C::Drift<R> as Drift<R>>::HAS_TANGENT;
 

@@ -50,7 +50,6 @@ macro_rules! series {
                 engine: if $order < COMPENSATED_FROM { Engine::Taylor } else { Engine::CompensatedTaylor },
                 numbers: &Numbers { order: $order, ..Numbers::NONE },
             },
-            true,
             $damping_limit,
         )
     };
@@ -158,27 +157,18 @@ impl<R: Real> Products<R> {
     #[inline(always)]
     fn add<M: Model<R>, L: Layout, const D: usize>(&mut self, a: &[R; D], b: &[R; D]) {
         let [w1, w2, w3] = [a[0], a[1], a[2]];
-        if !M::REDUCED {
-            add_rates(a, b, &mut self.rates);
-            self.add_spin::<L, D>(w3, b);
+        add_rates(a, b, &mut self.rates);
+        for v in 0..L::VECTORS {
+            add_turn_along(&direction(b, v), w3, &mut self.directions[v]);
+        }
+        if L::QUATERNION {
+            add_roll_along(&quaternion::<R, L, D>(b), w3, &mut self.quaternion);
         }
         for v in 0..L::VECTORS {
             add_turn_across(&direction(b, v), [w1, w2], &mut self.directions[v]);
         }
         if L::QUATERNION {
             add_roll_across(&quaternion::<R, L, D>(b), [w1, w2], &mut self.quaternion);
-        }
-    }
-
-    /// Adds the products with the rate about axis 3 of a reduced top. This rate is constant: its series has one term,
-    /// and no sum over orders is needed.
-    #[inline(always)]
-    fn add_spin<L: Layout, const D: usize>(&mut self, w3: R, b: &[R; D]) {
-        for v in 0..L::VECTORS {
-            add_turn_along(&direction(b, v), w3, &mut self.directions[v]);
-        }
-        if L::QUATERNION {
-            add_roll_along(&quaternion::<R, L, D>(b), w3, &mut self.quaternion);
         }
     }
 }
@@ -211,7 +201,6 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
     /// same rows. The newest rows are summed last, so that the first sums need not wait.
     #[inline(always)]
     fn coefficients<L: Layout, const D: usize>(&self, unit: R, y: &[R; D], c: &mut Coefficients<R, D>) {
-        let spin = y[2];
         let side_by_side = const { L::VECTORS < 3 };
         let mut all_orders = self.has_high_orders;
         loop {
@@ -234,7 +223,7 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
                     }
                 }
                 sums.add::<M, L, D>(c.order(k), c.order(0));
-                self.push_next::<L, D>(unit, sums, spin, &mut series, c, k);
+                self.push_next::<L, D>(unit, sums, &mut series, c, k);
                 if !side_by_side {
                     for j in 1..k {
                         after.add::<M, L, D>(c.order(j + 1), c.order(k - j));
@@ -245,7 +234,7 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
                 }
                 after.add::<M, L, D>(c.order(0), c.order(k + 1));
                 after.add::<M, L, D>(c.order(k + 1), c.order(0));
-                self.push_next::<L, D>(unit, after, spin, &mut series, c, k + 1);
+                self.push_next::<L, D>(unit, after, &mut series, c, k + 1);
             }
             // All coefficients are finite if those of the highest order are: where one overflows, so do those after it. A
             // torque that is zero times one that has overflowed is not a number, and may not be skipped.
@@ -290,12 +279,11 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
         &self,
         unit: R,
         sums: Products<R>,
-        spin: R,
         series: &mut Beside<R>,
         c: &mut Coefficients<R, D>,
         k: usize,
     ) {
-        let mut next = self.next::<L, D>(unit, sums, spin, (c.order(k), k));
+        let mut next = self.next::<L, D>(unit, sums, (c.order(k), k));
         if L::SATELLITE {
             self.add_satellite::<L, D>(unit, &sums.rates, series, c, &mut next, k);
         } else if L::BALANCE {
@@ -309,15 +297,11 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
     fn next<L: Layout, const D: usize>(
         &self,
         unit: R,
-        mut sums: Products<R>,
-        spin: R,
+        sums: Products<R>,
         (of_k, k): (&[R; D], usize),
     ) -> [R; D] {
         let factor = unit * R::splat(INVERSE[k + 1]);
         let acceleration = self.model.euler(&sums.rates, of_k);
-        if M::REDUCED {
-            sums.add_spin::<L, D>(spin, of_k);
-        }
         // Every number is written: those of the balance by `add_applied`, those of the displacement by `displaced`.
         let mut next = [unit; D];
         for i in 0..3 {

@@ -187,7 +187,7 @@ impl<'a> AdaptiveBatch<'a> {
         task.last = body.attitude;
         self.enter_interval(lane, &mut task, 0.0);
         while let Some(0.0) = self.next_time(&task) {
-            let mut start = unload(&self.group, lane, self.kernel, task.assignment, 0.0);
+            let mut start = unload(&self.group, lane, self.kernel, task.assignment);
             start.omega = body.omega;
             self.record(lane, &mut task, &start, states);
             task.wanted += 1;
@@ -226,7 +226,7 @@ impl<'a> AdaptiveBatch<'a> {
         while let Some(time) = self.next_time(&task).filter(|&time| (time - now) * direction <= 0.0) {
             let units = ((time - begin) - lost) / unit;
             let y = self.kernel.dense_output(&self.adaptive, lane, units);
-            let state = read(&self.group, lane, self.kernel, task.assignment, y, time);
+            let state = read(&self.group, lane, self.kernel, task.assignment, y);
             self.record(lane, &mut task, &state, states);
             if task.backward && task.wanted == 0 {
                 return self.leave(lane, task, states);

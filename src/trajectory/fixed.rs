@@ -320,8 +320,7 @@ impl<'a, 'b> FixedBatch<'a, 'b> {
     /// Writes the state of a lane and updates the drifts.
     fn record(&mut self, group: &Group, lane: usize, state: usize, moved: bool) {
         let member = self.members[lane];
-        let time = self.request.schedule.times_of(self.first + member).map_or(f64::NAN, |times| times[state]);
-        let mut now = unload(group, lane, self.compiled, self.ways[member].assignment, time);
+        let mut now = unload(group, lane, self.compiled, self.ways[member].assignment);
         if !moved {
             // Through the momenta and back, the rates would return rounded.
             now.omega = self.body(lane).omega;

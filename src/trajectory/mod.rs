@@ -14,7 +14,7 @@ mod states;
 
 pub use frame::{Frame, MAX_DISPLACEMENTS};
 pub use growth::{Displacements, Growths, STEPS_TOGETHER, growth, settle};
-pub use motion::{Motion, Torques};
+pub use motion::{Motion, NUMBERS, Torques};
 pub use request::{Record, Request, Schedule, time_range};
 pub use section::{Crossings, Point, Section, Surface, SurfaceKind, section};
 pub use states::{Column, States, StatesPart};
@@ -228,7 +228,7 @@ fn over_blocks_of(
     Ok(Effort { nanoseconds, lane_steps: lane_steps.into_inner() })
 }
 
-/// How a body is integrated: with which step, as a reduced top or not, and by which equations of motion.
+/// How a body is integrated: with which step, and by which equations of motion.
 #[derive(Clone, Copy)]
 struct Integration {
     assignment: KernelAssignment,
@@ -242,12 +242,9 @@ impl Integration {
     fn of(request: &Request, scheme: &Scheme, index: usize) -> Self {
         let (body, forcing) = (&request.bodies[index], request.forcing_of(index));
         let is_forced = !forcing.is_none();
-        let assignment = match request.schedule {
-            _ if is_forced => KernelAssignment::of_forced(scheme, body),
-            // Strides repeat the steps of a map, which are made in the frame of the body, as are displacements.
-            _ if request.record.is_tangent() => KernelAssignment::of(scheme, body, request.scene),
-            Schedule::Strides(_) => KernelAssignment::of(scheme, body, request.scene),
-            _ => KernelAssignment::of_path(scheme, body, request.scene),
+        let assignment = match is_forced {
+            true => KernelAssignment::of_forced(scheme, body),
+            false => KernelAssignment::of(scheme, body, request.scene),
         };
         Integration {
             assignment,
@@ -285,9 +282,9 @@ impl Integration {
 
     /// What the bodies of a group share.
     #[inline]
-    fn kind(&self) -> (Step, [bool; 5]) {
+    fn kind(&self) -> (Step, [bool; 4]) {
         let Integration { assignment, is_forced, is_satellite, is_called, acts_in_space } = *self;
-        (assignment.step, [assignment.is_reduced(), is_forced, is_satellite, is_called, acts_in_space])
+        (assignment.step, [is_forced, is_satellite, is_called, acts_in_space])
     }
 
     /// The system that carries what is recorded and no more.
@@ -297,7 +294,6 @@ impl Integration {
             is_forced: self.is_forced,
             is_satellite: self.is_satellite,
             is_called: self.is_called,
-            is_reduced: self.assignment.is_reduced(),
             directions: if self.acts_in_space { 3 } else { directions },
             attitude: request.record == Record::Attitude,
             tangent: request.record.is_tangent(),

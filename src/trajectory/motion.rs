@@ -3,7 +3,7 @@
 use super::neighbours;
 use crate::error::Error;
 use crate::forcing::{BodyForcing, Forcing, ForcingInterval};
-use crate::kernel::{Compiled, Entry, ForcingRows, Group, Kernel};
+use crate::kernel::{Compiled, Entry, ForcingRows, Group, Kernel, MAX_STATE};
 use crate::kernel::{KernelAssignment, Needs, System, load, reset_time, unload};
 use crate::memory;
 use crate::observe::Observed;
@@ -11,7 +11,11 @@ use crate::parallel::{Interrupt, over_blocks};
 use crate::scene::Scene;
 use crate::scheme::Scheme;
 use crate::simd::{Isa, LANES};
+use crate::special::sincos;
 use crate::start::Body;
+
+/// Numbers of a body in motion: of its steps with their rounding errors, its rates and its attitude.
+pub const NUMBERS: usize = 2 * MAX_STATE + 7;
 
 /// Bodies in motion, and the code of their steps.
 pub struct Motion {
@@ -21,8 +25,8 @@ pub struct Motion {
     /// torque has been applied.
     forcing: Forcing,
     isa: Isa,
-    /// The time now, and the time at which the bodies were loaded.
-    times: [f64; 2],
+    /// The time now.
+    time: f64,
     /// The largest damping rate of all bodies.
     damping_rate: f64,
     groups: Vec<MovingGroup>,
@@ -44,27 +48,71 @@ struct MovingGroup {
 pub type Torques<'a> = &'a [[f64; 3]];
 
 impl Motion {
-    /// The bodies at their start, at the time 0.
+    /// The bodies at their start, at a time.
     ///
     /// # Errors
     /// If the scheme does not move the scene, or the bodies do not fit into memory.
     pub fn new(
         bodies: &[Body],
+        time: f64,
         scene: &'static Scene,
         scheme: &'static Scheme,
         forcing: Forcing,
         isa: Isa,
     ) -> Result<Motion, Error> {
         scheme.check(scene, false)?;
-        let mut motion =
-            Motion { scene, scheme, forcing, isa, times: [0.0; 2], damping_rate: 0.0, groups: Vec::new() };
+        let mut motion = Motion { scene, scheme, forcing, isa, time, damping_rate: 0.0, groups: Vec::new() };
         motion.load(bodies)?;
         Ok(motion)
     }
 
+    /// What [`Motion::restore`] gives to another motion of the same request: the numbers of each body, and whether a torque
+    /// has been applied.
+    ///
+    /// # Errors
+    /// If the numbers do not fit into memory.
+    pub fn numbers(&self) -> Result<(Vec<[f64; NUMBERS]>, bool), Error> {
+        let mut all = memory::reserved("numbers of the bodies", self.len())?;
+        for group in &self.groups {
+            let rows = || group.lanes.state.iter().chain(&group.lanes.compensation);
+            for (lane, body) in group.bodies.iter().enumerate() {
+                let mut numbers = [0.0; NUMBERS];
+                let own = body.omega.into_iter().chain(body.attitude);
+                let every = rows().map(|row| row.0[lane]).chain(own);
+                numbers.iter_mut().zip(every).for_each(|(to, number)| *to = number);
+                all.push(numbers);
+            }
+        }
+        Ok((all, !self.forcing.is_none()))
+    }
+
+    /// Sets the bodies to the numbers of another motion of the same request.
+    ///
+    /// # Errors
+    /// If there are not as many, or the bodies do not fit into memory.
+    pub fn restore(&mut self, all: &[[f64; NUMBERS]], forced: bool) -> Result<(), Error> {
+        if all.len() != self.len() {
+            let (expected, got) = (self.len().to_string(), all.len().to_string());
+            return Err(Error::Shape { argument: "numbers", expected, got });
+        }
+        if forced && self.forcing.is_none() {
+            self.begin_forcing()?;
+        }
+        let mut all = all.iter();
+        for group in &mut self.groups {
+            for ((lane, body), numbers) in group.bodies.iter_mut().enumerate().zip(&mut all) {
+                let Group { state, compensation, .. } = &mut group.lanes;
+                let rows = state.iter_mut().chain(compensation).map(|row| &mut row.0[lane]);
+                let every = rows.chain(&mut body.omega).chain(&mut body.attitude);
+                every.zip(numbers).for_each(|(to, number)| *to = *number);
+            }
+        }
+        Ok(())
+    }
+
     /// The present time.
     pub fn time(&self) -> f64 {
-        self.times[0]
+        self.time
     }
 
     /// Number of bodies.
@@ -102,7 +150,7 @@ impl Motion {
         if let Some(bad) = torques.iter().flatten().find(|x| !x.is_finite()) {
             return refused("torque", bad.to_string(), "must be finite");
         }
-        let [begin, end] = [self.times[0], self.times[0] + dt];
+        let [begin, end] = [self.time, self.time + dt];
         if !end.is_finite() {
             return refused("dt", dt.to_string(), "the time would leave the range of doubles");
         }
@@ -112,7 +160,7 @@ impl Motion {
         if !torques.is_empty() && self.forcing.is_none() {
             self.begin_forcing()?;
         }
-        let (forcing, since) = (self.forcing.of(0), self.times[1]);
+        let forcing = self.forcing.of(0);
         // Below some 100 microseconds of work a thread is not worth its start.
         let threads = if n < 1000 { 1 } else { threads };
         let mut first = 0;
@@ -122,10 +170,10 @@ impl Motion {
             (group, torques)
         });
         over_blocks(groups, threads, &Interrupt::never(), |(group, torques)| {
-            group.step(forcing, [begin, dt], torques, since);
+            group.step(forcing, [begin, dt], torques);
             Ok(())
         })?;
-        self.times[0] = end;
+        self.time = end;
         Ok(())
     }
 
@@ -148,7 +196,6 @@ impl Motion {
             self.forcing = none;
             return Err(error);
         }
-        self.times[1] = self.times[0];
         Ok(())
     }
 
@@ -156,14 +203,13 @@ impl Motion {
     fn load(&mut self, bodies: &[Body]) -> Result<(), Error> {
         let (scheme, scene, forced) = (self.scheme, self.scene, !self.forcing.is_none());
         if forced {
-            self.check_forced(self.times[0], 0.0)?;
+            self.check_forced(self.time, 0.0)?;
         }
         let assignment = |body: &Body| match forced {
             true => KernelAssignment::of_forced(scheme, body),
-            false => KernelAssignment::of_path(scheme, body, scene),
+            false => KernelAssignment::of(scheme, body, scene),
         };
-        let engine = |body: &Body| (assignment(body).step, assignment(body).is_reduced());
-        let ranges = neighbours(bodies.len(), LANES, |index| engine(&bodies[index]))?;
+        let ranges = neighbours(bodies.len(), LANES, |index| assignment(&bodies[index]).step)?;
         let mut loaded = memory::reserved("groups of the bodies", ranges.len())?;
         self.damping_rate = 0.0;
         for range in ranges {
@@ -174,7 +220,6 @@ impl Motion {
                 is_forced: forced,
                 is_satellite: self.forcing.of(0).is_satellite(),
                 is_called: self.forcing.of(0).is_called(),
-                is_reduced: assignments[0].is_reduced(),
                 directions: 0,
                 attitude: true,
                 tangent: false,
@@ -194,6 +239,11 @@ impl Motion {
             for (lane, body) in bodies.iter().enumerate() {
                 let entry = Entry::unobserved(body, forced.then_some(0.0), 0.0);
                 load(&mut group.lanes, lane, group.compiled, group.assignments[lane], &entry);
+                if let Some(at) = kernel.system.orbit_at() {
+                    let (sin, cos) = sincos(self.forcing.of(0).satellite().orbit_rate * self.time);
+                    group.lanes.state[at].0[lane] = cos;
+                    group.lanes.state[at + 1].0[lane] = sin;
+                }
                 if forced {
                     let [.., rate] = self.forcing.of(0).damping_rates(body.moments);
                     self.damping_rate = self.damping_rate.max(rate);
@@ -212,7 +262,7 @@ impl Motion {
 
 impl MovingGroup {
     /// Makes one step from a time, or several with the knots of a table between them.
-    fn step(&mut self, forcing: BodyForcing, [begin, dt]: [f64; 2], torques: Torques, since: f64) {
+    fn step(&mut self, forcing: BodyForcing, [begin, dt]: [f64; 2], torques: Torques) {
         let (end, backward) = (begin + dt, dt < 0.0);
         if dt == 0.0 {
             return;
@@ -243,7 +293,7 @@ impl MovingGroup {
             }
             from = to;
         }
-        self.read(end - since);
+        self.read();
     }
 
     /// Sets the forcing of each lane from a time on.
@@ -265,9 +315,9 @@ impl MovingGroup {
     }
 
     /// Reads the present rates and attitudes. A sign that is not known is that nearer to the last attitude.
-    fn read(&mut self, time: f64) {
+    fn read(&mut self) {
         for (lane, body) in self.bodies.iter_mut().enumerate() {
-            let now = unload(&self.lanes, lane, self.compiled, self.assignments[lane], time);
+            let now = unload(&self.lanes, lane, self.compiled, self.assignments[lane]);
             body.omega = now.omega;
             let attitude = now.attitude.expect("the attitude is always integrated");
             let along: f64 = (0..4).map(|k| attitude[k] * body.attitude[k]).sum();
@@ -291,7 +341,7 @@ mod tests {
     };
 
     fn motion(bodies: &[Body]) -> Motion {
-        Motion::new(bodies, &FREE, &RK4, Forcing::NONE.copied().unwrap(), Isa::Scalar).unwrap()
+        Motion::new(bodies, 0.0, &FREE, &RK4, Forcing::NONE.copied().unwrap(), Isa::Scalar).unwrap()
     }
 
     #[test]

@@ -2,8 +2,7 @@
 
 use rigid::forcing::ForcingInterval;
 use rigid::scene::{
-    Attitude, Axis, ForcedFrame, ForcedRates, Free, Layout, Model, Parameters, Rates, ReducedTop, Top,
-    TwoAxes,
+    Attitude, Axis, ForcedFrame, ForcedRates, Free, Layout, Model, Parameters, Rates, Top, TwoAxes,
 };
 use rigid::scheme::{self, Coefficients, DERIVATIVES, Hermite, NODES, Past, Stepper, Taylor, ages};
 
@@ -21,10 +20,8 @@ fn forcing(is_in_space: bool) -> ForcingInterval<f64> {
     forcing
 }
 
-fn parameters<M: Model<f64>>(step: f64) -> Parameters<f64> {
-    let moments = if M::REDUCED { [1.0; 3] } else { [1.0, 1.6, 0.7] };
-    let weight = if M::REDUCED { [0.0, 0.0, 1.1] } else { [0.36, 0.24, 1.1] };
-    Parameters { moments, weight, step }
+fn parameters(step: f64) -> Parameters<f64> {
+    Parameters { moments: [1.0, 1.6, 0.7], weight: [0.36, 0.24, 1.1], step }
 }
 
 /// Rates, directions (or a quaternion, which needs no length), balance.
@@ -67,7 +64,7 @@ fn past_of<M: Model<f64>, L: Layout, const D: usize>(
 /// derivatives at states of the series. Numbers are sums of up to thirty products, each at most 3 for the rates and
 /// directions of the test. The nodes converge to rounding, because the turn in a step is small.
 fn of_a_motion<M: Model<f64>, L: Layout, const D: usize>(forcing: &ForcingInterval<f64>) {
-    let p = parameters::<M>(0.02);
+    let p = parameters(0.02);
     let y = start::<D>();
     let past = past_of::<M, L, D>(&p, forcing, &y);
     let (_, series) = on_series::<M, L, D>(&p, forcing, &y, 0.0);
@@ -101,8 +98,6 @@ fn derivatives_are_those_of_the_series_in_every_layout() {
     of_a_motion::<Free<f64>, Attitude, 7>(&none);
     of_a_motion::<Top<f64>, Axis, 6>(&none);
     of_a_motion::<Top<f64>, TwoAxes, 9>(&none);
-    of_a_motion::<ReducedTop<f64>, Axis, 6>(&none);
-    of_a_motion::<ReducedTop<f64>, TwoAxes, 9>(&none);
     of_a_motion::<Free<f64>, ForcedRates, 6>(&forcing(false));
     of_a_motion::<Top<f64>, ForcedFrame, 15>(&forcing(true));
 }
@@ -115,7 +110,7 @@ fn one_step_errs_by_at_least_the_tenth_power_of_its_length() {
     type Engine = Hermite<f64, Top<f64>>;
     let none = ForcingInterval::none();
     let error = |h: f64| {
-        let p = parameters::<Top<f64>>(h);
+        let p = parameters(h);
         let y = start::<9>();
         let mut past = past_of::<Top<f64>, TwoAxes, 9>(&p, &none, &y);
         let engine =
@@ -136,7 +131,7 @@ fn one_step_errs_by_at_least_the_tenth_power_of_its_length() {
 fn the_polynomial_of_a_step_is_the_motion_inside_it() {
     type Engine = Hermite<f64, Top<f64>>;
     let none = ForcingInterval::none();
-    let p = parameters::<Top<f64>>(0.1);
+    let p = parameters(0.1);
     let y = start::<9>();
     let mut past = past_of::<Top<f64>, TwoAxes, 9>(&p, &none, &y);
     let engine = <Engine as Stepper<f64, Top<f64>, TwoAxes, 9>>::new(&p, &none, scheme::HERMITE9.any.numbers);

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .._checks.arguments import one_of, resolve_threads, rows
+from .._checks.arguments import finite_float, one_of, resolve_threads, rows
 from .._checks.arrays import attitudes, vectors
 from ..model.body import Body
 from ..model.frame import (
@@ -43,10 +44,13 @@ class Motion:
     scene : FreeBody, HeavyTop or Body
         The body with its weight, applied torque and damping.
     omega : array_like, shape (3,) or (n, 3)
-        Angular velocity at ``t = 0`` in the body (rad/s).
+        Angular velocity at ``t0`` in the body (rad/s).
     attitude : array_like, shape (4,) or (n, 4), or scipy Rotation, optional
-        Attitude at ``t = 0``: quaternion, scalar first, body to space; normalised here. Default:
+        Attitude at ``t0``: quaternion, scalar first, body to space; normalised here. Default:
         body and space axes coincide.
+    t0 : float
+        Time at which the motion begins (s). A table of a torque is read, and an orbit has turned,
+        from ``t = 0``.
     method : str
         One of :func:`rigid.methods`. Under torque and damping one that is ``driven``.
     threads : int, optional
@@ -72,9 +76,16 @@ class Motion:
     ...     motion.step(0.1, torque=(0.0, 0.0, 2.0 - motion.omega[2]))
     >>> round(motion.t, 9), round(float(motion.omega[2]), 2)
     (10.0, 1.99)
+
+    What would the next step do? A copy goes its own way, with the same bits:
+
+    >>> tried = motion.copy()
+    >>> tried.step(0.1, torque=(0.0, 0.0, 1.0))
+    >>> round(tried.t, 9), round(motion.t, 9)
+    (10.1, 10.0)
     """
 
-    __slots__ = ("_core", "_frame", "_single", "method", "scene")
+    __slots__ = ("_core", "_frame", "_single", "_threads", "method", "scene")
 
     def __init__(
         self,
@@ -82,6 +93,7 @@ class Motion:
         omega: ArrayLike,
         attitude: ArrayLike | Rotation | None = None,
         *,
+        t0: float = 0.0,
         method: str = FALLBACK,
         threads: int | None = None,
         frame: ArrayLike | None = None,
@@ -104,10 +116,11 @@ class Motion:
         batch, shape = Batch.from_input(scene, omega, attitude)
         if len(shape) > 1:
             raise ValueError(f"omega: expected shape (3,) or (n, 3), got bodies of shape {shape}")
-        self._single = not shape
+        self._single, self._threads = not shape, threads
         self._core = _core.Motion(
             **batch.columns(),
             method=method,
+            time=finite_float("t0", t0, unit="s"),
             unit=math.ldexp(1.0, int(batch.scale_exponent[0])),
             threads=resolve_threads(threads),
         )
@@ -159,6 +172,43 @@ class Motion:
             if self._frame is not None:
                 torque = turned(self._frame.T, torque)
         self._core.step(dt, torque)
+
+    def copy(self) -> Motion:
+        """A motion of the same bodies from here on, with the same bits.
+
+        ``copy.copy``, ``copy.deepcopy`` and ``pickle`` make one too.
+        """
+        rebuild, state = self.__reduce__()
+        return rebuild(*state)
+
+    __copy__ = copy
+
+    def __deepcopy__(self, _memo: object) -> Motion:
+        # A scene does not change, and the torque of a function cannot be copied.
+        return self.copy()
+
+    def __reduce__(self) -> tuple[Callable[..., Motion], tuple[Any, ...]]:
+        options = {
+            "t0": self.t,
+            "method": self.method,
+            "threads": self._threads,
+            "frame": self._frame,
+        }
+        return _rebuilt, (self.scene, self.omega, self.attitude, options, *self._core.numbers())
+
+
+def _rebuilt(
+    scene: Scene,
+    omega: Floats,
+    attitude: Floats,
+    options: dict[str, Any],
+    numbers: Floats,
+    forced: bool,
+) -> Motion:
+    """A motion whose bodies have the numbers of another."""
+    motion = Motion(scene, omega, attitude, **options)
+    motion._core.restore(numbers, forced)
+    return motion
 
 
 def _is_plain(torque: ArrayLike) -> bool:

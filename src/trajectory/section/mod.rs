@@ -279,7 +279,6 @@ impl<'a> Batch<'a> {
             is_forced: way.is_forced,
             is_satellite: way.is_satellite,
             is_called: false,
-            is_reduced: false,
             directions: 1,
             attitude: true,
             tangent: false,
@@ -468,7 +467,7 @@ impl<'a> Batch<'a> {
             }
         }
         if now >= end {
-            self.note_end(lane, task, own, now);
+            self.note_end(lane, task, own);
             return Ok(self.leave(lane));
         }
         if own.steps >= self.request.max_steps {
@@ -497,7 +496,7 @@ impl<'a> Batch<'a> {
         let units = self.group.step.0[lane] / adaptive.unit.0[lane] * zero.at;
         let time = adaptive.begin[0].0[lane] + (adaptive.begin[1].0[lane] + units * adaptive.unit.0[lane]);
         let y = self.kernel.dense_output(adaptive, lane, units);
-        let state = read(&self.group, lane, self.kernel, self.ways[task.body].assignment, y, time);
+        let state = read(&self.group, lane, self.kernel, self.ways[task.body].assignment, y);
         self.note_drift(lane, &state, own);
         let attitude = state.attitude.expect("the system has an attitude");
         Ok(Point {
@@ -513,8 +512,8 @@ impl<'a> Batch<'a> {
     }
 
     /// The errors of the invariants at the end of a motion.
-    fn note_end(&self, lane: usize, task: Task, own: &mut Crossings, now: f64) {
-        let state = unload(&self.group, lane, self.kernel, self.ways[task.body].assignment, now);
+    fn note_end(&self, lane: usize, task: Task, own: &mut Crossings) {
+        let state = unload(&self.group, lane, self.kernel, self.ways[task.body].assignment);
         self.note_drift(lane, &state, own);
     }
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import copy
 import math
+import pickle
 from collections.abc import Callable
 from typing import Any
 
@@ -194,3 +196,60 @@ def test_a_refused_step_leaves_the_motion_as_it_was() -> None:
         with pytest.raises(ValueError, match="must be finite"):
             motion.step(dt, torque)
     assert before == (motion.t, motion.omega.tobytes(), motion.attitude.tobytes())
+
+
+def copies(motion: rigid.Motion) -> list[rigid.Motion]:
+    found: list[rigid.Motion] = [motion.copy(), copy.copy(motion), copy.deepcopy(motion)]
+    return [*found, pickle.loads(pickle.dumps(motion))]
+
+
+@pytest.mark.parametrize(("name", "method"), CASES)
+def test_a_copy_goes_on_with_the_same_bits_and_leaves_the_motion(name: str, method: str) -> None:
+    motion = rigid.Motion(SCENES[name], [START, START[::-1]], TILTED, method=method)
+    for steps in (0, 5):
+        for _ in range(steps):
+            motion.step(STEP)
+        before, after = (motion.omega, motion.attitude), motion.copy()
+        after.step(STEP)
+        for other in copies(motion):
+            np.testing.assert_array_equal(other.omega, motion.omega)
+            np.testing.assert_array_equal(other.attitude, motion.attitude)
+            other.step(STEP)
+            assert other.t == after.t == motion.t + STEP
+            assert other.omega.tobytes() == after.omega.tobytes()
+            assert other.attitude.tobytes() == after.attitude.tobytes()
+        assert motion.omega.tobytes() == before[0].tobytes()
+        assert motion.attitude.tobytes() == before[1].tobytes()
+
+
+def test_a_copy_knows_that_a_torque_has_acted() -> None:
+    frame = rigid.Body.from_tensor([[2.0, 0.1, 0.0], [0.1, 1.5, 0.0], [0.0, 0.0, 1.0]])[1]
+    motion = rigid.Motion(BODY, START, TILTED, frame=frame)
+    motion.step(STEP, torque=(0.1, -0.2, 0.3))
+    motion.step(STEP)
+    for other in copies(motion):
+        assert other.omega.tobytes() == motion.omega.tobytes()
+        other.step(STEP)
+        again = motion.copy()
+        again.step(STEP)
+        assert other.omega.tobytes() == again.omega.tobytes()
+
+
+def test_a_motion_begins_at_its_time() -> None:
+    # The torque of the table and the orbit are those of the times, whenever the motion begins.
+    table = rigid.Torque.body([[0.2, -0.5, 0.9], [1.0, 0.3, -0.7]], times=[0.0, 1.0])
+    gravity = rigid.Torque.gravity_gradient(rate=2.0)
+    for torque in (table, gravity):
+        scene = rigid.FreeBody(BODY, torque=torque)
+        whole = rigid.Motion(scene, START, TILTED, method="dop853")
+        for _ in range(16):
+            whole.step(STEP)
+        rest = rigid.Motion(scene, whole.omega, whole.attitude, method="dop853", t0=whole.t)
+        assert rest.t == 16 * STEP
+        for _ in range(16):
+            whole.step(STEP)
+            rest.step(STEP)
+        # The attitude is normalised, and the rows of the matrix are made anew from it: some
+        # roundings of numbers of the order of one.
+        np.testing.assert_allclose(rest.omega, whole.omega, rtol=0.0, atol=16 * 2.0**-52)
+        np.testing.assert_allclose(rest.attitude, whole.attitude, rtol=0.0, atol=16 * 2.0**-52)

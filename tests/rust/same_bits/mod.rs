@@ -38,31 +38,22 @@ fn all_bits(numbers: &[f64]) -> Vec<u64> {
     numbers.iter().map(|&x| bits(x)).collect()
 }
 
-const SYSTEMS: [(System, &[Observed]); 10] = [
+const SYSTEMS: [(System, &[Observed]); 7] = [
     (System::FreeRates, &[Observed::Nothing, Observed::Flips, Observed::Bounds]),
     (System::FreeAxis, &[Observed::Nothing, Observed::Tilt]),
     (System::FreeAttitude, &[Observed::Nothing]),
     (System::TopAxis, &[Observed::Nothing, Observed::Flips, Observed::Tilt, Observed::Bounds]),
     (System::TopTwoAxes, &[Observed::Nothing, Observed::Tilt, Observed::Bounds]),
     (System::TopAttitude, &[Observed::Nothing]),
-    (System::ReducedTopAxis, &[Observed::Nothing]),
-    (System::ReducedTopTwoAxes, &[Observed::Nothing]),
-    (System::ReducedTopAttitude, &[Observed::Nothing]),
     (System::TopTangent, &[Observed::Nothing, Observed::Growth]),
 ];
 
 /// The assignment with which some scheme integrates a body in a kernel.
 fn assignment(kernel: Kernel, body: &Body) -> Option<KernelAssignment> {
-    let reduced = is_reduced(kernel.system);
-    let of_method = |method: &&Scheme| {
-        let of = if reduced { KernelAssignment::of_path } else { KernelAssignment::of };
-        of(method, body, kernel.system.scene())
-    };
-    let fits =
-        |assignment: &KernelAssignment| assignment.step == kernel.step && assignment.is_reduced() == reduced;
+    let of_method = |method: &Scheme| KernelAssignment::of(method, body, kernel.system.scene());
     let schemes =
         scheme::ALL.iter().copied().filter(|scheme| !kernel.system.scene().has_weight || scheme.moves_tops());
-    schemes.map(|scheme| of_method(&scheme)).find(fits)
+    schemes.map(of_method).find(|assignment| assignment.step == kernel.step)
 }
 
 /// Every kernel that some scheme needs.
@@ -140,7 +131,7 @@ const FAST: usize = 12;
 
 fn lane_starts(kernel: Kernel) -> Vec<LaneStart> {
     let of_lane = |lane: usize| {
-        let symmetric = kernel.step.engine == Engine::KickRotor || is_reduced(kernel.system);
+        let symmetric = kernel.step.engine == Engine::KickRotor;
         let mut body = body(lane as u64, kernel.system.scene().has_weight, symmetric);
         // Angles of 0.1 to 0.7 in a step. The code for large angles gives another sine for up to one in a hundred of
         // these angles, but for hardly any smaller angle, so smaller angles would not show a lane with the wrong code.
@@ -173,10 +164,6 @@ fn lane_starts(kernel: Kernel) -> Vec<LaneStart> {
         LaneStart { body, observed_axis, step, limit, bound }
     };
     (0..LANES).map(of_lane).collect()
-}
-
-fn is_reduced(system: System) -> bool {
-    matches!(system, System::ReducedTopAxis | System::ReducedTopTwoAxes | System::ReducedTopAttitude)
 }
 
 fn load_lane(group: &mut Group, lane: usize, kernel: Kernel, compiled: Compiled, lane_start: &LaneStart) {
