@@ -3,21 +3,35 @@
 use crate::real::Real;
 use crate::scheme::Coefficients;
 
-/// Three neighbouring numbers of a state from the `first` on, inside a step, and their slopes.
+/// Three numbers that are linear in a state.
+pub(super) trait Part<R>: Copy {
+    /// The numbers of a state, or of one order of it.
+    fn of<const D: usize>(self, state: &[R; D]) -> [R; 3];
+}
+
+/// Three neighbouring numbers, from this index on.
+impl<R: Real> Part<R> for usize {
+    #[inline(always)]
+    fn of<const D: usize>(self, state: &[R; D]) -> [R; 3] {
+        [state[self], state[self + 1], state[self + 2]]
+    }
+}
+
+/// A part of a state inside a step, and its slopes.
 #[inline(always)]
 pub(super) fn interpolate<R: Real, const D: usize>(
     dense: &Coefficients<R, D>,
-    first: usize,
+    part: impl Part<R>,
     fraction: R,
 ) -> ([R; 3], [R; 3]) {
     let order = dense.highest();
-    let top = dense.order(order);
-    let mut value = [top[first], top[first + 1], top[first + 2]];
+    let mut value = part.of(dense.order(order));
     let mut slope = [R::splat(0.0); 3];
     for k in (0..order).rev() {
+        let next = part.of(dense.order(k));
         for i in 0..3 {
             slope[i] = slope[i].fma(fraction, value[i]);
-            value[i] = value[i].fma(fraction, dense.order(k)[first + i]);
+            value[i] = value[i].fma(fraction, next[i]);
         }
     }
     (value, slope)
@@ -54,12 +68,12 @@ pub(super) fn hermite_weights<R: Real>(fraction: R) -> [R; 3] {
     [square * (rest + (rest + R::splat(1.0))), across * rest, -(across * fraction)]
 }
 
-/// Fraction of a step at which a component of three neighbouring numbers of a state has an extremum, if the slopes at
-/// both ends have opposite signs.
+/// Fraction of a step at which a component of a part of a state has an extremum, if the slopes at both ends have opposite
+/// signs.
 #[inline(always)]
 pub(super) fn turning_point<R: Real, const D: usize>(
     dense: &Coefficients<R, D>,
-    first: usize,
+    part: impl Part<R>,
     axis: &[R; 3],
     [begin_slope, end_slope]: [R; 2],
 ) -> R {
@@ -68,8 +82,7 @@ pub(super) fn turning_point<R: Real, const D: usize>(
         let (mut slope, mut curvature) = (R::splat(0.0), R::splat(0.0));
         for k in (1..=dense.highest()).rev() {
             curvature = curvature.fma(fraction, slope);
-            let row = dense.order(k);
-            let along = super::along(axis, &[row[first], row[first + 1], row[first + 2]]);
+            let along = super::along(axis, &part.of(dense.order(k)));
             slope = slope.fma(fraction, along * R::splat(k as f64));
         }
         fraction = newton(fraction, slope, curvature);

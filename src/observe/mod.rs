@@ -22,6 +22,7 @@ use crate::scene::{Layout, Model, Parameters};
 use crate::scheme::{Coefficients, Derivatives, Stepper};
 use crate::simd::Row;
 use crate::start::Body;
+use dense::Part;
 
 /// The row of the time at which stability was lost, the same for every observable; infinite before.
 pub const EXIT_TIME: usize = 0;
@@ -114,11 +115,10 @@ impl<R: Real, const D: usize> Segment<'_, R, D> {
         self.dense
     }
 
-    /// The rates of change of three neighbouring numbers of a state at the begin of the step, times the step.
+    /// The rates of change of a part of a state at the begin of the step, times the step.
     #[inline(always)]
-    fn slopes_at_begin<S: Stepper<R, M, L, D>, M: Model<R>, L: Layout>(&self, first: usize) -> [R; 3] {
-        let slopes = if const { S::REMEMBERS } { &self.ends[0][0] } else { self.dense.order(1) };
-        [slopes[first], slopes[first + 1], slopes[first + 2]]
+    fn slopes_at_begin<S: Stepper<R, M, L, D>, M: Model<R>, L: Layout>(&self, part: impl Part<R>) -> [R; 3] {
+        part.of(if const { S::REMEMBERS } { &self.ends[0][0] } else { self.dense.order(1) })
     }
 }
 

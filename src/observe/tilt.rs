@@ -1,15 +1,58 @@
 //! The tilt of a body axis.
 
-use super::dense::{interpolate, turning_point};
+use super::dense::{Part, interpolate, turning_point};
 use super::{EXIT_TIME, Observable, Rows, Segment, Start, Update, along, three};
 use crate::kinematics::{cross, direction, direction_rate, dot};
 use crate::real::Real;
 use crate::scene::{Layout, Model, Parameters};
 use crate::scheme::{Coefficients, Stepper};
 use crate::special::{atan2, sincos};
+use std::marker::PhantomData;
 
-/// Largest angle between a body axis and the space-fixed direction `Layout::OBSERVED`.
+/// Largest angle between a body axis and a direction that is fixed in space: `Layout::OBSERVED`, or the normal of an orbit.
 pub struct Tilt;
+
+/// The direction in a state from which the tilt is measured, of layouts with an orbit from the space axes 3, 1 and 2.
+struct Vertical<R, L> {
+    normal: [R; 3],
+    layout: PhantomData<L>,
+}
+
+impl<R: Copy, L> Clone for Vertical<R, L> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<R: Copy, L> Copy for Vertical<R, L> {}
+
+impl<R: Real, L: Layout> Vertical<R, L> {
+    #[inline(always)]
+    fn of_rows(rows: &Rows<R>) -> Self {
+        Vertical { normal: three(rows, Tilt::NORMAL), layout: PhantomData }
+    }
+}
+
+impl<R: Real, L: Layout> Part<R> for Vertical<R, L> {
+    #[inline(always)]
+    fn of<const D: usize>(self, state: &[R; D]) -> [R; 3] {
+        if !L::ORBITS {
+            return direction(state, L::OBSERVED);
+        }
+        combined(&self.normal, &[direction(state, 1), direction(state, 2), direction(state, 0)])
+    }
+}
+
+/// A vector of space in the body, from the axes of space there. The third axis alone keeps its bits.
+#[inline(always)]
+fn combined<R: Real>(v: &[R; 3], axes: &[[R; 3]; 3]) -> [R; 3] {
+    let [first, second, third] = axes;
+    let mut sum = *third;
+    for i in 0..3 {
+        sum[i] = v[2].fma(third[i], v[0].fma(first[i], v[1] * second[i]));
+    }
+    sum
+}
 
 impl Tilt {
     /// Smallest cosine of the tilt.
@@ -22,6 +65,8 @@ impl Tilt {
     /// limit. Below 60 degrees the squared sine is compared, which is accurate for small angles; above 60 degrees the
     /// cosine is compared, which determines the quadrant. The cosine 1/2 separates the two cases.
     pub const LIMIT: usize = 6;
+    /// The normal of the orbit in space; axis 3 without an orbit.
+    pub const NORMAL: usize = 8;
 
     /// The limit at an angle; no tilt exceeds an infinite limit.
     fn limit(angle: f64) -> [f64; 2] {
@@ -34,12 +79,19 @@ impl Tilt {
 }
 
 impl Observable for Tilt {
-    const ROWS: usize = 8;
+    const ROWS: usize = 11;
     const CHANGING: usize = 3;
 
     fn start(start: &Start) -> Rows<f64> {
         let mut rows = super::UNOBSERVED;
-        let [cosine, sine2] = tilt(&start.unit, &start.direction);
+        let orbit = start.forcing.map(|(forcing, _)| forcing.satellite).filter(|own| own.orbit_rate != 0.0);
+        let (mut normal, mut vertical) = ([0.0, 0.0, 1.0], start.direction);
+        if let Some(orbit) = orbit {
+            let [third, first] = start.frame;
+            normal = cross(&orbit.towards, &orbit.ahead);
+            vertical = combined(&normal, &[first, cross(&third, &first), third]);
+        }
+        let [cosine, sine2] = tilt(&start.unit, &vertical);
         let limit = Tilt::limit(start.limit);
         if cosine < limit[0] || sine2 > limit[1] {
             rows[EXIT_TIME] = 0.0;
@@ -47,6 +99,7 @@ impl Observable for Tilt {
         (rows[Tilt::COSINE], rows[Tilt::SINE2]) = (cosine, sine2);
         rows[Tilt::AXIS..Tilt::AXIS + 3].copy_from_slice(&start.unit);
         rows[Tilt::LIMIT..Tilt::LIMIT + 2].copy_from_slice(&limit);
+        rows[Tilt::NORMAL..Tilt::NORMAL + 3].copy_from_slice(&normal);
         rows
     }
 
@@ -58,7 +111,7 @@ impl Observable for Tilt {
 
 impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Tilt {
     /// True if the layout contains a direction in body components.
-    const FITS: bool = !M::REDUCED && !L::QUATERNION && !L::TANGENT && L::VECTORS > 0;
+    const FITS: bool = !L::QUATERNION && !L::TANGENT && L::VECTORS > 0;
 
     /// Steps of a Taylor series are long, so the largest tilt inside the step and the time at which the limit is
     /// reached are computed from the coefficients of the series.
@@ -73,19 +126,19 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Til
         let axis = three(rows, Tilt::AXIS);
         let limit = [rows[Tilt::LIMIT], rows[Tilt::LIMIT + 1]];
         let (zero, one) = (R::splat(0.0), R::splat(1.0));
-        let at_end = direction(after, L::OBSERVED);
+        let vertical = Vertical::<R, L>::of_rows(rows);
+        let at_end = vertical.of(after);
         let [mut cosine, mut sine2] = tilt(&axis, &at_end);
         let mut fraction = one;
         if const { S::HAS_POLYNOMIAL } {
-            let first = 3 + 3 * L::OBSERVED;
-            let begin_slope = along(&axis, &segment.slopes_at_begin::<S, M, L>(first));
+            let begin_slope = along(&axis, &segment.slopes_at_begin::<S, M, L>(vertical));
             let end_slope = along(&axis, &direction_rate(&at_end, &stepper.turning(after))) * p.step;
             // The cosine has a minimum inside the step.
             let has_minimum = R::select(zero.lt(end_slope), begin_slope, zero).lt(zero);
             if R::any(has_minimum) {
                 let dense = segment.polynomial(stepper);
-                let minimum = turning_point(dense, first, &axis, [begin_slope, end_slope]);
-                let (n, _) = interpolate(dense, first, minimum);
+                let minimum = turning_point(dense, vertical, &axis, [begin_slope, end_slope]);
+                let (n, _) = interpolate(dense, vertical, minimum);
                 let [cosine_there, sine2_there] = tilt(&axis, &n);
                 fraction = R::select(has_minimum, minimum, fraction);
                 cosine = R::select(has_minimum, cosine_there, cosine);
@@ -97,11 +150,11 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Til
         let end = margin(&limit, [cosine, sine2]);
         let exceeded = R::select(rows[EXIT_TIME].lt(R::splat(f64::INFINITY)), zero, end).lt(zero);
         if R::any(exceeded) {
-            let begin = tilt(&axis, &direction(before, L::OBSERVED));
+            let begin = tilt(&axis, &vertical.of(before));
             // The time is the begin of the step if the limit was exceeded there.
             let begin = margin(&limit, begin).max(zero);
             let fraction = if const { S::HAS_POLYNOMIAL } {
-                crossing::<R, L, D>(segment.polynomial(stepper), &axis, &limit, [begin, end], fraction)
+                crossing(segment.polynomial(stepper), vertical, &axis, &limit, [begin, end], fraction)
             } else {
                 // Linear interpolation.
                 begin / (begin - end)
@@ -116,8 +169,9 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Til
 /// margin at `last`, is negative. Regula falsi with half the margin of an end that remains twice (the Illinois rule;
 /// Dowell & Jarratt 1971, doi 10.1007/BF01934364).
 #[inline(always)]
-fn crossing<R: Real, L: Layout, const D: usize>(
+fn crossing<R: Real, const D: usize>(
     dense: &Coefficients<R, D>,
+    vertical: impl Part<R>,
     axis: &[R; 3],
     limit: &[R; 2],
     [mut inner, mut outer]: [R; 2],
@@ -128,7 +182,7 @@ fn crossing<R: Real, L: Layout, const D: usize>(
     let mut last_side = zero;
     for _ in 0..16 {
         let fraction = (high - low).fma(inner / (inner - outer), low);
-        let (n, _) = interpolate(dense, 3 + 3 * L::OBSERVED, fraction);
+        let (n, _) = interpolate(dense, vertical, fraction);
         let margin = margin(limit, tilt(axis, &n));
         let beyond = margin.lt(zero);
         let side = R::select(beyond, one, -one);

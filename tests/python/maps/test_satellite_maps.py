@@ -175,3 +175,38 @@ def test_displacements_of_a_satellite_are_refused_in_maps() -> None:
         rigid.stability_map(scene, stable=rigid.regular(), **asked)
     with pytest.raises(ValueError, match="method = 'etd4': moves bodies without rotor"):
         rigid.stability_map(scene, stable=rigid.no_flip(2), method="etd4", **asked)
+
+
+@pytest.mark.parametrize("method", [None, "rk4", "dop853", "taylor20"])
+@pytest.mark.parametrize("angle", [3e-3, 0.5])
+def test_the_vertical_of_a_satellite_is_the_normal_of_its_orbit(
+    angle: float, method: str | None
+) -> None:
+    # The same satellite on orbits about three axes: the axis along the normal stays as near to it.
+    moments, results = np.array([0.8, 1.0, 1.2]), []
+    for k in (2, 1, 0):
+        shift = 2 - k  # body and space axes are renamed together, in turn
+        normal, towards = np.roll([0.0, 0.0, 1.0], -shift), np.roll([1.0, 0.0, 0.0], -shift)
+        gravity = rigid.Torque.gravity_gradient(rate=1.0, normal=normal, towards=towards)
+        rates = [[1e-3, 0.0, 1.0], [2e-3, 1e-3, 1.0], [0.0, 4e-3, 1.0]]
+        given = rigid.samples(np.roll(rates, -shift, axis=1), in_order=True)
+        results.append(
+            rigid.stability_map(
+                rigid.FreeBody(rigid.Body(tuple(np.roll(moments, -shift))), torque=gravity),
+                axes={"t_end": [20.0]},
+                start=rigid.Start(omega=(0.0, 0.0, 0.0), noise=given),
+                stable=rigid.tilt_below(angle, axis=k + 1, reference="vertical"),
+                samples=3,
+                measure=rigid.largest_tilt(axis=k + 1, reference="vertical"),
+                rng=1,
+                progress=False,
+                **({} if method is None else {"method": method}),
+            )
+        )
+    first = results[0]
+    assert 0 < int(first.stable[0]) < 3 or angle == 0.5
+    for other in results[1:]:
+        np.testing.assert_array_equal(other.stable, first.stable)
+        # The same motion by the same steps, but for the order of sums.
+        (one,), (same,) = (list(result.measures.values()) for result in (first, other))
+        np.testing.assert_allclose(same.largest, one.largest, rtol=1e-9)
