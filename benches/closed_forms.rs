@@ -5,8 +5,10 @@
 //!
 //! `cargo bench --bench closed_forms`. Thread CPU time, the parts one after the other, medians.
 
+#[path = "timing.rs"]
+mod timing;
+
 use rigid::exact::{Evaluator, EvaluatorKind, ExitRows, StartRows, StateRows};
-use rigid::parallel::thread_nanoseconds;
 use rigid::simd::Isa;
 use rigid::simd::{LANES, Row};
 use rigid::start::Body;
@@ -47,15 +49,17 @@ fn median(mut values: Vec<f64>) -> f64 {
 }
 
 /// Nanoseconds per body of a call on all lanes.
-fn timed(mut call: impl FnMut()) -> f64 {
-    let begin = thread_nanoseconds();
-    for _ in 0..ROUNDS {
-        call();
-    }
-    (thread_nanoseconds() - begin) as f64 / (ROUNDS * LANES) as f64
+fn timed(mut call: impl FnMut()) -> Result<f64, String> {
+    let elapsed = timing::timed(|| (0..ROUNDS).for_each(|_| call()))?;
+    Ok(elapsed / (ROUNDS * LANES) as f64)
 }
 
-fn main() {
+/// Prints a row for each kind of body; returns how many.
+///
+/// # Errors
+/// If a result is impossible.
+pub fn print_rows(repeats: usize) -> Result<usize, String> {
+    let mut count = 0;
     const TIMES: usize = 64;
     let times: Vec<Row> = (0..TIMES).map(|k| Row([3.0 + 1.7 * k as f64; LANES])).collect();
     let mut out = vec![StateRows::ZERO; TIMES];
@@ -82,15 +86,15 @@ fn main() {
                 };
                 let mut exits = Row([0.0; LANES]);
                 let mut columns: [Vec<f64>; 6] = Default::default();
-                for _ in 0..REPEATS {
+                for _ in 0..repeats {
                     let starts = black_box(&starts);
-                    let one = timed(|| evaluator.states(starts, black_box(&times[..1]), &mut out[..1]));
-                    let all = timed(|| evaluator.states(starts, black_box(&times), &mut out));
-                    let rates = timed(|| evaluator.rates(starts, black_box(&times), &mut out));
-                    let rate = timed(|| evaluator.rates(starts, black_box(&times[..1]), &mut out[..1]));
-                    let exit = timed(|| evaluator.exits(starts, black_box(&limits), &mut exits));
-                    let sincos = timed(|| symmetric.rates(&spinning, black_box(&times), &mut out));
-                    let first = timed(|| symmetric.rates(&spinning, black_box(&times[..1]), &mut out[..1]));
+                    let one = timed(|| evaluator.states(starts, black_box(&times[..1]), &mut out[..1]))?;
+                    let all = timed(|| evaluator.states(starts, black_box(&times), &mut out))?;
+                    let rates = timed(|| evaluator.rates(starts, black_box(&times), &mut out))?;
+                    let rate = timed(|| evaluator.rates(starts, black_box(&times[..1]), &mut out[..1]))?;
+                    let exit = timed(|| evaluator.exits(starts, black_box(&limits), &mut exits))?;
+                    let sincos = timed(|| symmetric.rates(&spinning, black_box(&times), &mut out))?;
+                    let first = timed(|| symmetric.rates(&spinning, black_box(&times[..1]), &mut out[..1]))?;
                     let sc = (sincos - first) / (TIMES - 1) as f64;
                     let state = (all - one) / (TIMES - 1) as f64;
                     let values =
@@ -99,13 +103,29 @@ fn main() {
                         column.push(value);
                     }
                 }
-                let [setup, rates, state, exit, sc, ratio] = columns.map(median);
+                timing::changed(&vec![0.0; 7 * LANES], &numbers(&out[TIMES - 1]))?;
+                let medians = columns.map(median);
+                timing::positive(&medians)
+                    .map_err(|why| format!("{kind:?} {name}, {}: {why}", isa.name()))?;
+                let [setup, rates, state, exit, sc, ratio] = medians;
                 println!(
                     "{:32} {:>7} {setup:>9.1} {rates:>9.2} {state:>9.2} {exit:>9.1} {sc:>8.3} {ratio:>8.1}",
                     format!("{kind:?} {name}"),
                     isa.name()
                 );
+                count += 1;
             }
         }
     }
+    Ok(count)
+}
+
+/// Rates and attitudes of all lanes.
+fn numbers(states: &StateRows) -> Vec<f64> {
+    states.omega.iter().chain(&states.attitude).flat_map(|row| row.0).collect()
+}
+
+#[allow(dead_code)] // A test prints rows too.
+fn main() -> Result<(), String> {
+    print_rows(REPEATS).map(|_| ())
 }

@@ -1,78 +1,58 @@
 //! Body-steps per second of every kernel as a share of the FMA peak measured in the same process.
 //!
-//! `cargo bench --bench kernels`. Thread CPU time, best of several repeats, kernel and peak interleaved.
+//! `cargo bench --bench kernels`, and the words that the names of some kernels contain. Thread CPU time, best of several
+//! repeats, kernel and peak interleaved.
 
-use rigid::kernel::Group;
-use rigid::kernel::{Compiled, ForcingRows, Kernel, System};
-use rigid::observe::{Displacement, Observed, Start};
+#[path = "timing.rs"]
+mod timing;
+
+use rigid::kernel::{Compiled, Entry, ForcingRows, Group, Kernel, KernelAssignment, System, load};
+use rigid::observe::{Displacement, Observed};
 use rigid::parallel::thread_nanoseconds;
 use rigid::scheme::{self, Engine};
 use rigid::simd::Isa;
-use rigid::simd::{LANES, Row};
+use rigid::simd::LANES;
 use rigid::start::Body;
 use std::hint::black_box;
 
 const STEPS: usize = 2000;
 const REPEATS: usize = 15;
 
-/// A group of slightly different tumbling bodies.
-fn bodies(kernel: Kernel) -> Group {
+/// Slightly different tumbling bodies, one in each lane; `None` if no scheme integrates them so.
+fn bodies(compiled: Compiled) -> Option<Group> {
+    let kernel = compiled.kernel();
+    let symmetric = kernel.step.engine == Engine::KickRotor;
+    let weight = if kernel.system.scene().has_weight { [0.36, 0.24, 1.1] } else { [0.0; 3] };
     let mut group = Group::inactive();
     for lane in 0..LANES {
-        let moments = if kernel.step.engine == Engine::KickRotor { [1.0, 1.0, 0.7] } else { [1.0, 1.6, 0.7] };
-        let first = 0.31 * (1.0 + 1e-3 * lane as f64);
-        let start = [first, -0.42, 0.93, 0.36, 0.48, 0.8, 0.8, -0.6, 0.0, 0.1, 0.2, 0.3];
-        for i in 0..3 {
-            group.moments[i].0[lane] = moments[i];
-        }
-        if kernel.system.scene().has_weight {
-            group.weight = [Row([0.36; LANES]), Row([0.24; LANES]), Row([1.1; LANES])];
-        }
-        for i in 0..kernel.system.len() {
-            group.state[i].0[lane] = start[i];
-        }
-        if let Some(at) = kernel.system.quaternion_at() {
-            for i in 0..4 {
-                group.state[at + i].0[lane] = 0.5;
-            }
-        }
-        group.step.0[lane] = 0.02;
         let body = Body {
-            moments,
-            weight: [0.0; 3],
-            omega: [start[0], start[1], start[2]],
-            attitude: [1.0, 0.0, 0.0, 0.0],
+            moments: if symmetric { [1.0, 1.0, 0.7] } else { [1.0, 1.6, 0.7] },
+            weight,
+            omega: [0.31 * (1.0 + 1e-3 * lane as f64), -0.42, 0.93],
+            attitude: [0.5; 4],
         };
-        let third = [0.0, 0.0, 1.0];
-        let limit = f64::INFINITY;
-        let rows = kernel.observed.start(&Start {
-            body: &body,
-            forcing: None,
-            axis: 3,
-            unit: third,
-            direction: third,
-            limit,
-            displacement: &Displacement::NONE,
-            bound: None,
-            rates: body.omega,
-            momentum: [0, 1, 2].map(|i| moments[i] * body.omega[i]),
-            frame: [third, [1.0, 0.0, 0.0]],
-        });
-        for (row, number) in group.observed.iter_mut().zip(rows) {
-            row.0[lane] = number;
-        }
+        let assignments = scheme::ALL.iter().map(|of| KernelAssignment::of(of, &body, kernel.system.scene()));
+        let assignment = assignments.into_iter().find(|assignment| assignment.step == kernel.step)?;
+        let mut displacement = Displacement::new([0.1, 0.2, 0.3, 0.4, 0.5, 0.6]);
+        displacement.inverse_scale = [1.0; 3];
+        let (limit, step) = (f64::INFINITY, 0.02);
+        let entry = Entry { body: &body, forcing: None, axis: 3, limit, step, displacement, bound: None };
+        load(&mut group, lane, compiled, assignment, &entry);
     }
-    group
+    Some(group)
+}
+
+/// The rates of all bodies of a group.
+fn rates(group: &Group) -> Vec<f64> {
+    group.state[..3].iter().flat_map(|row| row.0).collect()
 }
 
 /// Nanoseconds per body-step, once.
-fn once(compiled: Compiled, start: &Group) -> f64 {
+fn once(compiled: Compiled, start: &Group) -> Result<f64, String> {
     let mut group = black_box(start.clone());
-    let begin = thread_nanoseconds();
-    compiled.advance(&mut group, &ForcingRows::NONE, STEPS);
-    let elapsed = thread_nanoseconds() - begin;
-    black_box(&group);
-    elapsed as f64 / (STEPS * LANES) as f64
+    let elapsed = timing::timed(|| compiled.advance(&mut group, &ForcingRows::NONE, STEPS))?;
+    timing::changed(&rates(start), &rates(black_box(&group)))?;
+    Ok(elapsed / (STEPS * LANES) as f64)
 }
 
 /// Floating-point operations per nanosecond of a loop of independent FMAs.
@@ -133,10 +113,13 @@ fn flops(kernel: Kernel) -> Option<f64> {
     }
 }
 
-fn main() {
-    let filter = std::env::args().nth(1).filter(|a| !a.starts_with("--"));
+/// Prints a row for each kernel whose name contains a filter, the best of some repeats; returns how many.
+///
+/// # Errors
+/// If a result is impossible.
+pub fn print_rows(filter: Option<&str>, repeats: usize) -> Result<usize, String> {
     println!("{:40} {:>8} {:>9} {:>12} {:>10}", "kernel", "path", "ns/step", "M steps/s", "of peak");
-    let mut peaks = [0.0_f64; 3];
+    let (mut peaks, mut rows) = ([0.0_f64; 3], 0);
     use System::*;
     let systems = [
         (FreeRates, Observed::Nothing),
@@ -151,33 +134,37 @@ fn main() {
         (TopAttitude, Observed::Nothing),
         (TopTangent, Observed::Nothing),
         (TopTangent, Observed::Growth),
-        (ReducedTopAxis, Observed::Nothing),
-        (ReducedTopAttitude, Observed::Nothing),
     ];
     for step in scheme::steps() {
         for (system, observed) in systems.into_iter().filter(|&(system, _)| system.is_moved_by(step)) {
             let kernel = Kernel { system, step, observed };
             let name = format!("{system:?} {step:?} {observed:?}");
-            if filter.as_ref().is_some_and(|f| !name.contains(f.as_str())) {
+            if filter.is_some_and(|filter| !name.contains(filter)) {
                 continue;
             }
-            let start = bodies(kernel);
             for isa in Isa::available() {
                 if isa == Isa::Scalar {
                     continue;
                 }
                 let compiled = Compiled::new(kernel, isa);
+                let Some(start) = bodies(compiled) else { continue };
                 let (mut time, mut peak) = (f64::MAX, 0.0_f64);
-                for _ in 0..REPEATS {
-                    time = time.min(once(compiled, &start));
+                for _ in 0..repeats {
+                    time = time.min(once(compiled, &start).map_err(|why| format!("{name}: {why}"))?);
                     #[cfg(target_arch = "x86_64")]
                     {
                         peak = peak.max(fma_peak(isa));
                     }
                 }
                 peaks[isa as usize] = peaks[isa as usize].max(peak);
-                let share = flops(kernel).map_or(String::from("-"), |f| format!("{:.2}", f / time / peak));
-                println!("{name:40} {:>8} {time:>9.3} {:>12.0} {share:>10}", isa.name(), 1e3 / time);
+                let share = match flops(kernel) {
+                    Some(count) => {
+                        timing::share(count / time, peak).map_err(|why| format!("{name}: {why}"))?
+                    }
+                    None => f64::NAN,
+                };
+                println!("{name:40} {:>8} {time:>9.3} {:>12.0} {share:>10.2}", isa.name(), 1e3 / time);
+                rows += 1;
             }
         }
     }
@@ -186,4 +173,12 @@ fn main() {
             println!("FMA peak, {}: {:.1} Gflop/s", isa.name(), peaks[isa as usize]);
         }
     }
+    Ok(rows)
+}
+
+/// Measures all kernels, or those that the first argument names.
+#[allow(dead_code)] // A test prints rows too.
+fn main() -> Result<(), String> {
+    let filter = std::env::args().nth(1).filter(|word| !word.starts_with("--"));
+    print_rows(filter.as_deref(), REPEATS).map(|_| ())
 }

@@ -1,6 +1,7 @@
 //! Tests of the core that need no Python: `cargo test same_bits` runs one module.
 
 mod adaptive_steps;
+mod benches;
 mod bodies;
 mod closed_forms;
 mod compositions;
