@@ -238,6 +238,7 @@ def stability_map(
     }
     given = {name: value for name, value in asked.items() if value is not None}
     spec = _as_it_is(scene, given) if isinstance(scene, MapSpec) else _spec(scene, given)
+    spec = spec.renewed()  # what a function takes may have changed since it was told
     stored = store is not None or executor is not None or part is not None
     if stored:
         if chunk is not None:

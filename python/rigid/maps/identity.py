@@ -15,8 +15,9 @@ from .spec import MapSpec
 __all__ = ["canonical", "differences", "fingerprint", "head_of", "key_of", "receipt", "segment_of"]
 
 FORMAT = "rigid running map"
-FORMAT_VERSIONS = (1, 2)
-"""Version 2 is that of maps that measure something: their logs have bins beside the rows."""
+FORMAT_VERSIONS = (1, 2, 3)
+"""Version 2 is that of maps that measure something: their logs have bins beside the rows. Version 3
+is that of maps with a function, whose digests tell what it takes from outside."""
 
 SEGMENT = 2**20
 """Most samples of a unit of work."""
@@ -43,7 +44,7 @@ def head_of(spec: MapSpec) -> dict[str, Any]:
         looks = [spec.looks.samples.tolist(), spec.looks.most.tolist()]
     return {
         "format": FORMAT,
-        "format_version": 2 if spec.measure else 1,
+        "format_version": 3 if spec.tells_captured else 2 if spec.measure else 1,
         "spec": spec.to_dict(),
         "segment": segment,
         "units": pixels * -(-spec.samples // segment),

@@ -51,14 +51,13 @@ def check_canaries(
     Raises
     ------
     StoreError
-        Naming the first unit and the fields that come out otherwise here.
+        Naming the first unit and the fields that come out otherwise here, and a function of the
+        user that is the cause.
     """
     if not len(known.rows):
         return
     again = compute(spec, known.rows["unit"].copy(), threads, stop)
     found = "" if again is None else unequal(known, again, spec.measure)
     if found:
-        raise StoreError(
-            "this build of rigid, or this machine, does not compute the numbers that are stored: "
-            f"stored and computed: {found}"
-        )
+        who = "this build of rigid, or this machine, does not compute the numbers that are stored"
+        raise StoreError(f"{spec.doubt or who}: stored and computed: {found}")

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from .._checks.arguments import one_line
+from .._checks.arguments import brief, one_line
 from ..maps.spec import MapSpec
 from .canary import check_canaries
 from .compute import compute
@@ -71,6 +71,8 @@ class Task:
         Version and commit of the driver, which a worker must have; None accepts any.
     functions : dict of str to callable, or bytes
         The functions of the specification; as pickled, unless the executor pickles them itself.
+    whole : MapSpec or None
+        The specification itself, for threads of this process.
     """
 
     text: str
@@ -78,6 +80,7 @@ class Task:
     canaries: Block
     build: tuple[str, str | None] | None
     functions: Mapping[str, Callable[..., Any]] | bytes
+    whole: MapSpec | None = None
 
     @classmethod
     def of(
@@ -95,14 +98,16 @@ class Task:
         ValueError
             If workers of the executor cannot import a function.
         """
+        if isinstance(executor, ThreadPoolExecutor):
+            return cls(spec.to_json(), threads, canaries, build, {}, spec)
         functions: Mapping[str, Callable[..., Any]] | bytes = spec.functions
-        if functions and not _takes_functions(executor):
+        if functions and not hasattr(executor, "get_executor"):  # Dask passes any function on
             for name, function in spec.functions.items():
                 try:
                     pickle.dumps(function)
                 except Exception as error:  # whatever refuses
                     raise ValueError(
-                        f"{name} = {function.__qualname__}: workers must import the function, so "
+                        f"{name} = {_title(function)}: workers must import the function, so "
                         f"it must be one of a module ({one_line(error)})"
                     ) from None
             functions = pickle.dumps(dict(spec.functions))
@@ -111,6 +116,8 @@ class Task:
     @property
     def spec(self) -> MapSpec:
         """The specification with its functions, in a worker."""
+        if self.whole is not None:
+            return self.whole
         if not self.functions:
             return _spec(self.text)
         asked, known = (self.text, self.functions), _latest[:]
@@ -146,9 +153,8 @@ def _spec(text: str) -> MapSpec:
     return MapSpec.from_json(text)
 
 
-def _takes_functions(executor: Any) -> bool:
-    """Whether an executor passes any function on: threads do, and so does Dask."""
-    return isinstance(executor, ThreadPoolExecutor) or hasattr(executor, "get_executor")
+def _title(function: Any) -> str:
+    return getattr(function, "__qualname__", "") or brief(function)
 
 
 @dataclass(slots=True)

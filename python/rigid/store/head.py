@@ -103,7 +103,7 @@ class Head:
         ------
         StoreError
         """
-        kept, asked = self.spec.to_dict(), spec.to_dict()
+        kept, asked = self.spec.to_dict(), spec.in_form_of(self.spec).to_dict()
         for described in (kept, asked):
             del described["title"], described["version"]
         found = differences(kept, asked)

@@ -110,8 +110,8 @@ HEAD: dict[str, tuple[Callable[[dict[str, object]], object], str]] = {
     "no JSON": (lambda head: "x", "is no running map: Expecting value"),
     "other JSON": (lambda head: "[]", "is no running map: its head is not that of one"),
     "other format": (
-        lambda head: json.dumps({**head, "format_version": 3}),
-        "has format version 3, this version of rigid reads 1 and 2",
+        lambda head: json.dumps({**head, "format_version": 4}),
+        "has format version 4, this version of rigid reads 1 and 2 and 3",
     ),
     "format of another kind": (
         lambda head: json.dumps({**head, "format_version": 2}),
