@@ -585,8 +585,8 @@ def load_map(
     path : path-like
         The file.
     scene : callable, optional
-        The function that made the scenes, if one did: the file has the digest of its source alone.
-        Without it the map can be read and drawn, but not computed again.
+        The function that made the scenes, if one did: the file has digests of it alone. Without it
+        the map can be read and drawn, but not computed again.
     stable : callable, optional
         The function of :func:`judged`, for the same.
 
@@ -603,7 +603,8 @@ def load_map(
     ValueError
         Naming the file: if it is not a stability map, is one of another format, is damaged, or
         holds counts that no computation gives. Nothing in the file is executed, and reading takes
-        no more memory than a small multiple of its size.
+        no more memory than a small multiple of its size. Or if a function is another one, or takes
+        other values from outside: which.
 
     Examples
     --------

@@ -178,7 +178,7 @@ def open_store(
         The folder that ``stability_map(..., store=path)`` has made, or a copy of it.
     scene, stable : callable, optional
         The function that makes the scenes, and that of :func:`judged`, to compute what is missing:
-        a folder has the digests of their sources alone.
+        a folder has digests of them alone, of their sources and of what they take from outside.
 
     Returns
     -------
@@ -188,7 +188,8 @@ def open_store(
     ------
     ValueError
         If the folder holds no running map, one of another format, or rows that contradict each
-        other. Nothing in it is executed, and nothing outside is read.
+        other; or if a function is another one, or takes other values: which. Nothing in the folder
+        is executed, and nothing outside is read.
 
     Examples
     --------
