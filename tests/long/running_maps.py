@@ -92,7 +92,7 @@ class Log:
     def read(self, content: bytes, *, may_end: bool = False) -> None:
         """Read a damaged copy; one that ends early tells its loss by its missing end."""
         found, table = Found(), Table(self.run.head)
-        for rows, nanoseconds, bins in read_log(io.BytesIO(content), self.run.head.key, found):
+        for rows, nanoseconds, bins in read_log(io.BytesIO(content), self.run.head.seal, found):
             table.add(rows, nanoseconds, bins, "log")
         known = table.known
         self.wrong += table.rows[known].tobytes() != self.rows[known].tobytes()

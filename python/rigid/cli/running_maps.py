@@ -24,7 +24,7 @@ WAITING = 75
 
 def add_options(parser: ArgumentParser) -> None:
     """The options of a map that is stored."""
-    parser.add_argument("--part", metavar="K/N", help="only part K of N of the pixels")
+    parser.add_argument("--part", metavar="K/N", help="only part K of N of the work")
     parser.add_argument("--dask", metavar="ADDRESS", help="compute on this Dask cluster")
 
 

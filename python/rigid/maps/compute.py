@@ -168,8 +168,9 @@ def stability_map(
     threads_per_task : int
         Threads of each block on an executor.
     part : str or tuple of int, optional
-        ``"k/n"`` or ``(k, n)``: only part k of n of the pixels, with ``store``, for jobs that run
-        side by side. Together they are the map.
+        ``"k/n"`` or ``(k, n)``: only part k of n of the work, with ``store``, for jobs that run
+        side by side. Pixels are dealt one by one, and a few of many bodies in pieces. Together the
+        parts are the map.
     half_width : float, optional
         Instead of ``samples``: a pixel gets 64, 128, ... bodies until the interval of its share is
         no wider than twice this, in [0.002, 0.25]. The interval is the Clopper-Pearson interval of

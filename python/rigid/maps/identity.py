@@ -20,7 +20,7 @@ FORMAT_VERSIONS = (1, 2, 3)
 is that of maps with a function, whose digests tell what it takes from outside."""
 
 SEGMENT = 2**20
-"""Most samples of a unit of work."""
+"""Most samples of a unit of work, as the key of a map has it, whatever the division of its work."""
 
 
 def canonical(value: Any) -> bytes:
@@ -34,11 +34,11 @@ def segment_of(spec: MapSpec) -> int:
     return SEGMENT if spec.looks is None else max(SEGMENT, spec.samples)
 
 
-def head_of(spec: MapSpec) -> dict[str, Any]:
-    """The content of ``head.json`` of a running map."""
+def head_of(spec: MapSpec, segment: int | None = None) -> dict[str, Any]:
+    """The content of ``head.json`` of a running map whose units have so many samples at most."""
     build = _core.build_info()
     pixels = int(np.prod(spec.shape))
-    segment = segment_of(spec)
+    segment = segment_of(spec) if segment is None else segment
     looks = None
     if spec.looks is not None:
         looks = [spec.looks.samples.tolist(), spec.looks.most.tolist()]

@@ -44,7 +44,12 @@ def canaries(table: Table, key: bytes) -> Block:
 
 
 def check_canaries(
-    spec: MapSpec, known: Block, threads: int = 1, stop: Callable[[], bool] | None = None
+    spec: MapSpec,
+    known: Block,
+    threads: int = 1,
+    stop: Callable[[], bool] | None = None,
+    *,
+    segment: int | None = None,
 ) -> None:
     """Compute rows again.
 
@@ -56,7 +61,7 @@ def check_canaries(
     """
     if not len(known.rows):
         return
-    again = compute(spec, known.rows["unit"].copy(), threads, stop)
+    again = compute(spec, known.rows["unit"].copy(), threads, stop, segment=segment)
     found = "" if again is None else unequal(known, again, spec.measure)
     if found:
         who = "this build of rigid, or this machine, does not compute the numbers that are stored"

@@ -71,6 +71,8 @@ class Task:
         Version and commit of the driver, which a worker must have; None accepts any.
     functions : dict of str to callable, or bytes
         The functions of the specification; as pickled, unless the executor pickles them itself.
+    segment : int or None
+        Most samples of a unit; by default those of a pixel.
     whole : MapSpec or None
         The specification itself, for threads of this process.
     """
@@ -80,6 +82,7 @@ class Task:
     canaries: Block
     build: tuple[str, str | None] | None
     functions: Mapping[str, Callable[..., Any]] | bytes
+    segment: int | None = None
     whole: MapSpec | None = None
 
     @classmethod
@@ -90,6 +93,7 @@ class Task:
         canaries: Block,
         build: tuple[str, str | None] | None,
         executor: Any,
+        segment: int | None = None,
     ) -> Task:
         """The task of a specification for an executor.
 
@@ -99,7 +103,7 @@ class Task:
             If workers of the executor cannot import a function.
         """
         if isinstance(executor, ThreadPoolExecutor):
-            return cls(spec.to_json(), threads, canaries, build, {}, spec)
+            return cls(spec.to_json(), threads, canaries, build, {}, segment, spec)
         functions: Mapping[str, Callable[..., Any]] | bytes = spec.functions
         if functions and not hasattr(executor, "get_executor"):  # Dask passes any function on
             for name, function in spec.functions.items():
@@ -111,7 +115,7 @@ class Task:
                         f"it must be one of a module ({one_line(error)})"
                     ) from None
             functions = pickle.dumps(dict(spec.functions))
-        return cls(spec.to_json(), threads, canaries, build, functions)
+        return cls(spec.to_json(), threads, canaries, build, functions, segment)
 
     @property
     def spec(self) -> MapSpec:
@@ -185,10 +189,10 @@ def work(task: Task, units: Units) -> Block:
     spec = task.spec
     token = b"".join([task.text.encode(), *(part.tobytes() for part in task.canaries)])
     if token not in _checked:
-        check_canaries(spec, task.canaries, task.threads)
+        check_canaries(spec, task.canaries, task.threads, segment=task.segment)
         _checked.clear()
         _checked.add(token)
-    block = compute(spec, units, task.threads)
+    block = compute(spec, units, task.threads, segment=task.segment)
     assert block is not None
     return block
 
@@ -212,7 +216,7 @@ class Sizes:
 
 def run_here(
     spec: MapSpec,
-    samples: int,
+    segment: int,
     todo: Units,
     sink: Sink,
     threads: int,
@@ -220,11 +224,11 @@ def run_here(
     note: Callable[[Rows], object],
 ) -> None:
     """Compute units one block after the other, on threads of this process."""
-    sizes, at = Sizes(samples, threads), 0
+    sizes, at = Sizes(min(segment, spec.samples), threads), 0
     while at < len(todo) and not stop():
         units = todo[at : at + sizes.units]
         begin = time.perf_counter()
-        block = compute(spec, units, threads, stop)
+        block = compute(spec, units, threads, stop, segment=segment)
         if block is None:
             return
         done = time.perf_counter()

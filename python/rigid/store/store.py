@@ -16,7 +16,7 @@ from ..maps.zarr_product import write_zarr_url
 from .diff import Difference, read_any
 from .diff import diff as diff_maps
 from .merge import merge_into
-from .resume import Outcome, Part, carry_on, result_of
+from .resume import Outcome, Part, carry_on, pixels_done, result_of
 from .running import Folder, Memory
 from .status import Status, status_of
 from .verify import Verification, verify
@@ -323,14 +323,10 @@ def _run(
 
 
 def _interrupted_words(running: Folder | Memory, result: StabilityMap) -> str:
-    possible = int((result.status == 0).sum())
-    done = int((result.samples > 0).sum())
     if isinstance(running, Memory):
-        return (
-            f"{done:,} of {possible:,} pixels are done; "
-            "the attribute 'partial' of this exception is their map"
-        )
-    return f"{done:,} of {possible:,} pixels are stored; the same call goes on"
+        done = pixels_done(result, "done")
+        return f"{done}; the attribute 'partial' of this exception is their map"
+    return f"{pixels_done(result)}; the same call goes on"
 
 
 def _poison_words(outcome: Outcome) -> str:

@@ -235,7 +235,7 @@ def test_the_status_counts_rows_writers_and_damage(tmp_path: Path) -> None:
 
 def test_two_logs_never_have_one_name(tmp_path: Path) -> None:
     folder = Folder.at(tmp_path / "run", SPEC)
-    logs = [Log(folder.path / "logs", folder.head.key, {}, folder._disk) for _ in range(3)]
+    logs = [Log(folder.path / "logs", folder.head.seal, {}, folder._disk) for _ in range(3)]
     assert len({log.path for log in logs}) == 3
     for log in logs:
         log.close({})
