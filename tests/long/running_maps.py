@@ -42,9 +42,9 @@ def killed(path: Path, seconds: float, limit: int | None) -> None:
             resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
         real = driving.compute
 
-        def slow(*arguments: object) -> object:
+        def slow(*arguments: object, **options: object) -> object:
             time.sleep(0.0005)
-            return real(*arguments)  # type: ignore[arg-type]
+            return real(*arguments, **options)  # type: ignore[arg-type]
 
         driving.GROWTH, driving.compute = 1, slow  # type: ignore[assignment]
         try:

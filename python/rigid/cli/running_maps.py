@@ -130,7 +130,7 @@ def _computed(options: Namespace, compute: Any) -> StabilityMap | int:
         return DIFFERENT
     except OSError as error:
         raise OSError(f"{error}; {_stored_in(options.store)}{goes_on}") from None
-    if result.complete:
+    if result.ended:
         return result
     print(f"rigid: waits for other parts; {_stored(result)}; {goes_on}", file=sys.stderr)
     return WAITING

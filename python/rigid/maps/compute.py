@@ -157,7 +157,7 @@ def stability_map(
         :func:`largest_tilt`, :func:`mean_rate`, :func:`drift`. ``result.measures`` has them.
     partial : bool
         Return the map of the bodies done after Ctrl-C, instead of raising :class:`Interrupted`:
-        the program goes on. ``result.complete`` tells whether all bodies were done.
+        the program goes on. ``result.ended`` tells whether all was done.
     store : path-like, optional
         Folder of a running map, made if there is none. What was computed is there at once, whatever
         ends the program, and the same call goes on where the rows end. Without ``rng`` the seed of
@@ -183,7 +183,9 @@ def stability_map(
         pixels that are computed have the bits of the full map. A feature between the first rows and
         columns that touches none of them is not seen.
     budget : int, optional
-        Most bodies. What tells most is computed first.
+        Most bodies. What tells most is computed first, as long as the most bodies that the next
+        pixel may need fit. ``result.cut`` tells how many pixels are left out then, and
+        ``result.complete`` is False.
 
     Returns
     -------

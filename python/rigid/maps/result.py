@@ -103,6 +103,12 @@ class StabilityMap(MapData):
         With ``half_width``, pixels whose interval is no wider than twice that.
     stage : ndarray of uint8
         With ``refine`` or ``budget``, the stage that computes a pixel; 255: left out.
+    complete : bool
+        Whether every body that was asked for was computed, and no budget left pixels out.
+    ended : bool
+        Whether nothing more is to be computed: the map is complete, or its ``budget`` is spent.
+    cut : int
+        Number of pixels that the ``budget`` left out; with ``refine`` of the stage where it ended.
     filled : ndarray
         The share, interpolated in the pixels that refinement has left out.
     nanoseconds : ndarray

@@ -21,7 +21,7 @@ from .drive import Poison, Task, drive, executor_of, own_build, run_here
 from .rows import Rows
 from .running import Folder, Memory
 
-__all__ = ["Outcome", "Part", "carry_on", "missing", "pixels_done", "result_of"]
+__all__ = ["Outcome", "Part", "carry_on", "data_of", "missing", "pixels_done", "result_of"]
 
 GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 """The golden ratio: the upper bits of its multiples are those of no pattern of a grid."""
@@ -103,7 +103,7 @@ def missing(running: Folder | Memory) -> NDArray[np.int64]:
     """
     spec, status = running.head.spec, running.status
     if refined(spec):
-        data = _data(running)
+        data = data_of(running)
         ends = [data.lower, data.upper]
         pixels = stages(spec, data.status, data.finished, data.samples, ends).wanted
     else:
@@ -131,7 +131,8 @@ def _likely_cost(
     return np.nan_to_num(cost)
 
 
-def _data(running: Folder | Memory) -> MapData:
+def data_of(running: Folder | Memory) -> MapData:
+    """The numbers of the rows that there are, without the values of measures."""
     arrays = {**running.table.arrays(), "status": running.status}
     return MapData.from_arrays(running.head.spec, arrays)
 

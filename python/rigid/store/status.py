@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..maps.data import CLASSES
-from .resume import Part, missing
+from .resume import Part, data_of, missing
 from .running import Folder, LogFacts
 
 __all__ = ["Status", "status_of"]
@@ -27,6 +27,8 @@ class Status:
         The key of the map, hexadecimal.
     units, done, missing : int
         Units of work with a possible body; those whose rows are stored; those to be computed next.
+    cut : int
+        Pixels that the budget of the map leaves out.
     bodies, failed : int
         Bodies done, and the failed among them.
     twice : int
@@ -46,6 +48,7 @@ class Status:
     units: int
     done: int
     missing: int
+    cut: int
     bodies: int
     failed: int
     twice: int
@@ -56,7 +59,7 @@ class Status:
 
     @property
     def complete(self) -> bool:
-        """Whether nothing is missing."""
+        """Whether nothing is missing that is to be computed, within the budget of the map."""
         return self.missing == 0
 
     def _left(self) -> str:
@@ -72,6 +75,8 @@ class Status:
             ("bodies", f"{self.bodies:,} done, {self.failed:,} failed"),
             ("cost", f"{self.seconds:.3g} s of processor time, {self._left()}"),
         ]
+        if self.cut and self.complete:
+            lines.append(("budget", f"spent: {self.cut:,} pixels are left out"))
         if self.twice:
             lines.append(("twice", f"{self.twice:,} rows were computed twice, with equal bytes"))
         for writer in self.writers:
@@ -132,6 +137,7 @@ def status_of(folder: Folder) -> Status:
         units=int((folder.status == 0).sum()) * folder.head.segments,
         done=len(rows),
         missing=left,
+        cut=data_of(folder).cut,
         bodies=sum(int(rows[name].sum()) for name in CLASSES),
         failed=int(rows["failed"].sum()),
         twice=table.twice,

@@ -315,7 +315,7 @@ def _run(
             interrupted, outcome = True, None
         elapsed = time.perf_counter() - begun
         result = result_of(running, elapsed=elapsed, threads=workers)
-    if (interrupted or stop.is_set()) and not result.complete and not partial:
+    if (interrupted or stop.is_set()) and not result.ended and not partial:
         raise Interrupted(_interrupted_words(running, result), result)
     if outcome is not None and outcome.poison.units:
         raise PoisonedError(_poison_words(outcome), outcome.poison.units, result)

@@ -138,6 +138,25 @@ def test_a_file_asks_for_sequential_and_refined_maps() -> None:
     assert (spec.samples, spec.half_width) == (7, None)
 
 
+def test_a_budget_that_is_spent_is_no_interruption(capsys: pytest.CaptureFixture[str]) -> None:
+    text = SPEC.replace("samples = 10", "half_width = 0.1\nbudget = 1500")
+    Path("small.toml").write_text(text)
+    for store in ([], ["--store", "run.rigid", "--out", "stored"]):
+        assert main(["map", "small.toml", *store, QUIET]) == 0
+        told = capsys.readouterr()
+        assert told.err == ""
+        assert re.search(
+            r"until the share is known to within 0.1: so in \d+ pixels, not in \d+; seed", told.out
+        )
+        assert re.search(r"1,\d+ in \d+ of \d+ pixels; the budget of 1,500 leaves out \d", told.out)
+    result = rigid.load_map("small.npz")
+    assert not result.complete
+    assert 1500 - result.spec.samples < result.samples.sum() <= 1500
+    assert Path("stored.npz").read_bytes() == Path("small.npz").read_bytes()
+    assert main(["status", "run.rigid"]) == 0
+    assert f"budget      spent: {result.cut} pixels are left out" in capsys.readouterr().out
+
+
 @pytest.mark.parametrize(
     ("edit", "options", "message"),
     [
@@ -193,9 +212,9 @@ import sys, time
 from rigid.cli import main
 from rigid.store import drive
 real = drive.compute
-def slow(*arguments):
+def slow(*arguments, **options):
     time.sleep(0.05)
-    return real(*arguments)
+    return real(*arguments, **options)
 drive.compute, drive.GROWTH = slow, 1
 sys.exit(main(["map", "small.toml", "--store", "run.rigid", "--no-progress"]))
 """
