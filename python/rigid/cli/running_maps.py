@@ -19,7 +19,7 @@ __all__ = ["add_commands", "add_options", "compute_stored", "default_stem", "ope
 
 DIFFERENT = 1
 WAITING = 75
-"""Exit codes."""
+"""Exit codes: numbers differ, are damaged or were given up; some are not computed yet."""
 
 
 def add_options(parser: ArgumentParser) -> None:
@@ -60,6 +60,9 @@ def add_commands(commands: Any) -> None:
     pack = commands.add_parser("pack", help="write the map of a store as one file")
     pack.add_argument("store", metavar="DIR", help="its folder")
     pack.add_argument("out", metavar="OUT", help="a name in .npz or .zarr, or a URL")
+    pack.add_argument(
+        "--partial", action="store_true", help="also write a map that is not finished"
+    )
 
 
 def run(options: Namespace) -> int:
@@ -69,7 +72,9 @@ def run(options: Namespace) -> int:
 
     code = 0
     if options.command == "status":
-        say(str(open_store(options.store).status()))
+        status = open_store(options.store).status()
+        say(str(status))
+        code = DIFFERENT if status.damage else 0
     elif options.command == "merge":
         say(str(merge(options.stores, options.into).status()))
     elif options.command == "diff":
@@ -82,8 +87,27 @@ def run(options: Namespace) -> int:
         say(str(found))
         code = 0 if found.ok else DIFFERENT
     else:
-        say(str(open_store(options.store).pack(options.out)))
+        code = _pack(options)
     return code
+
+
+def _pack(options: Namespace) -> int:
+    """Write the map of a store, if nothing is missing or a partial one is asked for."""
+    from ..store.store import open_store, pack
+
+    result = open_store(options.store).result()
+    if not result.ended:
+        words = _stored(result)
+        if not options.partial:
+            print(
+                f"rigid: {words}, nothing is written; rigid resume {options.store} goes on, "
+                "--partial writes what there is",
+                file=sys.stderr,
+            )
+            return WAITING
+        print(f"rigid: {words}, the map written is partial", file=sys.stderr)
+    say(str(pack(result, options.out)))
+    return 0
 
 
 def compute_stored(spec: MapSpec, options: Namespace, *, seeded: bool) -> StabilityMap | int:
@@ -137,8 +161,9 @@ def _computed(options: Namespace, compute: Any) -> StabilityMap | int:
 
 
 def _stored(result: StabilityMap) -> str:
-    done, possible = int((result.samples > 0).sum()), int((result.status == 0).sum())
-    return f"{done:,} of {possible:,} pixels are stored"
+    from ..store.resume import pixels_done
+
+    return pixels_done(result)
 
 
 def _stored_in(path: str) -> str:

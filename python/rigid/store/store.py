@@ -145,7 +145,7 @@ class Store:
         return verify(self._folder, share=share, seed=seed, threads=threads)
 
     def pack(self, path: str | os.PathLike[str]) -> Path | str:
-        """Write the map of the rows that are stored now.
+        """Write the map of the rows that are stored now; the map may be incomplete.
 
         Parameters
         ----------
@@ -157,11 +157,16 @@ class Store:
         Path or str
             The file, or the URL.
         """
-        place = os.fspath(path)
-        if "://" not in place:
-            return self.result().save(path)
-        write_zarr_url(self.result(), place)
-        return place
+        return pack(self.result(), path)
+
+
+def pack(result: StabilityMap, path: str | os.PathLike[str]) -> Path | str:
+    """Write a map as a file, as a folder of Zarr, or to a URL; see :meth:`Store.pack`."""
+    place = os.fspath(path)
+    if "://" not in place:
+        return result.save(path)
+    write_zarr_url(result, place)
+    return place
 
 
 def open_store(

@@ -90,6 +90,59 @@ def test_parts_are_merged(capsys: pytest.CaptureFixture[str]) -> None:
     assert rigid.load_map("all.npz").complete
 
 
+def damage_rows(folder: str) -> None:
+    """Flip a bit in the first row of a store."""
+    log = next(Path(folder, "logs").iterdir())
+    content = bytearray(log.read_bytes())
+    table = content.index(b"\x93NUMPY")
+    content[table + 10 + int.from_bytes(content[table + 8 : table + 10], "little")] ^= 1
+    log.write_bytes(content)
+
+
+def test_an_unfinished_map_is_packed_only_if_that_is_asked_for(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    main(["map", "small.toml", "--store", "run.rigid", "--part", "1/4", QUIET])
+    result = rigid.open_store("run.rigid").result()
+    done, possible = (result.samples > 0).sum(), (result.status == 0).sum()
+    capsys.readouterr()
+    assert main(["pack", "run.rigid", "part.npz"]) == 75
+    told = capsys.readouterr()
+    assert told.out == ""
+    assert told.err == (
+        f"rigid: {done} of {possible} pixels are stored, nothing is written; "
+        "rigid resume run.rigid goes on, --partial writes what there is\n"
+    )
+    assert not Path("part.npz").exists()
+    assert main(["pack", "run.rigid", "part.npz", "--partial"]) == 0
+    told = capsys.readouterr()
+    assert told.out == "part.npz\n"
+    assert f"{done} of {possible} pixels are stored, the map written is partial" in told.err
+    loaded = rigid.load_map("part.npz")
+    assert (loaded.complete, int(loaded.samples.sum())) == (False, done * 10)
+
+
+def test_a_damaged_map_is_no_finished_one(capsys: pytest.CaptureFixture[str]) -> None:
+    main(["map", "small.toml", "--store", "run.rigid", QUIET])
+    possible = int((rigid.load_map("small.npz").status == 0).sum())
+    assert main(["status", "run.rigid"]) == 0
+    assert main(["pack", "run.rigid", "whole.npz"]) == 0
+    damage_rows("run.rigid")
+    capsys.readouterr()
+    assert main(["status", "run.rigid"]) == 1
+    assert "damage      " in capsys.readouterr().out
+    assert main(["pack", "run.rigid", "damaged.npz"]) == 75
+    told = capsys.readouterr().err
+    found = re.match(r"rigid: (\d+) of (\d+) pixels are stored, nothing is written", told)
+    assert found is not None
+    assert int(found[1]) < int(found[2]) == possible
+    # What is damaged is computed again: the log stays as it is, the map is whole.
+    assert main(["resume", "run.rigid", "--out", "again", QUIET]) == 0
+    assert main(["pack", "run.rigid", "again2.npz"]) == 0
+    assert Path("again2.npz").read_bytes() == Path("whole.npz").read_bytes()
+    assert main(["status", "run.rigid"]) == 1
+
+
 def test_the_status_is_told(capsys: pytest.CaptureFixture[str]) -> None:
     main(["map", "small.toml", "--store", "run.rigid", "--part", "1/2", QUIET])
     capsys.readouterr()
@@ -105,10 +158,7 @@ def test_numbers_are_verified(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["verify", "run.rigid", "--all"]) == 0
     assert "0 differ" in capsys.readouterr().out
     assert main(["verify", "small.npz", "--share", "0.5", "--seed", "3"]) == 0
-    log = next(Path("run.rigid/logs").iterdir())
-    content = bytearray(log.read_bytes())
-    content[content.index(b"NUMPY") + 2000] ^= 1  # in the first table
-    log.write_bytes(content)
+    damage_rows("run.rigid")
     assert main(["verify", "run.rigid"]) == 1
     assert "damage: " in capsys.readouterr().out
 
