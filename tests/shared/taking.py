@@ -244,7 +244,8 @@ def orders() -> dict[str, str]:
     def judge(states: rigid.States) -> Verdicts:
         return below(states, len(words) + len(numbers) + len(both) + ("b" in {"a", "b", "c"}))
 
-    return rigid.judged(judge, [1.0]).to_dict()["function"]
+    told: dict[str, str] = rigid.judged(judge, [1.0]).to_dict()["function"]
+    return told
 
 
 def words_in_order(words: set[str]) -> list[str]:

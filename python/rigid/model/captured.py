@@ -143,7 +143,7 @@ class _Walk:
         head, state, items = self._reduced(value, "self")
         for name, part in state.items():
             self._variable(f"self.{name}", part)
-        plainly = (copyreg.__newobj__, type(value))
+        plainly = (copyreg.__newobj__, type(value))  # type: ignore[attr-defined]
         rest = [part for part in (*head, *items) if not any(part is one for one in plainly)]
         if rest:
             self._variable("self", rest)

@@ -114,9 +114,9 @@ class Head:
             )
         try:
             spec = MapSpec.from_dict(content["spec"])
-            known = segment_of(spec), divided(spec)
             segment = content.get("segment")
-            expected = head_of(spec, segment if segment in known else None)
+            is_known = segment in (segment_of(spec), divided(spec))
+            expected = head_of(spec, segment if is_known else None)
         except Exception as error:  # the text may hold anything
             raise StoreError(f"{path} holds a broken specification: {one_line(error)}") from None
         for name in ("columns", "format_version", "looks", "segment", "units"):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import importlib
 import json
 import sys
 import threading
@@ -61,7 +62,7 @@ def test_a_finished_map_is_not_the_answer_for_another_value(
         map_by(other, store=path)
     for open_again in (rigid.load_map, rigid.open_store):
         with pytest.raises(ValueError, match=rf"stable = \w+: {name} is .*, and was .* in '\w+'"):
-            open_again(file if open_again is rigid.load_map else path, stable=other)  # type: ignore[operator]
+            open_again(file if open_again is rigid.load_map else path, stable=other)
 
 
 def test_numbers_are_told_as_they_are(tmp_path: Path) -> None:
@@ -166,8 +167,7 @@ def test_a_module_of_the_user_may_have_the_name_of_one_of_python(
     (tmp_path / "this.py").write_text("LIMIT = 0.1\ndef judge(states):\n    return LIMIT\n")
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.delitem(sys.modules, "this", raising=False)
-    import this  # type: ignore[import-not-found, unused-ignore]
-
+    this: Any = importlib.import_module("this")
     taken = dict(Sourced.of("stable", with_closure(this.judge)).captured or ())
     assert taken["limit.LIMIT"] == "0.1"
     monkeypatch.delitem(sys.modules, "this")
@@ -202,6 +202,14 @@ def test_functions_without_a_source_differ_by_their_code() -> None:
     assert made("lambda a: [b for b in a]").sha256 != made("lambda a: [-b for b in a]").sha256
 
 
+def nested(depth: int) -> list[Any]:
+    """Lists in each other."""
+    whole: list[Any] = []
+    for _ in range(depth):
+        whole = [whole]
+    return whole
+
+
 @pytest.mark.parametrize(
     ("value", "message"),
     [
@@ -209,7 +217,7 @@ def test_functions_without_a_source_differ_by_their_code() -> None:
         ((k for k in range(3)), r"limit: a builtins\.generator has no digest"),
         ([1, {"log": threading.Lock()}], r"limit\[1\]\['log'\]: a _thread\.lock has no digest"),
         (taking, "limit: the module taking as a whole has no digest; write which of its names"),
-        (functools.reduce(lambda inner, _: [inner], range(5000), []), "nested too deeply"),
+        (nested(5000), "nested too deeply"),
     ],
 )
 def test_what_has_no_digest_is_named(value: Any, message: str) -> None:

@@ -81,7 +81,7 @@ def test_appended_parts_keep_the_numbers_of_their_bodies(case: str, tmp_path: Pa
     """Also where nothing acts on any body of a part, and where the last part is one body."""
     scene, expected = PARTS[case]
     starts = RNG.normal(size=(COUNT, 3))
-    mode: dict[str, str] = {}
+    mode: dict[str, Any] = {}
     for part in rigid.simulate_chunks(scene, starts, t=TIMES, chunk=3):
         part.to_xarray().to_zarr(tmp_path / "run.zarr", consolidated=False, **mode)
         mode = {"append_dim": "body"}
@@ -96,8 +96,8 @@ def test_appended_parts_keep_the_numbers_of_their_bodies(case: str, tmp_path: Pa
         for name in expected.keys() & told.keys() - {"torque"}:
             assert told[name] == f"variable {name}"
         if scene.is_driven:
-            whole = rigid.simulate(scene, starts, t=TIMES)
-            np.testing.assert_allclose(found.work.values, whole.work, rtol=0.0, atol=1e-9)
+            work: Any = rigid.simulate(scene, starts, t=TIMES).work
+            np.testing.assert_allclose(found.work.values, work, rtol=0.0, atol=1e-9)
 
 
 def test_what_all_bodies_have_in_common_is_no_variable() -> None:
