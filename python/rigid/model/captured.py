@@ -11,6 +11,7 @@ import builtins
 import copyreg
 import enum
 import functools
+import sys
 from collections.abc import Callable, Mapping
 from dataclasses import fields, is_dataclass
 from types import FunctionType, MappingProxyType, MemberDescriptorType, MethodType, ModuleType
@@ -69,8 +70,7 @@ def captured(function: Callable[..., Any]) -> dict[str, str]:
     Examples
     --------
     >>> from rigid.model.captured import captured
-    >>> limit = 0.1
-    >>> captured(lambda states, share=0.5: share * limit)
+    >>> captured(lambda states, limit=0.1, *, share=0.5: share * limit)
     {'limit': '0.1', 'share': '0.5'}
     """
     walk = _Walk(package_of(getattr(plain(function), "__module__", None)))
@@ -88,10 +88,6 @@ def captured(function: Callable[..., Any]) -> dict[str, str]:
 
 def _short(token: bytes) -> str:
     return token.hex()[:DIGITS]
-
-
-_GLOBAL_RANDOM = getattr(np.random.mtrand, "_rand", None)
-"""The generator of ``np.random.rand``, which distributions of SciPy hold; its state is no value."""
 
 
 class _Walk:
@@ -278,7 +274,8 @@ class _Walk:
             return self._class(value, path)
         if is_wrapper(value):
             return digest("wrapper", qualified(kind).encode(), self._value(value.__wrapped__, path))
-        if value is _GLOBAL_RANDOM:
+        # That of np.random.rand, which distributions of SciPy hold: its state is no value.
+        if value is getattr(sys.modules.get("numpy.random.mtrand"), "_rand", None):
             return digest("random")
         if isinstance(value, enum.Enum):
             return digest("enum", self._value(kind, path), value.name.encode())

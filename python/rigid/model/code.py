@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dis
 import functools
-import importlib.util
 import inspect
 import os
 import sys
@@ -115,8 +114,10 @@ def is_installed(module: str | None) -> bool:
     loaded = sys.modules.get(module or "") or sys.modules.get(package)
     place = getattr(loaded, "__file__", None)
     if loaded is None:
+        from importlib.util import find_spec  # takes longer to import than this module
+
         try:
-            place = getattr(importlib.util.find_spec(package), "origin", None)
+            place = getattr(find_spec(package), "origin", None)
         except (ImportError, ValueError):
             place = None
     if place is None or not Path(place).is_absolute():  # in the interpreter, or nowhere
