@@ -97,7 +97,7 @@ def _pack(options: Namespace) -> int:
 
     result = open_store(options.store).result()
     if not result.ended:
-        words = _stored(result)
+        words = _stored(options.store, result)
         if not options.partial:
             print(
                 f"rigid: {words}, nothing is written; rigid resume {options.store} goes on, "
@@ -148,7 +148,7 @@ def _computed(options: Namespace, compute: Any) -> StabilityMap | int:
             )
     except Interrupted as stopped:
         how = "terminated" if terminated() else "interrupted"
-        raise KeyboardInterrupt(f"{how}; {_stored(stopped.partial)}; {goes_on}") from None
+        raise KeyboardInterrupt(f"{how}; {str(stopped).partition(';')[0]}; {goes_on}") from None
     except PoisonedError as error:
         print(f"rigid: {error}; {goes_on}", file=sys.stderr)
         return DIFFERENT
@@ -156,22 +156,26 @@ def _computed(options: Namespace, compute: Any) -> StabilityMap | int:
         raise OSError(f"{error}; {_stored_in(options.store)}{goes_on}") from None
     if result.ended:
         return result
-    print(f"rigid: waits for other parts; {_stored(result)}; {goes_on}", file=sys.stderr)
+    print(
+        f"rigid: waits for other parts; {_stored(options.store, result)}; {goes_on}",
+        file=sys.stderr,
+    )
     return WAITING
 
 
-def _stored(result: StabilityMap) -> str:
-    from ..store.resume import pixels_done
+def _stored(path: str, result: StabilityMap | None = None) -> str:
+    """How much a folder holds; by default as it is now."""
+    from ..store.resume import pixels_done, result_of
+    from ..store.running import Folder
 
-    return pixels_done(result)
+    folder = Folder(path)
+    return pixels_done(folder, result_of(folder) if result is None else result)
 
 
 def _stored_in(path: str) -> str:
     """How much a folder holds, if it can be read."""
-    from ..store.store import open_store
-
     try:
-        return f"{_stored(open_store(path).result())}; "
+        return f"{_stored(path)}; "
     except (OSError, ValueError):
         return ""
 

@@ -233,11 +233,14 @@ def result_of(
     )
 
 
-def pixels_done(result: StabilityMap, how: str = "stored") -> str:
-    """How many pixels have all their bodies, in words."""
-    possible = result.status == 0
-    done = int((result.finished & possible).sum())
-    return f"{done:,} of {int(possible.sum()):,} pixels are {how}"
+def pixels_done(running: Folder | Memory, result: StabilityMap, how: str = "stored") -> str:
+    """How many pixels have all their bodies, in words, and pieces of divided ones."""
+    possible, segments = result.status == 0, running.head.segments
+    done, pixels = int((result.finished & possible).sum()), int(possible.sum())
+    text = f"{done:,} of {pixels:,} pixels"
+    if segments > 1:
+        text += f" ({int(running.table.known.sum()):,} of {pixels * segments:,} pieces)"
+    return f"{text} are {how}"
 
 
 def _noting(report: Callable[[Progress], object], total: int) -> Callable[[Rows], None]:

@@ -329,9 +329,9 @@ def _run(
 
 def _interrupted_words(running: Folder | Memory, result: StabilityMap) -> str:
     if isinstance(running, Memory):
-        done = pixels_done(result, "done")
+        done = pixels_done(running, result, "done")
         return f"{done}; the attribute 'partial' of this exception is their map"
-    return f"{pixels_done(result)}; the same call goes on"
+    return f"{pixels_done(running, result)}; the same call goes on"
 
 
 def _poison_words(outcome: Outcome) -> str:

@@ -81,6 +81,13 @@ def test_parts_wait_for_each_other(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["diff", "run.npz", "small.npz"]) == 0
 
 
+def test_pieces_of_few_pixels_are_counted(capsys: pytest.CaptureFixture[str]) -> None:
+    text = SPEC.replace("count = 12", "count = 2").replace("count = 8", "count = 2")
+    Path("small.toml").write_text(text.replace("samples = 10", "samples = 3000"))
+    assert main(["map", "small.toml", "--store", "run.rigid", "--part", "2/3", QUIET]) == 75
+    assert "; 0 of 2 pixels (2 of 6 pieces) are stored; rigid" in capsys.readouterr().err
+
+
 def test_parts_are_merged(capsys: pytest.CaptureFixture[str]) -> None:
     for k in "12":
         main(["map", "small.toml", "--store", f"{k}.rigid", "--part", f"{k}/2", QUIET])

@@ -168,7 +168,8 @@ def test_an_interruption_inside_of_pixels_counts_whole_ones(
     result = stored_map(tmp_path / "run")
     units = int(Folder(tmp_path / "run").table.known.sum())
     assert units % 3
-    assert pixels_done(result) == f"{units // 3} of 8 pixels are stored"
+    words = f"{units // 3} of 8 pixels ({units} of 24 pieces) are stored"
+    assert pixels_done(Folder(tmp_path / "run"), result) == words
 
 
 def test_a_store_of_undivided_pixels_goes_on(
