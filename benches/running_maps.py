@@ -52,7 +52,9 @@ def overhead(name: str, spec: MapSpec, repeats: int) -> None:
 
 def appends(spec: MapSpec, repeats: int) -> None:
     """One record."""
-    rows, nanoseconds = compute(spec.to_json(), np.arange(8192))  # type: ignore[misc]
+    block = compute(spec, np.arange(8192))
+    assert block is not None
+    rows, nanoseconds, _ = block
     with tempfile.TemporaryDirectory() as place:
         folder = Folder.at(Path(place, "run"), spec)
         folder.begin()

@@ -42,9 +42,9 @@ def killed(path: Path, seconds: float, limit: int | None) -> None:
             resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
         real = driving.compute
 
-        def slow(*arguments: object) -> object:
+        def slow(*arguments: object, **options: object) -> object:
             time.sleep(0.0005)
-            return real(*arguments)  # type: ignore[arg-type]
+            return real(*arguments, **options)  # type: ignore[arg-type]
 
         driving.GROWTH, driving.compute = 1, slow  # type: ignore[assignment]
         try:
@@ -92,7 +92,7 @@ class Log:
     def read(self, content: bytes, *, may_end: bool = False) -> None:
         """Read a damaged copy; one that ends early tells its loss by its missing end."""
         found, table = Found(), Table(self.run.head)
-        for rows, nanoseconds, bins in read_log(io.BytesIO(content), self.run.head.key, found):
+        for rows, nanoseconds, bins in read_log(io.BytesIO(content), self.run.head.seal, found):
             table.add(rows, nanoseconds, bins, "log")
         known = table.known
         self.wrong += table.rows[known].tobytes() != self.rows[known].tobytes()

@@ -66,9 +66,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit code.
 
     0: done. 1: `rigid extremes` has found a silent error, `rigid diff` a difference, `rigid verify`
-    wrong numbers, or some units of a stored map were given up. 2: refused before any work. 74: a
-    file or the output could not be written. 75: other parts of a stored map are not finished. 130,
-    143: ended by Ctrl-C or SIGTERM.
+    wrong or damaged numbers, `rigid status` damage, or some units of a stored map were given up. 2:
+    refused before any work. 74: a file or the output could not be written. 75: other parts of a
+    stored map are not finished, and `rigid pack` has written nothing. 130, 143: ended by Ctrl-C or
+    SIGTERM.
 
     Parameters
     ----------

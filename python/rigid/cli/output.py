@@ -193,7 +193,7 @@ def finished(
         raise KeyboardInterrupt(f"interrupted; {safe}, there is no picture") from None
     except OSError as error:
         raise OSError(f"{error}; {safe}") from None
-    if not result.complete:
+    if not (result.ended if isinstance(result, StabilityMap) else result.complete):
         raise KeyboardInterrupt(f"interrupted; the {what} written is partial")
     return 0
 

@@ -19,12 +19,12 @@ __all__ = ["add_commands", "add_options", "compute_stored", "default_stem", "ope
 
 DIFFERENT = 1
 WAITING = 75
-"""Exit codes."""
+"""Exit codes: numbers differ, are damaged or were given up; some are not computed yet."""
 
 
 def add_options(parser: ArgumentParser) -> None:
     """The options of a map that is stored."""
-    parser.add_argument("--part", metavar="K/N", help="only part K of N of the pixels")
+    parser.add_argument("--part", metavar="K/N", help="only part K of N of the work")
     parser.add_argument("--dask", metavar="ADDRESS", help="compute on this Dask cluster")
 
 
@@ -60,6 +60,9 @@ def add_commands(commands: Any) -> None:
     pack = commands.add_parser("pack", help="write the map of a store as one file")
     pack.add_argument("store", metavar="DIR", help="its folder")
     pack.add_argument("out", metavar="OUT", help="a name in .npz or .zarr, or a URL")
+    pack.add_argument(
+        "--partial", action="store_true", help="also write a map that is not finished"
+    )
 
 
 def run(options: Namespace) -> int:
@@ -69,7 +72,9 @@ def run(options: Namespace) -> int:
 
     code = 0
     if options.command == "status":
-        say(str(open_store(options.store).status()))
+        status = open_store(options.store).status()
+        say(str(status))
+        code = DIFFERENT if status.damage else 0
     elif options.command == "merge":
         say(str(merge(options.stores, options.into).status()))
     elif options.command == "diff":
@@ -82,8 +87,27 @@ def run(options: Namespace) -> int:
         say(str(found))
         code = 0 if found.ok else DIFFERENT
     else:
-        say(str(open_store(options.store).pack(options.out)))
+        code = _pack(options)
     return code
+
+
+def _pack(options: Namespace) -> int:
+    """Write the map of a store, if nothing is missing or a partial one is asked for."""
+    from ..store.store import open_store, pack
+
+    result = open_store(options.store).result()
+    if not result.ended:
+        words = _stored(options.store, result)
+        if not options.partial:
+            print(
+                f"rigid: {words}, nothing is written; rigid resume {options.store} goes on, "
+                "--partial writes what there is",
+                file=sys.stderr,
+            )
+            return WAITING
+        print(f"rigid: {words}, the map written is partial", file=sys.stderr)
+    say(str(pack(result, options.out)))
+    return 0
 
 
 def compute_stored(spec: MapSpec, options: Namespace, *, seeded: bool) -> StabilityMap | int:
@@ -124,29 +148,34 @@ def _computed(options: Namespace, compute: Any) -> StabilityMap | int:
             )
     except Interrupted as stopped:
         how = "terminated" if terminated() else "interrupted"
-        raise KeyboardInterrupt(f"{how}; {_stored(stopped.partial)}; {goes_on}") from None
+        raise KeyboardInterrupt(f"{how}; {str(stopped).partition(';')[0]}; {goes_on}") from None
     except PoisonedError as error:
         print(f"rigid: {error}; {goes_on}", file=sys.stderr)
         return DIFFERENT
     except OSError as error:
         raise OSError(f"{error}; {_stored_in(options.store)}{goes_on}") from None
-    if result.complete:
+    if result.ended:
         return result
-    print(f"rigid: waits for other parts; {_stored(result)}; {goes_on}", file=sys.stderr)
+    print(
+        f"rigid: waits for other parts; {_stored(options.store, result)}; {goes_on}",
+        file=sys.stderr,
+    )
     return WAITING
 
 
-def _stored(result: StabilityMap) -> str:
-    done, possible = int((result.samples > 0).sum()), int((result.status == 0).sum())
-    return f"{done:,} of {possible:,} pixels are stored"
+def _stored(path: str, result: StabilityMap | None = None) -> str:
+    """How much a folder holds; by default as it is now."""
+    from ..store.resume import pixels_done, result_of
+    from ..store.running import Folder
+
+    folder = Folder(path)
+    return pixels_done(folder, result_of(folder) if result is None else result)
 
 
 def _stored_in(path: str) -> str:
     """How much a folder holds, if it can be read."""
-    from ..store.store import open_store
-
     try:
-        return f"{_stored(open_store(path).result())}; "
+        return f"{_stored(path)}; "
     except (OSError, ValueError):
         return ""
 

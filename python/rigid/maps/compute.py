@@ -157,7 +157,7 @@ def stability_map(
         :func:`largest_tilt`, :func:`mean_rate`, :func:`drift`. ``result.measures`` has them.
     partial : bool
         Return the map of the bodies done after Ctrl-C, instead of raising :class:`Interrupted`:
-        the program goes on. ``result.complete`` tells whether all bodies were done.
+        the program goes on. ``result.ended`` tells whether all was done.
     store : path-like, optional
         Folder of a running map, made if there is none. What was computed is there at once, whatever
         ends the program, and the same call goes on where the rows end. Without ``rng`` the seed of
@@ -168,8 +168,9 @@ def stability_map(
     threads_per_task : int
         Threads of each block on an executor.
     part : str or tuple of int, optional
-        ``"k/n"`` or ``(k, n)``: only part k of n of the pixels, with ``store``, for jobs that run
-        side by side. Together they are the map.
+        ``"k/n"`` or ``(k, n)``: only part k of n of the work, with ``store``, for jobs that run
+        side by side. Pixels are dealt one by one, and a few of many bodies in pieces. Together the
+        parts are the map.
     half_width : float, optional
         Instead of ``samples``: a pixel gets 64, 128, ... bodies until the interval of its share is
         no wider than twice this, in [0.002, 0.25]. The interval is the Clopper-Pearson interval of
@@ -182,7 +183,9 @@ def stability_map(
         pixels that are computed have the bits of the full map. A feature between the first rows and
         columns that touches none of them is not seen.
     budget : int, optional
-        Most bodies. What tells most is computed first.
+        Most bodies. What tells most is computed first, as long as the most bodies that the next
+        pixel may need fit. ``result.cut`` tells how many pixels are left out then, and
+        ``result.complete`` is False.
 
     Returns
     -------
@@ -238,6 +241,7 @@ def stability_map(
     }
     given = {name: value for name, value in asked.items() if value is not None}
     spec = _as_it_is(scene, given) if isinstance(scene, MapSpec) else _spec(scene, given)
+    spec = spec.renewed()  # what a function takes may have changed since it was told
     stored = store is not None or executor is not None or part is not None
     if stored:
         if chunk is not None:

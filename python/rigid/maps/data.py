@@ -226,10 +226,23 @@ class MapData:
 
     @property
     def complete(self) -> bool:
-        """Whether every body that was asked for was computed."""
+        """Whether every body that was asked for was computed, and no budget left pixels out."""
+        return self.ended and not self.cut
+
+    @property
+    def ended(self) -> bool:
+        """Whether nothing more is to be computed: the map is complete, or its budget is spent."""
         if refined(self.spec):
             return not len(self._stages.wanted)
         return bool(self.finished[self.status == 0].all())
+
+    @property
+    def cut(self) -> int:
+        """Number of pixels that the budget left out; with ``refine`` of the stage where it ended.
+
+        A pixel is left out if the most bodies that it may need do not fit.
+        """
+        return 0 if self.spec.budget is None else self._stages.cut
 
     @property
     def finished(self) -> NDArray[np.bool_]:

@@ -36,6 +36,8 @@ FORMAT = "rigid stability map"
 FORMAT_VERSION = 6
 MEASURED_VERSION = 7
 """The format of a map with measures; without them its files are those of version 6."""
+CAPTURED_VERSION = 8
+"""The format of a map with a function, whose digests tell what it takes from outside."""
 _AUDIT = frozenset({"audited", "audited_undecided"})
 MISSING_IN: Mapping[int, frozenset[str]] = {
     3: _AUDIT | GROWTH | {"unit_drift"},
@@ -43,6 +45,7 @@ MISSING_IN: Mapping[int, frozenset[str]] = {
     5: GROWTH,
     6: frozenset(),
     7: frozenset(),
+    8: frozenset(),
 }
 """The formats that are read, and the arrays of :data:`STORED` that their files do not have."""
 
@@ -137,6 +140,8 @@ def file_size(spec: MapSpec) -> int:
 
 def _header(spec: MapSpec) -> bytes:
     version = MEASURED_VERSION if spec.measure else FORMAT_VERSION
+    if spec.tells_captured:
+        version = CAPTURED_VERSION
     header = {"format": FORMAT, "format_version": version, "spec": spec.to_dict()}
     return json.dumps(header, indent=1, allow_nan=False).encode()
 

@@ -15,11 +15,12 @@ from .spec import MapSpec
 __all__ = ["canonical", "differences", "fingerprint", "head_of", "key_of", "receipt", "segment_of"]
 
 FORMAT = "rigid running map"
-FORMAT_VERSIONS = (1, 2)
-"""Version 2 is that of maps that measure something: their logs have bins beside the rows."""
+FORMAT_VERSIONS = (1, 2, 3)
+"""Version 2 is that of maps that measure something: their logs have bins beside the rows. Version 3
+is that of maps with a function, whose digests tell what it takes from outside."""
 
 SEGMENT = 2**20
-"""Most samples of a unit of work."""
+"""Most samples of a unit of work, as the key of a map has it, whatever the division of its work."""
 
 
 def canonical(value: Any) -> bytes:
@@ -33,17 +34,17 @@ def segment_of(spec: MapSpec) -> int:
     return SEGMENT if spec.looks is None else max(SEGMENT, spec.samples)
 
 
-def head_of(spec: MapSpec) -> dict[str, Any]:
-    """The content of ``head.json`` of a running map."""
+def head_of(spec: MapSpec, segment: int | None = None) -> dict[str, Any]:
+    """The content of ``head.json`` of a running map whose units have so many samples at most."""
     build = _core.build_info()
     pixels = int(np.prod(spec.shape))
-    segment = segment_of(spec)
+    segment = segment_of(spec) if segment is None else segment
     looks = None
     if spec.looks is not None:
         looks = [spec.looks.samples.tolist(), spec.looks.most.tolist()]
     return {
         "format": FORMAT,
-        "format_version": 2 if spec.measure else 1,
+        "format_version": 3 if spec.tells_captured else 2 if spec.measure else 1,
         "spec": spec.to_dict(),
         "segment": segment,
         "units": pixels * -(-spec.samples // segment),

@@ -75,7 +75,7 @@ class OwnScene:
         return f"{title} by {self.source.name}({', '.join(self.names)})"
 
     def to_dict(self) -> dict[str, Any]:
-        """Names, and name and digest of the function."""
+        """Names, and name and digests of the function."""
         return {"names": list(self.names), "function": self.source.to_dict()}
 
     @classmethod

@@ -4,6 +4,9 @@ The first stage is every k-th row and column, and the last ones. Then each cell 
 corners is split if its corners differ for certain: the intervals of two of them do not meet, or
 their statuses differ. So is a cell that touches one that is split. A pixel that is computed has the
 bits that it has in the full map, and what is computed next follows from what is known.
+
+A budget of bodies ends the map: the pixels of a stage are taken in order, as long as the bodies of
+those before and the most that the next one may need fit. Pixels that stop early leave room.
 """
 
 from __future__ import annotations
@@ -41,11 +44,14 @@ class Stages:
         The pixels to be computed now, in C order of the grid, the most telling first.
     cells : ndarray of int64, shape (n, 4)
         First and last row, first and last column of each cell that is not split.
+    cut : int
+        Pixels of the last stage that the budget does not allow, as far as is known.
     """
 
     stage: NDArray[np.uint8]
     wanted: NDArray[np.int64]
     cells: Cells
+    cut: int
 
 
 def refined(spec: MapSpec) -> bool:
@@ -94,13 +100,15 @@ def stages(spec: MapSpec, status: Grid, finished: Grid, bodies: Grid, ends: list
         pixels = pixels[np.argsort(-gap.ravel()[pixels], kind="stable")]
         affordable = len(pixels)
         if spec.budget is not None:
-            used = int(bodies[stage != LEFT_OUT].sum())
-            affordable = max(0, (spec.budget - used) // spec.samples)
-        if affordable < len(pixels):
-            new.ravel()[pixels[affordable:]] = False
+            # Of pixels that are not computed the most that they may need.
+            needed = np.where(finished, bodies, spec.samples).ravel()[pixels]
+            before = int(bodies[stage != LEFT_OUT].sum()) + np.cumsum(needed) - needed
+            affordable = int((before + spec.samples <= spec.budget).sum())
+        new.ravel()[pixels[affordable:]] = False
         stage[new] = number
         wanted = pixels[:affordable][~finished.ravel()[pixels[:affordable]]]
-        if len(wanted) or affordable < len(pixels) or not len(cells):
+        cut = len(pixels) - affordable
+        if len(wanted) or cut or not len(cells):
             break
         split, gaps = _split(cells, possible, kinds, lower, upper)
         leaves.append(cells[~split])
@@ -109,7 +117,7 @@ def stages(spec: MapSpec, status: Grid, finished: Grid, bodies: Grid, ends: list
         new &= stage == LEFT_OUT
     # Cells whose corners are not computed yet are drawn as those that they are parts of.
     together = np.concatenate([*leaves, parents])
-    return Stages(stage.reshape(spec.shape), wanted, together)
+    return Stages(stage.reshape(spec.shape), wanted, together, cut)
 
 
 def _lattice(length: int, step: int) -> NDArray[np.int64]:

@@ -103,6 +103,12 @@ class StabilityMap(MapData):
         With ``half_width``, pixels whose interval is no wider than twice that.
     stage : ndarray of uint8
         With ``refine`` or ``budget``, the stage that computes a pixel; 255: left out.
+    complete : bool
+        Whether every body that was asked for was computed, and no budget left pixels out.
+    ended : bool
+        Whether nothing more is to be computed: the map is complete, or its ``budget`` is spent.
+    cut : int
+        Number of pixels that the ``budget`` left out; with ``refine`` of the stage where it ended.
     filled : ndarray
         The share, interpolated in the pixels that refinement has left out.
     nanoseconds : ndarray
@@ -585,8 +591,8 @@ def load_map(
     path : path-like
         The file.
     scene : callable, optional
-        The function that made the scenes, if one did: the file has the digest of its source alone.
-        Without it the map can be read and drawn, but not computed again.
+        The function that made the scenes, if one did: the file has digests of it alone. Without it
+        the map can be read and drawn, but not computed again.
     stable : callable, optional
         The function of :func:`judged`, for the same.
 
@@ -603,7 +609,8 @@ def load_map(
     ValueError
         Naming the file: if it is not a stability map, is one of another format, is damaged, or
         holds counts that no computation gives. Nothing in the file is executed, and reading takes
-        no more memory than a small multiple of its size.
+        no more memory than a small multiple of its size. Or if a function is another one, or takes
+        other values from outside: which.
 
     Examples
     --------

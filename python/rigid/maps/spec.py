@@ -296,6 +296,34 @@ class MapSpec:
         for name, source in self._sources.items():
             source.call(name)
 
+    def renewed(self) -> MapSpec:
+        """The specification with its functions as they are now, if they are known."""
+        now = {name: one.renewed(name) for name, one in self._sources.items()}
+        return self._with_sources(
+            {name: one for name, one in now.items() if one != self._sources[name]}
+        )
+
+    @property
+    def tells_captured(self) -> bool:
+        """Whether it has digests of what functions take, which older versions do not compare."""
+        return any(one.captured is not None for one in self._sources.values())
+
+    @property
+    def doubt(self) -> str:
+        """Why a function may give other numbers than it gave, in words; empty if none may."""
+        return "; ".join(filter(None, (one.doubt(name) for name, one in self._sources.items())))
+
+    def in_form_of(self, other: MapSpec) -> MapSpec:
+        """The specification without the digests that another, of an older version, has not."""
+        kept = other._sources
+        return self._with_sources(
+            {
+                name: dataclasses.replace(one, captured=None)
+                for name, one in self._sources.items()
+                if name in kept and kept[name].captured is None
+            }
+        )
+
     def with_functions(
         self,
         *,
@@ -322,23 +350,39 @@ class MapSpec:
         Raises
         ------
         ValueError
-            If the map has no such function, or one of another source.
+            If the map has no such function, or one of another source, or one that takes other
+            values from outside.
+
+        Warns
+        -----
+        UserWarning
+            If the file is of a version that knew the source alone, and the function takes values
+            from outside.
         """
-        if stable is not None:
-            if not isinstance(self.stable, Judged):
-                raise ValueError("stable: no function judges the bodies of this map")
-            source = self.stable.source.given("stable", stable, carried=carried)
-            judged = dataclasses.replace(self.stable, source=source)
-            whole = dataclasses.replace(self, stable=judged)
-            return whole.with_functions(scene=scene, carried=carried)
-        if scene is None:
-            return self
-        if self.own is None:
+        known = self._sources
+        if stable is not None and "stable" not in known:
+            raise ValueError("stable: no function judges the bodies of this map")
+        if scene is not None and "scene" not in known:
             raise ValueError("scene: no function makes the scenes of this map")
-        own = dataclasses.replace(
-            self.own, source=self.own.source.given("scene", scene, carried=carried)
+        given = {"stable": stable, "scene": scene}
+        return self._with_sources(
+            {
+                name: known[name].given(name, function, carried=carried)
+                for name, function in given.items()
+                if function is not None
+            }
         )
-        return dataclasses.replace(self, own=own)
+
+    def _with_sources(self, sources: Mapping[str, Sourced]) -> MapSpec:
+        """The specification with other functions."""
+        if not sources:
+            return self
+        changed: dict[str, Any] = {}
+        if self.own is not None and "scene" in sources:
+            changed["own"] = dataclasses.replace(self.own, source=sources["scene"])
+        if isinstance(self.stable, Judged) and "stable" in sources:
+            changed["stable"] = dataclasses.replace(self.stable, source=sources["stable"])
+        return dataclasses.replace(self, **changed)
 
     @property
     def scene_words(self) -> str:

@@ -9,7 +9,7 @@ from ..solve.methods import AUTO, EXACT, SECOND
 from .data import CLASSES, FAILURES, MapData
 from .measured import Measured
 from .parameters import axis_letter
-from .refine import refined
+from .refine import LEFT_OUT, refined
 from .theory import agreement
 
 __all__ = ["summary"]
@@ -53,7 +53,7 @@ def _samples(data: MapData) -> str:
     if data.spec.half_width is not None:
         text = (
             f"64 to {data.spec.samples} per pixel, until the share is known to within "
-            f"{data.spec.half_width:g}: {int(data.narrow.sum()):,} pixels"
+            f"{data.spec.half_width:g}: {_narrow(data)}"
         )
     done = int(data.samples.sum())
     integrated, repeated = done - int(data.exact.sum()), int(data.checked.sum())
@@ -67,14 +67,27 @@ def _samples(data: MapData) -> str:
     return f"{text}; seed {data.spec.seed}"
 
 
+def _narrow(data: MapData) -> str:
+    """How many pixels met the half width, and how many did not."""
+    asked = data.status == 0
+    if data.spec.refine is not None:
+        asked &= data.stage != LEFT_OUT
+    missed = int((asked & ~data.narrow).sum())
+    text = f"so in {int((asked & data.narrow).sum()):,} pixels"
+    return f"{text}, not in {missed:,}" if missed else text
+
+
 def _bodies(data: MapData) -> str:
     done, possible = int(data.samples.sum()), int((data.status == 0).sum())
     text = f"{done:,}"
     if refined(data.spec):
         computed = int((data.samples > 0).sum())
         text += f" in {computed:,} of {possible:,} pixels"
-        if not data.complete:
+        if not data.ended:
             text += " (stopped early)"
+        elif data.cut:
+            stage = "" if data.spec.refine is None else "of the next stage "
+            text += f"; the budget of {data.spec.budget:,} leaves out {data.cut:,} {stage}".rstrip()
     elif data.spec.half_width is not None:
         text += "" if data.complete else " (stopped early)"
     elif not data.complete:

@@ -98,7 +98,7 @@ class Judged(Criterion):
         return found.astype(np.float64)
 
     def to_dict(self) -> dict[str, Any]:
-        """Name and digest of the function, its times, and what it sees."""
+        """Name and digests of the function, its times, and what it sees."""
         return {
             "criterion": self.name,
             "function": self.source.to_dict(),
@@ -136,7 +136,8 @@ def judged(
         rad/s; ``states.gamma`` (n, m, 3), the upward vertical in the body; ``states.attitude``
         (n, m, 4), quaternions; ``states.parameters``: the values of the axes of the map by their
         names, (n,), among them ``limit``, which the function may take as it likes. Saved maps hold
-        the digest of its source, not what it takes from outside.
+        digests of its source and of what it takes from outside: default arguments, closures,
+        globals that its code names, attributes of ``self``, and those of the functions it calls.
     t : array_like, shape (m,)
         Times, s, ascending. The last one is the horizon of the map. With an axis ``t_end`` of the
         map, whose values are among the times, the function sees those up to the horizon.
@@ -151,7 +152,7 @@ def judged(
     Raises
     ------
     TypeError
-        If it is no function.
+        If it is no function, or takes something from outside that has no digest, such as a file.
     ValueError
         If the times are negative or not ascending, or ``of`` is unknown.
 

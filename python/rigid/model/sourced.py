@@ -1,22 +1,25 @@
-"""Functions of the user that numbers depend on: named, and told apart by their source."""
+"""Functions of the user that numbers depend on: told apart by source and by what they take."""
 
 from __future__ import annotations
 
 import hashlib
 import inspect
 import textwrap
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
 from .._checks.arguments import brief
+from .captured import captured
+from .code import byte_code, plain, source_of
 
 __all__ = ["Sourced"]
 
 
 @dataclass(frozen=True, slots=True)
 class Sourced:
-    """A function with the digest of its source; files keep its name and digest alone.
+    """A function with digests of its source and of what it takes from outside; files keep these.
 
     Attributes
     ----------
@@ -25,36 +28,122 @@ class Sourced:
     sha256 : str
         Digest of its source without the common indentation; of its byte code if it has no source,
         as a function that was typed at a prompt.
+    captured : tuple of (str, str), or None
+        What it takes from outside, by name: default arguments, closures, globals, attributes of
+        ``self``, and likewise of the functions of the user that it calls. None if it was read from
+        a file of a version that knew the source alone.
     function : callable or None
         None if it was read from a file and not given again.
     """
 
     name: str
     sha256: str
+    captured: tuple[tuple[str, str], ...] | None = None
     function: Callable[..., Any] | None = field(default=None, compare=False, repr=False)
 
     @classmethod
     def of(cls, argument: str, function: object) -> Self:
-        """The function of an argument."""
+        """The function of an argument, as it is now.
+
+        Raises
+        ------
+        TypeError
+            If it is none, has no code of Python, or takes something that has no digest.
+        """
         if not callable(function):
             raise TypeError(f"{argument} = {brief(function)}: must be a function")
-        name = getattr(function, "__name__", type(function).__name__)
-        return cls(name, _digest(argument, function), function)
+        known = plain(function)
+        if known is None:
+            raise TypeError(
+                f"{argument} = {brief(function)}: must be a function with a source; "
+                "write one with def"
+            )
+        name = getattr(function, "__name__", None) or known.__name__
+        if name == "__call__":
+            name = type(function).__name__
+        try:
+            taken = tuple(captured(function).items())
+        except TypeError as error:
+            raise TypeError(f"{argument} = {name}: {error}") from None
+        return cls(name, _digest(known), taken, function)
 
     def given(self, argument: str, function: object, *, carried: bool = False) -> Self:
-        """The same function, given again; ValueError if it has another source.
+        """The same function, given again.
 
         A function that was carried to another process may have left its source behind.
+
+        Raises
+        ------
+        ValueError
+            If it has another source, or takes other values from outside: which.
         """
+        if not callable(function):
+            raise TypeError(f"{argument} = {brief(function)}: must be a function")
+        known = plain(function)
+        whole = replace(self, function=function)
+        if carried and known is not None and source_of(known) is None:
+            return whole
+        if self.captured is None:
+            self._compare_source(argument, function)
+            doubt = whole.doubt(argument)
+            if doubt:
+                warnings.warn(doubt, stacklevel=2)
+            return whole
         other = type(self).of(argument, function)
-        if carried and not _has_source(function):
-            return replace(self, function=other.function)
+        changes = self._changes(other)
+        if changes:
+            raise ValueError(f"{argument} = {other.name}: {changes}")
+        return whole
+
+    def _compare_source(self, argument: str, function: Callable[..., Any]) -> None:
+        """Refuse another source, as the versions told it that knew the source alone."""
+        try:
+            source = textwrap.dedent(inspect.getsource(function)).encode()
+        except (OSError, TypeError):
+            return  # byte code, which differs between versions of Python
+        digest = hashlib.sha256(source).hexdigest()
+        if digest != self.sha256:
+            name = getattr(function, "__name__", type(function).__name__)
+            raise ValueError(f"{argument} = {name}: {self._other_source(digest)}")
+
+    def renewed(self, argument: str) -> Self:
+        """The function as it is now; unchanged if a file had none."""
+        return self if self.function is None else type(self).of(argument, self.function)
+
+    def doubt(self, argument: str) -> str:
+        """Why the function may give other numbers than it gave, in words; empty if it may not."""
+        if self.function is None:
+            return ""
+        try:
+            now = type(self).of(argument, self.function)
+        except TypeError as error:
+            return str(error)
+        if self.captured is None:
+            names = ", ".join(name for name, _ in now.captured or ())
+            words = f"the map has no digests of what {self.name!r} takes from outside: {names}"
+            return f"{argument} = {now.name}: {words}" if names else ""
+        changes = self._changes(now)
+        return f"{argument} = {now.name}: {changes}" if changes else ""
+
+    def _other_source(self, sha256: str) -> str:
+        return (
+            f"its source is not that of {self.name!r}, which made the map "
+            f"(sha256 {sha256[:12]}..., not {self.sha256[:12]}...)"
+        )
+
+    def _changes(self, other: Sourced) -> str:
+        """What another function has otherwise, in words; empty if nothing."""
         if other.sha256 != self.sha256:
-            raise ValueError(
-                f"{argument} = {other.name}: its source is not that of {self.name!r}, which made "
-                f"the map (sha256 {other.sha256[:12]}..., not {self.sha256[:12]}...)"
-            )
-        return replace(self, function=other.function)
+            return self._other_source(other.sha256)
+        old, new = dict(self.captured or ()), dict(other.captured or ())
+        told = [
+            f"{name} is {new.get(name, 'not taken')}, and was {old.get(name, 'not taken')}"
+            for name in sorted({*old, *new})
+            if old.get(name) != new.get(name)
+        ]
+        more = f"; and {len(told) - 5} more" if told[5:] else ""
+        made = f" in {self.name!r}, which made the map"
+        return f"{'; '.join(told[:5])}{more}{made}" if told else ""
 
     def call(self, argument: str) -> Callable[..., Any]:
         """The function; ValueError if it must be given again."""
@@ -65,32 +154,25 @@ class Sourced:
             )
         return self.function
 
-    def to_dict(self) -> dict[str, str]:
-        """Name and digest."""
-        return {"name": self.name, "sha256": self.sha256}
+    def to_dict(self) -> dict[str, Any]:
+        """Name and digests."""
+        taken = {} if self.captured is None else {"captured": dict(self.captured)}
+        return {"name": self.name, "sha256": self.sha256, **taken}
 
     @classmethod
-    def from_dict(cls, data: Mapping[str, str]) -> Self:
+    def from_dict(cls, data: Mapping[str, Any]) -> Self:
         """The function that :meth:`to_dict` described, which must be given again."""
-        return cls(str(data["name"]), str(data["sha256"]))
+        taken = data.get("captured")
+        pairs = None if taken is None else sorted((str(k), str(v)) for k, v in taken.items())
+        return cls(str(data["name"]), str(data["sha256"]), None if pairs is None else tuple(pairs))
 
 
-def _has_source(function: Any) -> bool:
-    try:
-        return bool(inspect.getsource(function))
-    except (OSError, TypeError):
-        return False
-
-
-def _digest(argument: str, function: Callable[..., Any]) -> str:
-    try:
-        content = textwrap.dedent(inspect.getsource(function)).encode()
-    except (OSError, TypeError):
-        code = getattr(function, "__code__", None)
-        if code is None:
-            raise TypeError(
-                f"{argument} = {brief(function)}: must be a function with a source; "
-                "write one with def"
-            ) from None
-        content = code.co_code + repr((code.co_consts, code.co_names)).encode()
+def _digest(function: Any) -> str:
+    source = source_of(function)
+    if source is not None:
+        content = textwrap.dedent(source).encode()
+    elif inspect.isclass(function):
+        content = function.__qualname__.encode()
+    else:
+        content = byte_code(function.__code__)
     return hashlib.sha256(content).hexdigest()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -36,6 +37,8 @@ def simulate_chunks(
 
     Only one part is computed at a time, when it is asked for. With a given method a body has the
     same bits as in one call of :func:`simulate`; without one, the method is chosen for each part.
+    All parts have the same arrays: their Datasets can be appended, as
+    ``part.to_xarray().to_zarr(path, append_dim="body")``.
 
     Parameters
     ----------
@@ -81,12 +84,31 @@ def simulate_chunks(
     turned = np.broadcast_to(turned, (count, 4))
     parts = (slice(first, first + size) for first in range(0, count, size))
     return (
-        simulate(
-            scene[part] if scene.shape == shape else scene,
-            rates[part],
-            turned[part],
-            t=times[part] if times.shape[:-1] == shape else times,
-            **options,
+        _with_zeros(
+            simulate(
+                scene[part] if scene.shape == shape else scene,
+                rates[part],
+                turned[part],
+                t=times[part] if times.shape[:-1] == shape else times,
+                **options,
+            ),
+            scene,
         )
         for part in parts
     )
+
+
+def _with_zeros(run: Run, whole: Scene) -> Run:
+    """A part with the zeros of what acts on other bodies only: all parts have the same arrays."""
+    count, known = len(run.status), run.spec["scene"]
+    zeros = {
+        name: np.zeros((count, 3, 3) if name == "damping" else (count, 3)).tolist()
+        for name in ("damping", "dissipation", "rotor", "drag")
+        if getattr(whole, name) is not None and known.get(name) is None
+    }
+    if not zeros:
+        return run
+    run = replace(run, spec={**run.spec, "scene": {**known, **zeros}})
+    if run.work is not None:
+        return run
+    return run.with_arrays(work=np.zeros(run.omega.shape[:-1], run.omega.dtype))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -18,6 +17,7 @@ from ..model.scene import scene_from_dict
 from .archive import read_archive, write_archive
 from .attitude_ephemeris import write_aem
 from .columns import Column, Columns, HasColumns, columns_of_arrays
+from .dataset import ARRAYS, run_dataset
 from .events import Events, columns_of, from_columns
 from .methods import EXACT
 from .plan import LazyPlan, Plan
@@ -470,7 +470,7 @@ an accuracy
         >>> again
         Run(one body at 2 times; exact; error 5.4e-15; ok)
         """
-        arrays = {name: getattr(self, name) for name in _ARRAYS}
+        arrays = {name: getattr(self, name) for name in ARRAYS}
         header = {
             "parameters": list(self.parameters),
             "nanoseconds": int(self.nanoseconds),
@@ -484,6 +484,10 @@ an accuracy
     def to_xarray(self) -> xarray.Dataset:
         """The run as an xarray ``Dataset`` with names, units, and times as a coordinate.
 
+        Bodies of their own moments, ``mgl``, ``com``, torque, damping and so on have these as
+        variables, along principal axes: Datasets of parts of :func:`simulate_chunks` can be
+        appended along ``body``. What all bodies have in common is in the attribute ``spec``.
+
         Raises
         ------
         ImportError
@@ -495,28 +499,12 @@ an accuracy
         >>> run = rigid.simulate(rigid.Body((1.0, 1.5, 2.0)), [0.1, 1.0, 0.2], t=[0.0, 3.0])
         >>> run.to_xarray().omega.sel(t=3.0, axis=1).dims
         ()
+        >>> bodies = rigid.Body([[1.0, 1.5, 2.0], [1.0, 1.2, 2.0]])
+        >>> run = rigid.simulate(bodies, [0.1, 1.0, 0.2], t=[0.0, 3.0])
+        >>> run.to_xarray().moments.sel(axis=2).values.tolist()
+        [1.5, 1.2]
         """
-        try:
-            import xarray
-        except ImportError:
-            raise ImportError("to_xarray() needs xarray: pip install 'rigid[maps]'") from None
-        bodies = tuple(f"body{k or ''}" for k in range(self.status.ndim))
-        arrays: dict[str, Any] = {}
-        for name, (unit, dimensions) in _ARRAYS.items():
-            array = getattr(self, name)
-            if array is not None and name != "t":
-                arrays[name] = ((*bodies, *dimensions), array, {"units": unit})
-        coordinates: dict[str, Any] = {"axis": [1, 2, 3]}
-        coordinates["part"] = list("wxyz")
-        if self.sensitivity is not None:
-            coordinates["parameter"] = list(self.parameters)
-        if self.t.ndim == 1:
-            coordinates["t"] = ("t", self.t, {"units": "s"})
-        else:
-            # Bodies with times of their own: the times are no common coordinate.
-            arrays["time"] = ((*bodies, "t"), np.broadcast_to(self.t, self.omega.shape[:-1]))
-        attributes = {"spec": json.dumps(self.spec), "plan": self.plan.to_json()}
-        return xarray.Dataset(arrays, coordinates, attributes)
+        return run_dataset(self)
 
     def plot(self, ax: Axes | None = None, *, body: int | None = None) -> Axes:
         """Draw the three rates of one body over time, in the colours of its axes.
@@ -689,13 +677,13 @@ def load_run(path: str | PathLike[str]) -> Run:
     arrays, header = read_archive(path)
     try:
         events = from_columns(arrays, header.get("events", []))
-        unknown = arrays.keys() - _ARRAYS.keys() - columns_of(events).keys()
+        unknown = arrays.keys() - ARRAYS.keys() - columns_of(events).keys()
         if unknown:
             raise ValueError(f"unknown arrays {sorted(unknown)}")
         scene_from_dict(header["spec"]["scene"])
         if "frame" in header["spec"]:
             checked_frame(header["spec"]["frame"])
-        fields: dict[str, Any] = {name: arrays.get(name) for name in _ARRAYS}
+        fields: dict[str, Any] = {name: arrays.get(name) for name in ARRAYS}
         for name in ("t", "omega", "start_omega", "start_attitude", "status", "error"):
             if fields[name] is None:
                 raise ValueError(f"no array {name!r}")
@@ -714,29 +702,6 @@ def load_run(path: str | PathLike[str]) -> Run:
             f"path = {str(path)!r}: is no run that rigid has saved ({error})"
         ) from None
     return run
-
-
-_STATES, _BODIES = ("t",), ()
-_ARRAYS: Mapping[str, tuple[str, tuple[str, ...]]] = {
-    "t": ("s", _STATES),
-    "omega": ("rad/s", (*_STATES, "axis")),
-    "gamma": ("1", (*_STATES, "axis")),
-    "attitude": ("1", (*_STATES, "part")),
-    "work": ("J", _STATES),
-    "tangent": ("", (*_STATES, "row", "column")),
-    "sensitivity": ("", (*_STATES, "row", "parameter")),
-    "end": ("s", _BODIES),
-    "start_omega": ("rad/s", ("axis",)),
-    "start_attitude": ("1", ("part",)),
-    "energy_drift": ("1", _BODIES),
-    "momentum_drift": ("1", _BODIES),
-    "unit_drift": ("1", _BODIES),
-    "status": ("", _BODIES),
-    "steps": ("", _BODIES),
-    "error": ("", _BODIES),
-    "lost_from": ("s", _BODIES),
-}
-"""Unit and axes, after those of the bodies, of each array of a run."""
 
 
 def plug_in_animator(animator: Callable[..., Any]) -> None:

@@ -44,21 +44,25 @@ def canaries(table: Table, key: bytes) -> Block:
 
 
 def check_canaries(
-    spec: MapSpec, known: Block, threads: int = 1, stop: Callable[[], bool] | None = None
+    spec: MapSpec,
+    known: Block,
+    threads: int = 1,
+    stop: Callable[[], bool] | None = None,
+    *,
+    segment: int | None = None,
 ) -> None:
     """Compute rows again.
 
     Raises
     ------
     StoreError
-        Naming the first unit and the fields that come out otherwise here.
+        Naming the first unit and the fields that come out otherwise here, and a function of the
+        user that is the cause.
     """
     if not len(known.rows):
         return
-    again = compute(spec, known.rows["unit"].copy(), threads, stop)
+    again = compute(spec, known.rows["unit"].copy(), threads, stop, segment=segment)
     found = "" if again is None else unequal(known, again, spec.measure)
     if found:
-        raise StoreError(
-            "this build of rigid, or this machine, does not compute the numbers that are stored: "
-            f"stored and computed: {found}"
-        )
+        who = "this build of rigid, or this machine, does not compute the numbers that are stored"
+        raise StoreError(f"{spec.doubt or who}: stored and computed: {found}")

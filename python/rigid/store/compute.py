@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from ..maps.identity import segment_of
 from ..maps.job import of_pixels, spans, to_core
 from ..maps.sequential import Looks
 from ..maps.spec import MapSpec
@@ -26,6 +25,8 @@ def compute(
     units: NDArray[np.int64],
     threads: int = 1,
     stop: Callable[[], bool] | None = None,
+    *,
+    segment: int | None = None,
 ) -> Block | None:
     """The rows of units, sorted, with their processor time.
 
@@ -39,6 +40,8 @@ def compute(
         Threads of the core.
     stop : callable, optional
         Asked twenty times a second; True ends the work.
+    segment : int, optional
+        Most samples of a unit; by default those of a pixel.
 
     Returns
     -------
@@ -46,12 +49,12 @@ def compute(
         None if ``stop()`` was true.
     """
     units = np.sort(units)
-    size = segment_of(spec)
+    size = spec.samples if segment is None else segment
     segments = -(-spec.samples // size)
     blocks = []
-    for segment in np.unique(units % segments) if segments > 1 else (0,):
-        mine = units[units % segments == segment] if segments > 1 else units
-        samples = range(int(segment) * size, min((int(segment) + 1) * size, spec.samples))
+    for place in np.unique(units % segments) if segments > 1 else (0,):
+        mine = units[units % segments == place] if segments > 1 else units
+        samples = range(int(place) * size, min((int(place) + 1) * size, spec.samples))
         if spec.looks is None:
             columns = _columns(spec, mine // segments, samples, threads, stop)
         else:

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from .._checks.arguments import one_line
+from .._checks.arguments import brief, one_line
 from ..maps.spec import MapSpec
 from .canary import check_canaries
 from .compute import compute
@@ -71,6 +71,10 @@ class Task:
         Version and commit of the driver, which a worker must have; None accepts any.
     functions : dict of str to callable, or bytes
         The functions of the specification; as pickled, unless the executor pickles them itself.
+    segment : int or None
+        Most samples of a unit; by default those of a pixel.
+    whole : MapSpec or None
+        The specification itself, for threads of this process.
     """
 
     text: str
@@ -78,6 +82,8 @@ class Task:
     canaries: Block
     build: tuple[str, str | None] | None
     functions: Mapping[str, Callable[..., Any]] | bytes
+    segment: int | None = None
+    whole: MapSpec | None = None
 
     @classmethod
     def of(
@@ -87,6 +93,7 @@ class Task:
         canaries: Block,
         build: tuple[str, str | None] | None,
         executor: Any,
+        segment: int | None = None,
     ) -> Task:
         """The task of a specification for an executor.
 
@@ -95,22 +102,26 @@ class Task:
         ValueError
             If workers of the executor cannot import a function.
         """
+        if isinstance(executor, ThreadPoolExecutor):
+            return cls(spec.to_json(), threads, canaries, build, {}, segment, spec)
         functions: Mapping[str, Callable[..., Any]] | bytes = spec.functions
-        if functions and not _takes_functions(executor):
+        if functions and not hasattr(executor, "get_executor"):  # Dask passes any function on
             for name, function in spec.functions.items():
                 try:
                     pickle.dumps(function)
                 except Exception as error:  # whatever refuses
                     raise ValueError(
-                        f"{name} = {function.__qualname__}: workers must import the function, so "
+                        f"{name} = {_title(function)}: workers must import the function, so "
                         f"it must be one of a module ({one_line(error)})"
                     ) from None
             functions = pickle.dumps(dict(spec.functions))
-        return cls(spec.to_json(), threads, canaries, build, functions)
+        return cls(spec.to_json(), threads, canaries, build, functions, segment)
 
     @property
     def spec(self) -> MapSpec:
         """The specification with its functions, in a worker."""
+        if self.whole is not None:
+            return self.whole
         if not self.functions:
             return _spec(self.text)
         asked, known = (self.text, self.functions), _latest[:]
@@ -146,9 +157,8 @@ def _spec(text: str) -> MapSpec:
     return MapSpec.from_json(text)
 
 
-def _takes_functions(executor: Any) -> bool:
-    """Whether an executor passes any function on: threads do, and so does Dask."""
-    return isinstance(executor, ThreadPoolExecutor) or hasattr(executor, "get_executor")
+def _title(function: Any) -> str:
+    return getattr(function, "__qualname__", "") or brief(function)
 
 
 @dataclass(slots=True)
@@ -179,10 +189,10 @@ def work(task: Task, units: Units) -> Block:
     spec = task.spec
     token = b"".join([task.text.encode(), *(part.tobytes() for part in task.canaries)])
     if token not in _checked:
-        check_canaries(spec, task.canaries, task.threads)
+        check_canaries(spec, task.canaries, task.threads, segment=task.segment)
         _checked.clear()
         _checked.add(token)
-    block = compute(spec, units, task.threads)
+    block = compute(spec, units, task.threads, segment=task.segment)
     assert block is not None
     return block
 
@@ -206,7 +216,7 @@ class Sizes:
 
 def run_here(
     spec: MapSpec,
-    samples: int,
+    segment: int,
     todo: Units,
     sink: Sink,
     threads: int,
@@ -214,11 +224,11 @@ def run_here(
     note: Callable[[Rows], object],
 ) -> None:
     """Compute units one block after the other, on threads of this process."""
-    sizes, at = Sizes(samples, threads), 0
+    sizes, at = Sizes(min(segment, spec.samples), threads), 0
     while at < len(todo) and not stop():
         units = todo[at : at + sizes.units]
         begin = time.perf_counter()
-        block = compute(spec, units, threads, stop)
+        block = compute(spec, units, threads, stop, segment=segment)
         if block is None:
             return
         done = time.perf_counter()

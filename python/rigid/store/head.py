@@ -11,10 +11,25 @@ from numpy.typing import NDArray
 
 from .. import _core
 from .._checks.arguments import one_line
-from ..maps.identity import FORMAT, FORMAT_VERSIONS, canonical, differences, head_of, key_of
+from ..maps.identity import (
+    FORMAT,
+    FORMAT_VERSIONS,
+    canonical,
+    differences,
+    head_of,
+    key_of,
+    segment_of,
+)
+from ..maps.sequential import LOOK
 from ..maps.spec import MapSpec
 
-__all__ = ["Head", "StoreError", "moment_status"]
+__all__ = ["Head", "StoreError", "divided", "moment_status"]
+
+UNITS = 1024
+"""A map of fewer pixels is divided into about so many units, so that many parts can share it."""
+
+FEWEST_SAMPLES = 1024
+"""Fewest samples of a unit of a divided pixel: fewer cost more than they help."""
 
 MOST_BYTES = 2**26
 """Most bytes of a head: axes of a million values have 25 MB."""
@@ -38,11 +53,15 @@ class Head:
         All of ``head.json``.
     key : bytes
         BLAKE2b-128 of what the numbers depend on.
+    seal : bytes
+        BLAKE2b-128 of that and of the division into units, which rows are numbered by: the key of
+        the digests in logs. Equal to ``key`` if no pixel is divided into more units than by it.
     """
 
     spec: MapSpec
     content: dict[str, Any]
     key: bytes
+    seal: bytes
 
     @property
     def units(self) -> int:
@@ -50,15 +69,25 @@ class Head:
         return int(self.content["units"])
 
     @property
+    def segment(self) -> int:
+        """Most samples of a unit."""
+        return int(self.content["segment"])
+
+    @property
     def segments(self) -> int:
         """Units of a pixel."""
-        return -(-self.spec.samples // int(self.content["segment"]))
+        return -(-self.spec.samples // self.segment)
 
     @classmethod
     def of(cls, spec: MapSpec) -> Head:
         """The head of a new running map."""
-        content = json.loads(canonical(head_of(spec)))
-        return cls(spec, content, key_of(content))
+        return cls._made(spec, json.loads(canonical(head_of(spec, divided(spec)))))
+
+    @classmethod
+    def _made(cls, spec: MapSpec, content: dict[str, Any]) -> Head:
+        undivided = head_of(spec)
+        of_map = {**content, "segment": undivided["segment"], "units": undivided["units"]}
+        return cls(spec, content, key_of(of_map), key_of(content))
 
     @classmethod
     def read(cls, text: bytes, path: object) -> Head:
@@ -85,7 +114,9 @@ class Head:
             )
         try:
             spec = MapSpec.from_dict(content["spec"])
-            expected = head_of(spec)
+            segment = content.get("segment")
+            is_known = segment in (segment_of(spec), divided(spec))
+            expected = head_of(spec, segment if is_known else None)
         except Exception as error:  # the text may hold anything
             raise StoreError(f"{path} holds a broken specification: {one_line(error)}") from None
         for name in ("columns", "format_version", "looks", "segment", "units"):
@@ -94,7 +125,7 @@ class Head:
                 raise StoreError(
                     f"{path}: {name} are not those of this version of rigid; version {made} made it"
                 )
-        return cls(spec, content, key_of(content))
+        return cls._made(spec, content)
 
     def require_spec(self, spec: MapSpec, path: object) -> None:
         """Refuse another specification than the stored one, with what differs.
@@ -103,13 +134,26 @@ class Head:
         ------
         StoreError
         """
-        kept, asked = self.spec.to_dict(), spec.to_dict()
+        kept, asked = self.spec.to_dict(), spec.in_form_of(self.spec).to_dict()
         for described in (kept, asked):
             del described["title"], described["version"]
         found = differences(kept, asked)
         if found:
             shown = "; ".join(found[:5]) + (f"; and {len(found) - 5} more" if found[5:] else "")
             raise StoreError(f"{path} holds another map (it and the one asked for): {shown}")
+
+
+def divided(spec: MapSpec) -> int:
+    """Most samples of a unit of a new running map.
+
+    Whole pixels are one unit each, unless they are few, or have millions of samples. The looks of a
+    pixel depend on those before: it is one unit.
+    """
+    pixels = int(np.prod(spec.shape))
+    share = -(-spec.samples * pixels // UNITS)
+    segment = max(FEWEST_SAMPLES, -(-share // LOOK) * LOOK)
+    whole = segment_of(spec)
+    return segment if spec.looks is None and segment < min(spec.samples, whole) else whole
 
 
 def moment_status(spec: MapSpec) -> NDArray[np.uint8]:

@@ -24,7 +24,7 @@ def merge_into(sources: Sequence[str | os.PathLike[str]], into: str | os.PathLik
     if Folder.is_at(into):
         folders.append(Folder(into))
     for folder in folders[1:]:
-        if folder.head.key != first.head.key:
+        if folder.head.seal != first.head.seal:
             folder.head.require_spec(first.head.spec, folder.path)
             raise StoreError(
                 f"{folder.path} and {first.path}: the same map, but made by versions of rigid that "
@@ -32,7 +32,7 @@ def merge_into(sources: Sequence[str | os.PathLike[str]], into: str | os.PathLik
             )
         rows, _, bins = folder.table.block(np.flatnonzero(folder.table.known))
         first.table.add(rows, None, bins, folder.path)
-    target = Folder.at(into, first.head.spec)
+    target = Folder.at(into, first.head.spec, head=first.head)
     for folder in folders:
         for log in folder.logs:
             source, copy = folder.path / "logs" / log.name, target.path / "logs" / log.name

@@ -21,10 +21,10 @@ from .drive import Poison, Task, drive, executor_of, own_build, run_here
 from .rows import Rows
 from .running import Folder, Memory
 
-__all__ = ["Outcome", "Part", "carry_on", "missing", "result_of"]
+__all__ = ["Outcome", "Part", "carry_on", "data_of", "missing", "pixels_done", "result_of"]
 
-PART_UNITS = 64
-"""Consecutive units of one part."""
+GOLDEN = np.uint64(0x9E3779B97F4A7C15)
+"""The golden ratio: the upper bits of its multiples are those of no pattern of a grid."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,9 +62,18 @@ class Part:
         except ValueError:
             raise ValueError(f"part = {brief(part)}: must be k/n with 1 <= k <= n") from None
 
-    def has(self, units: NDArray[np.int64]) -> NDArray[np.bool_]:
-        """Which units are of this part."""
-        mine: NDArray[np.bool_] = units // PART_UNITS % self.count == self.number - 1
+    def has(self, units: NDArray[np.int64], running: Folder | Memory) -> NDArray[np.bool_]:
+        """Which units are of this part.
+
+        Those with a possible body are dealt one after the other, a turn to all parts. Each turn
+        begins with another part, lest columns of the grid become parts.
+        """
+        if self.count == 1:
+            return np.ones(len(units), np.bool_)
+        possible = np.repeat(running.status == 0, running.head.segments)
+        turn, seat = np.divmod(np.cumsum(possible)[units] - 1, self.count)
+        shift = (turn.astype(np.uint64) * GOLDEN) >> np.uint64(40)
+        mine: NDArray[np.bool_] = (seat + shift.astype(np.int64)) % self.count == self.number - 1
         return mine
 
 
@@ -94,7 +103,7 @@ def missing(running: Folder | Memory) -> NDArray[np.int64]:
     """
     spec, status = running.head.spec, running.status
     if refined(spec):
-        data = _data(running)
+        data = data_of(running)
         ends = [data.lower, data.upper]
         pixels = stages(spec, data.status, data.finished, data.samples, ends).wanted
     else:
@@ -122,7 +131,8 @@ def _likely_cost(
     return np.nan_to_num(cost)
 
 
-def _data(running: Folder | Memory) -> MapData:
+def data_of(running: Folder | Memory) -> MapData:
+    """The numbers of the rows that there are, without the values of measures."""
     arrays = {**running.table.arrays(), "status": running.status}
     return MapData.from_arrays(running.head.spec, arrays)
 
@@ -154,13 +164,14 @@ def carry_on(
     known = canaries(running.table, running.head.key)
     checked = reread = False
     poison = Poison()
-    samples = _unit_samples(running)
+    segment = running.head.segment
+    samples = min(segment, spec.samples)
     pool, workers = (None, 1) if executor is None else executor_of(executor)
     reason = "error"
     try:
         while True:
             todo = missing(running)
-            mine = todo[part.has(todo)]
+            mine = todo[part.has(todo, running)]
             if poison.units:
                 mine = mine[~np.isin(mine, poison.units)]
             if stop():
@@ -182,12 +193,12 @@ def carry_on(
                 note = _noting(report, total)
                 if pool is None:
                     if not checked:
-                        check_canaries(spec, known, threads, stop)
+                        check_canaries(spec, known, threads, stop, segment=segment)
                         checked = True
-                    run_here(spec, samples, mine, running, threads, stop, note)
+                    run_here(spec, segment, mine, running, threads, stop, note)
                 else:
                     build = None if allow_mixed else own_build()
-                    task = Task.of(spec, threads_per_task, known, build, executor)
+                    task = Task.of(spec, threads_per_task, known, build, executor, segment)
                     found = drive(task, samples, mine, running, pool, workers, stop, note)
                     poison.units += found.units
                     poison.errors += found.errors
@@ -222,8 +233,14 @@ def result_of(
     )
 
 
-def _unit_samples(running: Folder | Memory) -> int:
-    return -(-running.head.spec.samples // running.head.segments)
+def pixels_done(running: Folder | Memory, result: StabilityMap, how: str = "stored") -> str:
+    """How many pixels have all their bodies, in words, and pieces of divided ones."""
+    possible, segments = result.status == 0, running.head.segments
+    done, pixels = int((result.finished & possible).sum()), int(possible.sum())
+    text = f"{done:,} of {pixels:,} pixels"
+    if segments > 1:
+        text += f" ({int(running.table.known.sum()):,} of {pixels * segments:,} pieces)"
+    return f"{text} are {how}"
 
 
 def _noting(report: Callable[[Progress], object], total: int) -> Callable[[Rows], None]:

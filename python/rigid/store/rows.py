@@ -187,20 +187,30 @@ class Table:
         every = _sorted(np.concatenate([NO_BINS, *bins]))
         return Block(self.rows[units], self.nanoseconds[units], every)
 
+    @property
+    def counted(self) -> NDArray[np.bool_]:
+        """Which units are of the map: of a pixel those before the first that is not known.
+
+        So the bodies of a pixel are its first ones, and are computed again without the units.
+        """
+        known = self.known.reshape(-1, self._head.segments)
+        return np.logical_and.accumulate(known, axis=1).ravel()
+
     def arrays(self) -> dict[str, NDArray[Any]]:
         """The columns of the map, merged over the segments of each pixel."""
-        segments = self._head.segments
+        segments, counted = self._head.segments, self.counted
         if segments == 1:
-            return self._segment(slice(None))
+            return self._segment(slice(None), counted)
         statistics = _core.MapStatistics(len(self.rows) // segments)
         for segment in range(segments):
-            statistics.merge({**self._segment(slice(segment, None, segments)), "first": 0})
+            part = self._segment(slice(segment, None, segments), counted)
+            statistics.merge({**part, "first": 0})
         return statistics.arrays()
 
     def bins(self) -> list[Bins]:
         """The bins of each measure of the map, merged over the segments of each pixel."""
         measures, segments = len(self._head.spec.measure), self._head.segments
-        every = self.block(np.flatnonzero(self.known)).bins
+        every = self.block(np.flatnonzero(self.counted)).bins
         of_units = [
             np.delete(every[every[:, 1] == number], 1, axis=1) for number in range(measures)
         ]
@@ -214,9 +224,9 @@ class Table:
         statistics.merge({**_core.MapStatistics(pixels).arrays(), "first": 0, "measures": of_units})
         return statistics.bins()
 
-    def _segment(self, units: slice) -> dict[str, NDArray[Any]]:
-        """The columns of units, one a pixel; those of no bodies where a unit is not known."""
-        known = self.known[units]
+    def _segment(self, units: slice, counted: NDArray[np.bool_]) -> dict[str, NDArray[Any]]:
+        """The columns of units, one a pixel; those of no bodies where a unit is not counted."""
+        known = counted[units]
         # Those of one pixel repeated: a million pixels are not held twice.
         none = _core.MapStatistics(1).arrays()
         columns = {name: np.full(len(known), value[0], value.dtype) for name, value in none.items()}

@@ -136,8 +136,14 @@ class Folder:
         return moment_status(self.head.spec)
 
     @classmethod
-    def at(cls, path: str | os.PathLike[str], spec: MapSpec, disk: Disk = DISK) -> Folder:
-        """The folder of that map; a new one if there is none.
+    def at(
+        cls,
+        path: str | os.PathLike[str],
+        spec: MapSpec,
+        disk: Disk = DISK,
+        head: Head | None = None,
+    ) -> Folder:
+        """The folder of that map; a new one if there is none, by default as this version makes it.
 
         Raises
         ------
@@ -150,7 +156,7 @@ class Folder:
             if [name for name in disk.names(folder) if name != "logs" and name[:1] != "."]:
                 raise StoreError(f"{folder} is no running map, and is not empty")
             disk.make_folder(folder / "logs")
-            disk.publish(folder / "head.json", canonical(Head.of(spec).content))
+            disk.publish(folder / "head.json", canonical((head or Head.of(spec)).content))
             disk.synchronise_folder(folder.absolute().parent)
         found = cls(folder, disk)
         found.head.require_spec(spec, folder)
@@ -163,7 +169,7 @@ class Folder:
         scene: Callable[..., Any] | None = None,
         stable: Callable[..., Any] | None = None,
     ) -> None:
-        """Take the functions of the map, of which a folder has the digests alone."""
+        """Take the functions of the map, of which a folder has digests alone."""
         spec = self.head.spec.with_functions(scene=scene, stable=stable)
         self.head = replace(self.head, spec=spec)
 
@@ -186,7 +192,7 @@ class Folder:
         StoreError
             If two logs have other results for a unit.
         """
-        if self._read_head().key != self.head.key:
+        if self._read_head().seal != self.head.seal:
             raise StoreError(f"{self.path}: its head.json was replaced by that of another map")
         self.table, self.logs = Table(self.head), []
         folder = self.path / "logs"
@@ -198,7 +204,7 @@ class Folder:
             with self._disk.opened(folder / name) as file:
                 measured = bool(self.head.spec.measure)
                 for rows, nanoseconds, bins in read_log(
-                    file, self.head.key, found, measured=measured
+                    file, self.head.seal, found, measured=measured
                 ):
                     self.table.add(rows, nanoseconds, bins, folder / name)
                     units += len(rows)
@@ -225,7 +231,7 @@ class Folder:
             self._receipt = {"key": self.head.key.hex(), **receipt(**facts)}
             self._blocks = self._units = 0
             self._seconds = 0.0
-            self._log = Log(self.path / "logs", self.head.key, self._receipt, self._disk)
+            self._log = Log(self.path / "logs", self.head.seal, self._receipt, self._disk)
 
     def append(
         self, rows: Rows, nanoseconds: NDArray[np.float32], bins: Bins | None = None

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..maps.data import CLASSES
-from .resume import Part, missing
+from .resume import Part, data_of, missing
 from .running import Folder, LogFacts
 
 __all__ = ["Status", "status_of"]
@@ -27,6 +27,8 @@ class Status:
         The key of the map, hexadecimal.
     units, done, missing : int
         Units of work with a possible body; those whose rows are stored; those to be computed next.
+    cut : int
+        Pixels that the budget of the map leaves out.
     bodies, failed : int
         Bodies done, and the failed among them.
     twice : int
@@ -46,6 +48,7 @@ class Status:
     units: int
     done: int
     missing: int
+    cut: int
     bodies: int
     failed: int
     twice: int
@@ -56,16 +59,24 @@ class Status:
 
     @property
     def complete(self) -> bool:
-        """Whether nothing is missing."""
+        """Whether nothing is missing that is to be computed, within the budget of the map."""
         return self.missing == 0
+
+    def _left(self) -> str:
+        """What is left, in words."""
+        if np.isnan(self.remaining):
+            return "how much is left is not known yet"
+        return f"about {self.remaining:.3g} s left"
 
     def __str__(self) -> str:
         lines = [
             ("map", self.key),
             ("units", f"{self.done:,} of {self.units:,} are stored, {self.missing:,} are missing"),
             ("bodies", f"{self.bodies:,} done, {self.failed:,} failed"),
-            ("cost", f"{self.seconds:.3g} s of processor time, about {self.remaining:.3g} s left"),
+            ("cost", f"{self.seconds:.3g} s of processor time, {self._left()}"),
         ]
+        if self.cut and self.complete:
+            lines.append(("budget", f"spent: {self.cut:,} pixels are left out"))
         if self.twice:
             lines.append(("twice", f"{self.twice:,} rows were computed twice, with equal bytes"))
         for writer in self.writers:
@@ -91,16 +102,16 @@ def _how(writer: dict[str, Any]) -> str:
 def _writers(folder: Folder, left: NDArray[np.int64]) -> list[dict[str, Any]]:
     """The receipts of the logs; with what is left to do where a writer has not ended."""
     return [
-        writer if log.found.end else {**writer, **_pace(log, left)}
+        writer if log.found.end else {**writer, **_pace(folder, log, left)}
         for writer, log in zip(folder.writers(), folder.logs, strict=True)
     ]
 
 
-def _pace(log: LogFacts, left: NDArray[np.int64]) -> dict[str, Any]:
+def _pace(folder: Folder, log: LogFacts, left: NDArray[np.int64]) -> dict[str, Any]:
     """How long a writer has been silent, and what its part lacks."""
     receipt = log.found.writer or {}
     try:
-        lacks = int(Part.of(receipt.get("part")).has(left).sum())
+        lacks = int(Part.of(receipt.get("part")).has(left, folder).sum())
         begun = float(timegm(time.strptime(receipt["begin"], "%Y-%m-%dT%H:%M:%SZ")))
     except (KeyError, TypeError, ValueError):  # a damaged log may have no receipt
         lacks, begun = len(left), log.written
@@ -119,12 +130,14 @@ def status_of(folder: Folder) -> Status:
     rows = table.rows[table.known]
     costs = table.nanoseconds[table.known].astype(np.float64)
     seconds = 1e-9 * float(np.nansum(costs))
-    mean = seconds / max(1, int((~np.isnan(costs)).sum())) if len(rows) else np.nan
+    counted = int((~np.isnan(costs)).sum())
+    mean = seconds / counted if counted else np.nan
     return Status(
         key=folder.head.key.hex(),
         units=int((folder.status == 0).sum()) * folder.head.segments,
         done=len(rows),
         missing=left,
+        cut=data_of(folder).cut,
         bodies=sum(int(rows[name].sum()) for name in CLASSES),
         failed=int(rows["failed"].sum()),
         twice=table.twice,

@@ -16,7 +16,7 @@ from ..maps.zarr_product import write_zarr_url
 from .diff import Difference, read_any
 from .diff import diff as diff_maps
 from .merge import merge_into
-from .resume import Outcome, Part, carry_on, result_of
+from .resume import Outcome, Part, carry_on, pixels_done, result_of
 from .running import Folder, Memory
 from .status import Status, status_of
 from .verify import Verification, verify
@@ -145,7 +145,7 @@ class Store:
         return verify(self._folder, share=share, seed=seed, threads=threads)
 
     def pack(self, path: str | os.PathLike[str]) -> Path | str:
-        """Write the map of the rows that are stored now.
+        """Write the map of the rows that are stored now; the map may be incomplete.
 
         Parameters
         ----------
@@ -157,11 +157,16 @@ class Store:
         Path or str
             The file, or the URL.
         """
-        place = os.fspath(path)
-        if "://" not in place:
-            return self.result().save(path)
-        write_zarr_url(self.result(), place)
-        return place
+        return pack(self.result(), path)
+
+
+def pack(result: StabilityMap, path: str | os.PathLike[str]) -> Path | str:
+    """Write a map as a file, as a folder of Zarr, or to a URL; see :meth:`Store.pack`."""
+    place = os.fspath(path)
+    if "://" not in place:
+        return result.save(path)
+    write_zarr_url(result, place)
+    return place
 
 
 def open_store(
@@ -178,7 +183,7 @@ def open_store(
         The folder that ``stability_map(..., store=path)`` has made, or a copy of it.
     scene, stable : callable, optional
         The function that makes the scenes, and that of :func:`judged`, to compute what is missing:
-        a folder has the digests of their sources alone.
+        a folder has digests of them alone, of their sources and of what they take from outside.
 
     Returns
     -------
@@ -188,7 +193,8 @@ def open_store(
     ------
     ValueError
         If the folder holds no running map, one of another format, or rows that contradict each
-        other. Nothing in it is executed, and nothing outside is read.
+        other; or if a function is another one, or takes other values: which. Nothing in the folder
+        is executed, and nothing outside is read.
 
     Examples
     --------
@@ -314,7 +320,7 @@ def _run(
             interrupted, outcome = True, None
         elapsed = time.perf_counter() - begun
         result = result_of(running, elapsed=elapsed, threads=workers)
-    if (interrupted or stop.is_set()) and not result.complete and not partial:
+    if (interrupted or stop.is_set()) and not result.ended and not partial:
         raise Interrupted(_interrupted_words(running, result), result)
     if outcome is not None and outcome.poison.units:
         raise PoisonedError(_poison_words(outcome), outcome.poison.units, result)
@@ -322,14 +328,10 @@ def _run(
 
 
 def _interrupted_words(running: Folder | Memory, result: StabilityMap) -> str:
-    possible = int((result.status == 0).sum())
-    done = int((result.samples > 0).sum())
     if isinstance(running, Memory):
-        return (
-            f"{done:,} of {possible:,} pixels are done; "
-            "the attribute 'partial' of this exception is their map"
-        )
-    return f"{done:,} of {possible:,} pixels are stored; the same call goes on"
+        done = pixels_done(running, result, "done")
+        return f"{done}; the attribute 'partial' of this exception is their map"
+    return f"{pixels_done(running, result)}; the same call goes on"
 
 
 def _poison_words(outcome: Outcome) -> str:

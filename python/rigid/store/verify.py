@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 
 from .._checks.arguments import finite_float
-from ..maps.identity import segment_of
 from ..maps.job import of_pixels
 from ..maps.result import load_map
 from ..maps.spec import MapSpec
@@ -69,7 +68,8 @@ def verify(
     share = finite_float("share", share, positive=True)
     if share > 1.0:
         raise ValueError(f"share = {share}: must be at most 1")
-    block, spec, segments, damage = _rows(stored)
+    block, spec, segment, damage = _rows(stored)
+    segments = 1 if segment is None else -(-spec.samples // segment)
     units = len(block.rows)
     count = min(units, int(np.ceil(share * units * (1.0 - 1e-12))))
     chosen = np.zeros(units, np.bool_)
@@ -80,7 +80,7 @@ def verify(
         mine = np.zeros(units, np.bool_)
         mine[places[begin : begin + TOGETHER]] = True
         old = block.some(mine)
-        again = compute(spec, old.rows["unit"].copy(), threads)
+        again = compute(spec, old.rows["unit"].copy(), threads, segment=segment)
         assert again is not None
         wrong += [
             f"pixel {int(unit) // segments}: {text}"
@@ -96,17 +96,15 @@ def verify(
 
 def _rows(
     stored: str | os.PathLike[str] | Folder,
-) -> tuple[Block, MapSpec, int, list[str]]:
-    """The rows of complete units, the specification, the units of a pixel, and what is damaged."""
+) -> tuple[Block, MapSpec, int | None, list[str]]:
+    """The rows of complete units, the specification, samples of a unit, and what is damaged."""
     if isinstance(stored, Folder) or Path(stored).is_dir():
         folder = stored if isinstance(stored, Folder) else Folder(stored)
         folder.read()
         damage = [f"{log.name}: {text}" for log in folder.logs for text in log.found.damage]
         block = folder.table.block(np.flatnonzero(folder.table.known))
-        return block, folder.head.spec, folder.head.segments, damage
-    path, result = stored, load_map(stored)
-    if result.spec.samples > segment_of(result.spec):
-        raise ValueError(f"{path}: samples of several segments are merged there; verify its store")
+        return block, folder.head.spec, folder.head.segment, damage
+    result = load_map(stored)
     pixels = np.flatnonzero((result.finished & (result.status == 0)).ravel())
     columns = {name: result.columns[name].ravel()[pixels] for name in FIELDS}
     place = np.full(result.status.size, -1)
@@ -116,4 +114,4 @@ def _rows(
     ]
     bins = bins_of(pixels, [of_pixels(one, place) for one in finished])
     costs = np.full(len(pixels), np.nan, np.float32)
-    return Block(rows_of(pixels, columns), costs, bins), result.spec, 1, []
+    return Block(rows_of(pixels, columns), costs, bins), result.spec, None, []

@@ -81,6 +81,13 @@ def test_parts_wait_for_each_other(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["diff", "run.npz", "small.npz"]) == 0
 
 
+def test_pieces_of_few_pixels_are_counted(capsys: pytest.CaptureFixture[str]) -> None:
+    text = SPEC.replace("count = 12", "count = 2").replace("count = 8", "count = 2")
+    Path("small.toml").write_text(text.replace("samples = 10", "samples = 3000"))
+    assert main(["map", "small.toml", "--store", "run.rigid", "--part", "2/3", QUIET]) == 75
+    assert "; 0 of 2 pixels (2 of 6 pieces) are stored; rigid" in capsys.readouterr().err
+
+
 def test_parts_are_merged(capsys: pytest.CaptureFixture[str]) -> None:
     for k in "12":
         main(["map", "small.toml", "--store", f"{k}.rigid", "--part", f"{k}/2", QUIET])
@@ -88,6 +95,59 @@ def test_parts_are_merged(capsys: pytest.CaptureFixture[str]) -> None:
     assert " 0 are missing" in capsys.readouterr().out
     assert main(["pack", "all.rigid", "all.npz"]) == 0
     assert rigid.load_map("all.npz").complete
+
+
+def damage_rows(folder: str) -> None:
+    """Flip a bit in the first row of a store."""
+    log = next(Path(folder, "logs").iterdir())
+    content = bytearray(log.read_bytes())
+    table = content.index(b"\x93NUMPY")
+    content[table + 10 + int.from_bytes(content[table + 8 : table + 10], "little")] ^= 1
+    log.write_bytes(content)
+
+
+def test_an_unfinished_map_is_packed_only_if_that_is_asked_for(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    main(["map", "small.toml", "--store", "run.rigid", "--part", "1/4", QUIET])
+    result = rigid.open_store("run.rigid").result()
+    done, possible = (result.samples > 0).sum(), (result.status == 0).sum()
+    capsys.readouterr()
+    assert main(["pack", "run.rigid", "part.npz"]) == 75
+    told = capsys.readouterr()
+    assert told.out == ""
+    assert told.err == (
+        f"rigid: {done} of {possible} pixels are stored, nothing is written; "
+        "rigid resume run.rigid goes on, --partial writes what there is\n"
+    )
+    assert not Path("part.npz").exists()
+    assert main(["pack", "run.rigid", "part.npz", "--partial"]) == 0
+    told = capsys.readouterr()
+    assert told.out == "part.npz\n"
+    assert f"{done} of {possible} pixels are stored, the map written is partial" in told.err
+    loaded = rigid.load_map("part.npz")
+    assert (loaded.complete, int(loaded.samples.sum())) == (False, done * 10)
+
+
+def test_a_damaged_map_is_no_finished_one(capsys: pytest.CaptureFixture[str]) -> None:
+    main(["map", "small.toml", "--store", "run.rigid", QUIET])
+    possible = int((rigid.load_map("small.npz").status == 0).sum())
+    assert main(["status", "run.rigid"]) == 0
+    assert main(["pack", "run.rigid", "whole.npz"]) == 0
+    damage_rows("run.rigid")
+    capsys.readouterr()
+    assert main(["status", "run.rigid"]) == 1
+    assert "damage      " in capsys.readouterr().out
+    assert main(["pack", "run.rigid", "damaged.npz"]) == 75
+    told = capsys.readouterr().err
+    found = re.match(r"rigid: (\d+) of (\d+) pixels are stored, nothing is written", told)
+    assert found is not None
+    assert int(found[1]) < int(found[2]) == possible
+    # What is damaged is computed again: the log stays as it is, the map is whole.
+    assert main(["resume", "run.rigid", "--out", "again", QUIET]) == 0
+    assert main(["pack", "run.rigid", "again2.npz"]) == 0
+    assert Path("again2.npz").read_bytes() == Path("whole.npz").read_bytes()
+    assert main(["status", "run.rigid"]) == 1
 
 
 def test_the_status_is_told(capsys: pytest.CaptureFixture[str]) -> None:
@@ -105,10 +165,7 @@ def test_numbers_are_verified(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["verify", "run.rigid", "--all"]) == 0
     assert "0 differ" in capsys.readouterr().out
     assert main(["verify", "small.npz", "--share", "0.5", "--seed", "3"]) == 0
-    log = next(Path("run.rigid/logs").iterdir())
-    content = bytearray(log.read_bytes())
-    content[content.index(b"NUMPY") + 2000] ^= 1  # in the first table
-    log.write_bytes(content)
+    damage_rows("run.rigid")
     assert main(["verify", "run.rigid"]) == 1
     assert "damage: " in capsys.readouterr().out
 
@@ -136,6 +193,25 @@ def test_a_file_asks_for_sequential_and_refined_maps() -> None:
     assert main(["map", "small.toml", "--samples", "7", "--out", "fixed", QUIET]) == 0
     spec = rigid.load_map("fixed.npz").spec
     assert (spec.samples, spec.half_width) == (7, None)
+
+
+def test_a_budget_that_is_spent_is_no_interruption(capsys: pytest.CaptureFixture[str]) -> None:
+    text = SPEC.replace("samples = 10", "half_width = 0.1\nbudget = 1500")
+    Path("small.toml").write_text(text)
+    for store in ([], ["--store", "run.rigid", "--out", "stored"]):
+        assert main(["map", "small.toml", *store, QUIET]) == 0
+        told = capsys.readouterr()
+        assert told.err == ""
+        assert re.search(
+            r"until the share is known to within 0.1: so in \d+ pixels, not in \d+; seed", told.out
+        )
+        assert re.search(r"1,\d+ in \d+ of \d+ pixels; the budget of 1,500 leaves out \d", told.out)
+    result = rigid.load_map("small.npz")
+    assert not result.complete
+    assert 1500 - result.spec.samples < result.samples.sum() <= 1500
+    assert Path("stored.npz").read_bytes() == Path("small.npz").read_bytes()
+    assert main(["status", "run.rigid"]) == 0
+    assert f"budget      spent: {result.cut} pixels are left out" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(
@@ -193,9 +269,9 @@ import sys, time
 from rigid.cli import main
 from rigid.store import drive
 real = drive.compute
-def slow(*arguments):
+def slow(*arguments, **options):
     time.sleep(0.05)
-    return real(*arguments)
+    return real(*arguments, **options)
 drive.compute, drive.GROWTH = slow, 1
 sys.exit(main(["map", "small.toml", "--store", "run.rigid", "--no-progress"]))
 """

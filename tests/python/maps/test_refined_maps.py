@@ -110,7 +110,8 @@ def test_a_budget_is_kept_and_a_larger_one_goes_on() -> None:
     before = None
     for budget in (640, 6_400, 32_000, all_bodies):
         result = small_map(**GRID, refine=8, budget=budget)
-        assert result.complete
+        assert result.ended
+        assert result.complete == (budget == all_bodies) == (result.cut == 0)
         assert budget - 64 < result.samples.sum() <= budget or budget == all_bodies
         assert np.isfinite(result.filled[result.status == 0]).mean() > (0.9 if budget > 5e3 else 0)
         if before is not None:
@@ -122,6 +123,59 @@ def test_a_budget_is_kept_and_a_larger_one_goes_on() -> None:
 def test_a_budget_without_refinement_gives_a_coarse_whole_map() -> None:
     result = small_map(**{**GRID, "axes": {"spin": np.linspace(1, 2, 17)}}, budget=5 * 64)
     assert np.flatnonzero(result.samples).tolist() == [0, 4, 8, 12, 16]
+    assert (result.complete, result.ended, result.cut) == (False, True, 12)
+    assert "320 in 5 of 17 pixels; the budget of 320 leaves out 12" in result.summary()
+
+
+#: Pixels stop at 64, 128, ... 384 bodies.
+NARROW: dict[str, Any] = {**GRID, "samples": None, "half_width": 0.06}
+
+
+def test_the_budget_is_spent_where_pixels_miss_the_half_width(tmp_path: Path) -> None:
+    """Less is left than the most bodies that one pixel may need, whatever the others needed."""
+    whole = small_map(**NARROW)
+    most = whole.spec.samples
+    before = np.zeros(whole.spec.shape, np.int64)
+    for budget in (30_000, 150_000, 300_000):
+        result = small_map(**NARROW, budget=budget)
+        used = int(result.samples.sum())
+        assert budget - most < used <= budget
+        assert (result.complete, result.ended) == (False, True)
+        done = result.samples > 0
+        for column in COLUMNS:  # of the pixels that it has: the bits of the whole map
+            if column.reproducible:
+                one, other = (data.columns[column.name][done] for data in (result, whole))
+                np.testing.assert_array_equal(one, other, err_msg=column.name)
+        assert result.cut == (whole.status == 0).sum() - done.sum()
+        missed = int((~result.narrow & (result.status == 0)).sum())
+        assert missed >= result.cut
+        assert f"pixels, not in {missed:,}" in result.summary()
+        assert f"the budget of {budget:,} leaves out {result.cut:,}" in result.summary()
+        assert (result.samples >= before).all()
+        before = result.samples
+        loaded = rigid.load_map(result.save(tmp_path / "map.npz"))
+        assert (loaded.complete, loaded.ended, loaded.cut) == (False, True, result.cut)
+    enough = small_map(**NARROW, budget=int(whole.samples.sum()) + most)
+    assert enough.complete
+    assert_same_map(enough, whole)
+    assert "leaves out" not in enough.summary()
+
+
+@pytest.mark.parametrize("refine", [None, 8])
+def test_parts_and_sittings_spend_a_budget_alike(tmp_path: Path, refine: int | None) -> None:
+    asked = {**NARROW, "refine": refine, "budget": 60_000}
+    at_once = small_map(**asked)
+    results: list[rigid.StabilityMap] = []
+    while not results or not results[-1].ended:
+        for part in ("2/3", "1/3", "3/3"):
+            results.append(small_map(**asked, store=tmp_path / "run", part=part))
+            assert results[-1].samples.sum() <= 60_000
+    assert_same_map(results[-1], at_once)
+    status = rigid.open_store(tmp_path / "run").status()
+    assert (status.complete, status.cut, status.twice) == (True, at_once.cut, 0)
+    assert f"budget      spent: {at_once.cut:,} pixels are left out" in str(status)
+    again = small_map(**asked, store=tmp_path / "run")
+    assert_same_map(again, at_once)
 
 
 def test_parts_and_sittings_give_the_same_stages(

@@ -38,7 +38,7 @@ def log(run: Folder) -> bytes:
 def read(content: bytes, run: Folder) -> tuple[Table, Found]:
     """The rows in the bytes of a log; each must be a row of the map."""
     found, table = Found(), Table(run.head)
-    for rows, nanoseconds, bins in read_log(io.BytesIO(content), run.head.key, found):
+    for rows, nanoseconds, bins in read_log(io.BytesIO(content), run.head.seal, found):
         table.add(rows, nanoseconds, bins, "log")
     assert table.rows[table.known].tobytes() == run.table.rows[table.known].tobytes()
     return table, found

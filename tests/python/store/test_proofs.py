@@ -110,8 +110,8 @@ HEAD: dict[str, tuple[Callable[[dict[str, object]], object], str]] = {
     "no JSON": (lambda head: "x", "is no running map: Expecting value"),
     "other JSON": (lambda head: "[]", "is no running map: its head is not that of one"),
     "other format": (
-        lambda head: json.dumps({**head, "format_version": 3}),
-        "has format version 3, this version of rigid reads 1 and 2",
+        lambda head: json.dumps({**head, "format_version": 4}),
+        "has format version 4, this version of rigid reads 1 and 2 and 3",
     ),
     "format of another kind": (
         lambda head: json.dumps({**head, "format_version": 2}),
@@ -235,7 +235,7 @@ def test_the_status_counts_rows_writers_and_damage(tmp_path: Path) -> None:
 
 def test_two_logs_never_have_one_name(tmp_path: Path) -> None:
     folder = Folder.at(tmp_path / "run", SPEC)
-    logs = [Log(folder.path / "logs", folder.head.key, {}, folder._disk) for _ in range(3)]
+    logs = [Log(folder.path / "logs", folder.head.seal, {}, folder._disk) for _ in range(3)]
     assert len({log.path for log in logs}) == 3
     for log in logs:
         log.close({})

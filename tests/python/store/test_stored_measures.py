@@ -15,7 +15,7 @@ import pytest
 
 import rigid
 from rigid.maps import identity
-from rigid.store import drive, resume
+from rigid.store import drive
 from rigid.store.log import Found, read_log
 from rigid.store.resume import carry_on
 from rigid.store.rows import BIN_ROW, Block, Table
@@ -66,9 +66,8 @@ def test_a_stored_map_has_the_bytes_of_an_unstored_one(
 
 
 def test_sittings_parts_and_merges_have_the_same_bytes(
-    tmp_path: Path, quiet: rigid.StabilityMap, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, quiet: rigid.StabilityMap
 ) -> None:
-    monkeypatch.setattr(resume, "PART_UNITS", 4)
     for number in (1, 2, 3):
         measured(store=tmp_path / f"{number}", part=(number, 3))
     merged = rigid.merge([tmp_path / f"{n}" for n in (3, 1, 2, 1)], tmp_path / "all")
@@ -158,7 +157,7 @@ def read(content: bytes, run: Folder) -> tuple[Table, Found]:
     """What is in the bytes of a log; each row must be one of the map, with its bins."""
     found, table = Found(), Table(run.head)
     for rows, nanoseconds, bins in read_log(
-        io.BytesIO(content), run.head.key, found, measured=True
+        io.BytesIO(content), run.head.seal, found, measured=True
     ):
         table.add(rows, nanoseconds, bins, "log")
     known = np.flatnonzero(table.known)

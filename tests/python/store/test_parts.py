@@ -1,0 +1,218 @@
+"""Parts of a map: each has its share of the work, and together they are the map."""
+
+from __future__ import annotations
+
+import itertools
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rigid
+from rigid.maps.identity import segment_of
+from rigid.store.head import Head
+from rigid.store.resume import Part, missing
+from rigid.store.running import Folder, Memory
+from small_maps import assert_same_map, saved_bytes, small_map, spec_of
+from stores import SPEC, go_on, numbers, stops_after, stored_map
+
+#: Three units for each of eight pixels.
+FEW: dict[str, Any] = {
+    "axes": {"noise": np.geomspace(1e-3, 0.1, 8)},
+    "method": "auto",
+    "samples": 3000,
+}
+
+
+def spec_of_grid(columns: int, rows: int, samples: int) -> rigid.MapSpec:
+    axes = {"I2/I1": np.linspace(1.01, 1.99, columns), "noise": np.geomspace(1e-3, 0.1, rows)}
+    return spec_of(axes=axes, method="auto", samples=samples)
+
+
+def shares(spec: rigid.MapSpec, count: int) -> list[np.ndarray[Any, Any]]:
+    """The units of each part of a map of which nothing is computed."""
+    running = Memory(spec)
+    todo = missing(running)
+    return [todo[Part(k + 1, count).has(todo, running)] for k in range(count)]
+
+
+def bodies(spec: rigid.MapSpec, units: np.ndarray[Any, Any]) -> int:
+    """How many bodies units have."""
+    head = Head.of(spec)
+    first = units % head.segments * head.segment
+    return int(np.minimum(head.segment, spec.samples - first).sum())
+
+
+@pytest.mark.parametrize(
+    ("spec", "count"),
+    [
+        (spec_of_grid(24, 16, 10), 16),
+        (spec_of_grid(24, 16, 10), 24),
+        (spec_of_grid(24, 16, 10), 7),
+        (spec_of_grid(8, 1, 20_000), 4),
+        (spec_of_grid(8, 1, 20_000), 16),
+        (SPEC, 20),  # as many parts as columns, some of which have no possible body
+        (SPEC, 144),  # as many as possible bodies
+    ],
+    ids=["rows", "columns", "odd", "few", "fewer", "impossible", "single"],
+)
+def test_every_part_has_its_share(spec: rigid.MapSpec, count: int) -> None:
+    """No two differ by more than a unit, and they have each unit once."""
+    parts = shares(spec, count)
+    sizes = [len(part) for part in parts]
+    assert min(sizes) > 0
+    assert max(sizes) - min(sizes) <= 1
+    every = np.concatenate(parts)
+    possible = Memory(spec).status == 0
+    assert len(np.unique(every)) == len(every) == possible.sum() * Head.of(spec).segments
+    assert sum(bodies(spec, part) for part in parts) == possible.sum() * spec.samples
+
+
+def test_few_pixels_are_divided_evenly() -> None:
+    """8 pixels with 20 000 bodies each, in 4 parts of 40 units."""
+    spec = spec_of_grid(8, 1, 20_000)
+    work = [bodies(spec, part) for part in shares(spec, 4)]
+    # The last unit of a pixel has 544 bodies: at worst one part has all eight of these.
+    assert max(work) - min(work) <= 8 * (1024 - 544)
+    assert len(set(map(len, shares(spec, 4)))) == 1
+
+
+def test_no_part_is_a_column() -> None:
+    """What a body costs varies along axes: a part of one column would cost more than the others."""
+    for part in shares(spec_of_grid(24, 16, 10), 24):
+        assert len(np.unique(part % 24)) >= 8
+
+
+def test_pixels_are_divided_only_where_they_are_few() -> None:
+    """Other maps have the keys that they had, and the logs of earlier versions."""
+    for spec in (spec_of_grid(32, 32, 10**6), spec_of_grid(8, 1, 1000), SPEC):
+        head = Head.of(spec)
+        assert (head.segments, head.seal) == (1, head.key)
+    assert (
+        Head.of(
+            small_map(samples=None, half_width=0.01, axes={"spin": [1.0]}, t_end=1e-6).spec
+        ).segments
+        == 1
+    )
+    divided = Head.of(spec_of_grid(8, 1, 20_000))
+    assert (divided.segments, divided.segment) == (20, 1024)
+    assert divided.seal != divided.key
+    huge = Head.of(spec_of_grid(1, 1, 10**9))
+    assert huge.segment % 64 == 0
+    assert 1000 < huge.segments <= 1024
+
+
+@pytest.mark.parametrize("count", [1, 5])
+def test_divided_pixels_have_the_bits_of_whole_ones(tmp_path: Path, count: int) -> None:
+    whole = small_map(**FEW)
+    for k in range(1, count + 1):
+        small_map(**FEW, store=tmp_path / f"{k}", part=(k, count))
+        assert rigid.open_store(tmp_path / f"{k}").status().done in (24 // count, 24 // count + 1)
+    store = rigid.merge([tmp_path / f"{k}" for k in range(count, 0, -1)], tmp_path / "all")
+    assert_same_map(store.result(), whole)
+    assert saved_bytes(store.result(), tmp_path) == saved_bytes(whole, tmp_path)
+    receipt = whole.receipt()
+    assert store.result().receipt()["fingerprint"] == receipt["fingerprint"]
+    assert store.key == store.status().key == receipt["key"]
+    assert store.verify(1.0).ok
+    file = whole.save(tmp_path / "map.npz")
+    from rigid.store.verify import verify
+
+    assert verify(file, share=1.0).ok
+
+
+def test_part_of_a_pixel_are_its_first_bodies(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """So they are replayed, and counted with the interval of so many bodies."""
+    spec = spec_of(**FEW)
+    whole = small_map(**FEW)
+    monkeypatch.setattr("rigid.store.drive.GROWTH", 1)
+    go_on(tmp_path / "run", spec=spec, part=Part(2, 3))
+    monkeypatch.undo()
+    partial = stored_map(tmp_path / "run")
+    folder = Folder(tmp_path / "run")
+    known = folder.table.known.reshape(8, 3)
+    begun = np.where(known.all(axis=1), 3, np.argmin(known, axis=1))
+    np.testing.assert_array_equal(partial.samples, np.minimum(1024 * begun, 3000))
+    assert set(begun) == {0, 1}  # every third unit of each pixel
+    assert not partial.complete
+    first = small_map(**{**FEW, "samples": 1024})
+    np.testing.assert_array_equal(partial.stable[begun == 1], first.stable[begun == 1])
+    pixel = int(np.argmax(begun))
+    for sample in (0, 1023, 1024, 2999):
+        assert partial.replay(pixel, sample).outcome == whole.replay(pixel, sample).outcome
+    go_on(tmp_path / "run", spec=spec)
+    assert_same_map(stored_map(tmp_path / "run"), whole)
+
+
+def test_measures_of_part_of_a_pixel_are_those_of_its_first_bodies(tmp_path: Path) -> None:
+    asked = {**FEW, "measure": rigid.flips(2)}
+    small_map(**asked, store=tmp_path / "run", part="2/3")
+    partial = stored_map(tmp_path / "run")
+    path = partial.save(tmp_path / "map.npz")
+    assert rigid.load_map(path).receipt()["fingerprint"] == partial.receipt()["fingerprint"]
+    count = partial.measures["flips(2)"].count
+    np.testing.assert_array_equal(count, partial.samples)
+    assert 0 < (count == 1024).sum() < 8
+
+
+def test_an_interruption_inside_of_pixels_counts_whole_ones(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("rigid.store.drive.GROWTH", 1)
+    go_on(tmp_path / "run", spec=spec_of(**FEW), stop=stops_after(8))
+    from rigid.store.resume import pixels_done
+
+    result = stored_map(tmp_path / "run")
+    units = int(Folder(tmp_path / "run").table.known.sum())
+    assert units % 3
+    words = f"{units // 3} of 8 pixels ({units} of 24 pieces) are stored"
+    assert pixels_done(Folder(tmp_path / "run"), result) == words
+
+
+def test_a_store_of_undivided_pixels_goes_on(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Versions before stored a pixel as one unit, whatever its bodies."""
+    with monkeypatch.context() as before:
+        before.setattr("rigid.store.head.divided", segment_of)
+        for k in (1, 2):
+            go_on(tmp_path / f"{k}", spec=spec_of(**FEW), part=Part(k, 2))
+    old = Folder(tmp_path / "1")
+    assert old.head.segments == 1
+    assert 0 < old.table.known.sum() < 8
+    merged = rigid.merge([tmp_path / "1", tmp_path / "2"], tmp_path / "all")
+    assert merged.status().complete
+    go_on(tmp_path / "1", spec=spec_of(**FEW))
+    assert numbers(tmp_path / "1") == numbers(tmp_path / "all")
+    assert_same_map(stored_map(tmp_path / "1"), small_map(**FEW))
+    go_on(tmp_path / "new", spec=spec_of(**FEW))
+    with pytest.raises(ValueError, match="made by versions of rigid that store it differently"):
+        rigid.merge([tmp_path / "new", tmp_path / "1"], tmp_path / "both")
+
+
+def test_the_status_never_tells_a_time_that_is_not_known(tmp_path: Path) -> None:
+    folder = Folder.at(tmp_path / "run", SPEC)
+    words = str(rigid.open_store(tmp_path / "run").status())
+    assert "cost        0 s of processor time, how much is left is not known yet" in words
+    go_on(tmp_path / "quiet")
+    rows = Folder(tmp_path / "quiet").table.rows
+    some = np.flatnonzero(rows["unit"])[:5]
+    folder.begin(part="1/2")
+    folder.append(rows[some], np.full(5, np.nan, np.float32))
+    words = str(rigid.open_store(tmp_path / "run").status())
+    folder.end("interrupted")
+    assert "cost        0 s of processor time, how much is left is not known yet" in words
+    assert "nan" not in words
+    assert "5 of 144 are stored, 139 are missing" in words
+
+
+def test_sittings_and_parts_in_any_order_fill_each_other(tmp_path: Path) -> None:
+    """Parts of other counts, one after the other: nothing is computed twice."""
+    spec = spec_of_grid(9, 5, 10)
+    for k, n in itertools.chain([(2, 3), (1, 5)], [(k, 4) for k in range(1, 5)]):
+        go_on(tmp_path / "run", spec=spec, part=Part(k, n))
+    status = rigid.open_store(tmp_path / "run").status()
+    assert (status.complete, status.twice) == (True, 0)
