@@ -1,4 +1,4 @@
-"""Motions whose error no model foresees: what a plan says of them is that it is unknown."""
+"""What the error of steps follows from, and motions whose error no model foresees."""
 
 from __future__ import annotations
 
@@ -8,10 +8,11 @@ from numpy.typing import NDArray
 from .. import _core
 from .arrays import Range, lengths, spread_indices
 from .batch import Batch
+from .cost_model import Motions
 from .saddle import separatrices, verticals
 from .separatrix import circulation_terms
 
-__all__ = ["nearness_of_poles", "why_unforeseen"]
+__all__ = ["motions_of", "why_unforeseen"]
 
 Floats = NDArray[np.float64]
 
@@ -32,6 +33,44 @@ POLE = 7.0
 
 CHAOS = 200.0
 """Angle (rad) after which a top without closed form may be chaotic."""
+
+
+@np.errstate(all="ignore")
+def motions_of(
+    batch: Batch,
+    method: str,
+    times: Range,
+    span: float | Floats | None,
+    steps: Floats,
+    *,
+    states: int,
+) -> Motions:
+    """What the error of steps of these longest lengths (s), shape (n,), follows from.
+
+    Parameters
+    ----------
+    batch : Batch
+    method : str
+    times : tuple of float, or of ndarray of shape (n,)
+        First and last time (s).
+    span : float, ndarray of shape (n,), or None
+        How much time is covered (s); None if it is not known.
+    steps : ndarray, shape (n,)
+    states : int
+        Number of requested states of a body.
+    """
+    rates = batch.fastest_rates(times, method)
+    damping: float | Floats = 0.0
+    if batch.forcing is not None:
+        damping = np.broadcast_to(batch.forcing.damping_rates(batch.moments), len(batch))
+    return Motions(
+        rates=rates,
+        steps=steps,
+        span=span,
+        states=states,
+        damping=damping,
+        nearness=_nearness_of_poles(batch, rates),
+    )
 
 
 @np.errstate(all="ignore")
@@ -106,7 +145,7 @@ def _distance_from_separatrix(batch: Batch) -> Floats:
     return distance
 
 
-def nearness_of_poles(batch: Batch, rates: Floats) -> Floats:
+def _nearness_of_poles(batch: Batch, rates: Floats) -> Floats:
     """How many times shorter steps must be than those of the models for the same error; shape (n,).
 
     The rates of a free body are elliptic functions of time, and ``K(1 - m)/s`` beside the real
