@@ -291,6 +291,11 @@ class Motions:
         follow the damping: the model does not contain the layer in which the start is forgotten.
     nearness : ndarray, shape (n,), or float
         How many times the angle of a step counts, from the poles of the motion of free bodies.
+    slowness : ndarray, shape (n,), or float
+        How many times slower a body starts than weight or torque can make it: they change its rates
+        at once by a share of them, which in less than a radian errs by more than its attitude.
+    rounding : ndarray, shape (n,), or float
+        Error from the rounding of steps, besides that of each radian turned.
     """
 
     rates: Floats
@@ -299,6 +304,8 @@ class Motions:
     states: int = 1
     damping: Floats | float = 0.0
     nearness: Floats | float = 1.0
+    slowness: Floats | float = 1.0
+    rounding: Floats | float = 0.0
 
     @property
     def taken(self) -> Floats:
@@ -317,7 +324,7 @@ class Motions:
         return replace(self, **{name: some_of(getattr(self, name), bodies) for name in _OF_EACH})
 
 
-_OF_EACH = ("rates", "steps", "span", "damping", "nearness")
+_OF_EACH = ("rates", "steps", "span", "damping", "nearness", "slowness", "rounding")
 
 
 def joined(parts: Sequence[Motions]) -> Motions:
@@ -368,9 +375,14 @@ def steps_estimate(
         unknown = f"a step turns a body by {widest:.3g} rad, and the model of {method} holds up to \
 {scheme.largest:g} rad"
     elif span is not None:
+        if is_stiff(method):
+            # The rates that other steps follow contain the damping.
+            rates = rates + motions.damping
         angles = rates * span
-        error = ROUNDING * (1.0 + angles) + PROCESSOR * is_processed(method)
-        error += scheme.margin * angles * scheme.factor * (turn * motions.nearness) ** scheme.order
+        error = ROUNDING * (1.0 + angles) + motions.rounding + PROCESSOR * is_processed(method)
+        counts = np.maximum(angles, np.minimum(angles * motions.slowness, 1.0))
+        truncation = scheme.factor * (rates * motions.steps * motions.nearness) ** scheme.order
+        error += scheme.margin * counts * truncation
     return Estimate(
         step=shortest if shortest < np.inf else None,
         steps=int(taken) if counted else None,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,6 +11,7 @@ from .. import _core
 from .arrays import Range, lengths, spread_indices
 from .batch import Batch
 from .cost_model import Motions
+from .rounding import planned_rounding
 from .saddle import separatrices, verticals
 from .separatrix import circulation_terms
 
@@ -59,18 +62,23 @@ def motions_of(
     states : int
         Number of requested states of a body.
     """
-    rates = batch.fastest_rates(times, method)
+    rates, bounds = (batch.fastest_rates(times, name) for name in (method, None))
     damping: float | Floats = 0.0
     if batch.forcing is not None:
         damping = np.broadcast_to(batch.forcing.damping_rates(batch.moments), len(batch))
-    return Motions(
+    gains = batch.weight.any(axis=1) | batch.driven()
+    motions = Motions(
         rates=rates,
         steps=steps,
         span=span,
         states=states,
         damping=damping,
         nearness=_nearness_of_poles(batch, rates),
+        slowness=np.where(gains, np.fmax(bounds / lengths(batch.omega), 1.0), 1.0),
     )
+    if span is None:
+        return motions
+    return replace(motions, rounding=planned_rounding(batch, method, bounds, motions.taken, span))
 
 
 @np.errstate(all="ignore")

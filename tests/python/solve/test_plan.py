@@ -635,3 +635,45 @@ def test_the_error_of_a_plan_is_seldom_too_small_by_ten_for_flat_bodies(method: 
             small.append(error > 10.0 * run.plan.error)
     assert len(small) >= 50
     assert np.mean(small) <= 0.02
+
+
+@pytest.mark.parametrize("method", ["midpoint", "rk4", "splitting4", "taylor12"])
+def test_a_plan_knows_what_rounding_leaves_of_many_small_steps(method: str) -> None:
+    """Equal changes of the rates are rounded alike: half a unit of the last place in each step."""
+    rng = np.random.default_rng(4)
+    steps, small = 8000, []
+    for _ in range(20):
+        parts = rng.uniform(0.1, 1.0, 3)
+        com = rng.normal(size=3)
+        body = rigid.Body(parts.sum() - parts)
+        top = rigid.HeavyTop(body, mgl=1.0, com=tuple(com / np.linalg.norm(com)))
+        omega, end = rng.normal(size=3), 10.0 ** rng.uniform(-9.0, -6.0)
+        asked: dict[str, Any] = {"t": [end], "check": False}
+        run = rigid.simulate(top, omega, method=method, step=end / steps, **asked)
+        truth = rigid.simulate(top, omega, method="taylor26", step=end, **asked)
+        error = np.linalg.norm(run.omega - truth.omega) / np.linalg.norm(omega)
+        small.append(error > present_float(run.plan.error))
+    assert sum(small) <= 1
+    # A plan that always stated much would say nothing.
+    assert present_float(run.plan.error) < 8000 * 1e-15
+
+
+@pytest.mark.parametrize("method", ["midpoint", "rk4", "splitting4"])
+def test_a_plan_knows_that_the_rates_of_a_top_let_go_err_more_than_its_attitude(
+    method: str,
+) -> None:
+    """A top that nearly rests, and falls for a moment: its small rates are those of its fall."""
+    rng = np.random.default_rng(5)
+    small = []
+    for _ in range(40):
+        parts = rng.uniform(0.1, 1.0, 3)
+        com = rng.normal(size=3)
+        body = rigid.Body(parts.sum() - parts)
+        top = rigid.HeavyTop(body, mgl=1.0, com=tuple(com / np.linalg.norm(com)))
+        omega, end = 1e-3 * rng.normal(size=3), 10.0 ** rng.uniform(-3.0, -1.0)
+        asked: dict[str, Any] = {"t": [end], "check": False}
+        run = rigid.simulate(top, omega, method=method, step=end / 4, **asked)
+        truth = rigid.simulate(top, omega, method="taylor26", step=end / 4, **asked)
+        error = np.linalg.norm(run.omega - truth.omega) / np.linalg.norm(truth.omega)
+        small.append(error > 3.0 * present_float(run.plan.error))
+    assert sum(small) <= 2
