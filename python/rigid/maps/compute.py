@@ -117,7 +117,7 @@ def stability_map(
     method : str, optional
         ``"auto"``, the default: each body by closed form where it has one for this criterion, else
         ``"taylor12"`` in long steps, with an error of about 1e-8 rad for each radian turned, or
-        with :func:`regular` ``"dop853"`` in steps of 1.5 rad.
+        with :func:`regular` ``"dop853"`` in steps of 1.25 rad.
         ``"exact"``: closed forms only. Or one of :func:`rigid.methods`.
     step : float, optional
         Time step of the bodies that are integrated, s; by default chosen for each body from a bound
@@ -130,8 +130,9 @@ def stability_map(
 
         By default, if a tilt is limited: of each 64 consecutive bodies of a pixel the first two and
         the one that ran longest, the audit. What the two methods differ by there is the error of
-        these bodies. Of the others, those are classified again whose tilt, or whose turn between
-        leaving and the horizon, is within 30 times this error of another class, or within 0.02 rad.
+        these bodies (rad). Of the others, those are classified again whose tilt, or whose turn
+        between leaving and the horizon, is within 30 times the root of this error of another class,
+        or within 0.01 rad.
         A flip does not tell by how much it was missed: with ``no_flip`` the default is all bodies,
         and so it is with ``regular``, whose second run has another displacement too.
     rng : int, numpy.random.Generator or SeedSequence, optional
