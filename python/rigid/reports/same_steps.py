@@ -41,7 +41,7 @@ def _bits(ensemble: Ensemble, method: str) -> object:
         return method
     rate, torque = float(ensemble.rates.max()), ensemble.spec.scene.torque
     known = torque.times[-1] if torque is not None and torque.times else math.inf
-    every = []
+    every: list[tuple[bytes, bytes] | None] = []
     for angle in ANGLES:
         step = min(angle / rate if rate > 0.0 else ensemble.spec.t_end, known / STEPS)
         try:

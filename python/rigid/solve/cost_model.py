@@ -334,7 +334,8 @@ def joined(parts: Sequence[Motions]) -> Motions:
         each = (np.broadcast_to(getattr(part, name), len(part.rates)) for part in parts)
         return np.concatenate([np.zeros(0), *each])
 
-    return Motions(**{name: every(name) for name in _OF_EACH})
+    columns: dict[str, Any] = {name: every(name) for name in _OF_EACH}
+    return Motions(**columns)
 
 
 def some_of(values: Any, mine: slice | NDArray[np.intp]) -> Any:

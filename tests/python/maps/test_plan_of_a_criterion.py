@@ -102,14 +102,15 @@ def test_the_plan_of_a_criterion_is_that_of_the_map(
         assert made == expected.replace(" of pixel (0,)", "")
 
 
-def started(spec: rigid.MapSpec, pixel: int) -> Any:
+def started(spec: rigid.MapSpec, pixel: int) -> rigid.Start:
     """The start of a pixel of a built-in map, as a start of its own."""
     places = np.unravel_index(pixel, spec.shape)
     values = {
         axis.name: axis.values[k] for axis, k in zip(spec.axes, reversed(places), strict=True)
     }
-    known = {name: values[name] for name in ("spin", "tilt") if name in values}
-    return dataclasses.replace(spec.start, **known)  # type: ignore[type-var]
+    assert isinstance(spec.start, rigid.Start)
+    known: dict[str, Any] = {name: values[name] for name in ("spin", "tilt") if name in values}
+    return dataclasses.replace(spec.start, **known)
 
 
 @pytest.mark.parametrize("name", builtin_names())
