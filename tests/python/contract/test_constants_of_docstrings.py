@@ -141,7 +141,7 @@ SAID: list[tuple[object, str, tuple[float | str, ...]]] = [
 ]
 
 
-@pytest.mark.parametrize(("said", "phrase", "constants"), SAID, ids=lambda part: str(part)[:40])
+@pytest.mark.parametrize(("said", "phrase", "constants"), SAID, ids=[row[1] for row in SAID])
 def test_a_docstring_repeats_the_constant_of_the_code(
     said: object, phrase: str, constants: tuple[float | str, ...]
 ) -> None:
