@@ -48,6 +48,7 @@ from .model.start import (
     von_mises_fisher,
 )
 from .model.torque import Torque
+from .planning import plan
 from .reports.compute import report
 from .reports.result import Report
 from .reports.row import Row
@@ -55,7 +56,6 @@ from .reports.stress import Extremes, extremes
 from .sections.crossings import Crossings
 from .sections.poincare import poincare
 from .sections.surface import Section, section
-from .solve.choose_method import plan
 from .solve.chunks import simulate_chunks
 from .solve.events import Events
 from .solve.fit import Fit, fit

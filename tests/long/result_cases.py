@@ -315,13 +315,20 @@ def _plans() -> Iterator[Case]:
         "rk4": {**known, "method": "rk4"},
         "step": {**known, "step": 0.01},
     }
+    started = {"omega": OMEGA[ORDINARY][0], "t_end": 1.5}
+    of_a_map: dict[str, dict[str, Any]] = {
+        "nothing-known": {"t_end": 1.5},
+        "start-known": started,
+        "rk4": {**started, "method": "rk4"},
+        "step": {**started, "step": 0.01},
+    }
     questions = {name: name for name in RECORDS} | {
         "no-flip": rigid.no_flip(),
         "tilt-below": rigid.tilt_below(0.5),
     }
     for scene in SCENES:
         for question, value in questions.items():
-            for name, options in asked.items():
+            for name, options in (asked if question in RECORDS else of_a_map).items():
                 yield (
                     f"machine/plan/{scene}/{question}/{name}",
                     partial(planned, scene, value, **options),

@@ -138,9 +138,10 @@ def plan(rng: Random) -> None:
         options.pop("accuracy", None)
     given = {
         "omega": odd.array(rng, omega),
-        "attitude": odd.attitude(rng, None),
         "t_end": odd.number(rng, odd.decades(rng, -3, 6) / rate),
     }
+    if isinstance(question, str):
+        given["attitude"] = odd.attitude(rng, None)
     made = rigid.plan(scene, question, method=method, **given, **options)
     assert made.cost is None or 0.0 <= made.cost < math.inf
     assert made.error is None or 0.0 <= made.error < math.inf

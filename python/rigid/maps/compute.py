@@ -1,4 +1,4 @@
-"""Monte Carlo stability maps: the request and the chunk loop."""
+"""Monte Carlo stability maps: the call and the chunk loop."""
 
 from __future__ import annotations
 
@@ -22,19 +22,15 @@ from .._checks.progress import (
 )
 from ..model.body import Body
 from ..model.criteria import Criterion
-from ..model.judged import Judged
 from ..model.measures import Measure, make_measures
 from ..model.mixture import Mixture
-from ..model.scene import Scene, check_scene
-from ..model.seed import seed_from
+from ..model.scene import Scene
 from ..model.start import Start
 from .data import CLASSES
 from .job import Work, to_core
-from .own import OwnScene
-from .parameters import Axis, make_axes
 from .refine import refined
+from .request import as_it_is, spec_of
 from .result import StabilityMap
-from .sequential import checked_half_width, stop_table
 from .spec import MapSpec
 
 __all__ = ["plug_in_store", "run_map", "stability_map"]
@@ -121,7 +117,7 @@ def stability_map(
     method : str, optional
         ``"auto"``, the default: each body by closed form where it has one for this criterion, else
         ``"taylor12"`` in long steps, with an error of about 1e-8 rad for each radian turned, or
-        with :func:`regular` ``"dop853"`` in steps of 1.5 rad.
+        with :func:`regular` ``"dop853"`` in steps of 1.25 rad.
         ``"exact"``: closed forms only. Or one of :func:`rigid.methods`.
     step : float, optional
         Time step of the bodies that are integrated, s; by default chosen for each body from a bound
@@ -134,8 +130,9 @@ def stability_map(
 
         By default, if a tilt is limited: of each 64 consecutive bodies of a pixel the first two and
         the one that ran longest, the audit. What the two methods differ by there is the error of
-        these bodies. Of the others, those are classified again whose tilt, or whose turn between
-        leaving and the horizon, is within 30 times this error of another class, or within 0.02 rad.
+        these bodies (rad). Of the others, those are classified again whose tilt, or whose turn
+        between leaving and the horizon, is within 30 times the root of this error of another class,
+        or within 0.01 rad.
         A flip does not tell by how much it was missed: with ``no_flip`` the default is all bodies,
         and so it is with ``regular``, whose second run has another displacement too.
     rng : int, numpy.random.Generator or SeedSequence, optional
@@ -240,7 +237,7 @@ def stability_map(
         "measure": None if measure is None else make_measures(measure),
     }
     given = {name: value for name, value in asked.items() if value is not None}
-    spec = _as_it_is(scene, given) if isinstance(scene, MapSpec) else _spec(scene, given)
+    spec = as_it_is(scene, given) if isinstance(scene, MapSpec) else spec_of(scene, given)
     spec = spec.renewed()  # what a function takes may have changed since it was told
     stored = store is not None or executor is not None or part is not None
     if stored:
@@ -260,53 +257,6 @@ def stability_map(
             partial=partial,
         )
     return run_map(spec, threads=threads, progress=progress, chunk=chunk, partial=partial)
-
-
-def _as_it_is(spec: MapSpec, given: Mapping[str, Any]) -> MapSpec:
-    """A specification that is run again, by this version of rigid."""
-    if given:
-        name, value = next(iter(given.items()))
-        field = "seed" if name == "rng" else name
-        raise TypeError(
-            f"{name} = {brief(value)}: the specification has its own; change it by "
-            f"spec.replace({field}=...)"
-        )
-    return spec.replace()
-
-
-def _spec(
-    scene: Scene | Body | type[Scene] | Callable[..., Scene], given: dict[str, Any]
-) -> MapSpec:
-    if isinstance(given.get("axes"), Mapping) and "t_end" in given["axes"]:
-        given.setdefault("t_end", 1.0)  # the longest one is taken from the values
-    if isinstance(given.get("stable"), Judged):
-        given.setdefault("t_end", given["stable"].times[-1])
-    missing = [name for name in ("axes", "t_end", "stable") if name not in given]
-    if missing:
-        raise TypeError(f"stability_map() misses {' and '.join(missing)}")
-    if ("samples" in given) == ("half_width" in given):
-        raise TypeError("samples, half_width: give one of them")
-    if "samples" not in given:
-        given["samples"] = stop_table(checked_half_width(given["half_width"])).last
-    if not isinstance(scene, type | Scene | Body) and callable(scene):
-        known, given["own"], given["axes"] = _own_scene(scene, given["axes"])
-    else:
-        known = _scene(scene)
-        given["axes"] = make_axes(given["axes"])
-    given.setdefault("start", known.default_start())
-    return MapSpec(scene=known, seed=seed_from(given.pop("rng", None)), **given)
-
-
-def _own_scene(
-    function: Callable[..., Any], given: Mapping[str, ArrayLike]
-) -> tuple[Scene, OwnScene, tuple[Axis, ...]]:
-    """The scene of the first pixel, the function that makes those of all, and the axes."""
-    if not isinstance(given, Mapping):
-        make_axes(given)
-    own = OwnScene.of(function, given)
-    axes = make_axes(given, own.names)
-    first = own.made({axis.name: np.array(axis.values[:1]) for axis in axes})
-    return (first[0] if first.shape else first), own, axes
 
 
 def run_map(
@@ -372,12 +322,6 @@ def run_map(
             result,
         )
     return result
-
-
-def _scene(scene: Scene | Body | type[Scene]) -> Scene:
-    if isinstance(scene, type) and issubclass(scene, Scene):
-        return scene.example()
-    return check_scene(scene)
 
 
 def _costliest(part: Mapping[str, Any]) -> float:

@@ -2,13 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
 from .._moments import possible
+from ..solve.batch import Batch
+from ..solve.choice import UNKNOWN
 from ..solve.closed_form import NO_FORM, Codes, closed_forms, names, why_not
-from ..solve.cost_model import calibration_class_of_any, closed_form_estimate, steps_estimate
+from ..solve.cost_model import (
+    Estimate,
+    Motions,
+    calibration_class_of_any,
+    closed_form_estimate,
+    joined,
+    steps_estimate,
+)
+from ..solve.foresight import motions_of, why_unforeseen
 from ..solve.methods import AUTO, EXACT
 from ..solve.plan import Plan, carried, left_out
 from .spec import MapSpec
@@ -26,30 +38,53 @@ def map_plan(spec: MapSpec) -> Plan:
     if spec.is_driven:
         forms = np.full_like(forms, NO_FORM)
     method, why = _choice(spec, moments, weight, forms)
-    rates = _rates(spec, np.flatnonzero(real), spec.scheme)
-    if method == AUTO:
-        rates = rates[forms == NO_FORM]
-    if method == EXACT:
-        estimate = closed_form_estimate(spec.stable, forms, 0, rates, spec.t_end)
-    else:
-        kind = "driven" if spec.is_driven else calibration_class_of_any(spec.scene)
-        steps: float | Floats | None = spec.step
-        if steps is None:
-            steps = _core.default_steps(spec.method, rates, spec.stable.displaced)
-        estimate = steps_estimate(spec.stable, spec.scheme, kind, rates, spec.t_end, steps)
+    of_pixels = np.flatnonzero(real)
+    batches = list(_batches(spec, of_pixels[forms == NO_FORM] if method == AUTO else of_pixels))
+    estimate = _estimate(spec, method, forms, batches)
+    reasons, error = [why], estimate.error
+    unknown = estimate.unknown
+    if error is not None:
+        span = (0.0, spec.t_end)
+        looks = (why_unforeseen(batch, span, by_steps=method != EXACT) for batch in batches)
+        unknown = next((words for words in looks if words is not None), None)
+    if unknown is not None:
+        error = None
+        reasons.append(UNKNOWN.format(unknown))
     return Plan(
         scene=spec.scene_words,
         question=spec.criterion,
         closed_form=", ".join(names(forms)) or None if method in (AUTO, EXACT) else None,
         method=method,
         carried=carried(spec.scene, spec.stable, method),
-        why=(why,),
+        why=tuple(reasons),
         left_out=left_out(spec.scene, spec.stable, method, spec.step, forms),
         step=estimate.step,
         steps=estimate.steps,
         work=estimate.work,
-        error=estimate.error,
+        error=error,
     )
+
+
+def _estimate(spec: MapSpec, method: str, forms: Codes, batches: list[Batch]) -> Estimate:
+    """Work and error of the nominal starts."""
+    span = (0.0, spec.t_end)
+    if method == EXACT:
+        rates = [batch.fastest_rates(span) for batch in batches]
+        every = np.concatenate([np.zeros(0), *rates])
+        return closed_form_estimate(spec.stable, forms, 0, every, spec.t_end)
+    kind = "driven" if spec.is_driven else calibration_class_of_any(spec.scene)
+    motions = [_motions(spec, batch) for batch in batches]
+    return steps_estimate(spec.stable, spec.scheme, kind, joined(motions))
+
+
+def _motions(spec: MapSpec, batch: Batch) -> Motions:
+    span = (0.0, spec.t_end)
+    rates = batch.fastest_rates(span, spec.scheme)
+    if spec.step is None:
+        steps = _core.default_steps(spec.method, rates, spec.stable.displaced)
+    else:
+        steps = np.full(len(rates), spec.step)
+    return motions_of(batch, spec.scheme, span, spec.t_end, steps, states=1)
 
 
 def _choice(spec: MapSpec, moments: Floats, weight: Floats, forms: Codes) -> tuple[str, str]:
@@ -68,13 +103,10 @@ def _choice(spec: MapSpec, moments: Floats, weight: Floats, forms: Codes) -> tup
     return spec.scheme, why_not(spec.stable, moments[0], weight[0])
 
 
-def _rates(spec: MapSpec, pixels: NDArray[np.intp], scheme: str) -> Floats:
-    """The rates that the steps of these pixels follow."""
-    rates = np.zeros(len(pixels))
+def _batches(spec: MapSpec, pixels: NDArray[np.intp]) -> Iterator[Batch]:
+    """The nominal starts of these pixels, those of one forcing together."""
     for start in spec.start.starts:
         grid = spec.starting(start)
         starts = grid.omega[pixels], grid.attitude[pixels]
-        for mine, batch in grid.batches_by_forcing(pixels, *starts):
-            fastest = batch.fastest_rates((0.0, spec.t_end), scheme)
-            rates[mine] = np.maximum(rates[mine], fastest)
-    return rates
+        for _, batch in grid.batches_by_forcing(pixels, *starts):
+            yield batch

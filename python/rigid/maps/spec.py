@@ -512,10 +512,11 @@ class MapSpec:
         if missing.any():
             flat = int(np.argmax(missing))
             pixel = tuple(int(i) for i in np.unravel_index(flat, self.shape))
+            which = f" of pixel {pixel}" if pixel else ""
             values = ", ".join(f"{moment:g}" for moment in moments[flat])
             raise ValueError(
-                f"method = {EXACT!r}: no closed form of {question_words(self.stable)} for the body "
-                f"of pixel {pixel}, moments ({values}); {rule(self.stable)}"
+                f"method = {EXACT!r}: no closed form of {question_words(self.stable)} for the "
+                f"body{which}, moments ({values}); {rule(self.stable)}"
             )
 
     def replace(self, **changes: Any) -> MapSpec:

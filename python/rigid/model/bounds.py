@@ -58,7 +58,7 @@ class TiltBetween(Criterion):
         """Each limit is watched in a run of its own."""
         return 2.0 * (step + 0.09)
 
-    def resolved(self, scene: Scene, start: Start | None) -> Self:
+    def resolved(self, scene: Scene, start: Start) -> Self:
         """The criterion, if the scene has a vertical."""
         if not scene.directions:
             raise ValueError(
@@ -100,7 +100,7 @@ class _Bounded(Criterion):
         """The number is computed at five places inside a step."""
         return 1.3 * step + 0.4
 
-    def resolved(self, scene: Scene, start: Start | None) -> Self:
+    def resolved(self, scene: Scene, start: Start) -> Self:
         """The criterion, which leaves nothing open."""
         return self
 

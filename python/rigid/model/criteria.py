@@ -58,15 +58,9 @@ class NoFlip(Criterion):
         """A little more than the step."""
         return step + 0.06
 
-    def resolved(self, scene: Scene, start: Start | None) -> Self:
+    def resolved(self, scene: Scene, start: Start) -> Self:
         """The criterion with the default axis in place of ``None``."""
-        if self.axis is not None:
-            return self
-        if start is not None:
-            return replace(self, axis=_axis_of(start))
-        if scene.directions:
-            raise ValueError("no_flip() without an axis: say no_flip(axis) to plan for a top")
-        return self
+        return self if self.axis is not None else replace(self, axis=_axis_of(start))
 
     def core(self) -> tuple[str, int, tuple[float, ...]]:
         """Name, axis and no limits as the core takes them."""
@@ -109,7 +103,7 @@ class TiltBelow(Criterion):
         """A little more than the step."""
         return step + 0.09
 
-    def resolved(self, scene: Scene, start: Start | None) -> Self:
+    def resolved(self, scene: Scene, start: Start) -> Self:
         """The criterion with the default reference in place of ``None``."""
         if scene.directions:
             return self if self.reference else replace(self, reference="vertical")
@@ -190,7 +184,7 @@ class Regular(Criterion):
         """More than twice the step: that of the displacement, and its growth."""
         return 2.3 * step
 
-    def resolved(self, scene: Scene, start: Start | None) -> Self:
+    def resolved(self, scene: Scene, start: Start) -> Self:
         """The criterion, which leaves nothing open."""
         return self
 

@@ -59,11 +59,8 @@ class Criterion(ABC):
         """Work of a step of 32 bodies with the observation, from that of the step alone."""
 
     @abstractmethod
-    def resolved(self, scene: Scene, start: Start | None) -> Self:
-        """The criterion with all defaults filled in.
-
-        Without a start, what follows from a start may stay open if the scene allows it.
-        """
+    def resolved(self, scene: Scene, start: Start) -> Self:
+        """The criterion with all defaults filled in."""
 
     @abstractmethod
     def core(self) -> Condition:
@@ -166,7 +163,7 @@ class Joined(Criterion):
         """The bodies are integrated for each criterion."""
         return sum(leaf.watched(step) for leaf in self.leaves)
 
-    def resolved(self, scene: Scene, start: Start | None) -> Self:
+    def resolved(self, scene: Scene, start: Start) -> Self:
         """The criteria with all defaults filled in."""
         return replace(self, parts=tuple(part.resolved(scene, start) for part in self.parts))
 

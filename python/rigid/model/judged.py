@@ -71,7 +71,7 @@ class Judged(Criterion):
         """The criterion whose function sees the times up to one of them."""
         return replace(self, times=tuple(t for t in self.times if t <= t_end))
 
-    def resolved(self, scene: Scene, start: Start | None) -> Self:
+    def resolved(self, scene: Scene, start: Start) -> Self:
         """The criterion, which leaves nothing open."""
         return self
 

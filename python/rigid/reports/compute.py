@@ -20,6 +20,7 @@ from ..solve.methods import run_methods
 from .ensemble import ensemble_of
 from .reference import find_reference
 from .result import Report
+from .same_steps import same_steps
 from .spec import ReportSpec, make_spec
 from .sweep import Sweep, probe, sweep_methods, time_sweeps
 
@@ -81,7 +82,9 @@ def report(
         Horizon, in units of time of the scene.
     methods : sequence of str, optional
         ``"exact"`` and names of :func:`rigid.methods`; by default all. A method that does not
-        accept the scene is listed in ``refused`` with its reason.
+        accept the scene is listed in ``refused`` with its reason. Methods that make the same steps,
+        to the bit, are measured once, under the name of the highest order; ``same`` lists the other
+        names.
     bodies : int
         Bodies in the ensemble; a multiple of 32 fills all registers.
     errors : array_like, shape (m,)
@@ -159,7 +162,8 @@ def run_report(
 
     ensemble = ensemble_of(spec)
     usable, refused = probe(ensemble, dict.fromkeys([*spec.methods, *run_methods()]))
-    sweeps = [Sweep(method) for method in spec.methods if method in usable]
+    same = same_steps(ensemble, [method for method in spec.methods if method in usable])
+    sweeps = [Sweep(method) for method in same]
     refused = {method: why for method, why in refused.items() if method in spec.methods}
     if not sweeps:
         reasons = "; ".join(f"{method}: {why}" for method, why in refused.items())
@@ -188,6 +192,7 @@ def run_report(
     result = Report(
         spec=spec,
         rows=tuple(row for sweep in sweeps for row in sweep.rows(ensemble, reference)),
+        same={method: others for method, others in same.items() if others},
         reference=reference,
         refused=refused,
         ended={sweep.method: sweep.ended or "interrupted" for sweep in sweeps},

@@ -54,11 +54,15 @@ class Ensemble:
     def run(self, method: str, steps: int = 0, *, times: int = 1) -> Run:
         """The ensemble until ``times`` horizons, each of that many steps, on one thread."""
         step = None if method == EXACT else self.step(steps)
+        return self.run_until(times * self.spec.t_end, method, step)
+
+    def run_until(self, end: float, method: str, step: float | None) -> Run:
+        """The ensemble until some time, in steps of at most this length, on one thread."""
         return simulate(
             self.spec.scene,
             self.omega,
             self.spec.attitude,
-            t=[times * self.spec.t_end],
+            t=[end],
             method=method,
             step=step,
             check=False,

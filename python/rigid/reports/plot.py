@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from textwrap import fill
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
@@ -44,6 +45,9 @@ STYLES: Mapping[str, Style] = {
 
 _UNKNOWN: Style = ("#999999", "-", ".")
 """The style of a method of another version, in a report that was read from a file."""
+
+WIDTH = 24
+"""Characters of a line of names, of which a method may have several."""
 
 TOP = 3.0
 """Upper limit of the axis of errors: a larger error of an attitude has no meaning."""
@@ -89,7 +93,7 @@ def plot_report(report: ReportData, *, ax: Axes | None = None) -> Axes:
     _draw_front(ax, report)
     for method, rows in lines.items():
         _draw_method(ax, rows, *STYLES.get(method, _UNKNOWN))
-    _name(ax, list(lines))
+    _name(ax, list(lines), report.same)
     return ax
 
 
@@ -165,8 +169,11 @@ def _title(report: ReportData) -> str:
     return f"{spec.title or 'Error against run time'}\n{detail}"
 
 
-def _name(ax: Axes, methods: list[str]) -> None:
-    """Name the methods beside the plot, family by family: at the ends their names would collide."""
+def _name(ax: Axes, methods: list[str], same: Mapping[str, tuple[str, ...]]) -> None:
+    """Name the methods beside the plot, family by family: at the ends their names would collide.
+
+    A method that has several names is named by all of them.
+    """
     from matplotlib.lines import Line2D
 
     known = list(STYLES)
@@ -174,6 +181,7 @@ def _name(ax: Axes, methods: list[str]) -> None:
     lines = [Line2D([], [], color="0.8", linewidth=7.0, label="Pareto front")]
     for method in ordered:
         colour, dashes, marker = STYLES.get(method, _UNKNOWN)
+        others = ", ".join(same.get(method, ()))
         lines.append(
             Line2D(
                 [],
@@ -185,7 +193,7 @@ def _name(ax: Axes, methods: list[str]) -> None:
                 markersize=10.0 if method == EXACT else 5.0,
                 markeredgecolor="white",
                 markeredgewidth=0.5,
-                label=method,
+                label=fill(f"{method} = {others}" if others else method, WIDTH),
             )
         )
     ax.legend(

@@ -27,7 +27,9 @@ class Report(ReportData):
     spec : ReportSpec
         The request.
     rows : tuple of Row
-        Method by method, from long steps to short ones.
+        Method by method, from long steps to short ones. Each method differs from all others.
+    same : dict of str to tuple of str
+        The other names of a method, of schemes that make the same steps on these bodies.
     reference : Reference
         The solution that errors are measured against, and its uncertainty.
     refused : dict of str to str

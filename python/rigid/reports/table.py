@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from textwrap import wrap
 
 from ..solve.methods import EXACT, methods
-from .data import ReportData
+from .data import REPEATS, ReportData
 
 __all__ = ["report_text"]
+
+NAMES = 60
+"""Characters of a line of other names."""
 
 
 def report_text(report: ReportData) -> str:
@@ -30,7 +34,7 @@ def _head(report: ReportData) -> list[str]:
             f"worst {reference.worst:.1e}",
         ),
         ("error", "median of the bodies: of the rates, relative, or of the attitude, rad"),
-        ("time", f"processor time, ns per body and {unit} of motion; median of {report.rounds}"),
+        ("time", f"processor time, ns per body and {unit} of motion; {_repeats(report.rounds)}"),
         ("machine", ", ".join(report.machine[name] for name in ("cpu", "isa") if report.machine)),
     ]
     if not report.complete:
@@ -39,12 +43,20 @@ def _head(report: ReportData) -> list[str]:
     return [f"{name:<12}{text}" for name, text in lines]
 
 
+def _repeats(rounds: int) -> str:
+    too_few = ", too few to tell the cheapest" if rounds < REPEATS else ""
+    return f"median of {rounds}{too_few}"
+
+
 def _costs(report: ReportData) -> list[str]:
-    """Per method its order and the time for each error; cheapest method and scheme have stars."""
+    """Per method its order, the time for each error, and its other names.
+
+    The cheapest method and the cheapest scheme have stars, and what is not told apart from them.
+    """
     wanted = report.spec.errors
     orders = {method.name: method.order for method in methods()}
-    table = [["* cheapest", "order", "measured", *(f"{error:.0e} " for error in wanted)]]
-    winners = [{report.cheapest(error), report.cheapest(error, schemes=True)} for error in wanted]
+    table = [["* cheapest", "order", "measured", *(f"{error:.0e} " for error in wanted), ""]]
+    winners = [{*report.cheapest(error), *report.cheapest(error, schemes=True)} for error in wanted]
     for method in report.methods:
         order = report.order(method)
         cells = [method, str(orders.get(method, "-")), "-" if order is None else f"{order:.1f}"]
@@ -52,7 +64,9 @@ def _costs(report: ReportData) -> list[str]:
             cost = report.cost(method, error)
             star = "*" if method in best else " "
             cells.append("- " if cost is None else f"{_time(cost)}{star}")
-        table.append(cells)
+        names = wrap(", ".join(report.same.get(method, ())), NAMES) or [""]
+        table.append([*cells, f"= {names[0]}" if names[0] else ""])
+        table += [[*("" for _ in cells), f"  {more}"] for more in names[1:]]
     return _aligned(table)
 
 

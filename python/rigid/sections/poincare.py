@@ -126,7 +126,7 @@ def poincare(
     choice = choose_method(
         Problem(
             scene=scene,
-            question="attitude",
+            record="attitude",
             batch=batch,
             span=end,
             method=chosen,

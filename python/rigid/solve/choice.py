@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 
 from .. import _core
 from ..model.scene import Scene
-from .closed_form import Codes, Question, moment_rows, names, question_words
+from .closed_form import Codes, moment_rows, names, question_words
 from .cost_model import Estimate, closed_form_estimate, costliest, steps_estimate
-from .foresight import nearness_of_poles, why_unforeseen
+from .foresight import motions_of, why_unforeseen
 from .methods import EXACT
 from .plan import Plan, carried, left_out
 from .problem import Problem
 
-__all__ = ["UNKNOWN", "Choice", "damping_rate", "some_of", "stepped_question"]
+__all__ = ["UNKNOWN", "Choice", "damping_rate", "stepped_record"]
 
 Floats = NDArray[np.float64]
 
@@ -53,7 +53,7 @@ class Choice:
     def plan(self) -> Plan:
         """The plan: it takes longer than the choice, and no run needs it."""
         problem, method, why = self.problem, self.method, self.why
-        scene, question = problem.scene, problem.question
+        scene, record = problem.scene, problem.record
         estimate = self._estimate()
         error = estimate.error
         if scene.is_called and error is not None:
@@ -69,12 +69,12 @@ class Choice:
             error = min(error, problem.accuracy)
         return Plan(
             scene=scene.words(),
-            question=question_words(question),
+            question=question_words(record),
             closed_form=", ".join(names(self.forms)) or None if method == EXACT else None,
             method=method,
-            carried=carried(scene, question, method),
+            carried=carried(scene, record, method),
             why=why,
-            left_out=left_out(scene, question, method, problem.step, self.forms),
+            left_out=left_out(scene, record, method, problem.step, self.forms),
             step=estimate.step,
             steps=estimate.steps,
             work=estimate.work,
@@ -89,7 +89,7 @@ class Choice:
         if self.method == EXACT:
             rates, forms = problem.rates(), self.forms
             return closed_form_estimate(
-                problem.question, forms, problem.states, rates, problem.span, problem.count
+                problem.record, forms, problem.states, rates, problem.span, problem.count
             )
         if self.accuracy is not None and not problem.knows_angles:
             return Estimate(None, None, None, None)
@@ -98,33 +98,29 @@ class Choice:
 
 def _steps_estimate(problem: Problem, method: str, steps: Floats | None) -> Estimate:
     """Work and error of a scheme, the largest of all classes of bodies."""
-    classes, rates = problem.classes(), problem.rates(method)
-    nearness: float | Floats = 1.0
-    if problem.batch is not None and rates is not None:
-        nearness = nearness_of_poles(problem.batch, rates)
-    parts = []
-    for kind in sorted(set(classes.tolist())):
-        mine = slice(None) if len(classes) == 1 else np.flatnonzero(classes == kind)
-        longest = steps if problem.step is None else problem.step
-        part = steps_estimate(
-            stepped_question(problem, method),
-            method,
-            kind,
-            None if rates is None else rates[mine],
-            None if problem.span is None else some_of(problem.span, mine),
-            longest[mine] if isinstance(longest, np.ndarray) else longest,
-            damping_rate(problem.scene),
-            some_of(nearness, mine),
-            states=problem.states,
-            bodies=problem.count,
-        )
-        parts.append(part)
-    return costliest(parts)
-
-
-def some_of(values: float | Floats, mine: slice | NDArray[np.intp]) -> float | Floats:
-    """The values of some bodies, or that of all."""
-    return values[mine] if isinstance(values, np.ndarray) and values.ndim else values
+    rates = problem.rates(method)
+    if problem.batch is None or rates is None:
+        return Estimate(problem.step, None, None, None)
+    longest = steps if problem.step is None else np.full(len(rates), problem.step)
+    motions = motions_of(
+        problem.batch,
+        method,
+        problem.times,
+        problem.span,
+        _core.default_steps(method, rates) if longest is None else longest,
+        states=problem.states,
+    )
+    classes, record = problem.classes(), stepped_record(problem, method)
+    if len(classes) == 1:
+        return steps_estimate(record, method, str(classes[0]), motions, problem.count)
+    return costliest(
+        [
+            steps_estimate(
+                record, method, kind, motions.of(np.flatnonzero(classes == kind)), problem.count
+            )
+            for kind in sorted(set(classes.tolist()))
+        ]
+    )
 
 
 def damping_rate(scene: Scene) -> float:
@@ -140,21 +136,21 @@ def _memory(problem: Problem) -> int | None:
     bodies = len(problem.batch) if problem.batch is not None else problem.bodies
     if bodies is None and problem.scene.shape:
         bodies = prod(problem.scene.shape)
-    if bodies is None or not isinstance(problem.question, str):
+    if bodies is None:
         return None
     forcing = problem.scene.forcing if problem.batch is None else problem.batch.forcing
     return _core.state_bytes(
         scene=problem.scene.kind,
-        record=problem.question,
+        record=problem.record,
         bodies=bodies if problem.bodies is None else problem.bodies,
         times=problem.states,
         forcing=forcing,
     )
 
 
-def stepped_question(problem: Problem, method: str) -> Question:
-    """A question whose steps have the same cost: forced rates may need a larger state."""
-    scene, question = problem.scene, problem.question
-    if not scene.is_driven or not isinstance(question, str):
-        return question
-    return "attitude" if "gamma" in carried(scene, question, method) else "rates"
+def stepped_record(problem: Problem, method: str) -> str:
+    """A record whose steps have the same cost: forced rates may need a larger state."""
+    scene, record = problem.scene, problem.record
+    if not scene.is_driven:
+        return record
+    return "attitude" if "gamma" in carried(scene, record, method) else "rates"

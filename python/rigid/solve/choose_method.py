@@ -1,4 +1,4 @@
-"""Choose the method for a question about a scene: closed form or scheme, and its steps."""
+"""Choose the method for states of a scene: closed form or scheme, and its steps."""
 
 from __future__ import annotations
 
@@ -8,19 +8,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._checks.arguments import brief, finite_float, one_of, positive_int
+from .._checks.arguments import finite_float, one_of, positive_int
 from ..model.body import Body
-from ..model.criteria import Criterion, known_criteria
 from ..model.scene import Scene, check_scene
-from ..model.start import Start
 from .batch import Batch
-from .choice import UNKNOWN, Choice, damping_rate, some_of, stepped_question
+from .choice import UNKNOWN, Choice, damping_rate, stepped_record
 from .closed_form import (
     FORCED_RULE,
     NO_FORM,
     RECORDS,
     Codes,
-    Question,
     are_slowed_evenly,
     closed_forms,
     moment_rows,
@@ -29,7 +26,7 @@ from .closed_form import (
     weight_rows,
     why_not,
 )
-from .cost_model import cheapest, check_attainable, schemes, steps_for
+from .cost_model import cheapest, check_attainable, schemes, some_of, steps_for
 from .foresight import why_unforeseen
 from .methods import EXACT, FALLBACK, STIFF, driven_methods, plain_methods, series_methods
 from .plan import Plan
@@ -38,7 +35,7 @@ from .problem import Problem
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-__all__ = ["choose_method", "has_closed_form", "plan"]
+__all__ = ["choose_method", "has_closed_form", "plan_states"]
 
 Floats = NDArray[np.float64]
 
@@ -55,9 +52,9 @@ STIFFNESS = 10.0
 """Damping is strong if it slows a body this many times faster than the body turns."""
 
 
-def plan(
+def plan_states(
     scene: Scene | Body,
-    question: Question = "attitude",
+    record: str,
     *,
     omega: ArrayLike | None = None,
     attitude: ArrayLike | Rotation | None = None,
@@ -68,64 +65,7 @@ def plan(
     bodies: int | None = None,
     times: int | None = None,
 ) -> Plan:
-    """Plan the computation of :func:`simulate` or a map for a question about a scene.
-
-    Parameters
-    ----------
-    scene : FreeBody, HeavyTop or Body
-        The body, or many, with their weight, applied torque and damping.
-    question : {"rates", "axis", "attitude"}, NoFlip, TiltBelow or Regular
-        States at given times, or a criterion: :func:`no_flip`, :func:`tilt_below`,
-        :func:`regular`.
-    omega, attitude : array_like, optional
-        Initial rates and attitudes, as in :func:`simulate`. The step, the number of steps and the
-        error follow from the rates; the attitude shows whether a top swings as a pendulum.
-    t_end : float, optional
-        Horizon (s).
-    accuracy : float, optional
-        Largest error of the last state relative to its size. A closed form reaches it; otherwise
-        the accuracy, the rates and the horizon determine the cheapest scheme and its step. Default
-        for states without a method and a step: 1e-8.
-    method : str, optional
-        ``"exact"`` or one of :func:`rigid.methods`; by default the closed form if all bodies have
-        one and no step is given, else the cheapest scheme for the accuracy, ``"etd4"`` under strong
-        damping, or ``"rk4"`` if a step is given.
-    step : float, optional
-        Longest step (s).
-    bodies : int, optional
-        Number of bodies of the call, which the cost of one depends on. Default: those of ``omega``,
-        many without them or for a criterion.
-    times : int, optional
-        Number of wanted times, which cost and memory depend on. Default: 1.
-
-    Returns
-    -------
-    Plan
-
-    Raises
-    ------
-    ValueError
-        If ``"exact"`` is requested and a body has no closed form, if the accuracy is beyond
-        float64, or if the rates or the horizon are missing from which the step follows.
-
-    Examples
-    --------
-    >>> import rigid
-    >>> scene = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
-    >>> made = rigid.plan(scene, "rates", omega=[0.1, 1.0, 0.2], t_end=100.0)
-    >>> print(made)  # doctest: +ELLIPSIS
-    scene       free body, moments (1, 2, 3)
-    question    rates at wanted times
-    method      exact, closed form: free asymmetric
-    carried     omega
-    why         every body has a closed form
-    left out    no torque: no steps; rates only: no attitude; no weight: no vertical
-    cost        about ... µs a body
-    error       about 1.6e-13 rad
-    memory      65 bytes for the states
-    >>> rigid.plan(scene, rigid.tilt_below(0.5)).method
-    'rk4'
-    """
+    """The plan of :func:`rigid.plan` for states at given times."""
     scene = check_scene(scene, many=True)
     if omega is None and attitude is not None:
         raise ValueError("attitude: says nothing without omega; give both")
@@ -133,13 +73,13 @@ def plan(
     span = None if t_end is None else finite_float("t_end", t_end, positive=True)
     problem = Problem(
         scene=scene,
-        question=_resolved(scene, question, batch),
+        record=one_of("question", record, RECORDS),
         batch=batch,
         span=span,
         accuracy=accuracy,
         method=method,
         step=step,
-        states=_states(question, times),
+        states=1 if times is None else positive_int("times", times),
         bodies=None if bodies is None else positive_int("bodies", bodies),
     )
     chosen = choose_method(problem).plan()
@@ -149,15 +89,6 @@ def plan(
             why = (*chosen.why, UNKNOWN.format(unforeseen))
             chosen = replace(chosen, error=None, why=why)
     return chosen
-
-
-def _states(question: Question, times: int | None) -> int:
-    """Number of wanted states of a body: none for a criterion."""
-    if isinstance(question, str):
-        return 1 if times is None else positive_int("times", times)
-    if times is not None:
-        raise ValueError(f"times = {times}: a criterion is no question about wanted times")
-    return 0
 
 
 def choose_method(problem: Problem) -> Choice:
@@ -218,23 +149,22 @@ def _has_closed_form(scene: Scene) -> bool:
 
 
 def _known_closed_forms(problem: Problem) -> Codes:
-    """The code of the closed form that applies to the question for each body.
+    """The code of the closed form of each body.
 
     Raises
     ------
     ValueError
         If closed forms were requested and a body has none.
     """
-    scene, question, method = problem.scene, problem.question, problem.method
+    scene, record, method = problem.scene, problem.record, problem.method
     moments, weight = problem.inertia()
-    forms = closed_forms(question, moments, weight)
+    forms = closed_forms(record, moments, weight)
     if scene.is_driven:
         forcing = scene.forcing if problem.batch is None else problem.batch.forcing
         assert forcing is not None
-        states = isinstance(question, str)
-        evenly = are_slowed_evenly(scene, forcing, moments) if states else np.False_
+        evenly = are_slowed_evenly(scene, forcing, moments)
         forms = np.where(evenly, forms, np.uint8(NO_FORM))
-    elif problem.batch is not None and isinstance(question, str) and not forms.all():
+    elif problem.batch is not None and not forms.all():
         wanted = method == EXACT or (method is None and problem.step is None)
         # Whether a top swings as a pendulum depends on the start.
         forms = problem.batch.closed_forms() if wanted else forms
@@ -242,15 +172,15 @@ def _known_closed_forms(problem: Problem) -> Codes:
         body = int(np.flatnonzero(forms == NO_FORM)[0])
         which = f"body {body} of the" if forms.size > 1 else "the"
         raise ValueError(
-            f"method = {EXACT!r}: no closed form of {question_words(question)} for {which} "
-            f"{scene.words()}; {FORCED_RULE if scene.is_driven else rule(question)}"
+            f"method = {EXACT!r}: no closed form of {question_words(record)} for {which} "
+            f"{scene.words()}; {FORCED_RULE if scene.is_driven else rule(record)}"
         )
     return forms
 
 
 def _preferred(problem: Problem, forms: Codes) -> tuple[str, list[str]]:
     """The method unless an accuracy needs another scheme, and the reasons for it."""
-    scene, question = problem.scene, problem.question
+    scene = problem.scene
     if problem.method is not None:
         return problem.method, [f"method = {problem.method!r} was asked for"]
     if forms.all():
@@ -264,7 +194,7 @@ def _preferred(problem: Problem, forms: Codes) -> tuple[str, list[str]]:
     moments, weight = np.broadcast_arrays(*problem.inertia())
     # Of bodies that differ, the first without a closed form.
     body = int(np.flatnonzero(forms == NO_FORM)[0]) if len(moments) > 1 else 0
-    return _scheme(problem, [why_not(question, moments[body], weight[body])])
+    return _scheme(problem, [why_not(problem.record, moments[body], weight[body])])
 
 
 def _scheme(problem: Problem, why: list[str]) -> tuple[str, list[str]]:
@@ -286,10 +216,10 @@ def _scheme(problem: Problem, why: list[str]) -> tuple[str, list[str]]:
 
 
 def _takes_usual_accuracy(problem: Problem, method: str) -> bool:
-    """Whether states are wanted by steps, and nothing says how these should be made."""
+    """Whether steps are needed, and nothing says how these should be made."""
     asked = problem.method is not None or problem.step is not None
     # Under strong damping the model of the error does not hold.
-    return not asked and isinstance(problem.question, str) and method not in (EXACT, STIFF)
+    return not asked and method not in (EXACT, STIFF)
 
 
 def _applicable(scene: Scene) -> list[str]:
@@ -309,7 +239,7 @@ def _usually_cheapest(problem: Problem, method: str, why: list[str]) -> str:
     usual = cheapest(
         USUAL_ACCURACY,
         str(problem.classes()[0]),
-        stepped_question(problem, method),
+        stepped_record(problem, method),
         dict.fromkeys(names, USUAL_ANGLE),
         problem.states,
     )
@@ -345,8 +275,8 @@ def _accurate(
             }
         else:
             angles = dict.fromkeys(plain_methods(), _largest_angle(turning, span))
-        question = stepped_question(problem, method)
-        method = cheapest(accuracy, kind, question, angles, problem.states)
+        record = stepped_record(problem, method)
+        method = cheapest(accuracy, kind, record, angles, problem.states)
         why.append(f"{method} is the cheapest scheme for an error of {accuracy:g}")
     why.append(f"the step follows from the error of {accuracy:g} at the end")
     rates = problem.batch.fastest_rates(problem.times, method)
@@ -362,18 +292,3 @@ def _largest_angle(rates: Floats, span: float | Floats) -> float:
     with np.errstate(invalid="ignore", over="ignore"):
         angles = rates * span
     return float(angles[angles < LOST_ANGLE].max(initial=0.0))
-
-
-def _resolved(scene: Scene, question: object, batch: Batch | None) -> Question:
-    """The question with its defaults filled in."""
-    if isinstance(question, str):
-        return one_of("question", question, RECORDS)
-    if isinstance(question, Criterion):
-        start = None
-        if batch is not None and len(batch) == 1:
-            start = Start(omega=batch.omega[0])
-        return question.resolved(scene, start)
-    raise TypeError(
-        f"question = {brief(question)}: must be one of {', '.join(map(repr, RECORDS))}, "
-        f"{known_criteria()}"
-    )

@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import _core
 from ..model.criteria import Criterion
 from ..model.scene import Scene
 from .arrays import time_ranges, time_span
@@ -25,6 +24,7 @@ from .work import LANES, MANY, Work
 __all__ = [
     "ROUNDING",
     "Estimate",
+    "Motions",
     "Scheme",
     "calibration_class_of_any",
     "calibration_classes",
@@ -32,8 +32,10 @@ __all__ = [
     "check_attainable",
     "closed_form_estimate",
     "costliest",
+    "joined",
     "phase_error",
     "schemes",
+    "some_of",
     "steps_estimate",
     "steps_for",
 ]
@@ -137,7 +139,7 @@ def calibration_class_of_any(scene: Scene) -> str:
 def cheapest(
     accuracy: float,
     kind: str,
-    question: str | Criterion,
+    record: str,
     angles: Mapping[str, float],
     states: int,
 ) -> str:
@@ -150,7 +152,7 @@ def cheapest(
         scheme, angle = schemes()[name, kind], angles[name]
         turn = _turn(scheme, accuracy, np.array(angle)).item()
         taken = max(angle, 1e-300) / turn if turn > 0.0 else math.inf
-        return _work(scheme, question).step * (taken + _begins(name, states))
+        return scheme.work[record].step * (taken + _begins(name, states))
 
     return min((name for name, known in schemes() if known == kind and name in angles), key=time)
 
@@ -270,19 +272,80 @@ def phase_error(
     return error
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Motions:
+    """What steps, and the error that they leave, follow from: of n bodies.
+
+    Attributes
+    ----------
+    rates : ndarray, shape (n,)
+        The rates (rad/s) that the steps follow.
+    steps : ndarray, shape (n,)
+        The longest steps (s).
+    span : float, ndarray of shape (n,), or None
+        How much time is covered (s); None if it is not known.
+    states : int
+        Number of requested states of a body.
+    damping : ndarray, shape (n,), or float
+        The largest damping rates (1/s). The error of a stiff scheme is not known unless its steps
+        follow the damping: the model does not contain the layer in which the start is forgotten.
+    nearness : ndarray, shape (n,), or float
+        How many times the angle of a step counts, from the poles of the motion of free bodies.
+    slowness : ndarray, shape (n,), or float
+        How many times slower a body starts than weight or torque can make it: they change its rates
+        at once by a share of them, which in less than a radian errs by more than its attitude.
+    rounding : ndarray, shape (n,), or float
+        Error from the rounding of steps, besides that of each radian turned.
+    """
+
+    rates: Floats
+    steps: Floats
+    span: float | Floats | None
+    states: int = 1
+    damping: Floats | float = 0.0
+    nearness: Floats | float = 1.0
+    slowness: Floats | float = 1.0
+    rounding: Floats | float = 0.0
+
+    @property
+    def taken(self) -> Floats:
+        """About how many steps each body takes, shape (n,) or (1,)."""
+        if self.span is None:
+            return np.full(1, np.inf)
+        # Each interval between wanted times has a whole number of steps.
+        least = max(self.states, 1)
+        with np.errstate(all="ignore"):
+            each = np.ceil(self.span / self.steps + 0.5 * (self.states - 1))
+        taken: Floats = np.maximum(each, least)
+        return taken
+
+    def of(self, bodies: slice | NDArray[np.intp]) -> Motions:
+        """Those of some bodies."""
+        return replace(self, **{name: some_of(getattr(self, name), bodies) for name in _OF_EACH})
+
+
+_OF_EACH = ("rates", "steps", "span", "damping", "nearness", "slowness", "rounding")
+
+
+def joined(parts: Sequence[Motions]) -> Motions:
+    """All motions of some parts, of which each covers a known time."""
+
+    def every(name: str) -> Floats:
+        each = (np.broadcast_to(getattr(part, name), len(part.rates)) for part in parts)
+        return np.concatenate([np.zeros(0), *each])
+
+    columns: dict[str, Any] = {name: every(name) for name in _OF_EACH}
+    return Motions(**columns)
+
+
+def some_of(values: Any, mine: slice | NDArray[np.intp]) -> Any:
+    """The values of some bodies, or that of all."""
+    return values[mine] if isinstance(values, np.ndarray) and values.ndim else values
+
+
 @np.errstate(all="ignore")
 def steps_estimate(
-    question: str | Criterion,
-    method: str,
-    kind: str,
-    rates: Floats | None,
-    span: float | Floats | None,
-    steps: Floats | float | None,
-    damping: float = 0.0,
-    nearness: Floats | float = 1.0,
-    *,
-    states: int = 1,
-    bodies: int = MANY,
+    question: str | Criterion, method: str, kind: str, motions: Motions, bodies: int = MANY
 ) -> Estimate:
     """Work and error of a scheme.
 
@@ -294,44 +357,33 @@ def steps_estimate(
     question : str or Criterion
     method, kind : str
         A scheme and the class of bodies that it is calibrated on.
-    rates : ndarray, shape (n,), or None
-        The rates (rad/s) that the steps follow, None if they are not known.
-    span : float, ndarray of shape (n,), or None
-        How much time is covered (s).
-    steps : ndarray, shape (n,), float or None
-        The longest step of each body or of all (s); None leaves them to the method.
-    damping : float
-        The largest damping rate (1/s). The error of a stiff scheme is not known unless its steps
-        follow the damping: the model does not contain the layer in which the start is forgotten.
-    nearness : ndarray, shape (n,), or float
-        How many times the angle of a step counts, from the poles of the motion of free bodies.
-    states, bodies : int
-        Number of requested states of a body, and of bodies of the call.
+    motions : Motions
+    bodies : int
+        Number of bodies of the call.
     """
-    if rates is None:
-        return Estimate(steps if isinstance(steps, float) else None, None, None, None)
-    if steps is None:
-        steps = _core.default_steps(method, rates)
-    steps = np.broadcast_to(steps, rates.shape)
-    shortest = float(steps.min(initial=np.inf))
-    # Each interval between wanted times has a whole number of steps.
-    each = np.full(1, np.inf) if span is None else np.ceil(span / steps + 0.5 * (states - 1))
-    each = np.maximum(each, max(states, 1))
+    rates, span, states = motions.rates, motions.span, motions.states
+    shortest = float(motions.steps.min(initial=np.inf))
+    each = motions.taken
     taken = float(each.max(initial=0.0))
     counted = taken < 2.0**63
     scheme = schemes()[method, kind]
     error, unknown = None, None
-    turn = np.where(rates > 0.0, rates * steps, 0.0)
+    turn = np.where(rates > 0.0, rates * motions.steps, 0.0)
     widest = float(turn.max(initial=0.0))
-    if is_stiff(method) and np.any(steps * damping > LAYER):
+    if is_stiff(method) and np.any(motions.steps * motions.damping > LAYER):
         unknown = f"the steps do not resolve the damping, as those of {LAYER:g} of its time do"
     elif not widest <= scheme.longest:
         unknown = f"a step turns a body by {widest:.3g} rad, and the model of {method} holds up to \
 {scheme.largest:g} rad"
     elif span is not None:
+        if is_stiff(method):
+            # The rates that other steps follow contain the damping.
+            rates = rates + motions.damping
         angles = rates * span
-        error = ROUNDING * (1.0 + angles) + PROCESSOR * is_processed(method)
-        error += scheme.margin * angles * scheme.factor * (turn * nearness) ** scheme.order
+        error = ROUNDING * (1.0 + angles) + motions.rounding + PROCESSOR * is_processed(method)
+        counts = np.maximum(angles, np.minimum(angles * motions.slowness, 1.0))
+        truncation = scheme.factor * (rates * motions.steps * motions.nearness) ** scheme.order
+        error += scheme.margin * counts * truncation
     return Estimate(
         step=shortest if shortest < np.inf else None,
         steps=int(taken) if counted else None,

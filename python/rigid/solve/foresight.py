@@ -1,6 +1,8 @@
-"""Motions whose error no model foresees: what a plan says of them is that it is unknown."""
+"""What the error of steps follows from, and motions whose error no model foresees."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,10 +10,12 @@ from numpy.typing import NDArray
 from .. import _core
 from .arrays import Range, lengths, spread_indices
 from .batch import Batch
+from .cost_model import Motions
+from .rounding import planned_rounding
 from .saddle import separatrices, verticals
 from .separatrix import circulation_terms
 
-__all__ = ["nearness_of_poles", "why_unforeseen"]
+__all__ = ["motions_of", "why_unforeseen"]
 
 Floats = NDArray[np.float64]
 
@@ -32,6 +36,49 @@ POLE = 7.0
 
 CHAOS = 200.0
 """Angle (rad) after which a top without closed form may be chaotic."""
+
+
+@np.errstate(all="ignore")
+def motions_of(
+    batch: Batch,
+    method: str,
+    times: Range,
+    span: float | Floats | None,
+    steps: Floats,
+    *,
+    states: int,
+) -> Motions:
+    """What the error of steps of these longest lengths (s), shape (n,), follows from.
+
+    Parameters
+    ----------
+    batch : Batch
+    method : str
+    times : tuple of float, or of ndarray of shape (n,)
+        First and last time (s).
+    span : float, ndarray of shape (n,), or None
+        How much time is covered (s); None if it is not known.
+    steps : ndarray, shape (n,)
+    states : int
+        Number of requested states of a body.
+    """
+    rates, bounds = (batch.fastest_rates(times, name) for name in (method, None))
+    damping: float | Floats = 0.0
+    if batch.forcing is not None:
+        damping = np.broadcast_to(batch.forcing.damping_rates(batch.moments), len(batch))
+    gains = batch.weight.any(axis=1) | batch.driven()
+    motions = Motions(
+        rates=rates,
+        steps=steps,
+        span=span,
+        states=states,
+        damping=damping,
+        nearness=_nearness_of_poles(batch, rates),
+        slowness=np.where(gains, np.fmax(bounds / lengths(batch.omega), 1.0), 1.0),
+    )
+    if span is None:
+        return motions
+    return replace(motions, rounding=planned_rounding(batch, method, bounds, motions.taken, span))
 
 
 @np.errstate(all="ignore")
@@ -106,7 +153,7 @@ def _distance_from_separatrix(batch: Batch) -> Floats:
     return distance
 
 
-def nearness_of_poles(batch: Batch, rates: Floats) -> Floats:
+def _nearness_of_poles(batch: Batch, rates: Floats) -> Floats:
     """How many times shorter steps must be than those of the models for the same error; shape (n,).
 
     The rates of a free body are elliptic functions of time, and ``K(1 - m)/s`` beside the real

@@ -194,7 +194,7 @@ def growth_of(
     choice = choose_method(
         Problem(
             scene=scene,
-            question="axis",
+            record="axis",
             batch=batch,
             span=time_span(times),
             method=chosen,

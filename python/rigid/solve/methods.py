@@ -27,6 +27,7 @@ __all__ = [
     "methods",
     "order_of",
     "plain_methods",
+    "preserves_groups",
     "rotations",
     "run_methods",
     "series_methods",
@@ -184,6 +185,11 @@ def is_multistep(name: str) -> bool:
 def is_compensated(name: str) -> bool:
     """Whether a scheme carries the rounding of a fixed step to the next one."""
     return _named(name).compensated
+
+
+def preserves_groups(name: str) -> bool:
+    """Whether a scheme turns momenta and directions, so that their lengths stay."""
+    return _named(name).group_preserving
 
 
 def rotations(name: str) -> int:

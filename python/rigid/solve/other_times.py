@@ -61,7 +61,7 @@ def states_at(run: Run, t: ArrayLike) -> Run:
         if spec["tolerance"] is None:
             problem = Problem(
                 scene=scene,
-                question=spec["record"],
+                record=spec["record"],
                 batch=batch,
                 begin=reached[0],
                 span=reached[1] - reached[0],

@@ -1,4 +1,4 @@
-"""A question about a scene: what a method is chosen for."""
+"""States of a scene that are asked for: what a method is chosen for."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .._checks.arguments import finite_float, one_of
 from ..model.scene import Scene
 from .arrays import Range
 from .batch import Batch
-from .closed_form import Question, moment_rows, weight_rows
+from .closed_form import moment_rows, weight_rows
 from .cost_model import calibration_classes
 from .methods import check_method, run_methods
 from .work import MANY
@@ -23,13 +23,12 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Problem:
-    """A question about a scene: the known data of its bodies, and the requested result.
+    """Requested states of a scene, and the known data of its bodies.
 
     Attributes
     ----------
     scene : Scene
-    question : str or Criterion
-        With all defaults filled in.
+    record : {"rates", "axis", "attitude"}
     batch : Batch or None
         The bodies with their starts, None if the starts are not known.
     begin : float or ndarray, shape (n,)
@@ -53,7 +52,7 @@ class Problem:
     """
 
     scene: Scene
-    question: Question
+    record: str
     batch: Batch | None = None
     begin: float | Floats = 0.0
     span: float | Floats | None = None
@@ -66,11 +65,10 @@ class Problem:
     def __post_init__(self) -> None:
         if self.method is not None:
             one_of("method", self.method, run_methods())
-            watched = not isinstance(self.question, str)
             check_method(
                 self.method,
                 self.scene.kind,
-                watched=watched,
+                watched=False,
                 driven=self.scene.is_driven,
                 satellite=self.scene.is_satellite,
                 called=self.scene.is_called,
@@ -105,11 +103,10 @@ class Problem:
 
     @property
     def count(self) -> int:
-        """Number of bodies that share a call; of samples of a map many do."""
+        """Number of bodies that share a call; many if it is not known."""
         if self.bodies is not None:
             return self.bodies
-        known = self.batch is not None and isinstance(self.question, str)
-        return max(len(self.batch), 1) if known and self.batch is not None else MANY
+        return MANY if self.batch is None else max(len(self.batch), 1)
 
     @property
     def knows_angles(self) -> bool:

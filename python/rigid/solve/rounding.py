@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from .arrays import lengths
 from .batch import Batch
-from .methods import is_compensated, rotations
+from .methods import is_compensated, preserves_groups, rotations
 from .saddle import dampings, verticals
 
-__all__ = ["REST", "common_rounding"]
+__all__ = ["REST", "common_rounding", "planned_rounding"]
 
 Floats = NDArray[np.float64]
 
@@ -35,6 +35,9 @@ DRIFT = 5.6e-17
 It is half a unit in the last place, always in one direction: a scheme of exact flows turns the
 rates of a symmetric free body by the same angle each step, and all but steady rates change by the
 same amount."""
+
+ROUNDED = 3.0
+"""Rounding leaves rates by at most so many :data:`DRIFT` in a step, besides that of rotations."""
 
 UNIT = 2.0**-53
 """Half the distance from 1 to the next number."""
@@ -70,20 +73,52 @@ def common_rounding(
     taken = states["steps"].astype(np.float64)
     angle = rates * span
     floor: Floats = EQUAL_RUNS * (1.0 + angle) + ROTATION * rotations(method) * taken
-    free = ~batch.weight.any(axis=1)
-    if rotations(method) and batch.forcing is None:
-        symmetric = np.any(batch.moments == np.roll(batch.moments, 1, axis=1), axis=1)
-        floor += np.where(symmetric & free, 0.5 * DRIFT * taken * angle, 0.0)
-    if not (compensated or is_compensated(method)):
-        floor += _steady_loss(batch, states["omega"], taken, span, angle)
+    floor += _loss_of_steps(batch, method, states["omega"], taken, span, angle, compensated)
     # Of the rates of a top that hangs all but still, what rounding of its torque adds at random, in
     # each radian that it may turn, is a larger share.
     fastest = lengths(states["omega"]).max(axis=1)
-    hangs = (~free & (fastest > REST * scale)).nonzero()[0]
+    weighs = batch.weight.any(axis=1)
+    hangs = (weighs & (fastest > REST * scale)).nonzero()[0]
     if len(hangs):
         share = scale[hangs] / fastest[hangs] * _rounded_share_of_torque(batch)[hangs]
         floor[hangs] += EQUAL_RUNS * share * np.sqrt(1.0 + angle)[hangs]
     return floor
+
+
+@np.errstate(all="ignore")
+def planned_rounding(
+    batch: Batch, method: str, rates: Floats, taken: Floats, span: float | Floats
+) -> Floats:
+    """The error that rounding leaves in so many steps, besides that of each radian turned; (n,).
+
+    Known are the rates of the start alone, and these bounds of all (rad/s).
+    """
+    start = batch.omega[:, np.newaxis]
+    loss = _loss_of_steps(batch, method, start, taken, span, rates * span, compensated=False)
+    if not is_compensated(method):
+        loss += DRIFT * np.sqrt(taken)  # at random
+    planned: Floats = ROTATION * rotations(method) * taken + ROUNDED * loss
+    return planned
+
+
+def _loss_of_steps(
+    batch: Batch,
+    method: str,
+    omega: Floats,
+    taken: Floats,
+    span: float | Floats,
+    angle: Floats,
+    compensated: bool,
+) -> Floats:
+    """The error from the rounding of sums in steps that are alike, shape (n,)."""
+    loss = np.zeros(len(batch))
+    if rotations(method) and batch.forcing is None:
+        symmetric = np.any(batch.moments == np.roll(batch.moments, 1, axis=1), axis=1)
+        free = ~batch.weight.any(axis=1)
+        loss += np.where(symmetric & free, 0.5 * DRIFT * taken * angle, 0.0)
+    if not (compensated or is_compensated(method)):
+        loss += _steady_loss(batch, method, omega, taken, span, angle)
+    return loss
 
 
 def _rounded_share_of_torque(batch: Batch) -> Floats:
@@ -99,27 +134,33 @@ def _rounded_share_of_torque(batch: Batch) -> Floats:
 
 
 def _steady_loss(
-    batch: Batch, omega: Floats, taken: Floats, span: float | Floats, angle: Floats
+    batch: Batch, method: str, omega: Floats, taken: Floats, span: float | Floats, angle: Floats
 ) -> Floats:
     """The error of bodies whose rates change by nearly the same amount each step, shape (n,).
 
-    The rates turn by an angle a in the body each step, their changes by another a. Where a² is
-    less than a rounding, the next change is rounded as the last one was: for 2^-53 / a² steps. The
+    Where the change of a step differs from that of the last one by a share of the rates that is
+    less than a rounding, it is rounded as the last one was: for as many steps as make up one. The
     losses of groups of so many steps add at random.
     """
-    turn = _change(batch, omega) / lengths(omega) * np.reshape(span / taken, (-1, 1))
-    least = turn.min(axis=1, initial=np.inf)
-    equal = np.where(least >= 0.0, np.minimum(UNIT / least**2, taken), 1.0)
+    differs = _second_difference(batch, method, omega) * np.reshape(span / taken, (-1, 1)) ** 2
+    least = differs.min(axis=1, initial=np.inf)
+    equal = np.where(least >= 0.0, np.minimum(UNIT / least, taken), 1.0)
     loss = DRIFT * np.sqrt(taken * equal)
     lost: Floats = np.where(equal > 1.0, loss * (1.0 + 0.5 * angle), 0.0)
     return lost
 
 
-def _change(batch: Batch, omega: Floats) -> Floats:
-    """At least ``|d omega / dt|``, shape (n, m); NaN for bodies on which a torque acts."""
+def _second_difference(batch: Batch, method: str, omega: Floats) -> Floats:
+    """About ``|d2 omega / dt2| / |omega|``, 1/s², shape (n, m); NaN if a torque acts.
+
+    Without weight the rates turn in the body, and so do their changes. The change by the weight
+    turns with the body. Schemes that preserve ``|L|`` add it apart from the turn.
+    """
     moments = batch.moments[:, np.newaxis, :]
     # The matrices of damping are symmetric.
     torque = np.cross(moments * omega, omega) - omega @ dampings(batch.forcing)
-    weight = lengths(batch.weight) / batch.moments.min(axis=1)
-    change: Floats = lengths(torque / moments) + np.reshape(weight, (-1, 1))
-    return change
+    turning: Floats = (lengths(torque / moments) / lengths(omega)) ** 2
+    weight = np.reshape(lengths(batch.weight) / batch.moments.min(axis=1), (-1, 1))
+    apart = preserves_groups(method) & (weight > 0.0)
+    differs: Floats = np.where(apart & ~np.isnan(turning), 0.0, turning) + weight
+    return differs

@@ -252,7 +252,7 @@ def simulate(
         begin, end = time_ranges(times)
         problem = Problem(
             scene=scene,
-            question=record,
+            record=record,
             batch=batch,
             begin=begin,
             span=end - begin,
@@ -341,7 +341,7 @@ def _plan_of_any_start(
     scene: Scene, record: str, method: str | None, bodies: int, states: int
 ) -> Plan:
     """The plan of a scene all of whose motions have a closed form, but for its error."""
-    problem = Problem(scene=scene, question=record, method=method, bodies=bodies, states=states)
+    problem = Problem(scene=scene, record=record, method=method, bodies=bodies, states=states)
     return choose_method(problem).plan()
 
 
@@ -420,7 +420,7 @@ def _replayed(
     batch = Batch.of_scene(scene, omega.reshape(1, 3), attitude.reshape(1, 4), (1,))
     problem = Problem(
         scene=scene,
-        question="attitude",
+        record="attitude",
         batch=batch,
         span=time_span(times),
         method=method,

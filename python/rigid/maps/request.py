@@ -1,0 +1,104 @@
+"""The request of a map: its specification from the arguments of a call."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .._checks.arguments import brief
+from ..model.body import Body
+from ..model.criteria import Criterion
+from ..model.judged import Judged
+from ..model.mixture import Mixture
+from ..model.scene import Scene, check_scene
+from ..model.seed import seed_from
+from ..model.start import Start
+from .own import OwnScene
+from .parameters import Axis, make_axes
+from .sequential import checked_half_width, stop_table
+from .spec import MapSpec
+
+__all__ = ["as_it_is", "of_one_pixel", "spec_of"]
+
+
+def as_it_is(spec: MapSpec, given: Mapping[str, Any]) -> MapSpec:
+    """A specification that is run again, by this version of rigid."""
+    if given:
+        name, value = next(iter(given.items()))
+        field = "seed" if name == "rng" else name
+        raise TypeError(
+            f"{name} = {brief(value)}: the specification has its own; change it by "
+            f"spec.replace({field}=...)"
+        )
+    return spec.replace()
+
+
+def spec_of(
+    scene: Scene | Body | type[Scene] | Callable[..., Scene], given: dict[str, Any]
+) -> MapSpec:
+    """The specification of a new map, from the arguments that were given."""
+    if isinstance(given.get("axes"), Mapping) and "t_end" in given["axes"]:
+        given.setdefault("t_end", 1.0)  # the longest one is taken from the values
+    _require("stability_map", given, "axes", "t_end", "stable")
+    if ("samples" in given) == ("half_width" in given):
+        raise TypeError("samples, half_width: give one of them")
+    if "samples" not in given:
+        given["samples"] = stop_table(checked_half_width(given["half_width"])).last
+    if not isinstance(scene, type | Scene | Body) and callable(scene):
+        known, given["own"], given["axes"] = _own_scene(scene, given["axes"])
+    else:
+        known = _scene(scene)
+        given["axes"] = make_axes(given["axes"])
+    return _started(known, seed_from(given.pop("rng", None)), given)
+
+
+def of_one_pixel(
+    scene: Scene | Body,
+    stable: Criterion,
+    *,
+    start: Start | Mixture | None,
+    t_end: float | None,
+    method: str | None,
+    step: float | None,
+) -> MapSpec:
+    """The specification of a map without axes: of one pixel, in which one body starts."""
+    asked = {"stable": stable, "start": start, "t_end": t_end, "method": method, "step": step}
+    given = {name: value for name, value in asked.items() if value is not None}
+    _require("plan", given, "t_end")
+    return _started(check_scene(scene), 0, {**given, "axes": (), "samples": 1})
+
+
+def _require(function: str, given: dict[str, Any], *names: str) -> None:
+    """Raise TypeError if arguments are missing; the horizon of ``judged`` is its last time."""
+    if isinstance(given.get("stable"), Judged):
+        given.setdefault("t_end", given["stable"].times[-1])
+    missing = [name for name in names if name not in given]
+    if missing:
+        raise TypeError(f"{function}() misses {' and '.join(missing)}")
+
+
+def _started(scene: Scene, seed: int, given: dict[str, Any]) -> MapSpec:
+    """The specification, with the start of the scene if none is given."""
+    given.setdefault("start", scene.default_start())
+    return MapSpec(scene=scene, seed=seed, **given)
+
+
+def _own_scene(
+    function: Callable[..., Any], given: Mapping[str, ArrayLike]
+) -> tuple[Scene, OwnScene, tuple[Axis, ...]]:
+    """The scene of the first pixel, the function that makes those of all, and the axes."""
+    if not isinstance(given, Mapping):
+        make_axes(given)
+    own = OwnScene.of(function, given)
+    axes = make_axes(given, own.names)
+    first = own.made({axis.name: np.array(axis.values[:1]) for axis in axes})
+    return (first[0] if first.shape else first), own, axes
+
+
+def _scene(scene: Scene | Body | type[Scene]) -> Scene:
+    if isinstance(scene, type) and issubclass(scene, Scene):
+        return scene.example()
+    return check_scene(scene)

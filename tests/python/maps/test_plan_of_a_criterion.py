@@ -1,0 +1,214 @@
+"""The plan of a criterion is the plan of its map: one planner, whoever asks."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rigid
+from rigid._moments import possible
+from rigid.cli.toml_map import builtin_names, read_spec
+from rigid.model.criteria import Criterion
+from rigid.model.scene import Scene
+
+FREE = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
+HEAVY = rigid.HeavyTop(rigid.Body((1.0, 1.4, 0.7)), mgl=1.0, com=(0.6, 0.0, 0.8))
+SCENES: dict[str, Scene] = {
+    "free": FREE,
+    "symmetric": rigid.FreeBody(rigid.Body((2.0, 3.0, 2.0))),
+    "lagrange": rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0),
+    "heavy": HEAVY,
+    "damped": rigid.HeavyTop(HEAVY.body, mgl=1.0, damping=0.1),
+    "strongly damped": rigid.FreeBody(FREE.body, damping=(50.0, 1.0, 1.0)),
+    "satellite": rigid.FreeBody(
+        FREE.body,
+        torque=rigid.Torque.gravity_gradient(rate=1.0, normal=(0, 0, 1), towards=(1, 0, 0)),
+    ),
+    "with a wheel": rigid.FreeBody(FREE.body, rotor=(0.0, 0.0, 1.0)),
+}
+CRITERIA: dict[str, Criterion] = {
+    "flip": rigid.no_flip(3),
+    "flip of the start": rigid.no_flip(),
+    "tilt": rigid.tilt_below(0.5),
+    "rate": rigid.rate_within(0.1),
+    "back": rigid.returns(0.1, after=1.0),
+    "both": rigid.no_flip(3) & rigid.spin_above(1.0),
+    "regular": rigid.regular(),
+}
+STARTS: dict[str, Any] = {
+    "no start": None,
+    "spin": rigid.Start(spin=3.0, axis=3, tilt=0.2),
+    "mixture": rigid.mixture([rigid.Start(spin=s, axis=3) for s in (1.0, 4.0)]),
+}
+ASKED: dict[str, dict[str, Any]] = {
+    "nothing": {},
+    "method": {"method": "rk4"},
+    "step": {"step": 0.02},
+    "exact": {"method": "exact"},
+}
+
+
+def of_map(scene: Scene, start: Any, stable: Criterion, t_end: float, **asked: Any) -> rigid.Plan:
+    """The plan of a map of one pixel, whose only axis stands in no word of the plan."""
+    start = scene.default_start() if start is None else start
+    quiet = [
+        dataclasses.replace(one, noise=rigid.normal(0.0), attitude_noise=None)
+        for one in start.starts
+    ]
+    return rigid.stability_map(
+        scene,
+        axes={"noise": [0.0]},
+        start=quiet[0] if len(quiet) == 1 else rigid.mixture(quiet),
+        stable=stable,
+        t_end=t_end,
+        samples=1,
+        max_steps=1,  # the plan does not run the map
+        progress=False,
+        **asked,
+    ).plan
+
+
+def answer(make: Callable[[], rigid.Plan]) -> rigid.Plan | str:
+    """A plan, or the words of its refusal: the map and the plan refuse the same."""
+    try:
+        return make()
+    except ValueError as refused:
+        return str(refused)
+
+
+def same(one: rigid.Plan, other: rigid.Plan) -> None:
+    for field in dataclasses.fields(rigid.Plan):
+        assert getattr(one, field.name) == getattr(other, field.name), field.name
+
+
+@pytest.mark.parametrize("asked", ASKED)
+@pytest.mark.parametrize("start", STARTS)
+@pytest.mark.parametrize("criterion", CRITERIA)
+@pytest.mark.parametrize("scene", SCENES)
+def test_the_plan_of_a_criterion_is_that_of_the_map(
+    scene: str, criterion: str, start: str, asked: str
+) -> None:
+    body, stable, options = SCENES[scene], CRITERIA[criterion], ASKED[asked]
+    expected = answer(lambda: of_map(body, STARTS[start], stable, 20.0, **options))
+    made = answer(lambda: rigid.plan(body, stable, start=STARTS[start], t_end=20.0, **options))
+    if isinstance(expected, rigid.Plan):
+        assert isinstance(made, rigid.Plan)
+        same(made, expected)
+    else:
+        assert made == expected.replace(" of pixel (0,)", "")
+
+
+def started(spec: rigid.MapSpec, pixel: int) -> rigid.Start:
+    """The start of a pixel of a built-in map, as a start of its own."""
+    places = np.unravel_index(pixel, spec.shape)
+    values = {
+        axis.name: axis.values[k] for axis, k in zip(spec.axes, reversed(places), strict=True)
+    }
+    assert isinstance(spec.start, rigid.Start)
+    known: dict[str, Any] = {name: values[name] for name in ("spin", "tilt") if name in values}
+    return dataclasses.replace(spec.start, **known)
+
+
+@pytest.mark.parametrize("name", builtin_names())
+def test_the_plan_of_a_pixel_of_a_built_in_map_is_that_of_a_map_of_this_pixel(name: str) -> None:
+    spec = read_spec(name).spec
+    real = np.flatnonzero(possible(spec.grid.moments))
+    for pixel in real[np.linspace(0, len(real) - 1, 5).astype(int)].tolist():
+        scene, start = spec.grid.scene_of(pixel), started(spec, pixel)
+        expected = of_map(scene, start, spec.stable, spec.t_end, method=spec.method)
+        made = rigid.plan(scene, spec.stable, start=start, t_end=spec.t_end, method=spec.method)
+        same(made, expected)
+
+
+@pytest.mark.parametrize("method", [None, "rk4", "dop853"])
+def test_a_map_takes_the_method_and_the_steps_of_the_plan(method: str | None) -> None:
+    start = rigid.Start(spin=5.0, noise=rigid.normal(0.0))
+    asked: dict[str, Any] = {"stable": rigid.tilt_below(3.1), "t_end": 20.0, "method": method}
+    made = rigid.plan(HEAVY, rigid.tilt_below(3.1), start=start, t_end=20.0, method=method)
+    result = rigid.stability_map(
+        HEAVY, axes={"noise": [0.0]}, start=start, samples=1, check=0.0, rng=1, **asked
+    )
+    assert result.stable.tolist() == [1]
+    assert result.replay(0, 0).method == made.method
+    assert made.steps is not None
+    # The map makes whole blocks of 16 steps.
+    assert made.steps <= result.steps[0] < made.steps + 16
+
+
+def test_rates_are_short_for_a_start() -> None:
+    omega = (0.3, 1.0, 2.0)
+    made = rigid.plan(HEAVY, rigid.no_flip(), omega=omega, t_end=5.0)
+    same(made, rigid.plan(HEAVY, rigid.no_flip(), start=rigid.Start(omega=omega), t_end=5.0))
+    assert made.question == "no flip about axis 3 until t = 5 s"
+
+
+def test_a_judged_criterion_has_its_horizon() -> None:
+    stable = rigid.judged(lambda states: states.omega[:, -1, 2] > 0.0, [0.0, 2.0, 7.0])
+    assert rigid.plan(HEAVY, stable).steps == rigid.plan(HEAVY, stable, t_end=7.0).steps
+
+
+# Errors that the nominal start cannot know
+
+
+UNFORESEEN: dict[str, tuple[Scene, rigid.Start, float, dict[str, Any]]] = {
+    "may be chaotic": (HEAVY, rigid.Start(spin=5.0), 200.0, {}),
+    "near its separatrix": (FREE, rigid.Start(spin=1.0, axis=2), 30.0, {}),
+    "times apart": (rigid.FreeBody(rigid.Body((1e-3, 1.0, 1.0005))), rigid.Start(spin=1), 9.0, {}),
+    "holds up to": (HEAVY, rigid.Start(spin=5.0), 20.0, {"step": 2.0}),
+    "do not resolve the damping": (
+        SCENES["strongly damped"],
+        rigid.Start(omega=(1.0, 2.0, 1.0)),
+        5.0,
+        {"method": "etd4", "stable": rigid.no_flip(2)},
+    ),
+}
+
+
+@pytest.mark.parametrize("words", UNFORESEEN)
+def test_an_error_that_no_model_foresees_is_unknown_in_a_map_too(words: str) -> None:
+    scene, start, t_end, asked = UNFORESEEN[words]
+    stable = asked.get("stable", rigid.tilt_below(0.5))
+    options = {name: value for name, value in asked.items() if name != "stable"}
+    plan = rigid.plan(scene, stable, start=start, t_end=t_end, **options)
+    assert plan.error is None
+    assert plan.cost is not None
+    assert plan.why[-1].startswith("error unknown: ")
+    assert words in plan.why[-1]
+
+
+# Refusals
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"accuracy": 1e-6}, "accuracy = 1e-06: is not asked with a criterion: a map classifies"),
+        ({"times": 3}, "times = 3: is not asked with a criterion: a class is no state at wanted"),
+        ({"bodies": 3}, "bodies = 3: is not asked with a criterion: many bodies of a map share"),
+        ({"attitude": [1, 0, 0, 0]}, "attitude = [1, 0, 0, 0]: is not asked with a criterion"),
+        ({"omega": [0, 0, 1], "start": rigid.Start(spin=1.0)}, "omega, start: exclude each other"),
+        ({"omega": [[0, 0, 1], [0, 0, 2]]}, "omega: expected shape (3,)"),
+        ({"t_end": -1.0}, "t_end = -1.0: must be positive"),
+        ({"method": "dmv2"}, "'dmv2'"),
+        ({"scene": rigid.FreeBody(rigid.Body([[1, 2, 3], [1, 2, 2]]))}, "scene"),
+    ],
+)
+def test_what_a_map_does_not_have_is_refused(options: dict[str, Any], message: str) -> None:
+    given = {"t_end": 1.0, **options}
+    with pytest.raises(ValueError) as error:
+        rigid.plan(given.pop("scene", HEAVY), rigid.no_flip(3), **given)
+    assert message in str(error.value)
+
+
+def test_a_criterion_needs_a_horizon() -> None:
+    with pytest.raises(TypeError, match=r"plan\(\) misses t_end"):
+        rigid.plan(HEAVY, rigid.no_flip(3))
+
+
+def test_states_start_from_rates_and_attitudes() -> None:
+    with pytest.raises(ValueError, match=r"start = Start\(.*: is asked with a criterion; states"):
+        rigid.plan(HEAVY, "rates", start=rigid.Start(spin=1.0))
