@@ -1,4 +1,4 @@
-"""Benches refuse what no measurement can be. No test asserts a time."""
+"""Every bench runs for a moment, and refuses what no measurement can be. No test asserts a time."""
 
 from __future__ import annotations
 
@@ -14,9 +14,22 @@ import numpy as np
 import pytest
 
 from physics import Floats
-from processes import python_process
+from processes import python_process, run_python
 
 FOLDER = Path(__file__).parents[3] / "benches"
+FILES = sorted(FOLDER.rglob("*.py"))
+BENCHES = [
+    path
+    for path in FILES
+    # It reads machine code and measures nothing: test_kernel_calls.py tests it.
+    if "__main__" in path.read_text() and path.name != "kernel_calls.py"
+]
+WITH_PEERS = [path for path in BENCHES if re.search("numba|heyoka", path.read_text())]
+WRITTEN = [
+    FOLDER / "peers" / "measured.json",
+    FOLDER.parent / "python" / "rigid" / "calibration.json",
+]
+"""Files that benches write when they measure."""
 
 _SPEC = importlib.util.spec_from_file_location("timing", FOLDER / "timing.py")
 assert _SPEC is not None
@@ -24,10 +37,46 @@ assert _SPEC.loader is not None
 timing = importlib.util.module_from_spec(_SPEC)
 _SPEC.loader.exec_module(timing)
 
+WITHOUT_PEERS = """
+import runpy, sys
+sys.modules["numba"] = sys.modules["heyoka"] = None  # as if they were not installed
+sys.argv = sys.argv[1:]
+runpy.run_path(sys.argv[0], run_name="__main__")
+"""
+
+
+def rows(printed: str) -> list[str]:
+    """The lines with numbers that a quick run prints."""
+    head, *lines = [line for line in printed.splitlines() if "not installed" not in line]
+    assert head == "quick run: not a measurement"
+    assert not re.search(r"\b(nan|inf)\b", printed)
+    return [line for line in lines if re.search(r"\d", line)]
+
 
 def path_of(bench: Path) -> str:
     """The search path with the folder of a bench first, as for the user who runs it."""
     return os.pathsep.join([str(bench.parent), *filter(None, sys.path)])
+
+
+@pytest.mark.parametrize("bench", BENCHES, ids=lambda bench: bench.stem)
+def test_a_quick_run_prints_rows_and_keeps_what_was_measured(bench: Path, tmp_path: Path) -> None:
+    before = [path.read_bytes() for path in WRITTEN]
+    done = run_python(str(bench), "--quick", PYTHONPATH=path_of(bench), TMPDIR=str(tmp_path))
+    assert rows(done.stdout)
+    assert [path.read_bytes() for path in WRITTEN] == before
+
+
+@pytest.mark.parametrize("bench", WITH_PEERS, ids=lambda bench: bench.stem)
+def test_what_needs_a_peer_that_is_missing_is_left_out(bench: Path) -> None:
+    done = python_process(WITHOUT_PEERS, str(bench), "--quick", PYTHONPATH=path_of(bench))
+    assert rows(done.stdout)
+    assert re.search("(numba|heyoka) is not installed: what needs it is left out", done.stdout)
+
+
+def test_every_other_file_is_used_by_a_bench() -> None:
+    used = "".join(path.read_text() for path in FILES)
+    for path in set(FILES) - set(BENCHES) - {FOLDER / "kernel_calls.py"}:
+        assert re.search(rf"^\s*(import|from) {path.stem}\b", used, re.MULTILINE)
 
 
 class Clock:
@@ -96,9 +145,7 @@ def test_states_of_the_start_and_those_that_are_not_finite_are_refused() -> None
         (end, [3, 0], "body 1"),
         (end, 0, "body 0"),
     ):
-        with pytest.raises(
-            SystemExit, match=rf"state of {named} = .*must be finite, not that of the start"
-        ):
+        with pytest.raises(SystemExit, match=rf"state of {named} = .*must be finite, not that of the start"):
             timing.moved(wrong, start, steps)
     with pytest.raises(SystemExit, match="of one body or more"):
         timing.moved(np.empty((0, 3)), np.empty((0, 3)))
