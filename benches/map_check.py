@@ -14,8 +14,8 @@ from timing import Floats, counted, in_turns, over, parser, sized
 
 import rigid
 
-PIXELS, FALLING, REPEATS = sized((24, 12, 5), (3, 2, 1))
-"""Pixels of an axis of the first map and of the second; turns."""
+PIXELS, FALLING, SAMPLES, REPEATS = sized((24, 12, 16, 5), (3, 2, 2, 1))
+"""Pixels of an axis of the first map and of the second; samples of the second; turns."""
 
 COM = np.array([0.36, 0.24, 1.1]) / np.linalg.norm([0.36, 0.24, 1.1])
 
@@ -29,7 +29,7 @@ MAPS: dict[str, dict[str, Any]] = {
         "start": rigid.Start(spin=1.5, axis=3, noise=rigid.normal(1e-3)),
         "stable": rigid.tilt_below(3.0),
         "t_end": 20.0,
-        "samples": 64,
+        "samples": 4 * SAMPLES,
     },
     "falling top": {
         "scene": rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0),
@@ -40,7 +40,7 @@ MAPS: dict[str, dict[str, Any]] = {
         "start": rigid.Start(spin=5.0, attitude_noise=rigid.normal(0.01)),
         "stable": rigid.tilt_below(0.5),
         "t_end": 100.0,
-        "samples": 16,
+        "samples": SAMPLES,
     },
 }
 

@@ -127,7 +127,7 @@ def main() -> None:
     spec = sized(spec, with_side(spec, 8))
     pixels = math.prod(spec.shape)
     overhead(f"closed form, {pixels} pixels of {spec.samples} bodies", spec, repeats)
-    integrated = dataclasses.replace(spec, method="rk4", samples=8, step=1e-3)
+    integrated = dataclasses.replace(spec, method="rk4", samples=8, step=sized(1e-3, 0.02))
     overhead(f"RK4, {pixels} pixels of 8 bodies", integrated, max(1, repeats // 2))
     appends(spec, repeats)
     opening(spec)
