@@ -10,17 +10,19 @@ between, medians of seven.
     python benches/calibrate.py            # errors and costs
     python benches/calibrate.py --costs    # costs alone
     python benches/calibrate.py --errors   # errors alone
+
+A quick run writes nothing.
 """
 
 from __future__ import annotations
 
-import argparse
 import json
 import platform
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from timing import QUICK, moved, parser, positive, sized
 
 from rigid import _core, build_info, methods
 from rigid.solve.error_estimate import distances
@@ -29,12 +31,14 @@ from rigid.solve.work import LANES, reference_nanoseconds
 
 TARGET = Path(__file__).parents[1] / "python" / "rigid" / "calibration.json"
 KINDS = ("free", "lagrange", "top", "driven")
+MEASURED = sized(KINDS, ("lagrange",))
+SCHEMES = sized(None, 3)
+"""So many of the schemes; None for all."""
 CLOSED = ("free", "lagrange")
 """Classes with a closed form."""
 ERRORS = ("factor", "margin", "largest")
 RECORDS = ("rates", "axis", "attitude")
-BODIES = 48
-BODIES_OF_MARGINS = 192
+BODIES, BODIES_OF_MARGINS = sized((48, 192), (4, 4))
 MARGIN = 5.0
 """The least margin: a run may be longer than these, and what is chaotic grows."""
 ANGLE = 30.0
@@ -86,8 +90,8 @@ def ends(table: dict[str, Any], method: str, record: str, steps: Any, time_: flo
 
 
 def simulate(table: dict[str, Any], method: str, record: str, steps: Any, times: Any) -> Any:
-    """The states at some times, by one thread."""
-    return _core.simulate(
+    """The states at some times, by one thread; those that are found are not those of the start."""
+    states = _core.simulate(
         **table,
         method=method,
         record=record,
@@ -96,6 +100,11 @@ def simulate(table: dict[str, Any], method: str, record: str, steps: Any, times:
         threads=1,
         times=times[np.newaxis],
     )
+    found = (states["status"] == 0) & np.isfinite(states["omega"]).all(axis=(1, 2))
+    if found.any():
+        made = states["steps"][found] + (method == EXACT)
+        moved(states["omega"][found, -1], table["omega"][found], made)
+    return states
 
 
 class Truth:
@@ -141,18 +150,20 @@ def margin(name: str, order: int, factor: float, largest: float, truth: Truth) -
     return least
 
 
-def errors(name: str, order: int, truth: Truth) -> tuple[float, float]:
-    """Factor and longest step of a scheme."""
+def errors(name: str, order: int, truth: Truth) -> tuple[float, float] | None:
+    """Factor and longest step of a scheme; None if it does not move these bodies."""
     factors, found = [], []
     for turn in TURNS:
         try:
             error = truth.errors(name, turn)
         except ValueError:
-            return np.nan, np.nan
+            return None
         # Less than what rounding leaves says nothing.
         model = error / truth.model(order, turn)
-        factors.append(float(np.quantile(model, 0.75)))
-        found.append(float(np.quantile(error, 0.75)))
+        # Of infinite errors there is no quantile.
+        with np.errstate(invalid="ignore"):
+            factors.append(float(np.quantile(model, 0.75)))
+            found.append(float(np.quantile(error, 0.75)))
         if found[-1] < 1e-12:
             break
     usable = [i for i, error in enumerate(found) if 1e-11 < error < 1e-2]
@@ -183,14 +194,15 @@ def work(kind: str, name: str, record: str) -> list[float]:
             found.append(simulate(table, name, record, step, times)["nanoseconds"] / unit)
         return float(np.median(found))
 
+    def of_a_step(count: int) -> float:
+        more = time_(count, 1, stepped) - time_(count, 1, 1)
+        return positive(f"time of a step of {name}", more / (stepped - 1))
+
     once, wanted, stepped, many = 1, 65, 257, 8 * LANES
     alone = time_(1, once, 1)
     step_of_one, step, end = 0.0, 0.0, 0.0
     if name != EXACT:
-        step_of_one, step = (
-            max((time_(count, 1, stepped) - time_(count, 1, 1)) / (stepped - 1), 0.0)
-            for count in (1, LANES)
-        )
+        step_of_one, step = of_a_step(1), of_a_step(LANES)
         end = max((time_(LANES, 1, stepped, LANES) - time_(LANES, 1, stepped)) / (LANES - 1), 0.0)
     of_one = (time_(1, wanted, wanted) - alone) / (wanted - 1) - step_of_one
     first = time_(many, once, 1)
@@ -207,26 +219,28 @@ def calibrated_errors(kind: str) -> dict[str, dict[str, Any]]:
     """Factor, margin and longest step of each scheme that moves bodies of a class."""
     truth, many = Truth(kind, BODIES), Truth(kind, BODIES_OF_MARGINS)
     found: dict[str, dict[str, Any]] = {}
-    for method in methods():
+    for method in methods()[:SCHEMES]:
         if kind != "driven" or method.driven:
-            factor, largest = errors(method.name, method.order, truth)
-            if np.isfinite(factor):
-                wide = margin(method.name, method.order, factor, largest, many)
-                values = (float(f"{value:.3g}") for value in (factor, wide, largest))
-                found[method.name] = dict(zip(ERRORS, values, strict=True))
+            limits = errors(method.name, method.order, truth)
+            if limits is not None:
+                values = (limits[0], margin(method.name, method.order, *limits, many), limits[1])
+                found[method.name] = {
+                    part: float(f"{positive(f'{part} of {method.name}', value):.3g}")
+                    for part, value in zip(ERRORS, values, strict=True)
+                }
     return found
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parts = parser.add_mutually_exclusive_group()
+    options = parser(__doc__)
+    parts = options.add_mutually_exclusive_group()
     parts.add_argument("--costs", action="store_true", help="keep the errors of the file")
     parts.add_argument("--errors", action="store_true", help="keep the costs of the file")
-    chosen = parser.parse_args()
+    chosen = options.parse_args()
     known = json.loads(TARGET.read_text())
     schemes: dict[str, Any] = {}
     closed: dict[str, Any] = known["closed forms"]
-    for kind in KINDS:
+    for kind in MEASURED:
         of_kind = {name: at[kind] for name, at in known["methods"].items() if kind in at}
         if chosen.costs:
             found = {name: {part: old[part] for part in ERRORS} for name, old in of_kind.items()}
@@ -249,7 +263,8 @@ def main() -> None:
         "angle": ANGLE,
     }
     written = {"machine": machine, "methods": schemes, "closed forms": closed}
-    TARGET.write_text(json.dumps(written, indent=1) + "\n")
+    if not QUICK:
+        TARGET.write_text(json.dumps(written, indent=1) + "\n")
 
 
 if __name__ == "__main__":

@@ -11,11 +11,10 @@ two polynomials (32), the equations of motion of a top 24 for RK4 and 12 without
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+from timing import Floats, moved, parser, positive, sized
 
 import rigid
 
-Floats = NDArray[np.float64]
 COM = np.array([0.3, 0.2, 0.93]) / np.linalg.norm([0.3, 0.2, 0.93])
 SCENES = {
     "asymmetric top": ((1.0, 1.6, 0.7), 1.2 * COM, (0.4, 0.7, 2.0), 5.0),
@@ -25,6 +24,7 @@ SCENES = {
 """Moments, weight, rates and the time of a run."""
 GAMMA = np.array([0.0, np.sin(1.0), np.cos(1.0)])
 ATTITUDE = [np.cos(0.5), np.sin(0.5), 0.0, 0.0]
+STEPS = sized((0.2, 0.1, 0.05, 0.025), (0.2, 0.1))
 WORK = {"rk4": 96.0, "cf4": 260.0, "rkmk4": 4 * 12 + 5 * 32 + 40 + 3 * 24.0, "dop853": 636.0}
 
 
@@ -112,12 +112,14 @@ def errors(name: str, key: str) -> list[float]:
             omega, gamma = np.array(rates), GAMMA
             for _ in range(round(t_end / h)):
                 omega, gamma = step(body, omega, gamma, h)
+        moved(omega, rates)
         off = np.concatenate([omega - truth.omega[0], gamma - truth.gamma[0]])
-        found.append(float(np.linalg.norm(off)))
+        found.append(positive(f"error of {name}", float(np.linalg.norm(off))))
     return found
 
 
 def main() -> None:
+    parser(__doc__).parse_args()
     for key in SCENES:
         print(f"{key:<16}{'work':>8}" + "".join(f"{f'h = {h:g}':>10}" for h in STEPS), end="")
         print("   operations per unit of time for 1e-3, 1e-6, 1e-9")
@@ -132,8 +134,6 @@ def main() -> None:
             print(f"{name:<16}{work:8.0f}" + "".join(f"{error:10.1e}" for error in found), end="")
             print("   " + "".join(f"{operations:10,.0f}" for operations in needed))
 
-
-STEPS = (0.2, 0.1, 0.05, 0.025)
 
 if __name__ == "__main__":
     main()

@@ -14,16 +14,29 @@ import os
 os.environ["OPENBLAS_NUM_THREADS"] = "1"
 os.environ["NUMBA_NUM_THREADS"] = "1"
 
+import dataclasses
 import math
-import statistics
 import subprocess
 import sys
-import time
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from timing import (
+    Moved,
+    counted,
+    in_turns,
+    installed,
+    moved,
+    over,
+    parser,
+    positive,
+    required,
+    share,
+    sized,
+)
 
 sys.path.insert(0, str(Path(__file__).parent / "peers"))
 
@@ -39,18 +52,10 @@ Row = tuple[str, float, str, str]
 """A call, the number measured, its unit, and the number wanted."""
 
 
-def in_turns(*sides: Callable[[], object], repeats: int = 7, calls: int = 1) -> list[float]:
-    """Median seconds of processor time of each side; the sides take turns."""
-    seconds: list[list[float]] = [[] for _ in sides]
-    for side in sides:
-        side()
-    for _ in range(repeats):
-        for side, times in zip(sides, seconds, strict=True):
-            begin = time.thread_time_ns()
-            for _ in range(calls):
-                side()
-            times.append((time.thread_time_ns() - begin) / calls * 1e-9)
-    return [statistics.median(times) for times in seconds]
+def ran(run: rigid.Run) -> None:
+    """Every body has moved: by steps, unless in closed form."""
+    omega = run.omega.reshape(-1, len(run.t), 3)
+    moved(omega[:, -1], run.start_omega, run.steps + (run.plan.method == "exact"))
 
 
 def rates(count: int) -> np.ndarray:
@@ -58,26 +63,28 @@ def rates(count: int) -> np.ndarray:
 
 
 def small_call() -> Iterator[Row]:
-    (seconds,) = in_turns(
-        lambda: rigid.simulate(FREE, [0.1, 1.0, 0.2], t=[1.0]), repeats=21, calls=200
-    )
-    yield "free body, 1 body x 1 time", seconds * 1e6, "µs", "<= 30"
+    call = partial(rigid.simulate, FREE, [0.1, 1.0, 0.2], t=[1.0])
+    (seconds,) = in_turns({"call": call}, ran, repeats=sized(21, 1), calls=sized(200, 20)).values()
+    yield "free body, 1 body x 1 time", float(np.median(seconds)) * 1e6, "µs", "<= 30"
 
 
 def large_call() -> Iterator[Row]:
-    omega = rates(100_000)
-    shares = []
-    for _ in range(15):
-        begin = time.thread_time_ns()
-        run = rigid.simulate(FREE, omega, t=[1.0], threads=1)
-        shares.append((time.thread_time_ns() - begin) / run.nanoseconds)
-    yield "free body, 1e5 x 1: call over core", statistics.median(shares), "", "<= 1.25"
+    omega, cores = rates(sized(100_000, 5000)), []
+
+    def check(run: rigid.Run) -> None:
+        ran(run)
+        cores.append(run.nanoseconds * 1e-9)
+
+    call = partial(rigid.simulate, FREE, omega, t=[1.0], threads=1)
+    (seconds,) = in_turns({"call": call}, check, repeats=sized(15, 1)).values()
+    core = share("core of a call", float(np.median(cores / seconds)))
+    yield "free body, 1e5 x 1: call over core", 1.0 / core, "", "<= 1.25"
 
 
 PEAK = """
-import resource, numpy as np, rigid
+import resource, sys, numpy as np, rigid
 scene = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
-omega = np.random.default_rng(1).normal(size=(10**6, 3))
+omega = np.random.default_rng(1).normal(size=(int(sys.argv[1]), 3))
 t = np.linspace(0.0, 10.0, 10)
 rigid.simulate(scene, omega[:100], t=t)
 before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
@@ -90,76 +97,73 @@ print((after - before) * 1024 / sum(getattr(run, name).nbytes for name in names)
 
 
 def memory() -> Iterator[Row]:
-    done = subprocess.run([sys.executable, "-c", PEAK], capture_output=True, text=True, check=True)
+    command = [sys.executable, "-c", PEAK, str(sized(10**6, 10**5))]
+    done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True)
     yield "free body, 1e6 x 10: peak memory over result", float(done.stdout), "", "<= 1.1"
 
 
 def own_inertia() -> Iterator[Row]:
-    omega, t = rates(20_000), np.linspace(0.0, 10.0, 200)
+    omega, t = rates(sized(20_000, 100)), np.linspace(0.0, 10.0, 200)
     moments = 1.0 + np.random.default_rng(2).uniform(size=(len(omega), 3))
-    try:
-        scene = rigid.FreeBody(rigid.Body(moments))
-    except ValueError:
-        return  # bodies have one inertia in this version
-    own, shared = in_turns(
-        lambda: rigid.simulate(scene, omega, t=t, threads=1),
-        lambda: rigid.simulate(FREE, omega, t=t, threads=1),
-        repeats=5,
+    scenes = {"own": rigid.FreeBody(rigid.Body(moments)), "one": FREE}
+    times = in_turns(
+        {of: partial(rigid.simulate, scene, omega, t=t, threads=1) for of, scene in scenes.items()},
+        ran,
+        repeats=sized(5, 1),
     )
-    yield "2e4 bodies of their own inertia x 200 over one inertia", own / shared, "", "<= 1.2"
+    row = "2e4 bodies of their own inertia x 200 over one inertia"
+    yield row, over(row, times["own"], times["one"]), "", "<= 1.2"
 
 
 def stepper() -> Iterator[Row]:
     motion = rigid.Motion(FREE, [0.1, 1.0, 0.2])
     torques = [(0.0, 0.01 * i, 0.1) for i in range(-50, 50)]
 
-    def steps() -> None:
+    def steps() -> Moved:
+        start = np.array(motion.omega)
         for torque in torques:
             motion.step(1e-3, torque)
+        return motion.omega, start
 
-    (seconds,) = in_turns(steps, repeats=21, calls=20)
-    yield "Motion.step, one body, torque changing", seconds * 1e4, "µs", "<= 5"
+    (seconds,) = in_turns(
+        {"steps": steps}, lambda found: moved(*found), repeats=sized(21, 1), calls=sized(20, 2)
+    ).values()
+    yield "Motion.step, one body, torque changing", float(np.median(seconds)) * 1e4, "µs", "<= 5"
 
 
 def checked_accuracy() -> Iterator[Row]:
-    omega = np.array([0.3, 0.1, 2.0]) + 1e-3 * rates(4096)
-    truth = rigid.simulate(TOP, omega[:64], t=[20.0], method="taylor20", check=False)
+    omega = np.array([0.3, 0.1, 2.0]) + 1e-3 * rates(sized(4096, 64))
+    t = sized(20.0, 2.0)
+    truth = rigid.simulate(TOP, omega[:64], t=[t], method="taylor20", check=False)
 
     def error(method: str, step: float) -> float:
-        run = rigid.simulate(TOP, omega[:64], t=[20.0], method=method, step=step, check=False)
+        run = rigid.simulate(TOP, omega[:64], t=[t], method=method, step=step, check=False)
         assert run.attitude is not None
         assert truth.attitude is not None
         apart = np.linalg.norm(run.attitude - truth.attitude, axis=-1)
         return float(2.0 * np.median(apart))
 
-    best = []
+    call = partial(rigid.simulate, TOP, omega, t=[t], threads=1)
+    sides = {"asked": partial(call, accuracy=1e-6)}
     for method in rigid.methods():
         if not (method.tops and method.order >= 4):
             continue
-        for steps in np.geomspace(20, 4000, 24):
-            step = 20.0 / math.ceil(steps)
+        for steps in np.geomspace(t, 200.0 * t, sized(24, 6)):
+            step = t / math.ceil(steps)
             if error(method.name, step) < 1e-6:
-                best.append((method.name, step))
+                sides[method.name] = partial(call, method=method.name, step=step, check=False)
                 break
-
-    def fixed(method: str, step: float) -> Callable[[], object]:
-        return lambda: rigid.simulate(
-            TOP, omega, t=[20.0], method=method, step=step, check=False, threads=1
-        )
-
-    asked, *others = in_turns(
-        lambda: rigid.simulate(TOP, omega, t=[20.0], accuracy=1e-6, threads=1),
-        *(fixed(*choice) for choice in best),
-        repeats=3,
-    )
-    yield "asymmetric top, accuracy=1e-6, over the best step", asked / min(others), "", "<= 1.8"
+    required(len(sides) > 1, "error of every fixed step: must be below 1e-6 for one of them")
+    asked, *others = in_turns(sides, ran, repeats=sized(3, 1)).values()
+    row = "asymmetric top, accuracy=1e-6, over the best step"
+    yield row, over(row, asked, min(others, key=np.median)), "", "<= 1.8"
 
 
 def map_check() -> Iterator[Row]:
-
+    pixels, samples = sized((8, 64), (2, 16))
     spec: dict[str, Any] = {
-        "axes": {"mgl": np.linspace(0.05, 1.2, 8), "noise": np.geomspace(1e-4, 1e-2, 8)},
-        "samples": 64,
+        "axes": {"mgl": np.linspace(0.05, 1.2, pixels), "noise": np.geomspace(1e-4, 1e-2, pixels)},
+        "samples": samples,
         "t_end": 20.0,
         "start": rigid.Start(omega=(0.3, 0.1, 2.0), noise=rigid.normal(1e-3)),
         "stable": rigid.tilt_below(3.0),
@@ -168,25 +172,26 @@ def map_check() -> Iterator[Row]:
         "threads": 1,
     }
     best = rigid.plan(TOP, "rates", omega=[0.3, 0.1, 2.0], t_end=20.0, accuracy=1e-6)
-    checked, bare = in_turns(
-        lambda: rigid.stability_map(TOP, **spec),
-        lambda: rigid.stability_map(TOP, **spec, method=best.method, step=best.step, check=0.0),
-        repeats=3,
+    call = partial(rigid.stability_map, TOP, **spec)
+    times = in_turns(
+        {"checked": call, "bare": partial(call, method=best.method, step=best.step, check=0.0)},
+        lambda result: counted(result.columns, pixels * pixels * samples),
+        repeats=sized(3, 1),
     )
-    yield "integrated map with its check over bare integration", checked / bare, "", "<= 1.3"
+    row = "integrated map with its check over bare integration"
+    yield row, over(row, times["checked"], times["bare"]), "", "<= 1.3"
 
 
 def against_numba() -> Iterator[Row]:
     """Fixed steps of RK4, of the bodies of `peers`: a free body's rates, and a top's vertical."""
-    try:
-        import numba_side
-    except ImportError:
-        return
+    import numba_side
     import tops
 
-    scene = tops.SCENES[0]
-    omega, steps = scene.cloud(2048), 2000
-    h = scene.t / steps
+    if numba_side.numba is None:
+        return
+    bodies, steps, t = sized((2048, 2000, 50.0), (16, 400, 10.0))
+    scene = dataclasses.replace(tops.SCENES[0], t=t)
+    omega = scene.cloud(bodies)
     (a, b, c), (x1, x2, x3) = scene.moments, scene.weight
 
     def euler(u, v, w):  # type: ignore[no-untyped-def]
@@ -202,46 +207,40 @@ def against_numba() -> Iterator[Row]:
             x * v - y * u,
         )
 
-    free = rigid.FreeBody(rigid.Body(scene.moments))
-    heavy = rigid.HeavyTop(rigid.Body(scene.moments), mgl=scene.mgl, com=scene.com)
-    vertical = np.tile([[0.0], [0.0], [1.0]], len(omega))
-    for words, ours, record, rates_of, start in (
-        ("rates", free, "rates", euler, omega.T),
-        ("top with vertical", heavy, "axis", top, np.concatenate([omega.T, vertical])),
-    ):
+    def row(words: str, ours: Scene, record: str, rates_of: Any, start: np.ndarray) -> Row:
         form = tops.Form(words, len(start), rates_of, lambda w, _: w.T, lambda y, _: (y[:3].T, y))
         theirs = numba_side.Numba(scene, form, "RK4", np.ascontiguousarray(start))
-        theirs.take(len(omega))
+        theirs.take(bodies)
         theirs.prepare(steps)
+        own = partial(rigid.simulate, ours, omega, t=[scene.t], method="rk4", record=record)
+        own = partial(own, step=scene.t / steps * (1 + 1e-12), check=False, threads=1)
 
-        def own(ours: Scene = ours, record: str = record) -> rigid.Run:
-            return rigid.simulate(
-                ours,
-                omega,
-                t=[scene.t],
-                method="rk4",
-                step=h * (1 + 1e-12),
-                record=record,
-                check=False,
-                threads=1,
-            )
+        def check(run: rigid.Run | None) -> None:
+            ran(run) if run else moved(theirs.states[:3].T, omega)
 
-        run = own()
-        theirs.run(steps)
+        sides = {"numba": partial(theirs.run, steps), "rigid": own}
+        times = in_turns(sides, check, repeats=sized(9, 1))
         # The same steps of the same equations, but for the order of operations.
-        assert int(run.steps[0]) == steps
-        assert np.abs(run.omega[:, -1] - theirs.states[:3].T).max() < 1e-6
-        numba, rust = in_turns(lambda theirs=theirs: theirs.run(steps), own, repeats=9)
-        yield f"RK4, {words}: numba in lanes over rigid", numba / rust, "", ">= 1"
+        run = own()
+        apart = float(np.abs(run.omega[:, -1] - theirs.states[:3].T).max())
+        required(apart < 1e-6, f"distance of the states = {apart:.1e}: must be below 1e-6")
+        required(run.steps[0] == steps, f"steps of rigid = {run.steps[0]}: must be {steps}")
+        name = f"RK4, {words}: numba in lanes over rigid"
+        return name, over(name, times["numba"], times["rigid"]), "", ">= 1"
+
+    free = rigid.FreeBody(rigid.Body(scene.moments))
+    heavy = rigid.HeavyTop(rigid.Body(scene.moments), mgl=scene.mgl, com=scene.com)
+    vertical = np.tile([[0.0], [0.0], [1.0]], bodies)
+    yield row("rates", free, "rates", euler, omega.T)
+    yield row("top with vertical", heavy, "axis", top, np.concatenate([omega.T, vertical]))
 
 
-DAYS = 3.0 * 86400.0
+DAYS = sized(3.0, 0.01) * 86400.0
 
 
 def against_heyoka() -> Iterator[Row]:
-    try:
-        import heyoka as hy
-    except ImportError:
+    hy = installed("heyoka")
+    if hy is None:
         return
     moments, damping = (1.0, 1.6, 2.1), 1e-6
     body = rigid.FreeBody(rigid.Body(moments), damping=damping)
@@ -266,14 +265,14 @@ def against_heyoka() -> Iterator[Row]:
         integrator.state[:] = begin
         integrator.propagate_until(DAYS)
 
-    own, theirs = in_turns(
-        lambda: rigid.simulate(
-            body, start, t=[DAYS], method="taylor16", tolerance=1e-12, check=False, threads=1
-        ),
-        propagate,
-        repeats=5,
-    )
-    yield "one damped body, 3 days, taylor16, over heyoka", own / theirs, "", "<= 1.5"
+    def check(run: rigid.Run | None) -> None:
+        ran(run) if run else moved(integrator.state, begin)
+
+    own = partial(rigid.simulate, body, start, t=[DAYS], method="taylor16", tolerance=1e-12)
+    sides = {"rigid": partial(own, check=False, threads=1), "heyoka": propagate}
+    times = in_turns(sides, check, repeats=sized(5, 1))
+    row = "one damped body, 3 days, taylor16, over heyoka"
+    yield row, over(row, times["rigid"], times["heyoka"]), "", "<= 1.5"
 
 
 ROWS: dict[str, Callable[[], Iterator[Row]]] = {
@@ -290,11 +289,14 @@ ROWS: dict[str, Callable[[], Iterator[Row]]] = {
 
 
 def main() -> None:
-    asked = tuple(sys.argv[1:]) or tuple(ROWS)
+    options = parser(__doc__)
+    options.add_argument("rows", nargs="*", help="beginnings of " + ", ".join(ROWS))
+    asked = tuple(options.parse_args().rows) or tuple(ROWS)
     print(f"{'call':<56}{'measured':>10}      wanted")
     for name, measured in ROWS.items():
         if name.startswith(asked):
             for call, number, unit, wanted in measured():
+                positive(call, number)
                 print(f"{call:<56}{number:>10.3g} {unit:<4} {wanted}", flush=True)
 
 

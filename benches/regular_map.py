@@ -11,35 +11,34 @@ bodies is below the target. Medians of interleaved repeats.
 
 from __future__ import annotations
 
-import statistics
 import sys
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from timing import Floats, counted, in_turns, moved, over, parser, share, sized
 
 import rigid
 from rigid import _core
 
 sys.path.insert(0, str(Path(__file__).parent / "peers"))
-from numba_side import DOP853, written
+from numba_side import DOP853, numba, written
 from tops import Form
-
-Floats = NDArray[np.float64]
 
 MOMENTS = np.array([1.0, 1.6, 0.7])
 COM = np.array([0.3, 0.2, 0.93]) / np.linalg.norm([0.3, 0.2, 0.93])
-MGL, T, TARGETS, REPEATS = 1.2, 200.0, (1e-6, 1e-10), 9
+MGL = 1.2
+CELLS, T, TARGETS, REPEATS = sized((64, 200.0, (1e-6, 1e-10), 9), (4, 10.0, (1e-6,), 1))
+NEAR = sized(1.01, 3.0)
+"""Factor to which the fewest steps are found."""
 METHODS = ("dop853", "taylor12")
 TOP = rigid.HeavyTop(rigid.Body(tuple(MOMENTS)), mgl=MGL, com=COM)
-TILT, SPIN = np.meshgrid(np.linspace(0.05, 3.09, 64), np.linspace(0.0, 8.0, 64))
+TILT, SPIN = np.meshgrid(np.linspace(0.05, 3.09, CELLS), np.linspace(0.0, 8.0, CELLS))
 
 
 def starts() -> tuple[Floats, Floats, Floats]:
-    """Rates, vertical and attitude of the 4096 bodies."""
+    """Rates, vertical and attitude of the bodies."""
     tilt, spin = TILT.ravel(), SPIN.ravel()
     zero = np.zeros(tilt.size)
     omega = np.stack([zero, zero, spin], axis=1)
@@ -92,9 +91,11 @@ def rates() -> Callable[..., tuple[Any, ...]]:
 class Numba:
     """All bodies, by so many equal steps."""
 
-    def __init__(self) -> None:
-        import numba
+    name = "numba dop853"
+    knobs = T, 100.0 * T
+    """The fewest steps and the most."""
 
+    def __init__(self) -> None:
         omega, vertical, _ = starts()
         tangent = displacements()
         self.start = np.ascontiguousarray(np.concatenate([omega, vertical, tangent], axis=1).T)
@@ -114,6 +115,9 @@ class Numba:
         scale = 0.5 * (MOMENTS[:, None] * self.start[:3] ** 2).sum(axis=0) + MGL
         return float(np.max(np.abs(end - begin) / scale))
 
+    def check(self, states: Floats) -> None:
+        moved(states.T, self.start.T)
+
 
 def energy(states: Floats) -> Floats:
     turning = 0.5 * (MOMENTS[:, None] * states[:3] ** 2).sum(axis=0)
@@ -124,8 +128,10 @@ def energy(states: Floats) -> Floats:
 class Rigid:
     """All bodies by a method, in steps of an angle of the bound of their rates."""
 
+    knobs = 0.1, 30.0
+
     def __init__(self, method: str) -> None:
-        self.method = method
+        self.method, self.name = method, f"rigid {method}"
         self.bodies = {"scene": "top", **columns()}
         self.rates = _core.fastest_rates(**self.bodies)
         self.scale = _core.rate_units(**columns())
@@ -147,57 +153,60 @@ class Rigid:
     def drift(self, per_radian: float) -> float:
         return float(self.run(per_radian)["energy_drift"].max())
 
+    def check(self, found: dict[str, Any]) -> None:
+        moved(found["logs"][:, 0], 0.0, found["steps"])
+
 
 class Map:
     """The map of verdicts, by the default method or by a scheme."""
 
-    def __init__(self, check: float) -> None:
-        self.check = check
+    def __init__(self, name: str, again: float) -> None:
+        self.name, self.again = name, again
 
     def run(self, _: float) -> rigid.StabilityMap:
         axes = {"tilt": TILT[0], "spin": SPIN[:, 0]}
         return rigid.stability_map(
             TOP, axes=axes, start=rigid.Start(spin=0.0), samples=1, t_end=T, rng=1, threads=1,
-            stable=rigid.regular(), check=self.check, progress=False,
+            stable=rigid.regular(), check=self.again, progress=False,
         )  # fmt: skip
 
+    def check(self, result: rigid.StabilityMap) -> None:
+        counted(result.columns, CELLS * CELLS)
 
-def fewest(side: Numba | Rigid, target: float, low: float, high: float) -> float:
+
+def fewest(side: Numba | Rigid, target: float) -> float:
     """The least knob whose drift is below the target."""
-    while high / low > 1.01:
+    low, high = side.knobs
+    while high / low > NEAR:
         middle = float(np.sqrt(low * high))
         low, high = (low, middle) if side.drift(middle) <= target else (middle, high)
+    share(f"drift of {side.name} over the target", side.drift(high) / target)
     return high
 
 
 def main() -> None:
     """Print the table."""
-    numba = Numba()
+    parser(__doc__).parse_args()
+    sides = [*map(Rigid, METHODS)] if numba is None else [Numba(), *map(Rigid, METHODS)]
+    maps = [Map("rigid map", 0.0), Map("rigid map, checked", 1.0)]
     print(f"instruction set {rigid.build_info()['isa']}; {REPEATS} repeats")
     for target in TARGETS:
-        ways: dict[str, tuple[Any, float]] = {
-            "numba dop853": (numba, fewest(numba, target, 200, 2e4))
-        }
-        for method in METHODS:
-            side = Rigid(method)
-            ways[f"rigid {method}"] = (side, fewest(side, target, 0.1, 30.0))
+        ways: list[tuple[Any, float]] = [(side, fewest(side, target)) for side in sides]
         if target == TARGETS[0]:
-            ways["rigid map"] = (Map(0.0), 0.0)
-            ways["rigid map, checked"] = (Map(1.0), 0.0)
-        times: dict[str, list[float]] = {name: [] for name in ways}
-        ratios: dict[str, list[float]] = {name: [] for name in ways}
-        for _ in range(REPEATS):
-            for name, (side, knob) in ways.items():
-                begin = time.process_time()
-                side.run(knob)
-                times[name].append(1e3 * (time.process_time() - begin))
-                ratios[name].append(times["numba dop853"][-1] / times[name][-1])
+            ways += [(of_verdicts, 0.0) for of_verdicts in maps]
+        times = in_turns(
+            {side.name: lambda side=side, knob=knob: (side, side.run(knob)) for side, knob in ways},
+            lambda done: done[0].check(done[1]),
+            repeats=REPEATS,
+        )
+        first, *_ = times.values()
         print(f"drift of the energy below {target:g}")
-        for name, (_, knob) in ways.items():
-            middle, ratio = statistics.median(times[name]), statistics.median(ratios[name])
-            least = min(times[name])
-            row = f"  {name:20} knob {knob:8.2f} {middle:8.1f} ms, least {least:8.1f}"
-            print(f"{row}; numba over it {ratio:.2f}", flush=True)
+        for side, knob in ways:
+            seconds = times[side.name]
+            row = f"  {side.name:20} knob {knob:8.2f} {1e3 * np.median(seconds):8.1f} ms"
+            least = f"least {1e3 * seconds.min():8.1f}"
+            ratio = over(f"{ways[0][0].name} over {side.name}", first, seconds)
+            print(f"{row}, {least}; {ways[0][0].name} over it {ratio:.2f}", flush=True)
 
 
 if __name__ == "__main__":

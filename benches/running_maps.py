@@ -5,99 +5,130 @@ python benches/running_maps.py [--repeats 5]
 
 from __future__ import annotations
 
-import argparse
 import dataclasses
+import math
 import resource
 import tempfile
-import time
+from functools import partial
 from pathlib import Path
-from statistics import median
-from typing import Any
 
 import numpy as np
+from timing import counted, in_turns, over, parser, required, sized
 
+from rigid import StabilityMap
 from rigid.cli.toml_map import read_spec
 from rigid.maps.compute import run_map
 from rigid.maps.parameters import make_axes
 from rigid.maps.spec import MapSpec
 from rigid.store.compute import compute
-from rigid.store.resume import carry_on
-from rigid.store.rows import ROW
+from rigid.store.log import Log
+from rigid.store.resume import carry_on, result_of
+from rigid.store.rows import ROW, Block
 from rigid.store.running import Folder
 
-MILLION = 1_000_000
+SIDE = sized(1000, 100)
+"""Pixels of an axis of the map that is opened."""
+
+APPENDS = sized((1, 128, 1024, 8192), (1, 64))
+CALLS = 8
+"""Appends of a turn: a single one takes little more than a look at the clock."""
 
 
-def cost(work: Any) -> float:
-    """Processor time, s."""
-    begin = time.process_time()
-    work()
-    return time.process_time() - begin
+def with_side(spec: MapSpec, pixels: int) -> MapSpec:
+    """The map with so many pixels on each axis."""
+    ends = {axis.name: (axis.values[0], axis.values[-1]) for axis in spec.axes}
+    axes = make_axes({name: np.geomspace(*two, pixels) for name, two in ends.items()})
+    return dataclasses.replace(spec, axes=axes)
 
 
 def overhead(name: str, spec: MapSpec, repeats: int) -> None:
     """Stored against unstored, each on one thread, in turn."""
-    plain, stored = [], []
-    for _ in range(repeats):
-        fresh = dataclasses.replace(spec)  # without the starts of the run before
-        plain.append(cost(lambda: run_map(fresh, threads=1, progress=False)))  # noqa: B023
-        with tempfile.TemporaryDirectory() as place:
-            folder = Folder.at(Path(place, "run"), spec)
-            stored.append(
-                cost(lambda: carry_on(folder, threads=1, stop=lambda: False, progress=False))  # noqa: B023
-            )
-    ratio = median(b / a - 1.0 for a, b in zip(plain, stored, strict=True))
-    print(f"{name}: {median(plain):.3f} s, stored {median(stored):.3f} s: {ratio:+.1%}")
+    with tempfile.TemporaryDirectory() as place:
+        # One for each turn and for the first.
+        folders = iter([Folder.at(Path(place, str(i)), spec) for i in range(repeats + 1)])
+
+        def unstored() -> StabilityMap:
+            fresh = dataclasses.replace(spec)  # without the starts of the run before
+            return run_map(fresh, threads=1, progress=False)
+
+        def stored() -> Folder:
+            folder = next(folders)
+            carry_on(folder, threads=1, stop=lambda: False, progress=False)
+            return folder
+
+        def check(done: StabilityMap | Folder) -> None:
+            result = result_of(done) if isinstance(done, Folder) else done
+            counted(result.columns, result.samples.size * spec.samples)
+
+        times = in_turns({"plain": unstored, "stored": stored}, check, repeats=repeats)
+    plain, kept = (np.median(seconds) for seconds in times.values())
+    more = over("stored over unstored", times["stored"], times["plain"]) - 1.0
+    print(f"{name}: {plain:.3f} s, stored {kept:.3f} s: {more:+.1%}")
+
+
+def append(log: Log, block: Block, count: int, repeats: int) -> None:
+    """A record of so many rows."""
+    size = log.path.stat().st_size
+
+    def check(_: object) -> None:
+        nonlocal size
+        before, size = size, log.path.stat().st_size
+        grown = f"growth of the log = {size - before} bytes: must hold {CALLS} x {count} rows"
+        required(size - before >= CALLS * count * ROW.itemsize, grown)
+
+    rows, costs = block.rows[:count], block.nanoseconds[:count]
+    (seconds,) = in_turns(
+        {"append": partial(log.append, rows, costs)}, check, repeats=repeats, calls=CALLS
+    ).values()
+    print(f"append of {count} rows: {1e3 * np.median(seconds):.2f} ms")
 
 
 def appends(spec: MapSpec, repeats: int) -> None:
-    """One record."""
-    block = compute(spec, np.arange(8192))
+    """Records of some sizes in one log."""
+    block = compute(spec, np.arange(APPENDS[-1]))
     assert block is not None
-    rows, nanoseconds, _ = block
     with tempfile.TemporaryDirectory() as place:
         folder = Folder.at(Path(place, "run"), spec)
         folder.begin()
-        for count in (1, 128, 1024, 8192):
-            log = folder._log
-            assert log is not None
-            costs = [
-                cost(lambda: log.append(rows[:count], nanoseconds[:count]))  # noqa: B023
-                for _ in range(20 * repeats)
-            ]
-            print(f"append of {count} rows: {1e3 * median(costs):.2f} ms")
+        assert folder._log is not None
+        for count in APPENDS:
+            append(folder._log, block, count, repeats)
         folder.end("interrupted")
 
 
 def opening(spec: MapSpec) -> None:
-    """A store of a million units."""
-    ends = {axis.name: (axis.values[0], axis.values[-1]) for axis in spec.axes}
-    axes = make_axes({name: np.geomspace(*two, 1000) for name, two in ends.items()})
-    many = dataclasses.replace(spec, axes=axes)
+    """A store of many units."""
+    units = SIDE * SIDE
     with tempfile.TemporaryDirectory() as place:
-        folder = Folder.at(Path(place, "run"), many)
+        folder = Folder.at(Path(place, "run"), with_side(spec, SIDE))
         folder.begin()
-        for begin in range(0, MILLION, 8192):
-            rows = np.zeros(min(8192, MILLION - begin), ROW)
+        for begin in range(0, units, 8192):
+            rows = np.zeros(min(8192, units - begin), ROW)
             rows["unit"] = np.arange(begin, begin + len(rows))
             folder.append(rows, np.ones(len(rows), "<f4"))
         folder.end("complete")
         del folder
-        begin_time = time.perf_counter()
-        seconds = cost(lambda: Folder(Path(place, "run")))
-        wall = time.perf_counter() - begin_time
+
+        def check(opened: Folder) -> None:
+            known = int(opened.table.known.sum())
+            required(known == units, f"units of the store = {known}: must be {units}")
+
+        opened = {"opening": lambda: Folder(Path(place, "run"))}
+        (seconds,) = in_turns(opened, check, repeats=3).values()
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-    print(f"opening {MILLION:,} units: {seconds:.2f} s ({wall:.2f} s of wall), {memory:.0f} MB")
+    print(f"opening {units:,} units: {np.median(seconds):.2f} s, {memory:.0f} MB")
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--repeats", type=int, default=5)
-    repeats = parser.parse_args().repeats
+    options = parser(__doc__)
+    options.add_argument("--repeats", type=int, default=sized(5, 1))
+    repeats = options.parse_args().repeats
     spec = read_spec("thrown-box").spec
-    overhead("closed form, 19200 pixels of 64 bodies", spec, repeats)
-    integrated = dataclasses.replace(spec, method="rk4", samples=8, step=1e-3)
-    overhead("RK4, 19200 pixels of 8 bodies", integrated, max(1, repeats // 2))
+    spec = sized(spec, with_side(spec, 8))
+    pixels = math.prod(spec.shape)
+    overhead(f"closed form, {pixels} pixels of {spec.samples} bodies", spec, repeats)
+    integrated = dataclasses.replace(spec, method="rk4", samples=8, step=sized(1e-3, 0.02))
+    overhead(f"RK4, {pixels} pixels of 8 bodies", integrated, max(1, repeats // 2))
     appends(spec, repeats)
     opening(spec)
 

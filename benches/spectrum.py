@@ -11,16 +11,16 @@ not counted.
 
 from __future__ import annotations
 
-import argparse
-from statistics import median
-from time import process_time
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
+from timing import QUICK, Moved, in_turns, installed, moved, over, parser, sized
 
 import rigid
 
 MOMENTS, WEIGHT = (1.0, 1.6, 0.7), np.array([0.72, 0.0, 0.96])
-T = 200.0
+T = sized(200.0, 10.0)
 
 
 def starts(cells: int) -> tuple[np.ndarray, np.ndarray]:
@@ -33,19 +33,21 @@ def starts(cells: int) -> tuple[np.ndarray, np.ndarray]:
     return omega, np.stack([np.cos(half), np.sin(half), zero, zero], axis=1)
 
 
-def by_rigid(omega: np.ndarray, attitude: np.ndarray) -> float:
-    """Processor time of a call (s)."""
+def by_rigid(omega: np.ndarray, attitude: np.ndarray) -> Callable[[], Moved]:
+    """A function that computes the exponents of the bodies."""
     mgl = float(np.linalg.norm(WEIGHT))
     top = rigid.HeavyTop(rigid.Body(MOMENTS), mgl=mgl, com=WEIGHT / mgl)
-    begin = process_time()
-    rigid.lyapunov(top, omega, attitude, t=[T], exponents=6, of="attitude", check=False, threads=1)
-    return process_time() - begin
+    options = {"exponents": 6, "of": "attitude", "check": False, "threads": 1}
+
+    def run() -> Moved:
+        found = rigid.lyapunov(top, omega, attitude, t=[T], **options)
+        return found.spectrum[:, -1], 0.0, found.steps
+
+    return run
 
 
-def by_heyoka(omega: np.ndarray, attitude: np.ndarray):  # type: ignore[no-untyped-def]
-    """A function that integrates the bodies and returns its processor time (s)."""
-    import heyoka as hy
-
+def by_heyoka(hy: Any, omega: np.ndarray, attitude: np.ndarray) -> Callable[[], Moved]:
+    """A function that integrates the bodies with all displacements."""
     w1, w2, w3, g1, g2, g3 = variables = hy.make_vars("w1", "w2", "w3", "g1", "g2", "g3")
     (i1, i2, i3), (c1, c2, c3) = MOMENTS, WEIGHT
     rates = [
@@ -58,7 +60,7 @@ def by_heyoka(omega: np.ndarray, attitude: np.ndarray):  # type: ignore[no-untyp
     ]
     system = hy.var_ode_sys(list(zip(variables, rates, strict=True)), hy.var_args.vars, order=1)
     width = hy.recommended_simd_size()
-    solver = hy.taylor_adaptive_batch(system, np.zeros((6, width)), tol=1e-15, compact_mode=False)
+    solver = hy.taylor_adaptive_batch(system, np.zeros((6, width)), tol=1e-15, compact_mode=QUICK)
     first = solver.state.copy()
     turned = np.stack(
         [
@@ -68,30 +70,34 @@ def by_heyoka(omega: np.ndarray, attitude: np.ndarray):  # type: ignore[no-untyp
         ]
     )
 
-    def run() -> float:
-        begin = process_time()
+    def run() -> Moved:
+        begin, end = np.tile(first, (1, len(omega) // width)), []
+        begin[:6] = np.concatenate([omega.T, turned])
         for at in range(0, len(omega), width):
             solver.set_time(0.0)
-            solver.state[:] = first
-            solver.state[:3] = omega[at : at + width].T
-            solver.state[3:6] = turned[:, at : at + width]
+            solver.state[:] = begin[:, at : at + width]
             solver.propagate_until(T)
-        return process_time() - begin
+            end.append(solver.state.copy())
+        return np.concatenate(end, axis=1).T, begin.T
 
     return run
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--cells", type=int, default=16)
-    parser.add_argument("--repeats", type=int, default=5)
-    options = parser.parse_args()
+    arguments = parser(__doc__)
+    arguments.add_argument("--cells", type=int, default=sized(16, 4))
+    arguments.add_argument("--repeats", type=int, default=sized(5, 1))
+    options = arguments.parse_args()
     omega, attitude = starts(options.cells)
-    theirs = by_heyoka(omega, attitude)
-    times = [(by_rigid(omega, attitude), theirs()) for _ in range(options.repeats)]
-    own, other = (1e3 * median(column) / len(omega) for column in zip(*times, strict=True))
-    ratio = median(b / a for a, b in times)
-    print(f"all exponents: {own:.2f} ms a top, heyoka {other:.2f} ms: {ratio:.1f} times")
+    sides = {"rigid": by_rigid(omega, attitude)}
+    heyoka = installed("heyoka")
+    if heyoka is not None:
+        sides["heyoka"] = by_heyoka(heyoka, omega, attitude)
+    times = in_turns(sides, lambda found: moved(*found), repeats=options.repeats)
+    for name, seconds in times.items():
+        ratio = over(f"{name} over rigid", seconds, times["rigid"])
+        row = f"all exponents by {name}: {1e3 * np.median(seconds) / len(omega):.2f} ms a top"
+        print(f"{row}, {ratio:.1f} times the time of rigid")
 
 
 if __name__ == "__main__":

@@ -10,38 +10,26 @@ from __future__ import annotations
 
 import os
 import resource
-import statistics
 import subprocess
 import sys
 import time
 from collections.abc import Callable
+from typing import Any
 
 # Idle BLAS threads spin, and processor time counts them.
 os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
 import numpy as np
+from timing import counted, in_turns, installed, moved, over, parser, positive, required, sized
 
 import rigid
 
-BODIES, STEPS, STEP = 4096, 1000, 1e-3
+BODIES, STEPS = sized((4096, 1000), (64, 50))
+STEP = 1e-3
+REPEATS = sized(9, 1)
 WEIGHT = np.array([0.36, 0.24, 1.1])
 MGL = float(np.linalg.norm(WEIGHT))
 TOP = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=MGL, com=WEIGHT / MGL)
-
-
-def interleaved(
-    sides: dict[str, Callable[[], object]], repeats: int, clock: Callable[[], float]
-) -> dict[str, float]:
-    """Median seconds of each side; the sides take turns."""
-    seconds: dict[str, list[float]] = {name: [] for name in sides}
-    for side in sides.values():
-        side()
-    for _ in range(repeats):
-        for name, side in sides.items():
-            begin = clock()
-            side()
-            seconds[name].append(clock() - begin)
-    return {name: statistics.median(values) for name, values in seconds.items()}
 
 
 def starts(n: int) -> tuple[np.ndarray, np.ndarray]:
@@ -50,9 +38,8 @@ def starts(n: int) -> tuple[np.ndarray, np.ndarray]:
     return rng.standard_normal((n, 3)), quaternions / np.linalg.norm(quaternions, axis=1)[:, None]
 
 
-def numba_rk4() -> Callable[[np.ndarray, np.ndarray, float, int], None]:
+def numba_rk4(numba: Any) -> Callable[[np.ndarray, np.ndarray, float, int], None]:
     """The usual compiled loop: one body at a time, scalar code, fast-math allowed."""
-    import numba
 
     @numba.njit(inline="always", fastmath=True)
     def rate(p, y, h, k):  # type: ignore[no-untyped-def]
@@ -91,7 +78,10 @@ def numba_rk4() -> Callable[[np.ndarray, np.ndarray, float, int], None]:
 
 
 def against_numba() -> None:
-    advance = numba_rk4()
+    numba = installed("numba")
+    if numba is None:
+        return
+    advance = numba_rk4(numba)
     omega, attitude = starts(BODIES)
     i1, i2, i3 = TOP.body.moments
     c1, c2, c3 = TOP.weight
@@ -99,51 +89,63 @@ def against_numba() -> None:
     p = np.array([*ratios, c3 / i1, c1 / i2, c2 / i3, c2 / i1, c3 / i2, c1 / i3])
     gamma = rigid.simulate(TOP, omega, attitude, t=[0.0], record="axis").gamma[:, 0]
     y = np.concatenate([omega.T, gamma.T])
-    state = y.copy()
 
-    def numba_side() -> None:
-        state[:] = y
+    def numba_side() -> np.ndarray:
+        state = y.copy()
         advance(state, p, STEP, STEPS)
+        return state[:3].T
 
-    def rigid_side() -> rigid.Run:
+    def rigid_side() -> np.ndarray:
         return rigid.simulate(
             TOP, omega, attitude, t=[STEPS * STEP], step=STEP, record="axis", threads=1
-        )
+        ).omega[:, 0]
 
-    seconds = interleaved({"numba": numba_side, "rigid": rigid_side}, 9, time.process_time)
-    error = np.abs(state[:3].T - rigid_side().omega[:, 0]).max()
+    sides = {"numba": numba_side, "rigid": rigid_side}
+    times = in_turns(sides, lambda end: moved(end, omega), repeats=REPEATS)
+    error = np.abs(numba_side() - rigid_side()).max()
+    required(error < 1e-6, f"distance of the states = {error:.0e}: must be below 1e-6")
+    seconds = {name: np.median(turns) for name, turns in times.items()}
     work = BODIES * STEPS * 1e-6
     print(f"RK4 (omega, gamma), one core, same states to {error:.0e}:")
     print(f"  numba, one body at a time, fastmath {work / seconds['numba']:8.1f} M body-steps/s")
     print(f"  rigid.simulate                      {work / seconds['rigid']:8.1f} M body-steps/s")
-    ratio = seconds["numba"] / seconds["rigid"]
+    ratio = over("numba over rigid", times["numba"], times["rigid"])
     print(f"  ratio                               {ratio:8.2f}   (goal 8)")
 
 
 def overhead_of_the_call() -> None:
     """Time of a call with n and with 2 n steps: what does not grow with the steps is overhead."""
-    bodies, steps = 100_000, 1000
+    bodies, steps = sized((100_000, 1000), (2000, 500))
     omega, attitude = starts(bodies)
 
-    def call(n: int) -> Callable[[], object]:
+    def call(n: int) -> Callable[[], rigid.Run]:
         return lambda: rigid.simulate(
             TOP, omega, attitude, t=[n * STEP], step=STEP, record="axis", threads=1
         )
 
-    seconds = interleaved({"n": call(steps), "2n": call(2 * steps)}, 9, time.process_time)
-    kernel = seconds["2n"] - seconds["n"]
-    print(
-        f"simulate on {bodies} bodies, {steps} steps: {seconds['n']:.3f} s, kernel {kernel:.3f} s"
+    times = in_turns(
+        {"n": call(steps), "2n": call(2 * steps)},
+        lambda run: moved(run.omega[:, 0], omega, run.steps),
+        repeats=sized(9, 3),
     )
-    print(f"  call / bare kernel                  {seconds['n'] / kernel:8.3f}   (goal 1.05)")
+    once = float(np.median(times["n"]))
+    kernel = positive(f"time of {steps} steps more", float(np.median(times["2n"])) - once)
+    print(f"simulate on {bodies} bodies, {steps} steps: {once:.3f} s, kernel {kernel:.3f} s")
+    print(f"  call / bare kernel                  {once / kernel:8.3f}   (goal 1.05)")
 
 
 def two_threads() -> None:
-    def call(threads: int) -> Callable[[], object]:
+    pixels, samples = sized((50, 200), (5, 20))
+    bodies = pixels * pixels * samples
+
+    def call(threads: int) -> Callable[[], rigid.StabilityMap]:
         return lambda: rigid.stability_map(
             rigid.FreeBody,
-            axes={"I2/I1": np.linspace(1.05, 1.95, 50), "noise": np.geomspace(1e-4, 0.1, 50)},
-            samples=200,
+            axes={
+                "I2/I1": np.linspace(1.05, 1.95, pixels),
+                "noise": np.geomspace(1e-4, 0.1, pixels),
+            },
+            samples=samples,
             t_end=100.0,
             stable=rigid.no_flip(axis=2),
             start=rigid.Start(spin=1.0, axis=2, noise=rigid.normal(1e-3)),
@@ -152,30 +154,30 @@ def two_threads() -> None:
             progress=False,
         )
 
-    ratios = []
-    one, two = call(1), call(2)
-    for _ in range(9):
-        begin = time.perf_counter()
-        one()
-        middle = time.perf_counter()
-        two()
-        ratios.append((middle - begin) / (time.perf_counter() - middle))
-    quartiles = statistics.quantiles(ratios, n=4)
-    print("map of 500 000 bodies, wall clock:")
+    times = in_turns(
+        {"one": call(1), "two": call(2)},
+        lambda result: counted(result.columns, bodies),
+        repeats=REPEATS,
+        clock=time.perf_counter,
+    )
+    ratio = over("2 threads over 1 thread", times["one"], times["two"])
+    low, high, best = np.quantile(times["one"] / times["two"], [0.25, 0.75, 1.0])
+    print(f"map of {bodies} bodies, wall clock:")
     print(
-        f"  2 threads / 1 thread                {statistics.median(ratios):8.2f}   (goal 1.8; "
-        f"quartiles {quartiles[0]:.2f}, {quartiles[2]:.2f}; best {max(ratios):.2f})"
+        f"  2 threads / 1 thread                {ratio:8.2f}   (goal 1.8; "
+        f"quartiles {low:.2f}, {high:.2f}; best {best:.2f})"
     )
 
 
 _MEMORY = """
 import sys, numpy as np, rigid
 samples = int(sys.argv[1])
-rigid.stability_map(
+result = rigid.stability_map(
     rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0))),
     axes={"spin": np.linspace(1.0, 2.0, 100), "noise": np.linspace(0.01, 0.1, 100)},
     samples=samples, t_end=0.5, stable=rigid.no_flip(axis=2), check=0.0,
     start=rigid.Start(spin=1.0, axis=2, noise=rigid.normal(0.1)), rng=1, progress=False)
+assert result.samples.sum() == 10_000 * samples
 # Not getrusage: its maximum is inherited from the parent.
 print(next(line.split()[1] for line in open("/proc/self/status") if line.startswith("VmHWM")))
 """
@@ -184,18 +186,20 @@ print(next(line.split()[1] for line in open("/proc/self/status") if line.startsw
 def memory() -> None:
     def peak(samples: int) -> float:
         command = [sys.executable, "-c", _MEMORY, str(samples)]
-        return (
-            int(subprocess.run(command, check=True, capture_output=True, text=True).stdout) / 1024
-        )
+        done = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True)
+        return positive("peak memory", int(done.stdout) / 1024)
 
-    small, large = peak(10), peak(10_000)
+    few, many = sized((10, 10_000), (1, 10))
+    small, large = peak(few), peak(many)
     print("peak memory of a map of 10 000 pixels:")
     print(
-        f"  1e5 bodies {small:.0f} MB, 1e8 bodies {large:.0f} MB: {large - small:+.1f} MB (goal 50)"
+        f"  {few * 10**4:.0e} bodies {small:.0f} MB, {many * 10**4:.0e} bodies {large:.0f} MB: "
+        f"{large - small:+.1f} MB (goal 50)"
     )
 
 
-if __name__ == "__main__":
+def main() -> None:
+    parser(__doc__).parse_args()
     info = rigid.build_info()
     print({name: info[name] for name in ("version", "commit", "profile", "isa", "threads")})
     against_numba()
@@ -204,3 +208,7 @@ if __name__ == "__main__":
     memory()
     usage = resource.getrusage(resource.RUSAGE_SELF)
     print(f"this run: {usage.ru_utime:.0f} s of processor time")
+
+
+if __name__ == "__main__":
+    main()

@@ -10,11 +10,13 @@ from __future__ import annotations
 
 import math
 
-import heyoka as hy
 import numpy as np
+from timing import installed, required, sized
 from tops import Floats, Form, Scene, State, forms
 
-ORDERS = range(6, 22)
+hy = installed("heyoka")
+
+ORDERS = sized(range(6, 22), (10,))
 LANES = 8
 
 
@@ -57,7 +59,8 @@ class Heyoka:
             high_accuracy=False,
             fast_math=self.fast_math,
         )
-        assert self.made[order].order == order
+        made = self.made[order].order
+        required(made == order, f"order of heyoka = {made}: must be {order}")
 
     def run(self, order: int) -> None:
         integrator, t, ends = self.made[order], self.t, []
@@ -93,4 +96,6 @@ def reference(scene: Scene, omega: Floats, rotation: Floats) -> State:
 
 
 def sides(scene: Scene, omega: Floats, rotation: Floats) -> list[Heyoka]:
+    if hy is None:
+        return []
     return [Heyoka(scene, form, omega, rotation) for form in forms(scene)]

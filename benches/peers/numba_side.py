@@ -9,9 +9,11 @@ from __future__ import annotations
 
 import itertools
 
-import numba
 import numpy as np
+from timing import installed
 from tops import Floats, Form, Scene, State, forms
+
+numba = installed("numba")
 
 Table = tuple[list[list[float]], list[float]]
 
@@ -106,8 +108,8 @@ class Numba:
         self.begin = np.ascontiguousarray(self.start[:, :count])
 
     def prepare(self, steps: int) -> None:
-        if not self.advance.signatures:
-            self.advance(self.begin.copy(), 0.1, 1)
+        # Compiles it.
+        self.advance(self.begin.copy(), self.t / steps, 1)
 
     def run(self, steps: int) -> None:
         self.states = self.begin.copy()
@@ -121,6 +123,8 @@ TABLES = {"DOP853": DOP853, "RK4": RK4}
 
 
 def sides(scene: Scene, omega: Floats, rotation: Floats) -> list[Numba]:
+    if numba is None:
+        return []
     return [
         Numba(scene, form, table, form.start(omega, rotation))
         for form, table in itertools.product(forms(scene), TABLES)
