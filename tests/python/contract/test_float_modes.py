@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import signal
 from collections.abc import Callable
+from functools import partial
 from types import FrameType
 from typing import Any
 
@@ -37,6 +38,8 @@ MAP: dict[str, Any] = {
     "rng": 2026,
     "progress": False,
 }
+TENSOR = [[2.0, 0.1, 0.3], [0.1, 3.0, 0.2], [0.3, 0.2, 4.0]]
+COUNTS = np.arange(1, 4000)
 SLEEPS, REGULAR = rigid.tilt_below(0.5), rigid.regular()
 
 
@@ -69,12 +72,8 @@ COMPUTED: dict[str, Callable[[], list[Floats]]] = {
     "closed form": lambda: states(BOX),
     "closed form of a top": lambda: states(LAGRANGE),
     "tiny rates": lambda: [rigid.simulate(BOX, TINY, t=TIMES, check=False).omega],
-    **{f"{m.name} of a top": lambda m=m: states(TOP, method=m.name) for m in METHODS},
-    **{
-        f"{m.name} of a forced body": lambda m=m: states(FORCED, method=m.name)
-        for m in METHODS
-        if m.driven
-    },
+    **{f"{m.name} of a top": partial(states, TOP, method=m.name) for m in METHODS},
+    **{f"{m.name} of a body": partial(states, FORCED, method=m.name) for m in METHODS if m.driven},
     "etd4": lambda: states(FORCED, method="etd4"),
     "events": events,
     "steps of a motion": moved,
@@ -82,12 +81,10 @@ COMPUTED: dict[str, Callable[[], list[Floats]]] = {
     "flips": lambda: [np.asarray(rigid.exact.flip_times(BOX, OMEGA, count=3))],
     "map": lambda: mapped(SLEEPS),
     "map of verdicts": lambda: mapped(REGULAR),
-    "principal axes": lambda: [np.asarray(_core.principal_axes(TENSOR)[1])],
+    "principal axes": lambda: [np.array(_core.principal_axes(TENSOR)[1])],
     "unit quaternions": lambda: [_core.unit_quaternions(ATTITUDE[np.newaxis])],
     "intervals": lambda: list(_core.clopper_pearson(COUNTS, np.full_like(COUNTS, 4000), 0.95)),
 }
-TENSOR = [[2.0, 0.1, 0.3], [0.1, 3.0, 0.2], [0.3, 0.2, 4.0]]
-COUNTS = np.arange(1, 4000)
 
 
 @pytest.mark.parametrize("mode", MODES)

@@ -200,7 +200,7 @@ def test_the_vertical_of_a_satellite_is_the_normal_of_its_orbit(
                 measure=rigid.largest_tilt(axis=k + 1, reference="vertical"),
                 rng=1,
                 progress=False,
-                **({} if method is None else {"method": method}),
+                method=method,
             )
         )
     first = results[0]

@@ -8,6 +8,7 @@ two of them, crosses its value only where the signs differ.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pytest
@@ -121,9 +122,7 @@ def watched(quantities: dict[str, Floats]) -> list[tuple[rigid.Event, Floats]]:
         if high - low < 1e-6:  # a constant of the motion is crossed nowhere
             continue
         level = low + 0.37 * (high - low)
-        how: dict[str, object] = (
-            {"name": name} if name not in DIRECTIONS else {name: DIRECTIONS[name]}
-        )
+        how: dict[str, Any] = {"name": name} if name not in DIRECTIONS else {name: DIRECTIONS[name]}
         both.append((rigid.crosses(value=level, **how), values - level))
         both.append((rigid.turns(**how), np.diff(values)))
     return both
