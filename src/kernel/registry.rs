@@ -231,7 +231,7 @@ macro_rules! kernels {
             #[inline]
             const fn traits(self) -> &'static Traits {
                 match self {
-                    $(System::$system => const { &Traits::of::<$model<f64>, $layout>() },)*
+                    $(System::$system => const { &Traits::of::<$layout>() },)*
                 }
             }
 
@@ -384,7 +384,7 @@ struct Traits {
 }
 
 impl Traits {
-    const fn of<M: Model<f64>, L: Layout>() -> Traits {
+    const fn of<L: Layout>() -> Traits {
         Traits {
             len: L::LEN,
             vectors: L::VECTORS,

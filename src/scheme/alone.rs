@@ -85,7 +85,7 @@ impl<R: Quad> Products<R> {
 
     /// Adds the products of the rates of one order with the rates and directions of another order.
     #[inline(always)]
-    fn add<M: Model<R>>(&mut self, [_, _, _, w1, w2, w3, w231, _]: &Terms<R>, other: &Terms<R>) {
+    fn add(&mut self, [_, _, _, w1, w2, w3, w231, _]: &Terms<R>, other: &Terms<R>) {
         let [n1, n2, n3, .., v312] = other;
         let n = [*n1, *n2, *n3];
         self.rates = w231.fma(*v312, self.rates);
@@ -141,19 +141,19 @@ impl<const COMPENSATED: bool, R: Quad, M: Model<R>> Taylor<COMPENSATED, R, M> {
                 assert!(rows.len() == k + 1);
                 let (mut sums, mut after) = (Products::none(), Products::none());
                 for j in 1..k {
-                    sums.add::<M>(&rows[j], &rows[k - j]);
-                    after.add::<M>(&rows[j + 1], &rows[k - j]);
+                    sums.add(&rows[j], &rows[k - j]);
+                    after.add(&rows[j + 1], &rows[k - j]);
                 }
                 if k > 0 {
-                    sums.add::<M>(&rows[0], &rows[k]);
-                    after.add::<M>(&rows[1], &rows[k]);
+                    sums.add(&rows[0], &rows[k]);
+                    after.add(&rows[1], &rows[k]);
                 }
-                sums.add::<M>(&rows[k], &rows[0]);
+                sums.add(&rows[k], &rows[0]);
                 let next = self.next_alone::<L, D>([unit, time], sums, (torques, all_orders), rows);
                 c.push(next);
                 let rows = c.all();
-                after.add::<M>(&rows[0], &next);
-                after.add::<M>(&next, &rows[0]);
+                after.add(&rows[0], &next);
+                after.add(&next, &rows[0]);
                 let next = self.next_alone::<L, D>([unit, time], after, (torques, all_orders), rows);
                 c.push(next);
             }

@@ -155,7 +155,7 @@ impl<R: Real> Products<R> {
 
     /// Adds the products of the rates of one order with the rates, directions and quaternion of another order.
     #[inline(always)]
-    fn add<M: Model<R>, L: Layout, const D: usize>(&mut self, a: &[R; D], b: &[R; D]) {
+    fn add<L: Layout, const D: usize>(&mut self, a: &[R; D], b: &[R; D]) {
         let [w1, w2, w3] = [a[0], a[1], a[2]];
         add_rates(a, b, &mut self.rates);
         for v in 0..L::VECTORS {
@@ -211,29 +211,29 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
                 let k = 2 * half;
                 let (mut sums, mut after) = (Products::none(), Products::none());
                 for j in 1..k {
-                    sums.add::<M, L, D>(c.order(j), c.order(k - j));
+                    sums.add::<L, D>(c.order(j), c.order(k - j));
                     if side_by_side {
-                        after.add::<M, L, D>(c.order(j + 1), c.order(k - j));
+                        after.add::<L, D>(c.order(j + 1), c.order(k - j));
                     }
                 }
                 if k > 0 {
-                    sums.add::<M, L, D>(c.order(0), c.order(k));
+                    sums.add::<L, D>(c.order(0), c.order(k));
                     if side_by_side {
-                        after.add::<M, L, D>(c.order(1), c.order(k));
+                        after.add::<L, D>(c.order(1), c.order(k));
                     }
                 }
-                sums.add::<M, L, D>(c.order(k), c.order(0));
+                sums.add::<L, D>(c.order(k), c.order(0));
                 self.push_next::<L, D>(unit, sums, &mut series, c, k);
                 if !side_by_side {
                     for j in 1..k {
-                        after.add::<M, L, D>(c.order(j + 1), c.order(k - j));
+                        after.add::<L, D>(c.order(j + 1), c.order(k - j));
                     }
                     if k > 0 {
-                        after.add::<M, L, D>(c.order(1), c.order(k));
+                        after.add::<L, D>(c.order(1), c.order(k));
                     }
                 }
-                after.add::<M, L, D>(c.order(0), c.order(k + 1));
-                after.add::<M, L, D>(c.order(k + 1), c.order(0));
+                after.add::<L, D>(c.order(0), c.order(k + 1));
+                after.add::<L, D>(c.order(k + 1), c.order(0));
                 self.push_next::<L, D>(unit, after, &mut series, c, k + 1);
             }
             // All coefficients are finite if those of the highest order are: where one overflows, so do those after it. A

@@ -1,5 +1,8 @@
 //! A short run of each bench, and what benches refuse.
 
+// Each bench is a program of its own.
+#![allow(clippy::duplicate_mod)]
+
 #[path = "../../benches/closed_forms.rs"]
 mod closed_forms;
 #[path = "../../benches/kernels.rs"]
