@@ -106,7 +106,7 @@ fn orders() {
             for n in [12, 16, 20, 24, 32, 40, 48, 64, 96, 128, 192, 256, 512, 1024, 2048] {
                 let states = integrate(&scene, Solver::Steps(method), &[TIME], TIME / f64::from(n));
                 let error = if all_finished(&states) { difference(&states, &reference) } else { f64::NAN };
-                if error < if scene.name == "asymmetric" { 2e-11 } else { 4.5e-12 } {
+                if error < if scene.is_top { 2e-11 } else { 4.5e-12 } {
                     break;
                 }
                 slope = (last.0 / error).ln() / (f64::from(n) / last.1).ln();
@@ -124,7 +124,8 @@ fn orders() {
 }
 
 /// A palindrome forwards and then backwards is the identity, up to rounding: 200 steps of at most 103 flows in each
-/// direction with ten roundings each, magnified by the motion by less than thirty; four bodies.
+/// direction with ten roundings each, magnified by the motion by less than thirty, by that of a spinning top by less than
+/// a hundred; four bodies.
 #[test]
 fn a_palindrome_is_reversible() {
     for scene in scenes() {
@@ -141,8 +142,9 @@ fn a_palindrome_is_reversible() {
             let home = integrate(&scene, Solver::Steps(method), &[0.0], 0.025);
             let difference = difference(&back, &home);
             let roundings = (2.0 * 200.0 * 10.0 * method.facts.stages.max(7) as f64).sqrt() * EPS / 2.0;
-            println!("{:22} {:11} {difference:.1e} {:.1e}", scene.name, method.facts.name, 120.0 * roundings);
-            assert!(difference <= 120.0 * roundings, "{} {method:?}: {difference:e}", scene.name);
+            let bound = 4.0 * if scene.name == "Lagrange" { 100.0 } else { 30.0 } * roundings;
+            println!("{:22} {:11} {difference:.1e} {bound:.1e}", scene.name, method.facts.name);
+            assert!(difference <= bound, "{} {method:?}: {difference:e}", scene.name);
         }
     }
 }
