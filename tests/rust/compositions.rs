@@ -115,6 +115,7 @@ fn orders() {
             println!("{:22} {:11} {order:4} {slope:.2}", scene.name, method.facts.name);
             let above = match method.facts.name {
                 "pmlf6" if scene.is_top => 1.3,
+                "srkn14" if scene.is_top => 0.5,
                 "srkn14" => 0.3,
                 _ => 0.1,
             };
