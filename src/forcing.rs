@@ -439,6 +439,12 @@ impl BodyForcing<'_> {
         }
     }
 
+    /// Whether the table of the torque has two values at a time.
+    pub fn jumps_at(&self, time: f64) -> bool {
+        let first = self.times.partition_point(|&knot| knot < time);
+        self.times[first..].get(..2) == Some(&[time; 2][..])
+    }
+
     /// Damping rates of a body with these moments without torque, ascending: the eigenvalues of `I^(-1/2) D I^(-1/2)`.
     pub fn damping_rates(&self, moments: [f64; 3]) -> [f64; 3] {
         let mut rates = self.damping_modes(moments).0;
@@ -476,6 +482,11 @@ impl BodyForcing<'_> {
             0.5 * (at(begin, false) + at(next, true)) * (next - begin)
         };
         inner.chain(std::iter::once(to)).map(area).sum()
+    }
+
+    /// Entries 11, 22, 33, 23, 31, 12 of the damping matrix.
+    pub fn damping(&self) -> [f64; 6] {
+        self.damping
     }
 
     /// Entries 11, 22, 33, 23, 31, 12 of the damping matrix, if nothing else acts at any time.
@@ -629,6 +640,7 @@ mod tests {
         assert_eq!(at(2.0, true), [3.0, 1.0]);
         assert_eq!(forcing.next_knot(0.0, false), Some(2.0));
         assert_eq!(forcing.next_knot(4.0, true), Some(2.0));
+        assert_eq!([0.0, 1.0, 2.0, 4.0].map(|time| forcing.jumps_at(time)), [false, false, true, false]);
     }
 
     #[test]

@@ -404,6 +404,11 @@ impl Scheme {
         self.damping_limit() == Some(f64::INFINITY)
     }
 
+    /// Whether the scheme integrates damping exactly, in steps much longer than the time of the damping.
+    pub fn damps_exactly(&self) -> bool {
+        self.is_stiff() && self.forced.is_some_and(|forced| !matches!(forced.step.engine, Engine::Midpoint))
+    }
+
     /// Whether the scheme integrates the torque that a function of the user returns.
     pub const fn moves_called(&self) -> bool {
         match self.forced {

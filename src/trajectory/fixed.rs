@@ -13,6 +13,7 @@ use crate::observe::{Displacement, Observed};
 use crate::parallel::Interrupt;
 use crate::scheme::Scheme;
 use crate::simd::{Isa, LANES};
+use crate::solver::Solver;
 use crate::start::Body;
 use crate::status::Status;
 use std::ops::Range;
@@ -73,6 +74,40 @@ impl Stop {
     }
 }
 
+/// What strong damping makes of a start or of a jump of the torque: first the fast rates end, while the slow ones still
+/// turn the body. Steps from one end of the layer to the other would all step over it, whatever their number: legs
+/// end at the time of the fastest damping, at twice this time, and so on.
+#[derive(Clone, Copy, PartialEq)]
+struct Layer {
+    since: f64,
+    /// The time of the fastest damping.
+    shortest: f64,
+    /// The next end of a leg, since the begin of the layer.
+    next: f64,
+}
+
+impl Layer {
+    /// The layer at the start of a body whose steps do not follow its damping.
+    fn of(request: &Request, body: usize) -> Option<Layer> {
+        let Solver::Steps(scheme) = request.solver else { return None };
+        let forcing = request.forcing_of(body);
+        if !scheme.damps_exactly() || forcing.is_none() {
+            return None;
+        }
+        let [.., rate] = forcing.damping_rates(request.bodies[body].moments);
+        let shortest = 1.0 / rate;
+        (request.steps[body] > shortest).then_some(Layer { since: 0.0, shortest, next: shortest })
+    }
+
+    /// The first end of a leg after a time.
+    fn end_after(&mut self, time: f64) -> f64 {
+        while self.since + self.next <= time {
+            self.next *= 2.0;
+        }
+        self.since + self.next
+    }
+}
+
 /// The stops of a body in the order they are made: forward from 0 through the times >= 0, or backward from 0 through
 /// the times < 0. Legs end at the knots of the forcing: a step across a knot would lose the order of any scheme.
 struct Stops<'a> {
@@ -80,6 +115,8 @@ struct Stops<'a> {
     /// The times of the body; none if its steps are counted.
     times: &'a [f64],
     forcing: BodyForcing<'a>,
+    /// Backward in time damping ends nothing.
+    layer: Option<Layer>,
     backward: bool,
     from: f64,
     /// The states that are left.
@@ -92,7 +129,8 @@ impl<'a> Stops<'a> {
         let times = schedule.times_of(body).unwrap_or_default();
         let split = times.partition_point(|&t| t < 0.0);
         let left = if backward { 0..split } else { split..schedule.len() };
-        Stops { schedule, times, forcing, backward, from: 0.0, left }
+        let layer = if backward { None } else { Layer::of(request, body) };
+        Stops { schedule, times, forcing, layer, backward, from: 0.0, left }
     }
 }
 
@@ -108,7 +146,18 @@ impl Iterator for Stops<'_> {
         }
         let (from, to) = (self.from, self.times[state]);
         let is_before = |&knot: &f64| if self.backward { knot > to } else { knot < to };
-        match self.forcing.next_knot(from, self.backward).filter(is_before) {
+        let knot = self.forcing.next_knot(from, self.backward).filter(is_before);
+        if let Some(layer) = &mut self.layer {
+            let end = layer.end_after(from);
+            if end < knot.unwrap_or(to) {
+                self.from = end;
+                return Some(Stop { from, end: End::At(end), state: None });
+            }
+            if let Some(since) = knot.filter(|&knot| self.forcing.jumps_at(knot)) {
+                *layer = Layer { since, next: layer.shortest, ..*layer };
+            }
+        }
+        match knot {
             Some(knot) => {
                 self.from = knot;
                 Some(Stop { from, end: End::At(knot), state: None })
@@ -121,8 +170,8 @@ impl Iterator for Stops<'_> {
     }
 }
 
-/// The next stops of all lanes. Tables of torques share their knots: with equal times the stops are equal too, and are
-/// found once.
+/// The next stops of all lanes. Tables of torques share their knots: with equal times and layers the stops are equal
+/// too, and are found once.
 pub(super) struct GroupStops<'a> {
     each: Vec<Stops<'a>>,
 }
@@ -130,10 +179,12 @@ pub(super) struct GroupStops<'a> {
 impl<'a> GroupStops<'a> {
     pub(super) fn new(
         request: &'a Request,
-        bodies: impl ExactSizeIterator<Item = usize>,
+        bodies: impl ExactSizeIterator<Item = usize> + Clone,
         backward: bool,
     ) -> Result<Self, Error> {
-        let own = matches!(request.schedule, Schedule::TimesOfEach(..));
+        let mut layers = bodies.clone().map(|body| Layer::of(request, body));
+        let layer = layers.next().flatten();
+        let own = matches!(request.schedule, Schedule::TimesOfEach(..)) || layers.any(|other| other != layer);
         let count = if own { bodies.len() } else { 1 };
         let stops = bodies.take(count).map(|body| Stops::new(request, body, backward));
         Ok(GroupStops { each: memory::collected("stops of a group", count, stops)? })
@@ -218,7 +269,7 @@ impl<'a, 'b> FixedBatch<'a, 'b> {
     }
 
     /// The indices of the bodies among all, lane after lane.
-    fn bodies(&self) -> impl ExactSizeIterator<Item = usize> + use<'a, 'b> {
+    fn bodies(&self) -> impl ExactSizeIterator<Item = usize> + Clone + use<'a, 'b> {
         let first = self.first;
         self.members.iter().map(move |&member| first + member)
     }

@@ -1,8 +1,11 @@
 /* The motion of a rigid body in 128-bit numbers, by Taylor series with steps of their own.
 
-   I w' = L x w - weight x gamma + body + R^T space - D w + 3 n^2 o x I o + L x e,  gamma = R^T e3,
-   L = I w + rotor,  q' = q (0, w + e) / 2,  I e = sink (w' without e),  o = R^T (cos towards + sin ahead)
-   with the angle n t. The torques body and space are constant, or linear between the times of a table. */
+   I w' = L x w - weight x gamma + body + R^T space - D w - |w| drag w + 3 n^2 o x I o + called + L x e,
+   gamma = R^T e3,  L = I w + rotor,  q' = q (0, w + e) / 2,  I e = sink (w' without e),
+   o = R^T (cos towards + sin ahead) with the angle n t.
+
+   The torques body and space are constant, or linear between the times of a table; `called` is the torque of the
+   function of this name, below. */
 
 #include <math.h>
 #include <stddef.h>
@@ -15,7 +18,8 @@ typedef struct {
     const double *moments, *weight, *damping; /* 3, 3, 3 x 3 */
     ptrdiff_t knots;                          /* 0: the torques are constant */
     const double *times, *body, *space;       /* knots, and 3 for each knot, or 3 */
-    const double *rotor, *sink, *orbit;       /* 3, 3, and the rate, 3 towards, 3 ahead */
+    const double *rotor, *sink, *drag, *orbit; /* 3, 3, 3, and the rate, 3 towards, 3 ahead */
+    const double *push, *cubic, *dipole, *field; /* of `called`: 3 and a rate, 3, 3, 3 */
 } Scene;
 
 /* The torques on a piece of the table: values now, slopes, and where the piece ends. */
@@ -26,7 +30,7 @@ typedef struct {
 /* Coefficients of the rates and of the quaternion. */
 typedef struct {
     quad w[3][ORDER + 1], q[4][ORDER + 1];
-    quad u[2][ORDER + 1]; /* cosine and sine of the angle on the orbit */
+    quad u[2][2][ORDER + 1]; /* cosine and sine of the angle on the orbit, and of that of the push */
 } Series;
 
 static void line(const Scene *s, const double *values, ptrdiff_t k, quad t, quad *now, quad *slope)
@@ -91,18 +95,53 @@ static int any(const double *v)
     return v[0] != 0 || v[1] != 0 || v[2] != 0;
 }
 
+/* One step of Newton doubles the digits. */
+static quad root(quad square)
+{
+    quad rough = sqrtl((long double)square);
+    return rough > 0 ? (rough + square / rough) / 2 : 0;
+}
+
+/* The coefficient n of |w| where w vanishes of order `first` at the point that is expanded, forward or backward in
+   time: |t|^first times the root of a series. */
+static quad speed(Series *x, const quad *of_lower, int first, int n, int ahead)
+{
+    if (n < first)
+        return 0;
+    quad square = 0;
+    for (int i = 0; i < 3; i++)
+        for (int k = first; k <= n; k++)
+            square += x->w[i][k] * x->w[i][n + first - k];
+    if (n == first)
+        return ahead || first % 2 == 0 ? root(square) : -root(square);
+    for (int k = first + 1; k < n; k++)
+        square -= of_lower[k] * of_lower[n + first - k];
+    return square / (2 * of_lower[first]);
+}
+
 /* q (0, w) by components: -x1 -y2 -z3,  w1 -z2 +y3,  z1 +w2 -x3,  -y1 +x2 +w3. */
 static const int FACTOR[4][3] = {{1, 2, 3}, {0, 3, 2}, {3, 0, 1}, {2, 1, 0}};
 static const int SIGN[4][3] = {{-1, -1, -1}, {1, -1, 1}, {1, 1, -1}, {-1, 1, 1}};
 
 /* All coefficients from those of order 0. */
-static void expand(const Scene *s, const Piece *piece, int in_space, Series *x)
+static void expand(const Scene *s, const Piece *piece, int in_space, int ahead, Series *x)
 {
     quad r[3][3] = {{0}}, before[3][3];
     quad rows[3][3][ORDER + 1], o[3][ORDER + 1], e[3][ORDER + 1], momentum[3][ORDER + 1], turn[3][ORDER + 1];
+    quad fast[ORDER + 1], squares[3][ORDER + 1];
+    int first = ORDER; /* the order of w at this point */
     const double *I = s->moments, *weight = s->weight, *orbit = s->orbit;
+    const double rates[2] = {orbit[0], s->push[3]};
     for (int n = 0; n < ORDER; n++) {
-        if (in_space || any(weight) || orbit[0] != 0) {
+        for (int a = 0; a < 2; a++) {
+            x->u[a][0][n + 1] = -(quad)rates[a] * x->u[a][1][n] / (n + 1);
+            x->u[a][1][n + 1] = (quad)rates[a] * x->u[a][0][n] / (n + 1);
+        }
+        if (first == ORDER && (x->w[0][n] != 0 || x->w[1][n] != 0 || x->w[2][n] != 0))
+            first = n;
+        if (any(s->drag))
+            fast[n] = speed(x, fast, first, n, ahead);
+        if (in_space || any(weight) || orbit[0] != 0 || any(s->field)) {
             quad p[4][4];
             for (int i = 0; i < 4; i++)
                 for (int j = i; j < 4; j++)
@@ -120,12 +159,14 @@ static void expand(const Scene *s, const Piece *piece, int in_space, Series *x)
                     rows[a][i][n] = r[a][i];
                 o[i][n] = 0;
                 for (int a = 0; a < 3; a++)
-                    o[i][n] += orbit[1 + a] * product(rows[a][i], x->u[0], n)
-                        + orbit[4 + a] * product(rows[a][i], x->u[1], n);
+                    o[i][n] += orbit[1 + a] * product(rows[a][i], x->u[0][0], n)
+                        + orbit[4 + a] * product(rows[a][i], x->u[0][1], n);
             }
-            x->u[0][n + 1] = -(quad)orbit[0] * x->u[1][n] / (n + 1);
-            x->u[1][n + 1] = (quad)orbit[0] * x->u[0][n] / (n + 1);
         }
+        quad field[3] = {0};
+        for (int i = 0; i < 3; i++)
+            for (int a = 0; a < 3; a++)
+                field[i] += r[a][i] * s->field[a];
         quad whole[3];
         for (int i = 0; i < 3; i++) {
             int j = (i + 1) % 3, k = (i + 2) % 3;
@@ -142,6 +183,13 @@ static void expand(const Scene *s, const Piece *piece, int in_space, Series *x)
                 }
             }
             torque += s->rotor[j] * x->w[k][n] - s->rotor[k] * x->w[j][n];
+            if (s->drag[i] != 0)
+                torque -= s->drag[i] * product(fast, x->w[i], n);
+            torque += s->push[i] * x->u[1][0][n] + s->dipole[j] * field[k] - s->dipole[k] * field[j];
+            if (s->cubic[i] != 0) {
+                squares[i][n] = product(x->w[i], x->w[i], n);
+                torque -= s->cubic[i] * product(squares[i], x->w[i], n);
+            }
             if (orbit[0] != 0 && I[j] != I[k])
                 torque += 3 * (quad)orbit[0] * orbit[0] * ((quad)I[k] - I[j]) * product(o[j], o[k], n);
             whole[i] = torque;
@@ -213,19 +261,85 @@ static quad energy(const Scene *s, const quad *state, quad *gamma)
     return sum;
 }
 
+/* A torque for `rigid.Torque.call`: push cos(rate t) - cubic w^3 + dipole x R^T field, with the numbers of the Scene. */
+void called(double t, const double *w, const double *q, const double *numbers, double *torque)
+{
+    const double *push = numbers, *cubic = numbers + 4, *dipole = numbers + 7, *b = numbers + 10;
+    const double *v = q + 1;
+    double field[3], cosine = cos(push[3] * t);
+    double along = v[0] * b[0] + v[1] * b[1] + v[2] * b[2], scalar = q[0] * q[0] - v[0] * v[0] - v[1] * v[1] - v[2] * v[2];
+    for (int i = 0; i < 3; i++) {
+        int j = (i + 1) % 3, k = (i + 2) % 3;
+        field[i] = scalar * b[i] + 2 * along * v[i] - 2 * q[0] * (v[j] * b[k] - v[k] * b[j]);
+    }
+    for (int i = 0; i < 3; i++) {
+        int j = (i + 1) % 3, k = (i + 2) % 3;
+        torque[i] = push[i] * cosine - cubic[i] * w[i] * w[i] * w[i] + dipole[j] * field[k] - dipole[k] * field[j];
+    }
+}
+
+/* The part of a step until the body nearly stops: there the speed has another series, which the step does not show where
+   the body turns about one direction. The whole step if the body does not stop. */
+static quad until_stop(const Series *x, quad step)
+{
+    enum { LOOKS = 16, HALVINGS = 120 };
+    quad first[3], now[3], before = 0;
+    for (int i = 0; i < 3; i++) {
+        first[i] = x->w[i][0];
+        if (x->w[0][0] == 0 && x->w[1][0] == 0 && x->w[2][0] == 0)
+            first[i] = value(x->w[i], step / LOOKS);
+    }
+    for (int look = 1; look <= LOOKS; look++) {
+        quad after = step * look / LOOKS, along = 0, square = 0, change = 0;
+        for (int i = 0; i < 3; i++)
+            along += first[i] * value(x->w[i], after);
+        if (along >= 0) {
+            before = after;
+            continue;
+        }
+        for (int halving = 0; halving < HALVINGS; halving++) {
+            quad middle = (before + after) / 2;
+            along = 0;
+            for (int i = 0; i < 3; i++)
+                along += first[i] * value(x->w[i], middle);
+            *(along < 0 ? &after : &before) = middle;
+        }
+        for (int i = 0; i < 3; i++) {
+            now[i] = value(x->w[i], after);
+            square += now[i] * now[i];
+            change += first[i] * first[i] + x->w[i][1] * x->w[i][1] * step * step;
+        }
+        return square < 1e-20Q * change ? after : step;
+    }
+    return step;
+}
+
+/* Rates that are next to nothing beside those of the start of a step are those of a body at rest. */
+static void stop(quad *state, const Series *x, quad step)
+{
+    quad square = 0, change = 0;
+    for (int i = 0; i < 3; i++) {
+        square += state[i] * state[i];
+        change += x->w[i][0] * x->w[i][0] + x->w[i][1] * x->w[i][1] * step * step;
+    }
+    for (int i = 0; i < 3 && square < 1e-50Q * change; i++)
+        state[i] = 0;
+}
+
 /* States from a start, at times that go away from 0; each number as the sum of two doubles.
 
    A record is w, q, gamma and the work since the start. Returns the number of steps, or -1 if
    there would be more than the limit. */
 long motion(const double *moments, const double *weight, const double *damping, ptrdiff_t knots,
             const double *times, const double *body, const double *space, const double *satellite,
-            const double *omega,
+            const double *function, const double *omega,
             const double *attitude, ptrdiff_t count, const double *wanted, double tolerance,
             long limit, double *high, double *low)
 {
-    const Scene scene = {moments, weight, damping, knots, times, body, space, satellite, satellite + 3,
-                         satellite + 6};
-    quad state[STATE], angle[2] = {1, 0}, gamma[3], square = 0, t = 0;
+    const Scene scene = {moments, weight, damping, knots, times, body, space,
+                         satellite, satellite + 3, satellite + 6, satellite + 9,
+                         function, function + 4, function + 7, function + 10};
+    quad state[STATE], angles[2][2] = {{1, 0}, {1, 0}}, gamma[3], square = 0, t = 0;
     int in_space = 0;
     for (ptrdiff_t k = 0; k < (knots ? knots : 1); k++)
         in_space |= any(space + 3 * k);
@@ -233,8 +347,7 @@ long motion(const double *moments, const double *weight, const double *damping, 
         state[i] = omega[i];
     for (int i = 0; i < 4; i++)
         square += (quad)attitude[i] * attitude[i];
-    quad length = sqrtl((long double)square); /* one step of Newton doubles its digits */
-    length = (length + square / length) / 2;
+    quad length = root(square);
     for (int i = 0; i < 4; i++)
         state[3 + i] = attitude[i] / length;
     const quad begin = energy(&scene, state, gamma);
@@ -247,13 +360,15 @@ long motion(const double *moments, const double *weight, const double *damping, 
         Series x;
         for (int i = 0; i < STATE; i++)
             (i < 3 ? x.w[i] : x.q[i - 3])[0] = state[i];
-        for (int i = 0; i < 2; i++)
-            x.u[i][0] = angle[i];
-        expand(&scene, &piece, in_space, &x);
+        for (int i = 0; i < 4; i++)
+            x.u[i / 2][i % 2][0] = angles[i / 2][i % 2];
+        expand(&scene, &piece, in_space, ahead, &x);
         quad end = piece.end;
         const long double step = longest(&x, tolerance);
         if (step < fabsl((long double)(end - t)))
             end = ahead ? t + (quad)step : t - (quad)step;
+        if (any(scene.drag))
+            end = t + until_stop(&x, end - t);
         for (; done < count && (ahead ? wanted[done] <= end : wanted[done] >= end); done++) {
             quad record[RECORD];
             for (int i = 0; i < STATE; i++)
@@ -266,8 +381,10 @@ long motion(const double *moments, const double *weight, const double *damping, 
         }
         for (int i = 0; i < STATE; i++)
             state[i] = value(i < 3 ? x.w[i] : x.q[i - 3], end - t);
-        for (int i = 0; i < 2 && satellite[6] != 0; i++)
-            angle[i] = value(x.u[i], end - t);
+        if (any(scene.drag))
+            stop(state, &x, end - t);
+        for (int i = 0; i < 4; i++)
+            angles[i / 2][i % 2] = value(x.u[i / 2][i % 2], end - t);
         t = end;
         if (++steps > limit)
             return -1;

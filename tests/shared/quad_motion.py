@@ -91,10 +91,22 @@ def _library() -> ctypes.CDLL:
     numbers, size = np.ctypeslib.ndpointer(np.float64, flags="C"), ctypes.c_ssize_t
     library.motion.restype = ctypes.c_long
     library.motion.argtypes = [
-        *(numbers, numbers, numbers, size, numbers, numbers, numbers, numbers, numbers, numbers),
+        *(numbers, numbers, numbers, size),
+        *(numbers, numbers, numbers, numbers, numbers, numbers, numbers),
         *(size, numbers, ctypes.c_double, ctypes.c_long, numbers, numbers),
     ]
     return library
+
+
+def called() -> int:
+    """The address of a function for :meth:`rigid.Torque.call` whose torque is known here too.
+
+    Of its 13 numbers the first 4 are a push and its rate, then 3 each a cubic damping along the
+    axes, a dipole in the body and a field in space.
+    """
+    address = ctypes.cast(_library().called, ctypes.c_void_p).value
+    assert address is not None
+    return address
 
 
 def is_available() -> bool:
@@ -130,9 +142,11 @@ def motion(
         np.array(values, dtype=np.float64).reshape(-1, 3)
         for values in ((torque.in_body, torque.in_space) if torque else (np.zeros(3), np.zeros(3)))
     )
-    assert scene.drag is None, "the reference has no drag"
     satellite = np.zeros(16) if scene.satellite is None else np.array(scene.satellite)
-    satellite = np.delete(satellite, [6, 7, 8])
+    function = np.zeros(13)
+    if torque is not None and torque.function is not None:
+        assert torque.function.address == called(), "no other function is known here"
+        function = np.array(torque.function.data)
     wanted = np.array(times, dtype=np.float64)
     high, low = np.empty((2, len(wanted), RECORD))
     for side, outward in ((wanted < 0.0, slice(None, None, -1)), (wanted >= 0.0, slice(None))):
@@ -143,7 +157,7 @@ def motion(
         steps = _library().motion(
             *(np.ascontiguousarray(scene.body.moments if moments is None else moments),),
             *(np.ascontiguousarray(scene.weight if weight is None else weight), damping),
-            *(len(knots), knots, body, space, satellite),
+            *(len(knots), knots, body, space, satellite, function),
             *(np.array(omega, dtype=np.float64), np.array(attitude, dtype=np.float64)),
             *(len(there), there, tolerance, limit, records[0], records[1]),
         )

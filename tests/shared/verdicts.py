@@ -9,7 +9,7 @@ import numpy as np
 import quad_motion
 import rigid
 from adversarial import KINDS, Case, Kinds, random_case
-from physics import ROUNDOFF, Floats
+from physics import ROUNDOFF, Floats, energy, vertical
 from quad_motion import Motion
 from rigid.solve.arrays import time_range
 from rigid.solve.batch import Batch
@@ -24,7 +24,7 @@ REST = 2e-13
 JUDGED = (rigid.Status.OK, rigid.Status.COARSE)
 
 #: Most steps of the truth; a body that needs more has none.
-LIMIT = 2000
+LIMIT = 2500
 
 #: Relative roundings of all inputs that a right answer may be off by.
 ROUNDINGS = 4.0
@@ -35,7 +35,11 @@ LOOSE = 1e-3
 
 @dataclass(frozen=True)
 class Finding:
-    """What was said of a run and what was true."""
+    """What was said of a run and what was true.
+
+    ``early`` is the largest error before the time from which on the run is called lost,
+    ``unbalanced`` by how much the drift of the energy exceeds the stated one.
+    """
 
     number: int
     case: Case
@@ -46,6 +50,8 @@ class Finding:
     asked: float = 0.0
     planned: float = np.nan
     within: float = np.nan
+    early: float = 0.0
+    unbalanced: float = -np.inf
     status: int = 0
 
     @property
@@ -75,8 +81,8 @@ def fastest(case: Case, truth: Motion) -> float:
     return rate if rate > REST * largest else largest
 
 
-def true_error(case: Case, run: rigid.Run, row: int | None, truth: Motion) -> float:
-    """The largest error over all wanted times.
+def true_errors(case: Case, run: rigid.Run, row: int | None, truth: Motion) -> Floats:
+    """The largest error at each wanted time, shape (m,).
 
     Of the rates relative to the fastest of them, of the vertical and the attitude in rad, of the
     work relative to the largest kinetic energy that the body can reach.
@@ -93,7 +99,27 @@ def true_error(case: Case, run: rigid.Run, row: int | None, truth: Motion) -> fl
     if run.work is not None:
         energy = 0.5 * min(case.scene.body.moments) * reach(case) ** 2
         worst.append(truth.work_off(of_body(run.work)) / energy)
-    return float(np.max(worst))
+    largest: Floats = np.max(worst, axis=0)
+    return largest
+
+
+def unbalanced(case: Case, run: rigid.Run, row: int | None) -> float:
+    """The drift of energy less work, computed anew from the states, less the stated one."""
+
+    def of_body(values: Floats) -> Floats:
+        return values if row is None else values[row]
+
+    scene, omega = case.scene, of_body(run.omega)
+    gamma = None if run.gamma is None else of_body(run.gamma)
+    if run.work is None or (gamma is None and scene.weight.any()):
+        return -np.inf
+    work = of_body(run.work)
+    before = energy(scene, case.omega, None if gamma is None else vertical(case.attitude))
+    scale = 0.5 * min(scene.body.moments) * reach(case) ** 2 + np.linalg.norm(scene.weight)
+    reached: Floats = scale + energy(scene, case.omega) + energy(scene, omega) + np.abs(work)
+    drift = np.abs(energy(scene, omega, gamma) - before - work)
+    drift /= np.where(reached > 0, reached, 1.0)
+    return float(drift.max(initial=0.0)) - float(of_body(run.energy_drift))
 
 
 def _truth(case: Case, **changes: Floats | float) -> Motion | None:
@@ -154,15 +180,18 @@ def judge(number: int, seed: int, kinds: Kinds = KINDS) -> Finding:
     asked = float(case.options.get("accuracy", 0.0))
     planned = np.nan if run.plan.error is None else float(run.plan.error)
     status = int(run.status if row is None else run.status[row])
+    if status not in (*JUDGED, rigid.Status.FLAGGED):
+        return Finding(number, case, "status", method, planned=planned, status=status)
     truth = _truth(case)
     if truth is None or not np.isfinite(truth.high).all():
         return Finding(number, case, "no truth", method)
-    true = true_error(case, run, row, truth)
+    errors = true_errors(case, run, row, truth)
+    true = float(np.max(errors))
+    lost_from = float(run.lost_from if row is None else run.lost_from[row])
+    early = float(np.max(errors, where=np.abs(case.t) < np.abs(lost_from), initial=0.0))
     within = np.nan
     if status == rigid.Status.FLAGGED:
         verdict = "flagged"
-    elif status not in JUDGED:
-        verdict = "status"
     elif true <= max(asked, stated):
         verdict = "right"
     else:
@@ -174,4 +203,6 @@ def judge(number: int, seed: int, kinds: Kinds = KINDS) -> Finding:
             again = _truth(case, tolerance=1e-4 * quad_motion.TOLERANCE)
             if again is None or not _apart(case, again, truth, run) < 0.1 * true:
                 verdict = "no truth"
-    return Finding(number, case, verdict, method, true, stated, asked, planned, within, status)
+    off = unbalanced(case, run, row)
+    numbers = true, stated, asked, planned, within, early, off
+    return Finding(number, case, verdict, method, *numbers, status=status)

@@ -246,6 +246,11 @@ class Scene(ABC):
         return self.satellite is not None
 
     @property
+    def may_stop(self) -> bool:
+        """Whether a torque or weight may stop a body with drag: the speed has a corner there."""
+        return self.drag is not None and (self.torque is not None or bool(np.any(self.weight)))
+
+    @property
     def is_called(self) -> bool:
         """Whether a function returns a torque, which few methods integrate."""
         return self.torque is not None and self.torque.function is not None

@@ -128,7 +128,7 @@ def poincare(
             scene=scene,
             record="attitude",
             batch=batch,
-            span=end,
+            end=end,
             method=chosen,
             step=None,
             states=0,

@@ -50,6 +50,8 @@ class Batch:
         Unit quaternions; one row may serve all bodies.
     forcing : Forcing or None
         Torque and damping of each body or of all, None if nothing acts on any.
+    may_stop : bool
+        Whether a torque or weight may stop them, on which drag acts.
     scale_exponent : ndarray of int, shape (n,) or (1,)
         Moments, weight and forcing are counted in units of ``2**scale_exponent``.
     """
@@ -60,6 +62,7 @@ class Batch:
     omega: Floats
     attitude: Floats
     forcing: _core.Forcing | None = None
+    may_stop: bool = False
     scale_exponent: NDArray[np.intc] = field(default_factory=lambda: NO_EXPONENT)
     _rates: dict[object, Floats] = field(default_factory=dict, init=False, repr=False)
 
@@ -129,6 +132,7 @@ class Batch:
             omega=_row_of_each(omega, shape),
             attitude=in_rows(attitude, shape),
             forcing=forcing_of(scene.torque, scene.damping, shape, exponents, scene.satellite),
+            may_stop=scene.may_stop,
             scale_exponent=exponents,
         )
 

@@ -75,7 +75,7 @@ def plan_states(
         scene=scene,
         record=one_of("question", record, RECORDS),
         batch=batch,
-        span=span,
+        end=span,
         accuracy=accuracy,
         method=method,
         step=step,
@@ -227,8 +227,7 @@ def _applicable(scene: Scene) -> list[str]:
     if not scene.is_driven:
         return plain_methods()
     known = driven_methods(satellite=scene.is_satellite, called=scene.is_called)
-    if scene.drag is not None and (scene.torque is not None or scene.weight.any()):
-        # The body may come to rest, beside which the speed is no series.
+    if scene.may_stop:  # beside the rest the speed is no series
         known = [name for name in known if name not in series_methods()]
     return known
 

@@ -27,9 +27,9 @@ from .arrays import Range, intervals, largest, lengths, time_range, time_ranges,
 from .batch import Batch
 from .cost_model import ROUNDING, phase_error
 from .request import Request, select_states
-from .rounding import REST, common_rounding
+from .rounding import REST, common_rounding, rounding_of_damping
 from .saddle import RateSizes, departure, homoclinic, separatrices
-from .second_run import FEW, HALVINGS, is_damped_stiffly, second_run
+from .second_run import HALVINGS, is_damped_stiffly, second_run
 from .status import Status
 
 __all__ = [
@@ -143,14 +143,13 @@ def estimate_error(
     """
     batch, times, method = request.batch, request.times, request.method
     ended = states["status"] != Status.STEP_LIMIT
-    few = ended & (states["steps"] < FEW) & is_damped_stiffly(request)
-    if not ended.all() or 0 < few.sum() < len(few):
+    if not ended.all():
         estimate = unknown_error(len(batch))
-        for some in map(np.flatnonzero, (few, ended & ~few)):
-            if len(some):
-                longest = None if steps is None else steps[some]
-                parts = request.select(some), select_states(states, some), longest
-                estimate.write(some, estimate_error(*parts, refinement, halvings))
+        some = np.flatnonzero(ended)
+        if len(some):
+            longest = None if steps is None else steps[some]
+            parts = request.select(some), select_states(states, some), longest
+            estimate.write(some, estimate_error(*parts, refinement, halvings))
         return estimate
     span = time_span(times)
     if not np.any(span) or not times.shape[-1]:
@@ -159,14 +158,19 @@ def estimate_error(
     rates = batch.fastest_rates(time_ranges(times))
     scale = _fastest_or_swing(batch, rates)
     fastest = lengths(states["omega"]).max(axis=1)
-    compensated = request.tolerance is not None
-    floor = common_rounding(batch, method, states, rates, scale, span, compensated=compensated)
+    floor = common_rounding(request, states, rates, scale, span)
     again = second_run(request, steps, refinement, taken, halvings)
-    error = _stated_distances(batch, states, again, rates)
+    error = _stated_distances(batch, states, again, rates, times)
     sizes = RateSizes(fastest, REST * scale, scale)
-    error += floor[:, None] + departure(batch, times, sizes) + homoclinic(batch, times, sizes)
-    if method == RINGING and batch.forcing is not None:
-        error += _ringing(batch, states, times)
+    error += (
+        floor[:, None]
+        + departure(batch, times, sizes)
+        + homoclinic(batch, times, sizes, states["energy_drift"])
+    )
+    if batch.forcing is not None:
+        error += rounding_of_damping(batch, states["omega"], times)
+        if method == RINGING:
+            error += _ringing(batch, states, times)
     # What is not a number is not known.
     error = np.where(np.isfinite(error), error, np.inf)
     if is_damped_stiffly(request) and request.tolerance is None:
@@ -180,7 +184,7 @@ def estimate_error(
 
 
 def _stated_distances(
-    batch: Batch, states: Mapping[str, Any], again: Mapping[str, Any], rates: Floats
+    batch: Batch, states: Mapping[str, Any], again: Mapping[str, Any], rates: Floats, times: Floats
 ) -> Floats:
     """What the distance of the states of two runs is stated as, their work included, (n, m)."""
     scale = _fastest_or_swing(batch, rates)
@@ -189,6 +193,11 @@ def _stated_distances(
     # Relative to the rates of the runs: relative to the true ones it may be as much larger.
     of_rates = SAFETY * _rate_distances(states, again, rest, scale)
     apart = np.where(of_rates < 1.0, np.maximum(apart, of_rates / (1.0 - of_rates)), apart)
+    lost = np.flatnonzero(~np.all(apart < 1.0, axis=1))
+    if len(lost):
+        pair = states["omega"][lost], again["omega"][lost]
+        own = np.broadcast_to(times, apart.shape)[lost]
+        apart[lost] = _before_the_loss(apart[lost], pair, own, rest[lost], scale[lost])
     if states["work"] is None:
         return apart
     # The fastest rate is reached about the axis of the least moment.
@@ -196,6 +205,24 @@ def _stated_distances(
     work = np.abs(states["work"] - again["work"]) / np.where(energy > 0.0, energy, 1.0)[:, None]
     largest: Floats = np.maximum(apart, SAFETY * work)
     return largest
+
+
+def _before_the_loss(
+    error: Floats, pair: tuple[Floats, Floats], times: Floats, rest: Floats, scale: Floats
+) -> Floats:
+    """Errors of lost bodies, those before the loss relative to the rates before it; shape (n, m).
+
+    Later rates are those of a wrong motion and may be larger than the true ones ever are.
+    """
+    while True:
+        lost = ~(error < 1.0)
+        since = np.where(lost, np.abs(times), np.inf).min(axis=1, keepdims=True)
+        before = np.abs(times) < since
+        one, other = ({"omega": np.where(before[..., None], rates, 0.0)} for rates in pair)
+        nearer = np.where(before, SAFETY * _rate_distances(one, other, rest, scale), 0.0)
+        error = np.maximum(error, nearer)
+        if not np.any(nearer >= 1.0):
+            return error
 
 
 def _fastest_or_swing(batch: Batch, rates: Floats) -> Floats:
@@ -248,7 +275,7 @@ def _count_turns(request: Request, taken: Floats, estimate: ErrorEstimate) -> No
     steps = gaps.sum() / taken[some]
     rates = dense.batch.fastest_rates(time_range(dense.times))
     both = dense.states(steps), second_run(dense, steps, 1.0, taken[some])
-    apart = _stated_distances(dense.batch, *both, rates)
+    apart = _stated_distances(dense.batch, *both, rates, dense.times)
     error = np.where(np.isfinite(apart), apart, np.inf)
     largest = error.max(axis=1)
     larger = largest > estimate.error[some]

@@ -196,7 +196,7 @@ def growth_of(
             scene=scene,
             record="axis",
             batch=batch,
-            span=time_span(times),
+            end=time_span(times),
             method=chosen,
             step=step,
             states=len(times),

@@ -17,6 +17,7 @@ __all__ = [
     "SECOND",
     "STIFF",
     "Method",
+    "angle_per_step",
     "check_method",
     "driven_methods",
     "is_compensated",
@@ -170,6 +171,11 @@ def _all() -> Methods:
 def order_of(name: str) -> int:
     """The order of a scheme."""
     return _named(name).order
+
+
+def angle_per_step(name: str) -> float:
+    """The largest angle (rad) by which a body turns in a default step of a scheme."""
+    return _named(name).angle_per_step
 
 
 def is_processed(name: str) -> bool:

@@ -64,7 +64,7 @@ def states_at(run: Run, t: ArrayLike) -> Run:
                 record=spec["record"],
                 batch=batch,
                 begin=reached[0],
-                span=reached[1] - reached[0],
+                end=reached[1],
                 accuracy=run.plan.accuracy if spec["step"] is None else None,
                 method=spec["method"],
                 step=spec["step"],

@@ -33,8 +33,8 @@ class Problem:
         The bodies with their starts, None if the starts are not known.
     begin : float or ndarray, shape (n,)
         First time of the run (s), not positive; of all bodies or of each.
-    span : float, ndarray of shape (n,), or None
-        Time that the run covers (s), None if it is not known.
+    end : float, ndarray of shape (n,), or None
+        Last time of the run (s), None if it is not known.
     accuracy, step : float or None
         Largest error at the end; longest step (s). Only one of the two can be given.
     method : str or None
@@ -55,7 +55,7 @@ class Problem:
     record: str
     batch: Batch | None = None
     begin: float | Floats = 0.0
-    span: float | Floats | None = None
+    end: float | Floats | None = None
     accuracy: float | None = None
     method: str | None = None
     step: float | None = None
@@ -86,8 +86,13 @@ class Problem:
     @property
     def times(self) -> Range:
         """First and last time of the run (s)."""
-        begin, span = np.broadcast_arrays(self.begin, 0.0 if self.span is None else self.span)
-        return begin, begin + span
+        begin, end = np.broadcast_arrays(self.begin, 0.0 if self.end is None else self.end)
+        return begin, end
+
+    @property
+    def span(self) -> float | Floats | None:
+        """Time that the run covers (s), None if it is not known."""
+        return None if self.end is None else self.end - self.begin
 
     def inertia(self) -> tuple[Floats, Floats]:
         """Moments and weight of the bodies in rows, in any unit; one row may serve all."""

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .arrays import lengths
+from .arrays import lengths, spread_indices, time_ranges, time_span
 from .batch import Batch
-from .methods import is_compensated, preserves_groups, rotations
+from .methods import is_compensated, preserves_groups, rotations, series_methods
+from .request import Request
 from .saddle import dampings, verticals
 
-__all__ = ["REST", "common_rounding", "planned_rounding"]
+__all__ = ["REST", "common_rounding", "planned_rounding", "rounding_of_damping"]
 
 Floats = NDArray[np.float64]
 
@@ -42,23 +44,31 @@ ROUNDED = 3.0
 UNIT = 2.0**-53
 """Half the distance from 1 to the next number."""
 
+FORGOTTEN = 30.0
+"""After so many times of its damping a rate is below :data:`REST` of what it was."""
+
+LOOKS = 16
+"""States, at most, at which it is measured how fast torques change the rates."""
+
+PART = 1024.0
+"""The time of this measurement is a step over this."""
+
+PROBE = "rk4"
+"""The scheme of this measurement: it integrates whatever acts."""
+
 
 def common_rounding(
-    batch: Batch,
-    method: str,
+    request: Request,
     states: Mapping[str, Any],
     rates: Floats,
     scale: Floats,
     span: float | Floats,
-    *,
-    compensated: bool,
 ) -> Floats:
     """The error that rounding may leave in two runs alike, shape (n,).
 
     Parameters
     ----------
-    batch : Batch
-    method : str
+    request : Request
     states : mapping
         States of the first run at the wanted times, with its steps.
     rates : ndarray, shape (n,)
@@ -67,13 +77,15 @@ def common_rounding(
         The larger of these bounds and of the rate of the swing (rad/s).
     span : float or ndarray, shape (n,)
         How much time is covered (s).
-    compensated : bool
-        Whether the rounding of a step is carried to the next one.
     """
+    batch, method = request.batch, request.method
     taken = states["steps"].astype(np.float64)
     angle = rates * span
     floor: Floats = EQUAL_RUNS * (1.0 + angle) + ROTATION * rotations(method) * taken
-    floor += _loss_of_steps(batch, method, states["omega"], taken, span, angle, compensated)
+    floor += _loss_of_turns(batch, method, taken, angle)
+    if method not in series_methods():  # whose second run carries the rounding of a step on
+        differs, angles = _differences(request, states, step=span / taken, angle=angle)
+        floor += _steady_loss(differs, taken, span, angles)
     # Of the rates of a top that hangs all but still, what rounding of its torque adds at random, in
     # each radian that it may turn, is a larger share.
     fastest = lengths(states["omega"]).max(axis=1)
@@ -94,31 +106,62 @@ def planned_rounding(
     Known are the rates of the start alone, and these bounds of all (rad/s).
     """
     start = batch.omega[:, np.newaxis]
-    loss = _loss_of_steps(batch, method, start, taken, span, rates * span, compensated=False)
+    loss = _loss_of_turns(batch, method, taken, rates * span)
     if not is_compensated(method):
+        differs = _second_difference(batch, method, start)
+        loss += _steady_loss(differs, taken, span, rates * span)
         loss += DRIFT * np.sqrt(taken)  # at random
     planned: Floats = ROTATION * rotations(method) * taken + ROUNDED * loss
     return planned
 
 
-def _loss_of_steps(
-    batch: Batch,
-    method: str,
-    omega: Floats,
-    taken: Floats,
-    span: float | Floats,
-    angle: Floats,
-    compensated: bool,
-) -> Floats:
-    """The error from the rounding of sums in steps that are alike, shape (n,)."""
-    loss = np.zeros(len(batch))
-    if rotations(method) and batch.forcing is None:
-        symmetric = np.any(batch.moments == np.roll(batch.moments, 1, axis=1), axis=1)
-        free = ~batch.weight.any(axis=1)
-        loss += np.where(symmetric & free, 0.5 * DRIFT * taken * angle, 0.0)
-    if not (compensated or is_compensated(method)):
-        loss += _steady_loss(batch, method, omega, taken, span, angle)
-    return loss
+def _loss_of_turns(batch: Batch, method: str, taken: Floats, angle: Floats) -> Floats:
+    """The error of free symmetric bodies whose steps turn them by equal angles, shape (n,)."""
+    if not rotations(method) or batch.forcing is not None:
+        return np.zeros(len(batch))
+    symmetric = np.any(batch.moments == np.roll(batch.moments, 1, axis=1), axis=1)
+    free = ~batch.weight.any(axis=1)
+    return np.where(symmetric & free, 0.5 * DRIFT * taken * angle, 0.0)
+
+
+def rounding_of_damping(batch: Batch, omega: Floats, times: Floats) -> Floats:
+    """The error that rounding of the damping leaves in two runs alike, shape (n, m).
+
+    The damping of a slow direction is a difference of large products if other directions are fast
+    and the directions are not those of the axes. Each product is rounded, so the direction has a
+    damping rate that is off by a rounding of their sum, as long as its rates last: relative to
+    them the error grows with the time, and after the time of its damping it is that of the balance
+    of a torque with the damping.
+
+    Parameters
+    ----------
+    batch : Batch
+    omega : ndarray, shape (n, m, 3)
+        Rates of the first run at the wanted times (rad/s).
+    times : ndarray, shape (m,) or (n, m)
+        The wanted times (s).
+    """
+    matrix = dampings(batch.forcing, alone=False)
+    moments = batch.moments[:, np.newaxis]
+    size, time = lengths(omega), np.abs(times)
+    along = omega / size[..., np.newaxis]
+    inertia = (along * moments * along).sum(axis=-1)
+    products = _quadratic(np.abs(matrix), np.abs(along))
+    power = np.maximum(_quadratic(matrix, along), UNIT * products)
+    lasts = inertia / power
+    started = np.abs((along * moments * batch.omega[:, np.newaxis]).sum(axis=-1)) / inertia
+    angle = size * time + started * np.minimum(time, lasts)
+    of_rates = np.minimum(time, FORGOTTEN * lasts)
+    error = UNIT * products / inertia * (of_rates + angle * np.minimum(time, lasts))
+    # What is at rest, or is not damped, has no such error.
+    known: Floats = np.where(np.isfinite(error), error, 0.0)
+    return known
+
+
+def _quadratic(matrices: Floats, vectors: Floats) -> Floats:
+    """``v . M v``, shape (n, m); not by ``@``, which needs memory of OpenBLAS."""
+    product: Floats = np.einsum("nmi,nij,nmj->nm", vectors, matrices, vectors)
+    return product
 
 
 def _rounded_share_of_torque(batch: Batch) -> Floats:
@@ -133,17 +176,14 @@ def _rounded_share_of_torque(batch: Batch) -> Floats:
     return np.broadcast_to(share, len(batch))
 
 
-def _steady_loss(
-    batch: Batch, method: str, omega: Floats, taken: Floats, span: float | Floats, angle: Floats
-) -> Floats:
+def _steady_loss(differs: Floats, taken: Floats, span: float | Floats, angle: Floats) -> Floats:
     """The error of bodies whose rates change by nearly the same amount each step, shape (n,).
 
     Where the change of a step differs from that of the last one by a share of the rates that is
     less than a rounding, it is rounded as the last one was: for as many steps as make up one. The
     losses of groups of so many steps add at random.
     """
-    differs = _second_difference(batch, method, omega) * np.reshape(span / taken, (-1, 1)) ** 2
-    least = differs.min(axis=1, initial=np.inf)
+    least = differs.min(axis=1, initial=np.inf) * (span / taken) ** 2
     equal = np.where(least >= 0.0, np.minimum(UNIT / least, taken), 1.0)
     loss = DRIFT * np.sqrt(taken * equal)
     lost: Floats = np.where(equal > 1.0, loss * (1.0 + 0.5 * angle), 0.0)
@@ -158,9 +198,51 @@ def _second_difference(batch: Batch, method: str, omega: Floats) -> Floats:
     """
     moments = batch.moments[:, np.newaxis, :]
     # The matrices of damping are symmetric.
-    torque = np.cross(moments * omega, omega) - omega @ dampings(batch.forcing)
+    torque = np.cross(moments * omega, omega) - omega @ dampings(batch.forcing, alone=True)
     turning: Floats = (lengths(torque / moments) / lengths(omega)) ** 2
     weight = np.reshape(lengths(batch.weight) / batch.moments.min(axis=1), (-1, 1))
     apart = preserves_groups(method) & (weight > 0.0)
     differs: Floats = np.where(apart & ~np.isnan(turning), 0.0, turning) + weight
     return differs
+
+
+def _differences(
+    request: Request, states: Mapping[str, Any], step: Floats, angle: Floats
+) -> tuple[Floats, Floats]:
+    """Second differences of the rates and the angles turned, measured where a torque acts."""
+    omega = states["omega"]
+    differs = _second_difference(request.batch, request.method, omega)
+    forced: NDArray[np.bool_] = np.all(np.isnan(differs), axis=1)
+    if not forced.any():
+        return differs, angle
+    some = spread_indices(omega.shape[1], LOOKS)
+    change = _measured_change(request, states, some, np.reshape(step / PART, (-1, 1)))
+    differs = np.where(forced[:, None], (change / lengths(omega[:, some])) ** 2, differs[:, some])
+    # A rotor couples the rates more closely than the body turns.
+    following = request.batch.fastest_rates(time_ranges(request.times), request.method)
+    return differs, np.where(forced, following * time_span(request.times), angle)
+
+
+def _measured_change(
+    request: Request, states: Mapping[str, Any], some: NDArray[np.intp], time: Floats
+) -> Floats:
+    """``|d omega / dt|`` from some of the states on, in a short time (n, 1); shape (n, m).
+
+    What acts is what acts at the start, in the attitude of the state if that is recorded.
+    """
+    batch = request.batch.repeat(len(some))
+    omega = states["omega"][:, some].reshape(-1, 3)
+    known = np.isfinite(omega).all(axis=1, keepdims=True)
+    omega, attitude = np.where(known, omega, batch.omega), batch.attitude
+    if states["attitude"] is not None:
+        attitude = np.where(known, states["attitude"][:, some].reshape(-1, 4), attitude)
+    forward = np.where(np.max(request.times, axis=-1) > 0.0, 1.0, -1.0)
+    moved = replace(
+        request,
+        batch=replace(batch, omega=omega, attitude=attitude),
+        times=np.repeat(time * np.reshape(forward, (-1, 1)), len(some), axis=0),
+        method=PROBE,
+        record="rates",
+    ).states(None)
+    apart: Floats = lengths(moved["omega"][:, 0] - omega).reshape(-1, len(some)) / time
+    return apart

@@ -71,14 +71,19 @@ def separatrices(batch: Batch) -> tuple[Floats, Floats]:
 
 
 @np.errstate(all="ignore")
-def homoclinic(batch: Batch, times: Floats, sizes: RateSizes) -> Floats:
-    """Error that rounding becomes beside the separatrix of a top in closed form, shape (n, m)."""
+def homoclinic(batch: Batch, times: Floats, sizes: RateSizes, drift: Floats) -> Floats:
+    """Error that rounding becomes beside the separatrix of a top in closed form, shape (n, m).
+
+    Where it makes an error of one of the drift of the energy (n,) too, either side of the
+    separatrix is as likely: two runs may take the same wrong one.
+    """
     distance, exponent = separatrices(batch)
     if not exponent.any():
         return np.zeros((len(batch), times.shape[-1]))
     passed = exponent[:, None] * np.abs(times)
     magnified = np.fmin(np.exp(passed), (1.0 + passed) / distance[:, None]) - 1.0
-    return sizes.with_rates(START * magnified, exponent)
+    lost = np.where(drift[:, None] * magnified >= 1.0, np.inf, 0.0)
+    return sizes.with_rates(START * magnified, exponent) + lost
 
 
 @np.errstate(all="ignore")
@@ -95,7 +100,7 @@ def departure(batch: Batch, times: Floats, sizes: RateSizes) -> Floats:
     moments = np.broadcast_to(batch.moments, (len(batch), 3))
     weight = np.broadcast_to(batch.weight, (len(batch), 3))
     vertical, omega = verticals(batch), batch.omega
-    damping = np.broadcast_to(dampings(batch.forcing), (len(batch), 3, 3))
+    damping = np.broadcast_to(dampings(batch.forcing, alone=True), (len(batch), 3, 3))
     torque = _cross(moments * omega, omega) + _cross(vertical, weight)
     if batch.forcing is not None:
         # Not by `@`: OpenBLAS ends the process where its own memory cannot be had.
@@ -140,11 +145,14 @@ def verticals(batch: Batch) -> Floats:
     )
 
 
-def dampings(forcing: _core.Forcing | None) -> Floats:
-    """The damping matrices, shape (n, 3, 3), or (1, 3, 3) of all; NaN where a torque acts too."""
+def dampings(forcing: _core.Forcing | None, *, alone: bool) -> Floats:
+    """The damping matrices, shape (n, 3, 3), or (1, 3, 3) of all.
+
+    If they are wanted ``alone``, they are NaN where a torque acts too.
+    """
     if forcing is None:
         return np.zeros((1, 3, 3))
-    entries = forcing.damping_alone()
+    entries = forcing.dampings(alone)
     return entries[:, [[0, 5, 4], [5, 1, 3], [4, 3, 2]]]
 
 

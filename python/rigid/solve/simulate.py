@@ -255,7 +255,7 @@ def simulate(
             record=record,
             batch=batch,
             begin=begin,
-            span=end - begin,
+            end=end,
             accuracy=accuracy,
             method=method,
             step=step,
@@ -422,7 +422,7 @@ def _replayed(
         scene=scene,
         record="attitude",
         batch=batch,
-        span=time_span(times),
+        end=time_span(times),
         method=method,
         step=step,
     )

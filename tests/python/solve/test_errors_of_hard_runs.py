@@ -152,6 +152,35 @@ def test_rates_that_nearly_vanish_are_not_compared_with_wrong_ones_alone() -> No
     assert run.status == rigid.Status.FLAGGED
 
 
+def test_two_runs_beside_a_homoclinic_motion_may_take_the_same_wrong_side() -> None:
+    """The true top stays up; both runs, whose energy is off by the steps, swing round and agree."""
+    top = rigid.HeavyTop(
+        rigid.Body((0.6085388618873253, 0.6085388618873253, 1.028790035163062)),
+        mgl=0.806274354317776,
+    )
+    omega = [-0.9097677230864774, 1.6408802352225318, 0.6901046871308326]
+    attitude = [0.5794697782939804, 0.8149937276101732, 0.0, 0.0]
+    options: dict[str, Any] = {"method": "splitting4", "step": 0.13492800675876057}
+    run = rigid.simulate(top, omega, attitude, t=[24.392128624933154], **options)
+    assert run.status == rigid.Status.FLAGGED
+
+
+def test_a_run_is_lost_before_its_wrong_rates_are_as_large_as_later_ones() -> None:
+    """Rates of 4e-11 rad/s: a tolerance of 5e-6 lets the top swing 1e5 times as far in the end."""
+    body = rigid.Body((0.9121371037752618, 1.227795458970987, 1.4035695412372222))
+    com = (-0.7746009835650522, -0.19327622856717505, 0.602194001739392)
+    top = rigid.HeavyTop(body, mgl=1.7898373424226022, com=com)
+    attitude = [-0.22253886959903724, 0.6444573553172039, 0.6211052391030578, 0.3864963785779514]
+    t = np.geomspace(0.84, 246.0, 14)
+    options: dict[str, Any] = {"method": "taylor12", "tolerance": 5.38982853434088e-06}
+    run = rigid.simulate(top, [0.0] * 3, attitude, t=t, **options)
+    truth = quad_motion.motion(top, [0.0] * 3, attitude, t)
+    assert truth is not None
+    off = truth.rates_off(run.omega) / np.linalg.norm(truth.omega, axis=-1).max()
+    assert (off >= 1.0).any()
+    assert np.all(off[t < run.lost_from] < 1.0)
+
+
 @pytest.mark.parametrize("method", ["taylor8", "taylor12"])
 def test_a_series_of_higher_order_does_not_err_like_the_run_that_it_checks(method: str) -> None:
     """A quarter of the tolerance left the check an error as large as that of the run."""

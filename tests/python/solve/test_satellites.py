@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 
 import quad_motion
 import rigid
-from adversarial import SATELLITES
+from adversarial import KINDS
 from processes import python_process
 from rigid.model.scene import scene_from_dict
 from verdicts import judge
@@ -651,9 +651,10 @@ def test_points_of_a_section_lie_on_it(name: str) -> None:
 def test_stated_errors_of_random_satellites_are_true() -> None:
     """Rotors, sinks and orbits of all sizes against 128-bit numbers of another program.
 
-    ``tests/long/stated_errors.py --satellites`` runs more of them.
+    ``tests/long/stated_errors.py --kinds satellite`` runs more of them.
     """
-    findings = [judge(number, 1, SATELLITES) for number in range(40)]
+    kinds = {"satellite": KINDS["satellite"]}
+    findings = [judge(number, 1, kinds) for number in range(40)]
     verdicts = [one.verdict for one in findings]
     assert verdicts.count("SILENT") == 0
     assert verdicts.count("right") > 30

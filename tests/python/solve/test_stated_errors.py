@@ -45,7 +45,7 @@ EARLY = [1e-4, 1e-3, 0.01, 0.03, 0.1, 0.3]
 @pytest.mark.parametrize("method", [None, "etd4", "splitting", "midpoint"])
 def test_wanted_times_closer_than_a_step_do_not_hide_its_error(method: str | None, t: Any) -> None:
     run, true = both(LAYER, [3.0, -10.0, 1.0], t, method=method)
-    assert true.max() > 1e-7
+    assert true.max() > 1e-8
     assert true.max() <= run.error
 
 
@@ -163,6 +163,8 @@ def test_upright_to_rounding_a_top_is_lost_when_rounding_has_grown(
     """The centre of mass is upright as floats have it: it falls, nobody knows where to or when.
 
     It leaves the saddle at the rate sqrt(mgl/I), 0.877 to 1.08 1/s: rounding is 1 after 33 to 42 s.
+    Relative to rates that are rounding themselves the error is 1 as soon as they are above 1e-13 of
+    what the top can reach, after 6 s at the earliest.
     Hanging, the same start stays where it is.
     """
     half = 0.5 * np.arctan2(0.6, 0.8)
@@ -176,7 +178,7 @@ def test_upright_to_rounding_a_top_is_lost_when_rounding_has_grown(
         assert np.abs(run.omega).max() < 1e-14
     else:
         assert run.status == Status.FLAGGED
-        assert 30.0 <= run.lost_from <= 44.0
+        assert 6.0 <= run.lost_from <= 44.0
 
 
 def test_at_rest_upright_to_the_bit_a_top_stays() -> None:
@@ -235,13 +237,16 @@ def test_rates_that_have_decayed_to_rounding_are_those_of_a_body_at_rest() -> No
     assert run.status == Status.OK
 
 
-def test_rates_that_only_one_of_two_runs_has_lost_are_no_rest() -> None:
-    """Damping leaves 1e-15 of the rates; a few long steps leave 1e-11, with half the step less."""
+def test_a_step_longer_than_the_layer_ends_the_rates_as_the_damping_does() -> None:
+    """A single step from the start would leave 1e-11 of the rates; the damping leaves 1e-15."""
     scene = rigid.FreeBody(rigid.Body((0.47, 1.03, 0.7)), damping=(872.0, 3352.0, 13.7))
     t = [1.77, 1.79, 1.81, 2.49, 2.79]
     run = rigid.simulate(scene, [0.58, -0.29, 0.49], t=t, method="etd4", step=1.0)
-    assert np.abs(run.omega).max() > 1e-12
-    assert run.status == Status.FLAGGED
+    assert np.abs(run.omega).max() < 1e-15
+    assert run.status == Status.OK
+    truth = rigid.simulate(scene, [0.58, -0.29, 0.49], t=t, method="taylor26", check=False)
+    turned = rotation_angle(present(run.attitude), present(truth.attitude))
+    assert turned.max() <= run.error
 
 
 def test_two_runs_that_part_by_a_whole_turn_do_not_look_equal() -> None:

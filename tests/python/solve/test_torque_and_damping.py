@@ -219,6 +219,20 @@ def test_knots_and_jumps_of_a_torque_cost_no_order(method: rigid.Method) -> None
         assert fine.energy_drift < coarse.energy_drift / 2.0 ** (method.order - 1.5)
 
 
+def test_a_run_may_end_with_the_table_of_its_torque_on_both_sides() -> None:
+    """The time that it covers, added to its first time, exceeds the last by a rounding."""
+    first, last = -0.1, 0.3
+    assert first + (last - first) > last
+    always = rigid.Torque.body((0.1, 0.0, 0.0))
+    table = rigid.Torque.body([(0.1, 0.0, 0.0)] * 2, times=[first, last])
+    runs = [
+        rigid.simulate(rigid.FreeBody(BODY, torque=torque), [0.1, 0.2, 0.3], t=[first, last])
+        for torque in (always, table)
+    ]
+    # The same steps but for the rounding of their ends.
+    assert np.abs(runs[0].omega - runs[1].omega).max() < 1e-14
+
+
 @pytest.mark.parametrize("method", SERIES)
 def test_series_choose_their_steps_between_the_knots(method: str) -> None:
     t = [0.0, 1.3, 2.0, 4.0]
