@@ -125,8 +125,9 @@ fn orders() {
 }
 
 /// A palindrome forwards and then backwards is the identity, up to rounding: 200 steps of at most 103 flows in each
-/// direction with ten roundings each, magnified by the motion by less than thirty, by that of a spinning top by less than
-/// a hundred; four bodies.
+/// direction with ten roundings each, magnified by the motion; four bodies. The largest stretch of the tangent between two
+/// times is 31 for the tops on axis 3 and 33 for the asymmetric ones; the sum of seven components is at most 2.65 times
+/// their norm.
 #[test]
 fn a_palindrome_is_reversible() {
     for scene in scenes() {
@@ -143,7 +144,7 @@ fn a_palindrome_is_reversible() {
             let home = integrate(&scene, Solver::Steps(method), &[0.0], 0.025);
             let difference = difference(&back, &home);
             let roundings = (2.0 * 200.0 * 10.0 * method.facts.stages.max(7) as f64).sqrt() * EPS / 2.0;
-            let bound = 4.0 * if scene.name == "Lagrange" { 100.0 } else { 30.0 } * roundings;
+            let bound = 4.0 * if scene.is_top { 33.0 * 7.0_f64.sqrt() } else { 30.0 } * roundings;
             println!("{:22} {:11} {difference:.1e} {bound:.1e}", scene.name, method.facts.name);
             assert!(difference <= bound, "{} {method:?}: {difference:e}", scene.name);
         }

@@ -31,6 +31,12 @@ ROTATION = 1.6e-17
 
 Equal rotations err in both runs alike, all in one direction."""
 
+LIE = "etd4"
+"""Each of its steps turns the body under damping by one rotation."""
+
+TURN = 1.3e-16
+"""Error (rad) that rounding leaves in such a rotation, of equal ones in one direction."""
+
 DRIFT = 5.6e-17
 """Relative change of the rates by which rounding may leave each of many equal steps.
 
@@ -83,6 +89,8 @@ def common_rounding(
     angle = rates * span
     floor: Floats = EQUAL_RUNS * (1.0 + angle) + ROTATION * rotations(method) * taken
     floor += _loss_of_turns(batch, method, taken, angle)
+    if method == LIE and batch.forcing is not None:
+        floor += TURN * taken
     if method not in series_methods():  # whose second run carries the rounding of a step on
         differs, angles = _differences(request, states, step=span / taken, angle=angle)
         floor += _steady_loss(differs, taken, span, angles)
