@@ -261,6 +261,20 @@ impl Forcing {
         })
     }
 
+    /// The same with damping that is rounded otherwise, by a unit in the last place: the diagonal up, the rest down. So
+    /// equal dampings of all axes stay equal, and a matrix that is nearly singular changes its least rate.
+    ///
+    /// # Errors
+    /// As `of_some`.
+    pub fn rounded_otherwise(&self) -> Result<Forcing, Error> {
+        let all = memory::collected("bodies", self.bodies(), 0..self.bodies())?;
+        let mut forcing = self.of_some(&all)?;
+        for (k, entry) in forcing.dampings.iter_mut().flat_map(|damping| damping.iter_mut().enumerate()) {
+            *entry *= if k < 3 { 1.0 + f64::EPSILON } else { 1.0 - f64::EPSILON };
+        }
+        Ok(forcing)
+    }
+
     /// The forcing of neighbouring bodies; `None` if one forcing serves all.
     ///
     /// # Errors
@@ -482,11 +496,6 @@ impl BodyForcing<'_> {
             0.5 * (at(begin, false) + at(next, true)) * (next - begin)
         };
         inner.chain(std::iter::once(to)).map(area).sum()
-    }
-
-    /// Entries 11, 22, 33, 23, 31, 12 of the damping matrix.
-    pub fn damping(&self) -> [f64; 6] {
-        self.damping
     }
 
     /// Entries 11, 22, 33, 23, 31, 12 of the damping matrix, if nothing else acts at any time.

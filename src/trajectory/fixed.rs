@@ -83,6 +83,8 @@ struct Layer {
     first: f64,
     /// The next end of a leg, since the begin of the layer.
     next: f64,
+    /// The time after which steps are short enough.
+    last: f64,
 }
 
 /// Legs of a layer, as a part of the time since its begin. With 1/2 the error of the layer is that of the other steps:
@@ -99,15 +101,16 @@ impl Layer {
         }
         let [.., rate] = forcing.damping_rates(request.bodies[body].moments);
         let first = PART / rate;
-        (request.steps[body] > first).then_some(Layer { since: 0.0, first, next: first })
+        let last = request.steps[body] / PART;
+        (request.steps[body] > first).then_some(Layer { since: 0.0, first, next: first, last })
     }
 
-    /// The first end of a leg after a time.
+    /// The first end of a leg after a time, if the layer has not ended.
     fn end_after(&mut self, time: f64) -> f64 {
         while self.since + self.next <= time {
             self.next *= 1.0 + PART;
         }
-        self.since + self.next
+        if self.next < self.last { self.since + self.next } else { f64::INFINITY }
     }
 }
 

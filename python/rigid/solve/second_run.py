@@ -108,13 +108,15 @@ def _past_stops(
 
 
 def _rounded_start(batch: Batch) -> Batch:
-    """The bodies with their starts rounded otherwise.
+    """The bodies with their starts and their damping rounded otherwise.
 
-    Two runs from one start would share what a saddle makes of its rounding. Zeros stay and equal
-    sizes stay equal, so that a start that is in equilibrium to the bit stays one.
+    Two runs from one start would share what a saddle makes of its rounding, and two runs with one
+    matrix what rounding makes of its least rate. Zeros stay and equal sizes stay equal, so that a
+    start that is in equilibrium to the bit stays one.
     """
     omega, attitude = _rounded_otherwise(batch.omega), _rounded_otherwise(batch.attitude)
-    return replace(batch, omega=omega, attitude=attitude)
+    forcing = None if batch.forcing is None else batch.forcing.rounded_otherwise()
+    return replace(batch, omega=omega, attitude=attitude, forcing=forcing)
 
 
 def _rounded_otherwise(rows: Floats) -> Floats:
