@@ -58,7 +58,7 @@ from .sections.poincare import poincare
 from .sections.surface import Section, section
 from .solve.chunks import simulate_chunks
 from .solve.events import Events
-from .solve.fit import Fit, fit
+from .solve.fit import Fit, FitWarning, fit
 from .solve.frequencies import FrequencyDrift, Lines, frequencies, frequency_drift
 from .solve.growth import Growth
 from .solve.lyapunov import lyapunov
@@ -102,6 +102,7 @@ __all__ = [
     "Events",
     "Extremes",
     "Fit",
+    "FitWarning",
     "FreeBody",
     "FrequencyDrift",
     "Growth",

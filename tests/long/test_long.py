@@ -21,6 +21,7 @@ SCRIPTS = (
     "criteria",
     "error_estimates",
     "failed_allocations",
+    "fits",
     "fuzz",
     "growth",
     "killed_writers",

@@ -1,39 +1,38 @@
-"""Moments, damping, weight and start of a body from measured rates, by least squares."""
+"""Moments, damping, weight and start of a body, and a gyroscope's errors, from measured rates."""
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._checks.arguments import brief, nearest, shaped, sorted_times, vector
+from .._checks.arguments import brief, shaped, sorted_times, vector
 from ..model.body import Body
 from ..model.scene import Scene, check_scene
-from .simulate import simulate
+from .arcs import Arcs, largest_chi2
+from .least_squares import UNTOLD
+from .unknowns import BIAS, MOMENTS, RATIOS, SCALE, START, Unknowns
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-__all__ = ["Fit", "fit"]
+__all__ = ["Fit", "FitWarning", "fit"]
 
 Floats = NDArray[np.float64]
 
-_MOMENTS = ("I1", "I2", "I3")
-_RATIOS = tuple(f"{a}/{b}" for a in _MOMENTS for b in _MOMENTS if a != b)
-_DAMPING = ("damping1", "damping2", "damping3")
-_START = ("omega1", "omega2", "omega3")
-
-_EDGE = 1e-9
-"""Share of the moments by which a body stays thicker than a rod or a plate."""
-
-_UNTOLD = 1.0
-"""A combination whose relative standard deviation is above this is not determined."""
-
 _PART = 1e-3
 """Smaller parts of a combination that is not determined are not named."""
+
+_REACHED = 0.01
+"""A minimum is reached if a whole step would lower chi² by less: a tenth of a std."""
+
+
+class FitWarning(UserWarning):
+    """A fit that failed."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -42,8 +41,14 @@ class Fit:
 
     Attributes
     ----------
+    success : bool
+        Whether a minimum was reached, and its ``chi2`` is possible: noise of the given ``sigma``
+        has a larger one in less than one of a million fits.
+    reason : str
+        Why, in words.
     names : tuple of str
-        The free parameters; ``"omega"`` gives ``"omega1"``, ``"omega2"``, ``"omega3"``.
+        The free parameters; ``"omega"`` gives ``"omega1"``, ``"omega2"``, ``"omega3"``, and so do
+        ``"bias"`` and ``"scale"``.
     values : ndarray, shape (k,)
         Their best values.
     std : ndarray, shape (k,)
@@ -54,10 +59,13 @@ class Fit:
     undetermined : tuple of str
         The combinations of parameters that the data do not determine, in words.
     at_bounds : tuple of str
-        What ended at the edge of the physical range, in words.
+        What ended at the edge of the physical range, in words. Standard deviations do not hold
+        there.
     chi2 : float
-        Sum of the squares of the residuals; about ``residuals.size - k`` if model and ``sigma``
-        hold.
+        Sum of the squares of the residuals.
+    chi2_per_dof : float
+        ``chi2 / (residuals.size - k)``: about 1 if model and ``sigma`` hold; far below 1 if
+        ``sigma`` is larger than the noise. NaN for as many parameters as numbers.
     residuals : ndarray, shape (m, 3)
         ``(model - measured) / sigma``.
     scene : FreeBody or HeavyTop
@@ -68,6 +76,8 @@ class Fit:
         Runs with derivatives that it took.
     """
 
+    success: bool
+    reason: str
     names: tuple[str, ...]
     values: Floats
     std: Floats
@@ -75,6 +85,7 @@ class Fit:
     undetermined: tuple[str, ...]
     at_bounds: tuple[str, ...]
     chi2: float
+    chi2_per_dof: float
     residuals: Floats
     scene: Scene
     omega: Floats
@@ -85,11 +96,12 @@ class Fit:
         return float(self.values[self.names.index(name)])
 
     def __str__(self) -> str:
+        failure = () if self.success else (f"FAILED: {self.reason}",)
         lines = [
             f"{name:<10}{value:.6g} ± {error:.1g}"
             for name, value, error in zip(self.names, self.values, self.std, strict=True)
         ]
-        return "\n".join((*lines, *self.undetermined, *self.at_bounds))
+        return "\n".join((*failure, *lines, *self.undetermined, *self.at_bounds))
 
 
 def fit(
@@ -102,17 +114,19 @@ def fit(
     start: ArrayLike | None = None,
     attitude: ArrayLike | Rotation | None = None,
 ) -> Fit:
-    """Moments, damping, weight and start of a body from measured rates.
+    """Moments, damping, weight and start of a body, and a gyroscope's errors, from measured rates.
 
-    Least squares by SciPy (trust region with bounds; Branch, Coleman and Li, *SIAM J. Sci. Comput.*
-    21 (1999) 1). The derivative is the tangent of the motion: see :attr:`Run.sensitivity`. Moments
-    vary inside what a body can have, because the integrals of the squares of its coordinates,
-    ``(I1 + I2 + I3) / 2 - Ik``, are bounded below by zero. A motion without torque tells ratios of
-    moments only.
+    Least squares by Levenberg and Marquardt's method with geodesic acceleration (Transtrum and
+    Sethna, arXiv:1201.5885, 2012). The derivative is the tangent of the motion: see
+    :attr:`Run.sensitivity`. Moments vary inside what a body can have, because the integrals of the
+    squares of its coordinates, ``(I1 + I2 + I3) / 2 - Ik``, are bounded below by zero. A motion
+    without torque tells ratios of moments only.
 
-    The minimum is that beside the first guess. Over many turns, or where motions part quickly,
-    there are others: a ``chi2`` far above the number of measurements tells that the guess was too
-    far away. Fit a short piece first, and take its result as the guess for all.
+    Over many turns the sum of squares has many minima, one beside each guess whose phase ends up a
+    whole turn off. So the fit grows: each arc of the measurements reaches as far as the parameters
+    of the arc before predict the motion to within 1 rad of phase. Where chi² says that the minimum
+    of an arc is wrong, the fit starts again with other moments, all over what a body can have. What
+    still failed says so: see :attr:`Fit.success`.
 
     Parameters
     ----------
@@ -127,7 +141,9 @@ def fit(
     free : str or sequence of str
         The free parameters: ``"I1"``, ``"I2"``, ``"I3"`` (kg m²) or ratios such as ``"I2/I1"``, of
         which the first moment varies; ``"damping1"`` to ``"damping3"`` (N m s); ``"mgl"`` of a top
-        (J); ``"omega"``, the rates at ``t = 0``.
+        (J); ``"omega"``, the rates at ``t = 0``; of the gyroscope, which measures ``scale * omega +
+        bias`` along each axis, ``"bias"`` or ``"bias1"`` to ``"bias3"`` (rad/s, else 0) and
+        ``"scale"`` or ``"scale1"`` to ``"scale3"`` (else 1).
     start : array_like, shape (3,), optional
         Rates at ``t = 0``, a first guess if ``"omega"`` is free. Default: the measured rates if the
         first time is 0.
@@ -138,32 +154,36 @@ def fit(
     -------
     Fit
 
+    Warns
+    -----
+    FitWarning
+        If the fit failed: its chi² is impossible for ``sigma``, or no minimum was reached.
+
     Raises
     ------
     ValueError
         Naming the argument and the rule: an unknown parameter or one named twice, shapes that do
-        not fit, a sigma that is not positive, no start, less measurements than parameters, damping
-        that is not diagonal.
-    ImportError
-        Without SciPy.
+        not fit, a sigma that is not positive, no start, less measurements than parameters, ratios
+        that follow from each other, damping that is not diagonal, derivatives that overflow because
+        the motion is chaotic for long.
 
     Examples
     --------
     >>> import numpy as np, rigid
-    >>> t, rng = np.linspace(0.0, 20.0, 200), np.random.default_rng(1)
+    >>> t, rng = np.linspace(0.0, 60.0, 600), np.random.default_rng(1)
     >>> run = rigid.simulate(rigid.Body((1.0, 1.5, 2.0)), [0.1, 1.0, 0.2], t=t)
-    >>> measured = run.omega + 0.01 * rng.normal(size=run.omega.shape)
+    >>> measured = run.omega + [0.005, 0.0, 0.0] + 0.01 * rng.normal(size=run.omega.shape)
     >>> guess = rigid.Body((1.0, 1.3, 2.1))
-    >>> found = rigid.fit(guess, t, omega=measured, sigma=0.01, free=("I2/I1", "I3/I1", "omega"))
+    >>> free = ("I2/I1", "I3/I1", "omega", "bias")
+    >>> found = rigid.fit(guess, t, omega=measured, sigma=0.01, free=free)
+    >>> found.success, bool(0.9 < found.chi2_per_dof < 1.1)
+    (True, True)
     >>> bool(abs(found["I2/I1"] - 1.5) < 3 * found.std[0])
     True
-    >>> rigid.fit(guess, t, omega=measured, sigma=0.01, free=("I1", "I2", "I3")).undetermined
+    >>> free = ("I1", "I2", "I3", "omega", "bias")
+    >>> rigid.fit(guess, t, omega=measured, sigma=0.01, free=free).undetermined
     ('not determined by the data: equal relative changes of I1, I2, I3',)
     """
-    try:
-        from scipy.optimize import least_squares
-    except ImportError:
-        raise ImportError("fit() needs SciPy: pip install 'rigid[maps]'") from None
     scene = check_scene(scene)
     times = sorted_times("t", t)
     measured = shaped("omega", omega, 3)
@@ -174,194 +194,77 @@ def fit(
         if not len(times) or times[0] != 0.0:
             raise ValueError("start: is needed, because the first time is not 0")
         start = measured[0]
-    model = _Model(scene, vector("start", start, 3), free)
-    if measured.size < len(model.names):
+    unknowns = Unknowns(scene, vector("start", start, 3), attitude, free)
+    if measured.size < len(unknowns.names):
         raise ValueError(
-            f"free = {brief(free)}: {len(model.names)} parameters, but {measured.size} measured "
+            f"free = {brief(free)}: {len(unknowns.names)} parameters, but {measured.size} measured "
             "numbers"
         )
-
-    last: list[Any] = [None, None, None, 0]
-
-    def evaluated(x: Floats) -> None:
-        if last[0] is not None and np.array_equal(last[0], x):
-            return
-        varied, rates = model.at(x)
-        run = simulate(
-            varied, rates, attitude, t=times, record="rates", check=False, tangent=model.tangent
+    arcs = Arcs(unknowns, times, measured, spread)
+    found = arcs.minimum()
+    if np.isinf(found.gain):
+        raise ValueError(
+            "t, sigma: the derivatives of the motion over sigma overflow; a shorter time or a "
+            "larger sigma is needed"
         )
-        assert run.tangent is not None
-        columns = [run.tangent[:, :3, :3]]
-        if run.sensitivity is not None:
-            columns.insert(0, run.sensitivity[:, :3])
-        by_base = np.concatenate(columns, axis=-1)[..., model.columns] / spread[..., np.newaxis]
-        last[:] = [x.copy(), (run.omega - measured) / spread, by_base, last[3] + 1]
-
-    def residuals(x: Floats) -> Floats:
-        evaluated(x)
-        return np.asarray(last[1]).ravel()
-
-    def jacobian(x: Floats) -> Floats:
-        evaluated(x)
-        return np.asarray(last[2]).reshape(measured.size, -1) @ model.steer
-
-    found = least_squares(
-        residuals,
-        model.first,
-        jacobian,
-        bounds=model.bounds,
-        x_scale=model.sizes,
-        xtol=1e-12,
-        ftol=1e-12,
-        gtol=1e-12,
-    )
-    evaluated(found.x)
-    varied, rates = model.at(found.x)
-    base = model.base + model.steer @ found.x
-    values, slopes = model.told(base)
-    by_value = np.asarray(last[2]).reshape(measured.size, -1) @ np.linalg.inv(slopes)
+    base = unknowns.base + unknowns.steer @ found.x
+    values, slopes = unknowns.told(base)
+    by_value = found.slopes @ np.linalg.inv(slopes @ unknowns.steer)
     span = float(np.ptp(np.append(times, 0.0)))
-    covariance, words = _covariance(model, values, by_value, base, span)
+    covariance, words = _covariance(unknowns, values, by_value, span)
+    freedom = measured.size - len(values)
+    success, reason = _judged(found.squares, found.gain, freedom)
+    if not success:
+        warnings.warn(f"the fit failed: {reason}", FitWarning, stacklevel=2)
+    varied, rates = unknowns.at(found.x)
     return Fit(
-        names=model.names,
+        success=success,
+        reason=reason,
+        names=unknowns.names,
         values=values,
         std=np.sqrt(np.diagonal(covariance)),
         covariance=covariance,
         undetermined=words,
-        at_bounds=model.edges(found.x),
-        chi2=float(np.sum(np.square(last[1]))),
-        residuals=np.asarray(last[1]),
+        at_bounds=unknowns.edges(found.x),
+        chi2=found.squares,
+        chi2_per_dof=found.squares / freedom if freedom else np.nan,
+        residuals=found.residuals.reshape(-1, 3),
         scene=varied,
         omega=rates,
-        evaluations=int(last[3]),
+        evaluations=arcs.evaluations,
     )
 
 
-class _Model:
-    """The free parameters, and the numbers inside boxes by which they vary.
-
-    The base numbers are free moments, damping, weight and rates; ``base + steer @ x`` gives them
-    from coordinates ``x`` with bounds.
-    """
-
-    def __init__(self, scene: Scene, start: Floats, free: str | Sequence[str]) -> None:
-        self.scene, self.start = scene, start
-        self.names = _checked_names(scene, free)
-        moments = [name for name in self.names if name in (*_MOMENTS, *_RATIOS)]
-        self.moving = sorted(_MOMENTS.index(name[:2]) for name in moments)
-        if len(set(self.moving)) < len(self.moving):
-            raise ValueError(f"free = {brief(free)}: one moment varies by two of the parameters")
-        # The base numbers, in the order of the names, each moment in the place of its name.
-        self.numbers = tuple(name[:2] if name in moments else name for name in self.names)
-        matrix = np.zeros((3, 3)) if scene.damping is None else np.array(scene.damping)
-        if any(name in _DAMPING for name in self.names) and np.any(
-            matrix - np.diag(np.diagonal(matrix))
-        ):
-            raise ValueError("free: damping is fitted along the axes; that of the scene is not")
-        self.damping = matrix
-        base = tuple(name for name in self.numbers if name not in _START)
-        self.tangent: bool | tuple[str, ...] = base or True
-        known = [*base, *_START]
-        self.columns = [known.index(name) for name in self.numbers]
-        self._boxes()
-
-    def _boxes(self) -> None:
-        i = np.array(self.scene.body.moments)
-        unit = float(i.max())
-        self.base = np.zeros(len(self.numbers))
-        self.steer = np.eye(len(self.numbers))
-        low, high = np.full(len(self.numbers), -np.inf), np.full(len(self.numbers), np.inf)
-        first, sizes = self.base.copy(), np.ones(len(self.numbers))
-        mean = float(np.linalg.norm(self.start)) or 1.0
-        for k, name in enumerate(self.numbers):
-            if name in _START:
-                first[k], sizes[k] = self.start[_START.index(name)], mean
-            elif name in _DAMPING:
-                j = _DAMPING.index(name)
-                first[k], low[k], sizes[k] = self.damping[j, j], 0.0, unit * mean
-            elif name == "mgl":
-                first[k] = self.scene.mgl  # type: ignore[attr-defined]
-                low[k], sizes[k] = 0.0, first[k] or unit * mean**2
-        place = {j: self.numbers.index(_MOMENTS[j]) for j in self.moving}
-        squares = 0.5 * i.sum() - i  # the integrals of x², y², z² over the mass
-        edge = _EDGE * unit
-        if len(place) == 1:
-            ((j, k),) = place.items()
-            others = np.delete(i, j)
-            low[k], high[k] = abs(others[0] - others[1]) + edge, others.sum() - edge
-            first[k], sizes[k] = np.clip(i[j], low[k] + edge, high[k] - edge), unit
-        elif len(place) == 2:
-            # The fixed moment is the sum of two squares: one varies, and the third does.
-            (j, m), fixed = self.moving, 3 - sum(self.moving)
-            a, b = place[j], place[m]
-            self.base[a] = i[fixed]
-            self.steer[np.ix_([a, b], [a, b])] = [[-1.0, 1.0], [1.0, 1.0]]
-            low[[a, b]], high[a] = edge, i[fixed] - edge
-            first[a] = np.clip(squares[j], 2 * edge, i[fixed] - 2 * edge)
-            first[b], sizes[[a, b]] = max(squares[fixed], 2 * edge), unit
-        elif len(place) == 3:
-            rows = [place[j] for j in range(3)]
-            self.steer[np.ix_(rows, rows)] = 1.0 - np.eye(3)
-            low[rows], sizes[rows] = edge, unit
-            first[rows] = np.maximum(squares, 2 * edge)
-        self.bounds, self.first, self.sizes = (low, high), first, sizes
-
-    def at(self, x: Floats) -> tuple[Scene, Floats]:
-        """Scene and start of coordinates."""
-        values = dict(zip(self.numbers, (self.base + self.steer @ x).tolist(), strict=True))
-        moments = [
-            values.get(name, old)
-            for name, old in zip(_MOMENTS, self.scene.body.moments, strict=True)
-        ]
-        rates = [values.get(name, old) for name, old in zip(_START, self.start, strict=True)]
-        own = {"mgl": values["mgl"]} if "mgl" in values else {}
-        damping = self.scene.damping
-        if any(name in values for name in _DAMPING):
-            diagonal = [values.get(name, self.damping[j, j]) for j, name in enumerate(_DAMPING)]
-            damping = np.diag(diagonal)
-        return self.scene.replaced(Body(moments), damping, **own), np.array(rates)
-
-    def told(self, base: Floats) -> tuple[Floats, Floats]:
-        """Values of the named parameters, and their derivatives by the base numbers."""
-        values, slopes = base.copy(), np.eye(len(base))
-        moments = dict(zip(_MOMENTS, self.scene.body.moments, strict=True))
-        moments |= {n: v for n, v in zip(self.numbers, base, strict=True) if n in _MOMENTS}
-        for k, name in enumerate(self.names):
-            if name in _RATIOS:
-                above, below = moments[name[:2]], moments[name[3:]]
-                values[k], slopes[k, k] = above / below, 1.0 / below
-                if name[3:] in self.numbers:
-                    slopes[k, self.numbers.index(name[3:])] = -above / below**2
-        return values, slopes
-
-    def edges(self, x: Floats) -> tuple[str, ...]:
-        """What lies at its bound, in words."""
-        low, high = self.bounds
-        near = (x - low < 1e-6 * self.sizes) | (high - x < 1e-6 * self.sizes)
-        words = [
-            f"{name} is zero, the least that it can be"
-            for name, is_near in zip(self.numbers, near, strict=True)
-            if is_near and name not in _MOMENTS
-        ]
-        if any(near[k] for k, name in enumerate(self.numbers) if name in _MOMENTS):
-            words.append("the moments are those of a flat body, the edge of what a body can have")
-        return tuple(words)
+def _judged(chi2: float, gain: float, freedom: int) -> tuple[bool, str]:
+    """Whether a fit succeeded, and why, in words."""
+    largest, per = largest_chi2(freedom), max(freedom, 1)
+    if not chi2 <= largest:
+        return False, (
+            f"chi2 per degree of freedom = {chi2 / per:.4g}: must be below {largest / per:.4g}; "
+            "the minimum is wrong, sigma is too small, or the motion has what no free parameter has"
+        )
+    if gain > _REACHED:
+        return False, f"no minimum was reached: chi2 = {chi2:.6g} would fall by {gain:.2g} or more"
+    return True, f"chi2 per degree of freedom = {chi2 / per:.4g}: is below {largest / per:.4g}"
 
 
 def _covariance(
-    model: _Model, values: Floats, by_value: Floats, base: Floats, span: float
+    unknowns: Unknowns, values: Floats, by_value: Floats, span: float
 ) -> tuple[Floats, tuple[str, ...]]:
     """Covariance of the parameters, and the combinations that are not determined."""
-    mass = float(max(model.scene.body.moments))
-    rate = float(np.linalg.norm(model.start)) or 1.0
+    mass = float(max(unknowns.scene.body.moments))
+    rate = float(np.linalg.norm(unknowns.start)) or 1.0
     sizes = np.empty(len(values))
-    for k, name in enumerate(model.names):
-        least = {"mgl": mass * rate**2}.get(name, rate if name in _START else mass / (span or 1.0))
-        relative = name in _MOMENTS or name in _RATIOS
-        sizes[k] = abs(values[k]) if relative else max(abs(values[k]), least)
-    _, strengths, turns = np.linalg.svd(by_value * sizes, full_matrices=True)
-    strengths = np.append(strengths, np.zeros(len(values) - len(strengths)))
-    told = strengths > 1.0 / _UNTOLD
+    for k, name in enumerate(unknowns.names):
+        if name in (*MOMENTS, *RATIOS, *SCALE):
+            least = 0.0
+        elif name in (*START, *BIAS):
+            least = rate
+        else:
+            least = mass * rate**2 if name == "mgl" else mass / (span or 1.0)
+        sizes[k] = max(abs(values[k]), least)
+    _, strengths, turns = np.linalg.svd(by_value * sizes, full_matrices=False)
+    told = strengths > 1.0 / UNTOLD
     inverse = turns[told].T / strengths[told]
     covariance = sizes[:, np.newaxis] * (inverse @ inverse.T) * sizes
     words = []
@@ -369,35 +272,17 @@ def _covariance(
         parts = direction / direction[np.argmax(np.abs(direction))]
         inside = np.abs(parts) > _PART
         covariance[inside, inside] = np.inf
-        named = [name for name, used in zip(model.names, inside, strict=True) if used]
-        if len(named) == 1:
-            words.append(f"not determined by the data: {named[0]}")
-        elif np.allclose(parts[inside], 1.0, atol=1e-4):
-            words.append(
-                f"not determined by the data: equal relative changes of {', '.join(named)}"
-            )
-        else:
-            shares = ", ".join(
-                f"{name} by {part:+.3g}" for name, part in zip(named, parts[inside], strict=True)
-            )
-            words.append(f"not determined by the data: relative changes of {shares} together")
-    return covariance, tuple(words)
+        named = [name for name, used in zip(unknowns.names, inside, strict=True) if used]
+        words.append(_combination(named, (parts * sizes)[inside], values[inside]))
+    return covariance, tuple(f"not determined by the data: {combination}" for combination in words)
 
 
-def _checked_names(scene: Scene, free: str | Sequence[str]) -> tuple[str, ...]:
-    known = (*_MOMENTS, *_RATIOS, *_DAMPING, "omega", *(("mgl",) if "mgl" in scene.fields else ()))
-    given = (free,) if isinstance(free, str) else free
-    if not isinstance(given, Sequence) or not given:
-        raise ValueError(f"free = {brief(free)}: must be names of parameters")
-    names: list[str] = []
-    for name in given:
-        if name not in known:
-            raise ValueError(
-                f"free = {brief(name)}: is no parameter of a {scene.title}; known are "
-                f"{', '.join(map(repr, known))}{nearest(str(name), known)}"
-            )
-        for own in _START if name == "omega" else (name,):
-            if own in names:
-                raise ValueError(f"free = {brief(free)}: {name!r} is named twice")
-            names.append(own)
-    return tuple(names)
+def _combination(names: list[str], changes: Floats, values: Floats) -> str:
+    """Parameters that may change together, in words."""
+    if len(names) == 1:
+        return names[0]
+    if values.all() and np.ptp(changes / values) < 1e-4 * np.abs(changes / values).max():
+        return f"equal relative changes of {', '.join(names)}"
+    parts = changes / changes[np.argmax(np.abs(changes))]
+    shares = (f"{name} by {part:+.3g}" for name, part in zip(names, parts, strict=True))
+    return f"changes of {', '.join(shares)} together"

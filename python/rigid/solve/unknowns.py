@@ -1,0 +1,237 @@
+"""The free parameters of a fit: their numbers inside a box, and the rates that these predict."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._checks.arguments import brief, nearest
+from ..model.body import Body
+from ..model.scene import Scene
+from .simulate import simulate
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
+
+__all__ = ["BIAS", "MOMENTS", "RATIOS", "SCALE", "START", "Unknowns"]
+
+Floats = NDArray[np.float64]
+
+MOMENTS = ("I1", "I2", "I3")
+RATIOS = tuple(f"{a}/{b}" for a in MOMENTS for b in MOMENTS if a != b)
+START = ("omega1", "omega2", "omega3")
+_DAMPING = ("damping1", "damping2", "damping3")
+BIAS = ("bias1", "bias2", "bias3")
+SCALE = ("scale1", "scale2", "scale3")
+_GROUPS = {"omega": START, "bias": BIAS, "scale": SCALE}
+
+_EDGE = 1e-9
+"""Share of the moments by which a body stays thicker than a rod or a plate."""
+
+_SENSOR = 0.1
+"""What a gyroscope adds to its rates, or by how much it scales them, as a share of the rates."""
+
+
+class Unknowns:
+    """The free parameters, and the numbers inside a box by which they vary.
+
+    The base numbers are free moments, damping, weight, rates, biases and scales; ``base + steer @
+    x`` gives them from coordinates ``x`` inside the box. The ``sizes`` of the coordinates are how
+    far off a first guess may be.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        start: Floats,
+        attitude: ArrayLike | Rotation | None,
+        free: str | Sequence[str],
+    ) -> None:
+        self.scene, self.start, self.attitude = scene, start, attitude
+        self.names = _checked_names(scene, free)
+        moments = [name for name in self.names if name in (*MOMENTS, *RATIOS)]
+        self._moving = sorted(MOMENTS.index(name[:2]) for name in moments)
+        if len(set(self._moving)) < len(self._moving):
+            raise ValueError(f"free = {brief(free)}: one moment varies by two of the parameters")
+        ratios = {name[:2]: name[3:] for name in moments if name in RATIOS}
+        if len(ratios) == 3 or any(ratios.get(below) == above for above, below in ratios.items()):
+            raise ValueError(f"free = {brief(free)}: one of the ratios follows from the others")
+        # The base numbers, in the order of the names, each moment in the place of its name.
+        self.numbers = tuple(name[:2] if name in moments else name for name in self.names)
+        matrix = np.zeros((3, 3)) if scene.damping is None else np.array(scene.damping)
+        if any(name in _DAMPING for name in self.names) and np.any(
+            matrix - np.diag(np.diagonal(matrix))
+        ):
+            raise ValueError("free: damping is fitted along the axes; that of the scene is not")
+        self._damping = matrix
+        of_run = (*START, *BIAS, *SCALE)
+        self._by_run = tuple(name for name in self.numbers if name not in of_run)
+        known = (*self._by_run, *of_run)
+        self._columns = [known.index(name) for name in self.numbers]
+        self._boxes()
+
+    def _boxes(self) -> None:
+        i = np.array(self.scene.body.moments)
+        unit = float(i.max())
+        self.base = np.zeros(len(self.numbers))
+        self.steer = np.eye(len(self.numbers))
+        low, high = np.full(len(self.numbers), -np.inf), np.full(len(self.numbers), np.inf)
+        first, sizes = self.base.copy(), np.ones(len(self.numbers))
+        mean = float(np.linalg.norm(self.start)) or 1.0
+        for k, name in enumerate(self.numbers):
+            if name in START:
+                first[k], sizes[k] = self.start[START.index(name)], mean
+            elif name in BIAS:
+                sizes[k] = _SENSOR * mean
+            elif name in SCALE:
+                first[k], low[k], sizes[k] = 1.0, 0.0, _SENSOR
+            elif name in _DAMPING:
+                j = _DAMPING.index(name)
+                first[k], low[k], sizes[k] = self._damping[j, j], 0.0, 0.1 * unit * mean
+            elif name == "mgl":
+                first[k] = self.scene.mgl  # type: ignore[attr-defined]
+                low[k], sizes[k] = 0.0, first[k] or unit * mean**2
+        place = {j: self.numbers.index(MOMENTS[j]) for j in self._moving}
+        squares = 0.5 * i.sum() - i  # the integrals of x², y², z² over the mass
+        edge = _EDGE * unit
+        if len(place) == 1:
+            ((j, k),) = place.items()
+            others = np.delete(i, j)
+            low[k], high[k] = abs(others[0] - others[1]) + edge, others.sum() - edge
+            first[k], sizes[k] = np.clip(i[j], low[k] + edge, high[k] - edge), unit
+        elif len(place) == 2:
+            # The fixed moment is the sum of two squares: one varies, and the third does.
+            (j, m), fixed = self._moving, 3 - sum(self._moving)
+            a, b = place[j], place[m]
+            self.base[a] = i[fixed]
+            self.steer[np.ix_([a, b], [a, b])] = [[-1.0, 1.0], [1.0, 1.0]]
+            low[[a, b]], high[a] = edge, i[fixed] - edge
+            first[a] = np.clip(squares[j], 2 * edge, i[fixed] - 2 * edge)
+            first[b], sizes[[a, b]] = max(squares[fixed], 2 * edge), unit
+        elif len(place) == 3:
+            rows = [place[j] for j in range(3)]
+            self.steer[np.ix_(rows, rows)] = 1.0 - np.eye(3)
+            low[rows], sizes[rows] = edge, unit
+            first[rows] = np.maximum(squares, 2 * edge)
+        self.box, self.first, self.sizes = (low, high), first, sizes
+
+    def other_moments(self, count: int) -> Floats:
+        """First guesses with moments all over what a body can have, shape (count, k).
+
+        Those of the same fit are the same. None if no moment varies.
+        """
+        if not self._moving:
+            return np.empty((0, len(self.first)))
+        i = np.array(self.scene.body.moments)
+        squares = np.random.default_rng(0).dirichlet(np.ones(3), count) * (0.5 * i.sum())
+        guesses = np.tile(self.first, (count, 1))
+        low, high = self.box
+        columns = [self.numbers.index(MOMENTS[j]) for j in self._moving]
+        if len(columns) == 1:
+            shares = squares[:, :1] / squares.sum(axis=1, keepdims=True)
+            guesses[:, columns] = low[columns] + shares * (high - low)[columns]
+        elif len(columns) == 2:
+            (j, m), fixed = self._moving, 3 - sum(self._moving)
+            scale = i[fixed] / (squares[:, j] + squares[:, m])
+            guesses[:, columns] = squares[:, [j, fixed]] * scale[:, np.newaxis]
+        else:
+            guesses[:, columns] = squares
+        return np.clip(guesses, low, high)
+
+    def _values(self, x: Floats) -> dict[str, float]:
+        return dict(zip(self.numbers, (self.base + self.steer @ x).tolist(), strict=True))
+
+    def at(self, x: Floats) -> tuple[Scene, Floats]:
+        """Scene and start of coordinates."""
+        values = self._values(x)
+        own = {"mgl": values["mgl"]} if "mgl" in values else {}
+        moments = _taken(values, MOMENTS, self.scene.body.moments)
+        damping = self.scene.damping
+        if any(name in values for name in _DAMPING):
+            damping = np.diag(_taken(values, _DAMPING, np.diagonal(self._damping)))
+        varied = self.scene.replaced(Body(moments), damping, **own)
+        return varied, _taken(values, START, self.start)
+
+    def rates(self, x: Floats, t: Floats) -> Floats:
+        """What a gyroscope would measure, shape (m, 3)."""
+        scene, start = self.at(x)
+        run = simulate(scene, start, self.attitude, t=t, record="rates", check=False)
+        values = self._values(x)
+        return run.omega * _taken(values, SCALE, (1.0,) * 3) + _taken(values, BIAS, (0.0,) * 3)
+
+    def slopes(self, x: Floats, t: Floats) -> Floats:
+        """Derivatives of :meth:`rates` by the base numbers, shape (m, 3, k)."""
+        scene, start = self.at(x)
+        run = simulate(
+            scene,
+            start,
+            self.attitude,
+            t=t,
+            record="rates",
+            check=False,
+            tangent=self._by_run or True,
+        )
+        assert run.tangent is not None
+        columns = [run.tangent[:, :3, :3]]
+        if run.sensitivity is not None:
+            columns.insert(0, run.sensitivity[:, :3])
+        scale = _taken(self._values(x), SCALE, (1.0,) * 3)
+        columns = [scale[:, np.newaxis] * part for part in columns]
+        columns.append(np.broadcast_to(np.eye(3), (len(t), 3, 3)))
+        columns.append(run.omega[:, np.newaxis, :] * np.eye(3))
+        return np.concatenate(columns, axis=-1)[..., self._columns]
+
+    def told(self, base: Floats) -> tuple[Floats, Floats]:
+        """Values of the named parameters, and their derivatives by the base numbers."""
+        values, slopes = base.copy(), np.eye(len(base))
+        moments = dict(zip(MOMENTS, self.scene.body.moments, strict=True))
+        moments |= {n: v for n, v in zip(self.numbers, base, strict=True) if n in MOMENTS}
+        for k, name in enumerate(self.names):
+            if name in RATIOS:
+                above, below = moments[name[:2]], moments[name[3:]]
+                values[k], slopes[k, k] = above / below, 1.0 / below
+                if name[3:] in self.numbers:
+                    slopes[k, self.numbers.index(name[3:])] = -above / below**2
+        return values, slopes
+
+    def edges(self, x: Floats) -> tuple[str, ...]:
+        """What lies at its bound, in words."""
+        low, high = self.box
+        near = (x - low < 1e-6 * self.sizes) | (high - x < 1e-6 * self.sizes)
+        words = [
+            f"{name} is zero, the least that it can be"
+            for name, is_near in zip(self.numbers, near, strict=True)
+            if is_near and name not in MOMENTS
+        ]
+        if any(near[k] for k, name in enumerate(self.numbers) if name in MOMENTS):
+            words.append("the moments are those of a flat body, the edge of what a body can have")
+        return tuple(words)
+
+
+def _taken(values: dict[str, float], names: Sequence[str], others: ArrayLike) -> Floats:
+    """The values of these names, and the others where there is none."""
+    known = zip(names, np.asarray(others).tolist(), strict=True)
+    return np.array([values.get(name, other) for name, other in known])
+
+
+def _checked_names(scene: Scene, free: str | Sequence[str]) -> tuple[str, ...]:
+    weight = ("mgl",) if "mgl" in scene.fields else ()
+    known = (*MOMENTS, *RATIOS, *_DAMPING, *weight, "omega", "bias", *BIAS, "scale", *SCALE)
+    given = (free,) if isinstance(free, str) else free
+    if not isinstance(given, Sequence) or not given:
+        raise ValueError(f"free = {brief(free)}: must be names of parameters")
+    names: list[str] = []
+    for name in given:
+        if name not in known:
+            raise ValueError(
+                f"free = {brief(name)}: is no parameter of a {scene.title}; known are "
+                f"{', '.join(map(repr, known))}{nearest(str(name), known)}"
+            )
+        for own in _GROUPS.get(name, (name,)):
+            if own in names:
+                raise ValueError(f"free = {brief(free)}: {own!r} is named twice")
+            names.append(own)
+    return tuple(names)

@@ -1,0 +1,72 @@
+"""Random fits of moments from noisy rates: how many are right, and do the rest say so?
+
+    python tests/long/fits.py [--count 500] [--seed 1] [--workers N]
+
+Without and with a free bias of the gyroscope. Fails if less than 97 % are right, if a wrong one
+says that it succeeded, or if the intervals of 95 % hold less than 93 % or more than 97 % of the
+truths.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+import warnings
+from concurrent.futures import ProcessPoolExecutor
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "shared"))
+
+import rigid
+from fit_cases import Finding, judged
+
+LEAST_RIGHT, COVERAGE = 0.97, (0.93, 0.97)
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--count", type=int, default=500)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--workers", type=int, help="processes; by default one a processor")
+    chosen = parser.parse_args()
+    with ProcessPoolExecutor(chosen.workers, initializer=expect_failures) as pool:
+        wrong = [table(pool, bias, chosen.count, chosen.seed) for bias in (False, True)]
+    return int(any(wrong))
+
+
+def expect_failures() -> None:
+    """Failed fits are counted here, so none need warn."""
+    warnings.simplefilter("ignore", rigid.FitWarning)
+
+
+def table(pool: ProcessPoolExecutor, bias: bool, count: int, seed: int) -> bool:
+    """Print what was found; whether it is too bad."""
+    begin = time.perf_counter()
+    judge = partial(judged, seed=seed, bias=bias)
+    findings: list[Finding] = list(pool.map(judge, range(count), chunksize=4))
+    seconds = (time.perf_counter() - begin) / count
+    right = sum(one.success and one.right for one in findings)
+    silent = [one for one in findings if one.success and not one.right]
+    failed = [one for one in findings if not one.success]
+    held = np.array([one.held for one in findings if one.success])
+    evaluations = [one.evaluations for one in findings]
+    print(
+        f"bias {'free' if bias else 'none'}: {right} of {count} right, {len(failed)} failed, "
+        f"{len(silent)} SILENT; {np.mean(evaluations):.1f} evaluations, most {max(evaluations)}; "
+        f"{seconds:.2f} s a fit"
+    )
+    print(f"  intervals of 95 % hold {held.mean():.4f}; of each parameter {held.mean(0).round(3)}")
+    for one in silent:
+        print(f"  {one.number}: SILENT, chi2 above that of the truth by {-one.excess:.1f}")
+    for one in failed:
+        print(f"  {one.number}: {one.reason}")
+    covered = COVERAGE[0] <= held.mean() <= COVERAGE[1]
+    return right < LEAST_RIGHT * count or bool(silent) or not covered
+
+
+if __name__ == "__main__":
+    sys.exit(main())
