@@ -167,8 +167,8 @@ def errors(name: str, order: int, truth: Truth) -> tuple[float, float] | None:
         if found[-1] < 1e-12:
             break
     usable = [i for i, error in enumerate(found) if 1e-11 < error < 1e-2]
-    if not usable:
-        usable = [int(np.argmin(found))]
+    if not usable:  # the longest step has the least share of rounding
+        usable = [next(i for i, error in enumerate(found) if error < 1e-2)]
     factor = float(np.median([factors[i] for i in usable]))
     fitting = [i for i in usable if factors[i] < 5.0 * factor]
     return factor, min(float(TURNS[min(fitting)]), STABLE.get(name, np.inf))

@@ -120,9 +120,9 @@ impl Bytes<'_> {
             "taylor16",
             "splitting",
             "chin4a",
-            "srkn6",
+            "chin4a",
             "pmlf4",
-            "dmv4",
+            "dmv10",
             "midpoint",
             "etd4",
         ];

@@ -15,7 +15,7 @@ report = rigid.report(
     rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0))),
     omega=[1.0, 1.0, 1.0],
     t_end=20.0,
-    methods=["exact", "rk4", "dop853", "taylor16", "splitting4", "dmv4"],
+    methods=["exact", "rk4", "dop853", "taylor16", "splitting4", "dmv10"],
     progress=False,
 )
 figure, ax = plt.subplots(figsize=(9, 6.5), layout="constrained")

@@ -517,7 +517,7 @@ mod tests {
         let tangent = |needs| Needs { tangent: true, ..needs };
         let changed = |needs| Needs { tangent: true, is_changed: true, ..needs };
         // A series does not integrate a top with a quaternion.
-        let (rotations, series) = (scheme::SPLITTING4.any, scheme::TAYLOR8.any);
+        let (rotations, series) = (scheme::SPLITTING4.any, scheme::TAYLOR12.any);
         for (scene, step, needs, system) in [
             (&FREE, series, needs(0, false), FreeRates),
             (&FREE, series, needs(1, false), FreeAxis),

@@ -24,6 +24,7 @@ use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::exceptions::{PyMemoryError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
+use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
 impl From<Error> for PyErr {
@@ -64,7 +65,7 @@ mod _core {
     #[pymodule_export]
     use super::{
         available_threads, build_info, check_method, check_moments, chosen_methods, in_standard_floats,
-        methods, moment_status, moment_status_names, principal_axes, unit_quaternions,
+        methods, moment_status, moment_status_names, principal_axes, retired_methods, unit_quaternions,
     };
     /// Largest relative error of energy, momentum or unit lengths of a motion that has not drifted.
     #[pymodule_export]
@@ -119,6 +120,7 @@ fn methods(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
         entry.set_item("symplectic", facts.symplectic)?;
         entry.set_item("reversible", facts.reversible)?;
         entry.set_item("group_preserving", facts.group_preserving)?;
+        entry.set_item("conserves", PyTuple::new(py, facts.conserves)?)?;
         entry.set_item("tangent", scheme.has_tangent())?;
         entry.set_item("driven", scheme.forced.is_some())?;
         entry.set_item("stiff", scheme.is_stiff())?;
@@ -149,6 +151,12 @@ fn chosen_methods(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     names.set_item("second", scheme::SECOND.facts.name)?;
     names.set_item("stiff", scheme::STIFF.facts.name)?;
     Ok(names)
+}
+
+/// Methods of earlier versions, each with the method that takes its place.
+#[pyfunction]
+fn retired_methods() -> BTreeMap<&'static str, &'static str> {
+    scheme::RETIRED.into()
 }
 
 /// Calls a function while its thread rounds to nearest and keeps subnormal numbers.

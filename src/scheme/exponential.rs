@@ -23,6 +23,7 @@ pub const ETD4: Scheme = Scheme {
         symplectic: false,
         reversible: false,
         group_preserving: false,
+        conserves: &[],
         angle_per_step: 1.0 / 16.0,
         citation: "M. Hochbruck, A. Ostermann, Explicit exponential Runge-Kutta methods for semilinear parabolic \
                    problems, SIAM J. Numer. Anal. 43 (2005) 1069-1090; attitude in Lie coordinates: H. Munthe-Kaas, \

@@ -24,6 +24,7 @@ pub const HERMITE9: Scheme = Scheme::direct(
         symplectic: false,
         reversible: false,
         group_preserving: false,
+        conserves: &[],
         angle_per_step: 0.1,
         citation: "K. Nitadori, J. Makino, Sixth- and eighth-order Hermite integrator for N-body simulations, \
                    New Astron. 13 (2008) 498-507; N. Obreshkov, Neue Quadraturformeln, \

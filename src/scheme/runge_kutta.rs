@@ -36,6 +36,7 @@ pub const RK4: Scheme = Scheme::direct(
         symplectic: false,
         reversible: false,
         group_preserving: false,
+        conserves: &[],
         angle_per_step: 1.0 / 16.0,
         citation: "W. Kutta, Beitrag zur näherungsweisen Integration totaler Differentialgleichungen, \
                    Z. Math. Phys. 46 (1901) 435-453",
@@ -55,6 +56,7 @@ pub const DOP853: Scheme = Scheme::direct(
         symplectic: false,
         reversible: false,
         group_preserving: false,
+        conserves: &[],
         angle_per_step: 0.1,
         citation: "E. Hairer, S. P. Nørsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed., \
                    Springer (1993), section II.5; P. J. Prince, J. R. Dormand, High order embedded Runge-Kutta \

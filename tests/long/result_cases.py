@@ -634,7 +634,7 @@ def _events() -> Iterator[Case]:
         return {name: getattr(other, name) for name in ("omega", "attitude")}
 
     for scene in ("free", "free-symmetric", "lagrange-top", "top", "torque-in-space", "damped-top"):
-        for method in ("exact", "taylor16", "taylor8"):
+        for method in ("exact", "taylor16", "taylor12"):
             options = {"method": method}
             for name, more in {
                 "all": {"events": asked},
@@ -693,7 +693,7 @@ def _reports() -> Iterator[Case]:
                 partial(lambda *given: _answered(lambda: errors(*given)), scene, [method]),
             )
     for family in EXTREMES:
-        for method in ("exact", "dop853", "srkn6", "taylor16"):
+        for method in ("exact", "dop853", "chin4a", "taylor16"):
             yield f"machine/extremes/{family}/{method}", partial(judged, family, method)
 
 

@@ -92,8 +92,8 @@ fn nominal_order(method: &'static Scheme, scene: &Scene) -> f64 {
 
 /// The slope between the finest steps for which the error of four bodies is above rounding, and above the error of the
 /// converged run if there is no closed form. The slope differs from the order by the effect of the next even power of
-/// the step. The effect is large where the leading error is small: srkn14 is constructed so, and the processor of pmlf6
-/// removes nearly all of the error of order 6, which looks like order 7.
+/// the step. The effect is large where the leading error is small: the processor of pmlf6 removes nearly all of the error
+/// of order 6, which looks like order 7.
 #[test]
 fn orders() {
     const TIME: f64 = 6.0;
@@ -115,8 +115,6 @@ fn orders() {
             println!("{:22} {:11} {order:4} {slope:.2}", scene.name, method.facts.name);
             let above = match method.facts.name {
                 "pmlf6" if scene.is_top => 1.3,
-                "srkn14" if scene.is_top => 0.5,
-                "srkn14" => 0.3,
                 _ => 0.1,
             };
             assert!(slope > order - 0.1 && slope < order + above, "{} {method:?}: {slope}", scene.name);

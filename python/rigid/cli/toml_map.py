@@ -22,7 +22,7 @@ from ..maps.spec import MapSpec
 from ..model import measures
 from ..model.measures import MEASURES, Measure
 from ..model.seed import checked_seed, seed_from
-from ..solve.methods import map_methods
+from ..solve.methods import known_method, map_methods
 from .toml_keys import AXIS, MAP, MAP_RUN
 from .toml_scene import read_criterion, read_scene, read_starts
 from .toml_table import BUILTIN, Table, as_is, names_in, parsed, read_source, text
@@ -126,7 +126,7 @@ def parse_spec(content: str, file: str, changes: Sequence[str] = ()) -> MapSpec:
             half_width=half_width,
             refine=run.take("refine", positive_int, default=None),
             budget=run.take("budget", positive_int, default=None),
-            method=run.choice("method", map_methods(), default=MapSpec.method),
+            method=run.take("method", _method, default=MapSpec.method),
             step=run.take("step", finite_float, default=MapSpec.step),
             check=run.take("check", finite_float, default=MapSpec.check),
             max_steps=run.take("max_steps", positive_int, default=MapSpec.max_steps),
@@ -161,6 +161,10 @@ def _measure(key: str, value: object) -> Measure:
             raise ValueError(f"{key}: {name} needs {option}")
     found: Measure = make(**options)
     return found
+
+
+def _method(key: str, value: object) -> str:
+    return known_method(key, value, map_methods())
 
 
 def _half_width(_key: str, value: object) -> float:

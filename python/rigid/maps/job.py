@@ -13,7 +13,7 @@ from .. import _core
 from ..model.judged import Judged
 from ..model.mixture import Mixture
 from ..model.start import Noise, Samples, Start
-from ..solve.methods import AUTO, EXACT
+from ..solve.methods import AUTO, EXACT, known_method, map_methods
 from .grid import NominalStarts
 from .judge import JudgedJob
 from .sequential import LOOK
@@ -136,7 +136,13 @@ def to_core(
         Their samples have the bits that they have in the whole map.
     samples : range, optional
         The samples of each pixel, by default all. The first is a multiple of 64.
+
+    Raises
+    ------
+    ValueError
+        If the map is one of an earlier version, whose method is gone.
     """
+    known_method("method", spec.method, map_methods())
     samples = samples or range(spec.samples)
     if len(spec.parts) == 1 and spec.parts[0].spec is spec:
         return _one(spec, pixels, samples)

@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any
 from numpy.typing import ArrayLike
 
 from .. import _core
-from .._checks.arguments import brief, finite_float, numbers, one_of, positive_int, vector
+from .._checks.arguments import brief, finite_float, numbers, positive_int, vector
 from ..model.body import Body
 from ..model.scene import Scene, check_scene, scene_from_dict
 from ..model.seed import checked_seed
 from ..solve.batch import Batch
-from ..solve.methods import run_methods
+from ..solve.methods import known_method, run_methods
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -149,7 +149,7 @@ def _methods(methods: Iterable[str] | None) -> tuple[str, ...]:
     if not asked:
         raise ValueError("methods = []: must name at least one method")
     for k, name in enumerate(asked):
-        one_of(f"methods[{k}]", name, known)
+        known_method(f"methods[{k}]", name, known)
         if name in asked[:k]:
             raise ValueError(f"methods[{k}] = {brief(name)}: is there already")
     return tuple(asked)

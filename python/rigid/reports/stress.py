@@ -17,7 +17,7 @@ from .._checks.arguments import one_of
 from .._checks.progress import Progress, ProgressOption, reporting
 from ..drawing.figure import html_text
 from ..solve.error_estimate import distances
-from ..solve.methods import EXACT, run_methods
+from ..solve.methods import EXACT, known_method, run_methods
 from ..solve.run import Run
 from ..solve.simulate import simulate
 from ..solve.status import Status
@@ -173,7 +173,7 @@ def extremes(
         one_of("family", family, dict.fromkeys(case.family for case in cases()))
     names = run_methods()
     if method is not None:
-        one_of("method", method, names)
+        known_method("method", method, names)
     cells: list[Cell] = []
     begun = time.perf_counter()
     with reporting(progress, len(wanted), unit=" cases") as report:

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._checks.arguments import brief, finite_float, one_of, positive_int, resolve_threads
+from .._checks.arguments import brief, finite_float, positive_int, resolve_threads
 from .._checks.progress import ProgressOption
 from ..model.body import Body
 from ..model.scene import Scene, check_scene
 from ..solve.batch import Batch
 from ..solve.choose_method import choose_method
-from ..solve.methods import EXACT, series_methods
+from ..solve.methods import EXACT, known_method, series_methods
 from ..solve.problem import Problem
 from ..solve.status import Status
 from ..solve.surfaces import METHOD, TOLERANCE, Search, Surfaces
@@ -211,4 +211,4 @@ def one_of_series(method: str) -> str:
             f"method = {brief(method)}: only a Taylor method is a polynomial inside its steps, of "
             f"which no crossing is missed; take one of {', '.join(map(repr, names))}"
         )
-    return one_of("method", method, names)
+    return known_method("method", method, names)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
 
 from .. import _core
+from .._checks.arguments import one_of
 from ..drawing.figure import html_table
 
 __all__ = [
@@ -14,6 +16,7 @@ __all__ = [
     "FALLBACK",
     "GROWTH_FALLBACK",
     "MAP_FALLBACK",
+    "RETIRED",
     "SECOND",
     "STIFF",
     "Method",
@@ -24,6 +27,7 @@ __all__ = [
     "is_multistep",
     "is_processed",
     "is_stiff",
+    "known_method",
     "map_methods",
     "methods",
     "order_of",
@@ -40,6 +44,9 @@ EXACT = "exact"
 
 AUTO = "auto"
 """In a map: the closed form for each body that has one, else :data:`MAP_FALLBACK`."""
+
+RETIRED = _core.retired_methods()
+"""The methods of earlier versions, each with the one that takes its place."""
 
 _CHOSEN = _core.chosen_methods()
 
@@ -77,6 +84,9 @@ class Method:
     symplectic, reversible, group_preserving : bool
         Preserves the Poisson structure; a step forward and one back is the identity; ``|L|`` of the
         free body, ``|gamma|`` and ``|q|`` stay as they are, up to rounding.
+    conserves : tuple of str
+        What of a free body is constant up to rounding with any step: ``"momentum"``, in space, and
+        ``"energy"``.
     tangent : bool
         Integrates small displacements with the motion; a symplectic method those of bodies without
         torque and damping, and none by parameters.
@@ -109,6 +119,7 @@ class Method:
     symplectic: bool
     reversible: bool
     group_preserving: bool
+    conserves: tuple[str, ...]
     tangent: bool
     driven: bool
     stiff: bool
@@ -130,25 +141,31 @@ class Methods(tuple[Method, ...]):
 
     __slots__ = ()
 
+    HEADER = ("name", "order", "symplectic", "stays on the group", "conserves", "method")
+
     def _rows(self) -> list[tuple[str, ...]]:
-        marks = ("symplectic", "reversible", "driven", "stiff", "tangent", "tops", "maps")
         return [
             (
                 method.name,
                 str(method.order),
-                ", ".join(mark for mark in marks if getattr(method, mark)),
+                "yes" if method.symplectic else "",
+                "yes" if method.group_preserving else "",
+                ", ".join(method.conserves),
                 method.title,
             )
             for method in self
         ]
 
     def __repr__(self) -> str:
+        rows = [self.HEADER, *self._rows()]
+        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
         return "\n".join(
-            f"{name:<13}order {order:>2}  {title}" for name, order, _, title in self._rows()
+            "  ".join(word.ljust(width) for word, width in zip(row, widths, strict=True)).rstrip()
+            for row in rows
         )
 
     def _repr_html_(self) -> str:
-        return html_table(self._rows(), header=("name", "order", "properties", "method"))
+        return html_table(self._rows(), header=self.HEADER)
 
 
 def methods() -> Methods:
@@ -158,7 +175,7 @@ def methods() -> Methods:
     --------
     >>> import rigid
     >>> [(method.name, method.order) for method in rigid.methods() if not method.symplectic][:3]
-    [('rk4', 4), ('dop853', 8), ('taylor8', 8)]
+    [('rk4', 4), ('dop853', 8), ('taylor12', 12)]
     """
     return _all()
 
@@ -241,6 +258,13 @@ def plain_methods() -> list[str]:
 def map_methods() -> list[str]:
     """The names that a map accepts for some scene; :func:`check_method` rejects others."""
     return [AUTO, *run_methods()]
+
+
+def known_method(argument: str, name: object, known: Iterable[str]) -> str:
+    """One of the names; raise ValueError for others, naming the successor of a retired one."""
+    if isinstance(name, str) and name in RETIRED:
+        raise ValueError(f"{argument} = {name!r}: is no longer a method; use {RETIRED[name]!r}")
+    return one_of(argument, name, known)
 
 
 def check_method(

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .._checks.arguments import finite_float, one_of, resolve_threads, rows
+from .._checks.arguments import finite_float, resolve_threads, rows
 from .._checks.arrays import attitudes, vectors
 from ..model.body import Body
 from ..model.frame import (
@@ -21,7 +21,7 @@ from ..model.frame import (
 )
 from ..model.scene import Scene, check_scene
 from .batch import Batch
-from .methods import FALLBACK, check_method, methods
+from .methods import FALLBACK, check_method, known_method, methods
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -99,7 +99,7 @@ class Motion:
         frame: ArrayLike | None = None,
     ) -> None:
         scene = self.scene = check_scene(scene)
-        self.method = one_of("method", method, [method.name for method in methods()])
+        self.method = known_method("method", method, [method.name for method in methods()])
         check_method(
             method,
             scene.kind,

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .._checks.arguments import finite_float, one_of
+from .._checks.arguments import finite_float
 from ..model.scene import Scene
 from .arrays import Range
 from .batch import Batch
 from .closed_form import moment_rows, weight_rows
 from .cost_model import calibration_classes
-from .methods import check_method, run_methods
+from .methods import check_method, known_method, run_methods
 from .work import MANY
 
 __all__ = ["Problem"]
@@ -64,7 +64,7 @@ class Problem:
 
     def __post_init__(self) -> None:
         if self.method is not None:
-            one_of("method", self.method, run_methods())
+            known_method("method", self.method, run_methods())
             check_method(
                 self.method,
                 self.scene.kind,

@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from .._checks.arguments import one_of
-from .methods import EXACT, SECOND, run_methods, tangent_methods
+from .methods import EXACT, SECOND, known_method, run_methods, tangent_methods
 from .request import Request
 from .status import Status
 
@@ -35,7 +34,7 @@ def check_tangent(method: str | None, *, driven: bool, by_parameters: bool = Fal
     known = tangent_methods(forced=driven or by_parameters)
     if method in (None, EXACT, *known):
         return
-    one_of("method", method, run_methods())
+    known_method("method", method, run_methods())
     where = "under torque and damping" if driven else "by parameters"
     why = "has no tangent, because its steps are not differentiated"
     if method in tangent_methods():

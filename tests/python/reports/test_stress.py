@@ -106,7 +106,7 @@ def driven(unit: int, method: str) -> tuple[np.ndarray, ...]:
 def test_the_unit_of_mass_changes_no_bit(unit: int) -> None:
     """Moments, torques and energies by the same power of two, to the ends of the doubles."""
     for motion, methods in (
-        (moved, ("rk4", "dop853", "taylor16", "splitting", "srkn11", "midpoint")),
+        (moved, ("rk4", "dop853", "taylor16", "splitting", "pmlf6", "midpoint")),
         (driven, ("rk4", "taylor12", "etd4", "splitting", "midpoint")),
     ):
         for method in methods:

@@ -72,7 +72,7 @@ UPRIGHT: dict[str, tuple[Any, ...]] = {
         (2.000039221183751, 2.00008576251516, 1.999868190979242),
         (0.09994999955065213, -0.003951015524919034, 0.9949846164972332),
         (0.9987453670724168, -0.0019779894131076127, -0.05003777882025708, 0.0),
-        "srkn14",
+        "pmlf6",
     ),
 }
 
@@ -181,7 +181,7 @@ def test_a_run_is_lost_before_its_wrong_rates_are_as_large_as_later_ones() -> No
     assert np.all(off[t < run.lost_from] < 1.0)
 
 
-@pytest.mark.parametrize("method", ["taylor8", "taylor12"])
+@pytest.mark.parametrize("method", ["taylor12", "taylor16"])
 def test_a_series_of_higher_order_does_not_err_like_the_run_that_it_checks(method: str) -> None:
     """A quarter of the tolerance left the check an error as large as that of the run."""
     free = rigid.FreeBody(rigid.Body((1.0, 1.0, 1.5725429858727238)))
@@ -195,7 +195,7 @@ def test_a_series_of_higher_order_does_not_err_like_the_run_that_it_checks(metho
             assert true <= run.error <= max(10.0 * true, 1e-13 * end)
 
 
-@pytest.mark.parametrize("method", ["dmv6", "splitting8", "srkn14", "pmlf6"])
+@pytest.mark.parametrize("method", ["dmv10", "splitting8", "pmlf6"])
 def test_equal_rotations_drift_in_one_direction(method: str) -> None:
     """The flow of a symmetric body is exact in each step: its error is rounding, always alike."""
     free = rigid.FreeBody(rigid.Body((1.0, 1.0, 1.7507614949137609)))

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 import rigid
 from physics import (
@@ -188,6 +189,25 @@ def test_the_group_is_preserved_as_stated(
             assert worst < 4.0 * ROUNDOFF * 2000
         elif method.order <= 4:
             assert worst > 100.0 * ROUNDOFF * 2000, "better than it says"
+
+
+@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
+def test_a_free_body_conserves_with_long_steps_what_is_stated(method: rigid.Method) -> None:
+    """Momentum in space and energy, in 500 steps, to a few roundings a step."""
+    scene, rates, _ = ASYMMETRIC["free"]
+    moments, omega = np.array(scene.body.moments), np.array(rates)
+    step = (0.5 if method.conserves else 0.15) / float(np.linalg.norm(omega))
+    options = {"step": step, "method": method.name, "check": False}
+    run = rigid.simulate(scene, omega, START, t=[0.0, 500 * step], **options)  # type: ignore[arg-type]
+    attitude = Rotation.from_quat(present(run.attitude), scalar_first=True)
+    momentum = attitude.apply(moments * run.omega)
+    energy = 0.5 * np.sum(moments * run.omega**2, axis=1)
+    for name, value in (("momentum", momentum), ("energy", energy)):
+        changed = np.linalg.norm(value[1] - value[0]) / np.linalg.norm(value[0])
+        if name in method.conserves:
+            assert changed < 20.0 * ROUNDOFF * 500
+        elif method.order <= 4:
+            assert changed > 100.0 * ROUNDOFF * 500, "better than it says"
 
 
 @pytest.mark.parametrize("scene_name", ASYMMETRIC)

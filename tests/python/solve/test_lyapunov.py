@@ -212,7 +212,7 @@ def test_it_is_the_growth_of_a_column_of_the_tangent() -> None:
     np.testing.assert_allclose(found.log_growth, true, rtol=0.0, atol=1e-9)
 
 
-@pytest.mark.parametrize("method", ["splitting", "splitting4", "splitting6", "splitting8"])
+@pytest.mark.parametrize("method", ["splitting", "splitting4", "splitting8"])
 def test_exponents_of_splittings_add_up_to_zero_at_any_step(method: str) -> None:
     """Their steps keep volumes, whether or not they follow the motion."""
     for step in (0.02, 0.3):
@@ -418,7 +418,7 @@ def test_a_long_horizon_overflows_nothing() -> None:
         ({"t": []}, r"t = \[\]: must be positive times"),
         ({"t": [2.0, 1.0]}, "times must be ascending"),
         ({"method": "exact"}, "method = 'exact': displacements are integrated"),
-        ({"method": "dmv4"}, "method = 'dmv4': has no tangent"),
+        ({"method": "dmv10"}, "method = 'dmv10': has no tangent"),
         ({"start": np.zeros(6)}, "start: a displacement of body 0 has no size of = 'rates'"),
         (
             {"start": [0.0, 0.0, 0.0, 0.0, 0.0, 1.0]},

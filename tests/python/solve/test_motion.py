@@ -163,15 +163,15 @@ def stepped(
         ),
         (stepped(torque=[1.0, 2.0]), ValueError, "torque: expected shape (3,) or (n, 3), got (2,)"),
         (
-            stepped(torque=TORQUES[0], method="srkn6"),
+            stepped(torque=TORQUES[0], method="chin4a"),
             ValueError,
-            "method = 'srkn6': moves bodies without torque and damping only",
+            "method = 'chin4a': moves bodies without torque and damping only",
         ),
         (stepped(method="exact"), ValueError, "method = 'exact': must be one of 'rk4'"),
         (
-            stepped("damped", method="srkn6"),
+            stepped("damped", method="chin4a"),
             ValueError,
-            "method = 'srkn6': moves bodies without torque",
+            "method = 'chin4a': moves bodies without torque",
         ),
         (stepped("damped", dt=20.0), ValueError, "step = 2e1: 'rk4' is unstable under damping"),
         (

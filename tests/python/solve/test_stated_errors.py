@@ -68,7 +68,7 @@ def test_the_whole_record_keeps_an_accuracy(t: Any) -> None:
     assert true.max() <= run.error <= 1e-8
 
 
-@pytest.mark.parametrize("method", ["rk4", "dop853", "splitting", "taylor12", "srkn6", "pmlf4"])
+@pytest.mark.parametrize("method", ["rk4", "dop853", "splitting", "taylor12", "chin4a", "pmlf4"])
 def test_every_interval_is_checked_by_other_steps(method: str) -> None:
     """One to three steps lie between the wanted times: shorter steps must be more of them."""
     top = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
@@ -85,9 +85,8 @@ def test_every_interval_is_checked_by_other_steps(method: str) -> None:
 @pytest.mark.parametrize(
     ("method", "tolerance", "end"),
     [
-        ("taylor8", 1e-2, 0.5),
-        ("taylor8", 1e-3, 0.3),
         ("taylor12", 1e-2, 0.5),
+        ("taylor12", 1e-3, 0.3),
         ("taylor12", 1e-6, 0.3),
         ("taylor20", 1e-3, 0.8),
         ("taylor26", 1e-3, 1.0),
@@ -117,7 +116,7 @@ def test_a_body_that_hit_the_step_limit_is_not_run_again(
         return core(**request)
 
     monkeypatch.setattr(_core, "simulate", counted)
-    options: dict[str, Any] = {"method": "taylor8", "tolerance": 1e-12, "max_steps": 100}
+    options: dict[str, Any] = {"method": "taylor12", "tolerance": 1e-12, "max_steps": 100}
     run = rigid.simulate(TOP, [[0.1, 0.2, 2.0], [1.0, 2.0, 200.0]], t=[2.0], check=check, **options)
     assert run.status[1] == Status.STEP_LIMIT
     assert np.isnan(run.error[1])
@@ -285,7 +284,7 @@ def test_the_error_of_the_work_is_stated() -> None:
     assert 1e-6 < off <= run.error
 
 
-@pytest.mark.parametrize("method", ["taylor8", "taylor12", "taylor20", "taylor26"])
+@pytest.mark.parametrize("method", ["taylor12", "taylor20", "taylor26"])
 def test_the_error_of_the_work_is_stated_by_tolerance(method: str) -> None:
     """A sphere under torque: w = N/D + (w0 - N/D) exp(-D t/I), and the work is the energy gained.
 

@@ -48,7 +48,9 @@ def test_a_smaller_tolerance_takes_more_steps_and_more_times_take_none() -> None
 
 @pytest.mark.parametrize("method", [None, "exact", "rk4", "splitting"])
 def test_only_series_choose_their_steps(method: str | None) -> None:
-    with pytest.raises(ValueError, match=f"tolerance = 1e-09, method = {method!r}: only 'taylor8'"):
+    with pytest.raises(
+        ValueError, match=f"tolerance = 1e-09, method = {method!r}: only 'taylor12'"
+    ):
         rigid.simulate(FREE, OMEGA, t=[1.0], method=method, tolerance=1e-9)
 
 
