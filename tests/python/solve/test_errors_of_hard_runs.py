@@ -181,15 +181,14 @@ def test_a_run_is_lost_before_its_wrong_rates_are_as_large_as_later_ones() -> No
     assert np.all(off[t < run.lost_from] < 1.0)
 
 
-@pytest.mark.parametrize("method", ["taylor12", "taylor16"])
-def test_a_series_of_higher_order_does_not_err_like_the_run_that_it_checks(method: str) -> None:
+def test_a_series_of_higher_order_does_not_err_like_the_run_that_it_checks() -> None:
     """A quarter of the tolerance left the check an error as large as that of the run."""
     free = rigid.FreeBody(rigid.Body((1.0, 1.0, 1.5725429858727238)))
     attitude = [1.442655726853607, -1.4157794617932007, -0.15259410988007058, -1.211236083494112]
     for tolerance in (1e-7, 1e-9, 1e-11):
         for end in (20.0, 60.0, 180.0):
             t = np.linspace(0.0, end, 4)
-            options: dict[str, Any] = {"tolerance": tolerance, "method": method}
+            options: dict[str, Any] = {"tolerance": tolerance, "method": "taylor12"}
             run = rigid.simulate(free, [0.0, 0.0, 1.0], attitude, t=t, **options)
             true = _true_error(free, run, [0.0, 0.0, 1.0], attitude, t)
             assert true <= run.error <= max(10.0 * true, 1e-13 * end)
