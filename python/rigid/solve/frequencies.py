@@ -29,6 +29,9 @@ AS_STRONG = 0.9
 SLIGHTEST = 1e-4
 """Waves that are less than this beside the others have no amplitude."""
 
+LEFT = 4.0
+"""Share of a line that an error of its frequency by the width of the window may leave of it."""
+
 PASSES = 12
 """Most rounds in which each line is found again without the others."""
 
@@ -112,8 +115,9 @@ def frequencies(t: ArrayLike, z: ArrayLike, count: int = 1) -> Lines:
     rounding. The noise is taken to be white, of the median power in the transform of what the lines
     leave. Two lines closer than ``8 pi / T`` are not told apart, nor is a real line within
     ``4 pi / T`` of zero or of the frequency of Nyquist from its mirror image: its error is as large
-    as the rest of the signal makes it, or as that distance. Of a chaotic signal, which has no
-    lines, error and drift are large.
+    as the rest of the signal makes it, or as that distance. What an error of such a line leaves
+    of it may be found as weak lines closer than ``8 pi / T``: their errors reach to it. Of a
+    chaotic signal, which has no lines, error and drift are large.
 
     References
     ----------
@@ -257,7 +261,7 @@ def _lines(
     frequency, amplitude = analysis.lines(count, near)
     sharper = _Analysis(t, signal, hann**2)
     other, _ = sharper.refined(frequency, sharper.amplitudes(frequency))
-    error = 3.0 * np.abs(other - frequency) + analysis.least_errors(frequency, amplitude)
+    error = analysis.errors(frequency, amplitude, 3.0 * np.abs(other - frequency))
     missing = count - len(frequency)
     return (
         np.append(frequency, np.full(missing, np.nan)),
@@ -298,16 +302,16 @@ class _Analysis:
         order = np.argsort(-np.abs(amplitude), kind="stable")
         return frequency[order], amplitude[order]
 
-    def least_errors(self, frequency: Floats, amplitude: Complex) -> Floats:
-        """Errors of lines that other windows do not see."""
+    def errors(self, frequency: Floats, amplitude: Complex, apart: Floats) -> Floats:
+        """Errors of lines: what they are apart under another window, and what that does not see."""
         if not len(frequency):
             return np.empty(0)
         # The phases of a strong line round, and a weak line is found in what is left.
         sizes, epsilon = np.abs(amplitude), np.finfo(float).eps
         span, most = self.t[-1] - self.t[0], np.abs(frequency).max()
         weak = sizes.max() / (sizes * np.sqrt(len(self.t)))
-        error: Floats = (
-            8.0 * epsilon * (np.abs(frequency) + 1.0 / span + (most + 1.0 / span) * weak)
+        error: Floats = apart + 8.0 * epsilon * (
+            np.abs(frequency) + 1.0 / span + (most + 1.0 / span) * weak
         )
         rest = self.signal - self._sum(frequency, amplitude)
         error += 3.0 * self._noise(rest) / (0.5 * sizes if self.real else sizes)
@@ -315,8 +319,14 @@ class _Analysis:
             # cos(w t) is 1 - (w t)²/2 near zero: the rest of the signal bounds w.
             share = np.sqrt((np.abs(rest).max() + epsilon * sizes.max()) / sizes)
             share = np.where(frequency < 0.5 * self.nyquist, np.minimum(1.0, share), 1.0)
-            near = np.array([not self._has_mirror(one) for one in frequency])
+            near = np.array([not self._has_mirror(one, 2.1) for one in frequency])
             error += np.where(near, 2.0 * self.width * share, 0.0)
+        # What an error of a line leaves of it is found again as weak lines close to it.
+        for k in range(1, len(frequency)):
+            distance = np.abs(frequency[:k] - frequency[k])
+            left = LEFT * sizes[:k] * np.minimum(1.0, error[:k] / self.width)
+            of_stronger = (distance < 4.0 * self.width) & (sizes[k] < left)
+            error[k] += np.where(of_stronger, distance + error[:k], 0.0).max()
         return error
 
     def _noise(self, rest: NDArray[np.inexact]) -> float:
@@ -374,9 +384,9 @@ class _Analysis:
         waves: Complex = np.exp(1j * frequency * self.t[:, np.newaxis]) @ amplitude
         return waves.real if self.real else waves
 
-    def _has_mirror(self, frequency: float) -> bool:
+    def _has_mirror(self, frequency: float, widths: float = 2.0) -> bool:
         """Whether a real line is apart from its mirror images, at zero and at Nyquist's."""
-        return bool(2.0 * self.width < abs(frequency) < self.nyquist - 2.0 * self.width)
+        return bool(widths * self.width < abs(frequency) < self.nyquist - widths * self.width)
 
     def _highest(self, signal: NDArray[np.inexact], near: float) -> float:
         """The frequency of the highest point of the transform, or the nearest about as high."""

@@ -302,3 +302,22 @@ def test_a_signal_takes_no_unit() -> None:
     t = np.linspace(0.0, 50.0, 501)
     with pytest.raises(ValueError, match="z in revolutions_per_minute: takes numbers without"):
         rigid.frequencies(t, pint.UnitRegistry().Quantity(np.cos(t), "rpm"))
+
+
+def test_what_an_unresolved_line_leaves_is_not_a_line_of_its_own() -> None:
+    """A swing slower than the signal is taken for several lines just above ``4 pi / T``.
+
+    The errors are estimates: of 1600 such lines 3 were off by more, 1.9 times at most; 243 were, by
+    up to 30 times, while each part of the swing counted as a line.
+    """
+    rng, t, of_fast = np.random.default_rng(7), np.linspace(0.0, 1.0, 32), []
+    for _ in range(60):
+        slow, fast = 4.0 * np.pi * rng.uniform([0.55, 3.2], [0.98, 6.0])
+        phases = rng.uniform(0.0, 2.0 * np.pi, 2)
+        z = np.cos(slow * t + phases[0]) + 0.1 * np.cos(fast * t + phases[1])
+        found = rigid.frequencies(t, z, count=4)
+        off = np.abs(found.frequency - np.array([[slow], [fast]])).min(axis=0)
+        assert (off <= 2.0 * found.error).all(), (slow, fast, found)
+        of_fast.append(found.error[np.abs(found.frequency - fast).argmin()])
+    # A line apart from the others keeps a small one.
+    assert np.median(of_fast) < 0.01 * 2.0 * np.pi
