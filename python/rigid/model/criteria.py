@@ -316,10 +316,11 @@ def regular(
 
     Notes
     -----
-    *Regular* always means: no exponent above ``2 high / T`` until the horizon ``T``. Free bodies
-    and symmetric tops with their centre of mass on the axis are regular by theorem and not run; on
-    a separatrix, to the last bit, they are undecided. Other motions on a separatrix may be called
-    chaotic although they are not; a little noise of the start leads off it.
+    *Regular* always means: no growth like ``exp(k t)`` with ``k`` above ``2 high / T`` until the
+    horizon ``T``; growth that ends before may have been faster. Free bodies and symmetric tops with
+    their centre of mass on the axis are regular by theorem and not run; on a separatrix, to the
+    last bit, they are undecided. Other motions on a separatrix may be called chaotic although they
+    are not; a little noise of the start leads off it.
 
     References
     ----------

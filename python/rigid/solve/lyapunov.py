@@ -17,6 +17,7 @@ from ..model.scene import Scene, check_scene
 from .arrays import time_span
 from .batch import Batch
 from .choose_method import choose_method
+from .closed_form import NO_FORM, closed_forms
 from .growth import Growth
 from .integrate import integrate
 from .methods import EXACT, SECOND
@@ -224,6 +225,8 @@ def growth_of(
         status = np.where(status == Status.OK, Status.UNCHECKED, status).astype(np.uint8)
     means = np.ascontiguousarray(2.0 * mean_megno[:, marks])
     verdict = np.array(_core.verdicts(means, second, Regular().limits))
+    # Beside a separatrix displacements grow exponentially, although nothing is chaotic.
+    verdict = np.where((verdict == "chaotic") & _is_integrable(batch), "undecided", verdict)
     verdict = np.where(np.isin(status, (Status.OK, Status.UNCHECKED)), verdict, "failed")
 
     def of_body(values: NDArray[Any]) -> Any:
@@ -362,6 +365,13 @@ def _lost_from(
         threads=threads,
     )
     return integrate(request, steps, None, check=True, every=True)[1].lost_from
+
+
+def _is_integrable(batch: Batch) -> NDArray[np.bool_]:
+    """Whether all motions of each body are regular by theorem."""
+    known = closed_forms(Regular(), batch.moments, batch.weight) != NO_FORM
+    integrable: NDArray[np.bool_] = known & ~batch.driven()
+    return integrable
 
 
 def _zeros(scene: Scene, batch: Batch, of: str) -> NDArray[np.intp]:

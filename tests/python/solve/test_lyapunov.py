@@ -270,6 +270,38 @@ def test_no_integrable_motion_is_called_chaotic(kind: str, undecided: float) -> 
     assert (verdict == "undecided").sum() <= 512 * undecided + 3.0 * np.sqrt(512 * undecided) + 1.0
 
 
+@pytest.mark.parametrize("kind", ["middle axis", "upright"])
+def test_what_is_integrable_is_undecided_beside_a_separatrix_and_never_chaotic(kind: str) -> None:
+    """For ``ln(1 / distance)`` over the exponent displacements grow like those of chaos."""
+    rng = np.random.default_rng(30)
+    away = 10.0 ** rng.uniform(-9.0, -3.0, (60, 1)) * rng.normal(size=(60, 3))
+    scene: Scene = BOX
+    omega, attitude = away + np.array([0.0, 1.5, 0.0]), np.array(ATTITUDE)
+    if kind == "upright":
+        scene = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
+        omega, attitude = away + np.array([0.0, 0.0, 1.5]), np.array([1.0, 0.0, 0.0, 0.0])
+    found = rigid.lyapunov(scene, omega, attitude, t=[30.0])
+    assert set(found.verdict.tolist()) <= {"regular", "undecided"}
+    grown = (found.log_growth[:, -1] > 12.0) & (found.mean_megno[:, -1] > 5.0)
+    assert grown.sum() > 5
+    assert (found.verdict[grown] == "undecided").all()
+    # Under a torque nothing is known by theorem.
+    driven = rigid.FreeBody(BOX.body, torque=rigid.Torque.body([1e-12, 0.0, 0.0]))
+    assert (rigid.lyapunov(driven, [0.0, 1.5, 0.0], t=[30.0]).verdict) == "chaotic"
+
+
+def test_regular_motions_may_have_grown_faster_than_what_their_horizon_shows() -> None:
+    """The exponent of a finite time keeps what a displacement grew beside a separatrix."""
+    top = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
+    omega = [[away, 0.0, 1.5] for away in np.geomspace(1e-7, 1e-5, 16)]
+    found = rigid.lyapunov(top, omega, t=[400.0])
+    regular = found.verdict == "regular"
+    assert regular.sum() > 12
+    assert (found.exponent[regular, -1] > found.resolution).sum() > 2
+    words = found.reasons()[int(np.flatnonzero(regular)[0])]
+    assert words.startswith("regular: no growth like exp(k t) with k above 0.025 1/s")
+
+
 def test_displacements_of_a_verdict_keep_the_momentum_about_the_vertical() -> None:
     """The derivative of ``I w · gamma`` along them, by central differences, is zero."""
     scene, omega, attitude = integrable("kovalevskaya", 64)
@@ -344,7 +376,9 @@ def test_verdicts_on_a_chaotic_sea_and_on_islands() -> None:
     chaotic, regular = found.reasons()
     assert chaotic.startswith("chaotic: exponent 0.3")
     assert "the motion itself is lost from t = " in chaotic
-    assert regular.startswith("regular: no exponent above 0.025 1/s until t = 400 s")
+    assert regular.startswith(
+        "regular: no growth like exp(k t) with k above 0.025 1/s until t = 400 s"
+    )
 
 
 def test_a_body_that_is_not_run_has_failed() -> None:
