@@ -47,6 +47,9 @@ LOOKS = 100
 CHECKPOINTS = tuple(1.0 / parts for parts in _core.CHECKPOINT_PARTS)
 """Shares of the horizon at which the mean MEGNO is read for the verdict."""
 
+ROUNDING = 4.0 * float(np.finfo(np.float64).eps)
+"""Error of a logarithm of two sizes, both a sum of six squares, that another run may share."""
+
 FEWEST = 64
 """Least number of steps until the first time and the first checkpoint: means need them."""
 
@@ -217,7 +220,7 @@ def growth_of(
     if check:
         again = run.again(ANOTHER if chosen == SECOND else SECOND, vectors[:, 0])
         apart = np.abs(again["logs"][0::2, wanted, 0] - log[:, wanted])
-        rounding = np.finfo(float).eps * np.maximum(1.0, np.abs(log[:, wanted]))
+        rounding = ROUNDING * np.maximum(1.0, np.abs(log[:, wanted]))
         error = (3.0 * apart + rounding).max(axis=1)
         second = np.ascontiguousarray(2.0 * again["logs"][1::2, marks, 3])
         lost_from = _lost_from(batch, times, chosen, choice.steps, run.max_steps, threads)

@@ -9,8 +9,10 @@ import pytest
 from scipy.integrate import quad
 from scipy.spatial.transform import Rotation
 
+import quad_motion
 import rigid
 from chaos_scenes import DISPLACED, Displaced
+from judged_growth import judge_growth
 from physics import Floats, present, vertical
 from rigid import _core
 from rigid.model.scene import Scene
@@ -64,6 +66,14 @@ def test_the_error_of_growth_covers_the_truth_of_26_digits() -> None:
     # The start as doubles differs from that of 26 digits by rounding, which both runs share.
     assert np.mean(np.array(ratios) <= 1.0) > 0.9
     assert max(ratios) < 2.0
+
+
+@pytest.mark.skipif(not quad_motion.is_available(), reason="no 128-bit numbers")
+@pytest.mark.parametrize("number", [8, 22, 50, 58, 60, 134, 158])
+def test_the_error_of_growth_has_the_rounding_that_both_runs_share(number: int) -> None:
+    """Their logarithms agree to the last bits; one rounding of each was stated, two are wrong."""
+    found = judge_growth(number, seed=2)
+    assert found.verdict == "right", (found.off, found.stated)
 
 
 @pytest.mark.parametrize("power", [-1000, -700, 700, 1000])
