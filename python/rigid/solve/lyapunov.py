@@ -12,7 +12,7 @@ from .. import _core
 from .._checks.arguments import numbers, one_of, positive_int, resolve_threads, sorted_times
 from .._checks.float_environment import in_standard_floats
 from ..model.body import Body
-from ..model.criteria import NORMS, Regular
+from ..model.criteria import NORMS, Regular, check_norm
 from ..model.scene import Scene, check_scene
 from .arrays import time_span
 from .batch import Batch
@@ -92,7 +92,8 @@ def lyapunov(
     of : {"rates", "attitude"}
         The size of a displacement: ``|dw|² / scale²`` of the rates plus the square of the angle by
         which the vertical in the body changes, or by which the attitude does. The scale is
-        ``sqrt(|omega|² + mgl / I_min)`` at the start. Exponents do not depend on it.
+        ``sqrt(|omega|² + mgl / I_min)`` at the start. Exponents do not depend on it. Under a torque
+        in space that is not vertical: ``"attitude"``.
     exponents : int
         Number of exponents, from the largest down, by Gram-Schmidt: 1 to 6, to 5 of the rates.
     start : array_like, shape (6,) or (exponents, 6), optional
@@ -120,7 +121,8 @@ def lyapunov(
     ------
     ValueError
         Naming the argument, its value and the rule: as :func:`simulate`; times that are not
-        positive, a method without a tangent, displacements of no size or that depend on each other.
+        positive, a method without a tangent, the size of the rates under a torque in space that is
+        not vertical, displacements of no size or that depend on each other.
 
     Notes
     -----
@@ -151,6 +153,7 @@ def lyapunov(
     """
     scene = check_scene(scene, many=True)
     one_of("of", of, NORMS)
+    check_norm(of, scene)
     count = positive_int("exponents", exponents)
     most = 6 if of == "attitude" else 5
     if count > most:

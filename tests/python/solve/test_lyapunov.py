@@ -211,6 +211,38 @@ def test_zeros_known_from_theory(scene: Scene, zeros: tuple[int, int]) -> None:
         assert rigid.lyapunov(scene, CHAOTIC, t=[5.0], of=of, check=False).zeros == number
 
 
+@pytest.mark.parametrize(
+    ("of", "torque"), [("attitude", [0.1, -0.2, 0.15]), ("rates", [0.0, 0.0, 0.15])]
+)
+def test_growth_under_a_torque_in_space(of: str, torque: list[float]) -> None:
+    """The rotation vector about the vertical counts where the torque turns with it."""
+    pushed = rigid.FreeBody(BOX.body, torque=rigid.Torque.space(torque))
+    times, start = np.array([1.0, 5.0, 20.0]), np.array([0.3, -0.2, 0.5, 0.1, 0.4, -0.3])
+    run = rigid.simulate(pushed, CHAOTIC, ATTITUDE, t=times, tangent=True, check=False)
+    found = rigid.lyapunov(pushed, CHAOTIC, ATTITUDE, t=times, of=of, start=start)
+    sizes = []
+    for matrix, attitude in zip(
+        [np.eye(6), *present(run.tangent)], [ATTITUDE, *present(run.attitude)], strict=True
+    ):
+        rates, turn = (matrix @ start)[:3] / np.linalg.norm(CHAOTIC), (matrix @ start)[3:]
+        seen = turn if of == "attitude" else np.cross(vertical(np.array([attitude]))[0], turn)
+        sizes.append(np.hypot(np.linalg.norm(rates), np.linalg.norm(seen)))
+    true = np.log(np.array(sizes[1:]) / sizes[0])
+    np.testing.assert_allclose(found.log_growth, true, rtol=0.0, atol=1e-11)
+
+
+def test_the_size_of_the_rates_is_refused_where_turns_about_the_vertical_change_them() -> None:
+    """The logarithm of growth was off by up to 4, and by up to 550 times what was stated."""
+    pushed = rigid.FreeBody(BOX.body, torque=rigid.Torque.space([0.1, 0.0, 0.15]))
+    words = "of = 'rates': the rates do not see turns about the vertical, with which a torque"
+    with pytest.raises(ValueError, match=words):
+        rigid.lyapunov(pushed, CHAOTIC, t=[1.0])
+    options: dict[str, Any] = {"axes": {"spin": [1.0]}, "samples": 2, "t_end": 1.0, "rng": 1}
+    with pytest.raises(ValueError, match=words):
+        rigid.stability_map(pushed, stable=rigid.regular(), **options)
+    rigid.stability_map(pushed, stable=rigid.regular("attitude"), **options)
+
+
 def test_it_is_the_growth_of_a_column_of_the_tangent() -> None:
     times = np.array([1.0, 5.0, 20.0])
     run = rigid.simulate(TOP, CHAOTIC, ATTITUDE, t=times, tangent=True, check=False)
