@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._checks.arguments import finite_float, first_place, one_line, one_of, shaped
+from ._checks.overflow import refuses_overflow
 from .inertia.mass_properties import MassProperties, tensor_of_squares
 
 __all__ = ["file_properties", "mesh_properties", "read_mesh"]
@@ -36,6 +37,7 @@ meshes hold single precision, and each triangle its own copy of its corners."""
 _READ_FORMATS = ("obj", "off", "ply", "stl")
 
 
+@refuses_overflow
 def mesh_properties(
     vertices: ArrayLike,
     faces: ArrayLike,
@@ -66,7 +68,8 @@ def mesh_properties(
     ------
     ValueError
         If the mesh is open, not consistently oriented or inside out, or if it has a triangle
-        without area or an edge of more than two triangles. The message names the triangle or edge.
+        without area or an edge of more than two triangles; the message names the triangle or edge.
+        If a result would leave the range of doubles.
 
     Examples
     --------
@@ -314,10 +317,10 @@ def _check_surfaces(local: Floats, triangles: Indices) -> None:
         np.minimum.at(label, triangles, smallest[:, None])
         label = label[label]
     _, first, surface = np.unique(smallest, return_index=True, return_inverse=True)
-    corners = np.moveaxis(local[..., triangles, :], -3, 0)  # (f, ..., 3, 3)
+    corners = np.moveaxis(np.stack(_bluntest_first(local, triangles), -2), -3, 0)  # (f, ..., 3, 3)
     shape = (len(first), *corners.shape[1:-2])
     volume = np.zeros(shape)
-    np.add.at(volume, surface, np.linalg.det(corners))
+    np.add.at(volume, surface, _volumes(*np.moveaxis(corners, -2, 0)))
     low, high = np.full((*shape, 3), np.inf), np.full((*shape, 3), -np.inf)
     np.minimum.at(low, surface, corners.min(axis=-2))
     np.maximum.at(high, surface, corners.max(axis=-2))
@@ -337,8 +340,8 @@ def _moments(r: Floats, triangles: Indices) -> tuple[Floats, Floats, Floats, Flo
     The integrals over the tetrahedron of the origin and ``a, b, c`` are ``d/6``, ``d/24 s`` and
     ``d/120 (a ⊗ a + b ⊗ b + c ⊗ c + s ⊗ s)`` with ``d = a·b×c``, ``s = a + b + c``.
     """
-    a, b, c = (r[..., triangles[:, k], :] for k in range(3))
-    d = np.vecdot(a, np.cross(b, c))
+    a, b, c = _bluntest_first(r, triangles)
+    d = _volumes(a, b, c)
     s = a + b + c
     corners = np.concatenate([a, b, c, s], axis=-2)
     weights = np.concatenate([d, d, d, d], axis=-1)
@@ -346,6 +349,21 @@ def _moments(r: Floats, triangles: Indices) -> tuple[Floats, Floats, Floats, Flo
     first: Floats = (d[..., None] * s).sum(axis=-2) / 24.0
     volume: Floats = np.asarray(d.sum(axis=-1) / 6.0)
     return volume, first, second, _ROUNDING * np.abs(d).sum(axis=-1)
+
+
+def _bluntest_first(r: Floats, triangles: Indices) -> tuple[Floats, Floats, Floats]:
+    """Corners (..., f, 3) of the triangles, each from the corner across its longest side on."""
+    corners = r[..., triangles, :]
+    sides = np.linalg.norm(np.roll(corners, -1, axis=-2) - np.roll(corners, 1, axis=-2), axis=-1)
+    turn = (np.argmax(sides, axis=-1)[..., None] + np.arange(3)) % 3
+    first, second, third = np.moveaxis(np.take_along_axis(corners, turn[..., None], -2), -2, 0)
+    return first, second, third
+
+
+def _volumes(a: Floats, b: Floats, c: Floats) -> Floats:
+    """``a·b×c``: products of sides keep the digits that those of far corners lose."""
+    volumes: Floats = np.vecdot(a, np.cross(b - a, c - a))
+    return volumes
 
 
 def _mass(density: ArrayLike | None, mass: ArrayLike | None, volume: Floats) -> Floats:

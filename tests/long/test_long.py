@@ -31,6 +31,8 @@ SCRIPTS = (
     "result_hashes",
     "running_maps",
     "stated_errors",
+    "survey_maps",
+    "survey_motions",
     "there_and_back",
 )
 

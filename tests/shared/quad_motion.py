@@ -76,18 +76,23 @@ class Motion:
         return distance
 
 
-@cache
-def _library() -> ctypes.CDLL:
+def compiled(source: Path) -> ctypes.CDLL:
+    """The library of a C file whose numbers have 128 bits."""
     compiler = shutil.which("cc")
     if compiler is None:
         raise NoQuadNumbersError("there is no C compiler")
     with tempfile.TemporaryDirectory() as folder:
-        made = Path(folder, "quad_motion.so")
-        command = [compiler, "-O2", "-shared", "-fPIC", str(SOURCE), "-o", str(made), "-lm"]
+        made = Path(folder, "made.so")
+        command = [compiler, "-O2", "-shared", "-fPIC", str(source), "-o", str(made), "-lm"]
         done = subprocess.run(command, check=False, capture_output=True, text=True)
         if done.returncode:
             raise NoQuadNumbersError(done.stderr)
-        library = ctypes.CDLL(str(made))
+        return ctypes.CDLL(str(made))
+
+
+@cache
+def _library() -> ctypes.CDLL:
+    library = compiled(SOURCE)
     numbers, size = np.ctypeslib.ndpointer(np.float64, flags="C"), ctypes.c_ssize_t
     library.motion.restype = ctypes.c_long
     library.motion.argtypes = [

@@ -185,7 +185,8 @@ class Regular(Criterion):
         return 2.3 * step
 
     def resolved(self, scene: Scene, start: Start) -> Self:
-        """The criterion, which leaves nothing open."""
+        """The criterion, which leaves nothing open, if its norm serves the scene."""
+        check_norm(self.of, scene)
         return self
 
     def core(self) -> tuple[str, int, tuple[float, ...]]:
@@ -316,10 +317,11 @@ def regular(
 
     Notes
     -----
-    *Regular* always means: no exponent above ``2 high / T`` until the horizon ``T``. Free bodies
-    and symmetric tops with their centre of mass on the axis are regular by theorem and not run; on
-    a separatrix, to the last bit, they are undecided. Other motions on a separatrix may be called
-    chaotic although they are not; a little noise of the start leads off it.
+    *Regular* always means: no growth like ``exp(k t)`` with ``k`` above ``2 high / T`` until the
+    horizon ``T``; growth that ends before may have been faster. Free bodies and symmetric tops with
+    their centre of mass on the axis are regular by theorem and not run; on a separatrix, to the
+    last bit, they are undecided. Other motions on a separatrix may be called chaotic although they
+    are not; a little noise of the start leads off it.
 
     References
     ----------
@@ -332,6 +334,17 @@ def regular(
     'regular down to 10/T = 0.05 1/s until T = 200 s'
     """
     return Regular(of, sure, low, high, ratio)
+
+
+def check_norm(of: str, scene: Scene) -> None:
+    """Raise ValueError for a norm of displacements that does not see what a torque makes grow."""
+    if of == "attitude" or scene.torque is None:
+        return
+    if np.any(np.asarray(scene.torque.in_space)[..., :2]):
+        raise ValueError(
+            f"of = {of!r}: the rates do not see turns about the vertical, with which a torque in "
+            "space that is not vertical changes; use 'attitude'"
+        )
 
 
 def check_criterion(name: str, criterion: object) -> Criterion:

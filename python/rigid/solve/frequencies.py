@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, one_of, positive_int, sorted_times
+from .._checks.quantities import without_unit
 from .run import Run
 
 __all__ = ["FrequencyDrift", "Lines", "frequencies", "frequency_drift"]
@@ -22,6 +23,15 @@ FEWEST = 16
 UNEVEN = 1e-9
 """Largest deviation of a time from even spacing, in steps."""
 
+AS_STRONG = 0.9
+"""A line is as strong as another one if it has at least this share of its amplitude."""
+
+SLIGHTEST = 1e-4
+"""Waves that are less than this beside the others have no amplitude."""
+
+LEFT = 4.0
+"""Share of a line that an error of its frequency by the width of the window may leave of it."""
+
 PASSES = 12
 """Most rounds in which each line is found again without the others."""
 
@@ -33,8 +43,9 @@ class Lines:
     Attributes
     ----------
     frequency : ndarray, shape (..., count)
-        Angular frequencies (rad/s); of real signals not negative. NaN where the signal has fewer
-        lines than were asked for: what is left of it is rounding.
+        Angular frequencies (rad/s) up to that of Nyquist, ``pi`` over the time between samples; of
+        real signals not negative. NaN where the signal has fewer lines than were asked for: what is
+        left of it is rounding.
     amplitude : ndarray of complex, shape (..., count)
         The signal is about the sum of ``amplitude * exp(i frequency t)``; a real signal is its real
         part. Zero where there is no line.
@@ -54,7 +65,9 @@ class FrequencyDrift:
     Attributes
     ----------
     first, second : Lines
-        The strongest line of each half.
+        The strongest line of each half. Of lines that are about as strong as each other, as those
+        of a swing in a plane at plus and minus its frequency, the second half has the one that is
+        nearest to that of the first.
     drift : ndarray, shape (...)
         Change of the frequency between the halves (rad/s), in absolute value.
     error : ndarray, shape (...)
@@ -98,9 +111,13 @@ def frequencies(t: ArrayLike, z: ArrayLike, count: int = 1) -> Lines:
     Notes
     -----
     ``error`` is three times the difference from the frequencies under the square of the window,
-    whose error falls like ``1 / T⁶``, and rounding. Two lines closer than ``8 pi / T`` are not told
-    apart, nor is a real line below ``4 pi / T`` from its mirror image: its error is as large as the
-    rest of the signal makes it. Of a chaotic signal, which has no lines, error and drift are large.
+    whose error falls like ``1 / T⁶``, three standard deviations of what noise makes of it, and
+    rounding. The noise is taken to be white, of the median power in the transform of what the lines
+    leave. Two lines closer than ``8 pi / T`` are not told apart, nor is a real line within
+    ``4 pi / T`` of zero or of the frequency of Nyquist from its mirror image: its error is as large
+    as the rest of the signal makes it, or as that distance. What an error of such a line leaves
+    of it may be found as weak lines closer than ``8 pi / T``: their errors reach to it. Of a
+    chaotic signal, which has no lines, error and drift are large.
 
     References
     ----------
@@ -118,8 +135,13 @@ def frequencies(t: ArrayLike, z: ArrayLike, count: int = 1) -> Lines:
     [2.0, 0.5]
     """
     times = sorted_times("t", t)
-    count = positive_int("count", count)
-    signals = _signals(z, len(times))
+    return _strongest(times, _signals(z, len(times)), positive_int("count", count))
+
+
+def _strongest(
+    times: Floats, signals: NDArray[np.inexact], count: int, near: Floats | None = None
+) -> Lines:
+    """The strongest lines; of those as strong as the first, the nearest to a frequency of each."""
     if len(times) < FEWEST:
         raise ValueError(f"t: {len(times)} times, but lines need at least {FEWEST}")
     if 8 * count > len(times):
@@ -138,7 +160,12 @@ def frequencies(t: ArrayLike, z: ArrayLike, count: int = 1) -> Lines:
         value = np.ldexp(times[place], unit)
         raise ValueError(f"t[{place}] = {value}: must be evenly spaced")
     middle = 0.5 * (times[0] + times[-1])
-    found = [_lines(times - middle, signal, count) for signal in signals.reshape(-1, len(times))]
+    rows = signals.reshape(-1, len(times))
+    wanted = np.full(len(rows), np.nan) if near is None else np.ldexp(near, unit).ravel()
+    found = [
+        _lines(times - middle, signal, count, one)
+        for signal, one in zip(rows, wanted.tolist(), strict=True)
+    ]
     shape = (*signals.shape[:-1], count)
     frequency = np.array([line[0] for line in found]).reshape(shape)
     amplitude = np.array([line[1] for line in found], dtype=np.complex128).reshape(shape)
@@ -195,7 +222,7 @@ def frequency_drift(run: Run, of: str = "omega") -> FrequencyDrift:
     signal = np.where(np.isfinite(signal).all(axis=-1, keepdims=True), signal, 0.0)
     half = (len(run.t) + 1) // 2
     first = frequencies(run.t[:half], signal[..., :half])
-    second = frequencies(run.t[-half:], signal[..., -half:])
+    second = _strongest(run.t[-half:], signal[..., -half:], 1, first.frequency[..., 0])
     return FrequencyDrift(
         first=first,
         second=second,
@@ -205,6 +232,7 @@ def frequency_drift(run: Run, of: str = "omega") -> FrequencyDrift:
 
 
 def _signals(z: ArrayLike, length: int) -> NDArray[np.inexact]:
+    z = without_unit("z", z)
     try:
         array = np.asarray(z)
     except ValueError:
@@ -220,18 +248,20 @@ def _signals(z: ArrayLike, length: int) -> NDArray[np.inexact]:
     return array
 
 
-def _lines(t: Floats, signal: NDArray[np.inexact], count: int) -> tuple[Floats, Complex, Floats]:
-    """Frequencies, amplitudes in the middle of the signal, and errors."""
+def _lines(
+    t: Floats, signal: NDArray[np.inexact], count: int, near: float
+) -> tuple[Floats, Complex, Floats]:
+    """Frequencies, amplitudes in the middle of the signal, and errors; ``near`` may be NaN."""
     # By a power of two, so that no square leaves the range of doubles.
     largest = max(float(np.abs(signal.real).max()), float(np.abs(signal.imag).max()))
     size = int(np.frexp(largest)[1])
     signal = _times_two_to(signal, -size)
     hann = 1.0 + np.cos(2.0 * np.pi * t / (t[-1] - t[0]))
     analysis = _Analysis(t, signal, hann)
-    frequency, amplitude = analysis.lines(count)
+    frequency, amplitude = analysis.lines(count, near)
     sharper = _Analysis(t, signal, hann**2)
     other, _ = sharper.refined(frequency, sharper.amplitudes(frequency))
-    error = 3.0 * np.abs(other - frequency) + analysis.least_errors(frequency, amplitude)
+    error = analysis.errors(frequency, amplitude, 3.0 * np.abs(other - frequency))
     missing = count - len(frequency)
     return (
         np.append(frequency, np.full(missing, np.nan)),
@@ -254,8 +284,9 @@ class _Analysis:
         self.t, self.signal, self.window = t, signal, window / window.sum()
         self.real = signal.dtype.kind != "c"
         self.step, self.width = t[1] - t[0], 2.0 * np.pi / (t[-1] - t[0])
+        self.nyquist = np.pi / self.step
 
-    def lines(self, count: int) -> tuple[Floats, Complex]:
+    def lines(self, count: int, near: float) -> tuple[Floats, Complex]:
         """The strongest lines, one after another, each again without the others.
 
         At most ``count``: none is looked for in what rounding has left of the signal.
@@ -265,29 +296,49 @@ class _Analysis:
             rest = self.signal - self._sum(frequency, amplitude)
             if not np.abs(rest).max() > self._rounding(frequency, amplitude):
                 break
-            frequency = np.append(frequency, self._near(rest, self._highest(rest)))
+            frequency = np.append(frequency, self._near(rest, self._highest(rest, near)))
             amplitude = self.amplitudes(frequency)
             frequency, amplitude = self.refined(frequency, amplitude)
         order = np.argsort(-np.abs(amplitude), kind="stable")
         return frequency[order], amplitude[order]
 
-    def least_errors(self, frequency: Floats, amplitude: Complex) -> Floats:
-        """Errors of lines that other windows do not see."""
+    def errors(self, frequency: Floats, amplitude: Complex, apart: Floats) -> Floats:
+        """Errors of lines: what they are apart under another window, and what that does not see."""
         if not len(frequency):
             return np.empty(0)
         # The phases of a strong line round, and a weak line is found in what is left.
         sizes, epsilon = np.abs(amplitude), np.finfo(float).eps
         span, most = self.t[-1] - self.t[0], np.abs(frequency).max()
         weak = sizes.max() / (sizes * np.sqrt(len(self.t)))
-        error: Floats = (
-            8.0 * epsilon * (np.abs(frequency) + 1.0 / span + (most + 1.0 / span) * weak)
+        error: Floats = apart + 8.0 * epsilon * (
+            np.abs(frequency) + 1.0 / span + (most + 1.0 / span) * weak
         )
+        rest = self.signal - self._sum(frequency, amplitude)
+        error += 3.0 * self._noise(rest) / (0.5 * sizes if self.real else sizes)
         if self.real:
-            # cos(w t) is 1 - (w t)²/2 there: the rest of the signal bounds w.
-            rest = np.abs(self.signal - self._sum(frequency, amplitude)).max()
-            share = np.minimum(1.0, np.sqrt((rest + epsilon * sizes.max()) / sizes))
-            error += np.where(np.abs(frequency) <= 2.0 * self.width, 2.0 * self.width * share, 0.0)
+            # cos(w t) is 1 - (w t)²/2 near zero: the rest of the signal bounds w.
+            share = np.sqrt((np.abs(rest).max() + epsilon * sizes.max()) / sizes)
+            share = np.where(frequency < 0.5 * self.nyquist, np.minimum(1.0, share), 1.0)
+            near = np.array([not self._has_mirror(one, 2.1) for one in frequency])
+            error += np.where(near, 2.0 * self.width * share, 0.0)
+        # What an error of a line leaves of it is found again as weak lines close to it.
+        for k in range(1, len(frequency)):
+            distance = np.abs(frequency[:k] - frequency[k])
+            left = LEFT * sizes[:k] * np.minimum(1.0, error[:k] / self.width)
+            of_stronger = (distance < 4.0 * self.width) & (sizes[k] < left)
+            error[k] += np.where(of_stronger, distance + error[:k], 0.0).max()
         return error
+
+    def _noise(self, rest: NDArray[np.inexact]) -> float:
+        """Standard deviation of the frequency of a wave of amplitude one under the rest as noise.
+
+        White noise n moves the maximum by the imaginary part of ``sum n t`` over ``sum t²``, both
+        under the window. Its power in a transform has an exponential distribution, with a median of
+        ln 2 of the mean, which lines that are left do not change.
+        """
+        power = np.median(np.abs(np.fft.fft(rest * self.window)) ** 2) / np.log(2.0)
+        spread = ((self.window * self.t) ** 2).sum() / (self.window**2).sum()
+        return float(np.sqrt(0.5 * power * spread) / (self.window * self.t**2).sum())
 
     def _rounding(self, frequency: Floats, amplitude: Complex) -> float:
         """Size of what rounding leaves of a signal, most of it that of phases."""
@@ -324,7 +375,8 @@ class _Analysis:
             return np.asarray(found, dtype=np.complex128)
         # Re(a exp(i w t)): a cosine and a sine each.
         both = np.concatenate([waves.real, -waves.imag], axis=1)
-        found = np.linalg.lstsq(both * root, self.signal * root[:, 0], rcond=None)[0]
+        # At zero and at Nyquist's one of the two is zero: its amplitude would be anything.
+        found = np.linalg.lstsq(both * root, self.signal * root[:, 0], rcond=SLIGHTEST)[0]
         cosine, sine = np.split(np.asarray(found), 2)
         return np.asarray(cosine + 1j * sine, dtype=np.complex128)
 
@@ -332,17 +384,20 @@ class _Analysis:
         waves: Complex = np.exp(1j * frequency * self.t[:, np.newaxis]) @ amplitude
         return waves.real if self.real else waves
 
-    def _has_mirror(self, frequency: float) -> bool:
-        """Whether a real line is apart from its mirror image."""
-        return bool(abs(frequency) > 2.0 * self.width)
+    def _has_mirror(self, frequency: float, widths: float = 2.0) -> bool:
+        """Whether a real line is apart from its mirror images, at zero and at Nyquist's."""
+        return bool(widths * self.width < abs(frequency) < self.nyquist - widths * self.width)
 
-    def _highest(self, signal: NDArray[np.inexact]) -> float:
-        """The frequency of the highest point of the transform."""
+    def _highest(self, signal: NDArray[np.inexact], near: float) -> float:
+        """The frequency of the highest point of the transform, or the nearest about as high."""
         size = 4 * len(signal)
         power = np.abs(np.fft.fft(signal * self.window, size))
         grid = 2.0 * np.pi * np.fft.fftfreq(size, self.step)
         if self.real:
             power = np.where(grid < 0.0, 0.0, power)
+        if not np.isnan(near):
+            as_high = power >= AS_STRONG * power.max()
+            return float(grid[np.argmin(np.where(as_high, np.abs(grid - near), np.inf))])
         return float(grid[np.argmax(power)])
 
     def _near(self, signal: NDArray[np.inexact], frequency: float) -> float:
@@ -361,4 +416,11 @@ class _Analysis:
             frequency += change
             if abs(change) <= 1e-16 * abs(frequency) or abs(frequency - begin) > self.width:
                 break
-        return frequency
+        return self._in_band(frequency)
+
+    def _in_band(self, frequency: float) -> float:
+        """The frequency up to Nyquist's whose wave has the same samples."""
+        if abs(frequency) <= self.nyquist:
+            return frequency
+        within = frequency - np.copysign(2.0 * self.nyquist, frequency)
+        return float(abs(within) if self.real else within)

@@ -53,7 +53,8 @@ class Growth:
         on are those of a numerical motion. Infinite if there is none, NaN where it is not known.
     verdict : ndarray of str, shape (n,)
         At the last time: ``"regular"``, ``"chaotic"``, ``"undecided"``, or ``"failed"`` for a body
-        that was not run to its end.
+        that was not run to its end. A free body or a Lagrange top without torque and damping is
+        never chaotic: beside a separatrix it is undecided while its displacements grow.
     energy_drift : ndarray, shape (n,)
         Largest error of the energy, as in :class:`Run`.
     status : ndarray of uint8, shape (n,)
@@ -118,7 +119,8 @@ class Growth:
         >>> box = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
         >>> for words in rigid.lyapunov(box, [[1.0, 0.1, 0.1]], t=[200.0]).reasons():
         ...     print(words)
-        regular: no exponent above 0.05 1/s until t = 200 s; the mean MEGNO is 1.83
+        regular: no growth like exp(k t) with k above 0.05 1/s until t = 200 s; the mean MEGNO is \
+1.83
         """
         columns = [self.verdict, self.status, self.mean_megno[..., -1], self.exponent[..., -1]]
         return sentences(self._words, *columns, self.lost_from)
@@ -128,7 +130,9 @@ class Growth:
         if verdict == "failed":
             return f"failed: {Status(status).name.lower().replace('_', ' ')}; take shorter steps"
         if verdict == "regular":
-            return f"regular: no exponent above {self.resolution:.3g} 1/s {until}"
+            return (
+                f"regular: no growth like exp(k t) with k above {self.resolution:.3g} 1/s {until}"
+            )
         if verdict == "undecided":
             return f"undecided {until}; take a longer time"
         words = f"chaotic: exponent {exponent:.3g} 1/s {until} and grows"

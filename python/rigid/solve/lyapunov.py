@@ -12,11 +12,12 @@ from .. import _core
 from .._checks.arguments import numbers, one_of, positive_int, resolve_threads, sorted_times
 from .._checks.float_environment import in_standard_floats
 from ..model.body import Body
-from ..model.criteria import NORMS, Regular
+from ..model.criteria import NORMS, Regular, check_norm
 from ..model.scene import Scene, check_scene
 from .arrays import time_span
 from .batch import Batch
 from .choose_method import choose_method
+from .closed_form import NO_FORM, closed_forms
 from .growth import Growth
 from .integrate import integrate
 from .methods import EXACT, SECOND
@@ -45,6 +46,9 @@ LOOKS = 100
 
 CHECKPOINTS = tuple(1.0 / parts for parts in _core.CHECKPOINT_PARTS)
 """Shares of the horizon at which the mean MEGNO is read for the verdict."""
+
+ROUNDING = 4.0 * float(np.finfo(np.float64).eps)
+"""Error of a logarithm of two sizes, both a sum of six squares, that another run may share."""
 
 FEWEST = 64
 """Least number of steps until the first time and the first checkpoint: means need them."""
@@ -88,7 +92,8 @@ def lyapunov(
     of : {"rates", "attitude"}
         The size of a displacement: ``|dw|² / scale²`` of the rates plus the square of the angle by
         which the vertical in the body changes, or by which the attitude does. The scale is
-        ``sqrt(|omega|² + mgl / I_min)`` at the start. Exponents do not depend on it.
+        ``sqrt(|omega|² + mgl / I_min)`` at the start. Exponents do not depend on it. Under a torque
+        in space that is not vertical: ``"attitude"``.
     exponents : int
         Number of exponents, from the largest down, by Gram-Schmidt: 1 to 6, to 5 of the rates.
     start : array_like, shape (6,) or (exponents, 6), optional
@@ -116,7 +121,8 @@ def lyapunov(
     ------
     ValueError
         Naming the argument, its value and the rule: as :func:`simulate`; times that are not
-        positive, a method without a tangent, displacements of no size or that depend on each other.
+        positive, a method without a tangent, the size of the rates under a torque in space that is
+        not vertical, displacements of no size or that depend on each other.
 
     Notes
     -----
@@ -147,6 +153,7 @@ def lyapunov(
     """
     scene = check_scene(scene, many=True)
     one_of("of", of, NORMS)
+    check_norm(of, scene)
     count = positive_int("exponents", exponents)
     most = 6 if of == "attitude" else 5
     if count > most:
@@ -216,7 +223,7 @@ def growth_of(
     if check:
         again = run.again(ANOTHER if chosen == SECOND else SECOND, vectors[:, 0])
         apart = np.abs(again["logs"][0::2, wanted, 0] - log[:, wanted])
-        rounding = np.finfo(float).eps * np.maximum(1.0, np.abs(log[:, wanted]))
+        rounding = ROUNDING * np.maximum(1.0, np.abs(log[:, wanted]))
         error = (3.0 * apart + rounding).max(axis=1)
         second = np.ascontiguousarray(2.0 * again["logs"][1::2, marks, 3])
         lost_from = _lost_from(batch, times, chosen, choice.steps, run.max_steps, threads)
@@ -224,6 +231,8 @@ def growth_of(
         status = np.where(status == Status.OK, Status.UNCHECKED, status).astype(np.uint8)
     means = np.ascontiguousarray(2.0 * mean_megno[:, marks])
     verdict = np.array(_core.verdicts(means, second, Regular().limits))
+    # Beside a separatrix displacements grow exponentially, although nothing is chaotic.
+    verdict = np.where((verdict == "chaotic") & _is_integrable(batch), "undecided", verdict)
     verdict = np.where(np.isin(status, (Status.OK, Status.UNCHECKED)), verdict, "failed")
 
     def of_body(values: NDArray[Any]) -> Any:
@@ -362,6 +371,13 @@ def _lost_from(
         threads=threads,
     )
     return integrate(request, steps, None, check=True, every=True)[1].lost_from
+
+
+def _is_integrable(batch: Batch) -> NDArray[np.bool_]:
+    """Whether all motions of each body are regular by theorem."""
+    known = closed_forms(Regular(), batch.moments, batch.weight) != NO_FORM
+    integrable: NDArray[np.bool_] = known & ~batch.driven()
+    return integrable
 
 
 def _zeros(scene: Scene, batch: Batch, of: str) -> NDArray[np.intp]:

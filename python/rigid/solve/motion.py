@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from .. import _core
 from .._checks.arguments import finite_float, resolve_threads, rows
 from .._checks.arrays import attitudes, vectors
+from .._checks.quantities import without_unit
 from ..model.body import Body
 from ..model.frame import (
     attitudes_in_frame,
@@ -36,8 +37,9 @@ class Motion:
 
     A controller reads the state, chooses a torque and makes a step; a step of one body takes some
     microseconds. The steps are those of :func:`simulate` with the same method: the states have the
-    same bits where the times of both are the same numbers, as with steps of ``2**-k`` s. The error
-    of a motion is not estimated: compare it with a motion of half the step.
+    bits of a run that wants the state after each step, where the times of both are the same
+    numbers, as with steps of ``2**-k`` s. The error of a motion is not estimated: compare it with a
+    motion of half the step.
 
     Parameters
     ----------
@@ -127,7 +129,10 @@ class Motion:
 
     @property
     def t(self) -> float:
-        """The present time (s): the sum of all steps."""
+        """The present time (s): the sum of all steps, each rounded.
+
+        A million steps of 0.1 s end at 100000.0000013 s, steps of ``2**-k`` s at no wrong time.
+        """
         return self._core.time
 
     @property
@@ -163,10 +168,13 @@ class Motion:
         TypeError
             If an argument is not a number.
         ValueError
-            If a number is not finite, or the torque has another shape. Under torque and damping:
-            if the method moves no driven bodies, if it is unstable with the step, or if the table
-            of the scene's torque does not reach the end. The motion is then as before.
+            If a number is not finite or has another unit, or the torque has another shape. Under
+            torque and damping: if the method moves no driven bodies, if it is unstable with the
+            step, or if the table of the scene's torque does not reach the end. The motion is then
+            as before.
         """
+        if not isinstance(dt, float):
+            dt = without_unit("dt", dt, "s")
         if torque is not None and (self._frame is not None or not _is_plain(torque)):
             torque = rows("torque", torque, 3)[0]
             if self._frame is not None:
@@ -213,4 +221,4 @@ def _rebuilt(
 
 def _is_plain(torque: ArrayLike) -> bool:
     """Whether the core reads the torque as it is: checks of arrays would take as long as a step."""
-    return isinstance(torque, tuple) and len(torque) == 3 and isinstance(torque[0], float)
+    return isinstance(torque, tuple) and all(isinstance(part, float) for part in torque)

@@ -96,8 +96,8 @@ def _check_inside(times: NDArray[np.float64], reached: Range) -> None:
     if len(outside):
         body = outside[0, 0] if len(first) > 1 else 0
         raise ValueError(
-            f"t = {np.atleast_2d(times)[tuple(outside[0])]:g}: must be inside the run, which is "
-            f"from t = {first[body, 0]:g} to {last[body, 0]:g}"
+            f"t = {np.atleast_2d(times)[tuple(outside[0])]}: must be inside the run, which is from "
+            f"t = {first[body, 0]} to {last[body, 0]}"
         )
 
 

@@ -239,7 +239,8 @@ def _argument(
     weightless = np.isneginf(low)
     span = high - np.where(weightless, 0.0, low)
     # Without weight u3 goes to infinity as (alpha + b²) / beta.
-    square = np.where(weightless, np.asarray(alpha) + np.asarray(b) ** 2, np.asarray(beta) * span)
+    at_infinity = finite_array("alpha", alpha) + finite_array("b", b) ** 2
+    square = np.where(weightless, at_infinity, finite_array("beta", beta) * span)
     apart = np.where(span > 0.0, span, 1.0)
     complement = np.where(span > 0.0, (middle - np.where(weightless, 0.0, low)) / apart, 0.0)
     return 0.5 * np.sqrt(square), np.where(weightless, 1.0, complement)

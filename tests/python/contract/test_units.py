@@ -106,6 +106,18 @@ def test_a_start_and_a_map_in_degrees() -> None:
     assert np.isclose(rigid.tilt_below(Q(30.0, "degree")).angle, np.pi / 6.0, rtol=1e-15)
 
 
+def test_steps_of_milliseconds_by_torques_of_millimetres() -> None:
+    states = []
+    for dt, torque in (
+        (Q(5.0, "ms"), (0.1, Q(200.0, "N mm"), 0.3)),
+        (0.005, (0.1, 0.2, 0.3)),
+    ):
+        motion = rigid.Motion(BODY, [1.0, 0.1, 0.0])
+        motion.step(dt, torque)
+        states.append([motion.t, *motion.omega])
+    np.testing.assert_allclose(states[0], states[1], rtol=1e-14)
+
+
 BODY = rigid.Body((1.0, 1.5, 2.0))
 REFUSED: dict[str, tuple[Callable[[], object], str]] = {
     "rates in metres": (
@@ -136,6 +148,14 @@ REFUSED: dict[str, tuple[Callable[[], object], str]] = {
         lambda: rigid.normal(Q(1.0, "s")),
         r"size in second: must be in rad/s or rad or a unit of its kind",
     ),
+    "a step in percent": (
+        lambda: rigid.Motion(BODY, [1.0, 0.0, 0.0]).step(Q(5.0, "percent")),
+        r"dt in percent: must be in s or a unit of its kind",
+    ),
+    "a torque in percent": (
+        lambda: rigid.Motion(BODY, [1.0, 0.0, 0.0]).step(0.1, (0.1, Q(5.0, "percent"), 0.2)),
+        r"torque in percent: must be in N m or a unit of its kind",
+    ),
     "an axis": (
         lambda: rigid.maps.parameters.make_axes({"spin": Q([1.0], "N")}),
         r"axes\['spin'\] in newton: must be in rad/s",
@@ -162,5 +182,9 @@ def test_no_unit_is_lost_in_silence() -> None:
     # Arguments that the table does not know refuse a unit instead of dropping it.
     with pytest.raises(ValueError, match="takes numbers without units"):
         rigid.exact.agm(Q(1.0, "m"), 2.0)
+    nutation = {"a": 1.25, "b": 2.5}
+    percent = {"alpha": Q(100.0, "percent"), "beta": Q(200.0, "percent")}
+    one = rigid.top.u_of(1.0, **nutation, alpha=1.0, beta=2.0)
+    assert rigid.top.u_of(1.0, **nutation, **percent) == one
     share = Q(1e-4, "percent")
     assert rigid.simulate(BODY, [1.0, 0.1, 0.0], t=[1.0], accuracy=share).spec["accuracy"] < 2e-6

@@ -588,6 +588,10 @@ REFUSED: dict[str, tuple[Callable[[], object], str]] = {
     "many events": (simulated(events=[ZERO] * 33), "events: 33 of them; a run watches 32 at most"),
     "backward": (simulated(events=ZERO, t=[-1.0, 1.0]), "t = -1: events are found forward"),
     "time outside": (lambda: RUN.at([1.5]), "t = 1.5: must be inside the run, which is from t = 0"),
+    "time just outside": (
+        lambda: RUN.at([1.0 + 1e-9]),
+        "t = 1.000000001: must be inside the run, which is from t = 0.0 to 1.0",
+    ),
     "time of one outside": (lambda: PAIR.at([[0.5], [-0.5]]), "t = -0.5: must be inside the run"),
     "time not finite": (lambda: RUN.at([np.nan]), r"t[0] = nan: must be finite"),
     "times of other bodies": (

@@ -138,6 +138,22 @@ def test_a_regular_motion_keeps_its_frequency_and_a_chaotic_one_does_not() -> No
     assert of_vertical.drift[1] < 1e-6
 
 
+def test_a_free_body_keeps_its_frequency_where_lines_are_as_strong_as_each_other() -> None:
+    """About axis 1 the second rate swings, and is two lines: at plus and minus the polhode's rate.
+
+    Rounding chose one of them in each half of the run: the drift was twice the frequency.
+    """
+    body, rng = rigid.Body((1.0, 2.0, 3.0)), np.random.default_rng(7)
+    for _ in range(10):
+        along = rng.uniform(0.01, 0.2)
+        omega = [along, 1.0, rng.uniform(0.0, 0.4) * along]  # w1² > 3 w3²: about axis 1
+        period = float(rigid.exact.free_body(body, omega).period)
+        t = np.linspace(0.0, rng.uniform(35.0, 85.0) * period, 4001)
+        drift = rigid.frequency_drift(rigid.simulate(body, omega, t=t, check=False))
+        assert abs(drift.first.frequency[0]) == pytest.approx(2.0 * np.pi / period, rel=1e-5)
+        assert drift.drift <= drift.error < 1e-4 * 2.0 * np.pi / period
+
+
 @pytest.mark.parametrize("power", [-1060, -600, 600, 1020])
 def test_the_size_of_a_signal_changes_no_digit_of_its_frequency(power: int) -> None:
     t = np.linspace(0.0, 200.0, 2001)
@@ -199,6 +215,62 @@ def test_the_error_of_a_real_line_slower_than_the_signal_is_covered() -> None:
     assert constant.error[0] < 1e-8
 
 
+def test_the_error_of_a_real_line_near_the_frequency_of_nyquist_is_covered() -> None:
+    """Beside its mirror image a line is not told apart: one at Nyquist's was stated to 1e-13."""
+    rng = np.random.default_rng(5)
+    for count in (16, 33, 64, 201):
+        t = np.linspace(0.0, 10.0, count)
+        nyquist = np.pi * (count - 1) / 10.0
+        for distance in (0.0, 1e-3, 0.1, 0.5, 1.0, 1.5, 1.9):  # in units of 2 pi / T
+            frequency = nyquist - distance * 2.0 * np.pi / 10.0
+            for phase in 2.0 * np.pi * rng.random(6):
+                lines = rigid.frequencies(t, np.cos(frequency * t + phase))
+                assert abs(lines.frequency[0] - frequency) <= lines.error[0]
+                assert lines.error[0] < 12.0 * np.pi / 10.0
+
+
+def test_frequencies_are_at_most_that_of_nyquist() -> None:
+    """The samples of a frequency and of one ``2 pi / h`` higher are the same; the lower is told."""
+    t = np.linspace(0.0, 10.0, 65)
+    nyquist = np.pi * 6.4
+    for share in (-1.0, -0.9999, -0.99, 0.99, 0.9999):
+        found = rigid.frequencies(t, np.exp(1j * share * nyquist * t)).frequency[0]
+        # Nyquist's and its negative are the same line.
+        assert abs(found) <= nyquist * (1.0 + 1e-15)
+        assert abs(found) == pytest.approx(abs(share) * nyquist, rel=1e-14)
+        assert share == -1.0 or found * share > 0.0
+
+
+@pytest.mark.parametrize("real", [False, True])
+@pytest.mark.parametrize("size", [1e-9, 1e-3, 0.1])
+def test_the_error_of_lines_in_white_noise_is_covered(size: float, real: bool) -> None:
+    """By three standard deviations: 99.7 % of them, and the error is no more than ten."""
+    rng = np.random.default_rng(6)
+    t, ratios = np.linspace(0.0, 100.0, 501), []
+    for _ in range(150):
+        frequency, phase = rng.uniform(0.5, 12.0), rng.uniform(0.0, 6.3)
+        z = np.exp(1j * (frequency * t + phase))
+        z += size * (rng.normal(size=501) + 1j * rng.normal(size=501))
+        lines = rigid.frequencies(t, z.real if real else z)
+        ratios.append(abs(lines.frequency[0] - frequency) / lines.error[0])
+    # 0.3 % of 150 is half a case: three are four standard deviations of its distribution above.
+    assert np.sum(np.array(ratios) > 1.0) <= 3
+    # The median of a normal error is 0.67 standard deviations.
+    assert np.median(ratios) > 0.067
+
+
+def test_a_line_of_noise_at_the_frequency_of_nyquist_is_as_small_as_the_noise() -> None:
+    """Sine or cosine is zero in all samples there: its amplitude was 1e9, and it came first."""
+    rng = np.random.default_rng(8)
+    for count in (32, 101):
+        t = np.linspace(0.0, 100.0, count)
+        for _ in range(60):
+            z = np.cos(0.31 * t + rng.uniform(0.0, 6.3)) + 1e-2 * rng.normal(size=count)
+            sizes = np.abs(rigid.frequencies(t, z, count=2).amplitude)
+            assert sizes[0] == pytest.approx(1.0, abs=0.03)
+            assert sizes[1] < 0.03
+
+
 def test_weak_lines_beside_strong_ones_are_covered() -> None:
     rng = np.random.default_rng(4)
     t = np.linspace(0.0, 200.0, 2001)
@@ -223,3 +295,29 @@ def test_a_body_that_fails_or_rests_leaves_the_others_their_drift() -> None:
     assert drift.drift[0] == alone.drift
     assert np.isnan(drift.drift[1:]).all()
     assert np.isnan(drift.first.frequency[1:]).all()
+
+
+def test_a_signal_takes_no_unit() -> None:
+    pint = pytest.importorskip("pint")
+    t = np.linspace(0.0, 50.0, 501)
+    with pytest.raises(ValueError, match="z in revolutions_per_minute: takes numbers without"):
+        rigid.frequencies(t, pint.UnitRegistry().Quantity(np.cos(t), "rpm"))
+
+
+def test_what_an_unresolved_line_leaves_is_not_a_line_of_its_own() -> None:
+    """A swing slower than the signal is taken for several lines just above ``4 pi / T``.
+
+    The errors are estimates: of 1600 such lines 3 were off by more, 1.9 times at most; 243 were, by
+    up to 30 times, while each part of the swing counted as a line.
+    """
+    rng, t, of_fast = np.random.default_rng(7), np.linspace(0.0, 1.0, 32), []
+    for _ in range(60):
+        slow, fast = 4.0 * np.pi * rng.uniform([0.55, 3.2], [0.98, 6.0])
+        phases = rng.uniform(0.0, 2.0 * np.pi, 2)
+        z = np.cos(slow * t + phases[0]) + 0.1 * np.cos(fast * t + phases[1])
+        found = rigid.frequencies(t, z, count=4)
+        off = np.abs(found.frequency - np.array([[slow], [fast]])).min(axis=0)
+        assert (off <= 2.0 * found.error).all(), (slow, fast, found)
+        of_fast.append(found.error[np.abs(found.frequency - fast).argmin()])
+    # A line apart from the others keeps a small one.
+    assert np.median(of_fast) < 0.01 * 2.0 * np.pi

@@ -9,8 +9,10 @@ import pytest
 from scipy.integrate import quad
 from scipy.spatial.transform import Rotation
 
+import quad_motion
 import rigid
 from chaos_scenes import DISPLACED, Displaced
+from judged_growth import judge_growth
 from physics import Floats, present, vertical
 from rigid import _core
 from rigid.model.scene import Scene
@@ -64,6 +66,14 @@ def test_the_error_of_growth_covers_the_truth_of_26_digits() -> None:
     # The start as doubles differs from that of 26 digits by rounding, which both runs share.
     assert np.mean(np.array(ratios) <= 1.0) > 0.9
     assert max(ratios) < 2.0
+
+
+@pytest.mark.skipif(not quad_motion.is_available(), reason="no 128-bit numbers")
+@pytest.mark.parametrize("number", [8, 22, 50, 58, 60, 134, 158])
+def test_the_error_of_growth_has_the_rounding_that_both_runs_share(number: int) -> None:
+    """Their logarithms agree to the last bits; one rounding of each was stated, two are wrong."""
+    found = judge_growth(number, seed=2)
+    assert found.verdict == "right", (found.off, found.stated)
 
 
 @pytest.mark.parametrize("power", [-1000, -700, 700, 1000])
@@ -201,6 +211,38 @@ def test_zeros_known_from_theory(scene: Scene, zeros: tuple[int, int]) -> None:
         assert rigid.lyapunov(scene, CHAOTIC, t=[5.0], of=of, check=False).zeros == number
 
 
+@pytest.mark.parametrize(
+    ("of", "torque"), [("attitude", [0.1, -0.2, 0.15]), ("rates", [0.0, 0.0, 0.15])]
+)
+def test_growth_under_a_torque_in_space(of: str, torque: list[float]) -> None:
+    """The rotation vector about the vertical counts where the torque turns with it."""
+    pushed = rigid.FreeBody(BOX.body, torque=rigid.Torque.space(torque))
+    times, start = np.array([1.0, 5.0, 20.0]), np.array([0.3, -0.2, 0.5, 0.1, 0.4, -0.3])
+    run = rigid.simulate(pushed, CHAOTIC, ATTITUDE, t=times, tangent=True, check=False)
+    found = rigid.lyapunov(pushed, CHAOTIC, ATTITUDE, t=times, of=of, start=start)
+    sizes = []
+    for matrix, attitude in zip(
+        [np.eye(6), *present(run.tangent)], [ATTITUDE, *present(run.attitude)], strict=True
+    ):
+        rates, turn = (matrix @ start)[:3] / np.linalg.norm(CHAOTIC), (matrix @ start)[3:]
+        seen = turn if of == "attitude" else np.cross(vertical(np.array([attitude]))[0], turn)
+        sizes.append(np.hypot(np.linalg.norm(rates), np.linalg.norm(seen)))
+    true = np.log(np.array(sizes[1:]) / sizes[0])
+    np.testing.assert_allclose(found.log_growth, true, rtol=0.0, atol=1e-11)
+
+
+def test_the_size_of_the_rates_is_refused_where_turns_about_the_vertical_change_them() -> None:
+    """The logarithm of growth was off by up to 4, and by up to 550 times what was stated."""
+    pushed = rigid.FreeBody(BOX.body, torque=rigid.Torque.space([0.1, 0.0, 0.15]))
+    words = "of = 'rates': the rates do not see turns about the vertical, with which a torque"
+    with pytest.raises(ValueError, match=words):
+        rigid.lyapunov(pushed, CHAOTIC, t=[1.0])
+    options: dict[str, Any] = {"axes": {"spin": [1.0]}, "samples": 2, "t_end": 1.0, "rng": 1}
+    with pytest.raises(ValueError, match=words):
+        rigid.stability_map(pushed, stable=rigid.regular(), **options)
+    rigid.stability_map(pushed, stable=rigid.regular("attitude"), **options)
+
+
 def test_it_is_the_growth_of_a_column_of_the_tangent() -> None:
     times = np.array([1.0, 5.0, 20.0])
     run = rigid.simulate(TOP, CHAOTIC, ATTITUDE, t=times, tangent=True, check=False)
@@ -268,6 +310,38 @@ def test_no_integrable_motion_is_called_chaotic(kind: str, undecided: float) -> 
     assert not (verdict == "chaotic").any()
     # Three standard deviations above the share of many.
     assert (verdict == "undecided").sum() <= 512 * undecided + 3.0 * np.sqrt(512 * undecided) + 1.0
+
+
+@pytest.mark.parametrize("kind", ["middle axis", "upright"])
+def test_what_is_integrable_is_undecided_beside_a_separatrix_and_never_chaotic(kind: str) -> None:
+    """For ``ln(1 / distance)`` over the exponent displacements grow like those of chaos."""
+    rng = np.random.default_rng(30)
+    away = 10.0 ** rng.uniform(-9.0, -3.0, (60, 1)) * rng.normal(size=(60, 3))
+    scene: Scene = BOX
+    omega, attitude = away + np.array([0.0, 1.5, 0.0]), np.array(ATTITUDE)
+    if kind == "upright":
+        scene = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
+        omega, attitude = away + np.array([0.0, 0.0, 1.5]), np.array([1.0, 0.0, 0.0, 0.0])
+    found = rigid.lyapunov(scene, omega, attitude, t=[30.0])
+    assert set(found.verdict.tolist()) <= {"regular", "undecided"}
+    grown = (found.log_growth[:, -1] > 12.0) & (found.mean_megno[:, -1] > 5.0)
+    assert grown.sum() > 5
+    assert (found.verdict[grown] == "undecided").all()
+    # Under a torque nothing is known by theorem.
+    driven = rigid.FreeBody(BOX.body, torque=rigid.Torque.body([1e-12, 0.0, 0.0]))
+    assert (rigid.lyapunov(driven, [0.0, 1.5, 0.0], t=[30.0]).verdict) == "chaotic"
+
+
+def test_regular_motions_may_have_grown_faster_than_what_their_horizon_shows() -> None:
+    """The exponent of a finite time keeps what a displacement grew beside a separatrix."""
+    top = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
+    omega = [[away, 0.0, 1.5] for away in np.geomspace(1e-7, 1e-5, 16)]
+    found = rigid.lyapunov(top, omega, t=[400.0])
+    regular = found.verdict == "regular"
+    assert regular.sum() > 12
+    assert (found.exponent[regular, -1] > found.resolution).sum() > 2
+    words = found.reasons()[int(np.flatnonzero(regular)[0])]
+    assert words.startswith("regular: no growth like exp(k t) with k above 0.025 1/s")
 
 
 def test_displacements_of_a_verdict_keep_the_momentum_about_the_vertical() -> None:
@@ -344,7 +418,9 @@ def test_verdicts_on_a_chaotic_sea_and_on_islands() -> None:
     chaotic, regular = found.reasons()
     assert chaotic.startswith("chaotic: exponent 0.3")
     assert "the motion itself is lost from t = " in chaotic
-    assert regular.startswith("regular: no exponent above 0.025 1/s until t = 400 s")
+    assert regular.startswith(
+        "regular: no growth like exp(k t) with k above 0.025 1/s until t = 400 s"
+    )
 
 
 def test_a_body_that_is_not_run_has_failed() -> None:
