@@ -498,6 +498,11 @@ impl BodyForcing<'_> {
         inner.chain(std::iter::once(to)).map(area).sum()
     }
 
+    /// Entries 11, 22, 33, 23, 31, 12 of the damping matrix.
+    pub fn damping(&self) -> [f64; 6] {
+        self.damping
+    }
+
     /// Entries 11, 22, 33, 23, 31, 12 of the damping matrix, if nothing else acts at any time.
     pub fn damping_alone(&self) -> Option<[f64; 6]> {
         let acts_otherwise = self.is_satellite() || self.is_called();

@@ -44,10 +44,38 @@ pub(super) fn newton<R: Real>(fraction: R, value: R, slope: R) -> R {
     (fraction - value / slope).max(R::splat(0.0)).min(R::splat(1.0))
 }
 
+/// Bounds of a zero in [0, 1] of a function that ends with this value, and begins with one of the other sign.
+pub(super) struct Bracket<R> {
+    low: R,
+    high: R,
+    end: R,
+}
+
+impl<R: Real> Bracket<R> {
+    #[inline(always)]
+    pub(super) fn new(end: R) -> Self {
+        Bracket { low: R::splat(0.0), high: R::splat(1.0), end }
+    }
+
+    /// A Newton step, or half the bracket where the step leaves the bracket: a function that begins near zero, and moves
+    /// away first, has a zero beside the begin too.
+    #[inline(always)]
+    pub(super) fn newton(&mut self, fraction: R, value: R, slope: R) -> R {
+        let is_past = R::splat(0.0).lt(value * self.end);
+        self.high = R::select(is_past, fraction, self.high);
+        self.low = R::select(is_past, self.low, fraction);
+        let (next, middle) = (fraction - value / slope, (self.low + self.high) * R::splat(0.5));
+        let inside = R::select(next.lt(self.low), middle, R::select(self.high.lt(next), middle, next));
+        // Of a value and a slope of zero the quotient is NaN; max and min then return their second argument.
+        inside.max(self.low).min(self.high)
+    }
+}
+
 /// Zero in [0, 1] of the cubic with these values and slopes at both ends, where the values have opposite signs: one
-/// step of regula falsi, then Newton steps limited to [0, 1].
+/// step of regula falsi, then bracketed Newton steps.
 #[inline(always)]
 pub(super) fn hermite_root<R: Real>(begin: R, begin_rate: R, end: R, end_rate: R) -> R {
+    let mut bracket = Bracket::new(end);
     let difference = end - begin;
     let c2 = (difference * R::splat(3.0) - begin_rate) - (begin_rate + end_rate);
     let c3 = (begin_rate + end_rate) - (difference + difference);
@@ -55,7 +83,7 @@ pub(super) fn hermite_root<R: Real>(begin: R, begin_rate: R, end: R, end_rate: R
     for _ in 0..4 {
         let value = c3.fma(s, c2).fma(s, begin_rate).fma(s, begin);
         let slope = (c3 * R::splat(3.0)).fma(s, c2 + c2).fma(s, begin_rate);
-        s = newton(s, value, slope);
+        s = bracket.newton(s, value, slope);
     }
     s
 }

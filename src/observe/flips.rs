@@ -1,6 +1,6 @@
 //! Sign changes of a component of the rates.
 
-use super::dense::{hermite_root, interpolate, newton, turning_point};
+use super::dense::{Bracket, hermite_root, interpolate, newton, turning_point};
 use super::{EXIT_TIME, Observable, Rows, Segment, Start, Update, along, first_time, three};
 use crate::forcing::{BodyForcing, ForcingInterval};
 use crate::real::Real;
@@ -113,9 +113,10 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Fli
             if const { S::HAS_POLYNOMIAL } {
                 let dense = segment.polynomial(stepper);
                 // The cubic is wrong by at most a hundredth of the step; each Newton step squares this error.
+                let mut bracket = Bracket::new(end);
                 for _ in 0..3 {
                     let (omega, rate) = interpolate(dense, 0, fraction);
-                    fraction = newton(fraction, along(&axis, &omega), along(&axis, &rate));
+                    fraction = bracket.newton(fraction, along(&axis, &omega), along(&axis, &rate));
                 }
             }
             let at = p.step.fma(fraction, time);

@@ -79,11 +79,12 @@ impl PyForcing {
         Ok(memory::collected("bodies", bodies, drives)?.into_pyarray(py))
     }
 
-    /// The entries 11, 22, 33, 23, 31, 12 of the damping matrices, (n, 6), or those of all in one row; NaN for a body on
-    /// which a torque acts too.
-    fn damping_alone<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    /// The entries 11, 22, 33, 23, 31, 12 of the damping matrices, (n, 6), or those of all in one row; if they are wanted
+    /// alone NaN for a body on which a torque acts too.
+    fn dampings<'py>(&self, py: Python<'py>, alone: bool) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let bodies = self.0.bodies();
-        let entries = (0..bodies).map(|body| self.0.of(body).damping_alone().unwrap_or([f64::NAN; 6]));
+        let of = |forcing: BodyForcing| if alone { forcing.damping_alone() } else { Some(forcing.damping()) };
+        let entries = (0..bodies).map(|body| of(self.0.of(body)).unwrap_or([f64::NAN; 6]));
         let entries = memory::collected("damping", bodies, entries)?.into_flattened();
         entries.into_pyarray(py).reshape([bodies, 6])
     }

@@ -27,7 +27,7 @@ from .arrays import Range, intervals, largest, lengths, time_range, time_ranges,
 from .batch import Batch
 from .cost_model import ROUNDING, phase_error
 from .request import Request, select_states
-from .rounding import REST, common_rounding
+from .rounding import REST, common_rounding, rounding_of_damping
 from .saddle import RateSizes, departure, homoclinic, separatrices
 from .second_run import HALVINGS, is_damped_stiffly, second_run
 from .status import Status
@@ -167,8 +167,10 @@ def estimate_error(
         + departure(batch, times, sizes)
         + homoclinic(batch, times, sizes, states["energy_drift"])
     )
-    if method == RINGING and batch.forcing is not None:
-        error += _ringing(batch, states, times)
+    if batch.forcing is not None:
+        error += rounding_of_damping(batch, states["omega"], times)
+        if method == RINGING:
+            error += _ringing(batch, states, times)
     # What is not a number is not known.
     error = np.where(np.isfinite(error), error, np.inf)
     if is_damped_stiffly(request) and request.tolerance is None:

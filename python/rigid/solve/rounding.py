@@ -15,7 +15,7 @@ from .methods import is_compensated, preserves_groups, rotations, series_methods
 from .request import Request
 from .saddle import dampings, verticals
 
-__all__ = ["REST", "common_rounding", "planned_rounding"]
+__all__ = ["REST", "common_rounding", "planned_rounding", "rounding_of_damping"]
 
 Floats = NDArray[np.float64]
 
@@ -49,6 +49,9 @@ ROUNDED = 3.0
 
 UNIT = 2.0**-53
 """Half the distance from 1 to the next number."""
+
+FORGOTTEN = 30.0
+"""After so many times of its damping a rate is below :data:`REST` of what it was."""
 
 LOOKS = 16
 """States, at most, at which it is measured how fast torques change the rates."""
@@ -129,6 +132,46 @@ def _loss_of_turns(batch: Batch, method: str, taken: Floats, angle: Floats) -> F
     return np.where(symmetric & free, 0.5 * DRIFT * taken * angle, 0.0)
 
 
+def rounding_of_damping(batch: Batch, omega: Floats, times: Floats) -> Floats:
+    """The error that rounding of the damping leaves in two runs alike, shape (n, m).
+
+    The damping of a slow direction is a difference of large products if other directions are fast
+    and the directions are not those of the axes. Each product is rounded, so the direction has a
+    damping rate that is off by a rounding of their sum, as long as its rates last: relative to
+    them the error grows with the time, and after the time of its damping it is that of the balance
+    of a torque with the damping.
+
+    Parameters
+    ----------
+    batch : Batch
+    omega : ndarray, shape (n, m, 3)
+        Rates of the first run at the wanted times (rad/s).
+    times : ndarray, shape (m,) or (n, m)
+        The wanted times (s).
+    """
+    matrix = dampings(batch.forcing, alone=False)
+    moments = batch.moments[:, np.newaxis]
+    size, time = lengths(omega), np.abs(times)
+    along = omega / size[..., np.newaxis]
+    inertia = (along * moments * along).sum(axis=-1)
+    products = _quadratic(np.abs(matrix), np.abs(along))
+    power = np.maximum(_quadratic(matrix, along), UNIT * products)
+    lasts = inertia / power
+    started = np.abs((along * moments * batch.omega[:, np.newaxis]).sum(axis=-1)) / inertia
+    angle = size * time + started * np.minimum(time, lasts)
+    of_rates = np.minimum(time, FORGOTTEN * lasts)
+    error = UNIT * products / inertia * (of_rates + angle * np.minimum(time, lasts))
+    # What is at rest, or is not damped, has no such error.
+    known: Floats = np.where(np.isfinite(error), error, 0.0)
+    return known
+
+
+def _quadratic(matrices: Floats, vectors: Floats) -> Floats:
+    """``v . M v``, shape (n, m); not by ``@``, which needs memory of OpenBLAS."""
+    product: Floats = np.einsum("nmi,nij,nmj->nm", vectors, matrices, vectors)
+    return product
+
+
 def _rounded_share_of_torque(batch: Batch) -> Floats:
     """How much of the largest torque of the weight its components are differences of, shape (n,).
 
@@ -163,7 +206,7 @@ def _second_difference(batch: Batch, method: str, omega: Floats) -> Floats:
     """
     moments = batch.moments[:, np.newaxis, :]
     # The matrices of damping are symmetric.
-    torque = np.cross(moments * omega, omega) - omega @ dampings(batch.forcing)
+    torque = np.cross(moments * omega, omega) - omega @ dampings(batch.forcing, alone=True)
     turning: Floats = (lengths(torque / moments) / lengths(omega)) ** 2
     weight = np.reshape(lengths(batch.weight) / batch.moments.min(axis=1), (-1, 1))
     apart = preserves_groups(method) & (weight > 0.0)

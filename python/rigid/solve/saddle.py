@@ -100,7 +100,7 @@ def departure(batch: Batch, times: Floats, sizes: RateSizes) -> Floats:
     moments = np.broadcast_to(batch.moments, (len(batch), 3))
     weight = np.broadcast_to(batch.weight, (len(batch), 3))
     vertical, omega = verticals(batch), batch.omega
-    damping = np.broadcast_to(dampings(batch.forcing), (len(batch), 3, 3))
+    damping = np.broadcast_to(dampings(batch.forcing, alone=True), (len(batch), 3, 3))
     torque = _cross(moments * omega, omega) + _cross(vertical, weight)
     if batch.forcing is not None:
         # Not by `@`: OpenBLAS ends the process where its own memory cannot be had.
@@ -145,11 +145,14 @@ def verticals(batch: Batch) -> Floats:
     )
 
 
-def dampings(forcing: _core.Forcing | None) -> Floats:
-    """The damping matrices, shape (n, 3, 3), or (1, 3, 3) of all; NaN where a torque acts too."""
+def dampings(forcing: _core.Forcing | None, *, alone: bool) -> Floats:
+    """The damping matrices, shape (n, 3, 3), or (1, 3, 3) of all.
+
+    If they are wanted ``alone``, they are NaN where a torque acts too.
+    """
     if forcing is None:
         return np.zeros((1, 3, 3))
-    entries = forcing.damping_alone()
+    entries = forcing.dampings(alone)
     return entries[:, [[0, 5, 4], [5, 1, 3], [4, 3, 2]]]
 
 
