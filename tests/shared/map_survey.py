@@ -205,7 +205,7 @@ def _values(tallies: dict[str, Tally], result: Any, found: Any, where: str) -> N
         drift = float(found.measures["drift"][body])
         for measure in spec.measure:
             if measure.name in ("flips", "mean_rate", "largest_tilt"):
-                got = float(found.measures[str(measure)][body])
+                got = _compared(measure, float(found.measures[str(measure)][body]))
                 note = f"{where}: {measure} of body {body}"
                 _judge(
                     tallies[measure.name],
@@ -225,7 +225,12 @@ def _values(tallies: dict[str, Tally], result: Any, found: Any, where: str) -> N
 
 
 def _of(measure: Measure, motion: FineMotion) -> float:
-    return motion.value(measure)
+    return _compared(measure, motion.value(measure))
+
+
+def _compared(measure: Measure, value: float) -> float:
+    """Of tilts ``4 sin²(angle/2)``, as they are observed: near pi an angle has half of its digits."""
+    return 4.0 * float(np.sin(0.5 * value)) ** 2 if measure.name == "largest_tilt" else value
 
 
 def _judge(

@@ -318,3 +318,35 @@ def test_bad_input_is_named() -> None:
         measured(samples=2).measures["drift"].quantile(1.5)
     spec = measured(samples=2).spec
     assert dataclasses.replace(spec, measure=()).measure == ()
+
+
+def test_a_rate_near_zero_that_moves_away_first_leaves_when_it_comes_back() -> None:
+    """Both zeros of the rate lie in the first step; that beside the start is before the start."""
+    moments = (2.3538564033371814, 2.301986905611685, 2.413438159543108)
+    com = (-0.7658415773092293, -0.37204379705739976, -0.5244712494843011)
+    result = rigid.stability_map(
+        rigid.HeavyTop(rigid.Body(moments), mgl=1.6184190125364024, com=com),
+        axes={"spin": [1.981643120982107]},
+        start=rigid.Start(
+            spin=1.0,
+            axis=1,
+            tilt=1.4175614754368684,
+            noise=rigid.normal(1e-3),
+            attitude_noise=rigid.normal(0.3),
+        ),
+        stable=rigid.no_flip(3),
+        measure=rigid.time_to_leave(),
+        samples=40,
+        t_end=9.219408887671822,
+        rng=3226265198303360585,
+    )
+    left = result.outcomes(range(2), pixel=0).measures["time_to_leave"]
+    t = np.linspace(0.0, 0.5, 50_001)
+    starts = result.starts(range(2), pixel=0)
+    for body in range(2):
+        scene = result.spec.grid.scene_of(0)
+        omega, attitude = starts.omega[body], starts.attitude[body]
+        rates = rigid.simulate(scene, omega, attitude, t=t, method="taylor20").omega[:, 2]
+        change = t[1:][np.flatnonzero(rates[1:] * rates[:-1] < 0.0)[0]]
+        # The step of the times, and the cubic of a step of the map.
+        assert abs(left[body] - change) < 1e-4
