@@ -80,7 +80,7 @@ const fn in_four_parts<const N: usize, const M: usize>(two: &[f64; N]) -> [f64; 
 pub const SPLITTING: Scheme = Scheme {
     facts: Facts {
         name: "splitting",
-        title: "symplectic Lie-Poisson integrator: planar rotations, or the exact rotor of a symmetric body; weight as a kick",
+        title: "Lie-Poisson integrator: planar rotations, or the exact rotor if symmetric; weight as a kick",
         order: 2,
         stages: 7,
         symplectic: true,
@@ -130,7 +130,7 @@ const fn composition(facts: Facts, two: &'static Numbers, four: &'static Numbers
 pub const SPLITTING4: Scheme = composition(
     Facts {
         name: "splitting4",
-        title: "symplectic splitting as \"splitting\", composed to order 4",
+        title: "Lie-Poisson integrator: the flows of \"splitting\", composed to order 4",
         order: 4,
         citation: "S. Blanes, P. C. Moan, Practical symplectic partitioned Runge-Kutta and Runge-Kutta-Nystrom methods, \
          J. Comput. Appl. Math. 142 (2002) 313-330, table 2, S6",
@@ -145,7 +145,7 @@ pub const SPLITTING4: Scheme = composition(
 pub const SPLITTING8: Scheme = composition(
     Facts {
         name: "splitting8",
-        title: "symplectic splitting as \"splitting\", composed to order 8",
+        title: "Lie-Poisson integrator: the flows of \"splitting\", composed to order 8",
         order: 8,
         citation: "W. Kahan, R.-C. Li, Composition constants for raising the orders of unconventional schemes for ordinary \
          differential equations, Math. Comp. 66 (1997) 1089-1099, 17 steps",
@@ -238,14 +238,13 @@ const fn kicks_and_drifts(facts: Facts, numbers: &'static Numbers) -> Scheme {
 const DRIFTS: Numbers = Numbers { drift_order: 10, ..Numbers::NONE };
 
 /// Properties of all schemes of kicks and drifts.
-const EXACT_DRIFT: Facts =
-    Facts { title: "symplectic Lie-group integrator: free motion and kicks", ..SPLITTING.facts };
+const EXACT_DRIFT: Facts = Facts { title: "Lie-group integrator: free motion and kicks", ..SPLITTING.facts };
 
 /// Chin's algorithm A.
 pub const CHIN4A: Scheme = kicks_and_drifts(
     Facts {
         name: "chin4a",
-        title: "symplectic Lie-group integrator: free motion and kicks, one of them with its force gradient",
+        title: "Lie-group integrator: free motion and kicks, one of them with its force gradient",
         order: 4,
         stages: 5,
         citation: "S. A. Chin, Symplectic integrators from composite operator factorizations, \
@@ -260,7 +259,7 @@ pub const CHIN4A: Scheme = kicks_and_drifts(
 pub const PMLF4: Scheme = kicks_and_drifts(
     Facts {
         name: "pmlf4",
-        title: "processed symplectic splitting: one drift and one kick with its force gradient a step",
+        title: "processed Lie-group integrator: a drift and a kick with its force gradient",
         order: 4,
         stages: 2,
         reversible: false,
@@ -285,7 +284,7 @@ pub const PMLF4: Scheme = kicks_and_drifts(
 pub const PMLF6: Scheme = kicks_and_drifts(
     Facts {
         name: "pmlf6",
-        title: "processed symplectic splitting: three drifts and three kicks, one with its force gradient, a step",
+        title: "processed Lie-group integrator: three drifts and kicks, one with its force gradient",
         order: 6,
         stages: 6,
         reversible: false,
@@ -312,7 +311,7 @@ pub const PMLF6: Scheme = kicks_and_drifts(
 const fn drift(name: &'static str, order: u32, numbers: &'static Numbers) -> Scheme {
     let facts = Facts {
         name,
-        title: "symplectic Lie-group integrator of the free body: discrete Moser-Veselov, moments modified for the order",
+        title: "Lie-group integrator of the free body: discrete Moser-Veselov, moments modified",
         order,
         stages: 1,
         conserves: &["momentum", "energy"],

@@ -85,8 +85,10 @@ def motions_of(
 def why_unforeseen(batch: Batch, times: Range, *, by_steps: bool) -> str | None:
     """Why the error of the bodies is not foreseen, None if it is.
 
-    Bodies under torque or damping are not looked at.
+    Of bodies under torque or damping only a stop by drag is looked for.
     """
+    if batch.may_stop:
+        return "drag may stop a body, and the speed has a corner there"
     looked_at = np.flatnonzero(~batch.driven())
     looked_at = looked_at[spread_indices(len(looked_at), SAMPLE)]
     if not len(looked_at):

@@ -44,6 +44,9 @@ It is half a unit in the last place, always in one direction: a scheme of exact 
 rates of a symmetric free body by the same angle each step, and all but steady rates change by the
 same amount."""
 
+ALIKE = 1e-4
+"""Moments that are nearer to each other than by this share turn a body as equal ones do."""
+
 ROUNDED = 3.0
 """Rounding leaves rates by at most so many :data:`DRIFT` in a step, besides that of rotations."""
 
@@ -127,7 +130,8 @@ def _loss_of_turns(batch: Batch, method: str, taken: Floats, angle: Floats) -> F
     """The error of free symmetric bodies whose steps turn them by equal angles, shape (n,)."""
     if not rotations(method) or batch.forcing is not None:
         return np.zeros(len(batch))
-    symmetric = np.any(batch.moments == np.roll(batch.moments, 1, axis=1), axis=1)
+    apart = np.abs(np.roll(batch.moments, 1, axis=1) - batch.moments)
+    symmetric = np.any(apart <= ALIKE * batch.moments, axis=1)
     free = ~batch.weight.any(axis=1)
     return np.where(symmetric & free, 0.5 * DRIFT * taken * angle, 0.0)
 

@@ -71,7 +71,7 @@ def test_a_result_is_named_in_one_short_line(name: str, results: dict[str, Any])
 
 def test_methods_are_a_table_of_a_line_each(results: dict[str, Any]) -> None:
     lines = repr(results["methods"]).splitlines()
-    assert [line.split()[0] for line in lines] == [method.name for method in rigid.methods()]
+    assert [line.split()[0] for line in lines[1:]] == [method.name for method in rigid.methods()]
     assert max(map(len, lines)) < 160
 
 

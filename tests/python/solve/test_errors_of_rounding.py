@@ -48,7 +48,7 @@ def test_rates_of_a_top_that_hangs_all_but_still_carry_the_rounding_of_its_verti
     omega = [-1.471321292828963e-09, 1.3140610169210498e-09, -8.337226829351962e-10]
     attitude = [0.5873751745868392, -0.4196014785879164, -0.009340665928735975, -0.691981036883181]
     t = [49.099960006262855]
-    run = rigid.simulate(top, omega, attitude, t=t, method="taylor16", step=0.0358662)
+    run = rigid.simulate(top, omega, attitude, t=t, method="taylor12", step=0.0358662)
     truth = rigid.simulate(top, omega, attitude, t=t, method="taylor26", tolerance=1e-17)
     off = np.linalg.norm(run.omega - truth.omega) / np.linalg.norm(truth.omega)
     assert 1e-6 < off < run.error < 1e-4
