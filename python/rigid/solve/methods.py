@@ -141,7 +141,7 @@ class Methods(tuple[Method, ...]):
 
     __slots__ = ()
 
-    HEADER = ("name", "order", "symplectic", "stays on the group", "conserves", "method")
+    HEADER = ("name", "order", "symplectic", "on the group", "conserves", "method")
 
     def _rows(self) -> list[tuple[str, ...]]:
         return [
