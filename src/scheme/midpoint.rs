@@ -38,6 +38,9 @@ pub const MIDPOINT: Scheme = Scheme::direct(
 const NEWTON_STEPS: usize = 8;
 /// The correction of u below which Newton's method ends: the remaining error is about the square of the correction.
 const SMALL_CORRECTION: f64 = 1e-9;
+/// That with the torque of a function, whose derivative by a difference lets the correction fall by its error only: what
+/// remained would add up over the steps.
+const SMALL_CORRECTION_BY_DIFFERENCES: f64 = 1e-14;
 /// The last correction from which on a solution is rejected.
 const LARGEST_CORRECTION: f64 = 1e-6;
 /// The difference of `u` from which the derivative of a function of the user follows, to half of the digits.
@@ -329,7 +332,7 @@ impl<R: Real> ImplicitMidpoint<R> {
     ) -> ([R; 3], R) {
         let one = R::splat(1.0);
         let mut correction = one;
-        let small = R::splat(SMALL_CORRECTION);
+        let small = R::splat(if L::CALLED { SMALL_CORRECTION_BY_DIFFERENCES } else { SMALL_CORRECTION });
         for _ in 0..NEWTON_STEPS {
             let (residual, a) = self.residual::<M, L>(constants, equation, &u);
             // Cramer's rule: the rows of the inverse are cross products of columns.

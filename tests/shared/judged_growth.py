@@ -12,7 +12,7 @@ import mpmath
 import numpy as np
 
 import rigid
-from adversarial import decades, direction, moments, turned_to
+from hard_starts import decades, direction, moments, turned_to
 from judged import Judged
 from physics import Floats, present
 from quad_tangent import Acting, gram_schmidt, moved

@@ -23,7 +23,7 @@ from rigid.model.scene import Scene
 BODIES = 3
 """Bodies of a map whose motions are integrated by SciPy."""
 
-MEASURING = ("auto", "auto", "auto", "taylor8", "taylor16", "hermite9")
+MEASURING = ("auto", "auto", "auto", "taylor12", "taylor16", "hermite9")
 """Methods that know the motion inside their steps."""
 
 JUDGING = ("auto", "auto", "auto", "taylor16", "dop853")
@@ -229,7 +229,7 @@ def _of(measure: Measure, motion: FineMotion) -> float:
 
 
 def _compared(measure: Measure, value: float) -> float:
-    """Of tilts ``4 sin²(angle/2)``, as they are observed: near pi an angle has half of its digits."""
+    """Of tilts ``4 sin²(angle/2)``, as they are observed: near pi an angle has half the digits."""
     return 4.0 * float(np.sin(0.5 * value)) ** 2 if measure.name == "largest_tilt" else value
 
 

@@ -213,6 +213,29 @@ def test_a_step_that_midpoint_divides_is_not_checked_by_its_parts() -> None:
     assert run.status == rigid.Status.FLAGGED or true_error(scene, run, omega, attitude) < run.error
 
 
+def test_short_midpoint_steps_with_a_function_keep_their_order() -> None:
+    """Of each step no more than rounding remains unsolved: what remains would add up."""
+    body = rigid.Body((0.8048410640769278, 0.8048410640769278, 0.1287856289190128))
+    com = (0.365507345893554, 0.5439261858570715, 0.7553467312677195)
+    push = (3.117170485207157e-05, 5.9583011907523526e-05, 1.4148471036108738e-05)
+    cubic = (0.006042238935413087, 0.004321917198544746, 0.004836899694109336)
+    dipole = (-0.7019338092594152, 0.6731868104831485, -0.23261222154068426)
+    field = (-0.004592584247625178, -0.0004005385892071506, 0.015969991577588362)
+    numbers = [*push, 0.01855481131667694, *cubic, *dipole, *field]
+    torque = rigid.Torque.call(quad_motion.called(), numbers, fastest=10.0)
+    top = rigid.HeavyTop(body, mgl=1.8228979671500962, com=com, torque=torque)
+    omega, end = [0.0, 0.1052273657111239, 0.0], 0.6284786894562857
+    attitude = [0.12625573285713065, 0.2804305477908753, 3.6066621535181835, 0.7931723555217911]
+    off = []
+    for steps in (5000, 20000):
+        options: dict[str, Any] = {"method": "midpoint", "step": end / steps, "check": False}
+        run = rigid.simulate(top, omega, attitude, t=[end], **options)
+        off.append(true_error(top, run, omega, attitude))
+    # 16 by the order, less what rounding of 20 000 steps leaves.
+    assert off[0] < 2e-8
+    assert off[1] < off[0] / 12.0
+
+
 def test_the_work_of_strong_damping_converges_more_slowly_than_the_rates() -> None:
     moments, strength = (0.931648853337754, 0.931648853337754, 0.10856695840058495), 22507.2
     scene = rigid.FreeBody(rigid.Body(moments), damping=strength)
