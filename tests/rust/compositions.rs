@@ -86,7 +86,7 @@ fn geometric_methods(scene: &Scene) -> impl Iterator<Item = &'static Scheme> {
 
 /// The order of the remaining error: a body without weight only drifts.
 fn nominal_order(method: &'static Scheme, scene: &Scene) -> f64 {
-    let kicks = [scheme::CHIN4A, scheme::SRKN6, scheme::SRKN11, scheme::SRKN14, scheme::PMLF4, scheme::PMLF6];
+    let kicks = [scheme::CHIN4A, scheme::PMLF4, scheme::PMLF6];
     f64::from(if !scene.is_top && kicks.contains(method) { 10 } else { method.facts.order })
 }
 
@@ -196,16 +196,14 @@ fn too_long_a_drift_gives_no_state() {
         let rate = (x * x + y * y + z * z).sqrt();
         let step = 4.0 * h / rate;
         let reference = integrate(&scene, Solver::Exact, &[step], step);
-        for (method, bound) in [(&scheme::DMV6, 2e-2), (&scheme::DMV8, 1e-2), (&scheme::DMV10, 1e-2)] {
-            let states = integrate(&scene, Solver::Steps(method), &[step], step);
-            if states.status[0] == Status::Finished {
-                finished += 1;
-                let error = difference(&states, &reference) / rate.max(1.0);
-                assert!(error < bound, "{method:?} turning by {}: {error:e}, {body:?}", rate * step);
-            } else {
-                refused += 1;
-                assert!(rate * step > 0.5, "{method:?} turning by {}: {body:?}", rate * step);
-            }
+        let states = integrate(&scene, Solver::Steps(&scheme::DMV10), &[step], step);
+        if states.status[0] == Status::Finished {
+            finished += 1;
+            let error = difference(&states, &reference) / rate.max(1.0);
+            assert!(error < 1e-2, "turning by {}: {error:e}, {body:?}", rate * step);
+        } else {
+            refused += 1;
+            assert!(rate * step > 0.5, "turning by {}: {body:?}", rate * step);
         }
     }
     println!("{finished} finished, {refused} refused");

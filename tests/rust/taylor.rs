@@ -116,9 +116,7 @@ where
 
 #[test]
 fn of_a_uniform_turn_the_series_are_those_of_sine_and_cosine() {
-    uniform_turn::<Taylor<false, f64, Free<f64>>>(&scheme::TAYLOR8);
     uniform_turn::<Taylor<false, f64, Free<f64>>>(&scheme::TAYLOR12);
-    uniform_turn::<Taylor<false, f64, Free<f64>>>(&scheme::TAYLOR14);
     uniform_turn::<Taylor<true, f64, Free<f64>>>(&scheme::TAYLOR16);
     uniform_turn::<Taylor<true, f64, Free<f64>>>(&scheme::TAYLOR20);
     uniform_turn::<Taylor<true, f64, Free<f64>>>(&scheme::TAYLOR26);
