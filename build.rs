@@ -6,6 +6,11 @@ fn main() {
     println!("cargo:rerun-if-changed=.git/logs/HEAD");
     println!("cargo:rerun-if-changed=src");
     println!("cargo:rerun-if-env-changed=RIGID_COMMIT");
+    println!("cargo::rustc-check-cfg=cfg(plain)");
+    let is_x86_64 = std::env::var("CARGO_CFG_TARGET_ARCH").is_ok_and(|arch| arch == "x86_64");
+    if std::env::var_os("CARGO_FEATURE_PLAIN").is_some() || !is_x86_64 {
+        println!("cargo::rustc-cfg=plain");
+    }
     let commit = std::env::var("RIGID_COMMIT").ok().or_else(|| {
         // Not the commit of a repository that we merely lie in.
         std::path::Path::new(".git").exists().then_some(())?;

@@ -68,9 +68,6 @@ pub fn print_rows(repeats: usize) -> Result<usize, String> {
         "ns per body", "path", "set-up", "rates", "state", "exit", "sincos", "state/sc"
     );
     for isa in Isa::available() {
-        if isa == Isa::Scalar {
-            continue;
-        }
         let (symmetric, spinning) =
             (Evaluator::new(EvaluatorKind::Symmetric, isa), starts(EvaluatorKind::Symmetric, true, false));
         for kind in [EvaluatorKind::Symmetric, EvaluatorKind::Free, EvaluatorKind::Lagrange] {

@@ -84,6 +84,7 @@ fn fma_peak(isa: Isa) -> f64 {
     match isa {
         Isa::Avx512 => peak!(wide, "avx512f", _mm512_set1_pd, _mm512_fmadd_pd, 8),
         Isa::Avx2 => peak!(narrow, "avx2,fma", _mm256_set1_pd, _mm256_fmadd_pd, 4),
+        #[cfg(plain)]
         Isa::Scalar => f64::NAN,
     }
 }
@@ -143,9 +144,6 @@ pub fn print_rows(filter: Option<&str>, repeats: usize) -> Result<usize, String>
                 continue;
             }
             for isa in Isa::available() {
-                if isa == Isa::Scalar {
-                    continue;
-                }
                 let compiled = Compiled::new(kernel, isa);
                 let Some(start) = bodies(compiled) else { continue };
                 let (mut time, mut peak) = (f64::MAX, 0.0_f64);
@@ -158,10 +156,10 @@ pub fn print_rows(filter: Option<&str>, repeats: usize) -> Result<usize, String>
                 }
                 peaks[isa as usize] = peaks[isa as usize].max(peak);
                 let share = match flops(kernel) {
-                    Some(count) => {
+                    Some(count) if peak > 0.0 => {
                         timing::share(count / time, peak).map_err(|why| format!("{name}: {why}"))?
                     }
-                    None => f64::NAN,
+                    _ => f64::NAN,
                 };
                 println!("{name:40} {:>8} {time:>9.3} {:>12.0} {share:>10.2}", isa.name(), 1e3 / time);
                 rows += 1;
@@ -169,9 +167,7 @@ pub fn print_rows(filter: Option<&str>, repeats: usize) -> Result<usize, String>
         }
     }
     for isa in Isa::available() {
-        if isa != Isa::Scalar {
-            println!("FMA peak, {}: {:.1} Gflop/s", isa.name(), peaks[isa as usize]);
-        }
+        println!("FMA peak, {}: {:.1} Gflop/s", isa.name(), peaks[isa as usize]);
     }
     Ok(rows)
 }

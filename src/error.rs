@@ -13,6 +13,12 @@ pub enum Error {
         /// The valid values.
         available: String,
     },
+    /// The CPU has none of the instruction sets that kernels are compiled for.
+    #[error(
+        "this processor has no AVX2 and FMA, which this build of rigid needs; build rigid from its source with \
+         MATURIN_PEP517_ARGS='--features plain' for slow kernels with the same results"
+    )]
+    NoIsa,
     /// A moment of inertia is NaN or infinite.
     #[error("moments = ({}, {}, {}): every moment of inertia must be finite", short(.0), short(.1), short(.2))]
     MomentNotFinite(f64, f64, f64),

@@ -108,7 +108,8 @@ macro_rules! with_fma {
                     // SAFETY: the line before checks the feature.
                     unsafe { fma(isa, $($argument),*) }
                 }
-                _ => $generic(isa, $($argument),*),
+                #[cfg(plain)]
+                Isa::Scalar => $generic(isa, $($argument),*),
             }
         }
     )*};

@@ -175,6 +175,7 @@ entry_points! {
     avx512 [#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,avx2,fma")]];
     avx2 [#[target_feature(enable = "avx2,fma")]];
 }
+#[cfg(plain)]
 entry_points! {
     scalar [];
 }
@@ -192,7 +193,8 @@ macro_rules! evaluator {
                 states: avx2::states_of::<$avx2, $motion<$avx2>>,
                 exits: avx2::exits_of::<$avx2, $motion<$avx2>>,
             },
-            _ => Evaluator {
+            #[cfg(plain)]
+            Isa::Scalar => Evaluator {
                 states: scalar::states_of::<f64, $motion<f64>>,
                 exits: scalar::exits_of::<f64, $motion<f64>>,
             },

@@ -56,7 +56,7 @@ fn engine<R: Quad, M: Model<R>, L: Layout, const D: usize>(
     g: &Group,
     forcing: &ForcingRows,
     numbers: &'static Numbers,
-) -> Taylor<true, R, M> {
+) -> Taylor<R, M> {
     let p = Parameters { moments: first3(&g.moments), weight: first3(&g.weight), step: first(&g.step) };
     let mut interval = ForcingInterval::none();
     if L::BALANCE {
@@ -68,7 +68,7 @@ fn engine<R: Quad, M: Model<R>, L: Layout, const D: usize>(
             interval.damping[k] = first(&forcing.damping[k]);
         }
     }
-    <Taylor<true, R, M> as Stepper<R, M, L, D>>::new(&p, &interval, numbers)
+    <Taylor<R, M> as Stepper<R, M, L, D>>::new(&p, &interval, numbers)
 }
 
 /// Advances the body in the first lane by adaptive steps until it reaches its `next` time; returns the number of steps,

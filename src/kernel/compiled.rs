@@ -24,7 +24,6 @@ impl Compiled {
         assert!(system.can_observe(observed), "{observed:?} cannot be observed on {system:?}");
         assert!(observed != Observed::Bounds || step.sees_limits(), "{step:?} observes no limit");
         assert!(system.is_moved_by(step), "{step:?} does not integrate {system:?}");
-        let isa = if system.is_called() { Isa::Scalar } else { isa };
         let code = code(system, step.engine, isa).expect("checked in the line before");
         Compiled { code, kernel }
     }

@@ -42,6 +42,7 @@ type Adaptive = unsafe fn(&mut Group, &ForcingRows, &mut AdaptiveSteps, usize, &
 type Dense = unsafe fn(&AdaptiveSteps, usize, f64, &'static Numbers) -> [f64; MAX_STATE];
 
 /// The code of a kernel for an instruction set. Code that no scheme can request is not compiled.
+#[derive(Clone, Copy)]
 pub(super) struct Code {
     pub(super) advance: Advance,
     pub(super) process: Option<Process>,
@@ -60,12 +61,13 @@ struct Codes {
     avx512: Option<Code>,
     #[cfg(target_arch = "x86_64")]
     avx2: Option<Code>,
+    #[cfg(plain)]
     scalar: Option<Code>,
 }
 
 /// The functions of kernels for an instruction set. `S` makes the steps of packs, `T` the steps of a single body.
 macro_rules! entry_points {
-    ($($isa:ident [$($feature:tt)*];)*) => {$(
+    ($isa:ident [$($feature:tt)*]) => {
         #[allow(clippy::extra_unused_type_parameters)] // A kernel is its types.
         pub mod $isa {
             use super::*;
@@ -113,9 +115,8 @@ macro_rules! entry_points {
                 M: Model<P>,
                 L: Layout,
             {
-                // Sums of adaptive steps are always compensated, so one engine serves both.
-                let bodies = prepared::<P, PACKS, M, L, Taylor<true, P, M>, D>(g, forcing, numbers);
-                adaptive_block::<P, PACKS, M, L, Taylor<true, P, M>, D>(g, l, &bodies, most)
+                let bodies = prepared::<P, PACKS, M, L, Taylor<P, M>, D>(g, forcing, numbers);
+                adaptive_block::<P, PACKS, M, L, Taylor<P, M>, D>(g, l, &bodies, most)
             }
 
             $($feature)*
@@ -185,9 +186,7 @@ macro_rules! entry_points {
                 N: Model<f64>,
                 L: Layout,
             {
-                // A function of the user is called for one body at a time.
-                let packs_of_one = !L::CALLED || P::LANES == 1;
-                if !S::MOVES || (L::TANGENT && !S::HAS_TANGENT) || !packs_of_one {
+                if !S::MOVES || (L::TANGENT && !S::HAS_TANGENT) {
                     return None;
                 }
                 Some(Code {
@@ -201,7 +200,13 @@ macro_rules! entry_points {
                 })
             }
         }
-    )*};
+    };
+}
+
+/// Whether a layout is compiled for AVX-512 too, where the engine is: forced bodies and displacements gain too little
+/// (benches/README.md).
+const fn gains_by_avx512<L: Layout>() -> bool {
+    !L::BALANCE && !L::TANGENT
 }
 
 /// The kernels: each engine with each system that the engine integrates. `R` stands for the pack and `M` for the model
@@ -258,25 +263,26 @@ macro_rules! kernels {
     };
     // The compiler works by modules. Each engine has its own module, so a change of one engine compiles only the
     // kernels of this engine.
-    (@modules { $($engine:ident: $stepper:ty, $avx512:ty, $avx2:ty;)* }) => {
+    (@modules { $($engine:ident: $stepper:ty, $avx2:ty $(, $avx512:ty)?;)* }) => {
         mod kernels_of {$(
             #[allow(non_snake_case)]
             pub mod $engine {
                 use super::super::*;
 
+                $(kernels!(@avx512 $avx512);)?
                 #[cfg(target_arch = "x86_64")]
-                entry_points! {
-                    avx512 [#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,avx2,fma")]];
-                    avx2 [#[target_feature(enable = "avx2,fma")]];
-                }
-                entry_points! {
-                    scalar [];
-                }
+                entry_points!(avx2 [#[target_feature(enable = "avx2,fma")]]);
+                #[cfg(plain)]
+                entry_points!(scalar []);
             }
         )*}
     };
+    (@avx512 $pack:ty) => {
+        #[cfg(target_arch = "x86_64")]
+        entry_points!(avx512 [#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,avx2,fma")]]);
+    };
     (@codes $which:ident, $model:ident, $layout:ident,
-        { $($engine:ident: $stepper:ty, $avx512:ty, $avx2:ty;)* }) => {
+        { $($engine:ident: $stepper:ty, $avx2:ty $(, $avx512:ty)?;)* }) => {
         match $which {
             $(Engine::$engine => const {
                 type R = f64;
@@ -285,20 +291,26 @@ macro_rules! kernels {
                 type AloneModel = M;
                 const D: usize = <$layout as Layout>::LEN;
                 &Codes {
+                    // The first, if there is one.
                     #[cfg(target_arch = "x86_64")]
-                    avx512: {
+                    avx512: [$({
                         type R = $avx512;
                         type M = $model<R>;
                         let alone = kernels_of::$engine::avx512::code_alone::<V4, $model<V4>, $layout, D>();
-                        kernels_of::$engine::avx512::code::<R, $stepper, M, Alone, AloneModel, $layout, D, { LANES / R::LANES }>(alone)
-                    },
+                        if gains_by_avx512::<$layout>() {
+                            kernels_of::$engine::avx512::code::<R, $stepper, M, Alone, AloneModel, $layout, D, { LANES / R::LANES }>(alone)
+                        } else {
+                            None
+                        }
+                    },)? None][0],
                     #[cfg(target_arch = "x86_64")]
                     avx2: {
-                        type R = $avx2;
+                        type R = <$layout as Layout>::Lanes<$avx2>;
                         type M = $model<R>;
                         let alone = kernels_of::$engine::avx2::code_alone::<V4, $model<V4>, $layout, D>();
                         kernels_of::$engine::avx2::code::<R, $stepper, M, Alone, AloneModel, $layout, D, { LANES / R::LANES }>(alone)
                     },
+                    #[cfg(plain)]
                     scalar: kernels_of::$engine::scalar::code::<R, Alone, M, Alone, AloneModel, $layout, D, { LANES / R::LANES }>(None),
                 }
             },)*
@@ -323,18 +335,17 @@ kernels! {
         ForcedTangent: TOP, Top, ForcedFrameTangent;
     }
     engines {
-        Rk4: RungeKutta<Rk4Tableau, R, M>, V8, V4;
-        Dop853: RungeKutta<Dop853Tableau, R, M>, V8, V4;
-        Taylor: Taylor<false, R, M>, V8, V4;
-        CompensatedTaylor: Taylor<true, R, M>, V8, V4;
-        Hermite: Hermite<R, M>, V8, V4;
-        Planar: Splitting<Planar, R>, Arr<V8, 2>, Arr<V4, 2>;
-        ComposedPlanar: Splitting<ComposedPlanar, R>, Arr<V8, 2>, Arr<V4, 2>;
-        KickRotor: Splitting<KickRotor, R>, V8, V4;
-        KickMoserVeselov: Splitting<KickMoserVeselov, R>, Arr<V8, 2>, Arr<V4, 2>;
-        Affine: AffineSplitting<R>, V8, V4;
-        Exponential: Exponential<R, M>, V8, V4;
-        Midpoint: ImplicitMidpoint<R>, V8, V4;
+        Rk4: RungeKutta<Rk4Tableau, R, M>, V4, V8;
+        Dop853: RungeKutta<Dop853Tableau, R, M>, V4, V8;
+        Taylor: Taylor<R, M>, V4, V8;
+        Hermite: Hermite<R, M>, V4, V8;
+        Planar: Splitting<Planar, R>, Arr<V4, 2>, Arr<V8, 2>;
+        ComposedPlanar: Splitting<ComposedPlanar, R>, Arr<V4, 2>, Arr<V8, 2>;
+        KickRotor: Splitting<KickRotor, R>, V4, V8;
+        KickMoserVeselov: Splitting<KickMoserVeselov, R>, Arr<V4, 2>, Arr<V8, 2>;
+        Affine: AffineSplitting<R>, V4;
+        Exponential: Exponential<R, M>, V4;
+        Midpoint: ImplicitMidpoint<R>, V4;
     }
 }
 
@@ -343,10 +354,11 @@ pub(super) fn code(system: System, engine: Engine, isa: Isa) -> Option<&'static 
     let codes = codes(system, engine);
     match isa {
         #[cfg(target_arch = "x86_64")]
-        Isa::Avx512 => codes.avx512.as_ref(),
+        Isa::Avx512 => codes.avx512.as_ref().or(codes.avx2.as_ref()),
         #[cfg(target_arch = "x86_64")]
         Isa::Avx2 => codes.avx2.as_ref(),
-        _ => codes.scalar.as_ref(),
+        #[cfg(plain)]
+        Isa::Scalar => codes.scalar.as_ref(),
     }
 }
 
@@ -437,12 +449,6 @@ impl System {
         self.balance_at().is_some()
     }
 
-    /// Whether a function of the user is called in the steps, which are then those of one body at a time.
-    #[inline]
-    pub(super) fn is_called(self) -> bool {
-        self.traits().is_called
-    }
-
     /// Index in the state of work, impulse and time; `None` if the system is not forced.
     #[inline]
     pub(super) fn balance_at(self) -> Option<usize> {
@@ -487,7 +493,7 @@ impl System {
 
     /// Whether the step integrates the system. A system without weight is integrated by the torque-free part of a step.
     pub fn is_moved_by(self, step: Step) -> bool {
-        let Some(code) = code(self, step.engine, Isa::Scalar) else { return false };
+        let Some(code) = code(self, step.engine, Isa::NARROWEST) else { return false };
         let suits = if self.scene().has_weight { step.moves_weight() } else { step == step.torque_free() };
         let is_known = self.tangent_at().is_none() || step.has_tangent();
         suits && is_known && (code.process.is_some() || !step.is_processed())

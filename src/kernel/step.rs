@@ -155,7 +155,7 @@ pub(super) fn step_block<P, const PACKS: usize, M, L, S, const D: usize>(
             let (p, stepper) = &bodies[b];
             let mut compensation = y;
             let mut dense = Coefficients::new();
-            if S::COMPENSATED {
+            if S::COMPENSATES {
                 for d in 0..D {
                     compensation[d] = P::load(&g.compensation[d].0[at..]);
                 }
@@ -165,7 +165,7 @@ pub(super) fn step_block<P, const PACKS: usize, M, L, S, const D: usize>(
             } else {
                 stepper.step(p, &mut y, &mut compensation, &mut dense);
             }
-            if S::COMPENSATED {
+            if S::COMPENSATES {
                 for d in 0..D {
                     compensation[d].store(&mut g.compensation[d].0[at..]);
                 }
@@ -220,14 +220,14 @@ fn displace<P: Pack, M: Model<P>, L: Layout, S: Stepper<P, M, L, D>, const D: us
     let (mut displacement, mut compensation) = ([zero; 6], [zero; 6]);
     for k in 0..6 {
         displacement[k] = P::load(&rows.state[k].0[at..]);
-        if S::COMPENSATED {
+        if S::COMPENSATES {
             compensation[k] = P::load(&rows.compensation[k].0[at..]);
         }
     }
     stepper.displace(&mut displacement, &mut compensation, dense);
     for k in 0..6 {
         displacement[k].store(&mut rows.state[k].0[at..]);
-        if S::COMPENSATED {
+        if S::COMPENSATES {
             compensation[k].store(&mut rows.compensation[k].0[at..]);
         }
     }

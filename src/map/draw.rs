@@ -139,7 +139,8 @@ macro_rules! compiled {
                 // SAFETY: as above.
                 #[cfg(target_arch = "x86_64")]
                 Isa::Avx2 => unsafe { avx2(law, mix, draws) },
-                _ => $generic::<f64>(law, mix, draws),
+                #[cfg(plain)]
+                Isa::Scalar => $generic::<f64>(law, mix, draws),
             }
         }
     };

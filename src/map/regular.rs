@@ -188,7 +188,7 @@ impl Course {
     /// Brings the displacement of a lane near one in size, which changes no digit of its growth.
     pub(super) fn settle(&self, group: &mut Group, system: System, lane: usize) {
         // One displacement takes so few operations that the instruction set does not matter.
-        settle(group, system, lane, &self.norm, self.turns, &mut Frame::new(1, Isa::Scalar));
+        settle(group, system, lane, &self.norm, self.turns, &mut Frame::new(1, Isa::NARROWEST));
     }
 
     /// The outcome, from that of the motion alone.

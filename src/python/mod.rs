@@ -21,7 +21,7 @@ use crate::simd::Isa;
 use crate::start::unit_quaternion;
 use convert::{column, rows};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
-use pyo3::exceptions::{PyMemoryError, PyRuntimeError, PyValueError};
+use pyo3::exceptions::{PyImportError, PyMemoryError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use std::collections::BTreeMap;
@@ -31,6 +31,7 @@ impl From<Error> for PyErr {
     fn from(error: Error) -> PyErr {
         match error {
             Error::Memory { .. } => PyMemoryError::new_err(error.to_string()),
+            Error::NoIsa => PyImportError::new_err(error.to_string()),
             Error::Isa { .. } | Error::Stopped | Error::Fault { .. } => {
                 PyRuntimeError::new_err(error.to_string())
             }
@@ -83,6 +84,13 @@ mod _core {
     #[pymodule_export]
     #[allow(non_upper_case_globals)]
     const __version__: &str = env!("CARGO_PKG_VERSION");
+
+    /// Refuses a processor for which nothing is compiled before anything runs.
+    #[pymodule_init]
+    fn init(_module: &pyo3::Bound<'_, pyo3::types::PyModule>) -> pyo3::PyResult<()> {
+        crate::simd::Isa::parse(None, &crate::simd::Isa::available())?;
+        Ok(())
+    }
 }
 
 /// Number of threads that can run at once: the processors that the affinity and the control group of this process allow.

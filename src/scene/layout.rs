@@ -5,6 +5,8 @@
 //! body: work, impulse and time; then a displacement of the motion if its growth is requested, or cosine and sine of the
 //! angle that a satellite with a frame has turned on its orbit.
 
+use crate::real::Pack;
+
 /// The variables that are integrated with the rates.
 pub trait Layout: Copy {
     /// Number of space-fixed directions, in body components.
@@ -21,6 +23,9 @@ pub trait Layout: Copy {
     const SATELLITE: bool = false;
     /// Whether a function of the user returns a torque.
     const CALLED: bool = false;
+    /// The bodies that are integrated side by side where the registers hold those of `P`: one under the torque of a
+    /// function, which is called for one body at a time.
+    type Lanes<P: Pack>: Pack;
     /// The direction from which a tilt is measured: the last direction, or the vertical of a frame.
     const OBSERVED: usize = if Self::BALANCE { 0 } else { Self::VECTORS.saturating_sub(1) };
     /// Length of the state.
@@ -55,6 +60,7 @@ macro_rules! layouts {
             const BALANCE: bool = $balance;
             const TANGENT: bool = $tangent;
             const CHANGED: bool = $changed;
+            type Lanes<P: Pack> = P;
         }
     )*};
 }
@@ -89,6 +95,7 @@ impl Layout for SatelliteRates {
     const QUATERNION: bool = false;
     const BALANCE: bool = true;
     const SATELLITE: bool = true;
+    type Lanes<P: Pack> = P;
 }
 
 /// Rates, the space axes z, x and y, the balance and the angle on the orbit of a satellite.
@@ -99,6 +106,7 @@ impl Layout for SatelliteFrame {
     const QUATERNION: bool = false;
     const BALANCE: bool = true;
     const SATELLITE: bool = true;
+    type Lanes<P: Pack> = P;
 }
 
 /// Rates, the space axes z, x and y, and the balance of a body under the torque that a function returns.
@@ -109,4 +117,5 @@ impl Layout for CalledFrame {
     const QUATERNION: bool = false;
     const BALANCE: bool = true;
     const CALLED: bool = true;
+    type Lanes<P: Pack> = f64;
 }

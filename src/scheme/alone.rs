@@ -120,7 +120,7 @@ fn spread<R: Quad, L: Layout, const D: usize>(terms: &Terms<R>, time: R) -> [R; 
     y
 }
 
-impl<const COMPENSATED: bool, R: Quad, M: Model<R>> Taylor<COMPENSATED, R, M> {
+impl<R: Quad, M: Model<R>> Taylor<R, M> {
     /// All coefficients of the motion that starts at `y`, but for those of the balance: those of `coefficients`, in columns.
     #[inline(always)]
     pub fn expand_alone<L: Layout, const D: usize>(

@@ -34,7 +34,7 @@ impl<R: Real> VariedProducts<R> {
     }
 }
 
-impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
+impl<R: Real, M: Model<R>> Taylor<R, M> {
     /// All coefficients of the displacement that begins with that of order 0, from those of the motion. The motion alone
     /// comes first, because the sums of both together exceed the registers.
     #[inline(always)]

@@ -160,8 +160,6 @@ pub enum Engine {
     Dop853,
     /// A Taylor series of any order.
     Taylor,
-    /// A Taylor series with compensated sums.
-    CompensatedTaylor,
     /// Hermite predictor and corrector.
     Hermite,
     /// Planar rotations about the principal axes and kicks, of order 2.
@@ -194,6 +192,8 @@ pub enum Variables {
 pub struct Numbers {
     /// Order of a Taylor series.
     pub order: usize,
+    /// Whether the rounding of a step of a series is added to the next.
+    pub is_compensated: bool,
     /// Fractions of the step, flow after flow, round after round; the last round may contain only its first flow.
     pub fractions: &'static [f64],
     /// Weight of the force gradient in the kicks of each round: `c` adds `-c h^3 tau.tau/I` to `b h V`.
@@ -210,7 +210,14 @@ impl Numbers {
 
     /// Flows over fractions of the step, and nothing else.
     pub const fn of(fractions: &'static [f64]) -> Numbers {
-        Numbers { order: 0, fractions, gradients: &[], processor: None, drift_order: 0 }
+        Numbers {
+            order: 0,
+            is_compensated: false,
+            fractions,
+            gradients: &[],
+            processor: None,
+            drift_order: 0,
+        }
     }
 }
 
@@ -219,7 +226,7 @@ impl Engine {
     pub const fn variables(self) -> Variables {
         use Engine::*;
         match self {
-            Rk4 | Dop853 | Taylor | CompensatedTaylor | Hermite | Exponential => Variables::Rates,
+            Rk4 | Dop853 | Taylor | Hermite | Exponential => Variables::Rates,
             Planar | ComposedPlanar | KickRotor | KickMoserVeselov | Affine | Midpoint => Variables::Momenta,
         }
     }
@@ -260,18 +267,18 @@ impl Step {
 
     /// Whether the step is a Taylor series, which has dense output and may be adaptive.
     pub const fn is_series(self) -> bool {
-        matches!(self.engine, Engine::Taylor | Engine::CompensatedTaylor)
+        matches!(self.engine, Engine::Taylor)
     }
 
     /// Whether the rounding of a fixed step is carried to the next one.
     pub const fn is_compensated(self) -> bool {
-        matches!(self.engine, Engine::CompensatedTaylor)
+        self.numbers.is_compensated
     }
 
     /// Whether the step moves a displacement by its derivative.
     pub const fn has_tangent(self) -> bool {
         match self.engine {
-            Engine::Rk4 | Engine::Dop853 | Engine::Taylor | Engine::CompensatedTaylor => true,
+            Engine::Rk4 | Engine::Dop853 | Engine::Taylor => true,
             Engine::Planar | Engine::ComposedPlanar | Engine::KickRotor => {
                 self.numbers.gradients.is_empty() && !self.is_processed()
             }
@@ -452,10 +459,7 @@ impl Scheme {
     pub const fn moves_satellites(&self) -> bool {
         match self.forced {
             Some(forced) => {
-                matches!(
-                    forced.step.engine,
-                    Engine::Rk4 | Engine::Dop853 | Engine::Taylor | Engine::CompensatedTaylor
-                )
+                matches!(forced.step.engine, Engine::Rk4 | Engine::Dop853 | Engine::Taylor)
             }
             None => false,
         }
@@ -598,8 +602,8 @@ pub trait Stepper<R: Real, M: Model<R>, L: Layout, const D: usize>: Copy {
     const VARIABLES: Variables;
     /// Whether the engine integrates the model in the layout. Code is compiled only then.
     const MOVES: bool;
-    /// Whether the engine compensates the rounding error of the state in the next step.
-    const COMPENSATED: bool = false;
+    /// Whether the engine can add the rounding error of a step to the next.
+    const COMPENSATES: bool = false;
     /// Whether a step is a series, and stores its coefficients.
     const IS_SERIES: bool = false;
     /// Whether the motion inside a step is known as a polynomial.

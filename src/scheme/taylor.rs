@@ -48,8 +48,12 @@ macro_rules! series {
                 doi: "10.1080/10586458.2005.10128904",
             },
             Step {
-                engine: if $order < COMPENSATED_FROM { Engine::Taylor } else { Engine::CompensatedTaylor },
-                numbers: &Numbers { order: $order, ..Numbers::NONE },
+                engine: Engine::Taylor,
+                numbers: &Numbers {
+                    order: $order,
+                    is_compensated: $order >= COMPENSATED_FROM,
+                    ..Numbers::NONE
+                },
             },
             $damping_limit,
         )
@@ -184,16 +188,18 @@ fn quaternion<R: Real, L: Layout, const D: usize>(y: &[R; D]) -> [R; 4] {
 
 /// The engine.
 #[derive(Clone, Copy)]
-pub struct Taylor<const COMPENSATED: bool, R, M> {
+pub struct Taylor<R, M> {
     pub(super) model: M,
     pub(super) applied: Applied<R>,
     step: R,
     pub(super) order: usize,
+    /// Whether the rounding of a step is added to the next.
+    is_compensated: bool,
     /// Whether orders above 1 of the applied torque have more than damping.
     pub(super) has_high_orders: bool,
 }
 
-impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
+impl<R: Real, M: Model<R>> Taylor<R, M> {
     /// All coefficients of the motion that starts at `y`. Two orders are summed side by side, because both need the
     /// same rows. The newest rows are summed last, so that the first sums need not wait.
     #[inline(always)]
@@ -261,13 +267,13 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>> Taylor<COMPENSATED, R, M> {
         for k in (1..self.order - 1).rev() {
             in_halves!(d in N { increment[d] = increment[d] + c.order(k)[first + d]; });
         }
-        in_halves!(d in N {
-            if COMPENSATED {
+        if self.is_compensated {
+            in_halves!(d in N {
                 (y[d], compensation[d]) = two_sum(y[d], increment[d] + compensation[d]);
-            } else {
-                y[d] = y[d] + increment[d];
-            }
-        });
+            });
+        } else {
+            in_halves!(d in N { y[d] = y[d] + increment[d]; });
+        }
     }
 
     /// Adds the coefficients of order k + 1, from the products of order k.
@@ -610,15 +616,13 @@ pub fn two_sum<R: Real>(a: R, b: R) -> (R, R) {
     (sum, (a - (sum - of_b)) + (b - of_b))
 }
 
-impl<const COMPENSATED: bool, R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, L, D>
-    for Taylor<COMPENSATED, R, M>
-{
+impl<R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, L, D> for Taylor<R, M> {
     const VARIABLES: Variables = Variables::Rates;
     // The attitude of a top is integrated as rows of its matrix: the vertical, which the torque needs anyway, and
     // another direction cost less than the vertical and a quaternion.
     const MOVES: bool = !L::CALLED && !(M::HEAVY && L::QUATERNION);
     const HAS_TANGENT: bool = true;
-    const COMPENSATED: bool = COMPENSATED;
+    const COMPENSATES: bool = true;
     const IS_SERIES: bool = true;
     const SHARES_MOTION: bool = L::TANGENT;
 
@@ -627,7 +631,8 @@ impl<const COMPENSATED: bool, R: Real, M: Model<R>, L: Layout, const D: usize> S
         // The bound shows the compiler that no index lies outside the table.
         let (model, applied) = (M::new(p), Applied::new(p, forcing));
         let has_high_orders = L::BALANCE && applied.has_high_orders();
-        Taylor { model, applied, step: p.step, order: numbers.order.min(MAX_ORDER), has_high_orders }
+        let (order, is_compensated) = (numbers.order.min(MAX_ORDER), numbers.is_compensated);
+        Taylor { model, applied, step: p.step, order, is_compensated, has_high_orders }
     }
 
     #[inline(always)]

@@ -7,10 +7,14 @@ use std::sync::OnceLock;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Isa {
     /// Eight doubles a register.
+    #[cfg(target_arch = "x86_64")]
     Avx512,
     /// Four doubles a register, with FMA.
+    #[cfg(target_arch = "x86_64")]
     Avx2,
-    /// One double. Without a hardware instruction `fma` is a function of the C library: slow, with the same bits.
+    /// One double. Without a hardware instruction `fma` is a function of the C library: slow, with the same bits. x86-64
+    /// has it by the feature `plain` only.
+    #[cfg(plain)]
     Scalar,
 }
 
@@ -19,13 +23,26 @@ pub const ENVIRONMENT: &str = "RIGID_ISA";
 
 impl Isa {
     /// All instruction sets, widest first.
-    pub const ALL: [Isa; 3] = [Isa::Avx512, Isa::Avx2, Isa::Scalar];
+    pub const ALL: &[Isa] = &[
+        #[cfg(target_arch = "x86_64")]
+        Isa::Avx512,
+        #[cfg(target_arch = "x86_64")]
+        Isa::Avx2,
+        #[cfg(plain)]
+        Isa::Scalar,
+    ];
+
+    /// The narrowest of all.
+    pub const NARROWEST: Isa = Isa::ALL[Isa::ALL.len() - 1];
 
     /// The name used by `RIGID_ISA`.
     pub fn name(self) -> &'static str {
         match self {
+            #[cfg(target_arch = "x86_64")]
             Isa::Avx512 => "avx512",
+            #[cfg(target_arch = "x86_64")]
             Isa::Avx2 => "avx2",
+            #[cfg(plain)]
             Isa::Scalar => "scalar",
         }
     }
@@ -44,22 +61,24 @@ impl Isa {
             }
             #[cfg(target_arch = "x86_64")]
             Isa::Avx2 => is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma"),
-            #[cfg(not(target_arch = "x86_64"))]
-            Isa::Avx512 | Isa::Avx2 => false,
+            #[cfg(plain)]
             Isa::Scalar => true,
         }
     }
 
     /// The instruction sets of this CPU, widest first.
     pub fn available() -> Vec<Isa> {
-        Isa::ALL.into_iter().filter(|isa| isa.is_available()).collect()
+        Isa::ALL.iter().copied().filter(|isa| isa.is_available()).collect()
     }
 
-    /// The instruction set with the name `value`, or the widest without a name.
-    pub fn parse(value: Option<&str>) -> Result<Isa, Error> {
-        let available = Isa::available();
+    /// The instruction set with the name `value` among those of a CPU, widest first; the widest without a name.
+    ///
+    /// # Errors
+    /// If the CPU has none that kernels are compiled for, or not this one.
+    pub fn parse(value: Option<&str>, available: &[Isa]) -> Result<Isa, Error> {
+        let widest = available.first().copied().ok_or(Error::NoIsa)?;
         match value {
-            None | Some("") => Ok(available[0]),
+            None | Some("") => Ok(widest),
             Some(name) => available.iter().copied().find(|isa| isa.name() == name).ok_or_else(|| {
                 let names: Vec<_> = available.iter().map(|isa| isa.name()).collect();
                 Error::Isa { value: name.to_string(), available: names.join(", ") }
@@ -71,6 +90,6 @@ impl Isa {
     pub fn current() -> Result<Isa, Error> {
         static CURRENT: OnceLock<Result<Isa, Error>> = OnceLock::new();
         let set = || std::env::var_os(ENVIRONMENT).map(|value| value.to_string_lossy().into_owned());
-        CURRENT.get_or_init(|| Isa::parse(set().as_deref())).clone()
+        CURRENT.get_or_init(|| Isa::parse(set().as_deref(), &Isa::available())).clone()
     }
 }

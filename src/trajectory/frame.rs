@@ -83,7 +83,8 @@ impl Frame {
             #[cfg(target_arch = "x86_64")]
             // SAFETY: `new` has seen the features.
             Isa::Avx512 | Isa::Avx2 => unsafe { by_fma(self, norm, vertical, displacements) },
-            _ => self.settle_inline(norm, vertical, displacements),
+            #[cfg(plain)]
+            Isa::Scalar => self.settle_inline(norm, vertical, displacements),
         }
     }
 

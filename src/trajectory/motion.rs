@@ -341,7 +341,7 @@ mod tests {
     };
 
     fn motion(bodies: &[Body]) -> Motion {
-        Motion::new(bodies, 0.0, &FREE, &RK4, Forcing::NONE.copied().unwrap(), Isa::Scalar).unwrap()
+        Motion::new(bodies, 0.0, &FREE, &RK4, Forcing::NONE.copied().unwrap(), Isa::NARROWEST).unwrap()
     }
 
     #[test]

@@ -213,7 +213,7 @@ fn refused_tolerances() {
     let refusal = |method: &'static Scheme, tolerance: f64| {
         let case = case(&bodies, method, tolerance, &[1.0]);
         let request = case.request(Solver::Steps(method), &[0.1], Some(tolerance));
-        simulate(&request, 1, Isa::Scalar, &Interrupt::never()).err().expect("refused").to_string()
+        simulate(&request, 1, Isa::NARROWEST, &Interrupt::never()).err().expect("refused").to_string()
     };
     for method in [&scheme::RK4, &scheme::SPLITTING] {
         assert!(refusal(method, 1e-9).contains("only the Taylor methods"));

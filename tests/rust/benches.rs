@@ -13,16 +13,12 @@ mod timing;
 use rigid::parallel::thread_nanoseconds;
 use rigid::simd::Isa;
 
-fn wide_sets() -> usize {
-    Isa::available().into_iter().filter(|&isa| isa != Isa::Scalar).count()
-}
-
 #[test]
 fn each_kernel_of_the_bench_moves_all_its_bodies() {
     // Two engines; the whole list takes minutes in a build with checks.
     for engine in ["Rk4", "KickRotor"] {
         let rows = kernels::print_rows(Some(engine), 1).unwrap();
-        assert!(rows >= 6 * wide_sets(), "{engine}: {rows} rows");
+        assert!(rows >= 6 * Isa::available().len(), "{engine}: {rows} rows");
     }
 }
 
@@ -30,7 +26,7 @@ fn each_kernel_of_the_bench_moves_all_its_bodies() {
 fn the_bench_of_closed_forms_computes_states() {
     // Of one repeat noise may leave a difference of two times that is not positive.
     let rows = (0..20).find_map(|_| closed_forms::print_rows(3).ok());
-    assert_eq!(rows, Some(9 * wide_sets()));
+    assert_eq!(rows, Some(9 * Isa::available().len()));
 }
 
 #[test]

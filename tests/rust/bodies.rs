@@ -237,7 +237,7 @@ fn the_unit_of_inertia_does_not_matter() {
                 refinement: 1.0,
                 max_steps: 1000,
             };
-            let states = simulate(&request, 1, Isa::Scalar, &Interrupt::never()).unwrap();
+            let states = simulate(&request, 1, Isa::NARROWEST, &Interrupt::never()).unwrap();
             assert_eq!(states.status[0], Status::Finished);
             states.rates().to_vec()
         };

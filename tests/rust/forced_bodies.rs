@@ -90,7 +90,7 @@ fn every_kernel_on_every_instruction_set_and_in_every_lane() {
                     &group.state.iter().chain(&group.compensation).map(|row| row.0[lane]).collect::<Vec<_>>(),
                 )
             };
-            let scalar = full_group(Isa::Scalar);
+            let scalar = full_group(Isa::NARROWEST);
             for isa in Isa::available() {
                 let group = full_group(isa);
                 for lane in 0..LANES {
@@ -159,7 +159,7 @@ fn trajectories_have_the_same_bits_everywhere_and_alone() {
             for record in [Record::Rates, Record::Axis, Record::Attitude] {
                 let adaptive = method.is_series().then_some(Some(1e-12));
                 for tolerance in [Some(None), adaptive].into_iter().flatten() {
-                    let first = integrate(method, record, tolerance, (&bodies, is_top), 1, Isa::Scalar);
+                    let first = integrate(method, record, tolerance, (&bodies, is_top), 1, Isa::NARROWEST);
                     assert!(
                         first.status.iter().all(|&s| s == Status::Finished),
                         "{method:?} {:?}",
@@ -169,7 +169,8 @@ fn trajectories_have_the_same_bits_everywhere_and_alone() {
                         let again = integrate(method, record, tolerance, (&bodies, is_top), 3, isa);
                         assert_eq!(all_bits(&first), all_bits(&again), "{method:?} {isa:?}");
                     }
-                    let alone = integrate(method, record, tolerance, (&bodies[..1], is_top), 1, Isa::Scalar);
+                    let alone =
+                        integrate(method, record, tolerance, (&bodies[..1], is_top), 1, Isa::NARROWEST);
                     assert_eq!(bits(&first.rates()[..18]), bits(alone.rates()), "{method:?}");
                 }
             }
@@ -229,14 +230,14 @@ fn adaptive_steps_of_a_body_alone_are_those_beside_others() {
                     };
                     simulate(&request, 1, isa, &GO).unwrap()
                 };
-                let together = run(&bodies, &all, Isa::Scalar);
+                let together = run(&bodies, &all, Isa::NARROWEST);
                 let lost = together.status.iter().position(|&status| status != Status::Finished);
                 assert_eq!(lost, Some(bodies.len() - 1), "{method:?} {:?}", together.status);
                 for isa in Isa::available() {
                     assert_eq!(all_bits(&run(&bodies, &all, isa)), all_bits(&together), "{method:?} {isa:?}");
                     for i in 0..bodies.len() {
                         let alone = run(&bodies[i..=i], &all.of_some(&[i]).unwrap(), isa);
-                        let expected = run(&bodies[i..=i], &all.of_some(&[i]).unwrap(), Isa::Scalar);
+                        let expected = run(&bodies[i..=i], &all.of_some(&[i]).unwrap(), Isa::NARROWEST);
                         assert_eq!(all_bits(&alone), all_bits(&expected), "{method:?} {isa:?} body {i}");
                         let beside = &together.rates()[18 * i..][..18];
                         assert_eq!(bits(alone.rates()), bits(beside), "{method:?} {isa:?} body {i}");
@@ -261,7 +262,7 @@ fn steps_of_a_series_end_at_knots() {
     for is_top in [false, true] {
         let bodies: Vec<_> = (0..8).map(|i| body(i, is_top)).collect();
         let at = |method, tolerance| {
-            integrate(method, Record::Attitude, tolerance, (&bodies, is_top), 1, Isa::Scalar)
+            integrate(method, Record::Attitude, tolerance, (&bodies, is_top), 1, Isa::NARROWEST)
         };
         let fixed = at(&scheme::TAYLOR26, None);
         for method in scheme::ALL.iter().copied().filter(|method| method.is_series()) {
@@ -338,7 +339,7 @@ fn damping_that_adds_energy_and_unstable_steps_are_refused() {
                 refinement: 1.0,
                 max_steps: 100_000,
             };
-            simulate(&request, 1, Isa::Scalar, &GO)
+            simulate(&request, 1, Isa::NARROWEST, &GO)
         };
         let [.., rate] = stiff.of(0).damping_rates(bodies[0].moments);
         match method.damping_limit() {

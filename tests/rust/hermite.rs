@@ -8,7 +8,7 @@ use rigid::scheme::{self, Coefficients, DERIVATIVES, Hermite, NODES, Past, Stepp
 
 const EPS: f64 = f64::EPSILON;
 
-type Series<M> = Taylor<false, f64, M>;
+type Series<M> = Taylor<f64, M>;
 
 fn forcing(is_in_space: bool) -> ForcingInterval<f64> {
     let mut forcing = ForcingInterval::none();

@@ -231,7 +231,7 @@ fn draws_do_not_shift_each_other() {
             first: 0,
         };
         let flat = pixel * samples + sample;
-        map.draw(Isa::Scalar, flat..flat + 1).unwrap()[0]
+        map.draw(Isa::NARROWEST, flat..flat + 1).unwrap()[0]
     };
     let laws = [Law::Normal, Law::Uniform, Law::Direction];
     for law in laws {

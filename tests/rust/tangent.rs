@@ -89,7 +89,7 @@ fn the_motion_has_the_same_bits_with_and_without_a_displacement() {
         (System::ForcedFrame, System::ForcedTangent, rows(&interval()), ForcedFrame::LEN),
     ] {
         for scheme in schemes().filter(|scheme| plain == System::TopAxis || scheme.has_forced_tangent()) {
-            let scalar = moved(varied, (scheme, Isa::Scalar), Observed::Growth, &forcing, nothing);
+            let scalar = moved(varied, (scheme, Isa::NARROWEST), Observed::Growth, &forcing, nothing);
             for isa in Isa::available() {
                 let without = moved(plain, (scheme, isa), Observed::Nothing, &forcing, nothing);
                 let with = moved(varied, (scheme, isa), Observed::Growth, &forcing, nothing);
@@ -228,7 +228,7 @@ fn displacements_have_the_same_bits_on_every_instruction_set_and_number_of_threa
             if which.1 && !scheme.has_forced_tangent() {
                 continue;
             }
-            let scalar = displacements(scheme, which, 1, Isa::Scalar);
+            let scalar = displacements(scheme, which, 1, Isa::NARROWEST);
             assert_equal_bits(
                 &scalar[6..12],
                 if which.1 { &[0.0; 6] } else { &DISPLACEMENT },
@@ -434,7 +434,7 @@ macro_rules! differences {
     }};
 }
 
-type Series<R, M> = Taylor<false, R, M>;
+type Series<R, M> = Taylor<R, M>;
 
 /// The rates of a body without weight depend on nothing else, so their displacement is the derivative of the step to
 /// rounding at any step. With weight or a torque in space the displacement of a direction is `n x x`, where x has its own

@@ -116,10 +116,9 @@ where
 
 #[test]
 fn of_a_uniform_turn_the_series_are_those_of_sine_and_cosine() {
-    uniform_turn::<Taylor<false, f64, Free<f64>>>(&scheme::TAYLOR12);
-    uniform_turn::<Taylor<true, f64, Free<f64>>>(&scheme::TAYLOR16);
-    uniform_turn::<Taylor<true, f64, Free<f64>>>(&scheme::TAYLOR20);
-    uniform_turn::<Taylor<true, f64, Free<f64>>>(&scheme::TAYLOR26);
+    for scheme in [&scheme::TAYLOR12, &scheme::TAYLOR16, &scheme::TAYLOR20, &scheme::TAYLOR26] {
+        uniform_turn::<Taylor<f64, Free<f64>>>(scheme);
+    }
 }
 
 /// A pendulum, theta'' = -k sin theta: its first four derivatives, by hand. The remainder is of order 5.
@@ -137,7 +136,7 @@ fn first_coefficients_of_a_pendulum() {
         // Centre of mass on axis 3, theta from the hanging position; the vertical in the plane of axes 3 and 1.
         let p = Parameters { moments: [1.0, 1.6, 0.7], weight: [0.0, 0.0, 0.5], step: h };
         let mut y = [0.0, w, 0.0, s, 0.0, -c];
-        type Series = Taylor<true, f64, Top<f64>>;
+        type Series = Taylor<f64, Top<f64>>;
         let numbers = scheme::TAYLOR16.any.numbers;
         let stepper = <Series as Stepper<f64, Top<f64>, Axis, 6>>::new(&p, &ForcingInterval::none(), numbers);
         step::<Series, Top<f64>, Axis, 6>(&stepper, &p, &mut y);

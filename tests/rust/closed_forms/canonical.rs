@@ -84,7 +84,7 @@ fn upright_hanging_and_plane_swings() {
 #[test]
 fn separatrix_to_the_last_bit() {
     let third = (1.0_f64 / 3.0).sqrt();
-    let flip = |moments, omega: [f64; 3]| free_quantities(Isa::Scalar, &free(moments, omega)).flip_time;
+    let flip = |moments, omega: [f64; 3]| free_quantities(Isa::NARROWEST, &free(moments, omega)).flip_time;
     assert_eq!(flip([2.0, 4.0, 4.5], [0.75, 0.5, 1.0]), f64::INFINITY);
     for (rate, expected) in [(0.75 * third, 76.543_175_864), (0.75 * third * (1.0 + 1e-15), 70.894_027_206)] {
         let found = flip([1.0, 2.0, 3.0], [0.75, 0.5, rate]);
@@ -99,9 +99,9 @@ fn limits_at_the_turning_points() {
         let (sin, cos) = sincos(0.5 * tilt);
         top(3, 0.5, 1.0, omega, [cos, sin, 0.0, 0.0])
     };
-    let time = |body: &Body, limit| tilt_time(Isa::Scalar, body, limit).unwrap();
+    let time = |body: &Body, limit| tilt_time(Isa::NARROWEST, body, limit).unwrap();
     let release = at(0.5, [0.0, 0.0, 5.0]);
-    let nutation = top_quantities(Isa::Scalar, &release).unwrap();
+    let nutation = top_quantities(Isa::NARROWEST, &release).unwrap();
     assert_eq!(time(&release, 0.5), 0.0);
     let touched = time(&release, nutation.tilt[1]);
     assert!((touched - 0.5 * nutation.period).abs() <= 4.0 * EPS * nutation.period, "{touched} {nutation:?}");
@@ -109,7 +109,7 @@ fn limits_at_the_turning_points() {
     assert_eq!(time(&release, beyond), f64::INFINITY);
     // A motion through the top reaches the limit.
     let over = at(0.5, [3.0, 0.0, 0.0]);
-    assert!(time(&over, std::f64::consts::PI) < top_quantities(Isa::Scalar, &over).unwrap().period);
+    assert!(time(&over, std::f64::consts::PI) < top_quantities(Isa::NARROWEST, &over).unwrap().period);
 }
 
 /// The state at time 0 equals the start to the bit, for every form and every axis.
@@ -173,7 +173,7 @@ fn what_has_no_closed_form_is_refused() {
             refinement: 1.0,
             max_steps: 0,
         };
-        simulate(&request, 1, Isa::Scalar, &Interrupt::never()).err().map(|error| error.to_string())
+        simulate(&request, 1, Isa::NARROWEST, &Interrupt::never()).err().map(|error| error.to_string())
     };
     assert!(ask(&[plain, body], Schedule::Times(&[1.0])).unwrap().contains('1'));
     assert!(ask(&[plain, plain], Schedule::Strides(&[1])).unwrap().contains("takes no steps"));

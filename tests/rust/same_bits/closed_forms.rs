@@ -95,7 +95,7 @@ fn closed_forms_on_every_instruction_set_and_in_every_lane() {
     for kind in [EvaluatorKind::Symmetric, EvaluatorKind::Free, EvaluatorKind::Lagrange] {
         let bodies: Vec<(usize, Body)> = canonical_bodies(kind).into_iter().enumerate().collect();
         let alone = |numbered_body: &(usize, Body)| {
-            evaluated(kind, Isa::Scalar, &[*numbered_body; LANES]).swap_remove(0)
+            evaluated(kind, Isa::NARROWEST, &[*numbered_body; LANES]).swap_remove(0)
         };
         let once: Vec<Vec<u64>> = bodies.iter().map(alone).collect();
         // A NaN would compare equal to any NaN.
@@ -132,7 +132,7 @@ fn derived_quantities_on_every_instruction_set() {
                 let quantities = (free_quantities(isa, &body), top_quantities(isa, &body));
                 format!("{changes:?} {times:?} {quantities:?}")
             };
-            let scalar = quantities_as_text(Isa::Scalar);
+            let scalar = quantities_as_text(Isa::NARROWEST);
             for isa in Isa::available() {
                 assert_eq!(quantities_as_text(isa), scalar, "{isa:?} {body:?}");
             }
@@ -203,7 +203,7 @@ fn closed_forms_with_times_or_bodies_in_the_lanes() {
                     let states = solve(&bodies, threads, isa);
                     (0..bodies.len()).map(|i| of_body(&states, i)).collect::<Vec<_>>()
                 };
-                let once = everything(1, Isa::Scalar);
+                let once = everything(1, Isa::NARROWEST);
                 assert!(once.iter().all(|body| body.1 == Status::Finished));
                 for isa in Isa::available() {
                     for threads in [1, 2, 3] {

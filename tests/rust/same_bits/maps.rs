@@ -280,7 +280,7 @@ fn draws_on_every_instruction_set() {
             let map = Map { laws, ..maps().swap_remove(2) };
             // From the last samples of a pixel to the first samples of the next but one.
             let range = 2 * SAMPLES - 40..3 * SAMPLES + 45;
-            let alone = |flat: u64| numbers(map.draw(Isa::Scalar, flat..flat + 1).unwrap()[0]);
+            let alone = |flat: u64| numbers(map.draw(Isa::NARROWEST, flat..flat + 1).unwrap()[0]);
             let scalar: Vec<_> = range.clone().map(alone).collect();
             for isa in Isa::available() {
                 // Another start puts a sample into another lane.

@@ -88,7 +88,7 @@ fn the_list_of_kernels_is_complete() {
         use Observed::*;
         for observed in [Nothing, Flips, Tilt, Growth, Bounds] {
             let kernel = Kernel { system, step, observed };
-            let exists = std::panic::catch_unwind(|| Compiled::new(kernel, Isa::Scalar)).is_ok();
+            let exists = std::panic::catch_unwind(|| Compiled::new(kernel, Isa::NARROWEST)).is_ok();
             assert_eq!(exists, observables.contains(&observed), "{kernel:?}");
         }
     }
@@ -230,7 +230,7 @@ fn every_kernel_on_every_instruction_set() {
             run(&mut group, kernel, compiled);
             group
         };
-        let scalar = after(Isa::Scalar);
+        let scalar = after(Isa::NARROWEST);
         for isa in Isa::available() {
             let group = after(isa);
             for lane in 0..LANES {

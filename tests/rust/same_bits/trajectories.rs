@@ -38,7 +38,7 @@ fn trajectories_on_any_number_of_threads_and_instruction_set() {
             let states = case.integrate(&bodies, &steps, threads, isa);
             (0..bodies.len()).map(|i| of_body(&states, i)).collect::<Vec<_>>()
         };
-        let once = everything(1, Isa::Scalar);
+        let once = everything(1, Isa::NARROWEST);
         for threads in [1, 2, 3, 7] {
             assert_eq!(everything(threads, Isa::available()[0]), once, "{threads} threads");
         }
