@@ -38,7 +38,7 @@ ALLOWED = {
 OF_THE_USER = re.compile(
     r"\brigid::called::TorqueCall::torque\b|<rigid::called::TorqueCall>::torque\b"
 )
-MAY_CALL_IT = re.compile(r"::scalar::.*::CalledFrame\b")
+MAY_CALL_IT = re.compile(r"::kernels_of::.*::CalledFrame\b")
 # The plain path is for processors without FMA: it rounds products as FMA does with the C library.
 WITHOUT_FMA = re.compile(r"^(fma|rint|roundeven)$")
 # What the compiler calls for a large copy. It is refused in two nested loops (steps and packs),

@@ -14,7 +14,8 @@ def build_info() -> dict[str, Any]:
     """Version, commit if known, build profile, instruction set in use, those available, threads.
 
     The environment variable ``RIGID_ISA`` (``avx512``, ``avx2``, ``scalar``) forces an instruction
-    set; all give the same bits.
+    set; all give the same bits. On x86-64 ``scalar`` is compiled by the Cargo feature ``plain``
+    only; other processors have it alone.
 
     Raises
     ------

@@ -93,3 +93,16 @@ impl Isa {
         CURRENT.get_or_init(|| Isa::parse(set().as_deref(), &Isa::available())).clone()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_processor_without_kernels_is_told_how_to_build_them() {
+        let refusal = Isa::parse(None, &[]).unwrap_err().to_string();
+        assert!(refusal.starts_with("this processor has no AVX2 and FMA"), "{refusal}");
+        assert!(refusal.contains("--features plain"), "{refusal}");
+        assert_eq!(Isa::parse(Some(""), &Isa::available()), Ok(Isa::available()[0]));
+    }
+}
