@@ -56,6 +56,12 @@ pub trait Real:
     fn odd(n: Self) -> Self::Mask;
 }
 
+/// Work that several kernels share: a function of its own, which a kernel calls.
+pub trait Apart {
+    /// Does the work.
+    fn run(self);
+}
+
 /// A `Real` that is read from and written to consecutive doubles.
 pub trait Pack: Real {
     /// Number of bodies side by side.
@@ -64,6 +70,8 @@ pub trait Pack: Real {
     fn load(from: &[f64]) -> Self;
     /// Writes the first `LANES` values.
     fn store(self, to: &mut [f64]);
+    /// Runs work in a function of its own, with the instructions of the pack.
+    fn apart<W: Apart>(work: W);
 }
 
 /// A `Pack` of four lanes that can hold four numbers of one body.
@@ -179,5 +187,9 @@ impl Pack for f64 {
     #[inline(always)]
     fn store(self, to: &mut [f64]) {
         to[0] = self;
+    }
+    #[inline(never)]
+    fn apart<W: Apart>(work: W) {
+        work.run();
     }
 }

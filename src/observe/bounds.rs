@@ -3,11 +3,12 @@
 use super::dense::hermite_weights;
 use super::{EXIT_TIME, Observable, Rows, Segment, Start, Update, three};
 use crate::kinematics::{cross, direction, direction_rate, dot};
-use crate::real::Real;
+use crate::real::{Apart, Pack, Real};
 use crate::scene::{Layout, Model, Parameters};
-use crate::scheme::Stepper;
+use crate::scheme::{Coefficients, Stepper, Variables};
 use crate::special::sincos;
 use std::f64::consts::PI;
+use std::marker::PhantomData;
 
 /// The observed scalar. An angle is observed as a square, which is accurate for small angles: of the chord
 /// `4 sin²(angle / 2)` between two directions, of the distance `8 sin²(angle / 2)` between two attitudes.
@@ -117,12 +118,13 @@ fn chord2<R: Real>(a: &[R; 3], b: &[R; 3]) -> R {
 
 /// The observed vector of a state, its length and its direction: zero, if the vector is.
 #[inline(always)]
-fn vector<R: Real, M: Model<R>, L: Layout, S: Stepper<R, M, L, D>, const D: usize>(
+fn vector<R: Real, const D: usize>(
+    variables: Variables,
     p: &Parameters<R>,
     rows: &Rows<R>,
     y: &[R; D],
 ) -> ([R; 3], R, [R; 3]) {
-    let (rates, momentum) = (S::rates(p, y), S::momentum(p, y));
+    let (rates, momentum) = (variables.rates(p, y), variables.momentum(p, y));
     let of_momentum = R::splat(0.5).lt(rows[Bounds::MOMENTUM]);
     let mut v = rates;
     for k in 0..3 {
@@ -135,14 +137,15 @@ fn vector<R: Real, M: Model<R>, L: Layout, S: Stepper<R, M, L, D>, const D: usiz
 
 /// How far the scalar of a state is inside its limit.
 #[inline(always)]
-fn margin<R: Real, M: Model<R>, L: Layout, S: Stepper<R, M, L, D>, const D: usize>(
+fn margin<R: Real, L: Layout, const D: usize>(
+    variables: Variables,
     p: &Parameters<R>,
     rows: &Rows<R>,
     y: &[R; D],
 ) -> R {
     let kind = rows[Bounds::KIND];
     let axis = three(rows, Bounds::AXIS);
-    let (v, size, unit) = vector::<R, M, L, S, D>(p, rows, y);
+    let (v, size, unit) = vector(variables, p, rows, y);
     let mut scalar = R::select(kind.lt(R::splat(Bounds::SPEED)), dot(&v, &axis), size);
     scalar = R::select(R::splat(Bounds::SPEED).lt(kind), chord2(&unit, &axis), scalar);
     if const { L::VECTORS > 1 } {
@@ -161,24 +164,20 @@ fn margin<R: Real, M: Model<R>, L: Layout, S: Stepper<R, M, L, D>, const D: usiz
 
 /// The state inside a step, as far as the scalar needs it: by the polynomial of the step, else by the cubic with the
 /// values and slopes at both ends.
-#[derive(Clone, Copy)]
 struct Inside<'a, R, const D: usize> {
     before: &'a [R; D],
     after: &'a [R; D],
     /// Slopes at both ends, where there is no polynomial.
     slopes: [[R; D]; 2],
+    dense: &'a Coefficients<R, D>,
 }
 
 impl<R: Real, const D: usize> Inside<'_, R, D> {
     #[inline(always)]
-    fn at<M: Model<R>, L: Layout, S: Stepper<R, M, L, D>>(
-        &self,
-        dense: &crate::scheme::Coefficients<R, D>,
-        fraction: R,
-    ) -> [R; D] {
+    fn at<L: Layout, const HAS_POLYNOMIAL: bool>(&self, fraction: R) -> [R; D] {
         let used = const { 3 + 3 * L::VECTORS };
-        let mut y = *self.after;
-        if const { S::HAS_POLYNOMIAL } {
+        let (mut y, dense) = (*self.after, self.dense);
+        if HAS_POLYNOMIAL {
             let order = dense.highest();
             // Neither a copy of slices nor a zip is always inlined, and a kernel has no calls.
             #[allow(clippy::manual_memcpy)]
@@ -283,7 +282,7 @@ impl Observable for Bounds {
     }
 }
 
-impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Bounds {
+impl<R: Pack, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Bounds {
     /// True for the rates alone, and for rates with a vertical or a frame.
     const FITS: bool = !L::QUATERNION && !L::TANGENT && (L::VECTORS != 1 || M::HEAVY);
 
@@ -297,32 +296,59 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Bou
         if const { !S::SEES_LIMITS } {
             return;
         }
-        let &mut Segment { begin: time, before, after, .. } = segment;
+        let (begin, before, after) = (segment.begin, segment.before, segment.after);
+        let ends = if const { S::HAS_POLYNOMIAL } {
+            segment.polynomial(stepper);
+            [*after; 2]
+        } else {
+            [slopes::<R, M, L, S, D>(stepper, p, before), slopes::<R, M, L, S, D>(stepper, p, after)]
+        };
+        let inside = Inside { before, after, slopes: ends, dense: &*segment.dense };
+        // Only the branch that is taken is compiled.
+        if const { S::HAS_POLYNOMIAL } {
+            R::apart(Look::<R, L, false, true, D> { p, rows, begin, inside, layout: PhantomData });
+        } else if const { matches!(S::VARIABLES, Variables::Rates) } {
+            R::apart(Look::<R, L, false, false, D> { p, rows, begin, inside, layout: PhantomData });
+        } else {
+            R::apart(Look::<R, L, true, false, D> { p, rows, begin, inside, layout: PhantomData });
+        }
+    }
+}
+
+/// The scalar inside a step, in a function that all engines with the same variables share.
+struct Look<'a, R, L, const MOMENTA: bool, const HAS_POLYNOMIAL: bool, const D: usize> {
+    p: &'a Parameters<R>,
+    rows: &'a mut Rows<R>,
+    begin: R,
+    inside: Inside<'a, R, D>,
+    layout: PhantomData<L>,
+}
+
+impl<R: Pack, L: Layout, const MOMENTA: bool, const HAS_POLYNOMIAL: bool, const D: usize> Apart
+    for Look<'_, R, L, MOMENTA, HAS_POLYNOMIAL, D>
+{
+    #[inline(always)]
+    fn run(self) {
+        let Look { p, rows, begin: time, inside, .. } = self;
+        let Inside { before, after, .. } = inside;
+        let variables = if MOMENTA { Variables::Momenta } else { Variables::Rates };
         let (zero, half, one) = (R::splat(0.0), R::splat(0.5), R::splat(1.0));
         let never = R::splat(f64::INFINITY);
         // The observed part of the step. An inactive lane has a step of zero.
         let watched = one.min(((rows[Bounds::AFTER] - time) / p.step).max(zero));
         let span = one - watched;
-        let mut inside = Inside { before, after, slopes: [*after; 2] };
-        if const { S::HAS_POLYNOMIAL } {
-            segment.polynomial(stepper);
-        } else {
-            inside.slopes =
-                [slopes::<R, M, L, S, D>(stepper, p, before), slopes::<R, M, L, S, D>(stepper, p, after)];
-        }
-        let dense = &*segment.dense;
         let size = span * R::splat(1.0 / Bounds::PLACES as f64);
         // The last three places, the margins there, and the first part of the step that has an end beyond the limit.
         let (mut margins, mut least) = ([never; 3], rows[Bounds::MARGIN]);
         let (mut low, mut high, mut ends) = (zero, zero, [zero; 2]);
         let mut exit = never;
-        let (_, _, mut unit) = vector::<R, M, L, S, D>(p, rows, before);
+        let (_, _, mut unit) = vector(variables, p, rows, before);
         let mut leap2 = rows[Bounds::LEAP2];
         for place in 0..=Bounds::PLACES {
             let fraction = size.fma(R::splat(place as f64), watched);
-            let y = if place == Bounds::PLACES { *after } else { inside.at::<M, L, S>(dense, fraction) };
-            margins = [margins[1], margins[2], margin::<R, M, L, S, D>(p, rows, &y)];
-            let (_, _, now_along) = vector::<R, M, L, S, D>(p, rows, &y);
+            let y = if place == Bounds::PLACES { *after } else { inside.at::<L, HAS_POLYNOMIAL>(fraction) };
+            margins = [margins[1], margins[2], margin::<R, L, D>(variables, p, rows, &y)];
+            let (_, _, now_along) = vector(variables, p, rows, &y);
             leap2 = leap2.max(chord2(&now_along, &unit));
             unit = now_along;
             let [before_last, last, now] = margins;
@@ -351,8 +377,8 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Bou
                     let mut around = [zero; 3];
                     for side in 0..3 {
                         let there = reach.fma(R::splat(side as f64 - 1.0), at);
-                        let y = inside.at::<M, L, S>(dense, there);
-                        around[side] = margin::<R, M, L, S, D>(p, rows, &y);
+                        let y = inside.at::<L, HAS_POLYNOMIAL>(there);
+                        around[side] = margin::<R, L, D>(variables, p, rows, &y);
                         let is_inside = R::select(there.lt(first), zero, R::select(end.lt(there), zero, one));
                         let lower = R::select(around[side].lt(deepest), is_inside, zero);
                         deepest = R::select(half.lt(lower), around[side], deepest);
@@ -403,8 +429,8 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Bou
             let mut last_side = zero;
             for _ in 0..16 {
                 let fraction = (high - low).fma(inner / (inner - outer), low);
-                let y = inside.at::<M, L, S>(dense, fraction);
-                let margin = margin::<R, M, L, S, D>(p, rows, &y);
+                let y = inside.at::<L, HAS_POLYNOMIAL>(fraction);
+                let margin = margin::<R, L, D>(variables, p, rows, &y);
                 let beyond = margin.lt(zero);
                 let side = R::select(beyond, one, -one);
                 let weight = R::select(zero.lt(side * last_side), half, one);

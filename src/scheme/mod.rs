@@ -187,6 +187,26 @@ pub enum Variables {
     Momenta,
 }
 
+impl Variables {
+    /// The angular velocity in the body, of a state.
+    #[inline(always)]
+    pub fn rates<R: Real, const D: usize>(self, p: &Parameters<R>, y: &[R; D]) -> [R; 3] {
+        match self {
+            Variables::Rates => [y[0], y[1], y[2]],
+            Variables::Momenta => [y[0] / p.moments[0], y[1] / p.moments[1], y[2] / p.moments[2]],
+        }
+    }
+
+    /// The angular momentum in the body, of a state.
+    #[inline(always)]
+    pub fn momentum<R: Real, const D: usize>(self, p: &Parameters<R>, y: &[R; D]) -> [R; 3] {
+        match self {
+            Variables::Rates => [p.moments[0] * y[0], p.moments[1] * y[1], p.moments[2] * y[2]],
+            Variables::Momenta => [y[0], y[1], y[2]],
+        }
+    }
+}
+
 /// The numbers of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Numbers {
@@ -676,18 +696,12 @@ pub trait Stepper<R: Real, M: Model<R>, L: Layout, const D: usize>: Copy {
     /// The angular velocity in the body.
     #[inline(always)]
     fn rates(p: &Parameters<R>, y: &[R; D]) -> [R; 3] {
-        match Self::VARIABLES {
-            Variables::Rates => [y[0], y[1], y[2]],
-            Variables::Momenta => [y[0] / p.moments[0], y[1] / p.moments[1], y[2] / p.moments[2]],
-        }
+        Self::VARIABLES.rates(p, y)
     }
     /// The angular momentum in the body.
     #[inline(always)]
     fn momentum(p: &Parameters<R>, y: &[R; D]) -> [R; 3] {
-        match Self::VARIABLES {
-            Variables::Rates => [p.moments[0] * y[0], p.moments[1] * y[1], p.moments[2] * y[2]],
-            Variables::Momenta => [y[0], y[1], y[2]],
-        }
+        Self::VARIABLES.momentum(p, y)
     }
     /// Kinetic energy.
     #[inline(always)]

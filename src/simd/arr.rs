@@ -1,6 +1,6 @@
 //! `Arr<R, K>`: K packs in flight, so that one chain of operations hides the latency of the others.
 
-use crate::real::{Pack, Real};
+use crate::real::{Apart, Pack, Real};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// K registers that pass through a kernel together.
@@ -125,5 +125,9 @@ impl<R: Pack, const K: usize> Pack for Arr<R, K> {
         for i in 0..K {
             self.0[i].store(&mut to[i * R::LANES..]);
         }
+    }
+    #[inline(always)]
+    fn apart<W: Apart>(work: W) {
+        R::apart(work);
     }
 }

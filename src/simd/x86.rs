@@ -4,7 +4,7 @@
 //! features of their set name the types, and each is entered after `Isa::is_available` has seen the CPU's feature bits:
 //! those of `kernel`, of `exact::Evaluator` and of the draws of `map`.
 
-use crate::real::{INTEGER_SHIFT, Pack, Quad, Real};
+use crate::real::{Apart, INTEGER_SHIFT, Pack, Quad, Real};
 use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -150,6 +150,16 @@ impl Pack for V8 {
         // SAFETY: the CPU has the instructions (see the module); the slice is as long as the register.
         unsafe { _mm512_storeu_pd(to.as_mut_ptr(), self.0) }
     }
+    #[inline(always)]
+    fn apart<W: Apart>(work: W) {
+        #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,avx2,fma")]
+        #[inline(never)]
+        fn apart<W: Apart>(work: W) {
+            work.run();
+        }
+        // SAFETY: the CPU has the instructions; see the module.
+        unsafe { apart(work) }
+    }
 }
 
 impl Real for V4 {
@@ -254,6 +264,16 @@ impl Pack for V4 {
         assert!(to.len() >= 4);
         // SAFETY: the CPU has the instructions (see the module); the slice is as long as the register.
         unsafe { _mm256_storeu_pd(to.as_mut_ptr(), self.0) }
+    }
+    #[inline(always)]
+    fn apart<W: Apart>(work: W) {
+        #[target_feature(enable = "avx2,fma")]
+        #[inline(never)]
+        fn apart<W: Apart>(work: W) {
+            work.run();
+        }
+        // SAFETY: the CPU has the instructions; see the module.
+        unsafe { apart(work) }
     }
 }
 
