@@ -8,6 +8,12 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 /// Adding this to an integer-valued double below 2^51 leaves the integer in the low mantissa bits.
 pub(crate) const INTEGER_SHIFT: f64 = 6_755_399_441_055_744.0;
 
+/// Work that several kernels share: a function of its own, which a kernel calls.
+pub trait Apart {
+    /// Does the work.
+    fn run(self);
+}
+
 /// A scalar, or several side by side in registers.
 pub trait Real:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
@@ -54,12 +60,8 @@ pub trait Real:
     fn neg_if_odd(self, n: Self) -> Self;
     /// Whether the integer-valued `n` (below 2^51) is odd.
     fn odd(n: Self) -> Self::Mask;
-}
-
-/// Work that several kernels share: a function of its own, which a kernel calls.
-pub trait Apart {
-    /// Does the work.
-    fn run(self);
+    /// Runs work in a function of its own, with the instructions of the registers.
+    fn apart<W: Apart>(work: W);
 }
 
 /// A `Real` that is read from and written to consecutive doubles.
@@ -70,8 +72,6 @@ pub trait Pack: Real {
     fn load(from: &[f64]) -> Self;
     /// Writes the first `LANES` values.
     fn store(self, to: &mut [f64]);
-    /// Runs work in a function of its own, with the instructions of the pack.
-    fn apart<W: Apart>(work: W);
 }
 
 /// A `Pack` of four lanes that can hold four numbers of one body.
@@ -176,6 +176,10 @@ impl Real for f64 {
     fn odd(n: f64) -> bool {
         (n + INTEGER_SHIFT).to_bits() & 1 == 1
     }
+    #[inline(never)]
+    fn apart<W: Apart>(work: W) {
+        work.run();
+    }
 }
 
 impl Pack for f64 {
@@ -187,9 +191,5 @@ impl Pack for f64 {
     #[inline(always)]
     fn store(self, to: &mut [f64]) {
         to[0] = self;
-    }
-    #[inline(never)]
-    fn apart<W: Apart>(work: W) {
-        work.run();
     }
 }

@@ -340,9 +340,9 @@ kernels! {
         Taylor: Taylor<R, M>, V4, V8;
         Hermite: Hermite<R, M>, V4, V8;
         Planar: Splitting<Planar, R>, Arr<V4, 2>, Arr<V8, 2>;
-        ComposedPlanar: Splitting<ComposedPlanar, R>, Arr<V4, 2>, Arr<V8, 2>;
+        ComposedPlanar: Splitting<ComposedPlanar, R>, Arr<V4, 2>;
         KickRotor: Splitting<KickRotor, R>, V4, V8;
-        KickMoserVeselov: Splitting<KickMoserVeselov, R>, Arr<V4, 2>, Arr<V8, 2>;
+        KickMoserVeselov: Splitting<KickMoserVeselov, R>, Arr<V4, 2>;
         Affine: AffineSplitting<R>, V4;
         Exponential: Exponential<R, M>, V4;
         Midpoint: ImplicitMidpoint<R>, V4;

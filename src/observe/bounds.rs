@@ -3,7 +3,7 @@
 use super::dense::hermite_weights;
 use super::{EXIT_TIME, Observable, Rows, Segment, Start, Update, three};
 use crate::kinematics::{cross, direction, direction_rate, dot};
-use crate::real::{Apart, Pack, Real};
+use crate::real::{Apart, Real};
 use crate::scene::{Layout, Model, Parameters};
 use crate::scheme::{Coefficients, Stepper, Variables};
 use crate::special::sincos;
@@ -282,7 +282,7 @@ impl Observable for Bounds {
     }
 }
 
-impl<R: Pack, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Bounds {
+impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Bounds {
     /// True for the rates alone, and for rates with a vertical or a frame.
     const FITS: bool = !L::QUATERNION && !L::TANGENT && (L::VECTORS != 1 || M::HEAVY);
 
@@ -296,7 +296,8 @@ impl<R: Pack, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Bou
         if const { !S::SEES_LIMITS } {
             return;
         }
-        let (begin, before, after) = (segment.begin, segment.before, segment.after);
+        // Copies: what a function of its own sees would be in memory in every step, observed or not.
+        let (p, begin, before, after) = (&{ *p }, segment.begin, &{ *segment.before }, &{ *segment.after });
         let ends = if const { S::HAS_POLYNOMIAL } {
             segment.polynomial(stepper);
             [*after; 2]
@@ -324,7 +325,7 @@ struct Look<'a, R, L, const MOMENTA: bool, const HAS_POLYNOMIAL: bool, const D: 
     layout: PhantomData<L>,
 }
 
-impl<R: Pack, L: Layout, const MOMENTA: bool, const HAS_POLYNOMIAL: bool, const D: usize> Apart
+impl<R: Real, L: Layout, const MOMENTA: bool, const HAS_POLYNOMIAL: bool, const D: usize> Apart
     for Look<'_, R, L, MOMENTA, HAS_POLYNOMIAL, D>
 {
     #[inline(always)]

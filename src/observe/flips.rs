@@ -3,7 +3,7 @@
 use super::dense::{Bracket, hermite_root, interpolate, newton, turning_point};
 use super::{EXIT_TIME, Observable, Rows, Segment, Start, Update, along, first_time, three};
 use crate::forcing::{BodyForcing, ForcingInterval};
-use crate::real::{Pack, Real};
+use crate::real::Real;
 use crate::scene::{Layout, Model, Parameters};
 use crate::scheme::Stepper;
 use crate::start::rates_after_start;
@@ -87,7 +87,7 @@ impl Observable for Flips {
     }
 }
 
-impl<R: Pack, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Flips {
+impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Flips {
     /// True for the rates of the body in the layout that contains only variables that the rates need.
     const FITS: bool = !L::QUATERNION && !L::TANGENT && (L::BALANCE || L::VECTORS == M::HEAVY as usize);
 

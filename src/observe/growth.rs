@@ -3,7 +3,7 @@
 use super::dense::interpolate;
 use super::{Observable, Rows, Segment, Start, Update};
 use crate::kinematics::{cross, direction, dot};
-use crate::real::{Pack, Real};
+use crate::real::Real;
 use crate::scene::{Layout, Model, Parameters};
 use crate::scheme::Stepper;
 use crate::special::ln;
@@ -211,7 +211,7 @@ impl Observable for Growth {
     }
 }
 
-impl<R: Pack, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Growth {
+impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Growth {
     const FITS: bool = L::TANGENT && L::BALANCE == L::CHANGED;
 
     #[inline(always)]

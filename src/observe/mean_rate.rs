@@ -1,7 +1,7 @@
 //! The mean over the time of a component of the rates.
 
 use super::{Observable, Rows, Segment, Start, Update, along, three};
-use crate::real::Pack;
+use crate::real::Real;
 use crate::scene::{Layout, Model, Parameters};
 use crate::scheme::Stepper;
 
@@ -34,7 +34,7 @@ impl Observable for MeanRate {
     }
 }
 
-impl<R: Pack, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for MeanRate {
+impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for MeanRate {
     /// True for the rates of the body in the layout that contains only variables that the rates need.
     const FITS: bool = !L::QUATERNION && !L::TANGENT && (L::BALANCE || L::VECTORS == M::HEAVY as usize);
 

@@ -43,7 +43,7 @@ pub trait Observable {
 }
 
 /// Updates of an observable by the steps of a model in a layout.
-pub trait Update<R: Pack, M: Model<R>, L: Layout, const D: usize>: Observable {
+pub trait Update<R: Real, M: Model<R>, L: Layout, const D: usize>: Observable {
     /// Whether the observable fits the model and the layout. Code is compiled only if the observable fits.
     const FITS: bool;
     /// Updates the rows after a step.

@@ -3,7 +3,7 @@
 use super::dense::{Part, interpolate, turning_point};
 use super::{EXIT_TIME, Observable, Rows, Segment, Start, Update, along, three};
 use crate::kinematics::{cross, direction, direction_rate, dot};
-use crate::real::{Pack, Real};
+use crate::real::Real;
 use crate::scene::{Layout, Model, Parameters};
 use crate::scheme::{Coefficients, Stepper};
 use crate::special::{atan2, sincos};
@@ -109,7 +109,7 @@ impl Observable for Tilt {
     }
 }
 
-impl<R: Pack, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Tilt {
+impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Tilt {
     /// True if the layout contains a direction in body components.
     const FITS: bool = !L::QUATERNION && !L::TANGENT && L::VECTORS > 0;
 

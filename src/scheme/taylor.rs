@@ -9,8 +9,9 @@ use crate::forcing::ForcingInterval;
 use crate::kinematics::{
     add_cross, add_roll_across, add_roll_along, add_turn_across, add_turn_along, direction, put,
 };
-use crate::real::{Real, is_finite};
+use crate::real::{Apart, Real, is_finite};
 use crate::scene::{Applied, Layout, Model, Parameters};
+use std::marker::PhantomData;
 use std::mem::MaybeUninit;
 
 /// A loop over the indices 0 .. D of a state, in two halves: the compiler unrolls only loops that are short enough, and
@@ -616,6 +617,34 @@ pub fn two_sum<R: Real>(a: R, b: R) -> (R, R) {
     (sum, (a - (sum - of_b)) + (b - of_b))
 }
 
+/// The coefficients of a step under forces or with a displacement, in a function that fixed and adaptive steps share:
+/// shorter series are up to 13 % faster in the loop over steps.
+struct Expansion<'a, R, M, L, const D: usize> {
+    engine: &'a Taylor<R, M>,
+    unit: R,
+    y: &'a [R; D],
+    c: &'a mut Coefficients<R, D>,
+    layout: PhantomData<L>,
+}
+
+impl<R: Real, M: Model<R>, L: Layout, const D: usize> Apart for Expansion<'_, R, M, L, D> {
+    #[inline(always)]
+    fn run(self) {
+        self.engine.coefficients::<L, D>(self.unit, self.y, self.c);
+    }
+}
+
+impl<R: Real, M: Model<R>> Taylor<R, M> {
+    #[inline(always)]
+    fn expanded<L: Layout, const D: usize>(&self, unit: R, y: &[R; D], c: &mut Coefficients<R, D>) {
+        if const { L::BALANCE || L::TANGENT } {
+            R::apart(Expansion { engine: self, unit, y, c, layout: PhantomData::<L> });
+        } else {
+            self.coefficients::<L, D>(unit, y, c);
+        }
+    }
+}
+
 impl<R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, L, D> for Taylor<R, M> {
     const VARIABLES: Variables = Variables::Rates;
     // The attitude of a top is integrated as rows of its matrix: the vertical, which the torque needs anyway, and
@@ -643,7 +672,7 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, L, D> for Ta
         compensation: &mut [R; D],
         c: &mut Coefficients<R, D>,
     ) {
-        self.coefficients::<L, D>(self.step, y, c);
+        self.expanded::<L, D>(self.step, y, c);
         self.add_series(c, 0, y, compensation);
     }
 
@@ -656,7 +685,7 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, L, D> for Ta
 
     #[inline(always)]
     fn expand(&self, unit: R, y: &[R; D], c: &mut Coefficients<R, D>) {
-        self.coefficients::<L, D>(unit, y, c);
+        self.expanded::<L, D>(unit, y, c);
     }
 
     #[inline(always)]

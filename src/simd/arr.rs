@@ -108,6 +108,10 @@ impl<R: Real, const K: usize> Real for Arr<R, K> {
         }
         mask
     }
+    #[inline(always)]
+    fn apart<W: Apart>(work: W) {
+        R::apart(work);
+    }
 }
 
 impl<R: Pack, const K: usize> Pack for Arr<R, K> {
@@ -125,9 +129,5 @@ impl<R: Pack, const K: usize> Pack for Arr<R, K> {
         for i in 0..K {
             self.0[i].store(&mut to[i * R::LANES..]);
         }
-    }
-    #[inline(always)]
-    fn apart<W: Apart>(work: W) {
-        R::apart(work);
     }
 }

@@ -134,6 +134,16 @@ impl Real for V8 {
             _mm512_test_epi64_mask(shifted, _mm512_set1_epi64(1))
         }
     }
+    #[inline(always)]
+    fn apart<W: Apart>(work: W) {
+        #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,avx2,fma")]
+        #[inline(never)]
+        fn apart<W: Apart>(work: W) {
+            work.run();
+        }
+        // SAFETY: the CPU has the instructions; see the module.
+        unsafe { apart(work) }
+    }
 }
 
 impl Pack for V8 {
@@ -149,16 +159,6 @@ impl Pack for V8 {
         assert!(to.len() >= 8);
         // SAFETY: the CPU has the instructions (see the module); the slice is as long as the register.
         unsafe { _mm512_storeu_pd(to.as_mut_ptr(), self.0) }
-    }
-    #[inline(always)]
-    fn apart<W: Apart>(work: W) {
-        #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,avx2,fma")]
-        #[inline(never)]
-        fn apart<W: Apart>(work: W) {
-            work.run();
-        }
-        // SAFETY: the CPU has the instructions; see the module.
-        unsafe { apart(work) }
     }
 }
 
@@ -249,6 +249,16 @@ impl Real for V4 {
             _mm256_castsi256_pd(_mm256_slli_epi64::<63>(shifted))
         }
     }
+    #[inline(always)]
+    fn apart<W: Apart>(work: W) {
+        #[target_feature(enable = "avx2,fma")]
+        #[inline(never)]
+        fn apart<W: Apart>(work: W) {
+            work.run();
+        }
+        // SAFETY: the CPU has the instructions; see the module.
+        unsafe { apart(work) }
+    }
 }
 
 impl Pack for V4 {
@@ -264,16 +274,6 @@ impl Pack for V4 {
         assert!(to.len() >= 4);
         // SAFETY: the CPU has the instructions (see the module); the slice is as long as the register.
         unsafe { _mm256_storeu_pd(to.as_mut_ptr(), self.0) }
-    }
-    #[inline(always)]
-    fn apart<W: Apart>(work: W) {
-        #[target_feature(enable = "avx2,fma")]
-        #[inline(never)]
-        fn apart<W: Apart>(work: W) {
-            work.run();
-        }
-        // SAFETY: the CPU has the instructions; see the module.
-        unsafe { apart(work) }
     }
 }
 

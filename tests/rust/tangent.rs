@@ -7,7 +7,7 @@ use rigid::kernel::{
 };
 use rigid::observe::{Displacement, Growth, MAX_ROWS, Observed};
 use rigid::parallel::Interrupt;
-use rigid::real::Real;
+use rigid::real::{Apart, Real};
 use rigid::scene::{
     Axis, AxisTangent, ForcedFrame, ForcedFrameTangent, Free, Layout, Model, Parameters, Top,
 };
@@ -288,6 +288,9 @@ impl Neg for Dual {
 }
 impl Real for Dual {
     type Mask = bool;
+    fn apart<W: Apart>(work: W) {
+        work.run();
+    }
     fn splat(x: f64) -> Self {
         dual(x, 0.0)
     }
