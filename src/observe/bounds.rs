@@ -5,7 +5,7 @@ use super::{EXIT_TIME, Observable, Rows, Segment, Start, Update, three};
 use crate::kinematics::{cross, direction, direction_rate, dot};
 use crate::real::{Apart, Real};
 use crate::scene::{Layout, Model, Parameters};
-use crate::scheme::{Coefficients, Stepper, Variables};
+use crate::scheme::{Coefficients, Stepper, Variables, in_halves};
 use crate::special::sincos;
 use std::f64::consts::PI;
 use std::marker::PhantomData;
@@ -168,7 +168,7 @@ struct Inside<'a, R, const D: usize> {
     before: &'a [R; D],
     after: &'a [R; D],
     /// Slopes at both ends, where there is no polynomial.
-    slopes: [[R; D]; 2],
+    slopes: &'a [[R; D]],
     dense: &'a Coefficients<R, D>,
 }
 
@@ -283,8 +283,8 @@ impl Observable for Bounds {
 }
 
 impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Bounds {
-    /// True for the rates alone, and for rates with a vertical or a frame.
-    const FITS: bool = !L::QUATERNION && !L::TANGENT && (L::VECTORS != 1 || M::HEAVY);
+    /// True for the rates alone, and for rates with a vertical or a frame. A map refuses functions of the user.
+    const FITS: bool = !L::QUATERNION && !L::TANGENT && !L::CALLED && (L::VECTORS != 1 || M::HEAVY);
 
     #[inline(always)]
     fn after_step<S: Stepper<R, M, L, D>>(
@@ -297,18 +297,21 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Bou
             return;
         }
         // Copies: what a function of its own sees would be in memory in every step, observed or not.
-        let (p, begin, before, after) = (&{ *p }, segment.begin, &{ *segment.before }, &{ *segment.after });
-        let ends = if const { S::HAS_POLYNOMIAL } {
-            segment.polynomial(stepper);
-            [*after; 2]
-        } else {
-            [slopes::<R, M, L, S, D>(stepper, p, before), slopes::<R, M, L, S, D>(stepper, p, after)]
-        };
-        let inside = Inside { before, after, slopes: ends, dense: &*segment.dense };
+        let begin = segment.begin;
+        let [mut before, mut after] = [[begin; D]; 2];
+        in_halves!(d in D { before[d] = segment.before[d]; });
+        in_halves!(d in D { after[d] = segment.after[d]; });
         // Only the branch that is taken is compiled.
         if const { S::HAS_POLYNOMIAL } {
+            segment.polynomial(stepper);
+            let inside = Inside { before: &before, after: &after, slopes: &[], dense: segment.dense };
             R::apart(Look::<R, L, false, true, D> { p, rows, begin, inside, layout: PhantomData });
-        } else if const { matches!(S::VARIABLES, Variables::Rates) } {
+            return;
+        }
+        let slopes =
+            [slopes::<R, M, L, S, D>(stepper, p, &before), slopes::<R, M, L, S, D>(stepper, p, &after)];
+        let inside = Inside { before: &before, after: &after, slopes: &slopes, dense: segment.dense };
+        if const { matches!(S::VARIABLES, Variables::Rates) } {
             R::apart(Look::<R, L, false, false, D> { p, rows, begin, inside, layout: PhantomData });
         } else {
             R::apart(Look::<R, L, true, false, D> { p, rows, begin, inside, layout: PhantomData });
