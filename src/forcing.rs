@@ -348,7 +348,10 @@ impl BodyForcing<'_> {
 
     /// Whether there is no forcing.
     pub fn is_none(&self) -> bool {
-        self.values.is_empty() && self.damping == [0.0; 6] && self.satellite.is_none() && !self.is_called()
+        self.values.is_empty()
+            && self.damping == [0.0; 6]
+            && self.satellite.is_none()
+            && self.function.is_none()
     }
 
     /// The first values; zero if no torque is applied.
@@ -361,14 +364,9 @@ impl BodyForcing<'_> {
         &self.satellite
     }
 
-    /// Whether there is a rotor, an energy sink, quadratic drag or an orbit.
-    pub fn is_satellite(&self) -> bool {
-        !self.satellite.is_none()
-    }
-
-    /// Whether a function returns a torque.
-    pub fn is_called(&self) -> bool {
-        self.function.is_some()
+    /// The function that returns a further torque.
+    pub fn function(&self) -> Option<TorqueCall> {
+        self.function
     }
 
     /// Whether no torque is applied and nothing damps: rotor, sink and orbit are not asked about.
@@ -380,7 +378,7 @@ impl BodyForcing<'_> {
     /// attitude.
     pub fn acts_in_space(&self) -> bool {
         self.satellite.orbit_rate != 0.0
-            || self.is_called()
+            || self.function.is_some()
             || self.values.iter().any(|[_, space]| space.iter().any(|&x| x != 0.0))
     }
 
@@ -505,7 +503,7 @@ impl BodyForcing<'_> {
 
     /// Entries 11, 22, 33, 23, 31, 12 of the damping matrix, if nothing else acts at any time.
     pub fn damping_alone(&self) -> Option<[f64; 6]> {
-        let acts_otherwise = self.is_satellite() || self.is_called();
+        let acts_otherwise = !self.satellite.is_none() || self.function.is_some();
         let is_alone = !acts_otherwise && self.values.iter().flatten().flatten().all(|&x| x == 0.0);
         is_alone.then_some(self.damping)
     }

@@ -14,6 +14,7 @@ pub mod called;
 pub mod error;
 pub mod exact;
 pub mod float_environment;
+pub mod forces;
 pub mod forcing;
 pub mod kernel;
 pub mod kinematics;

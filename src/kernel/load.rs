@@ -21,9 +21,10 @@ impl Body {
             return turning;
         }
         let [.., slowing] = forcing.damping_rates(self.moments);
-        let own = match forcing.is_satellite() {
-            true => forcing.satellite().step_rate(self, turning, forcing.is_torque_free()),
-            false => 0.0,
+        let own = if forcing.satellite().is_none() {
+            0.0
+        } else {
+            forcing.satellite().step_rate(self, turning, forcing.is_torque_free())
         };
         (turning * turning + slowing * slowing).sqrt() + own
     }
@@ -54,6 +55,15 @@ impl KernelAssignment {
         let step = if scene.has_weight { step } else { step.torque_free() };
         let shift = if step.engine.variables() == Variables::Rates { 0 } else { shift };
         KernelAssignment { step, shift }
+    }
+
+    /// The assignment of a body that is forced, or not.
+    pub fn of_either(is_forced: bool, scheme: &Scheme, body: &Body, scene: &Scene) -> KernelAssignment {
+        if is_forced {
+            KernelAssignment::of_forced(scheme, body)
+        } else {
+            KernelAssignment::of(scheme, body, scene)
+        }
     }
 
     /// The assignment of a forced body, in the axes of the user. Panics if the scheme does not integrate forced bodies.

@@ -4,6 +4,7 @@ use super::adaptive::{AdaptiveSteps, adaptive_block, dense_output};
 use super::alone::adaptive_alone;
 use super::group::{ForcingRows, Group, MAX_STATE};
 use super::step::{invariants, prepared, process, step_block};
+use crate::forces::Forces;
 use crate::observe::Observed;
 use crate::real::{Pack, Quad};
 use crate::scene::{
@@ -365,12 +366,8 @@ pub(super) fn code(system: System, engine: Engine, isa: Isa) -> Option<&'static 
 /// The variables that a system must integrate with the rates.
 #[derive(Clone, Copy, Debug)]
 pub struct Needs {
-    /// Whether torque or damping is applied; work, impulse and time are then integrated.
-    pub is_forced: bool,
-    /// Whether rotor, energy sink, quadratic drag or gravity gradient act.
-    pub is_satellite: bool,
-    /// Whether a function of the user returns a torque.
-    pub is_called: bool,
+    /// What acts.
+    pub forces: Forces,
     /// The least number of directions.
     pub directions: usize,
     /// Whether the attitude is needed, as a quaternion or as rows of its matrix.
@@ -417,15 +414,17 @@ impl System {
     /// variables and that the step integrates. Panics if there is no such system; schemes are checked when a request is
     /// made.
     pub fn carrying(scene: &Scene, step: Step, needs: Needs) -> System {
+        let forces = needs.forces;
+        let directions = if forces.in_space { 3 } else { needs.directions };
         let carries = |system: System| {
             let traits = system.traits();
             system.scene() == scene
-                && traits.balance_at.is_some() == needs.is_forced
-                && traits.is_satellite == needs.is_satellite
-                && traits.is_called == needs.is_called
+                && traits.balance_at.is_some() == forces.act
+                && traits.is_satellite == forces.of_satellite
+                && traits.is_called == forces.of_function
                 && traits.tangent_at.is_some() == needs.tangent
                 && (traits.is_changed || !needs.is_changed)
-                && traits.vectors >= needs.directions
+                && traits.vectors >= directions
                 && (!needs.attitude || traits.quaternion_at.is_some() || system.has_rows())
                 && system.is_moved_by(step)
         };
@@ -509,17 +508,17 @@ mod tests {
     fn a_system_carries_what_is_needed_and_no_more() {
         use System::*;
         let needs = |directions, attitude| Needs {
-            is_forced: false,
-            is_satellite: false,
-            is_called: false,
+            forces: Forces::NONE,
             directions,
             attitude,
             tangent: false,
             is_changed: false,
         };
-        let forced = |needs| Needs { is_forced: true, ..needs };
-        let satellite = |needs| Needs { is_forced: true, is_satellite: true, ..needs };
-        let called = |needs| Needs { is_forced: true, is_called: true, ..needs };
+        let act = Forces { act: true, ..Forces::NONE };
+        let forced = |needs| Needs { forces: act, ..needs };
+        let in_space = |needs| Needs { forces: Forces { in_space: true, ..act }, ..needs };
+        let satellite = |needs| Needs { forces: Forces { of_satellite: true, ..act }, ..needs };
+        let called = |needs| Needs { forces: Forces { of_function: true, ..act }, ..needs };
         let tangent = |needs| Needs { tangent: true, ..needs };
         let changed = |needs| Needs { tangent: true, is_changed: true, ..needs };
         // A series does not integrate a top with a quaternion.
@@ -535,6 +534,7 @@ mod tests {
             (&TOP, rotations, needs(0, true), TopAttitude),
             (&FREE, series, forced(needs(0, false)), ForcedRates),
             (&FREE, series, forced(needs(1, false)), ForcedFrame),
+            (&FREE, series, in_space(needs(0, false)), ForcedFrame),
             (&FREE, series, forced(needs(0, true)), ForcedFrame),
             (&TOP, series, forced(needs(0, false)), ForcedFrame),
             (&FREE, series, satellite(needs(0, false)), SatelliteRates),

@@ -362,22 +362,14 @@ impl Deref for Watched<'_> {
 impl Watched<'_> {
     /// How a run of a sample is assigned to a kernel.
     fn assignment(&self, body: &Body, cross_check: bool) -> KernelAssignment {
-        let scheme = self.scheme(cross_check);
-        if self.is_forced() {
-            KernelAssignment::of_forced(scheme, body)
-        } else {
-            KernelAssignment::of(scheme, body, self.scene)
-        }
+        KernelAssignment::of_either(self.is_forced(), self.scheme(cross_check), body, self.scene)
     }
 
     /// The kernel of the samples with that step: its system carries what the criterion watches and no more.
     fn kernel(&self, step: Step) -> Kernel {
-        let in_space = self.forcing.iter().any(|forcing| forcing.of(0).acts_in_space());
         let needs = Needs {
-            is_forced: self.is_forced(),
-            is_satellite: self.is_satellite(),
-            is_called: false,
-            directions: if in_space { 3 } else { self.criterion.directions(self.scene) },
+            forces: self.forces(),
+            directions: self.criterion.directions(self.scene),
             attitude: false,
             tangent: self.criterion.rule().is_some(),
             is_changed: false,

@@ -4,9 +4,9 @@ use super::check::GROUP;
 use super::{Check, Condition, Criterion, Laws, Logic, Measure, Mixed, Watched};
 use crate::error::Error;
 use crate::exact::Question;
+use crate::forces::Forces;
 use crate::forcing::{BodyForcing, Forcing};
 use crate::kernel::System;
-use crate::satellite::Satellite;
 use crate::scene::Scene;
 use crate::scheme::{self, Scheme, Step};
 use crate::solver::{Solver, default_step};
@@ -171,9 +171,7 @@ impl Map {
             }
             if watched.criterion.rule().is_some() {
                 scheme.check_tangent(self.is_forced())?;
-                if self.is_satellite() {
-                    return Err(Satellite::not_displaced());
-                }
+                self.forces().check_displaced()?;
             }
             let steps = [scheme.any, scheme.symmetric].map(Step::torque_free);
             let is_framed = watched.criterion.directions(self.scene) > 1 && !self.scene.has_weight;
@@ -211,9 +209,10 @@ impl Map {
         !self.forcing.is_empty()
     }
 
-    /// Whether rotor, energy sink or gravity gradient act.
-    pub(super) fn is_satellite(&self) -> bool {
-        self.forcing.iter().any(|forcing| forcing.of(0).is_satellite())
+    /// The forces on any of the samples.
+    pub(super) fn forces(&self) -> Forces {
+        let all = self.forcing.iter().map(|forcing| Forces::from(forcing.of(0)));
+        Forces { act: self.is_forced(), ..all.fold(Forces::NONE, Forces::and) }
     }
 
     /// The forcing of a pixel.
@@ -230,13 +229,11 @@ impl Map {
             return refuse("method", format!("'{}'", Solver::EXACT), rule);
         }
         scheme.forced_limit()?;
-        for forcing in &self.forcing {
-            if forcing.of(0).is_called() {
-                let rule = "cannot act in a map, whose samples a Taylor series classifies again";
-                return refuse("torque", "a function".to_string(), rule);
-            }
-            scheme.check_forcing(forcing.of(0))?;
+        if self.forces().of_function {
+            let rule = "cannot act in a map, whose samples a Taylor series classifies again";
+            return refuse("torque", "a function".to_string(), rule);
         }
+        scheme.check_forces(self.forces())?;
         let is_from_start =
             self.conditions.iter().any(|one| matches!(one.criterion, Criterion::TiltFromStart(_)))
                 || !self.measures.iter().all(|measure| measure.can_be_forced());

@@ -152,7 +152,7 @@ pub fn simulate<'py>(
         }
         let run = |stop: &Interrupt| {
             let simulate = || trajectory::simulate_into(request, states, threads, isa, stop);
-            if forcing.of(0).is_called() { parallel::apart(stop, simulate) } else { simulate() }
+            if forcing.of(0).function().is_some() { parallel::apart(stop, simulate) } else { simulate() }
         };
         nanoseconds += interruptible(py, None, run)?.map_err(|error| error.of_part(part.start))?.nanoseconds;
         for target in &mut targets {

@@ -31,7 +31,8 @@ pub use taylor::{Coefficients, Taylor};
 pub(crate) use taylor::{in_halves, two_sum};
 
 use crate::error::Error;
-use crate::forcing::{BodyForcing, ForcingInterval};
+use crate::forces::Forces;
+use crate::forcing::ForcingInterval;
 use crate::kinematics::dot;
 use crate::real::Real;
 use crate::scene::{Applied, Layout, Model, Parameters, Scene};
@@ -464,14 +465,15 @@ impl Scheme {
     ///
     /// # Errors
     /// Naming the scheme and the rule.
-    pub fn check_forcing(&self, forcing: BodyForcing) -> Result<(), Error> {
-        if forcing.is_satellite() {
-            self.check_satellite()?;
-        }
-        if !forcing.is_called() || self.moves_called() {
+    pub fn check_forces(&self, forces: Forces) -> Result<(), Error> {
+        let rule = if forces.of_satellite && !self.moves_satellites() {
+            "moves bodies without rotor, dissipation, drag and gravity gradient only: with them move Runge-Kutta \
+             methods and Taylor series"
+        } else if forces.of_function && !self.moves_called() {
+            "cannot integrate the torque of a function; use 'rk4', 'dop853' or 'midpoint'"
+        } else {
             return Ok(());
-        }
-        let rule = "cannot integrate the torque of a function; use 'rk4', 'dop853' or 'midpoint'";
+        };
         Err(Error::Value { argument: "method", value: format!("'{}'", self.facts.name), rule })
     }
 
@@ -483,19 +485,6 @@ impl Scheme {
             }
             None => false,
         }
-    }
-
-    /// Raises an error for a scheme that does not integrate rotors, energy sinks, quadratic drag and gravity gradients.
-    ///
-    /// # Errors
-    /// Naming the scheme and the rule.
-    pub fn check_satellite(&self) -> Result<(), Error> {
-        if self.moves_satellites() {
-            return Ok(());
-        }
-        let rule = "moves bodies without rotor, dissipation, drag and gravity gradient only: with them move \
-                    Runge-Kutta methods and Taylor series";
-        Err(Error::Value { argument: "method", value: format!("'{}'", self.facts.name), rule })
     }
 
     /// The scheme that cross-checks samples classified by this scheme. A scheme for strong damping is cross-checked by

@@ -175,7 +175,7 @@ impl<'a> AdaptiveBatch<'a> {
         let first = if first.is_finite() { first } else { span };
         let direction = if task.backward { -1.0 } else { 1.0 };
         let rate = body.fastest_rate(forcing, self.request.range_of(index));
-        let forced_rate = self.ways[task.body].is_forced.then_some(rate);
+        let forced_rate = self.ways[task.body].forces.act.then_some(rate);
         let displacement = Displacement::new(self.request.record.displacement_of(index));
         let entry = Entry { displacement, ..Entry::unobserved(body, forced_rate, direction * first) };
         load(&mut self.group, lane, self.kernel, task.assignment, &entry);
@@ -199,7 +199,7 @@ impl<'a> AdaptiveBatch<'a> {
     fn enter_interval(&mut self, lane: usize, task: &mut LaneTask, knot: f64) {
         let index = self.first + task.body;
         let forcing = self.request.forcing_of(index);
-        let (is_forced, backward) = (self.ways[task.body].is_forced, task.backward);
+        let (is_forced, backward) = (self.ways[task.body].forces.act, task.backward);
         if is_forced || self.request.record.is_sensitivity() {
             self.forcing_rows.set(lane, &self.request.interval_of(index, knot, backward));
         }

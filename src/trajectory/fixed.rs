@@ -298,7 +298,7 @@ impl<'a, 'b> FixedBatch<'a, 'b> {
     }
 
     fn run(mut self, stop: &Interrupt) -> Result<(), Error> {
-        let is_forced = self.ways[self.members[0]].is_forced;
+        let is_forced = self.ways[self.members[0]].forces.act;
         let mut totals = [0_u64; LANES];
         for backward in [false, true] {
             for next in GroupStops::new(self.request, self.bodies(), backward)? {

@@ -212,7 +212,7 @@ impl GrowthBatch<'_> {
         }
         let mut group = Group::inactive();
         group.further = memory::filled("displacements", count - self.lanes_each, DisplacementRows::ZERO)?;
-        let is_forced = self.ways[self.members[0]].is_forced;
+        let is_forced = self.ways[self.members[0]].forces.act;
         for (b, &member) in self.members.iter().enumerate() {
             let index = self.first + member;
             let body = &self.request.bodies[index];
@@ -326,7 +326,7 @@ impl GrowthBatch<'_> {
     /// Makes the displacements of a body orthogonal, and near one in size.
     fn settle(&mut self, group: &mut Group, b: usize) {
         let (norm, lane) = (self.norm(b), self.lane(b));
-        let is_damped = self.ways[self.members[b]].is_forced;
+        let is_damped = self.ways[self.members[b]].forces.act;
         let system = self.compiled.kernel().system;
         settle(group, system, lane, &norm, is_damped, &mut self.frames[b]);
     }

@@ -20,6 +20,7 @@ pub use section::{Crossings, Point, Section, Surface, SurfaceKind, section};
 pub use states::{Column, States, StatesPart};
 
 use crate::error::Error;
+use crate::forces::Forces;
 use crate::kernel::{Group, KernelAssignment, Needs, System};
 use crate::memory;
 use crate::parallel::{Interrupt, over_blocks};
@@ -99,7 +100,7 @@ pub fn simulate_into(
 /// which the torque is unknown.
 fn check_forced(request: &Request, scheme: &Scheme) -> Result<(), Error> {
     for index in 0..request.bodies.len() {
-        scheme.check_forcing(request.forcing_of(index))?;
+        scheme.check_forces(request.forcing_of(index).into())?;
     }
     let is_stable = scheme.forced_limit()? == f64::INFINITY || request.tolerance.is_some();
     let mut last = None;
@@ -232,27 +233,15 @@ fn over_blocks_of(
 #[derive(Clone, Copy)]
 struct Integration {
     assignment: KernelAssignment,
-    is_forced: bool,
-    is_satellite: bool,
-    is_called: bool,
-    acts_in_space: bool,
+    forces: Forces,
 }
 
 impl Integration {
     fn of(request: &Request, scheme: &Scheme, index: usize) -> Self {
-        let (body, forcing) = (&request.bodies[index], request.forcing_of(index));
-        let is_forced = !forcing.is_none();
-        let assignment = match is_forced {
-            true => KernelAssignment::of_forced(scheme, body),
-            false => KernelAssignment::of(scheme, body, request.scene),
-        };
-        Integration {
-            assignment,
-            is_forced,
-            is_satellite: forcing.is_satellite(),
-            is_called: forcing.is_called(),
-            acts_in_space: forcing.acts_in_space(),
-        }
+        let forces = Forces::from(request.forcing_of(index));
+        let assignment =
+            KernelAssignment::of_either(forces.act, scheme, &request.bodies[index], request.scene);
+        Integration { assignment, forces }
     }
 
     /// Those of the bodies of a block.
@@ -267,7 +256,7 @@ impl Integration {
                 // Neighbours mostly have the same moments and the same weight.
                 Some((other, way))
                     if is_free
-                        && !way.is_forced
+                        && !way.forces.act
                         && (other.moments, other.weight) == (body.moments, body.weight) =>
                 {
                     way
@@ -282,19 +271,15 @@ impl Integration {
 
     /// What the bodies of a group share.
     #[inline]
-    fn kind(&self) -> (Step, [bool; 4]) {
-        let Integration { assignment, is_forced, is_satellite, is_called, acts_in_space } = *self;
-        (assignment.step, [is_forced, is_satellite, is_called, acts_in_space])
+    fn kind(&self) -> (Step, Forces) {
+        (self.assignment.step, self.forces)
     }
 
     /// The system that carries what is recorded and no more.
     fn system(&self, request: &Request) -> System {
-        let directions = if request.record == Record::Axis { 1 } else { 0 };
         let needs = Needs {
-            is_forced: self.is_forced,
-            is_satellite: self.is_satellite,
-            is_called: self.is_called,
-            directions: if self.acts_in_space { 3 } else { directions },
+            forces: self.forces,
+            directions: usize::from(request.record == Record::Axis),
             attitude: request.record == Record::Attitude,
             tangent: request.record.is_tangent(),
             is_changed: request.record.is_sensitivity(),

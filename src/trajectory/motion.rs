@@ -2,6 +2,7 @@
 
 use super::neighbours;
 use crate::error::Error;
+use crate::forces::Forces;
 use crate::forcing::{BodyForcing, Forcing, ForcingInterval};
 use crate::kernel::{Compiled, Entry, ForcingRows, Group, Kernel, MAX_STATE};
 use crate::kernel::{KernelAssignment, Needs, System, load, reset_time, unload};
@@ -180,7 +181,7 @@ impl Motion {
     /// Refuses what `trajectory::simulate` refuses of forced bodies.
     fn check_forced(&self, begin: f64, dt: f64) -> Result<(), Error> {
         self.scheme.forced_limit()?;
-        self.scheme.check_forcing(self.forcing.of(0))?;
+        self.scheme.check_forces(self.forcing.of(0).into())?;
         for time in [begin, begin + dt] {
             self.forcing.of(0).check_reaches(time)?;
         }
@@ -205,10 +206,8 @@ impl Motion {
         if forced {
             self.check_forced(self.time, 0.0)?;
         }
-        let assignment = |body: &Body| match forced {
-            true => KernelAssignment::of_forced(scheme, body),
-            false => KernelAssignment::of(scheme, body, scene),
-        };
+        let forces = Forces { act: forced, ..self.forcing.of(0).into() };
+        let assignment = |body: &Body| KernelAssignment::of_either(forced, scheme, body, scene);
         let ranges = neighbours(bodies.len(), LANES, |index| assignment(&bodies[index]).step)?;
         let mut loaded = memory::reserved("groups of the bodies", ranges.len())?;
         self.damping_rate = 0.0;
@@ -216,15 +215,7 @@ impl Motion {
             let bodies = &bodies[range];
             let assignments =
                 memory::collected("bodies of a group", bodies.len(), bodies.iter().map(assignment))?;
-            let needs = Needs {
-                is_forced: forced,
-                is_satellite: self.forcing.of(0).is_satellite(),
-                is_called: self.forcing.of(0).is_called(),
-                directions: 0,
-                attitude: true,
-                tangent: false,
-                is_changed: false,
-            };
+            let needs = Needs { forces, directions: 0, attitude: true, tangent: false, is_changed: false };
             let step = assignments[0].step;
             let kernel =
                 Kernel { system: System::carrying(scene, step, needs), step, observed: Observed::Nothing };
@@ -248,7 +239,7 @@ impl Motion {
                     let [.., rate] = self.forcing.of(0).damping_rates(body.moments);
                     self.damping_rate = self.damping_rate.max(rate);
                     // A function is told the time.
-                    if self.forcing.of(0).knots().is_empty() && !self.forcing.of(0).is_called() {
+                    if self.forcing.of(0).knots().is_empty() && !forces.of_function {
                         group.constant.push(self.forcing.of(0).interval(0.0, false, body.moments));
                     }
                 }

@@ -1,9 +1,8 @@
 //! The request of a trajectory: bodies, record and times.
 
-use crate::called::TorqueCall;
 use crate::error::Error;
+use crate::forces::Forces;
 use crate::forcing::{BodyForcing, Forcing, ForcingInterval, ParameterChange};
-use crate::satellite::Satellite;
 use crate::scene::Scene;
 use crate::solver::Solver;
 use crate::start::Body;
@@ -134,15 +133,7 @@ impl Request<'_> {
     /// # Errors
     /// If a rotor, an energy sink, drag, a gravity gradient or the torque of a function acts on a body.
     pub fn check_displaced(&self) -> Result<(), Error> {
-        for body in 0..self.forcing.bodies() {
-            if self.forcing_of(body).is_satellite() {
-                return Err(Satellite::not_displaced());
-            }
-            if self.forcing_of(body).is_called() {
-                return Err(TorqueCall::not_displaced());
-            }
-        }
-        Ok(())
+        (0..self.forcing.bodies()).try_for_each(|body| Forces::from(self.forcing_of(body)).check_displaced())
     }
 
     /// The forcing of a body from a time to the next knot, and the change of its parameters.

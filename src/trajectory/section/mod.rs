@@ -13,6 +13,7 @@ use super::states::{invariant_errors, worse};
 use super::{Request, check_forced, invariants_at_start, kinds_in};
 use crate::error::Error;
 use crate::exact::{CanonicalForm, Evaluator, EvaluatorKind, Question, StartRows, StateRows};
+use crate::forces::Forces;
 use crate::kernel::{AdaptiveSteps, Compiled, Entry, ForcingRows, Group, Kernel, KernelAssignment};
 use crate::kernel::{Needs, State, System, load, read, reset_time, unload};
 use crate::memory;
@@ -191,29 +192,24 @@ pub fn section(
 #[derive(Clone, Copy)]
 struct Way {
     assignment: KernelAssignment,
-    is_forced: bool,
-    is_satellite: bool,
+    forces: Forces,
     /// The closed form that gives the state at the begin of each step.
     form: Option<CanonicalForm>,
 }
 
 impl Way {
     fn of(request: &Request, scheme: &Scheme, index: usize, closed: bool) -> Result<Way, Error> {
-        let (body, forcing) = (&request.bodies[index], request.forcing_of(index));
-        let (is_forced, is_satellite) = (!forcing.is_none(), forcing.is_satellite());
-        let assignment = match is_forced {
-            true => KernelAssignment::of_forced(scheme, body),
-            false => KernelAssignment::of(scheme, body, &TOP),
-        };
-        let form = if closed && !is_forced { CanonicalForm::of(body) } else { None };
+        let (body, forces) = (&request.bodies[index], Forces::from(request.forcing_of(index)));
+        let assignment = KernelAssignment::of_either(forces.act, scheme, body, &TOP);
+        let form = if closed && !forces.act { CanonicalForm::of(body) } else { None };
         if closed && form.is_none() {
             return Err(Error::NoClosedForm { index, rule: Question::RULE_OF_STATES });
         }
-        Ok(Way { assignment, is_forced, is_satellite, form })
+        Ok(Way { assignment, forces, form })
     }
 
-    fn kind(&self) -> (Step, bool, bool, Option<EvaluatorKind>) {
-        (self.assignment.step, self.is_forced, self.is_satellite, self.form.map(CanonicalForm::kind))
+    fn kind(&self) -> (Step, Forces, Option<EvaluatorKind>) {
+        (self.assignment.step, self.forces, self.form.map(CanonicalForm::kind))
     }
 }
 
@@ -275,15 +271,8 @@ impl<'a> Batch<'a> {
         points: &'a AtomicU64,
     ) -> Result<Self, Error> {
         let way = ways[members[0]];
-        let needs = Needs {
-            is_forced: way.is_forced,
-            is_satellite: way.is_satellite,
-            is_called: false,
-            directions: 1,
-            attitude: true,
-            tangent: false,
-            is_changed: false,
-        };
+        let needs =
+            Needs { forces: way.forces, directions: 1, attitude: true, tangent: false, is_changed: false };
         let step = way.assignment.step;
         let kernel =
             Kernel { system: System::carrying(&TOP, step, needs), step, observed: Observed::Nothing };
