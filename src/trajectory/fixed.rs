@@ -185,15 +185,16 @@ pub(super) struct GroupStops<'a> {
 impl<'a> GroupStops<'a> {
     pub(super) fn new(
         request: &'a Request,
-        bodies: impl ExactSizeIterator<Item = usize> + Clone,
+        bodies: impl ExactSizeIterator<Item = usize>,
         backward: bool,
     ) -> Result<Self, Error> {
-        let mut layers = bodies.clone().map(|body| Layer::of(request, body));
-        let layer = layers.next().flatten();
-        let own = matches!(request.schedule, Schedule::TimesOfEach(..)) || layers.any(|other| other != layer);
-        let count = if own { bodies.len() } else { 1 };
-        let stops = bodies.take(count).map(|body| Stops::new(request, body, backward));
-        Ok(GroupStops { each: memory::collected("stops of a group", count, stops)? })
+        let (count, stops) = (bodies.len(), bodies.map(|body| Stops::new(request, body, backward)));
+        let mut each = memory::collected("stops of a group", count, stops)?;
+        let has_own_times = matches!(request.schedule, Schedule::TimesOfEach(..));
+        if !has_own_times && each.iter().all(|stops| stops.layer == each[0].layer) {
+            each.truncate(1);
+        }
+        Ok(GroupStops { each })
     }
 }
 

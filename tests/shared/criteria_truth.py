@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 import random_scenes
 import rigid
-from physics import quaternion_product
+from physics import angle_between, quaternion_product, rotated
 from random_scenes import Scenes
 from rigid import _core
 from rigid.model import bounds
@@ -104,20 +104,10 @@ def states(scenes: Scenes, times: Floats) -> tuple[Floats, Floats]:
 
 
 def _between(a: Floats, b: Floats) -> Floats:
-    """Angles between vectors, accurate for small and for large ones (W. Kahan)."""
+    """Angles between vectors of any length."""
     tiny = np.finfo(np.float64).tiny  # a body at rest has no direction
     u, v = (x / np.maximum(np.linalg.norm(x, axis=-1, keepdims=True), tiny) for x in (a, b))
-    half = np.arctan2(np.linalg.norm(u - v, axis=-1), np.linalg.norm(u + v, axis=-1))
-    angle: Floats = 2.0 * half
-    return angle
-
-
-def _rotated(q: Floats, v: Floats) -> Floats:
-    """Vectors of the body in space."""
-    w, x = q[..., :1], q[..., 1:]
-    twice = 2.0 * np.cross(x, v)
-    turned: Floats = v + w * twice + np.cross(x, twice)
-    return turned
+    return angle_between(u, v)
 
 
 def margins(criterion: Criterion, scenes: Scenes, omega: Floats, attitude: Floats) -> Floats:
@@ -135,13 +125,13 @@ def margins(criterion: Criterion, scenes: Scenes, omega: Floats, attitude: Float
         weights = scenes.moments[:, None, :] if criterion.of == "L" else 1.0
         vector, first = omega * weights, start * weights
         if criterion.frame == "space":
-            vector, first = _rotated(attitude, vector), _rotated(origin, first)
+            vector, first = rotated(attitude, vector), rotated(origin, first)
         return criterion.angle - _between(vector, np.broadcast_to(first, vector.shape))
     if isinstance(criterion, bounds.TiltBetween):
         axis = np.zeros(3)
         axis[abs(criterion.axis) - 1] = np.sign(criterion.axis)
         tilt = _between(
-            _rotated(attitude, np.broadcast_to(axis, omega.shape)), np.array([0.0, 0.0, 1.0])
+            rotated(attitude, np.broadcast_to(axis, omega.shape)), np.array([0.0, 0.0, 1.0])
         )
         nearest: Floats = np.minimum(criterion.high - tilt, tilt - criterion.low)
         return nearest

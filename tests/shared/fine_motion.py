@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq, minimize_scalar
 
+from physics import angle_between, rotated
 from rigid.model.measures import Measure
 from rigid.model.scene import Scene
 
@@ -87,21 +88,6 @@ def _slopes(scene: Scene) -> Callable[[float, Any], list[float]]:
         ]
 
     return slopes
-
-
-def rotated(attitude: Floats, vector: Floats) -> Floats:
-    """A vector of the body in space, shape (..., 3)."""
-    w, x = attitude[..., :1], attitude[..., 1:]
-    twice = 2.0 * np.cross(x, vector)
-    turned: Floats = vector + w * twice + np.cross(x, twice)
-    return turned
-
-
-def angle_between(u: Floats, v: Floats) -> Floats:
-    """Angles between unit vectors, accurate for small and for large ones (W. Kahan)."""
-    half = np.arctan2(np.linalg.norm(u - v, axis=-1), np.linalg.norm(u + v, axis=-1))
-    angle: Floats = 2.0 * half
-    return angle
 
 
 def unit(axis: int) -> Floats:

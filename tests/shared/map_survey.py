@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 
 import rigid
-from fine_motion import FineMotion, Floats, Truths, angle_between, rotated, unit
+from fine_motion import FineMotion, Floats, Truths, unit
+from physics import angle_between, rotated
 from rigid.maps.data import COLUMNS
 from rigid.model.criterion import Criterion
 from rigid.model.measures import Measure

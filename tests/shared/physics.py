@@ -196,3 +196,18 @@ def golden_number(name: str) -> Any:
     """A number, or an array of them, of the table of worked cases."""
     value = json.loads((GOLDEN / "worked_cases.json").read_text())[name]
     return np.array(value, dtype=np.float64) if isinstance(value, list) else float(value)
+
+
+def rotated(attitude: Floats, vector: Floats) -> Floats:
+    """A vector of the body in space, shape (..., 3)."""
+    w, x = attitude[..., :1], attitude[..., 1:]
+    twice = 2.0 * np.cross(x, vector)
+    turned: Floats = vector + w * twice + np.cross(x, twice)
+    return turned
+
+
+def angle_between(u: Floats, v: Floats) -> Floats:
+    """Angles between unit vectors, accurate for small and for large ones (W. Kahan)."""
+    half = np.arctan2(np.linalg.norm(u - v, axis=-1), np.linalg.norm(u + v, axis=-1))
+    angle: Floats = 2.0 * half
+    return angle

@@ -123,6 +123,19 @@ def is_available() -> bool:
     return True
 
 
+def applied(scene: Scene) -> tuple[Floats, Floats, Floats, Floats]:
+    """Damping, shape (9,), and times and torques in the body and in space of a table."""
+    torque, damping = scene.torque, np.zeros(9)
+    if scene.damping is not None:
+        damping = np.array(scene.damping).ravel()
+    knots = np.array(torque.times if torque else (), dtype=np.float64)
+    body, space = (
+        np.array(values, dtype=np.float64).reshape(-1, 3)
+        for values in ((torque.in_body, torque.in_space) if torque else (np.zeros(3), np.zeros(3)))
+    )
+    return damping, knots, body, space
+
+
 def motion(
     scene: Scene,
     omega: ArrayLike,
@@ -139,14 +152,8 @@ def motion(
     All numbers are read as the doubles they are; the quaternion is normalised exactly. ``moments``
     and ``weight`` stand for those of the scene.
     """
-    torque, damping = scene.torque, np.zeros(9)
-    if scene.damping is not None:
-        damping = np.array(scene.damping).ravel()
-    knots = np.array(torque.times if torque else (), dtype=np.float64)
-    body, space = (
-        np.array(values, dtype=np.float64).reshape(-1, 3)
-        for values in ((torque.in_body, torque.in_space) if torque else (np.zeros(3), np.zeros(3)))
-    )
+    torque = scene.torque
+    damping, knots, body, space = applied(scene)
     satellite = np.zeros(16) if scene.satellite is None else np.array(scene.satellite)
     function = np.zeros(13)
     if torque is not None and torque.function is not None:

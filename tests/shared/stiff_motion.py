@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from physics import Floats
-from quad_motion import RECORD, Motion
+from quad_motion import RECORD, Motion, applied
 from rigid.model.scene import Scene
 
 SOURCE = Path(__file__).with_suffix(".c")
@@ -93,14 +93,7 @@ def motion(
 ) -> Motion | None:
     """The states at ascending times, none below 0; None beyond a limit of steps."""
     assert not scene.is_satellite, "the reference has no rotor, sink, drag and orbit"
-    torque, damping = scene.torque, np.zeros(9)
-    if scene.damping is not None:
-        damping = np.array(scene.damping).ravel()
-    knots = np.array(torque.times if torque else (), dtype=np.float64)
-    body, space = (
-        np.array(values, dtype=np.float64).reshape(-1, 3)
-        for values in ((torque.in_body, torque.in_space) if torque else (np.zeros(3), np.zeros(3)))
-    )
+    damping, knots, body, space = applied(scene)
     start, wanted = np.array(omega, dtype=np.float64), np.array(times, dtype=np.float64)
     largest = np.linalg.norm(scene.weight) + np.abs([body, space]).max()
     rest = REST * (np.linalg.norm(start) + np.sqrt(largest / min(scene.body.moments)))

@@ -214,6 +214,7 @@ def _before_the_loss(
 
     Later rates are those of a wrong motion and may be larger than the true ones ever are.
     """
+    # Each round but the last loses one time more, so there are at most as many rounds as times.
     while True:
         lost = ~(error < 1.0)
         since = np.where(lost, np.abs(times), np.inf).min(axis=1, keepdims=True)
