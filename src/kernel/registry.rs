@@ -15,6 +15,7 @@ use crate::scene::{
 use crate::scheme::{
     AffineSplitting, ComposedPlanar, Dop853Tableau, Engine, Exponential, Hermite, ImplicitMidpoint,
     KickMoserVeselov, KickRotor, Numbers, Planar, Rk4Tableau, RungeKutta, Splitting, Step, Stepper, Taylor,
+    engines,
 };
 #[cfg(target_arch = "x86_64")]
 use crate::simd::{Arr, V4, V8};
@@ -210,10 +211,8 @@ const fn gains_by_avx512<L: Layout>() -> bool {
     !L::BALANCE && !L::TANGENT
 }
 
-/// The kernels: each engine with each system that the engine integrates. `R` stands for the pack and `M` for the model
-/// in this pack. Engines with long chains of rotations are fastest with two packs side by side inside the step (`Arr`),
-/// other engines with one (benches/README.md). The first system with the needed variables is taken, so a system with
-/// fewer variables stands before a system with more.
+/// The kernels: each engine of the list of `scheme` with each system that the engine integrates. The first system with
+/// the needed variables is taken, so a system with fewer variables stands before a system with more.
 macro_rules! kernels {
     (systems { $($system:ident: $scene:ident, $model:ident, $layout:ident;)* } engines $engines:tt) => {
         /// A model, and the variables that are integrated with the rates.
@@ -264,7 +263,7 @@ macro_rules! kernels {
     };
     // The compiler works by modules. Each engine has its own module, so a change of one engine compiles only the
     // kernels of this engine.
-    (@modules { $($engine:ident: $stepper:ty, $avx2:ty $(, $avx512:ty)?;)* }) => {
+    (@modules { $($(#[$doc:meta])* $engine:ident: $stepper:ty, $avx2:ty $(, $avx512:ty)?;)* }) => {
         mod kernels_of {$(
             #[allow(non_snake_case)]
             pub mod $engine {
@@ -283,7 +282,7 @@ macro_rules! kernels {
         entry_points!(avx512 [#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,avx2,fma")]]);
     };
     (@codes $which:ident, $model:ident, $layout:ident,
-        { $($engine:ident: $stepper:ty, $avx2:ty $(, $avx512:ty)?;)* }) => {
+        { $($(#[$doc:meta])* $engine:ident: $stepper:ty, $avx2:ty $(, $avx512:ty)?;)* }) => {
         match $which {
             $(Engine::$engine => const {
                 type R = f64;
@@ -318,7 +317,7 @@ macro_rules! kernels {
         }
     };
 }
-kernels! {
+engines! { kernels
     systems {
         FreeRates: FREE, Free, Rates;
         FreeAxis: FREE, Free, Axis;
@@ -334,19 +333,6 @@ kernels! {
         TopTangent: TOP, Top, AxisTangent;
         TopSensitivity: TOP, Top, AxisSensitivity;
         ForcedTangent: TOP, Top, ForcedFrameTangent;
-    }
-    engines {
-        Rk4: RungeKutta<Rk4Tableau, R, M>, V4, V8;
-        Dop853: RungeKutta<Dop853Tableau, R, M>, V4, V8;
-        Taylor: Taylor<R, M>, V4, V8;
-        Hermite: Hermite<R, M>, V4, V8;
-        Planar: Splitting<Planar, R>, Arr<V4, 2>, Arr<V8, 2>;
-        ComposedPlanar: Splitting<ComposedPlanar, R>, Arr<V4, 2>;
-        KickRotor: Splitting<KickRotor, R>, V4, V8;
-        KickMoserVeselov: Splitting<KickMoserVeselov, R>, Arr<V4, 2>;
-        Affine: AffineSplitting<R>, V4;
-        Exponential: Exponential<R, M>, V4;
-        Midpoint: ImplicitMidpoint<R>, V4;
     }
 }
 

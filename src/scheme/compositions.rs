@@ -345,7 +345,7 @@ const fn is_near(a: f64, b: f64) -> bool {
 /// reversible and of even order; kicks and drifts satisfy the quadrature conditions of the order. The last drift of a
 /// processed kernel is split in two for the palindrome.
 pub(super) const fn check_composition(step: Step, facts: Facts) {
-    let Some(flows) = step.engine.flows() else { panic!("composes no flows") };
+    let Some(flows) = step.engine.facts().flows else { panic!("composes no flows") };
     let all = step.numbers.fractions;
     let n = all.len();
     let processed = step.is_processed();

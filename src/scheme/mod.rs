@@ -6,6 +6,7 @@
 mod alone;
 mod compositions;
 mod displacements;
+mod engine;
 mod exponential;
 mod hermite;
 mod midpoint;
@@ -17,6 +18,8 @@ mod taylor;
 
 pub use alone::{COLUMNS, Columns, SeriesAlone, in_columns};
 use compositions::check_composition;
+pub use engine::Engine;
+pub(crate) use engine::engines;
 pub(crate) use exponential::phi;
 pub use exponential::{AffineSplitting, Exponential};
 pub use hermite::{DERIVATIVES, Derivatives, Hermite, NODES, Past, ages};
@@ -152,33 +155,6 @@ pub struct Step {
     pub numbers: &'static Numbers,
 }
 
-/// The code that makes a step. Schemes that differ only in their numbers share an engine.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Engine {
-    /// Runge-Kutta with the tableau of `rk4`: its numbers are literals in the code.
-    Rk4,
-    /// Runge-Kutta with the tableau of `dop853`.
-    Dop853,
-    /// A Taylor series of any order.
-    Taylor,
-    /// Hermite predictor and corrector.
-    Hermite,
-    /// Planar rotations about the principal axes and kicks, of order 2.
-    Planar,
-    /// The planar rotations and kicks with any numbers.
-    ComposedPlanar,
-    /// The exact rotor of a body that is symmetric about its axis 3, and kicks.
-    KickRotor,
-    /// Discrete Moser-Veselov drifts of any body, and kicks.
-    KickMoserVeselov,
-    /// Planar rotations, and one kick by torque and damping together.
-    Affine,
-    /// Exponential Runge-Kutta.
-    Exponential,
-    /// The implicit midpoint rule.
-    Midpoint,
-}
-
 /// The first three variables of a state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Variables {
@@ -242,28 +218,6 @@ impl Numbers {
     }
 }
 
-impl Engine {
-    /// The variables that the engine integrates.
-    pub const fn variables(self) -> Variables {
-        use Engine::*;
-        match self {
-            Rk4 | Dop853 | Taylor | Hermite | Exponential => Variables::Rates,
-            Planar | ComposedPlanar | KickRotor | KickMoserVeselov | Affine | Midpoint => Variables::Momenta,
-        }
-    }
-
-    /// The flows of a round, if the engine composes exact flows of parts of the motion.
-    const fn flows(self) -> Option<&'static [Flow]> {
-        match self {
-            Engine::Planar => Some(Planar::FLOWS),
-            Engine::ComposedPlanar => Some(ComposedPlanar::FLOWS),
-            Engine::KickRotor => Some(KickRotor::FLOWS),
-            Engine::KickMoserVeselov => Some(KickMoserVeselov::FLOWS),
-            _ => None,
-        }
-    }
-}
-
 impl std::fmt::Debug for Step {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let makes = |scheme: &&&Scheme| scheme.steps().contains(self);
@@ -288,7 +242,7 @@ impl Step {
 
     /// Whether the step is a Taylor series, which has dense output and may be adaptive.
     pub const fn is_series(self) -> bool {
-        matches!(self.engine, Engine::Taylor)
+        self.engine.facts().is_series
     }
 
     /// Whether the rounding of a fixed step is carried to the next one.
@@ -296,15 +250,9 @@ impl Step {
         self.numbers.is_compensated
     }
 
-    /// Whether the step moves a displacement by its derivative.
+    /// Whether the step moves a displacement by its derivative: one with force gradients or a processor has none.
     pub const fn has_tangent(self) -> bool {
-        match self.engine {
-            Engine::Rk4 | Engine::Dop853 | Engine::Taylor => true,
-            Engine::Planar | Engine::ComposedPlanar | Engine::KickRotor => {
-                self.numbers.gradients.is_empty() && !self.is_processed()
-            }
-            _ => false,
-        }
+        self.engine.facts().has_tangent && self.numbers.gradients.is_empty() && !self.is_processed()
     }
 
     /// Whether the step uses derivatives at the states before.
@@ -314,7 +262,7 @@ impl Step {
 
     /// Whether limits are observed inside the step; see [`Stepper::SEES_LIMITS`].
     pub const fn sees_limits(self) -> bool {
-        !matches!(self.engine, Engine::Dop853)
+        self.engine.facts().sees_limits
     }
 
     /// Whether the step uses other variables than the state, so that nothing can be observed between steps.
@@ -324,7 +272,7 @@ impl Step {
 
     /// Whether the step integrates bodies with weight: a composition without kicks is a free motion.
     pub const fn moves_weight(self) -> bool {
-        let Some(flows) = self.engine.flows() else { return true };
+        let Some(flows) = self.engine.facts().flows else { return true };
         let mut i = 0;
         while i < self.numbers.fractions.len() {
             if matches!(flows[i % flows.len()], Flow::Kick) && self.numbers.fractions[i] != 0.0 {
@@ -395,7 +343,7 @@ impl Scheme {
     /// Whether the scheme integrates displacements: of all bodies, or of those without forcing by exact flows.
     pub const fn has_tangent(&self) -> bool {
         let of_free = self.any.has_tangent() && self.symmetric.has_tangent();
-        of_free && (self.has_forced_tangent() || self.any.engine.flows().is_some())
+        of_free && (self.has_forced_tangent() || self.any.engine.facts().flows.is_some())
     }
 
     /// Whether the scheme integrates displacements of forced bodies, and those by a change of parameters.
@@ -447,16 +395,17 @@ impl Scheme {
     }
 
     /// Whether the scheme integrates damping exactly, in steps much longer than the time of the damping.
-    pub fn damps_exactly(&self) -> bool {
-        self.is_stiff() && self.forced.is_some_and(|forced| !matches!(forced.step.engine, Engine::Midpoint))
+    pub const fn damps_exactly(&self) -> bool {
+        match self.forced {
+            Some(forced) => matches!(forced.step.engine, Engine::Exponential | Engine::Affine),
+            None => false,
+        }
     }
 
     /// Whether the scheme integrates the torque that a function of the user returns.
     pub const fn moves_called(&self) -> bool {
         match self.forced {
-            Some(forced) => {
-                matches!(forced.step.engine, Engine::Rk4 | Engine::Dop853 | Engine::Midpoint)
-            }
+            Some(forced) => forced.step.engine.facts().moves_called,
             None => false,
         }
     }
@@ -480,9 +429,7 @@ impl Scheme {
     /// Whether the scheme integrates rotors, energy sinks, quadratic drag and gravity gradients.
     pub const fn moves_satellites(&self) -> bool {
         match self.forced {
-            Some(forced) => {
-                matches!(forced.step.engine, Engine::Rk4 | Engine::Dop853 | Engine::Taylor)
-            }
+            Some(forced) => forced.step.engine.facts().moves_satellites,
             None => false,
         }
     }
@@ -563,7 +510,7 @@ const _: () = {
         if any.is_series() {
             assert!(any.numbers.order == facts.order as usize && facts.order % 2 == 0);
         }
-        if any.engine.flows().is_some() && any.moves_weight() {
+        if any.engine.facts().flows.is_some() && any.moves_weight() {
             assert!(any.numbers.fractions.len() == facts.stages);
             check_composition(any, facts);
             check_composition(symmetric, facts);
@@ -630,6 +577,8 @@ pub trait Stepper<R: Real, M: Model<R>, L: Layout, const D: usize>: Copy {
     const SEES_LIMITS: bool = true;
     /// Whether the steps can use other variables than the state.
     const PROCESSED: bool = false;
+    /// The flows of a round, if the engine composes exact flows of parts of the motion.
+    const FLOWS: Option<&'static [Flow]> = None;
     /// Prepares the constants of the step.
     fn new(p: &Parameters<R>, forcing: &ForcingInterval<R>, numbers: &'static Numbers) -> Self;
     /// Transforms a state to the variables of the steps, before the first of equal steps; or back, after the last.

@@ -280,6 +280,7 @@ impl<C: Round, R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, L,
     const MOVES: bool = !L::BALANCE && !L::CHANGED;
     const PROCESSED: bool = C::PROCESSED && M::HEAVY && L::VECTORS < 2 && !L::TANGENT;
     const HAS_TANGENT: bool = <C::Drift<R> as Drift<R>>::HAS_TANGENT;
+    const FLOWS: Option<&'static [Flow]> = Some(C::FLOWS);
 
     #[inline(always)]
     fn new(p: &Parameters<R>, _forcing: &ForcingInterval<R>, numbers: &'static Numbers) -> Self {

@@ -1,0 +1,101 @@
+//! The list of engines. What an engine can do follows from its code.
+
+use super::{
+    AffineSplitting, ComposedPlanar, Dop853Tableau, Exponential, Flow, Hermite, ImplicitMidpoint,
+    KickMoserVeselov, KickRotor, Planar, Rk4Tableau, RungeKutta, Splitting, Stepper, Taylor, Variables,
+};
+use crate::scene::{AxisTangent, CalledFrame, Layout, SatelliteFrame, Top};
+
+/// Gives the list of engines to a macro. `R` stands for the pack and `M` for the model in this pack. After the stepper
+/// stand the packs for AVX2, and for AVX-512 where it gains. Engines with long chains of rotations are fastest with two
+/// packs side by side inside the step (`Arr`), other engines with one (benches/README.md).
+macro_rules! engines {
+    ($then:ident $($before:tt)*) => {
+        $then! { $($before)* engines {
+            /// Runge-Kutta with the tableau of `rk4`: its numbers are literals in the code.
+            Rk4: RungeKutta<Rk4Tableau, R, M>, V4, V8;
+            /// Runge-Kutta with the tableau of `dop853`.
+            Dop853: RungeKutta<Dop853Tableau, R, M>, V4, V8;
+            /// A Taylor series of any order.
+            Taylor: Taylor<R, M>, V4, V8;
+            /// Hermite predictor and corrector.
+            Hermite: Hermite<R, M>, V4, V8;
+            /// Planar rotations about the principal axes and kicks, of order 2.
+            Planar: Splitting<Planar, R>, Arr<V4, 2>, Arr<V8, 2>;
+            /// The planar rotations and kicks with any numbers.
+            ComposedPlanar: Splitting<ComposedPlanar, R>, Arr<V4, 2>;
+            /// The exact rotor of a body that is symmetric about its axis 3, and kicks.
+            KickRotor: Splitting<KickRotor, R>, V4, V8;
+            /// Discrete Moser-Veselov drifts of any body, and kicks.
+            KickMoserVeselov: Splitting<KickMoserVeselov, R>, Arr<V4, 2>;
+            /// Planar rotations, and one kick by torque and damping together.
+            Affine: AffineSplitting<R>, V4;
+            /// Exponential Runge-Kutta.
+            Exponential: Exponential<R, M>, V4;
+            /// The implicit midpoint rule.
+            Midpoint: ImplicitMidpoint<R>, V4;
+        } }
+    };
+}
+pub(crate) use engines;
+
+macro_rules! with_facts {
+    (engines { $($(#[$doc:meta])* $engine:ident: $stepper:ty, $avx2:ty $(, $avx512:ty)?;)* }) => {
+        /// The code that makes a step. Schemes that differ only in their numbers share an engine.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum Engine {
+            $($(#[$doc])* $engine,)*
+        }
+
+        impl Engine {
+            /// What the engine can do.
+            pub(super) const fn facts(self) -> &'static EngineFacts {
+                type R = f64;
+                type M = Top<R>;
+                match self {
+                    $(Engine::$engine => const { &EngineFacts::of::<$stepper>() },)*
+                }
+            }
+        }
+    };
+}
+engines!(with_facts);
+
+impl Engine {
+    /// The variables that the engine integrates.
+    pub const fn variables(self) -> Variables {
+        self.facts().variables
+    }
+}
+
+/// What an engine can do, by the constants of its code; see [`Stepper`].
+pub(super) struct EngineFacts {
+    pub(super) variables: Variables,
+    pub(super) is_series: bool,
+    pub(super) sees_limits: bool,
+    pub(super) has_tangent: bool,
+    pub(super) flows: Option<&'static [Flow]>,
+    /// Whether it integrates rotors, energy sinks, quadratic drag and gravity gradients.
+    pub(super) moves_satellites: bool,
+    /// Whether it integrates the torque of a function.
+    pub(super) moves_called: bool,
+}
+
+impl EngineFacts {
+    const fn of<S>() -> EngineFacts
+    where
+        S: Stepper<f64, Top<f64>, AxisTangent, { AxisTangent::LEN }>
+            + Stepper<f64, Top<f64>, SatelliteFrame, { SatelliteFrame::LEN }>
+            + Stepper<f64, Top<f64>, CalledFrame, { CalledFrame::LEN }>,
+    {
+        EngineFacts {
+            variables: <S as Stepper<f64, Top<f64>, AxisTangent, { AxisTangent::LEN }>>::VARIABLES,
+            is_series: <S as Stepper<f64, Top<f64>, AxisTangent, { AxisTangent::LEN }>>::IS_SERIES,
+            sees_limits: <S as Stepper<f64, Top<f64>, AxisTangent, { AxisTangent::LEN }>>::SEES_LIMITS,
+            has_tangent: <S as Stepper<f64, Top<f64>, AxisTangent, { AxisTangent::LEN }>>::HAS_TANGENT,
+            flows: <S as Stepper<f64, Top<f64>, AxisTangent, { AxisTangent::LEN }>>::FLOWS,
+            moves_satellites: <S as Stepper<f64, Top<f64>, SatelliteFrame, { SatelliteFrame::LEN }>>::MOVES,
+            moves_called: <S as Stepper<f64, Top<f64>, CalledFrame, { CalledFrame::LEN }>>::MOVES,
+        }
+    }
+}
