@@ -45,8 +45,6 @@ ANGLE = 30.0
 """Radians that the bodies turn at most."""
 TURNS = 2.0 ** (-0.5 * np.arange(-2, 22))
 """Radians turned in a step."""
-STABLE = {"hermite9": 0.15}
-"""Radians turned in a step beyond which a method is not stable, though 30 rad do not show it."""
 
 STEP = 0.007
 """Step whose cost is measured (s): an implicit step costs the more the longer it is."""
@@ -171,7 +169,7 @@ def errors(name: str, order: int, truth: Truth) -> tuple[float, float] | None:
         usable = [next(i for i, error in enumerate(found) if error < 1e-2)]
     factor = float(np.median([factors[i] for i in usable]))
     fitting = [i for i in usable if factors[i] < 5.0 * factor]
-    return factor, min(float(TURNS[min(fitting)]), STABLE.get(name, np.inf))
+    return factor, float(TURNS[min(fitting)])
 
 
 def work(kind: str, name: str, record: str) -> list[float]:

@@ -29,7 +29,8 @@ KERNEL = re.compile(
 
 # Parts that several kernels share are functions of their own, and are read as kernels are.
 SHARED = re.compile(
-    r"as rigid::real::Real>::apart::apart::<rigid::(observe::bounds::Look|scheme::taylor::Expansion)<"
+    r"as rigid::real::Real>::apart::apart::"
+    r"<rigid::(observe::bounds::Look|scheme::taylor::Expansion)<"
 )
 # What a kernel may call, and why.
 ALLOWED = {
@@ -56,7 +57,6 @@ MAY_COPY = {
     ),
     "the set-up of a pack copies the tables of its drift": re.compile(r"::KickMoserVeselov\b"),
     "the set-up of a pack copies the functions of its damping": re.compile(r"::Exponential<"),
-    "only a step with an event computes its polynomial": re.compile(r"::Hermite<"),
     "a state clears its multiples of the phase once": re.compile(r"::exact::free::Free<"),
 }
 

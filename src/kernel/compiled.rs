@@ -36,9 +36,6 @@ impl Compiled {
 
     /// Advances every lane of the group; only forced systems use the forcing.
     pub fn advance(self, group: &mut Group, forcing: &ForcingRows, steps: usize) {
-        if self.kernel.step.remembers() {
-            group.remember();
-        }
         // SAFETY: `new` has seen the features that the entry point needs.
         unsafe { (self.code.advance)(group, forcing, steps, self.kernel.observed, self.kernel.step.numbers) }
     }

@@ -5,7 +5,6 @@ use crate::forcing::{ForcingInterval, ParameterChange};
 use crate::observe::{MAX_ROWS, Rows, UNOBSERVED};
 use crate::real::Pack;
 use crate::satellite::Satellite;
-use crate::scheme::{DERIVATIVES, NODES};
 use crate::simd::{LANES, Row};
 use std::sync::OnceLock;
 
@@ -22,15 +21,6 @@ pub struct DriftRows {
     pub inverse_scale: Row,
     /// Largest deviation.
     pub worst: Row,
-}
-
-/// The derivatives at the last states of each body, for schemes that use them: the numbers of `Past`, by node and order.
-#[derive(Clone)]
-pub struct PastRows {
-    /// The newest node first.
-    pub nodes: [[[Row; MAX_STATE]; DERIVATIVES]; NODES],
-    /// 1 where the derivatives belong to the motion of the lane, 0 where the motion begins.
-    pub is_known: Row,
 }
 
 /// A displacement of each body, beside the one in its state: the numbers, and their rounding errors.
@@ -76,8 +66,6 @@ pub struct Group {
     /// Further displacements of all bodies, for a kernel that moves them with one motion. A change of the parameters is that
     /// of the displacement in the state.
     pub further: Vec<DisplacementRows>,
-    /// The past of all lanes, for a scheme that uses it.
-    pub past: Option<Box<PastRows>>,
 }
 
 /// The forcing of the bodies of a group on an interval: the numbers of `ForcingInterval`, in its order.
@@ -203,7 +191,6 @@ impl Group {
             momentum: drift,
             unit: Row::ZERO,
             further: Vec::new(),
-            past: None,
         };
         for lane in 0..LANES {
             group.deactivate(lane);
@@ -228,34 +215,6 @@ impl Group {
         }
     }
 
-    /// Provides memory for the past of all lanes.
-    pub(super) fn remember(&mut self) {
-        if self.past.is_none() {
-            let nodes = [[[Row::ZERO; MAX_STATE]; DERIVATIVES]; NODES];
-            self.past = Some(Box::new(PastRows { nodes, is_known: Row::ZERO }));
-        }
-    }
-
-    /// Sets the step of a lane, 0 for a lane that rests. The past of a lane is that of its step.
-    pub fn set_step(&mut self, lane: usize, step: f64) {
-        if self.step.0[lane].to_bits() != step.to_bits() {
-            self.step.0[lane] = step;
-            self.begin_motion(lane);
-        }
-    }
-
-    /// Forgets the past of a lane, because its motion begins or its torque jumps.
-    pub fn begin_motion(&mut self, lane: usize) {
-        let Some(past) = &mut self.past else { return };
-        let rests = self.step.0[lane] == 0.0;
-        past.is_known.0[lane] = if rests { 1.0 } else { 0.0 };
-        if rests {
-            for row in past.nodes.as_flattened_mut().as_flattened_mut() {
-                row.0[lane] = 0.0;
-            }
-        }
-    }
-
     /// Makes a lane inactive: a unit sphere at rest that is not observed, and a step of 0.
     pub fn deactivate(&mut self, lane: usize) {
         for row in self.state.iter_mut().chain(&mut self.compensation) {
@@ -269,7 +228,6 @@ impl Group {
             self.weight[k].0[lane] = 0.0;
         }
         self.step.0[lane] = 0.0;
-        self.begin_motion(lane);
         self.set_observed(lane, &UNOBSERVED);
         self.unit.0[lane] = 0.0;
         for drift in [&mut self.energy, &mut self.momentum] {

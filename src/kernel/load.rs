@@ -245,7 +245,6 @@ pub fn load(group: &mut Group, lane: usize, compiled: Compiled, assignment: Kern
         group.weight[k].0[lane] = parameters.weight[k];
     }
     group.step.0[lane] = step;
-    group.begin_motion(lane);
     group.count.0[lane] = 0.0;
 
     let [energy, momentum] = compiled.invariants(&parameters, &y);

@@ -13,9 +13,8 @@ use crate::scene::{
     Scene, TOP, Top, TwoAxes,
 };
 use crate::scheme::{
-    AffineSplitting, ComposedPlanar, Dop853Tableau, Engine, Exponential, Hermite, ImplicitMidpoint,
-    KickMoserVeselov, KickRotor, Numbers, Planar, Rk4Tableau, RungeKutta, Splitting, Step, Stepper, Taylor,
-    engines,
+    AffineSplitting, ComposedPlanar, Dop853Tableau, Engine, Exponential, ImplicitMidpoint, KickMoserVeselov,
+    KickRotor, Numbers, Planar, Rk4Tableau, RungeKutta, Splitting, Step, Stepper, Taylor, engines,
 };
 #[cfg(target_arch = "x86_64")]
 use crate::simd::{Arr, V4, V8};

@@ -3,13 +3,13 @@
 //! A block advances all bodies of a `Group` by some steps. Lanes are loaded and read by scalar code. No lane depends on
 //! another.
 
-use super::group::{DisplacementRows, DriftRows, ForcingRows, Group, PastRows};
+use super::group::{DisplacementRows, DriftRows, ForcingRows, Group};
 use crate::forcing::ForcingInterval;
 use crate::kinematics::{direction, dot};
 use crate::observe::{Observed, Segment};
 use crate::real::{Pack, Real};
 use crate::scene::{Layout, Model, Parameters};
-use crate::scheme::{Coefficients, DERIVATIVES, NODES, Numbers, Past, Stepper, ages};
+use crate::scheme::{Coefficients, Numbers, Stepper};
 use crate::simd::{LANES, Row};
 
 #[inline(always)]
@@ -68,49 +68,6 @@ where
     bodies
 }
 
-/// Reads the past of the pack that begins at a lane; the lanes without a past begin one.
-#[inline(always)]
-fn load_past<P: Pack, M: Model<P>, L: Layout, S: Stepper<P, M, L, D>, const D: usize>(
-    g: &Group,
-    rows: &PastRows,
-    at: usize,
-    stepper: &S,
-    past: &mut Past<P, D>,
-) {
-    let begins = P::load(&rows.is_known.0[at..]).lt(P::splat(1.0));
-    let some_begin = P::any(begins);
-    if some_begin {
-        let mut y = [P::splat(0.0); D];
-        for d in 0..D {
-            y[d] = P::load(&g.state[d].0[at..]);
-        }
-        stepper.begin(&y, past);
-    }
-    for node in 0..NODES {
-        for k in 0..DERIVATIVES {
-            for d in 0..D {
-                let known = P::load(&rows.nodes[node][k][d].0[at..]);
-                past[node][k][d] =
-                    if some_begin { P::select(begins, past[node][k][d], known) } else { known };
-            }
-        }
-    }
-}
-
-/// Keeps the past of the pack that begins at a lane, after some steps.
-#[inline(always)]
-fn keep_past<P: Pack, const D: usize>(rows: &mut PastRows, at: usize, past: &Past<P, D>, steps: usize) {
-    let ages = ages(steps);
-    for node in 0..NODES {
-        for k in 0..DERIVATIVES {
-            for d in 0..D {
-                past[ages[node]][k][d].store(&mut rows.nodes[node][k][d].0[at..]);
-            }
-        }
-    }
-    P::splat(1.0).store(&mut rows.is_known.0[at..]);
-}
-
 /// Advances all lanes by `steps`, with interleaved packs, and updates the drifts at the end.
 #[inline(always)]
 pub(super) fn step_block<P, const PACKS: usize, M, L, S, const D: usize>(
@@ -131,16 +88,7 @@ pub(super) fn step_block<P, const PACKS: usize, M, L, S, const D: usize>(
         return;
     }
     let bodies = prepared::<P, PACKS, M, L, S, D>(g, forcing, numbers);
-    let mut pasts = [[[[P::splat(0.0); D]; DERIVATIVES]; NODES]; PACKS];
-    if const { S::REMEMBERS }
-        && let Some(rows) = &g.past
-    {
-        for b in 0..packs {
-            load_past::<P, M, L, S, D>(g, rows, b * P::LANES, &bodies[b].1, &mut pasts[b]);
-        }
-    }
     for i in 0..steps {
-        let ages = ages(i);
         // A loop to a constant, which the compiler unrolls: else it copies the stages of a step by calls.
         for b in 0..PACKS {
             if b == packs {
@@ -160,11 +108,7 @@ pub(super) fn step_block<P, const PACKS: usize, M, L, S, const D: usize>(
                     compensation[d] = P::load(&g.compensation[d].0[at..]);
                 }
             }
-            if const { S::REMEMBERS } {
-                stepper.advance(&mut y, &mut pasts[b], ages);
-            } else {
-                stepper.step(p, &mut y, &mut compensation, &mut dense);
-            }
+            stepper.step(p, &mut y, &mut compensation, &mut dense);
             if S::COMPENSATES {
                 for d in 0..D {
                     compensation[d].store(&mut g.compensation[d].0[at..]);
@@ -175,23 +119,14 @@ pub(super) fn step_block<P, const PACKS: usize, M, L, S, const D: usize>(
             }
             if observed != Observed::Nothing {
                 let begin = (P::load(&g.count.0[at..]) + P::splat(i as f64)) * p.step;
-                // The step has replaced the oldest derivatives by those at its end.
-                let ends = [&pasts[b][ages[0]], &pasts[b][ages[2]]];
-                let mut segment = Segment { begin, before: &before, after: &y, ends, dense: &mut dense };
-                observed.after_step::<P, M, L, S, D>(stepper, p, &mut g.observed, at, &mut segment);
+                let segment = Segment { begin, before: &before, after: &y, dense: &dense };
+                observed.after_step::<P, M, L, S, D>(stepper, p, &mut g.observed, at, &segment);
             }
             if const { S::SHARES_MOTION } {
                 for rows in &mut g.further {
                     displace::<P, M, L, S, D>(stepper, rows, at, &mut dense);
                 }
             }
-        }
-    }
-    if const { S::REMEMBERS }
-        && let Some(rows) = &mut g.past
-    {
-        for b in 0..packs {
-            keep_past(rows, b * P::LANES, &pasts[b], steps);
         }
     }
     for b in 0..PACKS {

@@ -174,10 +174,10 @@ struct Inside<'a, R, const D: usize> {
 
 impl<R: Real, const D: usize> Inside<'_, R, D> {
     #[inline(always)]
-    fn at<L: Layout, const HAS_POLYNOMIAL: bool>(&self, fraction: R) -> [R; D] {
+    fn at<L: Layout, const IS_SERIES: bool>(&self, fraction: R) -> [R; D] {
         let used = const { 3 + 3 * L::VECTORS };
         let (mut y, dense) = (*self.after, self.dense);
-        if HAS_POLYNOMIAL {
+        if IS_SERIES {
             let order = dense.highest();
             // Neither a copy of slices nor a zip is always inlined, and a kernel has no calls.
             #[allow(clippy::manual_memcpy)]
@@ -292,7 +292,7 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Bou
         stepper: &S,
         p: &Parameters<R>,
         rows: &mut Rows<R>,
-        segment: &mut Segment<R, D>,
+        segment: &Segment<R, D>,
     ) {
         if const { !S::SEES_LIMITS } {
             return;
@@ -303,8 +303,7 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Bou
         in_halves!(d in D { before[d] = segment.before[d]; });
         in_halves!(d in D { after[d] = segment.after[d]; });
         // Only the branch that is taken is compiled.
-        if const { S::HAS_POLYNOMIAL } {
-            segment.polynomial(stepper);
+        if const { S::IS_SERIES } {
             let inside = Inside { before: &before, after: &after, slopes: &[], dense: segment.dense };
             R::apart(Look::<R, L, false, true, D> { p, rows, begin, inside, layout: PhantomData });
             return;
@@ -321,7 +320,7 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Bou
 }
 
 /// The scalar inside a step, in a function that all engines with the same variables share.
-struct Look<'a, R, L, const MOMENTA: bool, const HAS_POLYNOMIAL: bool, const D: usize> {
+struct Look<'a, R, L, const MOMENTA: bool, const IS_SERIES: bool, const D: usize> {
     p: &'a Parameters<R>,
     rows: &'a mut Rows<R>,
     begin: R,
@@ -329,8 +328,8 @@ struct Look<'a, R, L, const MOMENTA: bool, const HAS_POLYNOMIAL: bool, const D: 
     layout: PhantomData<L>,
 }
 
-impl<R: Real, L: Layout, const MOMENTA: bool, const HAS_POLYNOMIAL: bool, const D: usize> Apart
-    for Look<'_, R, L, MOMENTA, HAS_POLYNOMIAL, D>
+impl<R: Real, L: Layout, const MOMENTA: bool, const IS_SERIES: bool, const D: usize> Apart
+    for Look<'_, R, L, MOMENTA, IS_SERIES, D>
 {
     #[inline(always)]
     fn run(self) {
@@ -351,7 +350,7 @@ impl<R: Real, L: Layout, const MOMENTA: bool, const HAS_POLYNOMIAL: bool, const 
         let mut leap2 = rows[Bounds::LEAP2];
         for place in 0..=Bounds::PLACES {
             let fraction = size.fma(R::splat(place as f64), watched);
-            let y = if place == Bounds::PLACES { *after } else { inside.at::<L, HAS_POLYNOMIAL>(fraction) };
+            let y = if place == Bounds::PLACES { *after } else { inside.at::<L, IS_SERIES>(fraction) };
             margins = [margins[1], margins[2], margin::<R, L, D>(variables, p, rows, &y)];
             let (_, _, now_along) = vector(variables, p, rows, &y);
             leap2 = leap2.max(chord2(&now_along, &unit));
@@ -382,7 +381,7 @@ impl<R: Real, L: Layout, const MOMENTA: bool, const HAS_POLYNOMIAL: bool, const 
                     let mut around = [zero; 3];
                     for side in 0..3 {
                         let there = reach.fma(R::splat(side as f64 - 1.0), at);
-                        let y = inside.at::<L, HAS_POLYNOMIAL>(there);
+                        let y = inside.at::<L, IS_SERIES>(there);
                         around[side] = margin::<R, L, D>(variables, p, rows, &y);
                         let is_inside = R::select(there.lt(first), zero, R::select(end.lt(there), zero, one));
                         let lower = R::select(around[side].lt(deepest), is_inside, zero);
@@ -434,7 +433,7 @@ impl<R: Real, L: Layout, const MOMENTA: bool, const HAS_POLYNOMIAL: bool, const 
             let mut last_side = zero;
             for _ in 0..16 {
                 let fraction = (high - low).fma(inner / (inner - outer), low);
-                let y = inside.at::<L, HAS_POLYNOMIAL>(fraction);
+                let y = inside.at::<L, IS_SERIES>(fraction);
                 let margin = margin::<R, L, D>(variables, p, rows, &y);
                 let beyond = margin.lt(zero);
                 let side = R::select(beyond, one, -one);

@@ -1,6 +1,6 @@
 //! Sign changes of a component of the rates.
 
-use super::dense::{Bracket, hermite_root, interpolate, newton, turning_point};
+use super::dense::{Bracket, Part, hermite_root, interpolate, newton, turning_point};
 use super::{EXIT_TIME, Observable, Rows, Segment, Start, Update, along, first_time, three};
 use crate::forcing::{BodyForcing, ForcingInterval};
 use crate::real::Real;
@@ -26,17 +26,17 @@ impl Flips {
         stepper: &S,
         p: &Parameters<R>,
         rows: &mut Rows<R>,
-        segment: &mut Segment<R, D>,
+        segment: &Segment<R, D>,
     ) {
-        let &mut Segment { begin: time, before, after, .. } = segment;
+        let &Segment { begin: time, before, after, .. } = segment;
         let axis = three(rows, Flips::AXIS);
         let sign = rows[Flips::SIGN];
         let zero = R::splat(0.0);
-        let begin_slope = along(&axis, &segment.slopes_at_begin::<S, M, L>(0)) * sign;
+        let begin_slope = along(&axis, &0usize.of(segment.dense.order(1))) * sign;
         let end_slope = along(&axis, &stepper.velocity(p, after)) * p.step * sign;
         let has_minimum = R::select(zero.lt(end_slope), begin_slope, zero).lt(zero);
         if R::any(has_minimum) {
-            let dense = segment.polynomial(stepper);
+            let dense = segment.dense;
             let extremum = turning_point(dense, 0, &axis, [begin_slope, end_slope]);
             let (omega, _) = interpolate(dense, 0, extremum);
             let begin = along(&axis, &[before[0], before[1], before[2]]) * sign;
@@ -96,9 +96,9 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Fli
         stepper: &S,
         p: &Parameters<R>,
         rows: &mut Rows<R>,
-        segment: &mut Segment<R, D>,
+        segment: &Segment<R, D>,
     ) {
-        let &mut Segment { begin: time, before, after, .. } = segment;
+        let &Segment { begin: time, before, after, .. } = segment;
         let axis = three(rows, Flips::AXIS);
         let sign = rows[Flips::SIGN];
         let zero = R::splat(0.0);
@@ -110,8 +110,8 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Fli
             let begin_rate = along(&axis, &stepper.velocity(p, before)) * p.step;
             let end_rate = along(&axis, &stepper.velocity(p, after)) * p.step;
             let mut fraction = hermite_root(begin, begin_rate, end, end_rate);
-            if const { S::HAS_POLYNOMIAL } {
-                let dense = segment.polynomial(stepper);
+            if const { S::IS_SERIES } {
+                let dense = segment.dense;
                 // The cubic is wrong by at most a hundredth of the step; each Newton step squares this error.
                 let mut bracket = Bracket::new(end);
                 for _ in 0..3 {
@@ -124,7 +124,7 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Fli
             rows[Flips::COUNT] = rows[Flips::COUNT] + R::select(flipped, R::splat(1.0), zero);
             rows[Flips::SIGN] = R::select(flipped, -sign, sign);
         }
-        if const { S::HAS_POLYNOMIAL } {
+        if const { S::IS_SERIES } {
             Self::two_flips_in_a_step(stepper, p, rows, segment);
         }
     }

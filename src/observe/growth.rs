@@ -216,10 +216,10 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Gro
 
     #[inline(always)]
     fn after_step<S: Stepper<R, M, L, D>>(
-        stepper: &S,
+        _stepper: &S,
         p: &Parameters<R>,
         rows: &mut Rows<R>,
-        segment: &mut Segment<R, D>,
+        segment: &Segment<R, D>,
     ) {
         let at = L::TANGENT_AT;
         let y = segment.after;
@@ -229,8 +229,8 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Gro
             [y[at + 3], y[at + 4], y[at + 5]],
             direction(y, 0),
         );
-        if const { S::HAS_POLYNOMIAL } {
-            let dense = segment.polynomial(stepper);
+        if const { S::IS_SERIES } {
+            let dense = segment.dense;
             let mut logs = [log; 4];
             for i in 0..4 {
                 let node = R::splat(NODES[i]);

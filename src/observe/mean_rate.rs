@@ -43,12 +43,12 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Mea
         stepper: &S,
         p: &Parameters<R>,
         rows: &mut Rows<R>,
-        segment: &mut Segment<R, D>,
+        segment: &Segment<R, D>,
     ) {
-        let &mut Segment { begin: time, before, after, .. } = segment;
+        let &Segment { begin: time, before, after, .. } = segment;
         let axis = three(rows, MeanRate::AXIS);
-        let mean = if const { S::HAS_POLYNOMIAL } {
-            let dense = segment.polynomial(stepper);
+        let mean = if const { S::IS_SERIES } {
+            let dense = segment.dense;
             let mut mean = R::splat(0.0);
             for k in (0..=dense.highest()).rev() {
                 let row = dense.order(k);

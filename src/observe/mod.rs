@@ -19,10 +19,9 @@ pub use tilt::{Tilt, largest_tilt};
 use crate::forcing::ForcingInterval;
 use crate::real::{Pack, Real};
 use crate::scene::{Layout, Model, Parameters};
-use crate::scheme::{Coefficients, Derivatives, Stepper};
+use crate::scheme::{Coefficients, Stepper};
 use crate::simd::Row;
 use crate::start::Body;
-use dense::Part;
 
 /// The row of the time at which stability was lost, the same for every observable; infinite before.
 pub const EXIT_TIME: usize = 0;
@@ -51,7 +50,7 @@ pub trait Update<R: Real, M: Model<R>, L: Layout, const D: usize>: Observable {
         stepper: &S,
         p: &Parameters<R>,
         rows: &mut Rows<R>,
-        segment: &mut Segment<R, D>,
+        segment: &Segment<R, D>,
     );
     /// Updates the rows at the end of a block of steps.
     #[inline(always)]
@@ -98,28 +97,8 @@ pub struct Segment<'a, R, const D: usize> {
     pub before: &'a [R; D],
     /// The state after the step.
     pub after: &'a [R; D],
-    /// The derivatives at both ends, if the scheme uses them.
-    pub ends: [&'a Derivatives<R, D>; 2],
-    /// The coefficients of the motion in powers of the fraction of the step; see [`Segment::polynomial`].
-    pub dense: &'a mut Coefficients<R, D>,
-}
-
-impl<R: Real, const D: usize> Segment<'_, R, D> {
-    /// The coefficients of the motion inside the step.
-    #[inline(always)]
-    fn polynomial<S: Stepper<R, M, L, D>, M: Model<R>, L: Layout>(
-        &mut self,
-        stepper: &S,
-    ) -> &Coefficients<R, D> {
-        stepper.polynomial([self.before, self.after], self.ends, self.dense);
-        self.dense
-    }
-
-    /// The rates of change of a part of a state at the begin of the step, times the step.
-    #[inline(always)]
-    fn slopes_at_begin<S: Stepper<R, M, L, D>, M: Model<R>, L: Layout>(&self, part: impl Part<R>) -> [R; 3] {
-        part.of(if const { S::REMEMBERS } { &self.ends[0][0] } else { self.dense.order(1) })
-    }
+    /// The coefficients of the motion in powers of the fraction of the step, if the step is a series.
+    pub dense: &'a Coefficients<R, D>,
 }
 
 /// The list of all observables.
@@ -173,7 +152,7 @@ macro_rules! observables {
                 p: &Parameters<P>,
                 rows: &mut [Row; MAX_ROWS],
                 at: usize,
-                segment: &mut Segment<P, D>,
+                segment: &Segment<P, D>,
             ) {
                 $(if const { <$name as Update<P, M, L, D>>::FITS } && self == Observed::$name {
                     let mut values = [P::splat(0.0); MAX_ROWS];

@@ -120,9 +120,9 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Til
         stepper: &S,
         p: &Parameters<R>,
         rows: &mut Rows<R>,
-        segment: &mut Segment<R, D>,
+        segment: &Segment<R, D>,
     ) {
-        let &mut Segment { begin: time, before, after, .. } = segment;
+        let &Segment { begin: time, before, after, .. } = segment;
         let axis = three(rows, Tilt::AXIS);
         let limit = [rows[Tilt::LIMIT], rows[Tilt::LIMIT + 1]];
         let (zero, one) = (R::splat(0.0), R::splat(1.0));
@@ -130,13 +130,13 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Til
         let at_end = vertical.of(after);
         let [mut cosine, mut sine2] = tilt(&axis, &at_end);
         let mut fraction = one;
-        if const { S::HAS_POLYNOMIAL } {
-            let begin_slope = along(&axis, &segment.slopes_at_begin::<S, M, L>(vertical));
+        if const { S::IS_SERIES } {
+            let begin_slope = along(&axis, &vertical.of(segment.dense.order(1)));
             let end_slope = along(&axis, &direction_rate(&at_end, &stepper.turning(after))) * p.step;
             // The cosine has a minimum inside the step.
             let has_minimum = R::select(zero.lt(end_slope), begin_slope, zero).lt(zero);
             if R::any(has_minimum) {
-                let dense = segment.polynomial(stepper);
+                let dense = segment.dense;
                 let minimum = turning_point(dense, vertical, &axis, [begin_slope, end_slope]);
                 let (n, _) = interpolate(dense, vertical, minimum);
                 let [cosine_there, sine2_there] = tilt(&axis, &n);
@@ -153,8 +153,8 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Til
             let begin = tilt(&axis, &vertical.of(before));
             // The time is the begin of the step if the limit was exceeded there.
             let begin = margin(&limit, begin).max(zero);
-            let fraction = if const { S::HAS_POLYNOMIAL } {
-                crossing(segment.polynomial(stepper), vertical, &axis, &limit, [begin, end], fraction)
+            let fraction = if const { S::IS_SERIES } {
+                crossing(segment.dense, vertical, &axis, &limit, [begin, end], fraction)
             } else {
                 // Linear interpolation.
                 begin / (begin - end)

@@ -137,7 +137,6 @@ fn methods(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
         entry.set_item("tops", scheme.moves_tops())?;
         entry.set_item("maps", !scheme.is_processed())?;
         entry.set_item("series", scheme.is_series())?;
-        entry.set_item("multistep", scheme.any.remembers())?;
         entry.set_item("compensated", scheme.any.is_compensated())?;
         entry.set_item("damping_limit", scheme.damping_limit())?;
         entry.set_item("angle_per_step", facts.angle_per_step)?;

@@ -1,8 +1,8 @@
 //! The list of engines. What an engine can do follows from its code.
 
 use super::{
-    AffineSplitting, ComposedPlanar, Dop853Tableau, Exponential, Flow, Hermite, ImplicitMidpoint,
-    KickMoserVeselov, KickRotor, Planar, Rk4Tableau, RungeKutta, Splitting, Stepper, Taylor, Variables,
+    AffineSplitting, ComposedPlanar, Dop853Tableau, Exponential, Flow, ImplicitMidpoint, KickMoserVeselov,
+    KickRotor, Planar, Rk4Tableau, RungeKutta, Splitting, Stepper, Taylor, Variables,
 };
 use crate::scene::{AxisTangent, CalledFrame, Layout, SatelliteFrame, Top};
 
@@ -18,8 +18,6 @@ macro_rules! engines {
             Dop853: RungeKutta<Dop853Tableau, R, M>, V4, V8;
             /// A Taylor series of any order.
             Taylor: Taylor<R, M>, V4, V8;
-            /// Hermite predictor and corrector.
-            Hermite: Hermite<R, M>, V4, V8;
             /// Planar rotations about the principal axes and kicks, of order 2.
             Planar: Splitting<Planar, R>, Arr<V4, 2>, Arr<V8, 2>;
             /// The planar rotations and kicks with any numbers.

@@ -8,7 +8,6 @@ mod compositions;
 mod displacements;
 mod engine;
 mod exponential;
-mod hermite;
 mod midpoint;
 mod moser_veselov;
 mod runge_kutta;
@@ -22,7 +21,6 @@ pub use engine::Engine;
 pub(crate) use engine::engines;
 pub(crate) use exponential::phi;
 pub use exponential::{AffineSplitting, Exponential};
-pub use hermite::{DERIVATIVES, Derivatives, Hermite, NODES, Past, ages};
 pub use midpoint::ImplicitMidpoint;
 pub use moser_veselov::MoserVeselov;
 pub use runge_kutta::{Dop853Tableau, Rk4Tableau, RungeKutta, Tableau};
@@ -52,14 +50,13 @@ macro_rules! schemes {
 schemes! {
     runge_kutta: RK4 DOP853;
     taylor: TAYLOR12 TAYLOR16 TAYLOR20 TAYLOR26;
-    hermite: HERMITE9;
     compositions: SPLITTING SPLITTING4 SPLITTING8 CHIN4A PMLF4 PMLF6 DMV2 DMV10;
     exponential: ETD4;
     midpoint: MIDPOINT;
 }
 
 /// Names of schemes of earlier versions, each with the scheme that takes its place.
-pub const RETIRED: [(&str, &str); 9] = [
+pub const RETIRED: [(&str, &str); 10] = [
     ("taylor8", "taylor12"),
     ("taylor14", "taylor16"),
     ("splitting6", "splitting8"),
@@ -69,6 +66,7 @@ pub const RETIRED: [(&str, &str); 9] = [
     ("dmv4", "dmv10"),
     ("dmv6", "dmv10"),
     ("dmv8", "dmv10"),
+    ("hermite9", "dop853"),
 ];
 
 /// Every step of every scheme, each once.
@@ -253,11 +251,6 @@ impl Step {
     /// Whether the step moves a displacement by its derivative: one with force gradients or a processor has none.
     pub const fn has_tangent(self) -> bool {
         self.engine.facts().has_tangent && self.numbers.gradients.is_empty() && !self.is_processed()
-    }
-
-    /// Whether the step uses derivatives at the states before.
-    pub const fn remembers(self) -> bool {
-        matches!(self.engine, Engine::Hermite)
     }
 
     /// Whether limits are observed inside the step; see [`Stepper::SEES_LIMITS`].
@@ -560,18 +553,14 @@ pub trait Stepper<R: Real, M: Model<R>, L: Layout, const D: usize>: Copy {
     const MOVES: bool;
     /// Whether the engine can add the rounding error of a step to the next.
     const COMPENSATES: bool = false;
-    /// Whether a step is a series, and stores its coefficients.
+    /// Whether a step is a series, and stores its coefficients: the motion inside the step is known.
     const IS_SERIES: bool = false;
-    /// Whether the motion inside a step is known as a polynomial.
-    const HAS_POLYNOMIAL: bool = Self::IS_SERIES;
-    /// Whether a step uses derivatives at the states before: it is made by `advance` then, not by `step`.
-    const REMEMBERS: bool = false;
     /// Whether a step moves a displacement by the derivative of the step.
     const HAS_TANGENT: bool = false;
     /// Whether a step can move further displacements with the same motion.
     const SHARES_MOTION: bool = false;
-    /// Whether a step has so few operations that the loop over packs counts. Its sums are not compensated, and it uses
-    /// no past.
+    /// Whether a step has so few operations that the loop over packs counts. Its sums are not
+    /// compensated.
     const IS_SHORT: bool = false;
     /// Whether limits are observed inside the step. Code is compiled only then.
     const SEES_LIMITS: bool = true;
@@ -604,20 +593,6 @@ pub trait Stepper<R: Real, M: Model<R>, L: Layout, const D: usize>: Copy {
     ) {
         unreachable!("only some steps move further displacements")
     }
-    /// The derivatives at a start and at two states before it, as if no torque had jumped.
-    #[inline(always)]
-    fn begin(&self, _y: &[R; D], _past: &mut Past<R, D>) {
-        unreachable!("only some steps use the past")
-    }
-    /// Advances the state by one step, and replaces the oldest derivatives; `ages` are their places, the newest first.
-    #[inline(always)]
-    fn advance(&self, _y: &mut [R; D], _past: &mut Past<R, D>, _ages: [usize; NODES]) {
-        unreachable!("only some steps use the past")
-    }
-    /// Stores the coefficients of the polynomial of a step, from the states at both ends and their derivatives; a series
-    /// has stored them.
-    #[inline(always)]
-    fn polynomial(&self, _: [&[R; D]; 2], _: [&Derivatives<R, D>; 2], _dense: &mut Coefficients<R, D>) {}
     /// The coefficients of a series for the motion from `y` on, in powers of the time over `unit`. The coefficients are
     /// written in place, because a move would cost a tenth of their computation.
     #[inline(always)]

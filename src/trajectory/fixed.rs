@@ -357,10 +357,6 @@ impl<'a, 'b> FixedBatch<'a, 'b> {
                         }
                     }
                 }
-                if !matches!(self.request.schedule, Schedule::Strides(_)) {
-                    // So that the steps of a body do not depend on when others of its group rest.
-                    (0..self.members.len()).for_each(|lane| group.begin_motion(lane));
-                }
                 let forcing_rows = forcing_rows.as_deref().unwrap_or(&NO_FORCING);
                 advance(&mut group, forcing_rows, self.compiled, legs, stop)?;
                 for (lane, &member) in self.members.iter().enumerate() {
@@ -411,7 +407,7 @@ fn advance(
             continue;
         }
         for &finished in &lanes[at_rest..i] {
-            group.set_step(finished, 0.0);
+            group.step.0[finished] = 0.0;
         }
         at_rest = i;
         while done < end {
@@ -433,6 +429,6 @@ fn advance(
 /// Sets the steps of the lanes that move, and makes the others inactive.
 fn set_steps(group: &mut Group, legs: &[Leg]) {
     for (lane, leg) in legs.iter().enumerate() {
-        group.set_step(lane, if leg.steps > 0 { leg.step } else { 0.0 });
+        group.step.0[lane] = if leg.steps > 0 { leg.step } else { 0.0 };
     }
 }

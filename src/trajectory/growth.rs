@@ -280,7 +280,7 @@ impl GrowthBatch<'_> {
             let next = end.min((done / together + 1) * together);
             for (b, leg) in legs.iter().enumerate() {
                 for lane in self.lanes(b) {
-                    group.set_step(lane, if leg.steps > done { leg.step } else { 0.0 });
+                    group.step.0[lane] = if leg.steps > done { leg.step } else { 0.0 };
                 }
             }
             let worst = group.energy.worst;

@@ -270,7 +270,6 @@ impl MovingGroup {
             }
             for lane in 0..self.bodies.len() {
                 self.lanes.step.0[lane] = step;
-                self.lanes.begin_motion(lane);
             }
             if self.compiled.is_processed() {
                 self.compiled.enter(&mut self.lanes);

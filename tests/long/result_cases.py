@@ -593,7 +593,7 @@ def _limits() -> Iterator[Case]:
 
     for scene, request in scenes.items():
         for question, stable in questions.items():
-            for method in ("auto", "rk4", "splitting", "hermite9", "taylor12"):
+            for method in ("auto", "rk4", "splitting", "taylor12"):
                 yield (
                     f"core/limits/{scene}/{question}/{method}",
                     partial(numbers, {**request, "stable": stable}, method=method),

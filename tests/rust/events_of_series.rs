@@ -1,4 +1,4 @@
-//! Events inside the steps of a Taylor series or of a Hermite method, located on the polynomial of the step with the
+//! Events inside the steps of a Taylor series, located on the polynomial of the step with the
 //! accuracy of the states.
 
 use rigid::exact::derived::{sign_changes, tilt_time, top_quantities};
@@ -11,8 +11,8 @@ use rigid::scheme::{self, Scheme};
 use rigid::simd::Isa;
 use rigid::start::Body;
 
-fn polynomials() -> impl Iterator<Item = &'static Scheme> {
-    scheme::ALL.iter().copied().filter(|method| method.is_series() || method.any.remembers())
+fn series() -> impl Iterator<Item = &'static Scheme> {
+    scheme::ALL.iter().copied().filter(|method| method.is_series())
 }
 
 /// A body in a group without other bodies, with the longest steps that keep the attitude to 4e-14 a radian
@@ -64,7 +64,7 @@ fn the_flip_of_a_tumbler() {
             if first == f64::INFINITY {
                 continue;
             }
-            for method in polynomials() {
+            for method in series() {
                 let run = Run::new(&body, method, System::FreeRates, Observed::Flips, (axis, f64::INFINITY))
                     .until(first + 1.0);
                 let off = (run.exit_time() - first).abs();
@@ -87,7 +87,7 @@ fn the_largest_tilt_of_a_top() {
     for omega in [[0.3, 0.2, 4.0], [-0.5, 0.1, 5.5], [0.0, 0.0, 3.5]] {
         let body = top(omega);
         let quantities = top_quantities(Isa::available()[0], &body).unwrap();
-        for method in polynomials() {
+        for method in series() {
             let run = Run::new(&body, method, System::TopAxis, Observed::Tilt, (3, f64::INFINITY))
                 .until(1.2 * quantities.period);
             let observed_tilt =
@@ -111,7 +111,7 @@ fn the_limit_of_the_tilt_of_a_top() {
         for part in [0.9_f64, 0.99, 0.9999, 0.999_999] {
             let limit = low + part * (high - low);
             let expected = tilt_time(isa, &body, limit).unwrap();
-            for method in polynomials() {
+            for method in series() {
                 let run = Run::new(&body, method, System::TopAxis, Observed::Tilt, (3, limit));
                 let run = run.until(1.2 * quantities.period);
                 let off = (run.exit_time() - expected).abs();

@@ -8,7 +8,7 @@ use rigid::kernel::{Entry, KernelAssignment, load};
 use rigid::observe::{Displacement, EXIT_TIME, Flips, MAX_ROWS, Observed, Rows, Segment, Update};
 use rigid::scene::FREE;
 use rigid::scene::{Free, Parameters, Rates};
-use rigid::scheme::{self, Coefficients, DERIVATIVES, Numbers, Rk4Tableau, RungeKutta, Scheme, Stepper};
+use rigid::scheme::{self, Coefficients, Numbers, Rk4Tableau, RungeKutta, Scheme, Stepper};
 use rigid::simd::Isa;
 use rigid::simd::LANES;
 use rigid::start::Body;
@@ -194,9 +194,8 @@ const POSITIVE: Rows<f64> = {
 fn observe_step(rows: &mut Rows<f64>, begin: f64, before: [f64; 3], after: [f64; 3]) {
     let engine =
         <Engine as Stepper<f64, Free<f64>, Rates, 3>>::new(&BODY, &ForcingInterval::none(), &Numbers::NONE);
-    let (unused, mut nothing) = ([[0.0; 3]; DERIVATIVES], Coefficients::new());
-    let mut segment =
-        Segment { begin, before: &before, after: &after, ends: [&unused; 2], dense: &mut nothing };
+    let nothing = Coefficients::new();
+    let mut segment = Segment { begin, before: &before, after: &after, dense: &nothing };
     <Flips as Update<f64, Free<f64>, Rates, 3>>::after_step(&engine, &BODY, rows, &mut segment);
 }
 

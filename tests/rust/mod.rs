@@ -10,7 +10,6 @@ mod elliptic_functions;
 mod events_of_series;
 mod flips;
 mod forced_bodies;
-mod hermite;
 mod incomplete_beta;
 mod odd_requests;
 mod random_starts;

@@ -24,7 +24,7 @@ from rigid.model.scene import Scene
 BODIES = 3
 """Bodies of a map whose motions are integrated by SciPy."""
 
-MEASURING = ("auto", "auto", "auto", "taylor12", "taylor16", "hermite9")
+MEASURING = ("auto", "auto", "auto", "taylor12", "taylor16", "dop853")
 """Methods that know the motion inside their steps."""
 
 JUDGING = ("auto", "auto", "auto", "taylor16", "dop853")

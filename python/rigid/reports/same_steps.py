@@ -15,7 +15,7 @@ ANGLES = tuple(2.0**k for k in range(-2, 5))
 in long ones not every method arrives."""
 
 STEPS = 4
-"""Steps of each length. Methods that use states before begin in another way."""
+"""Steps of each length: the rounding of the first may hide a difference."""
 
 
 def same_steps(ensemble: Ensemble, names: Sequence[str]) -> Mapping[str, tuple[str, ...]]:

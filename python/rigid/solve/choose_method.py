@@ -240,7 +240,6 @@ def _usually_cheapest(problem: Problem, method: str, why: list[str]) -> str:
         str(problem.classes()[0]),
         stepped_record(problem, method),
         dict.fromkeys(names, USUAL_ANGLE),
-        problem.states,
     )
     why.append(f"{usual} is mostly the cheapest scheme for an error of {USUAL_ACCURACY:g}")
     return usual
@@ -275,7 +274,7 @@ def _accurate(
         else:
             angles = dict.fromkeys(plain_methods(), _largest_angle(turning, span))
         record = stepped_record(problem, method)
-        method = cheapest(accuracy, kind, record, angles, problem.states)
+        method = cheapest(accuracy, kind, record, angles)
         why.append(f"{method} is the cheapest scheme for an error of {accuracy:g}")
     why.append(f"the step follows from the error of {accuracy:g} at the end")
     rates = problem.batch.fastest_rates(problem.times, method)

@@ -18,7 +18,7 @@ from ..model.scene import Scene
 from .arrays import time_ranges, time_span
 from .batch import Batch
 from .closed_form import Codes, lagrange_axes, names
-from .methods import is_multistep, is_processed, is_stiff, order_of
+from .methods import is_processed, is_stiff, order_of
 from .work import LANES, MANY, Work
 
 __all__ = [
@@ -47,9 +47,6 @@ ROUNDING = 1e-15
 
 PROCESSOR = 1e-12
 """Rounding (rad) of the change of variables before and after the steps of a processed scheme."""
-
-BEGIN = 12
-"""Steps that take as long as the begin of a multistep scheme, at each wanted time."""
 
 LAYER = 0.1
 """Steps longer than this share of the damping time do not resolve how damping forgets a start."""
@@ -141,9 +138,8 @@ def cheapest(
     kind: str,
     record: str,
     angles: Mapping[str, float],
-    states: int,
 ) -> str:
-    """The scheme that needs the least time for so many states and this error after these angles.
+    """The scheme that needs the least time for this error after these angles.
 
     Explicit steps follow the damping too: the angles include what damping takes away.
     """
@@ -152,7 +148,7 @@ def cheapest(
         scheme, angle = schemes()[name, kind], angles[name]
         turn = _turn(scheme, accuracy, np.array(angle)).item()
         taken = max(angle, 1e-300) / turn if turn > 0.0 else math.inf
-        return scheme.work[record].step * (taken + _begins(name, states))
+        return scheme.work[record].step * taken
 
     return min((name for name, known in schemes() if known == kind and name in angles), key=time)
 
@@ -388,7 +384,7 @@ def steps_estimate(
         step=shortest if shortest < np.inf else None,
         steps=int(taken) if counted else None,
         work=_work(scheme, question).of_a_body(
-            bodies, states, _by_group(each) + _begins(method, states), _ends(each / max(states, 1))
+            bodies, states, _by_group(each), _ends(each / max(states, 1))
         )
         if counted
         else None,
@@ -430,11 +426,6 @@ def _ends(steps: Floats) -> float:
     groups = np.full((math.ceil(len(steps) / LANES), LANES), np.nan)
     groups.flat[: len(steps)] = np.sort(np.ceil(steps))
     return 1.0 + float(np.count_nonzero(np.diff(groups, axis=1) > 0.0)) / len(groups)
-
-
-def _begins(method: str, states: int) -> int:
-    """What the begins of a scheme cost, in steps."""
-    return BEGIN * max(states, 1) if is_multistep(method) else 0
 
 
 def _work(scheme: Scheme, question: str | Criterion) -> Work:

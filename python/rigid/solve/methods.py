@@ -24,7 +24,6 @@ __all__ = [
     "check_method",
     "driven_methods",
     "is_compensated",
-    "is_multistep",
     "is_processed",
     "is_stiff",
     "known_method",
@@ -97,9 +96,8 @@ class Method:
     tops, maps : bool
         Integrates bodies with weight, not only free ones; has a state after every step, which a
         map needs, not only at given times.
-    series, multistep : bool
-        Is a Taylor series, which may choose its steps by a tolerance; uses the states before a
-        step, and begins anew at each wanted time, which takes as long as a dozen steps.
+    series : bool
+        Is a Taylor series, which may choose its steps by a tolerance.
     compensated : bool
         Carries the rounding of a fixed step to the next one, as a Taylor series with a tolerance
         always does.
@@ -128,7 +126,6 @@ class Method:
     tops: bool
     maps: bool
     series: bool
-    multistep: bool
     compensated: bool
     damping_limit: float | None
     angle_per_step: float
@@ -198,11 +195,6 @@ def angle_per_step(name: str) -> float:
 def is_processed(name: str) -> bool:
     """Whether a scheme has states only before and after many steps."""
     return not _named(name).maps
-
-
-def is_multistep(name: str) -> bool:
-    """Whether a scheme uses the states before, and so begins anew at each wanted time."""
-    return _named(name).multistep
 
 
 def is_compensated(name: str) -> bool:

@@ -115,7 +115,7 @@ def test_values_are_those_of_the_motion() -> None:
                 assert body.measures["time_to_leave"] == body.left
 
 
-@pytest.mark.parametrize("method", ["rk4", "splitting4", "dop853", "hermite9"])
+@pytest.mark.parametrize("method", ["rk4", "splitting4", "dop853"])
 def test_mean_rates_of_other_methods(method: str) -> None:
     """By the cubic through both ends of a step, in rates and in momenta."""
     asked: dict[str, Any] = {"samples": 20, "measure": rigid.mean_rate(1), "check": 0.0}

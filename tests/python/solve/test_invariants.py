@@ -156,8 +156,6 @@ def test_a_reversible_method_finds_the_way_back(method: rigid.Method, identifier
     """Forward to the end, and from there as far into the past."""
     case = golden_scene(identifier)
     end, step = float(case.t[3]), telling(0.02, method)
-    if method.multistep:  # stable up to 0.19 rad a step
-        step = min(step, case.step_turning(0.1))
     options: dict[str, Any] = {"step": step, "method": method.name}
     there = rigid.simulate(case.scene, case.omega0, case.attitude0, t=end, **options)
     back = rigid.simulate(case.scene, there.omega[0], present(there.attitude)[0], t=-end, **options)

@@ -72,9 +72,8 @@ def fitted_order(identifier: str, method: rigid.Method, until: float) -> float:
 
 
 LOW = [method for method in METHODS if method.order <= 4]
-# The orders of the Taylor series and of the Hermite method are measured in single steps, by the
-# tests of the core.
-HIGH = [m for m in METHODS if m.order > 4 and not (m.series or m.multistep)]
+# The orders of the Taylor series are measured in single steps, by the tests of the core.
+HIGH = [m for m in METHODS if m.order > 4 and not m.series]
 
 
 @pytest.mark.parametrize(("identifier", "until", "largest"), REGIMES)

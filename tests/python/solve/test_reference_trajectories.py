@@ -59,8 +59,6 @@ def test_the_error_is_the_one_that_halving_the_step_reveals(
     of a symmetric body rounds alike in every step. Chaotic motion is followed as long as an error
     grows less than ten thousand times.
     """
-    if method.multistep and case.id == "lab_box/axis2_10rad_1e-1":
-        pytest.skip("beside a saddle: dop853 and taylor12 round by as much with half of the step")
     until = case.t[np.maximum(case.kappa_omega, case.kappa_att) < 1e4].max()
     # From order 16 on, steps of 0.025 rad leave rounding alone; four times longer ones nearly so.
     step = case.step_turning(0.1 if method.order >= 16 else 0.025)

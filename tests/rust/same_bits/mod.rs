@@ -140,10 +140,6 @@ fn lane_starts(kernel: Kernel) -> Vec<LaneStart> {
             // At angles above one the equation of these drifts has no solution, and half of the lanes would be NaN.
             step *= 0.25;
         }
-        if kernel.step.engine == Engine::Hermite {
-            // Steps of more than 0.19 radians are unstable.
-            step *= 0.15;
-        }
         match lane {
             OVERFLOWING => body.omega = [1e18; 3],
             FAST => step = 1.7,
@@ -183,8 +179,7 @@ fn load_lane(group: &mut Group, lane: usize, kernel: Kernel, compiled: Compiled,
 /// Blocks of several lengths: 200 steps, or 40 steps of expensive schemes.
 fn run(group: &mut Group, kernel: Kernel, compiled: Compiled) {
     let splitting = [scheme::SPLITTING.any, scheme::SPLITTING.symmetric].contains(&kernel.step);
-    let short =
-        splitting || matches!(kernel.step.engine, Engine::Rk4 | Engine::Hermite | Engine::KickMoserVeselov);
+    let short = splitting || matches!(kernel.step.engine, Engine::Rk4 | Engine::KickMoserVeselov);
     for steps in if short { [1, 16, 83, 100] } else { [1, 5, 14, 20] } {
         compiled.advance(group, &ForcingRows::NONE, steps);
     }
@@ -202,14 +197,10 @@ fn rows(g: &Group) -> Vec<&Row> {
     let singles = [&g.step, &g.count, &g.unit];
     let drifts = [&g.energy, &g.momentum].into_iter().flat_map(|d| [&d.start, &d.inverse_scale, &d.worst]);
     let vectors = g.moments.iter().chain(&g.weight).chain(&g.observed);
-    let mut rows: Vec<_> =
+    let rows: Vec<_> =
         g.state.iter().chain(&g.compensation).chain(vectors).chain(singles).chain(drifts).collect();
-    // The list contains every row of a group; the pointer to the past takes the room that a row is aligned to.
+    // The list contains every row of a group; the further displacements take the room that a row is aligned to.
     assert_eq!(size_of::<Group>(), rows.len() * size_of::<Row>() + align_of::<Row>());
-    if let Some(past) = &g.past {
-        rows.extend(past.nodes.as_flattened().as_flattened());
-        rows.push(&past.is_known);
-    }
     rows
 }
 
