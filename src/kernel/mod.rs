@@ -4,6 +4,7 @@
 mod adaptive;
 mod alone;
 mod compiled;
+mod drive;
 mod group;
 mod load;
 mod registry;
@@ -11,6 +12,7 @@ mod step;
 
 pub use adaptive::AdaptiveSteps;
 pub use compiled::Compiled;
+pub use drive::{Job, drive};
 pub use group::{DisplacementRows, DriftRows, ForcingRows, Group, MAX_STATE};
 pub use load::{Balance, Entry, KernelAssignment, State, load, read, reset_time, unload};
 pub use registry::{Kernel, Needs, System};

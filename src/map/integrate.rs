@@ -4,9 +4,7 @@ use super::Criterion;
 use super::regular::{self, Course};
 use super::{Class, Outcome, STEP_BLOCK, Watched};
 use crate::error::Error;
-use crate::kernel::{Compiled, Kernel};
-use crate::kernel::{Entry, load};
-use crate::kernel::{ForcingRows, Group};
+use crate::kernel::{Compiled, Entry, ForcingRows, Group, Job, drive, load};
 use crate::memory;
 use crate::observe::{Displacement, EXIT_TIME, Observed};
 use crate::parallel::Interrupt;
@@ -57,107 +55,22 @@ impl Watched<'_> {
             memory::push(RUNS, &mut by_step[at].1, index)?;
         }
         for (step, samples) in &by_step {
-            self.integrate_batch((bodies, first), samples, self.kernel(*step), run, outcomes)?;
+            let mut job = MapJob {
+                map: self,
+                bodies,
+                first,
+                samples: samples.iter(),
+                run,
+                compiled: Compiled::new(self.kernel(*step), run.isa),
+                group: Group::inactive(),
+                forcing_rows: ForcingRows::NONE,
+                target: [f64::INFINITY; LANES],
+                blocks: 0,
+                outcomes,
+            };
+            drive(&mut job)?;
         }
         Ok(())
-    }
-
-    /// Integrates the samples of one kernel.
-    fn integrate_batch(
-        &self,
-        (bodies, first): (&[Body], u64),
-        samples: &[usize],
-        kernel: Kernel,
-        Run { cross_check, isa, interrupt }: Run,
-        outcomes: &mut [Option<Outcome>],
-    ) -> Result<(), Error> {
-        let compiled = Compiled::new(kernel, isa);
-        let (mut group, mut forcing_rows) = (Group::inactive(), ForcingRows::NONE);
-        let mut lanes: [Option<LaneTask>; LANES] = [None; LANES];
-        // Steps after which each lane is at its horizon, or is to be looked at; an inactive lane never is.
-        let mut target = [f64::INFINITY; LANES];
-        let mut samples = samples.iter();
-        let mut active = 0;
-        let limit = self.criterion.limit();
-        let rule = self.criterion.rule();
-        let of_attitude = matches!(self.criterion, Criterion::RegularAttitude(_));
-        let steps_together = if rule.is_some() { regular::BLOCK } else { STEP_BLOCK };
-        let mut blocks = 0;
-        loop {
-            for lane in 0..LANES {
-                while lanes[lane].is_none() {
-                    let Some(&index) = samples.next() else { break };
-                    let body = &bodies[index];
-                    let forcing = self.forcing_of((first + index as u64) / self.samples);
-                    let steps = self.steps_of(body, forcing, cross_check);
-                    if steps > self.max_steps {
-                        outcomes[index] = Some(Outcome::REFUSED);
-                        continue;
-                    }
-                    let step = self.t_end / steps as f64;
-                    let assignment = self.assignment(body, cross_check);
-                    let displacement = match rule {
-                        Some(_) => regular::displacement(body, forcing, of_attitude, cross_check),
-                        None => Displacement::NONE,
-                    };
-                    let course = rule.map(|rule| {
-                        let norm = assignment.displacement(&displacement, body);
-                        Course::new(rule, norm, self.is_forced(), [steps as f64, self.t_end])
-                    });
-                    let interval = (!forcing.is_none()).then(|| forcing.interval(0.0, false, body.moments));
-                    let forcing = interval.as_ref().map(|interval| {
-                        forcing_rows.set(lane, interval);
-                        (interval, body.fastest_rate(forcing, [0.0, self.t_end]))
-                    });
-                    let (axis, bound) = (self.axis, self.criterion.bound());
-                    let entry = Entry { body, forcing, axis, limit, step, displacement, bound };
-                    load(&mut group, lane, compiled, assignment, &entry);
-                    if let Some(course) = &course {
-                        course.settle(&mut group, kernel.system, lane);
-                    }
-                    target[lane] = course.map_or(steps as f64, |course| course.next());
-                    lanes[lane] = Some(LaneTask { index, step, course });
-                    active += 1;
-                }
-            }
-            if active == 0 {
-                return Ok(());
-            }
-            loop {
-                if interrupt.is_wanted() {
-                    return Err(Error::Stopped);
-                }
-                compiled.advance(&mut group, &forcing_rows, steps_together as usize);
-                if rule.is_some() {
-                    blocks += 1;
-                    let courses = lanes.iter().enumerate();
-                    let courses =
-                        courses.filter_map(|(lane, task)| Some((lane, task.as_ref()?.course.as_ref()?)));
-                    regular::keep_in_range(&mut group, kernel.system, blocks, courses);
-                }
-                if any_done(&group, &target, self.is_stopped) {
-                    break;
-                }
-            }
-            for lane in 0..LANES {
-                let Some(task) = &mut lanes[lane] else { continue };
-                if done(&group, lane, target[lane], self.is_stopped) {
-                    let mut outcome = Watched::outcome(&group, lane, kernel.observed, task.step);
-                    if let Some(course) = &mut task.course {
-                        if outcome.class != Class::Failed && !course.look(&mut group, kernel.system, lane) {
-                            target[lane] = course.next();
-                            continue;
-                        }
-                        outcome = course.outcome(&group, lane, outcome);
-                    }
-                    outcomes[task.index] = Some(outcome);
-                    lanes[lane] = None;
-                    target[lane] = f64::INFINITY;
-                    active -= 1;
-                    group.deactivate(lane);
-                }
-            }
-        }
     }
 
     /// The outcome of a lane whose sample is finished.
@@ -197,6 +110,110 @@ impl Watched<'_> {
             steps: steps as u64,
             exact: false,
         }
+    }
+}
+
+/// The samples of one kernel.
+struct MapJob<'a> {
+    map: &'a Watched<'a>,
+    /// The bodies of the samples from `first` on.
+    bodies: &'a [Body],
+    first: u64,
+    /// The samples that wait.
+    samples: std::slice::Iter<'a, usize>,
+    run: Run<'a>,
+    compiled: Compiled,
+    group: Group,
+    forcing_rows: ForcingRows,
+    /// Steps after which each lane is at its horizon, or is to be looked at; an inactive lane never is.
+    target: [f64; LANES],
+    /// Blocks of steps that the group has made.
+    blocks: u64,
+    outcomes: &'a mut [Option<Outcome>],
+}
+
+impl Job for MapJob<'_> {
+    type Task = LaneTask;
+
+    fn load(&mut self, lane: usize) -> Result<Option<LaneTask>, Error> {
+        let (map, cross_check) = (self.map, self.run.cross_check);
+        for &index in self.samples.by_ref() {
+            let body = &self.bodies[index];
+            let forcing = map.forcing_of((self.first + index as u64) / map.samples);
+            let steps = map.steps_of(body, forcing, cross_check);
+            if steps > map.max_steps {
+                self.outcomes[index] = Some(Outcome::REFUSED);
+                continue;
+            }
+            let step = map.t_end / steps as f64;
+            let assignment = map.assignment(body, cross_check);
+            let displacement = match map.criterion.rule() {
+                Some(_) => {
+                    let of_attitude = matches!(map.criterion, Criterion::RegularAttitude(_));
+                    regular::displacement(body, forcing, of_attitude, cross_check)
+                }
+                None => Displacement::NONE,
+            };
+            let course = map.criterion.rule().map(|rule| {
+                let norm = assignment.displacement(&displacement, body);
+                Course::new(rule, norm, map.is_forced(), [steps as f64, map.t_end])
+            });
+            let interval = (!forcing.is_none()).then(|| forcing.interval(0.0, false, body.moments));
+            let forcing = interval.as_ref().map(|interval| {
+                self.forcing_rows.set(lane, interval);
+                (interval, body.fastest_rate(forcing, [0.0, map.t_end]))
+            });
+            let (limit, bound) = (map.criterion.limit(), map.criterion.bound());
+            let entry = Entry { body, forcing, axis: map.axis, limit, step, displacement, bound };
+            load(&mut self.group, lane, self.compiled, assignment, &entry);
+            if let Some(course) = &course {
+                course.settle(&mut self.group, self.compiled.kernel().system, lane);
+            }
+            self.target[lane] = course.map_or(steps as f64, |course| course.next());
+            return Ok(Some(LaneTask { index, step, course }));
+        }
+        Ok(None)
+    }
+
+    fn advance(&mut self, tasks: &[Option<LaneTask>; LANES]) -> Result<(), Error> {
+        let is_ruled = self.map.criterion.rule().is_some();
+        let steps = if is_ruled { regular::BLOCK } else { STEP_BLOCK };
+        loop {
+            if self.run.interrupt.is_wanted() {
+                return Err(Error::Stopped);
+            }
+            self.compiled.advance(&mut self.group, &self.forcing_rows, steps as usize);
+            if is_ruled {
+                self.blocks += 1;
+                let courses = tasks.iter().enumerate();
+                let courses =
+                    courses.filter_map(|(lane, task)| Some((lane, task.as_ref()?.course.as_ref()?)));
+                let system = self.compiled.kernel().system;
+                regular::keep_in_range(&mut self.group, system, self.blocks, courses);
+            }
+            if any_done(&self.group, &self.target, self.map.is_stopped) {
+                return Ok(());
+            }
+        }
+    }
+
+    fn look(&mut self, lane: usize, task: &mut LaneTask) -> Result<bool, Error> {
+        if !done(&self.group, lane, self.target[lane], self.map.is_stopped) {
+            return Ok(true);
+        }
+        let kernel = self.compiled.kernel();
+        let mut outcome = Watched::outcome(&self.group, lane, kernel.observed, task.step);
+        if let Some(course) = &mut task.course {
+            if outcome.class != Class::Failed && !course.look(&mut self.group, kernel.system, lane) {
+                self.target[lane] = course.next();
+                return Ok(true);
+            }
+            outcome = course.outcome(&self.group, lane, outcome);
+        }
+        self.outcomes[task.index] = Some(outcome);
+        self.target[lane] = f64::INFINITY;
+        self.group.deactivate(lane);
+        Ok(false)
     }
 }
 

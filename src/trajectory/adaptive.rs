@@ -1,16 +1,16 @@
 //! States by Taylor series with adaptive steps: states at given times are evaluated from the polynomial of a step, and
 //! a lane whose body is finished gets the next body.
 
+use super::adaptive_lanes::AdaptiveLanes;
 use super::{
     Effort, Integration, Request, Schedule, StatesPart, invariants_at_start, kinds_in, neighbours,
     over_blocks_of,
 };
 use crate::error::Error;
 use crate::forcing::BodyForcing;
-use crate::kernel::{AdaptiveSteps, Compiled, ForcingRows, Group, Kernel};
-use crate::kernel::{Entry, KernelAssignment, State, load, read, reset_time, unload};
+use crate::kernel::{Job, Kernel, KernelAssignment, State, drive, read, unload};
 use crate::memory;
-use crate::observe::{Displacement, Observed};
+use crate::observe::Observed;
 use crate::parallel::Interrupt;
 use crate::scheme::Scheme;
 use crate::simd::{Isa, LANES};
@@ -49,8 +49,10 @@ pub fn simulate(
         let mut lane_steps = 0;
         let ways = Integration::of_block(request, scheme, block.clone())?;
         for members in kinds_in(block.clone(), |index| ways[index - block.start].kind())? {
-            let batch = AdaptiveBatch::new(request, &ways, block.start, &members, isa, tolerance)?;
-            lane_steps += batch.run(&mut states, stop)?;
+            let how = (isa, tolerance);
+            let mut job = AdaptiveJob::new(request, &ways, block.start, &members, how, &mut states, stop)?;
+            drive(&mut job)?;
+            lane_steps += job.lane_steps;
         }
         Ok(lane_steps)
     })
@@ -58,7 +60,7 @@ pub fn simulate(
 
 /// The body of an active lane. It moves forward through the times >= 0, then from its start backward through the others.
 #[derive(Clone, Copy)]
-struct LaneTask {
+struct Task {
     /// Index of the body in the block.
     body: usize,
     assignment: KernelAssignment,
@@ -70,12 +72,10 @@ struct LaneTask {
     steps: u64,
     /// Attitude at the last recorded state.
     last: [f64; 4],
-    /// The next knot of the forcing; infinite if there is none.
-    knot: f64,
 }
 
-/// The bodies of a block that one kernel integrates.
-struct AdaptiveBatch<'a> {
+/// The states of the bodies of a block that one kernel integrates.
+struct AdaptiveJob<'a, 'b> {
     request: &'a Request<'a>,
     /// How the bodies of the block are integrated.
     ways: &'a [Integration],
@@ -83,20 +83,24 @@ struct AdaptiveBatch<'a> {
     first: usize,
     /// Rate and index of the bodies that wait.
     queue: Vec<(u64, usize)>,
-    kernel: Compiled,
-    group: Group,
-    adaptive: AdaptiveSteps,
-    forcing_rows: ForcingRows,
+    lanes: AdaptiveLanes<'a>,
+    states: &'a mut StatesPart<'b>,
+    /// Steps of the last advance.
+    made: u64,
+    /// Steps of all lanes.
+    lane_steps: u64,
+    stop: &'a Interrupt<'a>,
 }
 
-impl<'a> AdaptiveBatch<'a> {
+impl<'a, 'b> AdaptiveJob<'a, 'b> {
     fn new(
         request: &'a Request<'a>,
         ways: &'a [Integration],
         first: usize,
         members: &[usize],
-        isa: Isa,
-        tolerance: f64,
+        (isa, tolerance): (Isa, f64),
+        states: &'a mut StatesPart<'b>,
+        stop: &'a Interrupt<'a>,
     ) -> Result<Self, Error> {
         let rate = |index: usize| request.bodies[first + index].fastest_rate(BodyForcing::NONE, [0.0; 2]);
         // Rates are not negative: their bits are ordered as they are.
@@ -107,151 +111,27 @@ impl<'a> AdaptiveBatch<'a> {
         let way = ways[members[0]];
         let kernel =
             Kernel { system: way.system(request), step: way.assignment.step, observed: Observed::Nothing };
-        Ok(AdaptiveBatch {
-            request,
-            ways,
-            first,
-            queue,
-            kernel: Compiled::new(kernel, isa),
-            group: Group::inactive(),
-            adaptive: AdaptiveSteps::inactive(tolerance, way.assignment.step.numbers.order)?,
-            forcing_rows: ForcingRows::NONE,
-        })
+        let lanes = AdaptiveLanes::new(request, kernel, isa, tolerance)?;
+        Ok(AdaptiveJob { request, ways, first, queue, lanes, states, made: 0, lane_steps: 0, stop })
     }
 
-    /// Moves all bodies; returns the steps of all lanes.
-    fn run(mut self, states: &mut StatesPart, stop: &Interrupt) -> Result<u64, Error> {
-        let mut lane_steps = 0;
-        let mut lanes: [Option<LaneTask>; LANES] = [None; LANES];
-        loop {
-            for lane in 0..LANES {
-                while lanes[lane].is_none() {
-                    let Some((_, body)) = self.queue.pop() else { break };
-                    let split = self.times(body).partition_point(|&t| t < 0.0);
-                    let task = LaneTask {
-                        body,
-                        assignment: self.ways[body].assignment,
-                        split,
-                        wanted: split,
-                        backward: false,
-                        steps: 0,
-                        last: [0.0; 4],
-                        knot: f64::INFINITY,
-                    };
-                    for drift in states.drifts() {
-                        drift[body] = 0.0;
-                    }
-                    lanes[lane] = self.enter(lane, task, states);
-                }
-            }
-            let active = lanes.iter().flatten();
-            let Some(left) = active.map(|task| self.request.max_steps - task.steps).min() else {
-                return Ok(lane_steps);
-            };
-            if stop.is_wanted() {
-                return Err(Error::Stopped);
-            }
-            let most = left.min(STEPS_BETWEEN_STOPS) as usize;
-            let made =
-                self.kernel.advance_adaptive(&mut self.group, &self.forcing_rows, &mut self.adaptive, most)
-                    as u64;
-            lane_steps += made * LANES as u64;
-            for lane in 0..LANES {
-                if let Some(mut task) = lanes[lane] {
-                    task.steps += made;
-                    lanes[lane] = self.record_reached(lane, task, states);
-                }
-            }
-        }
-    }
-
-    /// Loads a body into a lane, at its start; `None` if no requested time is left.
-    fn enter(&mut self, lane: usize, mut task: LaneTask, states: &mut StatesPart) -> Option<LaneTask> {
-        let (index, times) = (self.first + task.body, self.times(task.body));
-        let (body, forcing) = (&self.request.bodies[index], self.request.forcing_of(index));
-        let first = self.request.steps[index];
-        let span = times.last().copied().unwrap_or(0.0).abs() + times.first().map_or(0.0, |t| t.abs());
-        // A body that does not turn needs one step.
-        let first = if first.is_finite() { first } else { span };
-        let direction = if task.backward { -1.0 } else { 1.0 };
-        let rate = body.fastest_rate(forcing, self.request.range_of(index));
-        let forced_rate = self.ways[task.body].forces.act.then_some(rate);
-        let displacement = Displacement::new(self.request.record.displacement_of(index));
-        let entry = Entry { displacement, ..Entry::unobserved(body, forced_rate, direction * first) };
-        load(&mut self.group, lane, self.kernel, task.assignment, &entry);
-        self.adaptive.direction.0[lane] = direction;
-        self.adaptive.inverse_rate.0[lane] = if rate > 0.0 { 1.0 / rate } else { 0.0 };
-        for row in self.adaptive.begin.iter_mut().chain(&mut self.adaptive.now) {
-            row.0[lane] = 0.0;
-        }
+    /// Loads a body into a lane, at its start. Whether a requested time is left.
+    fn enter(&mut self, lane: usize, task: &mut Task) -> bool {
+        let index = self.first + task.body;
+        let body = &self.request.bodies[index];
+        self.lanes.enter(lane, index, task.assignment, self.request.range_of(index), task.backward);
         task.last = body.attitude;
-        self.enter_interval(lane, &mut task, 0.0);
-        while let Some(0.0) = self.next_time(&task) {
-            let mut start = unload(&self.group, lane, self.kernel, task.assignment);
+        while let Some(0.0) = self.next_time(task) {
+            let mut start = unload(&self.lanes.group, lane, self.lanes.kernel, task.assignment);
             start.omega = body.omega;
-            self.record(lane, &mut task, &start, states);
+            self.record(lane, task, &start);
             task.wanted += 1;
         }
-        self.aim(lane, task, states)
-    }
-
-    /// Applies the forcing of the interval that begins at a knot which the body has reached.
-    fn enter_interval(&mut self, lane: usize, task: &mut LaneTask, knot: f64) {
-        let index = self.first + task.body;
-        let forcing = self.request.forcing_of(index);
-        let (is_forced, backward) = (self.ways[task.body].forces.act, task.backward);
-        if is_forced || self.request.record.is_sensitivity() {
-            self.forcing_rows.set(lane, &self.request.interval_of(index, knot, backward));
-        }
-        if !is_forced {
-            return;
-        }
-        reset_time(&mut self.group, self.kernel.kernel().system, lane);
-        let never = if backward { f64::NEG_INFINITY } else { f64::INFINITY };
-        task.knot = forcing.next_knot(knot, backward).unwrap_or(never);
-        self.adaptive.end.0[lane] = task.knot;
-    }
-
-    /// Records the requested states that a lane has reached; `None` if its body is finished.
-    fn record_reached(
-        &mut self,
-        lane: usize,
-        mut task: LaneTask,
-        states: &mut StatesPart,
-    ) -> Option<LaneTask> {
-        let adaptive = &self.adaptive;
-        let [begin, lost] = [adaptive.begin[0].0[lane], adaptive.begin[1].0[lane]];
-        let (now, unit, direction) =
-            (adaptive.now[0].0[lane], adaptive.unit.0[lane], adaptive.direction.0[lane]);
-        while let Some(time) = self.next_time(&task).filter(|&time| (time - now) * direction <= 0.0) {
-            let units = ((time - begin) - lost) / unit;
-            let y = self.kernel.dense_output(&self.adaptive, lane, units);
-            let state = read(&self.group, lane, self.kernel, task.assignment, y);
-            self.record(lane, &mut task, &state, states);
-            if task.backward && task.wanted == 0 {
-                return self.leave(lane, task, states);
-            }
-            task.wanted = if task.backward { task.wanted - 1 } else { task.wanted + 1 };
-        }
-        if !now.is_finite() {
-            let body = task.body;
-            states.status[body] = Status::NotFinite;
-            for drift in states.drifts() {
-                drift[body] = f64::NAN;
-            }
-            return self.leave(lane, task, states);
-        }
-        // Steps end at a knot but for rounding; one more, too short to have a length, would be made.
-        let short = (task.knot - now) * direction;
-        if task.knot.is_finite() && short <= 4.0 * f64::EPSILON * task.knot.abs() {
-            let knot = task.knot;
-            self.enter_interval(lane, &mut task, knot);
-        }
-        self.aim(lane, task, states)
+        self.aim(lane, task)
     }
 
     /// The next requested time of a body.
-    fn next_time(&self, task: &LaneTask) -> Option<f64> {
+    fn next_time(&self, task: &Task) -> Option<f64> {
         self.times(task.body).get(task.wanted).copied()
     }
 
@@ -260,44 +140,92 @@ impl<'a> AdaptiveBatch<'a> {
         self.request.schedule.times_of(self.first + body).expect("checked at the begin")
     }
 
-    /// Sets the next requested time of the lane, or starts the body backward, or removes it from the lane.
-    fn aim(&mut self, lane: usize, task: LaneTask, states: &mut StatesPart) -> Option<LaneTask> {
-        let Some(time) = self.next_time(&task) else {
+    /// Sets the next requested time of the lane, or starts the body backward, or removes it from the lane. Whether it
+    /// moves on.
+    fn aim(&mut self, lane: usize, task: &mut Task) -> bool {
+        let Some(time) = self.next_time(task) else {
             if task.split == 0 {
-                return self.leave(lane, task, states);
+                return self.leave(lane, task);
             }
-            let back = LaneTask { wanted: task.split - 1, backward: true, ..task };
-            return self.enter(lane, back, states);
+            (task.wanted, task.backward) = (task.split - 1, true);
+            return self.enter(lane, task);
         };
         if task.steps >= self.request.max_steps {
-            states.status[task.body] = Status::StepLimit;
-            return self.leave(lane, task, states);
+            self.states.status[task.body] = Status::StepLimit;
+            return self.leave(lane, task);
         }
-        // A knot is handled as soon as its distance is within rounding.
-        let (knot, margin) = (task.knot, 4.0 * f64::EPSILON * task.knot.abs());
-        self.adaptive.next.0[lane] = match task.backward {
-            _ if knot.is_infinite() => time,
-            false => time.min(knot - margin),
-            true => time.max(knot + margin),
-        };
-        Some(task)
+        self.lanes.aim(lane, time, task.backward);
+        true
     }
 
-    fn leave(&mut self, lane: usize, task: LaneTask, states: &mut StatesPart) -> Option<LaneTask> {
-        states.steps[task.body] = task.steps;
-        self.group.deactivate(lane);
-        self.adaptive.next.0[lane] = f64::INFINITY;
-        self.adaptive.end.0[lane] = f64::INFINITY;
-        self.adaptive.direction.0[lane] = 1.0;
-        for row in &mut self.adaptive.now {
-            row.0[lane] = 0.0;
-        }
-        None
+    fn leave(&mut self, lane: usize, task: &Task) -> bool {
+        self.states.steps[task.body] = task.steps;
+        self.lanes.leave(lane);
+        false
     }
 
-    fn record(&self, lane: usize, task: &mut LaneTask, state: &State, states: &mut StatesPart) {
+    fn record(&mut self, lane: usize, task: &mut Task, state: &State) {
         let at = task.body * self.request.schedule.len() + task.wanted;
-        let known = (invariants_at_start(&self.group, lane), &mut task.last);
-        states.record(task.body, at, state, known);
+        let known = (invariants_at_start(&self.lanes.group, lane), &mut task.last);
+        self.states.record(task.body, at, state, known);
+    }
+}
+
+impl Job for AdaptiveJob<'_, '_> {
+    type Task = Task;
+
+    fn load(&mut self, lane: usize) -> Result<Option<Task>, Error> {
+        while let Some((_, body)) = self.queue.pop() {
+            let split = self.times(body).partition_point(|&t| t < 0.0);
+            let assignment = self.ways[body].assignment;
+            let mut task =
+                Task { body, assignment, split, wanted: split, backward: false, steps: 0, last: [0.0; 4] };
+            for drift in self.states.drifts() {
+                drift[body] = 0.0;
+            }
+            if self.enter(lane, &mut task) {
+                return Ok(Some(task));
+            }
+        }
+        Ok(None)
+    }
+
+    fn advance(&mut self, tasks: &[Option<Task>; LANES]) -> Result<(), Error> {
+        if self.stop.is_wanted() {
+            return Err(Error::Stopped);
+        }
+        let left = tasks.iter().flatten().map(|task| self.request.max_steps - task.steps);
+        let most = left.min().map_or(0, |left| left.min(STEPS_BETWEEN_STOPS));
+        self.made = self.lanes.advance(most as usize) as u64;
+        self.lane_steps += self.made * LANES as u64;
+        Ok(())
+    }
+
+    /// Records the requested states that the lane has reached.
+    fn look(&mut self, lane: usize, task: &mut Task) -> Result<bool, Error> {
+        task.steps += self.made;
+        let steps = &self.lanes.steps;
+        let [begin, lost] = [steps.begin[0].0[lane], steps.begin[1].0[lane]];
+        let (now, unit, direction) = (steps.now[0].0[lane], steps.unit.0[lane], steps.direction.0[lane]);
+        while let Some(time) = self.next_time(task).filter(|&time| (time - now) * direction <= 0.0) {
+            let units = ((time - begin) - lost) / unit;
+            let y = self.lanes.kernel.dense_output(&self.lanes.steps, lane, units);
+            let state = read(&self.lanes.group, lane, self.lanes.kernel, task.assignment, y);
+            self.record(lane, task, &state);
+            if task.backward && task.wanted == 0 {
+                return Ok(self.leave(lane, task));
+            }
+            task.wanted = if task.backward { task.wanted - 1 } else { task.wanted + 1 };
+        }
+        if !now.is_finite() {
+            let body = task.body;
+            self.states.status[body] = Status::NotFinite;
+            for drift in self.states.drifts() {
+                drift[body] = f64::NAN;
+            }
+            return Ok(self.leave(lane, task));
+        }
+        self.lanes.pass_knot(lane, self.first + task.body, task.backward);
+        Ok(self.aim(lane, task))
     }
 }

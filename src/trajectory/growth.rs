@@ -4,20 +4,17 @@
 //! motion. After some steps they are divided by powers of two, which changes no digit, and all but the first are made
 //! orthogonal to those before.
 
-use super::fixed::{GroupStops, Leg};
 use super::frame::{Frame, MAX_DISPLACEMENTS};
+use super::legs::LegGroup;
 use super::{Integration, Request, blocks, kinds_in, steps_of_legs};
 use crate::error::Error;
-use crate::kernel::{
-    Compiled, DisplacementRows, Entry, ForcingRows, Group, Kernel, System, load, reset_time,
-};
+use crate::kernel::{DisplacementRows, Entry, Group, Job, System, drive, load};
 use crate::memory;
 use crate::observe::{Displacement, Growth, Observed};
 use crate::parallel::{Interrupt, over_blocks};
 use crate::scheme::Scheme;
 use crate::simd::{Isa, LANES};
 use crate::status::{DRIFT_LIMIT, Status};
-use std::ops::Range;
 
 /// Steps between two divisions of a displacement, so few that none overflows; of several, so few that they do not align.
 pub const STEPS_TOGETHER: [u64; 2] = [64, 16];
@@ -116,30 +113,23 @@ pub fn growth(
         for mut alike in kinds_in(block.clone(), kind)? {
             // Bodies with as many steps together, so that few wait for others.
             alike.sort_unstable_by_key(|&index| steps_of_legs(request, block.start + index));
-            let kernel = Kernel {
-                system: ways[alike[0]].system(request),
-                step: ways[alike[0]].assignment.step,
-                observed: Observed::Growth,
-            };
-            let compiled = Compiled::new(kernel, isa);
+            let compiled = LegGroup::compiled(request, ways[alike[0]], Observed::Growth, isa);
             let (lanes_each, together) = if compiled.shares_motion() {
                 (1, FEW)
             } else {
                 (displacements.count, LANES / displacements.count)
             };
             for members in alike.chunks(together) {
-                let batch = GrowthBatch {
-                    request,
-                    ways: &ways,
-                    first: block.start,
-                    members,
+                let job = GrowthJob {
+                    legs: LegGroup::new(request, &ways, block.start, members, compiled, lanes_each, stop)?,
                     displacements,
-                    compiled,
-                    lanes_each,
+                    part: &mut part,
+                    loaded: 0,
                     frames: [Frame::new(displacements.count, isa); LANES],
                     start_logs: [[0.0; MAX_DISPLACEMENTS]; LANES],
+                    stop,
                 };
-                batch.run(&mut part, stop)?;
+                job.run()?;
             }
         }
         Ok(())
@@ -175,169 +165,131 @@ impl<'a> Part<'a> {
     }
 }
 
-/// The bodies of one group. Body b has the lanes from `b lanes_each` on.
-struct GrowthBatch<'a> {
-    request: &'a Request<'a>,
-    ways: &'a [Integration],
-    /// Index of the first body of the block.
-    first: usize,
-    /// Indices of the bodies of the group in the block.
-    members: &'a [usize],
+/// The growth of the bodies of one group.
+struct GrowthJob<'a, 'b> {
+    legs: LegGroup<'a>,
     displacements: Displacements<'a>,
-    compiled: Compiled,
-    /// One if the displacements share a motion, else one for each displacement.
-    lanes_each: usize,
+    part: &'a mut Part<'b>,
+    /// Bodies that are loaded.
+    loaded: usize,
     frames: [Frame; LANES],
     start_logs: [[f64; MAX_DISPLACEMENTS]; LANES],
+    stop: &'a Interrupt<'a>,
 }
 
-impl GrowthBatch<'_> {
-    fn run(mut self, part: &mut Part, stop: &Interrupt) -> Result<(), Error> {
-        let count = self.displacements.count;
-        let (first, members) = (self.first, self.members);
-        let bodies = || members.iter().map(move |&member| first + member);
-        let mut totals = [0_u64; LANES];
-        for next in GroupStops::new(self.request, bodies(), false)? {
-            for (b, index) in bodies().enumerate() {
-                let leg = next[b].leg(self.request.steps[index], 1.0);
-                totals[b] = totals[b].saturating_add(leg.steps);
-            }
+impl Job for GrowthJob<'_, '_> {
+    /// The number of the body in the group: its first lane has the task.
+    type Task = usize;
+
+    fn load(&mut self, _: usize) -> Result<Option<usize>, Error> {
+        let (b, legs) = (self.loaded, &mut self.legs);
+        if b == legs.members.len() {
+            return Ok(None);
         }
-        for (b, &member) in self.members.iter().enumerate() {
-            if totals[b] > self.request.max_steps {
-                part.status[member] = Status::StepLimit;
-            } else {
-                part.steps[member] = totals[b];
-            }
+        self.loaded += 1;
+        let (body, lane, count) = (legs.body(b), legs.lane(b), self.displacements.count);
+        let (rate, assignment) = (legs.forced_rate(b), legs.way(b).assignment);
+        let each = &self.displacements.each[legs.index(b) * count..][..count];
+        for j in 0..legs.lanes_each {
+            let entry = Entry { displacement: each[j], ..Entry::unobserved(body, rate, 0.0) };
+            load(&mut legs.lanes, lane + j, legs.compiled, assignment, &entry);
         }
-        let mut group = Group::inactive();
-        group.further = memory::filled("displacements", count - self.lanes_each, DisplacementRows::ZERO)?;
-        let is_forced = self.ways[self.members[0]].forces.act;
-        for (b, &member) in self.members.iter().enumerate() {
-            let index = self.first + member;
-            let body = &self.request.bodies[index];
-            let range = self.request.range_of(index);
-            let rate = is_forced.then(|| body.fastest_rate(self.request.forcing_of(index), range));
-            let each = &self.displacements.each[index * count..][..count];
-            let (assignment, lane) = (self.ways[member].assignment, self.lane(b));
-            for j in 0..self.lanes_each {
-                let entry = Entry { displacement: each[j], ..Entry::unobserved(body, rate, 0.0) };
-                load(&mut group, lane + j, self.compiled, assignment, &entry);
-            }
-            for (rows, displacement) in group.further.iter_mut().zip(&each[self.lanes_each..]) {
-                let start = assignment.displacement(displacement, body).start;
-                rows.state.iter_mut().zip(start).for_each(|(row, number)| row.0[lane] = number);
-            }
-            self.settle(&mut group, b);
-            let (norm, vertical, displacements) = self.read(&group, b);
-            self.start_logs[b] = self.frames[b].log_diagonal(&norm, &vertical, &displacements[..count]);
+        for (rows, displacement) in legs.lanes.further.iter_mut().zip(&each[legs.lanes_each..]) {
+            let start = assignment.displacement(displacement, body).start;
+            rows.state.iter_mut().zip(start).for_each(|(row, number)| row.0[lane] = number);
         }
-        let mut forcing_rows = ForcingRows::NONE;
-        let stops = GroupStops::new(self.request, bodies(), false)?;
-        for next in stops {
-            let mut legs = [Leg { steps: 0, step: 0.0 }; LANES];
-            for (b, &member) in self.members.iter().enumerate() {
-                let index = self.first + member;
-                if part.status[member] != Status::StepLimit {
-                    legs[b] = next[b].leg(self.request.steps[index], 1.0);
-                }
-                if is_forced {
-                    let interval = self.request.interval_of(index, next[b].from, false);
-                    for lane in self.lanes(b) {
-                        forcing_rows.set(lane, &interval);
-                        reset_time(&mut group, self.compiled.kernel().system, lane);
-                    }
-                }
-            }
-            self.advance(&mut group, &forcing_rows, &legs[..self.members.len()], stop)?;
-            for (b, &member) in self.members.iter().enumerate() {
-                if let Some(state) = next[b].state.filter(|_| part.status[member] != Status::StepLimit) {
-                    self.record(&group, b, member * self.request.schedule.len() + state, member, part);
-                }
-            }
-        }
-        Ok(())
+        self.settle(b);
+        let (norm, vertical, displacements) = self.read(b);
+        self.start_logs[b] = self.frames[b].log_diagonal(&norm, &vertical, &displacements[..count]);
+        Ok(Some(b))
     }
 
-    /// Advances every body by its steps. Displacements are settled after each so many steps of a leg and at its end, so
+    /// Advances every body by its leg. Displacements are settled after each so many steps of a leg and at its end, so
     /// that they do not depend on the other bodies of the group.
-    fn advance(
-        &mut self,
-        group: &mut Group,
-        forcing_rows: &ForcingRows,
-        legs: &[Leg],
-        stop: &Interrupt,
-    ) -> Result<(), Error> {
-        let count = self.displacements.count;
-        let together = STEPS_TOGETHER[usize::from(count > 1)];
+    fn advance(&mut self, _: &[Option<usize>; LANES]) -> Result<(), Error> {
+        self.legs.begin_legs();
+        let bodies = self.legs.members.len();
+        let together = STEPS_TOGETHER[usize::from(self.displacements.count > 1)];
         let mut done = 0;
         loop {
-            let ends = legs.iter().map(|leg| leg.steps).filter(|&steps| steps > done);
+            let legs = &mut self.legs;
+            let ends = legs.legs[..bodies].iter().map(|leg| leg.steps).filter(|&steps| steps > done);
             let Some(end) = ends.min() else { return Ok(()) };
-            if stop.is_wanted() {
+            if self.stop.is_wanted() {
                 return Err(Error::Stopped);
             }
             let next = end.min((done / together + 1) * together);
-            for (b, leg) in legs.iter().enumerate() {
-                for lane in self.lanes(b) {
-                    group.step.0[lane] = if leg.steps > done { leg.step } else { 0.0 };
-                }
-            }
-            let worst = group.energy.worst;
-            self.compiled.advance(group, forcing_rows, (next - done) as usize);
-            for (b, leg) in legs.iter().enumerate() {
-                let is_due = next % together == 0 || next == leg.steps;
-                if leg.steps > done && is_due {
-                    self.settle(group, b);
+            legs.set_steps(done);
+            let worst = legs.lanes.energy.worst;
+            legs.advance(next - done);
+            for b in 0..bodies {
+                let steps = self.legs.legs[b].steps;
+                let is_due = next % together == 0 || next == steps;
+                if steps > done && is_due {
+                    self.settle(b);
                 } else {
                     // So that the drift does not depend on the other bodies either.
-                    group.energy.worst.0[self.lane(b)] = worst.0[self.lane(b)];
+                    let lanes = self.legs.lanes_of(b);
+                    self.legs.lanes.energy.worst.0[lanes.clone()].copy_from_slice(&worst.0[lanes]);
                 }
             }
             done = next;
         }
     }
 
-    /// The first lane of a body.
-    fn lane(&self, b: usize) -> usize {
-        b * self.lanes_each
+    fn look(&mut self, _: usize, &mut b: &mut usize) -> Result<bool, Error> {
+        if let Some(state) = self.legs.state(b) {
+            self.record(b, self.legs.members[b] * self.legs.request.schedule.len() + state);
+        }
+        Ok(!self.legs.is_over())
     }
+}
 
-    /// The lanes of a body.
-    fn lanes(&self, b: usize) -> Range<usize> {
-        self.lane(b)..self.lane(b + 1)
+impl GrowthJob<'_, '_> {
+    fn run(mut self) -> Result<(), Error> {
+        for (&member, &steps) in self.legs.members.iter().zip(&self.legs.steps) {
+            match steps {
+                Some(steps) => self.part.steps[member] = steps,
+                None => self.part.status[member] = Status::StepLimit,
+            }
+        }
+        if self.legs.begin(false)? {
+            let further = self.displacements.count - self.legs.lanes_each;
+            self.legs.lanes.further = memory::filled("displacements", further, DisplacementRows::ZERO)?;
+            drive(&mut self)?;
+        }
+        Ok(())
     }
 
     /// The norm of a body in the variables of the kernel.
     fn norm(&self, b: usize) -> Displacement {
-        let (member, index) = (self.members[b], self.first + self.members[b]);
-        let norm = self.displacements.each[index * self.displacements.count];
-        self.ways[member].assignment.displacement(&norm, &self.request.bodies[index])
+        let norm = self.displacements.each[self.legs.index(b) * self.displacements.count];
+        self.legs.way(b).assignment.displacement(&norm, self.legs.body(b))
     }
 
     /// Norm, vertical and displacements of a body, in the variables of the kernel.
-    fn read(&self, group: &Group, b: usize) -> (Displacement, [f64; 3], [[f64; 6]; MAX_DISPLACEMENTS]) {
-        let norm = self.norm(b);
-        let (system, count) = (self.compiled.kernel().system, self.displacements.count);
-        let (vertical, displacements) = read(group, system, self.lane(b), count);
-        (norm, vertical, displacements)
+    fn read(&self, b: usize) -> (Displacement, [f64; 3], [[f64; 6]; MAX_DISPLACEMENTS]) {
+        let (legs, count) = (&self.legs, self.displacements.count);
+        let system = legs.compiled.kernel().system;
+        let (vertical, displacements) = read(&legs.lanes, system, legs.lane(b), count);
+        (self.norm(b), vertical, displacements)
     }
 
     /// Makes the displacements of a body orthogonal, and near one in size.
-    fn settle(&mut self, group: &mut Group, b: usize) {
-        let (norm, lane) = (self.norm(b), self.lane(b));
-        let is_damped = self.ways[self.members[b]].forces.act;
-        let system = self.compiled.kernel().system;
-        settle(group, system, lane, &norm, is_damped, &mut self.frames[b]);
+    fn settle(&mut self, b: usize) {
+        let (norm, legs) = (self.norm(b), &mut self.legs);
+        let (lane, is_damped) = (legs.lane(b), legs.way(b).forces.act);
+        let system = legs.compiled.kernel().system;
+        settle(&mut legs.lanes, system, lane, &norm, is_damped, &mut self.frames[b]);
     }
 
     /// Writes the growth of a body, number `at` of all.
-    fn record(&self, group: &Group, b: usize, at: usize, member: usize, part: &mut Part) {
-        let count = self.displacements.count;
-        let lane = self.lane(b);
+    fn record(&mut self, b: usize, at: usize) {
+        let (norm, vertical, displacements) = self.read(b);
+        let (count, member, lane) = (self.displacements.count, self.legs.members[b], self.legs.lane(b));
+        let (group, part) = (&self.legs.lanes, &mut *self.part);
         let rows = group.observed_in(lane);
         part.logs[LOGS * at..][..LOGS].copy_from_slice(&Growth::logs(&rows));
-        let (norm, vertical, displacements) = self.read(group, b);
         let displacements = &displacements[..count];
         let diagonal = self.frames[b].log_diagonal(&norm, &vertical, displacements);
         let (gali, sali) = self.frames[b].alignment(&norm, &vertical, displacements);

@@ -2,11 +2,13 @@
 //! are moved step by step.
 
 mod adaptive;
+mod adaptive_lanes;
 mod closed;
 mod damped_free;
 mod fixed;
 mod frame;
 mod growth;
+mod legs;
 mod motion;
 mod request;
 mod section;

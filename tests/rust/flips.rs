@@ -195,8 +195,8 @@ fn observe_step(rows: &mut Rows<f64>, begin: f64, before: [f64; 3], after: [f64;
     let engine =
         <Engine as Stepper<f64, Free<f64>, Rates, 3>>::new(&BODY, &ForcingInterval::none(), &Numbers::NONE);
     let nothing = Coefficients::new();
-    let mut segment = Segment { begin, before: &before, after: &after, dense: &nothing };
-    <Flips as Update<f64, Free<f64>, Rates, 3>>::after_step(&engine, &BODY, rows, &mut segment);
+    let segment = Segment { begin, before: &before, after: &after, dense: &nothing };
+    <Flips as Update<f64, Free<f64>, Rates, 3>>::after_step(&engine, &BODY, rows, &segment);
 }
 
 /// A step that ends exactly at zero has not yet flipped, whatever the sign of the zero.

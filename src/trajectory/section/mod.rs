@@ -9,13 +9,13 @@
 mod watch;
 mod zeros;
 
+use super::adaptive_lanes::AdaptiveLanes;
 use super::states::{invariant_errors, worse};
 use super::{Request, check_forced, invariants_at_start, kinds_in};
 use crate::error::Error;
 use crate::exact::{CanonicalForm, Evaluator, EvaluatorKind, Question, StartRows, StateRows};
 use crate::forces::Forces;
-use crate::kernel::{AdaptiveSteps, Compiled, Entry, ForcingRows, Group, Kernel, KernelAssignment};
-use crate::kernel::{Needs, State, System, load, read, reset_time, unload};
+use crate::kernel::{Entry, Job, Kernel, KernelAssignment, Needs, State, System, drive, load, read, unload};
 use crate::memory;
 use crate::observe::Observed;
 use crate::parallel::{Interrupt, over_blocks};
@@ -180,8 +180,10 @@ pub fn section(
             ways.push(Way::of(request, scheme, index, section.closed)?);
         }
         for members in kinds_in(block.clone(), |index| ways[index - first].kind())? {
-            let batch = Batch::new(request, section, &ways, block.clone(), &members, isa, &points)?;
-            batch.run(crossings, stop)?;
+            let own = (&mut *crossings, &points);
+            let mut job =
+                SectionJob::new(request, section, &ways, block.clone(), &members, own, (isa, stop))?;
+            drive(&mut job)?;
         }
         Ok(())
     })?;
@@ -218,8 +220,6 @@ impl Way {
 struct Task {
     /// Index of the body in the block.
     body: usize,
-    /// The next knot of the forcing; infinite if there is none.
-    knot: f64,
     /// A bound of its rates.
     rate: f64,
 }
@@ -239,36 +239,37 @@ struct ClosedForms {
     now: [StateRows; 1],
 }
 
-/// The bodies of a block that one kernel integrates.
-struct Batch<'a> {
+/// The sections of the bodies of a block that one kernel integrates.
+struct SectionJob<'a> {
     request: &'a Request<'a>,
     section: &'a Section<'a>,
     ways: &'a [Way],
     block: Range<usize>,
     /// Indices in the block of the bodies that wait.
     queue: Vec<usize>,
-    kernel: Compiled,
-    group: Group,
-    adaptive: AdaptiveSteps,
-    forcing_rows: ForcingRows,
+    lanes: AdaptiveLanes<'a>,
     closed: Option<ClosedForms>,
     /// One for each kind of surface.
     watches: Vec<Watch>,
     /// The zeros of the last step of a lane.
     found: Vec<Found>,
+    crossings: &'a mut [Crossings],
     /// Points of all bodies, of all threads.
     points: &'a AtomicU64,
+    /// Steps of the group.
+    made: u64,
+    stop: &'a Interrupt<'a>,
 }
 
-impl<'a> Batch<'a> {
+impl<'a> SectionJob<'a> {
     fn new(
         request: &'a Request<'a>,
         section: &'a Section<'a>,
         ways: &'a [Way],
         block: Range<usize>,
         members: &[usize],
-        isa: Isa,
-        points: &'a AtomicU64,
+        (crossings, points): (&'a mut [Crossings], &'a AtomicU64),
+        (isa, stop): (Isa, &'a Interrupt<'a>),
     ) -> Result<Self, Error> {
         let way = ways[members[0]];
         let needs =
@@ -290,63 +291,33 @@ impl<'a> Batch<'a> {
             starts: StartRows::filled(&form.to_canonical(&request.bodies[block.start + members[0]])),
             now: [StateRows::ZERO],
         });
-        Ok(Batch {
+        let tolerance = request.tolerance.expect("checked at the begin");
+        Ok(SectionJob {
             request,
             section,
             ways,
             block,
             queue: memory::collected("bodies of a block", members.len(), queue)?,
-            kernel: Compiled::new(kernel, isa),
-            group: Group::inactive(),
-            adaptive: AdaptiveSteps::inactive(request.tolerance.expect("checked at the begin"), order)?,
-            forcing_rows: ForcingRows::NONE,
+            lanes: AdaptiveLanes::new(request, kernel, isa, tolerance)?,
             closed,
             watches,
             found: Vec::new(),
+            crossings,
             points,
+            made: 0,
+            stop,
         })
     }
 
-    fn run(mut self, crossings: &mut [Crossings], stop: &Interrupt) -> Result<(), Error> {
-        let mut lanes: [Option<Task>; LANES] = [None; LANES];
-        let mut made = 0_u64;
-        loop {
-            for lane in 0..LANES {
-                if lanes[lane].is_none() {
-                    lanes[lane] = self.queue.pop().map(|body| self.enter(lane, body));
-                }
-            }
-            if lanes.iter().all(Option::is_none) {
-                return Ok(());
-            }
-            if made.is_multiple_of(STEPS_BETWEEN_STOPS) {
-                if stop.is_wanted() {
-                    return Err(Error::Stopped);
-                }
-                self.check_memory()?;
-            }
-            made += 1;
-            self.kernel.advance_adaptive(&mut self.group, &self.forcing_rows, &mut self.adaptive, 1);
-            for watch in &mut self.watches {
-                watch.expand(&self.group, &self.adaptive);
-            }
-            for lane in 0..LANES {
-                if let Some(task) = lanes[lane] {
-                    let own = &mut crossings[task.body];
-                    own.steps += 1;
-                    lanes[lane] = self.after_step(lane, task, own)?;
-                }
-            }
-            self.begin_in_closed_form(&lanes);
-        }
-    }
-
-    /// Sets all lanes to their states in closed form.
-    fn begin_in_closed_form(&mut self, lanes: &[Option<Task>; LANES]) {
+    /// Sets all lanes that have moved to their states in closed form.
+    fn begin_in_closed_form(&mut self, tasks: &[Option<Task>; LANES]) {
         let Some(closed) = &mut self.closed else { return };
-        closed.evaluator.states(&closed.starts, &self.adaptive.now[..1], &mut closed.now);
+        closed.evaluator.states(&closed.starts, &self.lanes.steps.now[..1], &mut closed.now);
         for lane in 0..LANES {
-            let Some(task) = lanes[lane] else { continue };
+            let Some(task) = tasks[lane] else { continue };
+            if self.lanes.steps.now[0].0[lane] == 0.0 {
+                continue;
+            }
             let (index, way) = (self.block.start + task.body, self.ways[task.body]);
             let body = &self.request.bodies[index];
             let omega = [0, 1, 2].map(|k| closed.now[0].omega[k].0[lane]);
@@ -354,9 +325,9 @@ impl<'a> Batch<'a> {
             let form = way.form.expect("all bodies of the batch have a closed form");
             let (omega, attitude) = form.to_body(body, omega, attitude);
             let now = Body { omega, attitude, ..*body };
-            let entry = Entry::unobserved(&now, None, self.group.step.0[lane]);
-            load(&mut self.group, lane, self.kernel, way.assignment, &entry);
-            self.adaptive.now[1].0[lane] = 0.0;
+            let entry = Entry::unobserved(&now, None, self.lanes.group.step.0[lane]);
+            load(&mut self.lanes.group, lane, self.lanes.kernel, way.assignment, &entry);
+            self.lanes.steps.now[1].0[lane] = 0.0;
         }
     }
 
@@ -366,54 +337,9 @@ impl<'a> Batch<'a> {
         memory::check("points of a section", 2 * u128::from(points) * size_of::<Point>() as u128)
     }
 
-    /// Loads a body into a lane, at its start.
-    fn enter(&mut self, lane: usize, member: usize) -> Task {
-        let (index, assignment) = (self.block.start + member, self.ways[member].assignment);
-        let (body, forcing) = (&self.request.bodies[index], self.request.forcing_of(index));
-        let rate = body.fastest_rate(forcing, [0.0, self.section.ends[index]]);
-        let first = self.request.steps[index];
-        // A body that does not turn needs one step.
-        let first = if first.is_finite() { first } else { self.section.ends[index] };
-        let entry = Entry::unobserved(body, (!forcing.is_none()).then_some(rate), first);
-        load(&mut self.group, lane, self.kernel, assignment, &entry);
-        self.adaptive.inverse_rate.0[lane] = if rate > 0.0 { 1.0 / rate } else { 0.0 };
-        for row in self.adaptive.begin.iter_mut().chain(&mut self.adaptive.now) {
-            row.0[lane] = 0.0;
-        }
-        if let (Some(closed), Some(form)) = (&mut self.closed, self.ways[member].form) {
-            closed.starts.set(lane, &form.to_canonical(body));
-        }
-        let kinds = self.watches.len();
-        for (kind, watch) in self.watches.iter_mut().enumerate() {
-            watch.enter(lane, &self.section.surfaces[index * kinds + kind], body, forcing, rate);
-        }
-        let mut task = Task { body: member, knot: f64::INFINITY, rate };
-        self.enter_interval(lane, &mut task, 0.0);
-        task
-    }
-
-    /// Applies the forcing of the interval that begins at a knot which the body has reached.
-    fn enter_interval(&mut self, lane: usize, task: &mut Task, knot: f64) {
-        let index = self.block.start + task.body;
-        let forcing = self.request.forcing_of(index);
-        if forcing.is_none() {
-            return;
-        }
-        let interval = forcing.interval(knot, false, self.request.bodies[index].moments);
-        self.forcing_rows.set(lane, &interval);
-        reset_time(&mut self.group, self.kernel.kernel().system, lane);
-        task.knot = forcing.next_knot(knot, false).unwrap_or(f64::INFINITY);
-        self.adaptive.end.0[lane] = task.knot;
-    }
-
-    /// Finds the points of the last step of a lane; `None` if its body is finished.
-    fn after_step(
-        &mut self,
-        lane: usize,
-        mut task: Task,
-        own: &mut Crossings,
-    ) -> Result<Option<Task>, Error> {
-        let now = self.adaptive.now[0].0[lane];
+    /// Finds the points of the last step of a lane. Whether its body moves on.
+    fn after_step(&mut self, lane: usize, task: Task, own: &mut Crossings) -> Result<bool, Error> {
+        let now = self.lanes.steps.now[0].0[lane];
         if !now.is_finite() {
             own.status = Status::NotFinite;
             own.energy_drift = f64::NAN;
@@ -422,7 +348,7 @@ impl<'a> Batch<'a> {
         let end = self.section.ends[self.block.start + task.body];
         own.end = now.min(end);
         let error = if self.closed.is_some() { CLOSED_ERROR * task.rate * now } else { 0.0 };
-        let step = self.group.step.0[lane];
+        let step = self.lanes.group.step.0[lane];
         self.found.clear();
         for (kind, watch) in self.watches.iter_mut().enumerate() {
             let found = &mut self.found;
@@ -463,14 +389,11 @@ impl<'a> Batch<'a> {
             own.status = Status::StepLimit;
             return Ok(self.leave(lane));
         }
-        // Steps end at a knot but for rounding; one more, too short to have a length, would be made.
-        if task.knot.is_finite() && task.knot - now <= 4.0 * f64::EPSILON * task.knot.abs() {
-            let knot = task.knot;
-            self.enter_interval(lane, &mut task, knot);
+        if self.lanes.pass_knot(lane, self.block.start + task.body, false) {
             // The torque may jump there, and the slope with it.
             self.watches.iter_mut().for_each(|watch| watch.bend(lane));
         }
-        Ok(Some(task))
+        Ok(true)
     }
 
     /// The state at a zero in the last step of a lane.
@@ -481,11 +404,11 @@ impl<'a> Batch<'a> {
         Found { zero, slope, kind }: Found,
         own: &mut Crossings,
     ) -> Result<Point, Error> {
-        let adaptive = &self.adaptive;
-        let units = self.group.step.0[lane] / adaptive.unit.0[lane] * zero.at;
+        let adaptive = &self.lanes.steps;
+        let units = self.lanes.group.step.0[lane] / adaptive.unit.0[lane] * zero.at;
         let time = adaptive.begin[0].0[lane] + (adaptive.begin[1].0[lane] + units * adaptive.unit.0[lane]);
-        let y = self.kernel.dense_output(adaptive, lane, units);
-        let state = read(&self.group, lane, self.kernel, self.ways[task.body].assignment, y);
+        let y = self.lanes.kernel.dense_output(adaptive, lane, units);
+        let state = read(&self.lanes.group, lane, self.lanes.kernel, self.ways[task.body].assignment, y);
         self.note_drift(lane, &state, own);
         let attitude = state.attitude.expect("the system has an attitude");
         Ok(Point {
@@ -502,7 +425,7 @@ impl<'a> Batch<'a> {
 
     /// The errors of the invariants at the end of a motion.
     fn note_end(&self, lane: usize, task: Task, own: &mut Crossings) {
-        let state = unload(&self.group, lane, self.kernel, self.ways[task.body].assignment);
+        let state = unload(&self.lanes.group, lane, self.lanes.kernel, self.ways[task.body].assignment);
         self.note_drift(lane, &state, own);
     }
 
@@ -511,7 +434,7 @@ impl<'a> Batch<'a> {
         if self.closed.is_some() {
             return;
         }
-        let errors = invariant_errors(state, invariants_at_start(&self.group, lane));
+        let errors = invariant_errors(state, invariants_at_start(&self.lanes.group, lane));
         for [energy, momentum] in errors.into_iter().flatten() {
             own.energy_drift = worse(own.energy_drift, energy);
             if own.status == Status::Finished && !(energy <= DRIFT_LIMIT && momentum <= DRIFT_LIMIT) {
@@ -521,12 +444,53 @@ impl<'a> Batch<'a> {
         }
     }
 
-    fn leave(&mut self, lane: usize) -> Option<Task> {
-        self.group.deactivate(lane);
-        self.adaptive.end.0[lane] = f64::INFINITY;
-        for row in &mut self.adaptive.now {
-            row.0[lane] = 0.0;
+    fn leave(&mut self, lane: usize) -> bool {
+        self.lanes.leave(lane);
+        false
+    }
+}
+
+impl Job for SectionJob<'_> {
+    type Task = Task;
+
+    fn load(&mut self, lane: usize) -> Result<Option<Task>, Error> {
+        let Some(member) = self.queue.pop() else { return Ok(None) };
+        let (index, way) = (self.block.start + member, self.ways[member]);
+        let (body, forcing) = (&self.request.bodies[index], self.request.forcing_of(index));
+        let rate = self.lanes.enter(lane, index, way.assignment, [0.0, self.section.ends[index]], false);
+        if let (Some(closed), Some(form)) = (&mut self.closed, way.form) {
+            closed.starts.set(lane, &form.to_canonical(body));
         }
-        None
+        let kinds = self.watches.len();
+        for (kind, watch) in self.watches.iter_mut().enumerate() {
+            watch.enter(lane, &self.section.surfaces[index * kinds + kind], body, forcing, rate);
+        }
+        Ok(Some(Task { body: member, rate }))
+    }
+
+    /// One step: each is searched for points.
+    fn advance(&mut self, tasks: &[Option<Task>; LANES]) -> Result<(), Error> {
+        self.begin_in_closed_form(tasks);
+        if self.made.is_multiple_of(STEPS_BETWEEN_STOPS) {
+            if self.stop.is_wanted() {
+                return Err(Error::Stopped);
+            }
+            self.check_memory()?;
+        }
+        self.made += 1;
+        self.lanes.advance(1);
+        for watch in &mut self.watches {
+            watch.expand(&self.lanes.group, &self.lanes.steps);
+        }
+        Ok(())
+    }
+
+    fn look(&mut self, lane: usize, task: &mut Task) -> Result<bool, Error> {
+        let crossings = std::mem::take(&mut self.crossings);
+        let own = &mut crossings[task.body];
+        own.steps += 1;
+        let moves_on = self.after_step(lane, *task, own);
+        self.crossings = crossings;
+        moves_on
     }
 }

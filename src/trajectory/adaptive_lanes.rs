@@ -1,0 +1,120 @@
+//! Lanes that choose their steps, each under the forcing of its body.
+
+use super::Request;
+use crate::error::Error;
+use crate::kernel::{
+    AdaptiveSteps, Compiled, Entry, ForcingRows, Group, Kernel, KernelAssignment, load, reset_time,
+};
+use crate::observe::Displacement;
+use crate::simd::{Isa, LANES};
+
+/// The lanes of one kernel.
+pub(super) struct AdaptiveLanes<'a> {
+    request: &'a Request<'a>,
+    pub(super) kernel: Compiled,
+    pub(super) group: Group,
+    pub(super) steps: AdaptiveSteps,
+    forcing_rows: ForcingRows,
+    /// The next knot of the forcing of each lane; infinite if there is none.
+    knots: [f64; LANES],
+}
+
+impl<'a> AdaptiveLanes<'a> {
+    pub(super) fn new(
+        request: &'a Request<'a>,
+        kernel: Kernel,
+        isa: Isa,
+        tolerance: f64,
+    ) -> Result<Self, Error> {
+        Ok(AdaptiveLanes {
+            request,
+            kernel: Compiled::new(kernel, isa),
+            group: Group::inactive(),
+            steps: AdaptiveSteps::inactive(tolerance, kernel.step.numbers.order)?,
+            forcing_rows: ForcingRows::NONE,
+            knots: [f64::INFINITY; LANES],
+        })
+    }
+
+    /// Loads a body into a lane, at its start; returns a bound of its rates in the time range of its motion.
+    pub(super) fn enter(
+        &mut self,
+        lane: usize,
+        index: usize,
+        assignment: KernelAssignment,
+        range: [f64; 2],
+        backward: bool,
+    ) -> f64 {
+        let (body, forcing) = (&self.request.bodies[index], self.request.forcing_of(index));
+        let rate = body.fastest_rate(forcing, range);
+        let first = self.request.steps[index];
+        // A body that does not turn needs one step.
+        let first = if first.is_finite() { first } else { range[1] - range[0] };
+        let direction = if backward { -1.0 } else { 1.0 };
+        let displacement = Displacement::new(self.request.record.displacement_of(index));
+        let forced_rate = (!forcing.is_none()).then_some(rate);
+        let entry = Entry { displacement, ..Entry::unobserved(body, forced_rate, direction * first) };
+        load(&mut self.group, lane, self.kernel, assignment, &entry);
+        self.steps.direction.0[lane] = direction;
+        self.steps.inverse_rate.0[lane] = if rate > 0.0 { 1.0 / rate } else { 0.0 };
+        for row in self.steps.begin.iter_mut().chain(&mut self.steps.now) {
+            row.0[lane] = 0.0;
+        }
+        self.knots[lane] = f64::INFINITY;
+        self.begin_interval(lane, index, 0.0, backward);
+        rate
+    }
+
+    /// Applies the forcing of a body from a time on, to its next knot.
+    fn begin_interval(&mut self, lane: usize, index: usize, time: f64, backward: bool) {
+        let forcing = self.request.forcing_of(index);
+        if !forcing.is_none() || self.request.record.is_sensitivity() {
+            self.forcing_rows.set(lane, &self.request.interval_of(index, time, backward));
+        }
+        if forcing.is_none() {
+            return;
+        }
+        reset_time(&mut self.group, self.kernel.kernel().system, lane);
+        let never = if backward { f64::NEG_INFINITY } else { f64::INFINITY };
+        self.knots[lane] = forcing.next_knot(time, backward).unwrap_or(never);
+        self.steps.end.0[lane] = self.knots[lane];
+    }
+
+    /// Advances all lanes until one reaches its next time, by a number of steps at most; returns the number of steps.
+    pub(super) fn advance(&mut self, most: usize) -> usize {
+        self.kernel.advance_adaptive(&mut self.group, &self.forcing_rows, &mut self.steps, most)
+    }
+
+    /// Applies the forcing from a knot on, if a lane has reached one. Whether it has.
+    pub(super) fn pass_knot(&mut self, lane: usize, index: usize, backward: bool) -> bool {
+        // Steps end at a knot but for rounding; one more, too short to have a length, would be made.
+        let knot = self.knots[lane];
+        let short = (knot - self.steps.now[0].0[lane]) * self.steps.direction.0[lane];
+        let reached = knot.is_finite() && short <= 4.0 * f64::EPSILON * knot.abs();
+        if reached {
+            self.begin_interval(lane, index, knot, backward);
+        }
+        reached
+    }
+
+    /// Stops all lanes when a lane is at a time, or at its next knot, within rounding.
+    pub(super) fn aim(&mut self, lane: usize, time: f64, backward: bool) {
+        let (knot, margin) = (self.knots[lane], 4.0 * f64::EPSILON * self.knots[lane].abs());
+        self.steps.next.0[lane] = match backward {
+            _ if knot.is_infinite() => time,
+            false => time.min(knot - margin),
+            true => time.max(knot + margin),
+        };
+    }
+
+    /// Makes a lane inactive.
+    pub(super) fn leave(&mut self, lane: usize) {
+        self.group.deactivate(lane);
+        self.steps.next.0[lane] = f64::INFINITY;
+        self.steps.end.0[lane] = f64::INFINITY;
+        self.steps.direction.0[lane] = 1.0;
+        for row in &mut self.steps.now {
+            row.0[lane] = 0.0;
+        }
+    }
+}

@@ -1,0 +1,394 @@
+//! Legs: steps of equal size between the stops of a body, which are its output times and the knots of its forcing. The
+//! bodies of a group are moved leg by leg together.
+
+use super::{Integration, Request, Schedule};
+use crate::error::Error;
+use crate::forcing::BodyForcing;
+use crate::kernel::{Compiled, ForcingRows, Group, Kernel, reset_time};
+use crate::memory;
+use crate::observe::Observed;
+use crate::parallel::Interrupt;
+use crate::simd::{Isa, LANES};
+use crate::solver::Solver;
+use crate::start::Body;
+use std::iter::Peekable;
+use std::ops::Range;
+
+/// The forcing of free motions.
+static NO_FORCING: ForcingRows = ForcingRows::NONE;
+
+/// Steps of equal size to the next requested state or knot of the forcing.
+#[derive(Clone, Copy)]
+pub(super) struct Leg {
+    pub(super) steps: u64,
+    pub(super) step: f64,
+}
+
+impl Leg {
+    const NONE: Leg = Leg { steps: 0, step: 0.0 };
+}
+
+/// Steps no longer than `largest` that end exactly at `to`, their number times the refinement.
+fn leg(from: f64, to: f64, largest: f64, refinement: f64) -> Leg {
+    let span = to - from;
+    let wanted = span.abs() / largest;
+    // A quotient that differs from a whole number only by rounding does not add a step.
+    let nearest = wanted.round();
+    let steps = if (wanted - nearest).abs() <= 1e-9 * nearest { nearest } else { wanted.ceil() };
+    if span == 0.0 {
+        return Leg::NONE;
+    }
+    let steps = (steps.max(1.0) * refinement.max(1.0)).ceil();
+    Leg { steps: steps as u64, step: span / steps }
+}
+
+/// The end of a leg: a time, or a number of steps.
+#[derive(Clone, Copy, PartialEq)]
+enum End {
+    At(f64),
+    After(u64),
+}
+
+/// The begin and the end of a leg, and the requested state at its end if there is one.
+#[derive(Clone, Copy, PartialEq)]
+struct Stop {
+    from: f64,
+    end: End,
+    state: Option<usize>,
+}
+
+impl Stop {
+    /// A body that has arrived stays where it is.
+    const ARRIVED: Stop = Stop { from: 0.0, end: End::After(0), state: None };
+
+    /// The leg of a body with that largest step and that refinement.
+    fn leg(&self, largest: f64, refinement: f64) -> Leg {
+        match self.end {
+            End::At(to) => leg(self.from, to, largest, refinement),
+            End::After(steps) => Leg { steps, step: largest },
+        }
+    }
+}
+
+/// What strong damping makes of a start or of a jump of the torque: first the fast rates end, while the slow ones still
+/// turn the body. Steps from one end of the layer to the other would all step over it, whatever their number: the first
+/// leg is a part of the time of the fastest damping, and each next one ends later by a part.
+#[derive(Clone, Copy, PartialEq)]
+struct Layer {
+    since: f64,
+    first: f64,
+    /// The next end of a leg, since the begin of the layer.
+    next: f64,
+    /// The time after which steps are short enough.
+    last: f64,
+}
+
+/// Legs of a layer, as a part of the time since its begin. With 1/2 the error of the layer is that of the other steps:
+/// where both cancel, two runs agree by chance.
+const PART: f64 = 0.25;
+
+impl Layer {
+    /// The layer at the start of a body whose steps do not follow its damping.
+    fn of(request: &Request, body: usize) -> Option<Layer> {
+        let Solver::Steps(scheme) = request.solver else { return None };
+        let forcing = request.forcing_of(body);
+        if !scheme.damps_exactly() || forcing.is_none() {
+            return None;
+        }
+        let [.., rate] = forcing.damping_rates(request.bodies[body].moments);
+        let first = PART / rate;
+        let last = request.steps[body] / PART;
+        (request.steps[body] > first).then_some(Layer { since: 0.0, first, next: first, last })
+    }
+
+    /// The first end of a leg after a time, if the layer has not ended.
+    fn end_after(&mut self, time: f64) -> f64 {
+        while self.since + self.next <= time {
+            self.next *= 1.0 + PART;
+        }
+        if self.next < self.last { self.since + self.next } else { f64::INFINITY }
+    }
+}
+
+/// The stops of a body in the order they are made: forward from 0 through the times >= 0, or backward from 0 through
+/// the times < 0. Legs end at the knots of the forcing: a step across a knot would lose the order of any scheme.
+struct Stops<'a> {
+    schedule: &'a Schedule<'a>,
+    /// The times of the body; none if its steps are counted.
+    times: &'a [f64],
+    forcing: BodyForcing<'a>,
+    /// Backward in time damping ends nothing.
+    layer: Option<Layer>,
+    backward: bool,
+    from: f64,
+    /// The states that are left.
+    left: Range<usize>,
+}
+
+impl<'a> Stops<'a> {
+    fn new(request: &'a Request, body: usize, backward: bool) -> Self {
+        let (schedule, forcing) = (&request.schedule, request.forcing_of(body));
+        let times = schedule.times_of(body).unwrap_or_default();
+        let split = times.partition_point(|&t| t < 0.0);
+        let left = if backward { 0..split } else { split..schedule.len() };
+        let layer = if backward { None } else { Layer::of(request, body) };
+        Stops { schedule, times, forcing, layer, backward, from: 0.0, left }
+    }
+}
+
+impl Iterator for Stops<'_> {
+    type Item = Stop;
+
+    fn next(&mut self) -> Option<Stop> {
+        let mut left = self.left.clone();
+        let state = if self.backward { left.next_back() } else { left.next() }?;
+        if let Schedule::Strides(strides) = self.schedule {
+            self.left = left;
+            return Some(Stop { from: 0.0, end: End::After(strides[state]), state: Some(state) });
+        }
+        let (from, to) = (self.from, self.times[state]);
+        let is_before = |&knot: &f64| if self.backward { knot > to } else { knot < to };
+        let knot = self.forcing.next_knot(from, self.backward).filter(is_before);
+        if let Some(layer) = &mut self.layer {
+            let end = layer.end_after(from);
+            if end < knot.unwrap_or(to) {
+                self.from = end;
+                return Some(Stop { from, end: End::At(end), state: None });
+            }
+            if let Some(since) = knot.filter(|&knot| self.forcing.jumps_at(knot)) {
+                *layer = Layer { since, next: layer.first, ..*layer };
+            }
+        }
+        match knot {
+            Some(knot) => {
+                self.from = knot;
+                Some(Stop { from, end: End::At(knot), state: None })
+            }
+            None => {
+                (self.from, self.left) = (to, left);
+                Some(Stop { from, end: End::At(to), state: Some(state) })
+            }
+        }
+    }
+}
+
+/// The next stops of all lanes. Tables of torques share their knots: with equal times and layers the stops are equal
+/// too, and are found once.
+struct GroupStops<'a> {
+    each: Vec<Stops<'a>>,
+}
+
+impl<'a> GroupStops<'a> {
+    fn new(
+        request: &'a Request,
+        bodies: impl ExactSizeIterator<Item = usize>,
+        backward: bool,
+    ) -> Result<Self, Error> {
+        let (count, stops) = (bodies.len(), bodies.map(|body| Stops::new(request, body, backward)));
+        let mut each = memory::collected("stops of a group", count, stops)?;
+        let has_own_times = matches!(request.schedule, Schedule::TimesOfEach(..));
+        if !has_own_times && each.iter().all(|stops| stops.layer == each[0].layer) {
+            each.truncate(1);
+        }
+        Ok(GroupStops { each })
+    }
+}
+
+impl Iterator for GroupStops<'_> {
+    type Item = [Stop; LANES];
+
+    fn next(&mut self) -> Option<[Stop; LANES]> {
+        if let [shared] = &mut self.each[..] {
+            return Some([shared.next()?; LANES]);
+        }
+        let mut next = [Stop::ARRIVED; LANES];
+        let mut goes_on = false;
+        for (stop, own) in next.iter_mut().zip(&mut self.each) {
+            if let Some(own) = own.next() {
+                (*stop, goes_on) = (own, true);
+            }
+        }
+        goes_on.then_some(next)
+    }
+}
+
+/// The bodies of one group, and the legs that they make together. Body b has the lanes from `b lanes_each` on.
+pub(super) struct LegGroup<'a> {
+    pub(super) request: &'a Request<'a>,
+    /// How the bodies of the block are integrated.
+    ways: &'a [Integration],
+    /// Index of the first body of the block.
+    first: usize,
+    /// Indices of the bodies of the group in the block.
+    pub(super) members: &'a [usize],
+    pub(super) compiled: Compiled,
+    pub(super) lanes_each: usize,
+    pub(super) lanes: Group,
+    /// `None` if no forces act, and no parameter is changed.
+    forcing_rows: Option<Box<ForcingRows>>,
+    /// The steps of each body; `None` if they are too many, and the body is not moved.
+    pub(super) steps: [Option<u64>; LANES],
+    backward: bool,
+    stops: Peekable<GroupStops<'a>>,
+    now: [Stop; LANES],
+    /// The legs to the present stops.
+    pub(super) legs: [Leg; LANES],
+}
+
+impl<'a> LegGroup<'a> {
+    /// The bodies before their first leg, not loaded yet. Counts the steps of all legs.
+    pub(super) fn new(
+        request: &'a Request<'a>,
+        ways: &'a [Integration],
+        first: usize,
+        members: &'a [usize],
+        compiled: Compiled,
+        lanes_each: usize,
+        stop: &Interrupt,
+    ) -> Result<Self, Error> {
+        let is_changing = ways[members[0]].forces.act || request.record.is_sensitivity();
+        let bodies = members.iter().map(|&member| first + member);
+        let stops = GroupStops::new(request, bodies, false)?.peekable();
+        let mut group = LegGroup {
+            request,
+            ways,
+            first,
+            members,
+            compiled,
+            lanes_each,
+            lanes: Group::inactive(),
+            forcing_rows: is_changing.then(|| Box::new(ForcingRows::NONE)),
+            steps: [Some(0); LANES],
+            backward: false,
+            stops,
+            now: [Stop::ARRIVED; LANES],
+            legs: [Leg::NONE; LANES],
+        };
+        let mut totals = [0_u64; LANES];
+        for backward in [false, true] {
+            for stops in group.stops(backward)? {
+                if stop.is_wanted() {
+                    return Err(Error::Stopped);
+                }
+                for (total, leg) in totals.iter_mut().zip(&group.legs_to(&stops)) {
+                    *total = total.saturating_add(leg.steps);
+                }
+            }
+        }
+        group.steps = totals.map(|total| Some(total).filter(|&total| total <= request.max_steps));
+        Ok(group)
+    }
+
+    /// The kernel of a group of such bodies.
+    pub(super) fn compiled(request: &Request, way: Integration, observed: Observed, isa: Isa) -> Compiled {
+        Compiled::new(Kernel { system: way.system(request), step: way.assignment.step, observed }, isa)
+    }
+
+    /// The index of a body among all.
+    pub(super) fn index(&self, b: usize) -> usize {
+        self.first + self.members[b]
+    }
+
+    pub(super) fn body(&self, b: usize) -> &'a Body {
+        &self.request.bodies[self.index(b)]
+    }
+
+    pub(super) fn way(&self, b: usize) -> Integration {
+        self.ways[self.members[b]]
+    }
+
+    /// The first lane of a body.
+    pub(super) fn lane(&self, b: usize) -> usize {
+        b * self.lanes_each
+    }
+
+    /// The lanes of a body.
+    pub(super) fn lanes_of(&self, b: usize) -> Range<usize> {
+        self.lane(b)..self.lane(b + 1)
+    }
+
+    /// The bound of the rates with which a forced body is loaded.
+    pub(super) fn forced_rate(&self, b: usize) -> Option<f64> {
+        let is_timed = !matches!(self.request.schedule, Schedule::Strides(_));
+        let index = self.index(b);
+        (self.is_forced() && is_timed)
+            .then(|| self.body(b).fastest_rate(self.request.forcing_of(index), self.request.range_of(index)))
+    }
+
+    /// Puts the stops of all bodies at the begin of a direction of time. Whether there are any.
+    pub(super) fn begin(&mut self, backward: bool) -> Result<bool, Error> {
+        self.backward = backward;
+        self.lanes = Group::inactive();
+        self.stops = self.stops(backward)?.peekable();
+        Ok(!self.is_over())
+    }
+
+    /// Whether the last stop of all bodies is reached.
+    pub(super) fn is_over(&mut self) -> bool {
+        self.stops.peek().is_none()
+    }
+
+    /// Sets the legs to the next stops, and the forcing on them. A body with too many steps stays.
+    pub(super) fn begin_legs(&mut self) {
+        self.now = self.stops.next().expect("the group is not over");
+        self.legs = self.legs_to(&self.now);
+        for (leg, steps) in self.legs.iter_mut().zip(&self.steps) {
+            if steps.is_none() {
+                *leg = Leg::NONE;
+            }
+        }
+        let Some(mut rows) = self.forcing_rows.take() else { return };
+        for b in 0..self.members.len() {
+            let interval = self.request.interval_of(self.index(b), self.now[b].from, self.backward);
+            for lane in self.lanes_of(b) {
+                rows.set(lane, &interval);
+                if self.is_forced() {
+                    reset_time(&mut self.lanes, self.compiled.kernel().system, lane);
+                }
+            }
+        }
+        self.forcing_rows = Some(rows);
+    }
+
+    /// The requested state that a body has reached.
+    pub(super) fn state(&self, b: usize) -> Option<usize> {
+        self.now[b].state.filter(|_| self.steps[b].is_some())
+    }
+
+    /// Advances all lanes by some steps.
+    pub(super) fn advance(&mut self, steps: u64) {
+        let rows = self.forcing_rows.as_deref().unwrap_or(&NO_FORCING);
+        self.compiled.advance(&mut self.lanes, rows, steps as usize);
+    }
+
+    /// Sets the steps of the lanes that move on after some steps, and makes the others inactive.
+    pub(super) fn set_steps(&mut self, done: u64) {
+        for b in 0..self.members.len() {
+            let leg = self.legs[b];
+            for lane in self.lanes_of(b) {
+                self.lanes.step.0[lane] = if leg.steps > done { leg.step } else { 0.0 };
+            }
+        }
+    }
+
+    fn is_forced(&self) -> bool {
+        self.way(0).forces.act
+    }
+
+    fn stops(&self, backward: bool) -> Result<GroupStops<'a>, Error> {
+        let first = self.first;
+        GroupStops::new(self.request, self.members.iter().map(|&member| first + member), backward)
+    }
+
+    /// The legs of all bodies to those stops.
+    fn legs_to(&self, stops: &[Stop; LANES]) -> [Leg; LANES] {
+        let largest = |b: usize| self.request.steps[self.index(b)];
+        let mut legs = [Leg::NONE; LANES];
+        for b in 0..self.members.len() {
+            // Neighbours mostly have the same step.
+            let same = b > 0 && largest(b - 1) == largest(b) && stops[b - 1] == stops[b];
+            legs[b] = if same { legs[b - 1] } else { stops[b].leg(largest(b), self.request.refinement) };
+        }
+        legs
+    }
+}
