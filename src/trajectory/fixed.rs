@@ -160,6 +160,6 @@ impl Job for FixedJob<'_, '_> {
         if let Some(state) = self.legs.state(lane) {
             self.record(lane, state, task.moved);
         }
-        Ok(!self.legs.is_over())
+        Ok(!self.legs.is_over)
     }
 }

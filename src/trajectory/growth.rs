@@ -241,7 +241,7 @@ impl Job for GrowthJob<'_, '_> {
         if let Some(state) = self.legs.state(b) {
             self.record(b, self.legs.members[b] * self.legs.request.schedule.len() + state);
         }
-        Ok(!self.legs.is_over())
+        Ok(!self.legs.is_over)
     }
 }
 

@@ -11,7 +11,6 @@ use crate::parallel::Interrupt;
 use crate::simd::{Isa, LANES};
 use crate::solver::Solver;
 use crate::start::Body;
-use std::iter::Peekable;
 use std::ops::Range;
 
 /// The forcing of free motions.
@@ -192,6 +191,11 @@ impl<'a> GroupStops<'a> {
         }
         Ok(GroupStops { each })
     }
+
+    /// Whether no stop is left.
+    fn is_over(&self) -> bool {
+        self.each.iter().all(|stops| stops.left.is_empty())
+    }
 }
 
 impl Iterator for GroupStops<'_> {
@@ -229,7 +233,9 @@ pub(super) struct LegGroup<'a> {
     /// The steps of each body; `None` if they are too many, and the body is not moved.
     pub(super) steps: [Option<u64>; LANES],
     backward: bool,
-    stops: Peekable<GroupStops<'a>>,
+    stops: GroupStops<'a>,
+    /// Whether the present stops are the last.
+    pub(super) is_over: bool,
     now: [Stop; LANES],
     /// The legs to the present stops.
     pub(super) legs: [Leg; LANES],
@@ -248,7 +254,7 @@ impl<'a> LegGroup<'a> {
     ) -> Result<Self, Error> {
         let is_changing = ways[members[0]].forces.act || request.record.is_sensitivity();
         let bodies = members.iter().map(|&member| first + member);
-        let stops = GroupStops::new(request, bodies, false)?.peekable();
+        let stops = GroupStops::new(request, bodies, false)?;
         let mut group = LegGroup {
             request,
             ways,
@@ -261,6 +267,7 @@ impl<'a> LegGroup<'a> {
             steps: [Some(0); LANES],
             backward: false,
             stops,
+            is_over: false,
             now: [Stop::ARRIVED; LANES],
             legs: [Leg::NONE; LANES],
         };
@@ -319,22 +326,18 @@ impl<'a> LegGroup<'a> {
     pub(super) fn begin(&mut self, backward: bool) -> Result<bool, Error> {
         self.backward = backward;
         self.lanes = Group::inactive();
-        self.stops = self.stops(backward)?.peekable();
-        Ok(!self.is_over())
-    }
-
-    /// Whether the last stop of all bodies is reached.
-    pub(super) fn is_over(&mut self) -> bool {
-        self.stops.peek().is_none()
+        self.stops = self.stops(backward)?;
+        Ok(!self.stops.is_over())
     }
 
     /// Sets the legs to the next stops, and the forcing on them. A body with too many steps stays.
     pub(super) fn begin_legs(&mut self) {
         self.now = self.stops.next().expect("the group is not over");
+        self.is_over = self.stops.is_over();
         self.legs = self.legs_to(&self.now);
-        for (leg, steps) in self.legs.iter_mut().zip(&self.steps) {
-            if steps.is_none() {
-                *leg = Leg::NONE;
+        for b in 0..self.members.len() {
+            if self.steps[b].is_none() {
+                self.legs[b] = Leg::NONE;
             }
         }
         let Some(mut rows) = self.forcing_rows.take() else { return };
