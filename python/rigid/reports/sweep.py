@@ -100,7 +100,9 @@ class Sweep:
     def rows(self, ensemble: Ensemble, reference: Reference) -> list[Row]:
         """The rows of a report, from long steps to short ones."""
         ordered = [self.runs[steps] for steps in sorted(self.runs)]
-        lowest = min(run.error for run in ordered) if self.ended == "rounding" else 0.0
+        # A sweep that ran out of time may have come down to rounding unseen.
+        at_rounding = self.ended in ("rounding", "time")
+        lowest = min(run.error for run in ordered) if at_rounding else 0.0
         floor = 10.0 * max(lowest, reference.uncertainty)
         rows = []
         for k, run in enumerate(ordered):
