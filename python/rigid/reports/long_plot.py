@@ -43,7 +43,7 @@ def plot_long_run(report: LongRunData, figure: Figure | None = None) -> NDArray[
     figure.suptitle(_title(report), x=0.01, ha="left", fontsize="medium")
     at = report.horizon
     reference = report.references[at] if at < len(report.references) else None
-    times = [row.nanoseconds for row in report.rows]
+    times = [row.nanoseconds for row in report.rows] or [1.0]
     for (upper, lower), name in zip(grid.T, report.errors, strict=True):
         over = f"over {in_short(report.revolutions[at])} revolutions"
         upper.set_title(f"error of the {LABELS[name]}, {over}", fontsize="small")

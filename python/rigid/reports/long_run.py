@@ -192,8 +192,8 @@ def run_long(
     same = same_steps(short, [name for name in spec.methods if name in usable and name != EXACT])
     refused = {name: why for name, why in refused.items() if name in spec.methods and name != EXACT}
     if not same:
-        reasons = "; ".join(f"{method}: {why}" for method, why in refused.items())
-        raise ValueError(f"methods = {list(spec.methods)}: no scheme accepts the scene: {reasons}")
+        reasons = "".join(f"; {method}: {why}" for method, why in refused.items())
+        raise ValueError(f"methods = {list(spec.methods)}: none makes steps of the scene{reasons}")
     legs: list[Leg] = []
     tracks: list[Track] = []
     complete = False

@@ -293,10 +293,10 @@ def _in_axes(ax: Axes, points: Points) -> Floats:
 
 
 def _path(corners: Floats) -> Floats:
-    """Places along a line, but not at its ends; above the only point of a short one."""
+    """Places along a line, but not at its ends; around the only point of a short one."""
     if len(corners) == 1:
-        above: Floats = corners + np.array([0.0, 0.04])
-        return above
+        around: Floats = corners + np.array([[0.0, 0.04], [0.0, -0.04], [0.15, 0.0], [-0.15, 0.0]])
+        return around
     share = np.linspace(0.15, len(corners) - 1.15, 40 * len(corners))
     k = np.arange(len(corners))
     return np.stack([np.interp(share, k, column) for column in corners.T], axis=1)
