@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -59,7 +60,9 @@ def plot_long_run(report: LongRunData, figure: Figure | None = None) -> NDArray[
             ]
             for method in report.methods
         }
-        known = reference if name == "phase" else None
+        known = None
+        if name == "phase" and reference is not None:
+            known = dataclasses.replace(reference, uncertainty=reference.worst)
         draw_trade_off(upper, lines, reference=known, times=(min(times), max(times)))
         _draw_growth(lower, report, name)
         for ax in (upper, lower):
@@ -75,7 +78,8 @@ def _draw_growth(ax: Axes, report: LongRunData, name: str) -> None:
     lines = {row: _growth(report, row, name) for row in report.at_common_time()}
     lines = {row: points for row, points in lines.items() if points}
     best: dict[Family, LongRow] = {}
-    for row in sorted(lines, key=lambda row: (-len(lines[row]), lines[row][-1][1])):
+    at = report.horizon
+    for row in sorted(lines, key=lambda row: (row.error(name, at), -len(lines[row]))):
         best.setdefault(family_of(row.method), row)
     if not best:
         return

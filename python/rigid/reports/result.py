@@ -134,7 +134,8 @@ class LongRun(LongRunData):
 
     def _repr_html_(self) -> str:
         def draw(ax: Axes) -> None:
+            figure = ax.get_figure(root=True)
             ax.remove()
-            plot_long_run(self, ax.get_figure(root=True))
+            plot_long_run(self, figure)
 
         return html_with_picture(draw, str(self))
