@@ -246,8 +246,9 @@ def _hatch(ax: Axes, low: float, unknown: float, reference: str) -> None:
 def _place(path: Floats, half: Floats, others: Floats, names: Sequence[Name]) -> Floats | None:
     """Where on a path a name covers the least of other lines, far from them if there is room."""
     best, least = None, math.inf
-    for place in path:
-        if _clashes(place, half, names) or (np.abs(place - 0.5) + half > 0.5).any():
+    inside = ((path >= 0.0) & (path <= 1.0)).all(axis=1)
+    for place in np.clip(path[inside], half, 1.0 - half):
+        if _clashes(place, half, names):
             continue
         distance = (np.abs(others - place) / half).max(axis=1)
         cost = float((distance < 1.0).sum()) - float(distance.min(initial=ROOM))
