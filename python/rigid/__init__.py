@@ -50,7 +50,9 @@ from .model.start import (
 from .model.torque import Torque
 from .planning import plan
 from .reports.compute import report
-from .reports.result import Report
+from .reports.long_data import LongRow
+from .reports.long_run import long_run
+from .reports.result import LongRun, Report
 from .reports.row import Row
 from .reports.stress import Extremes, extremes
 from .sections.crossings import Crossings
@@ -109,6 +111,8 @@ __all__ = [
     "HeavyTop",
     "Interrupted",
     "Lines",
+    "LongRow",
+    "LongRun",
     "MapSpec",
     "Method",
     "Mixture",
@@ -155,6 +159,7 @@ __all__ = [
     "largest_tilt",
     "load_map",
     "load_run",
+    "long_run",
     "lyapunov",
     "mean_rate",
     "merge",

@@ -11,7 +11,7 @@ from __future__ import annotations
 import argparse
 import dataclasses
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from io import TextIOWrapper
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -30,6 +30,8 @@ from ..maps.sequential import checked_half_width, stop_table
 from ..maps.spec import MapSpec
 from ..model.seed import seed_from
 from ..reports.compute import run_report
+from ..reports.long_run import run_long
+from ..reports.result import LongRun, Report
 from ..reports.stress import extremes
 from ..sections.crossings import Crossings
 from ..sections.poincare import poincare
@@ -308,29 +310,27 @@ class _SectionResult:
 
 
 def _report(options: argparse.Namespace) -> int:
-    named = read_report(options.report, options.changes, methods=options.method)
-    spec = named.spec
-    if options.long:
-        spec = dataclasses.replace(spec, t_end=named.t_end_long)
+    name, spec = read_report(options.report, options.changes, methods=options.method)
+    stem = f"report-{name}-long" if options.long else f"report-{name}"
+    target = target_of(options.out, stem, ".json", force=options.force)
+    require_room(target.data, REPORT_SIZE)
     seconds = options.seconds
     if seconds is None:
         seconds = LONG_SECONDS if options.long else SECONDS
-    target = target_of(options.out, f"report-{named.name}", ".json", force=options.force)
-    require_room(target.data, REPORT_SIZE)
-    result = run_report(
-        spec, seconds=seconds, progress=progress_shown(options.progress), partial=True
-    )
+    make: Callable[..., Report | LongRun] = run_long if options.long else run_report
+    progress = progress_shown(options.progress)
+    result = make(spec, seconds=seconds, progress=progress, partial=True)
     return finished(
         result,
         target,
         "report",
         lambda: f"{result}\n",
-        (lambda: {"name": named.name, **result.to_dict()}) if options.json else None,
+        (lambda: {"name": name, **result.to_dict()}) if options.json else None,
     )
 
 
 def _reports(options: argparse.Namespace) -> int:
-    specs = {name: read_report(name).spec for name in report_names()}
+    specs = {name: read_report(name)[1] for name in report_names()}
     print_list(
         {name: f"{spec.title} (t = {spec.t_end:g} {spec.unit})" for name, spec in specs.items()},
         as_json=options.json,

@@ -18,6 +18,7 @@ from .._files import published, require_replaceable
 from ..drawing.figure import new_figure
 from ..maps.plot import SHARE
 from ..maps.result import StabilityMap
+from ..reports.result import LongRun
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -156,7 +157,7 @@ def _lines(who: str) -> Callable[[Progress], None]:
 
 
 def finished(
-    result: Result,
+    result: Result | LongRun,
     target: Target,
     what: str,
     words: Callable[[], str],
@@ -198,7 +199,7 @@ def finished(
     return 0
 
 
-def _saved(result: Result, data: Path, what: str) -> Path:
+def _saved(result: Result | LongRun, data: Path, what: str) -> Path:
     """Save the data, or raise OSError that tells where the data is instead."""
     try:
         return result.save(data)
@@ -213,9 +214,11 @@ def _saved(result: Result, data: Path, what: str) -> Path:
         raise OSError(f"{error}; the {what} is safe in {spare}") from None
 
 
-def _drawn(result: Result, suffix: str, shown: str) -> bytes:
+def _drawn(result: Result | LongRun, suffix: str, shown: str) -> bytes:
     """The picture in the format of a suffix."""
-    if isinstance(result, StabilityMap) and len(result.spec.axes) > 2:
+    if isinstance(result, LongRun):
+        figure = result.plot()[0, 0].figure
+    elif isinstance(result, StabilityMap) and len(result.spec.axes) > 2:
         # Many pictures in one figure.
         figure = np.ravel(result.plot())[0].figure
     else:

@@ -45,6 +45,7 @@ _EXAMPLES = {
     "report": """\
   rigid report lagrange-top
   rigid report lagrange-top --method rk4 --method taylor16
+  rigid report lagrange-top --long                         over 1e3 to 1e6 revolutions
   rigid report --show lagrange-top > my-report.toml
 """,
     "extremes": """\
@@ -142,9 +143,15 @@ def make_parser() -> Parser:
     _shown(section)
     _json(command("sections", "list the built-in sections"))
 
-    report = command("report", "measure error against run time of all methods")
+    report = command(
+        "report", "measure error against run time of all methods, after a short or a long run"
+    )
     _source(report, "report", "a built-in scene or your own")
-    report.add_argument("--long", action="store_true", help="the longer horizon, and more time")
+    report.add_argument(
+        "--long",
+        action="store_true",
+        help="errors of energy, momentum and phase over 1e3 to 1e6 revolutions instead",
+    )
     report.add_argument(
         "--seconds",
         type=float,

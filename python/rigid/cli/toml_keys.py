@@ -170,8 +170,7 @@ MEASURE: Mapping[str, Key] = {
 REPORT_START: Mapping[str, Key] = _NOMINAL
 
 REPORT_RUN: Mapping[str, Key] = {
-    "t_end": Key("number", "horizon", "s"),
-    "t_end_long": Key("number", "horizon of `--long`", "s", "t_end"),
+    "t_end": Key("number", "horizon; not used by `--long`", "s"),
     "unit": Key("text", "name of the unit of time", "", ReportSpec.unit),
     "bodies": Key("whole number", "perturbed bodies that are measured", "", str(ReportSpec.bodies)),
     "errors": Key(

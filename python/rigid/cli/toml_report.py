@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from .._checks.arguments import finite_float, positive_int
 from ..maps.grid import nominal_starts
@@ -11,20 +10,11 @@ from ..model.seed import checked_seed
 from ..reports.spec import ReportSpec, make_spec
 from .toml_keys import REPORT, REPORT_RUN, REPORT_START
 from .toml_scene import read_scene, read_start
-from .toml_table import BUILTIN, as_is, names_in, parsed, positive, read_source, text
+from .toml_table import BUILTIN, as_is, names_in, parsed, read_source, text
 
-__all__ = ["REPORTS", "NamedReport", "parse_report", "read_report", "report_names"]
+__all__ = ["REPORTS", "parse_report", "read_report", "report_names"]
 
 REPORTS = BUILTIN / "reports"
-
-
-@dataclass(frozen=True, slots=True)
-class NamedReport:
-    """The specification of a report with its name and the horizon of its long version."""
-
-    name: str
-    spec: ReportSpec
-    t_end_long: float
 
 
 def report_names() -> list[str]:
@@ -34,27 +24,26 @@ def report_names() -> list[str]:
 
 def read_report(
     source: str, changes: Sequence[str] = (), *, methods: Sequence[str] | None = None
-) -> NamedReport:
-    """Read a built-in report by its name, or a file by its path; see ``read_spec`` of a map.
+) -> tuple[str, ReportSpec]:
+    """Name and specification of a built-in report, or of a file; see ``read_spec`` of a map.
 
     Examples
     --------
     >>> from rigid.cli.toml_report import read_report
-    >>> read_report("lagrange-top").spec.scene.mgl
+    >>> read_report("lagrange-top")[1].scene.mgl
     1.0
     """
     name, content, file = read_source(source, "report", REPORTS)
-    return parse_report(name, content, file, changes, methods=methods)
+    return name, parse_report(content, file, changes, methods=methods)
 
 
 def parse_report(
-    name: str,
     content: str,
     file: str,
     changes: Sequence[str] = (),
     *,
     methods: Sequence[str] | None = None,
-) -> NamedReport:
+) -> ReportSpec:
     """The report that a TOML text describes; ``methods`` replaces those of the text."""
     document = parsed(content, file, changes)
     document.only(*REPORT)
@@ -65,13 +54,12 @@ def parse_report(
     run = document.table("run")
     run.only(*REPORT_RUN)
     grid = document.build(lambda: nominal_starts(scene, start))
-    t_end = run.take("t_end", finite_float)
-    spec = run.build(
+    return run.build(
         lambda: make_spec(
             scene,
             grid.omega[0],
             grid.attitude[0],
-            t_end=t_end,
+            t_end=run.take("t_end", finite_float),
             methods=run.take("methods", as_is, default=None) if methods is None else methods,
             bodies=run.take("bodies", positive_int, default=ReportSpec.bodies),
             errors=run.take("errors", as_is, default=ReportSpec.errors),
@@ -80,4 +68,3 @@ def parse_report(
             title=document.take("title", text, default=None),
         )
     )
-    return NamedReport(name, spec, run.take("t_end_long", positive, default=t_end))

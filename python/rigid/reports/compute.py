@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import platform
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
@@ -27,7 +27,7 @@ from .sweep import Sweep, probe, sweep_methods, time_sweeps
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-__all__ = ["report", "run_report"]
+__all__ = ["hundredths", "machine", "report", "run_report"]
 
 SEARCH = 0.15
 """Share of the time that the search for a reference may take."""
@@ -169,7 +169,7 @@ def run_report(
         reasons = "; ".join(f"{method}: {why}" for method, why in refused.items())
         raise ValueError(f"methods = {list(spec.methods)}: none accepts the scene: {reasons}")
     complete = interrupted = False
-    with _hundredths(progress, begun, sweeps) as told:
+    with hundredths(progress, begun, lambda: sum(one.failures for one in sweeps)) as told:
         reference, truth = find_reference(ensemble, usable, until(SEARCH))
         searched = (time.perf_counter() - begun) / seconds
         runs_done = searched + SWEEP
@@ -196,7 +196,7 @@ def run_report(
         reference=reference,
         refused=refused,
         ended={sweep.method: sweep.ended or "interrupted" for sweep in sweeps},
-        machine=_machine(),
+        machine=machine(),
         complete=complete,
         rounds=min((len(run.times) for sweep in sweeps for run in sweep.runs.values()), default=0),
         elapsed=time.perf_counter() - begun,
@@ -211,8 +211,8 @@ def run_report(
 
 
 @contextmanager
-def _hundredths(
-    progress: ProgressOption, begun: float, sweeps: Sequence[Sweep]
+def hundredths(
+    progress: ProgressOption, begun: float, failures: Callable[[], int]
 ) -> Iterator[Callable[[float], None]]:
     """The function to call with the completed share of the work; the share never decreases."""
     done = 0
@@ -223,14 +223,13 @@ def _hundredths(
             hundredths = min(100, int(100.0 * share))
             if hundredths > done:
                 done = hundredths
-                failures = sum(sweep.failures for sweep in sweeps)
                 elapsed = time.perf_counter() - begun
-                tell(Progress(done=done, total=100, elapsed=elapsed, failures=failures))
+                tell(Progress(done=done, total=100, elapsed=elapsed, failures=failures()))
 
         yield told
 
 
-def _machine() -> dict[str, str]:
+def machine() -> dict[str, str]:
     """The machine and the versions, which determine the times."""
     build = _core.build_info()
     return {

@@ -3,22 +3,19 @@
 from __future__ import annotations
 
 import dataclasses
-import json
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Self
 
-from .._checks.arguments import brief, finite_float, one_line
+from .._checks.arguments import brief, finite_float
 from ..solve.methods import EXACT
 from .reference import Reference
-from .row import Row
+from .row import Row, pareto
 from .spec import ReportSpec
+from .stored import Stored, names_from
 
 __all__ = ["REPEATS", "ReportData"]
-
-FORMAT = "rigid report"
-FORMAT_VERSION = 1
 
 REPEATS = 3
 """Fewer repeats do not tell by how much they differ."""
@@ -31,8 +28,10 @@ five, and in none of nine."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ReportData:
+class ReportData(Stored):
     """The numbers of a report; :class:`rigid.Report` describes the attributes."""
+
+    FORMAT = "rigid report"
 
     spec: ReportSpec
     rows: tuple[Row, ...]
@@ -61,12 +60,12 @@ class ReportData:
 
         Rows with an error of 1 or more do not compete.
         """
-        return _front(self.rows)
+        return pareto(self.rows, _error)
 
     @property
     def scheme_front(self) -> tuple[Row, ...]:
         """The Pareto front of the schemes without the closed form, which is often the fastest."""
-        return _front(row for row in self.rows if row.method != EXACT)
+        return pareto([row for row in self.rows if row.method != EXACT], _error)
 
     def cost(self, method: str, error: float) -> float | None:
         """Processor time per body and unit of time (ns) for a given error, None if not reached.
@@ -125,15 +124,12 @@ class ReportData:
         orders = [row.order for row in self.of(method) if row.order is not None]
         return orders[-1] if orders else None
 
-    def to_dict(self) -> dict[str, Any]:
-        """The report as a JSON-able dictionary; what is infinite or unknown is None."""
+    def _facts(self) -> dict[str, Any]:
         return {
-            "format": FORMAT,
-            "format_version": FORMAT_VERSION,
             "spec": self.spec.to_dict(),
             "machine": dict(self.machine),
             "reference": dataclasses.asdict(self.reference),
-            "rows": [_finite(dataclasses.asdict(row)) for row in self.rows],
+            "rows": [_bounded(dataclasses.asdict(row)) for row in self.rows],
             "same": {name: list(others) for name, others in self.same.items()},
             "refused": dict(self.refused),
             "ended": dict(self.ended),
@@ -142,45 +138,21 @@ class ReportData:
             "elapsed": self.elapsed,
         }
 
-    def to_json(self) -> str:
-        """The report as JSON text; floats keep all their digits."""
-        return json.dumps(self.to_dict(), allow_nan=False, indent=1, ensure_ascii=False)
-
     @classmethod
-    def from_json(cls, text: str) -> Self:
-        """The report that :meth:`to_json` wrote.
-
-        Raises
-        ------
-        ValueError
-            If the text is no report, or one of another format.
-        """
-        try:
-            data = json.loads(text, parse_constant=_refuse)
-            if data["format"] != FORMAT or data["format_version"] != FORMAT_VERSION:
-                raise ValueError(f"format is not {FORMAT!r}, version {FORMAT_VERSION}")
-            data.setdefault("same", {})  # a report of an older version
-            values = {field.name: data[field.name] for field in dataclasses.fields(cls)}
-            values["spec"] = ReportSpec.from_dict(values["spec"])
-            values["reference"] = Reference(**values["reference"])
-            values["rows"] = tuple(_row(row) for row in values["rows"])
-            values["same"] = {name: _names(others) for name, others in values["same"].items()}
-            for name in ("rounds", "elapsed"):
-                finite_float(name, values[name], nonnegative=True)
-            return cls(**values)
-        except Exception as error:  # the text may hold anything
-            raise ValueError(
-                f"text: is not a report: {type(error).__name__}: {one_line(error)}"
-            ) from None
+    def _from_facts(cls, data: dict[str, Any]) -> Self:
+        data.setdefault("same", {})  # a report of an older version
+        values = {field.name: data[field.name] for field in dataclasses.fields(cls)}
+        values["spec"] = ReportSpec.from_dict(values["spec"])
+        values["reference"] = Reference(**values["reference"])
+        values["rows"] = tuple(_row(row) for row in values["rows"])
+        values["same"] = names_from(values["same"])
+        for name in ("rounds", "elapsed"):
+            finite_float(name, values[name], nonnegative=True)
+        return cls(**values)
 
 
-def _front(rows: Iterable[Row]) -> tuple[Row, ...]:
-    best, front = 1.0, []
-    for row in sorted(rows, key=lambda row: (row.nanoseconds, row.error)):
-        if row.error < best:
-            best = row.error
-            front.append(row)
-    return tuple(front)
+def _error(row: Row) -> float:
+    return row.error
 
 
 def _relative_spread(row: Row) -> float:
@@ -198,7 +170,7 @@ _UNBOUNDED = (
 )
 
 
-def _finite(row: dict[str, Any]) -> dict[str, Any]:
+def _bounded(row: dict[str, Any]) -> dict[str, Any]:
     lost = {name: None for name in _UNBOUNDED if not math.isfinite(row[name])}
     return row | lost
 
@@ -219,14 +191,3 @@ def _row(data: Mapping[str, Any]) -> Row:
         elif name not in _OPTIONAL:
             raise TypeError(f"{name} = None: must be a number")
     return Row(**values)
-
-
-def _names(data: list[object]) -> tuple[str, ...]:
-    for name in data:
-        if not isinstance(name, str):
-            raise TypeError(f"same: {brief(name)}: must be a name")
-    return tuple(str(name) for name in data)
-
-
-def _refuse(constant: str) -> Any:
-    raise ValueError(f"{constant}: is not JSON")

@@ -1,64 +1,87 @@
-"""The picture of a report: error against time, with the methods named beside it."""
+"""The picture of a report: error against time, the best of each family named at its line."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from textwrap import fill
-from typing import TYPE_CHECKING, Any, TypeAlias
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..drawing.figure import shown_figure
 from ..solve.methods import EXACT
 from .data import ReportData
-from .row import Row
+from .reference import Reference
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["STYLES", "plot_report"]
+__all__ = [
+    "FAMILIES",
+    "OTHERS",
+    "Points",
+    "draw_families",
+    "draw_trade_off",
+    "family_of",
+    "plot_report",
+]
 
-# Okabe and Ito's colours without yellow, which is lost on white. A family has a colour and a
-# marker, its members differ in dashes: readers who see few colours have the other two.
-_FAMILIES = (
-    ("black", "*", (EXACT,)),
-    ("#d55e00", "o", ("rk4", "dop853")),
-    ("#0072b2", "s", ("taylor12", "taylor16", "taylor20", "taylor26")),
-    ("#009e73", "^", ("splitting", "splitting4", "splitting8")),
-    ("#cc79a7", "D", ("chin4a",)),
-    ("#56b4e9", "X", ("pmlf4", "pmlf6")),
-    ("#e69f00", "v", ("dmv2", "dmv10")),
-    ("#555555", "P", ("etd4", "midpoint")),
+Floats = NDArray[np.float64]
+
+Points: TypeAlias = Sequence[tuple[float, float]]
+"""The line of a method: times, or revolutions, and errors."""
+
+Name: TypeAlias = tuple[Floats, Floats]
+"""The middle of a name and half its size, in shares of the axes."""
+
+
+@dataclass(frozen=True, slots=True)
+class Family:
+    """Methods of one kind, with one colour in all pictures."""
+
+    name: str
+    colour: str
+    members: tuple[str, ...]
+
+
+FAMILIES = (
+    Family("closed form", "#000000", (EXACT,)),
+    Family("Runge–Kutta", "#b3430a", ("rk4", "dop853")),
+    Family("Taylor series", "#0067a5", ("taylor12", "taylor16", "taylor20", "taylor26")),
+    Family("splitting", "#00714f", ("splitting", "splitting4", "splitting8")),
+    Family("free motion and kicks", "#a0357a", ("chin4a", "pmlf4", "pmlf6")),
+    Family("Moser–Veselov", "#6b4fbb", ("dmv2", "dmv10")),
+    Family("exponential", "#7a5c00", ("etd4",)),
+    Family("midpoint rule", "#5a5a5a", ("midpoint",)),
 )
-_DASHES = ("-", "--", ":", "-.", (0, (6, 1)), (0, (3, 1, 1, 1, 1, 1)))
+"""Colours have a contrast of at least 4.5 on white, as text needs; the hues are Okabe and Ito's."""
 
-Style: TypeAlias = tuple[str, Any, str]
-"""Colour, dashes and marker of a line."""
+OTHERS = Family("others", "#5a5a5a", ())
+"""Methods of another version, in a report that was read from a file."""
 
-STYLES: Mapping[str, Style] = {
-    method: (colour, dashes, marker)
-    for colour, marker, members in _FAMILIES
-    for method, dashes in zip(members, _DASHES, strict=False)
-}
-"""The style of each method in all pictures of reports."""
-
-_UNKNOWN: Style = ("#999999", "-", ".")
-"""The style of a method of another version, in a report that was read from a file."""
-
-WIDTH = 24
-"""Characters of a line of names, of which a method may have several."""
+PALE = "0.84"
+"""Lines of single methods."""
 
 TOP = 3.0
 """Upper limit of the axis of errors: a larger error of an attitude has no meaning."""
 
+NAME_SIZE = 8.5
+"""Size of the names of families (points)."""
+
+ROOM = 3.0
+"""A name is as well off with so much room, in half widths, as with more."""
+
 
 def plot_report(report: ReportData, *, ax: Axes | None = None) -> Axes:
-    """Draw error against processor time, a line for each method, both axes logarithmic.
+    """Draw error against processor time, both axes logarithmic.
 
-    The grey band follows the Pareto front of the schemes; nothing is known in the hatched region
-    below the uncertainty of the reference. Small points are rows whose error is only a bound,
-    because the true error is below this uncertainty.
+    Each method has a pale line. The best of a family of methods has a line in a colour, with the
+    name of the family; the Pareto front of all schemes is the broad line, with the names of the
+    methods that begin there to be the best. Nothing is known in
+    the hatched region below the uncertainty of the reference. Slower methods than those near the
+    front are beyond the right edge.
 
     Parameters
     ----------
@@ -79,129 +102,216 @@ def plot_report(report: ReportData, *, ax: Axes | None = None) -> Axes:
     if ax is None:
         ax = shown_figure().add_subplot()
     spec = report.spec
-    ax.set(xscale="log", yscale="log")
     ax.set_xlabel(f"processor time per body and {spec.unit} of motion (ns)")
     ax.set_ylabel(f"error of the state at t = {spec.t_end:g} {spec.unit}")
     ax.set_title(_title(report), loc="left", fontsize="medium")
-    ax.grid(visible=True, which="major", color="0.92", linewidth=0.8)
-    ax.set_axisbelow(True)
-    lines = {method: _drawable(report.of(method)) for method in report.methods}
-    lines = {method: rows for method, rows in lines.items() if rows}
-    if not lines:
-        return ax
-    _limits(ax, report, [row for rows in lines.values() for row in rows])
-    _draw_front(ax, report)
-    for method, rows in lines.items():
-        _draw_method(ax, rows, *STYLES.get(method, _UNKNOWN))
-    _name(ax, list(lines), report.same)
+    lines = {
+        method: [(row.nanoseconds, row.error) for row in report.of(method) if row.error > 0.0]
+        for method in report.methods
+    }
+    draw_trade_off(ax, lines, reference=report.reference)
     return ax
 
 
-def _drawable(rows: tuple[Row, ...]) -> list[Row]:
-    """Finite rows from the last one with an error of 1 or more on; the line begins there."""
-    finite = [row for row in rows if math.isfinite(row.error) and row.error > 0.0]
-    useless = [k for k, row in enumerate(finite) if row.error >= 1.0]
+def draw_trade_off(
+    ax: Axes,
+    lines: Mapping[str, Points],
+    *,
+    reference: Reference | None = None,
+    times: tuple[float, float] | None = None,
+) -> None:
+    """Draw error against time of each method, the best of families, and the Pareto front.
+
+    The plot is hatched below the uncertainty of the reference. ``times`` are the least and the
+    largest; by default slow families do not stretch the axis.
+    """
+    ax.set(xscale="log", yscale="log")
+    ax.grid(visible=True, which="major", color="0.94", linewidth=0.8)
+    ax.set_axisbelow(True)
+    known = {method: _drawable(points) for method, points in lines.items()}
+    best = {
+        family: front
+        for family in (*FAMILIES, OTHERS)
+        if (front := _front(known, [name for name in known if family_of(name) == family]))
+    }
+    if not best:
+        return
+    front = _front(known, [method for method in known if method != EXACT])
+    if times is None:
+        ends = sorted(line[-1][0] for line in best.values())
+        slowest = max([ends[len(ends) // 2], *(time for time, _, _ in front[-1:])])
+        times = min(line[0][0] for line in best.values()), slowest
+    unknown = math.inf if reference is None else min(reference.uncertainty, 1.0)
+    low = 0.1 * min(unknown, *(line[-1][1] for line in best.values()))
+    ax.set_xlim(0.4 * times[0], 2.0 * times[1])
+    ax.set_ylim(low, TOP)
+    if reference is not None:
+        _hatch(ax, low, unknown, reference.method)
+    for points in filter(None, known.values()):
+        ax.plot(*np.transpose(points), color=PALE, linewidth=0.9, zorder=1.0)
+    names = _draw_front(ax, front) if front else []
+    draw_families(
+        ax, {family: [point[:2] for point in line] for family, line in best.items()}, names
+    )
+
+
+def _draw_front(ax: Axes, front: Sequence[tuple[float, float, str]]) -> list[Name]:
+    """Draw the Pareto front, with the name of a method where it begins to be the best."""
+    points = [point[:2] for point in front]
+    ax.plot(
+        *np.transpose(points),
+        color="0.72",
+        linewidth=8.0,
+        solid_capstyle="round",
+        solid_joinstyle="round",
+        zorder=2.0,
+        label="Pareto front",
+    )
+    names: list[Name] = []
+    before = None
+    for (_, _, method), place in zip(front, _in_axes(ax, points), strict=True):
+        half = _half(ax, method, 0.8 * NAME_SIZE)
+        corner = place - half - [0.006, 0.008]  # nothing of the front is to the left and below
+        if method != before and not _clashes(corner, half, names) and (corner > half).all():
+            _write(ax, method, corner, family_of(method).colour, 0.8 * NAME_SIZE)
+            names.append((corner, half))
+        before = method
+    return names
+
+
+def draw_families(ax: Axes, lines: Mapping[Family, Points], names: Sequence[Name] = ()) -> None:
+    """Draw a line for each family, with its name on it, where no other name is.
+
+    The name is written where it covers no other line, if there is such a place.
+    """
+    for family, points in lines.items():
+        ax.plot(
+            *np.transpose(points),
+            color=family.colour,
+            linewidth=1.8,
+            marker="*" if EXACT in family.members else "o",
+            markersize=10.0 if EXACT in family.members else 3.5,
+            zorder=3.0,
+            label=family.name,
+        )
+    paths = {family: _path(_in_axes(ax, line)) for family, line in lines.items()}
+    names = list(names)
+    for family, path in paths.items():
+        half = _half(ax, family.name, NAME_SIZE)
+        others = [other for other in paths.values() if other is not path]
+        place = _place(path, half, np.concatenate([*others, path[:0]]), names)
+        if place is not None:
+            _write(ax, family.name, place, family.colour, NAME_SIZE)
+            names.append((place, half))
+
+
+def family_of(method: str) -> Family:
+    """The family of a method."""
+    return next((family for family in FAMILIES if method in family.members), OTHERS)
+
+
+def _drawable(points: Points) -> Points:
+    """Finite points from the last one with an error of 1 or more on."""
+    finite = [(time, error) for time, error in points if math.isfinite(error)]
+    useless = [k for k, (_, error) in enumerate(finite) if error >= 1.0]
     return finite[useless[-1] :] if useless else finite
 
 
-def _limits(ax: Axes, report: ReportData, rows: list[Row]) -> None:
-    times = np.array([row.nanoseconds for row in rows])
-    errors = np.array([row.error for row in rows])
-    unknown = min(report.reference.uncertainty, 1.0)
-    low = 0.1 * min(errors.min(), unknown)
-    ax.set_xlim(0.5 * times.min(), 4.0 * times.max())
-    ax.set_ylim(low, TOP)
-    ax.axhspan(low, unknown, facecolor="0.96", edgecolor="0.85", hatch="////", zorder=0.1)
+def _front(
+    lines: Mapping[str, Points], methods: Iterable[str]
+) -> Sequence[tuple[float, float, str]]:
+    """Time, error and method of the points than which none is faster and better, from 1 down."""
+    least, front = 1.0, []
+    for time, error, method in sorted((*point, name) for name in methods for point in lines[name]):
+        if error < least:
+            least = error
+            front.append((time, error, method))
+    return front
+
+
+def _hatch(ax: Axes, low: float, unknown: float, reference: str) -> None:
+    ax.axhspan(low, unknown, facecolor="0.97", edgecolor="0.87", hatch="////", zorder=0.1)
     ax.annotate(
-        f"below the uncertainty of the reference ({report.reference.method})",
+        f"below the uncertainty of the reference ({reference})",
         (0.01, low),
         xycoords=("axes fraction", "data"),
         xytext=(0.0, 4.0),
         textcoords="offset points",
         fontsize="x-small",
         color="0.35",
-        bbox={"facecolor": "0.96", "edgecolor": "none", "pad": 1.0},
+        bbox={"facecolor": "0.97", "edgecolor": "none", "pad": 1.0},
     )
 
 
-def _draw_front(ax: Axes, report: ReportData) -> None:
-    front = [row for row in report.scheme_front if row.error > 0.0]
-    if not front:
-        return
-    ax.plot(
-        [row.nanoseconds for row in front],
-        [row.error for row in front],
-        color="0.8",
-        linewidth=7.0,
-        solid_capstyle="round",
-        solid_joinstyle="round",
-        zorder=1.0,
-        label="Pareto front",
+def _place(path: Floats, half: Floats, others: Floats, names: Sequence[Name]) -> Floats | None:
+    """Where on a path a name covers the least of other lines, far from them if there is room."""
+    best, least = None, math.inf
+    inside = ((path >= 0.0) & (path <= 1.0)).all(axis=1)
+    for place in np.clip(path[inside], half, 1.0 - half):
+        if _clashes(place, half, names):
+            continue
+        distance = (np.abs(others - place) / half).max(axis=1)
+        cost = float((distance < 1.0).sum()) - float(distance.min(initial=ROOM))
+        if cost < least:
+            best, least = place, cost
+    return best
+
+
+def _clashes(place: Floats, half: Floats, names: Iterable[Name]) -> bool:
+    return any(bool((np.abs(place - at) < half + of).all()) for at, of in names)
+
+
+def _half(ax: Axes, text: str, size: float) -> Floats:
+    """About half the width and height of a text, in shares of the axes."""
+    figure = ax.get_figure(root=True)
+    assert figure is not None
+    inches = np.array([0.29 * len(text), 0.7]) * size / 72.0
+    half: Floats = inches / figure.get_size_inches() / ax.get_position().size
+    return half
+
+
+def _write(ax: Axes, text: str, place: Floats, colour: str, size: float) -> None:
+    x, y = place.tolist()
+    ax.text(
+        x,
+        y,
+        text,
+        transform=ax.transAxes,
+        color=colour,
+        fontsize=size,
+        ha="center",
+        va="center",
+        zorder=4.0,
+        bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6, "alpha": 0.85},
     )
 
 
-def _draw_method(ax: Axes, rows: list[Row], colour: str, dashes: Any, marker: str) -> None:
-    times, errors = [row.nanoseconds for row in rows], [row.error for row in rows]
-    ax.plot(times, errors, color=colour, linestyle=dashes, linewidth=1.3, zorder=2.0)
-    known = [not row.mark or row.method == EXACT for row in rows]
-    for wanted, size in ((True, 22.0), (False, 7.0)):
-        chosen = [k for k, is_known in enumerate(known) if is_known == wanted]
-        ax.scatter(
-            [times[k] for k in chosen],
-            [errors[k] for k in chosen],
-            s=110.0 if marker == "*" else size,
-            marker=marker,
-            facecolor=colour,
-            edgecolor="white",
-            linewidth=0.5,
-            zorder=3.0,
-        )
+def _in_axes(ax: Axes, points: Points) -> Floats:
+    """Points in shares of the axes."""
+    low, high = np.log([ax.get_xlim(), ax.get_ylim()]).T
+    places: Floats = (np.log(points) - low) / (high - low)
+    return places
+
+
+def _path(corners: Floats) -> Floats:
+    """Places along a line, but not at its ends; around the only point of a short one."""
+    if len(corners) == 1:
+        around: Floats = corners + np.array([[0.0, 0.04], [0.0, -0.04], [0.15, 0.0], [-0.15, 0.0]])
+        return around
+    share = np.linspace(0.15, len(corners) - 1.15, 40 * len(corners))
+    k = np.arange(len(corners))
+    return np.stack([np.interp(share, k, column) for column in corners.T], axis=1)
 
 
 def _title(report: ReportData) -> str:
     spec = report.spec
-    detail = f"median of {spec.bodies} bodies, one core of {report.machine.get('cpu', '?')}"
-    isa = report.machine.get("isa")
-    if isa:
-        detail += f" ({isa})"
+    detail = f"median of {spec.bodies} bodies, {machine_words(report.machine)}"
     if not report.complete:
         detail += "; partial"
-    return f"{spec.title or 'Error against run time'}\n{detail}"
+    return f"{spec.title or 'Error against run time'}\n{detail}; grey band: Pareto front"
 
 
-def _name(ax: Axes, methods: list[str], same: Mapping[str, tuple[str, ...]]) -> None:
-    """Name the methods beside the plot, family by family: at the ends their names would collide.
-
-    A method that has several names is named by all of them.
-    """
-    from matplotlib.lines import Line2D
-
-    known = list(STYLES)
-    ordered = sorted(methods, key=lambda name: known.index(name) if name in STYLES else len(known))
-    lines = [Line2D([], [], color="0.8", linewidth=7.0, label="Pareto front")]
-    for method in ordered:
-        colour, dashes, marker = STYLES.get(method, _UNKNOWN)
-        others = ", ".join(same.get(method, ()))
-        lines.append(
-            Line2D(
-                [],
-                [],
-                color=colour,
-                linestyle="none" if method == EXACT else dashes,
-                linewidth=1.3,
-                marker=marker,
-                markersize=10.0 if method == EXACT else 5.0,
-                markeredgecolor="white",
-                markeredgewidth=0.5,
-                label=fill(f"{method} = {others}" if others else method, WIDTH),
-            )
-        )
-    ax.legend(
-        handles=lines,
-        loc="upper left",
-        bbox_to_anchor=(1.01, 1.01),
-        frameon=False,
-        fontsize="small",
-        handlelength=3.4,
-        labelspacing=0.35,
-    )
+def machine_words(machine: Mapping[str, str]) -> str:
+    """The core that measured."""
+    isa = f" ({machine['isa']})" if machine.get("isa") else ""
+    return f"one core of {machine.get('cpu', '?')}{isa}"

@@ -1,22 +1,23 @@
-"""The result of a report: its numbers, its picture, its file and its text."""
+"""The results of a report and of a long run: numbers, picture, file and text."""
 
 from __future__ import annotations
 
-import os
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from .._files import published
+from numpy.typing import NDArray
+
 from ..drawing.figure import html_with_picture
 from .data import ReportData
+from .long_data import LongRunData
+from .long_plot import plot_long_run
+from .long_table import long_text
 from .plot import plot_report
 from .table import report_text
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from matplotlib.axes import Axes
 
-__all__ = ["Report"]
+__all__ = ["LongRun", "Report"]
 
 
 class Report(ReportData):
@@ -66,23 +67,6 @@ class Report(ReportData):
         """
         return plot_report(self, ax=ax)
 
-    def save(self, path: str | os.PathLike[str]) -> Path:
-        """Write the JSON text to a file and return its path.
-
-        The file appears whole or not at all; see :meth:`rigid.StabilityMap.save`.
-
-        Raises
-        ------
-        OSError
-            If the file cannot be written, or its name is that of something else than a file.
-        """
-        from pathlib import Path
-
-        text = self.to_json() + "\n"
-        with published(path) as file:
-            file.write(text.encode())
-        return Path(path)
-
     def __str__(self) -> str:
         return report_text(self)
 
@@ -93,3 +77,65 @@ class Report(ReportData):
 
     def _repr_html_(self) -> str:
         return html_with_picture(self.plot, str(self))
+
+
+class LongRun(LongRunData):
+    """Errors of energy, momentum and phase over ever more revolutions; by :func:`rigid.long_run`.
+
+    Attributes
+    ----------
+    spec : ReportSpec
+        The scene and its start, with the longest horizon.
+    revolutions : tuple of float
+        Lengths of the runs.
+    rows : tuple of LongRow
+        Method by method, from long steps to short ones.
+    same : dict of str to tuple of str
+        The other names of a method, of schemes that make the same steps on these bodies.
+    references : tuple of Reference
+        What the phase is compared with, over each number of revolutions as far as it is known.
+    refused : dict of str to str
+        Methods that are not applicable, and why.
+    machine : dict of str to str
+        Processor, instruction set, versions.
+    complete : bool
+        Whether the run came to its end; after Ctrl-C it is partial.
+    elapsed : float
+        Seconds that it took.
+    """
+
+    __slots__ = ()
+
+    def plot(self) -> NDArray[Any]:
+        """Draw the errors against time, and their growth with the revolutions.
+
+        Returns
+        -------
+        ndarray of matplotlib Axes, shape (2, 3)
+            Columns: energy, momentum, phase. Upper row: error over the most revolutions against
+            time per revolution; lower row: error against revolutions, of the step of each method
+            that takes about the same time.
+
+        Raises
+        ------
+        ImportError
+            Without matplotlib.
+        """
+        return plot_long_run(self)
+
+    def __str__(self) -> str:
+        return long_text(self)
+
+    def __repr__(self) -> str:
+        title = self.spec.title or self.spec.scene.words()
+        partial = "" if self.complete else "; partial"
+        most = self.revolutions[self.horizon]
+        return f"<LongRun: {title}; {most:g} revolutions by {len(self.methods)} methods{partial}>"
+
+    def _repr_html_(self) -> str:
+        def draw(ax: Axes) -> None:
+            figure = ax.get_figure(root=True)
+            ax.remove()
+            plot_long_run(self, figure)
+
+        return html_with_picture(draw, str(self))

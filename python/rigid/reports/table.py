@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from textwrap import wrap
 
 from ..solve.methods import EXACT, methods
 from .data import REPEATS, ReportData
 
-__all__ = ["report_text"]
+__all__ = ["aligned", "listed", "refusals", "report_text", "time_text"]
 
 NAMES = 60
 """Characters of a line of other names."""
@@ -22,11 +22,11 @@ def report_text(report: ReportData) -> str:
 def _head(report: ReportData) -> list[str]:
     spec, reference = report.spec, report.reference
     how = "closed form" if reference.method == EXACT else f"{reference.steps:,} steps"
-    unit, attitude = spec.unit, f"({_listed(spec.attitude)})"
+    unit, attitude = spec.unit, f"({listed(spec.attitude)})"
     lines = [
         ("report", spec.title or "error against run time"),
         ("scene", spec.scene.words()),
-        ("start", f"omega ({_listed(spec.omega)}) rad/{unit}, attitude {attitude}"),
+        ("start", f"omega ({listed(spec.omega)}) rad/{unit}, attitude {attitude}"),
         ("bodies", f"{spec.bodies} close to it, seed {spec.seed}; t = {spec.t_end:g} {unit}"),
         (
             "reference",
@@ -39,8 +39,12 @@ def _head(report: ReportData) -> list[str]:
     ]
     if not report.complete:
         lines.append(("stopped", "before its end: the report is partial"))
-    lines += [("not for", f"{name}: {_brief(name, why)}") for name, why in report.refused.items()]
-    return [f"{name:<12}{text}" for name, text in lines]
+    return [f"{name:<12}{text}" for name, text in [*lines, *refusals(report.refused)]]
+
+
+def refusals(refused: Mapping[str, str]) -> list[tuple[str, str]]:
+    """A line for each method that is not applicable."""
+    return [("not for", f"{name}: {_brief(name, why)}") for name, why in refused.items()]
 
 
 def _repeats(rounds: int) -> str:
@@ -63,11 +67,11 @@ def _costs(report: ReportData) -> list[str]:
         for error, best in zip(wanted, winners, strict=True):
             cost = report.cost(method, error)
             star = "*" if method in best else " "
-            cells.append("- " if cost is None else f"{_time(cost)}{star}")
+            cells.append("- " if cost is None else f"{time_text(cost)}{star}")
         names = wrap(", ".join(report.same.get(method, ())), NAMES) or [""]
         table.append([*cells, f"= {names[0]}" if names[0] else ""])
         table += [[*("" for _ in cells), f"  {more}"] for more in names[1:]]
-    return _aligned(table)
+    return aligned(table)
 
 
 def _front(report: ReportData) -> list[str]:
@@ -80,9 +84,9 @@ def _front(report: ReportData) -> list[str]:
                 row.method,
                 f"{row.steps:,}",
                 "-" if row.angle is None else f"{row.angle:.2g}",
-                _time(row.nanoseconds),
-                "-" if row.spread is None else _time(row.spread, 1),
-                _time(row.total),
+                time_text(row.nanoseconds),
+                "-" if row.spread is None else time_text(row.spread, 1),
+                time_text(row.total),
                 f"{row.error:.1e}",
                 f"{row.worst:.1e}",
                 f"{row.energy_drift:.0e}",
@@ -90,14 +94,15 @@ def _front(report: ReportData) -> list[str]:
                 row.mark,
             ]
         )
-    return _aligned(table)
+    return aligned(table)
 
 
-def _listed(values: Sequence[float]) -> str:
+def listed(values: Sequence[float]) -> str:
+    """The numbers of a vector."""
     return ", ".join(f"{value:g}" for value in values)
 
 
-def _time(nanoseconds: float, digits: int = 3) -> str:
+def time_text(nanoseconds: float, digits: int = 3) -> str:
     """Three digits, or all before the point."""
     small = nanoseconds < 10.0**digits - 0.5
     return f"{nanoseconds:.{digits}g}" if small else f"{nanoseconds:,.0f}"
@@ -109,7 +114,7 @@ def _brief(method: str, why: str) -> str:
     return text if len(text) <= 100 else f"{text[:97]}..."
 
 
-def _aligned(table: Sequence[Sequence[str]]) -> list[str]:
+def aligned(table: Sequence[Sequence[str]]) -> list[str]:
     """Columns side by side: the first to the left, numbers to the right, the marks as they come."""
     widths = [max(map(len, column)) for column in zip(*table, strict=True)]
     lines = []

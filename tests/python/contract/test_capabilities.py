@@ -104,6 +104,7 @@ SUBJECTS = (
     "Poincaré sections",
     "frequencies",
     "error against run time",
+    "long runs",
     "extreme bodies",
     "figures and animations",
 )
@@ -129,6 +130,7 @@ FIGURES = (
     "polhodes",
     "stability map",
     "error against run time",
+    "long runs",
     "drift of invariants",
     "springs",
     "bearing torque",

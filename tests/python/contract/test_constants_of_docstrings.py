@@ -14,7 +14,7 @@ from rigid.animation import explorer
 from rigid.maps import data, sequential, spec
 from rigid.maps.result import StabilityMap
 from rigid.reports import data as report_data
-from rigid.reports import ensemble, stress, sweep
+from rigid.reports import ensemble, long_run, stress, sweep
 from rigid.rotations import so3
 from rigid.sections.crossings import Crossings
 from rigid.solve import (
@@ -137,6 +137,11 @@ SAID: list[tuple[object, str, tuple[float | str, ...]]] = [
         "evaluated for {} bodies and compared with one step of {} bodies",
         (sweep.CLOSED_FORM_BODIES,) * 2,
     ),
+    (rigid.long_run, "turns by {} rad, {} rad and so on", long_run.ANGLES[:2]),
+    (rigid.long_run, "down to 1/{} rad", (1.0 / long_run.ANGLES[-1],)),
+    (rigid.long_run, "off by more than {} after", (long_run.LOST_ENERGY,)),
+    (rigid.long_run, "An ensemble of {} bodies", (long_run.BODIES,)),
+    (rigid.long_run, "the largest at {} times", (long_run.OUTPUT_TIMES,)),
     (rigid.extremes, "accuracy of each run is {}", (stress.ACCURACY,)),
 ]
 

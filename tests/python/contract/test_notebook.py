@@ -47,6 +47,9 @@ def results() -> dict[str, Any]:
         "report": rigid.report(
             TOP, [0.3, 0.4, 1.0], t_end=1.0, methods=["rk4"], seconds=0.1, progress=False
         ),
+        "long": rigid.long_run(
+            TOP, [0.3, 0.4, 1.0], revolutions=[3], methods=["rk4"], progress=False
+        ),
         "extremes": rigid.extremes("spin", method="exact", progress=False),
     }
 
@@ -58,6 +61,7 @@ LINES = {
     "plan": r"<Plan: free body, box .*; exact, closed form: free asymmetric; error about .* rad>",
     "points": r"<Crossings: .*>",
     "report": r"<Report: heavy top, .*; \d+ runs by 1 methods>",
+    "long": r"<LongRun: heavy top, .*; 3 revolutions by 1 methods>",
     "extremes": r"<Extremes: \d+ cells: \d+ right.*>",
 }
 
@@ -75,7 +79,7 @@ def test_methods_are_a_table_of_a_line_each(results: dict[str, Any]) -> None:
     assert max(map(len, lines)) < 160
 
 
-@pytest.mark.parametrize("name", ["map", "points", "report", "run", "replay"])
+@pytest.mark.parametrize("name", ["map", "points", "report", "long", "run", "replay"])
 def test_a_notebook_shows_a_picture_and_its_words(name: str, results: dict[str, Any]) -> None:
     shown = results[name]._repr_html_()
     (picture,) = re.findall(r'src="data:image/png;base64,([^"]*)"', shown)
@@ -86,6 +90,7 @@ def test_a_notebook_shows_a_picture_and_its_words(name: str, results: dict[str, 
         "map": results["map"].summary(),
         "points": repr(results["points"]),
         "report": str(results["report"]),
+        "long": str(results["long"]),
         "run": repr(results["run"]),
         "replay": repr(results["replay"]),
     }[name]

@@ -1,0 +1,372 @@
+"""The long run: what methods keep of energy, momentum and phase over many revolutions."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import rigid
+from physics import ROUNDOFF, golden_scene, rotated, rotation_angle
+from rigid.cli import main
+from rigid.reports import long_run
+from rigid.reports.ensemble import ensemble_of
+from rigid.reports.long_data import in_short
+
+Floats = NDArray[np.float64]
+
+DOCS = Path(__file__).parents[3] / "docs"
+BODY = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)))
+OMEGA = (1.0, 0.2, 0.3)
+LAGRANGE = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.4)), mgl=1.0)
+#: Seconds that no run of these tests needs, also on a slow machine: it ends when it is done.
+ENOUGH = 600.0
+
+
+def long(scene: Any, omega: Any, counts: list[float], methods: list[str]) -> rigid.LongRun:
+    options: dict[str, Any] = {"revolutions": counts, "methods": methods, "seconds": ENOUGH}
+    return rigid.long_run(scene, omega, progress=False, **options)
+
+
+@pytest.fixture(scope="module")
+def free() -> rigid.LongRun:
+    """A free body, over up to a thousand revolutions."""
+    methods = ["rk4", "splitting", "dmv10", "midpoint", "taylor16"]
+    return long(BODY, OMEGA, [10, 100, 1000], methods)
+
+
+def row_at(result: rigid.LongRun, method: str, angle: float) -> rigid.LongRow:
+    (row,) = (row for row in result.of(method) if row.angle == angle)
+    return row
+
+
+# Growth: what theory says
+
+
+def test_the_energy_of_a_symplectic_method_stays_and_that_of_runge_kutta_goes(
+    free: rigid.LongRun,
+) -> None:
+    """Backward analysis: a symplectic method keeps an energy close to that of the body.
+
+    Of a periodic motion every revolution of ``rk4`` loses the same, beside an oscillation: from 100
+    to 1000 revolutions ten times as much as from 10 to 100, as far as the loss is small.
+    """
+    for row in free.of("splitting"):
+        assert row.energy[2] <= 1.1 * row.energy[0]
+    for row in free.of("rk4"):
+        first, second, third = row.energy
+        if third < 1e-2:
+            assert (third - second) / (second - first) == pytest.approx(10.0, rel=0.03)
+
+
+def test_the_phase_of_a_symplectic_method_drifts_and_that_of_runge_kutta_accelerates(
+    free: rigid.LongRun,
+) -> None:
+    """A wrong but constant rate makes an error as t, an energy that goes as t one as t**2."""
+    first, second, third = row_at(free, "splitting", 0.0625).phase
+    assert (third - second) / (second - first) == pytest.approx(10.0, rel=0.03)
+    first, second, third = row_at(free, "rk4", 0.125).phase
+    square = (second / 100.0 - first / 10.0) / 90.0
+    linear = first / 10.0 - 10.0 * square
+    assert third == pytest.approx(1000.0 * linear + 1000.0**2 * square, rel=0.05)
+    assert 1000.0 * square > linear
+
+
+def test_discrete_moser_veselov_and_midpoint_conserve_to_rounding(free: rigid.LongRun) -> None:
+    """Each step rounds energy and momentum by some units in the last place, all alike at worst."""
+    for method in ("dmv10", "midpoint"):
+        for row in free.of(method):
+            steps = math.tau * 1000.0 / row.angle
+            assert max(row.energy[2], row.momentum[2]) < 4.0 * 2.0 * ROUNDOFF * max(steps, 100.0)
+    # Compensated sums do not even add up.
+    assert row_at(free, "taylor16", 0.25).energy[2] < 50.0 * ROUNDOFF
+
+
+# What is measured
+
+
+def states(result: rigid.LongRun, method: str, angle: float, leg: int) -> rigid.Run:
+    """The ensemble, run as the row says, at the end of each of its steps."""
+    t_end = math.tau * result.revolutions[leg] / math.hypot(*result.spec.omega)
+    ensemble = ensemble_of(dataclasses.replace(result.spec, t_end=t_end))
+    steps = math.ceil(math.tau * result.revolutions[leg] / angle)
+    times = np.linspace(0.0, t_end, steps + 1)
+    step = 1.0001 * times[1]
+    return rigid.simulate(
+        result.spec.scene, ensemble.omega, result.spec.attitude, t=times, method=method, step=step
+    )
+
+
+@pytest.mark.parametrize("method", ["rk4", "splitting"])
+def test_errors_are_those_of_energy_momentum_and_attitude(free: rigid.LongRun, method: str) -> None:
+    row = row_at(free, method, 0.25)
+    run = states(free, method, 0.25, 1)
+    assert run.attitude is not None
+    momentum = np.array(BODY.body.moments) * run.omega
+    energy = 0.5 * (momentum * run.omega).sum(axis=-1)
+    in_space = rotated(run.attitude, momentum)
+    drift = np.abs(energy / energy[:, :1] - 1.0).max()
+    length = np.linalg.norm(in_space[:, :1], axis=-1)
+    off = (np.linalg.norm(in_space - in_space[:, :1], axis=-1) / length).max()
+    truth = rigid.simulate(BODY, run.start_omega, t=[run.t[-1]], method="exact")
+    assert truth.attitude is not None
+    phase = rotation_angle(run.attitude[:, -1], truth.attitude[:, -1]).max()
+    assert row.phase[1] == pytest.approx(phase, rel=1e-6)
+    # 256 times of 2514 steps see less than all, but at least half of an oscillation.
+    for seen, largest in ((row.energy[1], drift), (row.momentum[1], off)):
+        assert 0.5 * largest - 100 * ROUNDOFF < seen < 1.0001 * largest + 100 * ROUNDOFF
+
+
+def test_the_momentum_of_a_top_is_that_about_the_vertical_and_its_axis() -> None:
+    result = long(LAGRANGE, (0.3, 0.1, 3.0), [20], ["rk4"])
+    row = row_at(result, "rk4", 0.25)
+    run = states(result, "rk4", 0.25, 0)
+    assert run.gamma is not None
+    momentum = np.array(LAGRANGE.body.moments) * run.omega
+    vertical = (momentum * run.gamma).sum(axis=-1)
+    scale = np.linalg.norm(momentum[:, 0], axis=-1) + math.sqrt(1.0 * 1.0)  # mgl and I1
+    off = [np.abs(of - of[:, :1]).max(axis=1) / scale for of in (vertical, momentum[..., 2])]
+    largest = float(np.max(off))
+    assert largest > 1e-4
+    assert 0.5 * largest < row.momentum[0] < 1.0001 * largest
+
+
+def test_the_energy_of_a_damped_top_is_compared_with_the_work() -> None:
+    scene = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, damping=0.02)
+    result = long(scene, (0.4, 0.7, 2.0), [10], ["taylor16"])
+    row = row_at(result, "taylor16", 0.25)
+    run = states(result, "taylor16", 0.25, 0)
+    lost = np.abs(run.energy()[:, -1] / run.energy()[:, 0] - 1.0)
+    assert lost.min() > 0.1
+    assert row.energy[0] < 1e-12
+    assert "largest error of its balance" in str(result)
+
+
+def test_no_phase_below_the_uncertainty_of_the_reference_is_told(free: rigid.LongRun) -> None:
+    assert [reference.method for reference in free.references] == ["exact"] * 3
+    for k, reference in enumerate(free.references):
+        assert reference.worst >= 1e-15 * math.tau * free.revolutions[k]
+        assert all(row.phase[k] >= reference.worst for row in free.rows)
+    assert min(row.phase[0] for row in free.rows) == free.references[0].worst
+    assert re.search(r"^taylor16 .*<\d", str(free), re.MULTILINE)
+
+
+def test_the_phase_of_a_chaotic_motion_is_not_told() -> None:
+    case = golden_scene("heavy_asymmetric/chaotic_strong")
+    result = rigid.long_run(
+        case.scene,
+        case.omega0,
+        case.attitude0,
+        revolutions=[3, 300, 600],
+        methods=["dop853"],
+        seconds=ENOUGH,
+        progress=False,
+    )
+    known, lost = result.references  # of the third none is looked for
+    assert known.worst < 1e-9
+    assert lost.worst >= 1.0
+    for row in result.rows:
+        assert math.isfinite(row.phase[0])
+        assert row.phase[1:] == (math.inf, math.inf)
+    assert "lost over 300, as in chaos" in str(result)
+    assert rigid.LongRun.from_json(result.to_json()) == result
+    # No phase at all: then there is no column and no panel of it.
+    none = dataclasses.replace(
+        result,
+        references=(lost,),
+        rows=tuple(dataclasses.replace(row, phase=(math.inf,) * 3) for row in result.rows),
+    )
+    assert none.errors == ("energy", "momentum")
+    assert "no phase is known" in str(none)
+    assert none.plot().shape == (2, 2)
+
+
+# What is said of it
+
+
+def test_rows_go_from_long_steps_to_short_ones_that_are_of_use(free: rigid.LongRun) -> None:
+    assert free.complete
+    for method in free.methods:
+        angles = [row.angle for row in free.of(method)]
+        assert angles == sorted(angles, reverse=True)
+        assert all(row.energy[0] < long_run.LOST_ENERGY for row in free.of(method))
+        assert all(len(row.energy) == 3 for row in free.of(method))
+        for row in free.of(method):
+            assert row.energy == tuple(sorted(row.energy))
+            assert row.nanoseconds > 0.0
+    assert free.of("rk4") != ()
+    # Moser-Veselov steps refuse more than a radian.
+    assert free.of("dmv10")[0].angle <= 1.0
+
+
+def test_the_common_time_is_the_least_that_every_method_needs(free: rigid.LongRun) -> None:
+    rows = free.at_common_time()
+    assert [row.method for row in rows] == list(free.methods)
+    assert all(row.nanoseconds <= free.common_time for row in rows)
+    assert free.common_time in {row.nanoseconds for row in free.rows}
+
+
+def test_the_front_is_not_dominated(free: rigid.LongRun) -> None:
+    front = free.front("phase")
+    assert front
+    for row in front:
+        assert not any(
+            other.nanoseconds < row.nanoseconds and other.phase[2] < row.phase[2]
+            for other in free.rows
+        )
+
+
+def test_same_steps_are_one_row_and_what_is_refused_is_listed() -> None:
+    result = long(LAGRANGE, (0.3, 0.1, 3.0), [5], ["rk4", "etd4", "dmv2"])
+    assert result.methods == ("rk4",)
+    assert result.same == {"rk4": ("etd4",)}
+    assert result.of("etd4") == result.of("rk4")
+    assert "free bodies only" in result.refused["dmv2"]
+    assert "not for     dmv2" in str(result)
+
+
+def test_a_method_that_keeps_nothing_is_listed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(long_run, "ANGLES", (2.0,))
+    result = long(BODY, OMEGA, [1000], ["rk4"])
+    assert result.rows == ()
+    assert result.refused["rk4"] == "no step down to 2.0 rad keeps the energy to 0.001"
+    assert "not for     rk4" in str(result)
+    assert result.plot().shape == (2, 2)
+
+
+def test_what_there_was_no_time_for_is_left_open() -> None:
+    result = rigid.long_run(
+        BODY, OMEGA, revolutions=[10, 1e9], methods=["rk4"], seconds=0.5, progress=False
+    )
+    assert result.complete
+    assert {len(row.energy) for row in result.rows} == {1}
+    assert result.horizon == 0
+    assert re.search(r"^rk4 .* - ", str(result), re.MULTILINE)
+
+
+def test_json_there_and_back(free: rigid.LongRun, tmp_path: Path) -> None:
+    path = free.save(tmp_path / "free.json")
+    assert rigid.LongRun.from_json(path.read_text(encoding="utf-8")) == free
+    data = json.loads(free.to_json())
+    with pytest.raises(ValueError, match="text: is not a report: ValueError: format is not"):
+        rigid.Report.from_json(json.dumps(data))
+    data["rows"][0]["energy"][0] = -1.0
+    with pytest.raises(ValueError, match=r"is not a long run: .* energy = -1\.0: must not be"):
+        rigid.LongRun.from_json(json.dumps(data))
+    data["rows"][0]["energy"][0] = 0.0
+    data["rows"][0]["nanoseconds"] = 0.0
+    with pytest.raises(ValueError, match=r"nanoseconds = 0\.0: must be positive"):
+        rigid.LongRun.from_json(json.dumps(data))
+
+
+def test_the_picture_has_a_panel_for_each_error_against_time_and_against_revolutions(
+    free: rigid.LongRun,
+) -> None:
+    grid = free.plot()
+    assert grid.shape == (2, 3)
+    for ax in grid.flat:
+        assert ax.get_xscale() == ax.get_yscale() == "log"
+        assert {text.get_text() for text in ax.texts} >= {"Runge–Kutta", "Moser–Veselov"}
+    assert all(ax.get_xlim()[0] < 10 < 1000 < ax.get_xlim()[1] for ax in grid[1])
+
+
+@pytest.mark.parametrize(
+    ("count", "words"), [(1e6, "1e6"), (1e3, "1e3"), (100.0, "100"), (2.5e4, "25000")]
+)
+def test_numbers_of_revolutions_are_short(count: float, words: str) -> None:
+    assert in_short(count) == words
+
+
+# Progress, interruption, bad input, the command
+
+
+@pytest.mark.parametrize("partial", [False, True])
+def test_an_interruption_leaves_what_is_known(partial: bool) -> None:
+    def press(progress: rigid.Progress) -> None:
+        if progress.done >= 20:
+            raise KeyboardInterrupt
+
+    request: dict[str, Any] = {"methods": ["rk4"], "seconds": 1.0, "progress": press}
+    if partial:
+        result = rigid.long_run(BODY, OMEGA, partial=True, **request)
+    else:
+        with pytest.raises(rigid.Interrupted, match="'partial' of this exception") as caught:
+            rigid.long_run(BODY, OMEGA, **request)
+        result = caught.value.partial
+    assert not result.complete
+    assert result.rows
+    assert "the run is partial" in str(result)
+    assert "partial" in repr(result)
+
+
+def test_an_interruption_before_the_first_run_leaves_nothing() -> None:
+    def press(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt) as caught:
+        rigid.long_run(BODY, OMEGA, seconds=1e-3, progress=press, partial=True)
+    assert not isinstance(caught.value, rigid.Interrupted)
+
+
+@pytest.mark.parametrize(
+    ("change", "rule"),
+    [
+        ({"omega": (0.0, 0.0, 0.0)}, r"omega = \[0.0, 0.0, 0.0\]: must turn the body"),
+        ({"revolutions": []}, "revolutions: expected shape .* with at least one number"),
+        ({"revolutions": 10.0}, "revolutions: expected shape"),
+        (
+            {"revolutions": [10, 10]},
+            r"revolutions\[1\] = 10.0: must be above 10 and at most 1e\+09",
+        ),
+        ({"revolutions": [0]}, r"revolutions\[0\] = 0.0: must be above 0"),
+        ({"revolutions": [1e10]}, r"revolutions\[0\] = 10000000000.0: must be above 0 and at most"),
+        ({"methods": ["rk5"]}, r"methods\[0\] = 'rk5'.*did you mean 'rk4'"),
+        ({"methods": ["exact"]}, r"methods = \['exact'\]: none makes steps of the scene$"),
+        (
+            {"scene": LAGRANGE, "methods": ["dmv2"]},
+            "none makes steps of the scene; dmv2: .*free bodies",
+        ),
+        ({"seconds": 0.0}, "seconds = 0.0: must be positive"),
+    ],
+)
+def test_mistakes_name_argument_value_and_rule(change: dict[str, Any], rule: str) -> None:
+    request: dict[str, Any] = {"scene": BODY, "omega": OMEGA, "seconds": 0.1} | change
+    with pytest.raises(ValueError, match=rule):
+        rigid.long_run(request.pop("scene"), request.pop("omega"), **request)
+
+
+def test_the_command_writes_data_and_picture_and_prints_the_table(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    arguments = ["--long", "--method", "rk4", "--seconds", "0.2", "--no-progress"]
+    assert main(["report", "thrown-box", *arguments]) == 0
+    names = {path.name for path in tmp_path.iterdir()}
+    assert names == {"report-thrown-box-long.json", "report-thrown-box-long.png"}
+    text = (tmp_path / "report-thrown-box-long.json").read_text(encoding="utf-8")
+    result = rigid.LongRun.from_json(text)
+    assert result.revolutions == long_run.REVOLUTIONS
+    assert capsys.readouterr().out.startswith(str(result))
+
+
+@pytest.mark.parametrize(
+    "path", sorted((DOCS / "reports").glob("*-long.txt")), ids=lambda p: p.stem
+)
+def test_the_table_in_the_docs_has_the_methods_of_today(path: Path) -> None:
+    text = path.read_text(encoding="utf-8")
+    known = {method.name for method in rigid.methods()}
+    tables = text.partition("\n\n")[2]
+    measured = set(re.findall(r"^([a-z]+\w*) +[\d.]+ ", tables, re.MULTILINE))
+    refused = set(re.findall(r"^not for +(\w+):", text, re.MULTILINE))
+    assert measured <= known
+    assert refused <= known
+    assert {"rk4", "dop853", "midpoint"} <= measured
+    assert path.with_suffix(".png").is_file()
+    assert f"reports/{path.stem}.png" in (DOCS / "methods.md").read_text(encoding="utf-8")
