@@ -17,7 +17,7 @@ from ..exact import FreeMotion
 from ..model.body_like import BodyLike, moments_of
 from ..model.scene import FreeBody
 from ..model.start import body_axis
-from ..solve.batch import Batch
+from ..solve.bodies import Bodies
 from ..solve.methods import EXACT
 from ..solve.request import Request
 
@@ -288,8 +288,9 @@ def _states(
     shape = np.broadcast_shapes(rates.shape[:-1], start.shape[:-1])
     times = sorted_times("t", t)
     request = Request(
-        batch=Batch(
+        bodies=Bodies(
             kind=FreeBody.kind,
+            shape=shape,
             moments=_rows(moments, shape),
             weight=np.zeros((1, 3)),
             omega=_rows(rates, shape),

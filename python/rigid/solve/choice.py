@@ -60,8 +60,8 @@ class Choice:
             error, why = None, (*why, UNKNOWN.format("the torque is that of a function"))
         if estimate.unknown is not None:
             why = (*why, UNKNOWN.format(estimate.unknown))
-        if error is not None and problem.batch is not None and method != EXACT:
-            unforeseen = why_unforeseen(problem.batch, problem.times, by_steps=True)
+        if error is not None and problem.bodies is not None and method != EXACT:
+            unforeseen = why_unforeseen(problem.bodies, problem.times, by_steps=True)
             if unforeseen is not None:
                 error, why = None, (*why, UNKNOWN.format(unforeseen))
         if error is not None and problem.accuracy is not None:
@@ -99,11 +99,11 @@ class Choice:
 def _steps_estimate(problem: Problem, method: str, steps: Floats | None) -> Estimate:
     """Work and error of a scheme, the largest of all classes of bodies."""
     rates = problem.rates(method)
-    if problem.batch is None or rates is None:
+    if problem.bodies is None or rates is None:
         return Estimate(problem.step, None, None, None)
     longest = steps if problem.step is None else np.full(len(rates), problem.step)
     motions = motions_of(
-        problem.batch,
+        problem.bodies,
         method,
         problem.times,
         problem.span,
@@ -133,16 +133,18 @@ def damping_rate(scene: Scene) -> float:
 
 def _memory(problem: Problem) -> int | None:
     """Bytes of the states of the bodies, if their number is known."""
-    bodies = len(problem.batch) if problem.batch is not None else problem.bodies
-    if bodies is None and problem.scene.shape:
-        bodies = prod(problem.scene.shape)
-    if bodies is None:
+    number = problem.number
+    if number is None and problem.bodies is not None:
+        number = len(problem.bodies)
+    if number is None and problem.scene.shape:
+        number = prod(problem.scene.shape)
+    if number is None:
         return None
-    forcing = problem.scene.forcing if problem.batch is None else problem.batch.forcing
+    forcing = problem.scene.forcing if problem.bodies is None else problem.bodies.forcing
     return _core.state_bytes(
         scene=problem.scene.kind,
         record=problem.record,
-        bodies=bodies if problem.bodies is None else problem.bodies,
+        bodies=number,
         times=problem.states,
         forcing=forcing,
     )

@@ -73,18 +73,18 @@ def integrate(
     out : mapping, optional
         Arrays for columns, in double precision.
     """
-    driven = request.batch.driven()
+    driven = request.bodies.driven()
     if driven.any() and not driven.all():
         return _in_parts(request, steps, accuracy, driven, check=check, every=every)
     states = request.states(steps, out=out)
     if accuracy is not None and steps is not None:
         estimate = _refine(request, states, steps, accuracy)
     elif check or accuracy is not None:
-        most = len(request.batch) if every else SAMPLE
+        most = len(request.bodies) if every else SAMPLE
         estimate = _sampled_estimate(request, states, steps, most)
     else:
-        estimate = unknown_error(len(request.batch))
-    near = separatrix_error(request.batch, states, time_ranges(request.times))
+        estimate = unknown_error(len(request.bodies))
+    near = separatrix_error(request.bodies, states, time_ranges(request.times))
     if near is None:
         return states, estimate
     delay, lost = near
@@ -127,7 +127,7 @@ def _sampled_estimate(
     request: Request, states: dict[str, Any], steps: Floats | None, most: int
 ) -> ErrorEstimate:
     """The errors of all bodies, of a large call those of a sample unless one of them is lost."""
-    count = len(request.batch)
+    count = len(request.bodies)
     if count <= most:
         return estimate_error(request, states, steps)
     sample = spread_indices(count, most)

@@ -19,14 +19,14 @@ from .._checks.arguments import (
     resolve_threads,
     times_of_each,
 )
-from .._checks.arrays import attitudes, vectors
 from .._checks.float_environment import in_standard_floats
 from ..model.body import Body
 from ..model.events import Event, checked_events
-from ..model.frame import attitudes_in_principal_axes, checked_frame, turned
+from ..model.frame import checked_frame
 from ..model.scene import Scene, check_scene
+from ..model.torque import NO_EXPONENT
 from .arrays import in_rows, largest, time_ranges, time_span
-from .batch import Batch
+from .bodies import Bodies
 from .choose_method import choose_method, has_closed_form
 from .closed_form import RECORDS
 from .error_estimate import ErrorEstimate, closed_form_error, unknown_error
@@ -39,6 +39,7 @@ from .plan import LazyPlan, Plan
 from .problem import Problem
 from .request import Request
 from .run import Run
+from .starts import bodies_of
 from .surfaces import METHOD
 from .tangent import check_tangent, tangent_of
 from .target import PLAIN, Target
@@ -51,8 +52,6 @@ __all__ = [
 ]
 
 MakesPlan: TypeAlias = Callable[[], Plan]
-
-_IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
 
 
 @in_standard_floats
@@ -84,7 +83,7 @@ def simulate(
     the third axis: the closed form is evaluated at each given time and takes no steps. All other
     bodies are integrated, unless all tops of the call swing as pendulums about a principal axis.
     Bodies under torque or damping are integrated too. With a given method the result of a body has
-    the same bits in any batch, on any processor and for any number of threads.
+    the same bits in any bodies, on any processor and for any number of threads.
 
     Parameters
     ----------
@@ -231,29 +230,26 @@ def simulate(
         if out is not None:
             raise ValueError("frame, out: exclude each other, states in a frame are new arrays")
         frame = checked_frame(frame)
-        omega = turned(frame.T, vectors("omega", omega))
-        given_attitude = _IDENTITY if attitude is None else attitudes(attitude)
-        attitude = attitudes_in_principal_axes(frame, given_attitude)
     given = times_of_each("t", t)
-    batch, shape = Batch.from_input(scene, omega, attitude, given.shape[:-1])
-    times = given if given.ndim == 1 else in_rows(given, shape)
+    bodies = bodies_of(scene, omega, attitude, frame=frame, times=given.shape[:-1])
+    times = given if given.ndim == 1 else in_rows(given, bodies.shape)
     target = PLAIN
     if out is not None or dtype is not np.float64:
-        target = Target.of(dtype, out, (*shape, times.shape[-1]), _recorded(scene, record))
-        target.check(batch, time_ranges(times), accuracy)
+        target = Target.of(dtype, out, (*bodies.shape, times.shape[-1]), _recorded(scene, record))
+        target.check(bodies, time_ranges(times), accuracy)
     if tolerance is not None:
         tolerance = _checked_tolerance(tolerance, method, step, accuracy)
     plain = step is None and accuracy is None and tolerance is None and given.ndim == 1
     if plain and method in (None, EXACT) and has_closed_form(scene):
-        bodies, wanted = max(len(batch), 1), len(times)
-        plan: MakesPlan = partial(_plan_of_any_start, scene, record, method, bodies, wanted)
+        number, wanted = max(len(bodies), 1), len(times)
+        plan: MakesPlan = partial(_plan_of_any_start, scene, record, method, number, wanted)
         chosen, steps = EXACT, None
     else:
         begin, end = time_ranges(times)
         problem = Problem(
             scene=scene,
             record=record,
-            batch=batch,
+            bodies=bodies,
             begin=begin,
             end=end,
             accuracy=accuracy,
@@ -272,12 +268,12 @@ def simulate(
         own = f"each body takes its own steps, last terms below {tolerance:g}"
         plan = partial(_amended, plan, own, step=None, steps=None, work=None, error=None)
     request = Request(
-        batch=batch,
+        bodies=bodies,
         times=times,
         method=chosen,
         record=record,
         max_steps=positive_int("max_steps", max_steps),
-        threads=resolve_threads(threads, len(batch)),
+        threads=resolve_threads(threads, len(bodies)),
         tolerance=tolerance,
     )
     found = None
@@ -285,8 +281,7 @@ def simulate(
         _check_forward(given)
         found = find_events(
             scene,
-            batch,
-            shape,
+            bodies,
             np.asarray(time_ranges(times)[1]),
             watched,
             counted,
@@ -303,8 +298,8 @@ def simulate(
             request = replace(request, times=np.minimum(times, found.last))
     if chosen == EXACT:
         states = request.states(None, out=target.given, single=target.single)
-        batch.note_rates(states["fastest_rate"])
-        estimate = closed_form_error(batch, request.times, states["omega"])
+        bodies.note_rates(states["fastest_rate"])
+        estimate = closed_form_error(bodies, request.times, states["omega"])
         worst = largest(estimate.error)
         plan = partial(_amended, plan, error=worst if worst < 1.0 else None)
     else:
@@ -313,10 +308,10 @@ def simulate(
             request, steps, accuracy, check=check, every=every, out=target.exact
         )
     if states["work"] is not None:
-        np.ldexp(states["work"], batch.scale_exponent[:, np.newaxis], out=states["work"])
+        np.ldexp(states["work"], bodies.scale_exponent[:, np.newaxis], out=states["work"])
     matrices = sensitivity = None
     if parameters is not None:
-        change = parameter_changes(scene, batch, shape, parameters) if parameters else None
+        change = parameter_changes(scene, bodies, parameters) if parameters else None
         matrices, sensitivity, words = tangent_of(request, steps, method, change)
         plan = partial(_amended, plan, words)
     if target is not PLAIN:
@@ -333,15 +328,15 @@ def simulate(
     if found is not None:
         end_records(states, times, found.last)
     lazy = LazyPlan(plan)
-    run = to_run(states, given, estimate, spec, lazy, batch, shape, parameters or (), found)
+    run = to_run(states, given, estimate, spec, lazy, bodies, parameters or (), found)
     return run if frame is None else run.in_frame(frame)
 
 
 def _plan_of_any_start(
-    scene: Scene, record: str, method: str | None, bodies: int, states: int
+    scene: Scene, record: str, method: str | None, number: int, states: int
 ) -> Plan:
     """The plan of a scene all of whose motions have a closed form, but for its error."""
-    problem = Problem(scene=scene, record=record, method=method, bodies=bodies, states=states)
+    problem = Problem(scene=scene, record=record, method=method, number=number, states=states)
     return choose_method(problem).plan()
 
 
@@ -417,18 +412,18 @@ def _replayed(
     looks: dict[str, Any],
 ) -> Run:
     """A body from the very start of a map: an attitude given by a user would be normalised."""
-    batch = Batch.of_scene(scene, omega.reshape(1, 3), attitude.reshape(1, 4), (1,))
+    bodies = Bodies.of_scene(scene, omega, attitude, (), NO_EXPONENT)
     problem = Problem(
         scene=scene,
         record="attitude",
-        batch=batch,
+        bodies=bodies,
         end=time_span(times),
         method=method,
         step=step,
     )
     choice = choose_method(problem)
     states = _core.simulate(
-        **batch.columns(),
+        **bodies.columns(),
         method=method,
         record="attitude",
         step=None if looks.get("tolerance") is not None else choice.steps,
@@ -446,7 +441,7 @@ def _replayed(
     }
     # The map that this body comes from has its own check of the error.
     plan = LazyPlan(choice.plan)
-    return to_run(states, times, unknown_error(1), spec, plan, batch, ())
+    return to_run(states, times, unknown_error(1), spec, plan, bodies)
 
 
 def _checked_tolerance(
