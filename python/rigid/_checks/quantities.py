@@ -38,7 +38,8 @@ UNITS: Mapping[str, tuple[str, ...]] = {
 
 def plain(name: str, value: Any, unit: str | None = None) -> Any:
     """``value`` :func:`without_unit`; ValueError if elements of an array are masked."""
-    value = without_unit(name, value, unit)
+    if "pint" in sys.modules:
+        value = without_unit(name, value, unit)
     masked = sys.modules.get("numpy.ma")  # there is no masked array before it is imported
     if masked is None or not isinstance(value, masked.MaskedArray) or not masked.is_masked(value):
         return value

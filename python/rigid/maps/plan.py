@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from .. import _core
 from .._moments import possible
 from ..solve.bodies import Bodies
-from ..solve.choice import UNKNOWN
 from ..solve.closed_form import NO_FORM, Codes, closed_forms, names, why_not
 from ..solve.cost_model import (
     Estimate,
@@ -23,6 +22,7 @@ from ..solve.cost_model import (
 from ..solve.foresight import motions_of, why_unforeseen
 from ..solve.methods import AUTO, EXACT
 from ..solve.plan import Plan, carried, left_out
+from ..solve.planned import UNKNOWN
 from .spec import MapSpec
 
 __all__ = ["map_plan"]

@@ -123,7 +123,7 @@ def poincare(
     bodies = bodies_of(scene, omega, attitude)
     weight = np.broadcast_to(bodies.weight, (len(bodies), 3))
     normals = surface.normals(scene, weight)
-    choice = choose_method(
+    plan = choose_method(
         Problem(
             scene=scene,
             record="attitude",
@@ -133,7 +133,7 @@ def poincare(
             step=None,
             states=0,
         )
-    )
+    )[2]
     search = Search(
         bodies=bodies,
         surfaces=Surfaces(
@@ -178,7 +178,7 @@ def poincare(
         stays=bodies.in_axes(found["stays"] > 0),
         steps=bodies.in_axes(found["steps"]),
         section=surface,
-        plan=choice.plan(),
+        plan=plan(),
         spec={
             "scene": scene.to_dict(),
             "method": chosen,

@@ -87,6 +87,8 @@ def in_rows(array: Floats, shape: tuple[int, ...]) -> Floats:
 
 def rows_of_each(array: Floats, shape: tuple[int, ...]) -> Floats:
     """The rows (n, N) of bodies of this shape, a row of each."""
+    if array.ndim == 1 and not shape:
+        return array[np.newaxis]
     width = array.shape[-1]
     if array.shape[:-1] != shape:
         array = np.broadcast_to(array, (*shape, width))

@@ -13,7 +13,7 @@ from .. import _core
 from ..model.leading import Shape
 from ..model.scene import Scene
 from ..model.torque import NO_EXPONENT, forcing_of
-from .arrays import Range, in_rows, largest, rows_of_each
+from .arrays import Range, in_rows, rows_of_each
 
 __all__ = ["IDENTITY", "Bodies"]
 
@@ -105,7 +105,7 @@ class Bodies:
             omega=omega,
             attitude=attitude,
             forcing=forcing,
-            may_stop=scene.may_stop,
+            may_stop=forcing is not None and scene.may_stop,
             scale_exponent=exponents,
         )
 
@@ -216,10 +216,11 @@ class Bodies:
         """
         known = scene.once(_inertia_of_one)
         swing = self._swings() if known is None else known[3]
-        if largest(swing) == math.inf:
+        fastest = float(swing[0]) if len(swing) == 1 else swing.max(initial=0.0)
+        if fastest == math.inf:
             self._check_weight(scene)
         if len(swing) == 1:
-            slow = _core.first_slow(self.omega, float(swing[0]), SLOWEST)
+            slow = _core.first_slow(self.omega, fastest, SLOWEST)
         else:
             rates = np.maximum(np.abs(self.omega).max(axis=1), swing)
             found = np.flatnonzero((rates > 0.0) & (rates < SLOWEST))
@@ -232,7 +233,7 @@ class Bodies:
             )
 
     def _check_weight(self, scene: Scene) -> None:
-        finite = np.isfinite(self.weight).all(axis=1)
+        finite = np.asarray(np.isfinite(self.weight).all(axis=1))
         if finite.all():
             return
         body = int(np.flatnonzero(~finite)[0])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,7 +12,6 @@ from numpy.typing import ArrayLike, NDArray
 from .._checks.arguments import finite_float, one_of, positive_int
 from ..model.body import Body
 from ..model.scene import Scene, check_scene
-from .choice import UNKNOWN, Choice, damping_rate, stepped_record
 from .closed_form import (
     FORCED_RULE,
     NO_FORM,
@@ -28,7 +28,8 @@ from .closed_form import (
 from .cost_model import cheapest, check_attainable, schemes, some_of, steps_for
 from .foresight import why_unforeseen
 from .methods import EXACT, FALLBACK, STIFF, driven_methods, plain_methods, series_methods
-from .plan import Plan
+from .plan import LazyPlan, Plan
+from .planned import UNKNOWN, damping_rate, plan_of, stepped_record
 from .problem import Problem
 from .starts import bodies_of
 
@@ -82,7 +83,7 @@ def plan_states(
         states=1 if times is None else positive_int("times", times),
         number=None if bodies is None else positive_int("bodies", bodies),
     )
-    chosen = choose_method(problem).plan()
+    chosen = choose_method(problem)[2]()
     if known is not None and chosen.method == EXACT and chosen.error is not None:
         unforeseen = why_unforeseen(known, problem.times, by_steps=False)
         if unforeseen is not None:
@@ -91,8 +92,11 @@ def plan_states(
     return chosen
 
 
-def choose_method(problem: Problem) -> Choice:
-    """The method for the bodies of a problem, and the longest step of each."""
+def choose_method(problem: Problem) -> tuple[str, Floats | None, LazyPlan]:
+    """The method for the bodies of a problem, the longest step of each, and the plan.
+
+    There are no steps in closed form, nor where they are left to the core.
+    """
     scene = problem.scene
     _check_rates_are_known(problem)
     asked = problem.method
@@ -111,14 +115,8 @@ def choose_method(problem: Problem) -> Choice:
         method = _usually_cheapest(problem, method, why)
     elif problem.step is not None and method != EXACT and problem.bodies is not None:
         steps = np.full(len(problem.bodies), problem.step)
-    return Choice(
-        problem=problem,
-        method=method,
-        steps=steps,
-        forms=forms,
-        accuracy=accuracy,
-        why=tuple(why),
-    )
+    plan = partial(plan_of, problem, method, steps, forms, accuracy, tuple(why))
+    return method, steps, LazyPlan(plan)
 
 
 def _check_rates_are_known(problem: Problem) -> None:

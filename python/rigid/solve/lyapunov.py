@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -197,7 +196,7 @@ def growth_of(
 ) -> Growth:
     """The growth of displacements of checked bodies."""
     chosen = method
-    choice = choose_method(
+    _, steps, plan = choose_method(
         Problem(
             scene=scene,
             record="axis",
@@ -211,7 +210,7 @@ def growth_of(
     every = np.union1d(times, times[-1] * np.array(CHECKPOINTS))
     run = _Run(bodies, every, of, max_steps, threads)
     vectors = _displacements(bodies, start, count, of)
-    found = run.growth(chosen, choice.steps, vectors)
+    found = run.growth(chosen, steps, vectors)
     wanted = np.searchsorted(every, times)
     marks = np.searchsorted(every, times[-1] * np.array(CHECKPOINTS))
     log, largest, mean, mean_megno = np.moveaxis(found["logs"], -1, 0)
@@ -225,7 +224,7 @@ def growth_of(
         rounding = ROUNDING * np.maximum(1.0, np.abs(log[:, wanted]))
         error = (3.0 * apart + rounding).max(axis=1)
         second = np.ascontiguousarray(2.0 * again["logs"][1::2, marks, 3])
-        lost_from = _lost_from(bodies, times, chosen, choice.steps, run.max_steps, threads)
+        lost_from = _lost_from(bodies, times, chosen, steps, run.max_steps, threads)
     else:
         status = np.where(status == Status.OK, Status.UNCHECKED, status).astype(np.uint8)
     means = np.ascontiguousarray(2.0 * mean_megno[:, marks])
@@ -234,7 +233,6 @@ def growth_of(
     verdict = np.where((verdict == "chaotic") & _is_integrable(bodies), "undecided", verdict)
     verdict = np.where(np.isin(status, (Status.OK, Status.UNCHECKED)), verdict, "failed")
 
-    plan = choice.plan()
     several = count > 1
     words = f"{count} displacement{'s' if several else ''} of the {of}, growth by their tangent"
     return Growth(
@@ -253,7 +251,7 @@ def growth_of(
         energy_drift=bodies.in_axes(found["energy_drift"]),
         status=bodies.in_axes(status),
         steps=bodies.in_axes(found["steps"]),
-        plan=replace(plan, why=(*plan.why, words)),
+        plan=plan.amended(words)(),
         spec={
             "scene": scene.to_dict(),
             "method": chosen,

@@ -14,8 +14,7 @@ from ..model.scene import scene_from_dict
 from .arrays import Range, in_rows, time_ranges
 from .bodies import Bodies
 from .choose_method import choose_method
-from .error_estimate import closed_form_error
-from .integrate import integrate
+from .integrate import compute_states
 from .made_run import end_records, to_run
 from .methods import EXACT
 from .problem import Problem
@@ -52,35 +51,23 @@ def states_at(run: Run, t: ArrayLike) -> Run:
         threads=resolve_threads(None),
         tolerance=spec["tolerance"],
     )
-    if spec["method"] == EXACT:
-        states = request.states(None)
-        bodies.note_rates(states["fastest_rate"])
-        estimate = closed_form_error(bodies, request.times, states["omega"])
-    else:
-        steps = None
-        if spec["tolerance"] is None:
-            problem = Problem(
-                scene=scene,
-                record=spec["record"],
-                bodies=bodies,
-                begin=reached[0],
-                end=reached[1],
-                accuracy=run.plan.accuracy if spec["step"] is None else None,
-                method=spec["method"],
-                step=spec["step"],
-                states=times.shape[-1],
-            )
-            steps = choose_method(problem).steps
-        unknown = np.isnan(run.error)
-        states, estimate = integrate(
-            request,
-            steps,
-            spec["accuracy"],
-            check=not unknown.all(),
-            every=not unknown.any(),
+    steps, unknown = None, np.isnan(run.error)
+    if spec["method"] != EXACT and spec["tolerance"] is None:
+        problem = Problem(
+            scene=scene,
+            record=spec["record"],
+            bodies=bodies,
+            begin=reached[0],
+            end=reached[1],
+            accuracy=run.plan.accuracy if spec["step"] is None else None,
+            method=spec["method"],
+            step=spec["step"],
+            states=times.shape[-1],
         )
-    if states["work"] is not None:
-        np.ldexp(states["work"], bodies.scale_exponent[:, np.newaxis], out=states["work"])
+        steps = choose_method(problem)[1]
+    states, estimate = compute_states(
+        request, steps, spec["accuracy"], check=not unknown.all(), every=not unknown.any()
+    )
     states["tangent"] = None
     end_records(states, times, last)
     made = to_run(states, ascending, estimate, spec, run._plan, bodies)

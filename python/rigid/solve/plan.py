@@ -174,6 +174,17 @@ class LazyPlan:
         assert self._plan is not None
         return self._plan
 
+    def amended(self, reason: str | None = None, **fields: Any) -> LazyPlan:
+        """The plan with other fields, and with one reason more."""
+
+        def make() -> Plan:
+            plan = self()
+            if reason is not None:
+                fields["why"] = (*plan.why, reason)
+            return dataclasses.replace(plan, **fields)
+
+        return LazyPlan(make)
+
     def __reduce__(self) -> tuple[Any, ...]:
         return LazyPlan.of, (self(),)
 

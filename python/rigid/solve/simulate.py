@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
@@ -29,9 +29,9 @@ from .arrays import in_rows, largest, time_ranges, time_span
 from .bodies import Bodies
 from .choose_method import choose_method, has_closed_form
 from .closed_form import RECORDS
-from .error_estimate import ErrorEstimate, closed_form_error, unknown_error
+from .error_estimate import ErrorEstimate, unknown_error
 from .events import check_event_method, find_events
-from .integrate import integrate
+from .integrate import compute_states
 from .made_run import end_records, to_run
 from .methods import EXACT, series_methods
 from .parameters import check_parameters, parameter_changes
@@ -50,8 +50,6 @@ if TYPE_CHECKING:
 __all__ = [
     "simulate",
 ]
-
-MakesPlan: TypeAlias = Callable[[], Plan]
 
 
 @in_standard_floats
@@ -242,7 +240,7 @@ def simulate(
     plain = step is None and accuracy is None and tolerance is None and given.ndim == 1
     if plain and method in (None, EXACT) and has_closed_form(scene):
         number, wanted = max(len(bodies), 1), len(times)
-        plan: MakesPlan = partial(_plan_of_any_start, scene, record, method, number, wanted)
+        plan = LazyPlan(partial(_plan_of_any_start, scene, record, method, number, wanted))
         chosen, steps = EXACT, None
     else:
         begin, end = time_ranges(times)
@@ -257,16 +255,13 @@ def simulate(
             step=step,
             states=times.shape[-1],
         )
-        choice = choose_method(problem)
-        plan = choice.plan
-        if watched and choice.method != EXACT and choice.method not in series_methods():
-            choice = choose_method(replace(problem, method=METHOD))
-            why = ("a Taylor series knows the events inside its steps",)
-            plan = partial(_amended, choice.plan, why=why)
-        chosen, steps = choice.method, choice.steps
+        chosen, steps, plan = choose_method(problem)
+        if watched and chosen != EXACT and chosen not in series_methods():
+            chosen, steps, plan = choose_method(replace(problem, method=METHOD))
+            plan = plan.amended(why=("a Taylor series knows the events inside its steps",))
     if tolerance is not None:
         own = f"each body takes its own steps, last terms below {tolerance:g}"
-        plan = partial(_amended, plan, own, step=None, steps=None, work=None, error=None)
+        plan = plan.amended(own, step=None, steps=None, work=None, error=None)
     request = Request(
         bodies=bodies,
         times=times,
@@ -296,40 +291,46 @@ def simulate(
         if found.stopped.any():
             # States are computed up to the end of a body, and so are their errors.
             request = replace(request, times=np.minimum(times, found.last))
+    every = method is None and step is None
+    states, estimate = compute_states(
+        request, steps, accuracy, check=check, every=every, target=target
+    )
     if chosen == EXACT:
-        states = request.states(None, out=target.given, single=target.single)
-        bodies.note_rates(states["fastest_rate"])
-        estimate = closed_form_error(bodies, request.times, states["omega"])
         worst = largest(estimate.error)
-        plan = partial(_amended, plan, error=worst if worst < 1.0 else None)
-    else:
-        every = method is None and step is None
-        states, estimate = integrate(
-            request, steps, accuracy, check=check, every=every, out=target.exact
-        )
-    if states["work"] is not None:
-        np.ldexp(states["work"], bodies.scale_exponent[:, np.newaxis], out=states["work"])
+        plan = plan.amended(error=worst if worst < 1.0 else None)
     matrices = sensitivity = None
     if parameters is not None:
         change = parameter_changes(scene, bodies, parameters) if parameters else None
         matrices, sensitivity, words = tangent_of(request, steps, method, change)
-        plan = partial(_amended, plan, words)
+        plan = plan.amended(words)
     if target is not PLAIN:
         estimate = ErrorEstimate(target.finish(states, estimate.error), estimate.lost_from)
-    spec = {
+    own_step = None if chosen == EXACT else step
+    spec = _spec(scene, chosen, own_step, accuracy, tolerance, record)
+    states["tangent"], states["sensitivity"] = matrices, sensitivity
+    if found is not None:
+        end_records(states, times, found.last)
+    run = to_run(states, given, estimate, spec, plan, bodies, parameters or (), found)
+    return run if frame is None else run.in_frame(frame)
+
+
+def _spec(
+    scene: Scene,
+    method: str,
+    step: float | None,
+    accuracy: float | None,
+    tolerance: float | None,
+    record: str,
+) -> dict[str, Any]:
+    """What a run was asked for, as a file has it."""
+    return {
         "scene": scene.to_dict(),
-        "method": chosen,
-        "step": None if chosen == EXACT else step,
+        "method": method,
+        "step": step,
         "accuracy": accuracy,
         "tolerance": tolerance,
         "record": record,
     }
-    states["tangent"], states["sensitivity"] = matrices, sensitivity
-    if found is not None:
-        end_records(states, times, found.last)
-    lazy = LazyPlan(plan)
-    run = to_run(states, given, estimate, spec, lazy, bodies, parameters or (), found)
-    return run if frame is None else run.in_frame(frame)
 
 
 def _plan_of_any_start(
@@ -337,15 +338,7 @@ def _plan_of_any_start(
 ) -> Plan:
     """The plan of a scene all of whose motions have a closed form, but for its error."""
     problem = Problem(scene=scene, record=record, method=method, number=number, states=states)
-    return choose_method(problem).plan()
-
-
-def _amended(make: MakesPlan, reason: str | None = None, **fields: Any) -> Plan:
-    """A plan with other fields, and with one reason more."""
-    plan = make()
-    if reason is not None:
-        fields["why"] = (*plan.why, reason)
-    return replace(plan, **fields)
+    return choose_method(problem)[2]()
 
 
 def _checked_count(count: int | None, watched: Sequence[Event], until: object) -> int | None:
@@ -421,26 +414,18 @@ def _replayed(
         method=method,
         step=step,
     )
-    choice = choose_method(problem)
+    _, steps, plan = choose_method(problem)
     states = _core.simulate(
         **bodies.columns(),
         method=method,
         record="attitude",
-        step=None if looks.get("tolerance") is not None else choice.steps,
+        step=None if looks.get("tolerance") is not None else steps,
         max_steps=2**63,
         threads=1,
         **looks,
     )
-    spec = {
-        "scene": scene.to_dict(),
-        "method": method,
-        "step": step,
-        "accuracy": None,
-        "tolerance": looks.get("tolerance"),
-        "record": "attitude",
-    }
+    spec = _spec(scene, method, step, None, looks.get("tolerance"), "attitude")
     # The map that this body comes from has its own check of the error.
-    plan = LazyPlan(choice.plan)
     return to_run(states, times, unknown_error(1), spec, plan, bodies)
 
 

@@ -48,7 +48,7 @@ def bodies_of(
         underflow, or the weight, torque or damping so large that they overflow in the unit of the
         moments.
     """
-    is_shared = not isinstance(omega, list | tuple)
+    is_shared = not isinstance(omega, (list, tuple))
     omega = vectors("omega", omega)
     if is_shared:
         omega = omega.copy()  # a run keeps it: the caller may write to this memory

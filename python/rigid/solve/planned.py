@@ -1,8 +1,7 @@
-"""A chosen method, and the plan that describes it."""
+"""The plan of a problem whose method is chosen."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import prod
 
 import numpy as np
@@ -17,7 +16,7 @@ from .methods import EXACT
 from .plan import Plan, carried, left_out
 from .problem import Problem
 
-__all__ = ["UNKNOWN", "Choice", "damping_rate", "stepped_record"]
+__all__ = ["UNKNOWN", "damping_rate", "plan_of", "stepped_record"]
 
 Floats = NDArray[np.float64]
 
@@ -25,11 +24,17 @@ UNKNOWN = "error unknown: {}"
 """How a plan says why its error is unknown."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Choice:
-    """The method for the bodies of a problem.
+def plan_of(
+    problem: Problem,
+    method: str,
+    steps: Floats | None,
+    forms: Codes,
+    accuracy: float | None,
+    why: tuple[str, ...],
+) -> Plan:
+    """The plan of a method: it takes longer than the choice, and no run needs it.
 
-    Attributes
+    Parameters
     ----------
     problem : Problem
     method : str
@@ -42,58 +47,49 @@ class Choice:
     why : tuple of str
         The reasons.
     """
+    scene, record = problem.scene, problem.record
+    estimate = _estimate(problem, method, steps, forms, accuracy)
+    error = estimate.error
+    if scene.is_called and error is not None:
+        error, why = None, (*why, UNKNOWN.format("the torque is that of a function"))
+    if estimate.unknown is not None:
+        why = (*why, UNKNOWN.format(estimate.unknown))
+    if error is not None and problem.bodies is not None and method != EXACT:
+        unforeseen = why_unforeseen(problem.bodies, problem.times, by_steps=True)
+        if unforeseen is not None:
+            error, why = None, (*why, UNKNOWN.format(unforeseen))
+    if error is not None and problem.accuracy is not None:
+        # The steps of the run are shortened until it is met.
+        error = min(error, problem.accuracy)
+    return Plan(
+        scene=scene.words(),
+        question=question_words(record),
+        closed_form=", ".join(names(forms)) or None if method == EXACT else None,
+        method=method,
+        carried=carried(scene, record, method),
+        why=why,
+        left_out=left_out(scene, record, method, problem.step, forms),
+        step=estimate.step,
+        steps=estimate.steps,
+        work=estimate.work,
+        error=error,
+        accuracy=accuracy,
+        memory=_memory(problem),
+    )
 
-    problem: Problem
-    method: str
-    steps: Floats | None
-    forms: Codes
-    accuracy: float | None
-    why: tuple[str, ...]
 
-    def plan(self) -> Plan:
-        """The plan: it takes longer than the choice, and no run needs it."""
-        problem, method, why = self.problem, self.method, self.why
-        scene, record = problem.scene, problem.record
-        estimate = self._estimate()
-        error = estimate.error
-        if scene.is_called and error is not None:
-            error, why = None, (*why, UNKNOWN.format("the torque is that of a function"))
-        if estimate.unknown is not None:
-            why = (*why, UNKNOWN.format(estimate.unknown))
-        if error is not None and problem.bodies is not None and method != EXACT:
-            unforeseen = why_unforeseen(problem.bodies, problem.times, by_steps=True)
-            if unforeseen is not None:
-                error, why = None, (*why, UNKNOWN.format(unforeseen))
-        if error is not None and problem.accuracy is not None:
-            # The steps of the run are shortened until it is met.
-            error = min(error, problem.accuracy)
-        return Plan(
-            scene=scene.words(),
-            question=question_words(record),
-            closed_form=", ".join(names(self.forms)) or None if method == EXACT else None,
-            method=method,
-            carried=carried(scene, record, method),
-            why=why,
-            left_out=left_out(scene, record, method, problem.step, self.forms),
-            step=estimate.step,
-            steps=estimate.steps,
-            work=estimate.work,
-            error=error,
-            accuracy=self.accuracy,
-            memory=_memory(problem),
+def _estimate(
+    problem: Problem, method: str, steps: Floats | None, forms: Codes, accuracy: float | None
+) -> Estimate:
+    """Work and error."""
+    if method == EXACT:
+        rates, forms = problem.rates(), forms
+        return closed_form_estimate(
+            problem.record, forms, problem.states, rates, problem.span, problem.count
         )
-
-    def _estimate(self) -> Estimate:
-        """Work and error."""
-        problem = self.problem
-        if self.method == EXACT:
-            rates, forms = problem.rates(), self.forms
-            return closed_form_estimate(
-                problem.record, forms, problem.states, rates, problem.span, problem.count
-            )
-        if self.accuracy is not None and not problem.knows_angles:
-            return Estimate(None, None, None, None)
-        return _steps_estimate(problem, self.method, self.steps)
+    if accuracy is not None and not problem.knows_angles:
+        return Estimate(None, None, None, None)
+    return _steps_estimate(problem, method, steps)
 
 
 def _steps_estimate(problem: Problem, method: str, steps: Floats | None) -> Estimate:
