@@ -37,6 +37,8 @@ __all__ = [
 ]
 
 
+_DOUBLE = np.dtype(np.float64)
+
 MOST_THREADS = 1024
 
 MESSAGE = 800
@@ -130,7 +132,7 @@ def numbers(name: str, value: ArrayLike, unit: str | None = None) -> NDArray[np.
     except ValueError:
         raise ValueError(f"{name} = {brief(value)}: must be an array of real numbers") from None
     flags = array.flags
-    if array.dtype == np.float64 and flags.c_contiguous and flags.aligned:
+    if array.dtype == _DOUBLE and flags.c_contiguous and flags.aligned:
         return array
     if array.dtype.kind not in "iuf":
         raise TypeError(f"{name} = {brief(value)}: must be real numbers, got {array.dtype}")

@@ -91,11 +91,12 @@ class Bodies:
             moments, weight, exponents, _ = known
         else:
             assert exponents is not None
-            with np.errstate(over="ignore"):
-                moments, weight = (
-                    np.ldexp(in_rows(part, shape), -exponents[:, np.newaxis])
-                    for part in (np.asarray(scene.body.moments), scene.weight)
-                )
+            unit = -exponents[:, np.newaxis]
+            moments = np.ldexp(in_rows(np.asarray(scene.body.moments), shape), unit)
+            weight = in_rows(scene.weight, shape)
+            if np.count_nonzero(weight):
+                with np.errstate(over="ignore"):
+                    weight = np.ldexp(weight, unit)
             forcing = forcing_of(scene.torque, scene.damping, shape, exponents, scene.satellite)
         return cls(
             kind=scene.kind,

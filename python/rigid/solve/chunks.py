@@ -71,11 +71,11 @@ def simulate_chunks(
     scene = check_scene(scene, many=True)
     size = positive_int("chunk", chunk)
     times = times_of_each("t", t)
-    shape = bodies_of(scene, omega, attitude, times=times.shape[:-1]).shape or (1,)
+    bodies = bodies_of(scene, omega, attitude, times=times.shape[:-1])
+    shape = bodies.shape or (1,)
     if len(shape) > 1:
         raise ValueError(f"omega: expected one axis of bodies, got bodies of shape {shape}")
-    count = shape[0]
-    rates = np.broadcast_to(numbers("omega", omega), (count, 3))
+    count, rates = shape[0], bodies.omega
     if attitude is None:
         attitude = [1.0, 0.0, 0.0, 0.0]
     elif hasattr(attitude, "as_quat"):

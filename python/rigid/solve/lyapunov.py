@@ -235,6 +235,7 @@ def growth_of(
 
     several = count > 1
     words = f"{count} displacement{'s' if several else ''} of the {of}, growth by their tangent"
+    plan.amend(words)
     return Growth(
         t=times,
         log_growth=bodies.in_axes(log[:, wanted]),
@@ -251,7 +252,7 @@ def growth_of(
         energy_drift=bodies.in_axes(found["energy_drift"]),
         status=bodies.in_axes(status),
         steps=bodies.in_axes(found["steps"]),
-        plan=plan.amended(words)(),
+        plan=plan(),
         spec={
             "scene": scene.to_dict(),
             "method": chosen,

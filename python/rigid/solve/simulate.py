@@ -258,10 +258,10 @@ def simulate(
         chosen, steps, plan = choose_method(problem)
         if watched and chosen != EXACT and chosen not in series_methods():
             chosen, steps, plan = choose_method(replace(problem, method=METHOD))
-            plan = plan.amended(why=("a Taylor series knows the events inside its steps",))
+            plan.amend(why=("a Taylor series knows the events inside its steps",))
     if tolerance is not None:
         own = f"each body takes its own steps, last terms below {tolerance:g}"
-        plan = plan.amended(own, step=None, steps=None, work=None, error=None)
+        plan.amend(own, step=None, steps=None, work=None, error=None)
     request = Request(
         bodies=bodies,
         times=times,
@@ -297,12 +297,12 @@ def simulate(
     )
     if chosen == EXACT:
         worst = largest(estimate.error)
-        plan = plan.amended(error=worst if worst < 1.0 else None)
+        plan.amend(error=worst if worst < 1.0 else None)
     matrices = sensitivity = None
     if parameters is not None:
         change = parameter_changes(scene, bodies, parameters) if parameters else None
         matrices, sensitivity, words = tangent_of(request, steps, method, change)
-        plan = plan.amended(words)
+        plan.amend(words)
     if target is not PLAIN:
         estimate = ErrorEstimate(target.finish(states, estimate.error), estimate.lost_from)
     own_step = None if chosen == EXACT else step

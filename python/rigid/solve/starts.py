@@ -54,7 +54,10 @@ def bodies_of(
         omega = omega.copy()  # a run keeps it: the caller may write to this memory
     attitude = IDENTITY if attitude is None else attitudes(attitude)
     if frame is not None:
-        omega = turned(frame.T, omega)
+        with np.errstate(over="ignore", invalid="ignore"):
+            omega = turned(frame.T, omega)
+        if not np.isfinite(omega).all():
+            raise ValueError("omega: must be finite along the principal axes of the frame too")
         attitude = unit_quaternions("attitude", attitudes_in_principal_axes(frame, attitude))
     omega.flags.writeable = attitude.flags.writeable = False
     shape = leading_shape(
