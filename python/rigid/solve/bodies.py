@@ -10,18 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
+from .._checks.arrays import IDENTITY
 from ..model.leading import Shape
 from ..model.scene import Scene
 from ..model.torque import NO_EXPONENT, forcing_of
 from .arrays import Range, in_rows, rows_of_each
 
-__all__ = ["IDENTITY", "Bodies"]
+__all__ = ["Bodies"]
 
 Floats = NDArray[np.float64]
-
-IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
-"""The attitude of a body whose axes are those of space."""
-IDENTITY.flags.writeable = False
 
 SLOWEST = 1e-140
 """Squares of slower rates, and their products, would underflow (rad/s)."""
@@ -29,8 +26,9 @@ SLOWEST = 1e-140
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class Bodies:
-    """Bodies of one kind with their starts.
+    """Bodies of one kind with their starts: of a call, of a run again, or of pixels of a map.
 
+    Nothing here is checked again. :func:`.starts.bodies_of` checks what a user gives.
     As :class:`.request.Request` and :class:`.error_estimate.ErrorEstimate`, which a call makes too,
     it is not frozen: a frozen object takes twice as long to make.
 

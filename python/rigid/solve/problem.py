@@ -23,7 +23,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Problem:
-    """Requested states of a scene, and the known data of its bodies.
+    """States for which a method is to be chosen, and what is known of them.
 
     Attributes
     ----------
@@ -42,7 +42,7 @@ class Problem:
     states : int
         Number of requested states of a body.
     number : int or None
-        Number of bodies that share a call; None: that of the bodies.
+        How many share a call; None: as many as the bodies.
 
     Raises
     ------

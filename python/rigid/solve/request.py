@@ -19,7 +19,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class Request:
-    """States of a bodies of bodies at given times.
+    """States of bodies at given times: a call of the core.
 
     Attributes
     ----------

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
+from .._checks.arrays import IDENTITY
 from .arrays import Range
 from .bodies import Bodies
 
@@ -99,7 +100,7 @@ def separatrix_error(
             moments=moments[mine],
             weight=np.zeros((1, 3)),
             omega=omega[mine],
-            attitude=np.array([[1.0, 0.0, 0.0, 0.0]]),
+            attitude=IDENTITY[np.newaxis],
         )
         first[mine] = _core.flip_times(**free.columns(), axis=axis + 1, count=1)[:, 0]
     # Backward in time a body passes the saddle about as late.

@@ -11,7 +11,7 @@ from .._checks.arrays import attitudes, unit_quaternions, vectors
 from ..model.frame import attitudes_in_principal_axes, turned
 from ..model.leading import Shape, leading_shape
 from ..model.scene import Scene
-from .bodies import IDENTITY, Bodies
+from .bodies import Bodies
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -52,7 +52,7 @@ def bodies_of(
     omega = vectors("omega", omega)
     if is_shared:
         omega = omega.copy()  # a run keeps it: the caller may write to this memory
-    attitude = IDENTITY if attitude is None else attitudes(attitude)
+    attitude = attitudes(attitude)
     if frame is not None:
         with np.errstate(over="ignore", invalid="ignore"):
             omega = turned(frame.T, omega)
