@@ -14,17 +14,16 @@ and :mod:`~rigid.frames`; :mod:`~rigid.inertia`, :mod:`~rigid.solids` and :mod:`
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from . import exact
 from ._checks.progress import Interrupted, Progress
 from ._core import __version__
 from .citing import cite
 from .info import build_info
-from .maps.compute import plug_in_store, stability_map
+from .maps.compute import stability_map
 from .maps.replay import Replay
-from .maps.result import StabilityMap, load_map, plug_in_explorer
+from .maps.result import StabilityMap, load_map
 from .maps.samples import Outcomes, Starts
 from .maps.spec import MapSpec
 from .model.body import Body
@@ -66,17 +65,13 @@ from .solve.growth import Growth
 from .solve.lyapunov import lyapunov
 from .solve.methods import Method, methods
 from .solve.motion import Motion
-from .solve.other_times import states_at as _states_at
 from .solve.plan import Plan
-from .solve.run import Run, load_run, plug_in_animator, plug_in_evaluator
+from .solve.run import Run, load_run
 from .solve.sensitivity import condition
 from .solve.simulate import simulate
 from .solve.status import Status
 
 if TYPE_CHECKING:
-    from os import PathLike
-    from pathlib import Path
-
     from . import (
         animation,
         earth,
@@ -198,77 +193,18 @@ __all__ = [
     "von_mises_fisher",
 ]
 
-_LATER = frozenset(
-    (
-        "animation",
-        "earth",
-        "figures",
-        "fixed_axis",
-        "frames",
-        "free",
-        "inertia",
-        "meshes",
-        "particles",
-        "rotations",
-        "solids",
-        "springs",
-        "statics",
-        "top",
-        "units",
-    )
-)
-"""Modules that are imported when they are first named."""
-
-_OF_STORE = frozenset(("Store", "diff", "merge", "open_store"))
-"""Names of :mod:`rigid.store.store`, which is imported with the first of them."""
-
 if not TYPE_CHECKING:  # a type checker would take any name for a module
 
-    def __getattr__(name: str) -> Any:
-        if name in _LATER:
-            return import_module(f".{name}", __name__)
-        if name in _OF_STORE:
+    def __getattr__(name: str) -> object:
+        """Modules and what runs stored maps are imported when they are first named."""
+        from importlib import import_module
+
+        if name in ("Store", "diff", "merge", "open_store"):
             return getattr(import_module(".store.store", __name__), name)
+        if name in __all__:
+            return import_module(f".{name}", __name__)
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
-def _animate(run: Run, path: str | PathLike[str] | None, **options: Any) -> Any:
-    """:func:`rigid.animation.animate`, imported when it is first called."""
-    from .animation import animate
-
-    return animate(run, path, **options)
-
-
-plug_in_animator(_animate)
-
-
-def _explore(result: StabilityMap, path: str | PathLike[str], **options: Any) -> Path:
-    """:func:`rigid.animation.explorer.explore`, imported when it is first called."""
-    from .animation.explorer import explore
-
-    return explore(result, path, **options)
-
-
-def _widget(result: StabilityMap, **options: Any) -> Any:
-    """The view of :mod:`rigid.animation.widget`, imported when it is first called."""
-    from .animation.widget import MapWidget
-
-    return MapWidget(result, **options)
-
-
-plug_in_explorer(_explore, _widget)
-plug_in_evaluator(_states_at)
-
-
-def _run_stored(spec: MapSpec, **options: Any) -> StabilityMap:
-    """:func:`rigid.store.store.run_stored`, imported when it is first called."""
-    from .store.store import run_stored
-
-    return run_stored(spec, **options)
-
-
-plug_in_store(_run_stored)
-
-
 def __dir__() -> list[str]:
-    return sorted(globals().keys() | _LATER | _OF_STORE)
+    return sorted(__all__)

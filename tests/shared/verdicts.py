@@ -12,7 +12,7 @@ from adversarial import KINDS, Case, Kinds, random_case
 from physics import ROUNDOFF, Floats, energy, vertical
 from quad_motion import Motion
 from rigid.solve.arrays import time_range
-from rigid.solve.batch import Batch
+from rigid.solve.starts import bodies_of
 
 VERDICTS = ("right", "within 4uκ", "flagged", "refused", "status", "no truth", "SILENT")
 
@@ -68,8 +68,8 @@ class Finding:
 
 def reach(case: Case) -> float:
     """The fastest rate that the body can reach, as :attr:`rigid.Run.error` counts it."""
-    batch, _ = Batch.from_input(case.scene, case.omega, case.attitude)
-    rate = float(batch.fastest_rates(time_range(case.t))[0])
+    bodies = bodies_of(case.scene, case.omega, case.attitude)
+    rate = float(bodies.fastest_rates(time_range(case.t))[0])
     return max(rate, np.finfo(np.float64).tiny)
 
 

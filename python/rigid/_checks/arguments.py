@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .quantities import without_unit
+from .quantities import plain, without_unit
 
 __all__ = [
     "brief",
@@ -36,6 +36,8 @@ __all__ = [
     "vectors",
 ]
 
+
+_DOUBLE = np.dtype(np.float64)
 
 MOST_THREADS = 1024
 
@@ -124,14 +126,13 @@ def numbers(name: str, value: ArrayLike, unit: str | None = None) -> NDArray[np.
 
     A quantity is taken in ``unit``, by default that of :data:`.quantities.UNITS`.
     """
-    value = without_unit(name, value, unit)
-    _refuse_masked(name, value)
+    value = plain(name, value, unit)
     try:
         array = np.asarray(value)
     except ValueError:
         raise ValueError(f"{name} = {brief(value)}: must be an array of real numbers") from None
     flags = array.flags
-    if array.dtype == np.float64 and flags.c_contiguous and flags.aligned:
+    if array.dtype == _DOUBLE and flags.c_contiguous and flags.aligned:
         return array
     if array.dtype.kind not in "iuf":
         raise TypeError(f"{name} = {brief(value)}: must be real numbers, got {array.dtype}")
@@ -140,17 +141,6 @@ def numbers(name: str, value: ArrayLike, unit: str | None = None) -> NDArray[np.
             array = array.astype(np.float64)
     floats = np.ascontiguousarray(array, dtype=np.float64).reshape(array.shape)
     return floats if floats.flags.aligned else floats.copy()
-
-
-def _refuse_masked(name: str, value: object) -> None:
-    """Raise ValueError for a masked array with masked elements."""
-    masked = sys.modules.get("numpy.ma")  # there is no masked array before it is imported
-    if masked is None or not isinstance(value, masked.MaskedArray):
-        return
-    if masked.is_masked(value):
-        raise ValueError(
-            f"{name}: {masked.count_masked(value)} elements are masked; fill them or leave them out"
-        )
 
 
 def _finite(name: str, array: NDArray[np.float64]) -> None:

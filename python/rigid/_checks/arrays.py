@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
 __all__ = [
+    "IDENTITY",
     "attitudes",
     "finite_array",
     "require",
@@ -25,6 +26,10 @@ __all__ = [
 ]
 
 Floats = NDArray[np.float64]
+
+IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
+"""The attitude of a body whose axes are those of space."""
+IDENTITY.flags.writeable = False
 
 
 def finite_array(name: str, value: ArrayLike) -> Floats:
@@ -45,8 +50,13 @@ def vectors(name: str, value: ArrayLike, width: int = 3) -> Floats:
     return np.empty((0, width)) if array.shape == (0,) else of_shape(name, array, width)
 
 
-def attitudes(attitude: ArrayLike | Rotation, name: str = "attitude") -> Floats:
-    """Quaternions or a SciPy ``Rotation`` as unit quaternions, scalar first, shape (..., 4)."""
+def attitudes(attitude: ArrayLike | Rotation | None, name: str = "attitude") -> Floats:
+    """Quaternions or a SciPy ``Rotation`` as unit quaternions, scalar first, shape (..., 4).
+
+    By default the axes of body and space coincide.
+    """
+    if attitude is None:
+        return IDENTITY
     if hasattr(attitude, "as_quat"):
         attitude = attitude.as_quat(scalar_first=True)
     return unit_quaternions(name, vectors(name, attitude, 4))

@@ -1,4 +1,4 @@
-"""Numbers with units at the door: quantities of Pint become numbers in SI units."""
+"""Numbers of other libraries: quantities of Pint become SI numbers, masked ones are refused."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import sys
 from collections.abc import Mapping
 from typing import Any
 
-__all__ = ["UNITS", "without_unit"]
+__all__ = ["UNITS", "plain", "without_unit"]
 
 _LENGTHS = ("about", "com", "height", "inner", "pivot", "points", "positions", "radius", "vertices")
 _RATES = ("omega", "rates", "spin", "spins")
@@ -34,6 +34,18 @@ UNITS: Mapping[str, tuple[str, ...]] = {
     "torque": ("N m",),
 }
 """SI units of arguments that mean the same wherever they occur; more than one where two do."""
+
+
+def plain(name: str, value: Any, unit: str | None = None) -> Any:
+    """``value`` :func:`without_unit`; ValueError if elements of an array are masked."""
+    if "pint" in sys.modules:
+        value = without_unit(name, value, unit)
+    masked = sys.modules.get("numpy.ma")  # there is no masked array before it is imported
+    if masked is None or not isinstance(value, masked.MaskedArray) or not masked.is_masked(value):
+        return value
+    raise ValueError(
+        f"{name}: {masked.count_masked(value)} elements are masked; fill them or leave them out"
+    )
 
 
 def without_unit(name: str, value: Any, unit: str | None = None) -> Any:

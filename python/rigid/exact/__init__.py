@@ -7,7 +7,7 @@ Carlson, *Numerical Algorithms* 10 (1995) 13, and arranged so that no digits can
 separatrix, a pole, or a symmetric or spherical body.
 
 The modules are ``elliptic``, ``free``, ``flips`` and ``top``. They use ``model``, ``_checks``, the
-core, and ``solve`` only for the batch of bodies and the test for a closed form. ``free``, ``top``
+core, and ``solve`` only for the bodies of a call and the test for a closed form. ``free``, ``top``
 and the figures use them.
 """
 

@@ -13,8 +13,8 @@ from ..model.body import Body
 from ..model.criteria import NoFlip
 from ..model.scene import Scene, check_scene
 from ..model.start import body_axis
-from ..solve.batch import Batch
 from ..solve.closed_form import closed_forms
+from ..solve.starts import bodies_of
 from .common import require_unforced
 
 if TYPE_CHECKING:
@@ -70,12 +70,12 @@ def flip_times(
     scene = check_scene(scene, many=True)
     require_unforced(scene)
     number = positive_int("count", count)
-    batch, shape = Batch.from_input(scene, omega, attitude)
-    axes = _largest(batch.omega) if axis is None else body_axis(axis)
+    bodies = bodies_of(scene, omega, attitude)
+    axes = _largest(bodies.omega) if axis is None else body_axis(axis)
     parts: list[tuple[NDArray[np.intp], Floats]] = []
     for chosen in np.unique(axes).tolist():
-        mine = np.flatnonzero(np.broadcast_to(axes == chosen, len(batch)))
-        some = batch.select(mine)
+        mine = np.flatnonzero(np.broadcast_to(axes == chosen, len(bodies)))
+        some = bodies.select(mine)
         if not closed_forms(NoFlip(chosen), some.moments, some.weight).all():
             raise ValueError(
                 f"axis = {chosen}: no closed form for the {scene.words()}; there is one for a "
@@ -86,10 +86,10 @@ def flip_times(
     if len(parts) == 1:
         times = parts[0][1]
     else:
-        times = np.empty((len(batch), number))
+        times = np.empty((len(bodies), number))
         for mine, found in parts:
             times[mine] = found
-    return times.reshape((*shape, number))
+    return times.reshape((*bodies.shape, number))
 
 
 def _largest(omega: Floats) -> NDArray[np.intp]:

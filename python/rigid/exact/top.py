@@ -17,7 +17,8 @@ from .._checks.overflow import refuses_overflow
 from ..model.leading import leading_shape
 from ..model.scene import HeavyTop, check_heavy_top
 from ..model.start import body_axis
-from ..solve.batch import Batch
+from ..solve.bodies import Bodies
+from ..solve.starts import bodies_of
 from .common import in_shape, require_unforced
 from .elliptic import agm
 from .symmetry import Symmetry, require_each, symmetry_of
@@ -112,10 +113,10 @@ def lagrange_top(
     ('cusp', 0.5)
     """
     _lagrange(scene)
-    batch, shape = Batch.from_input(scene, omega, attitude)
-    values = _core.top_quantities(**_without_kind(batch))
-    kinds = np.array(values.pop("kind"), dtype=np.str_).reshape(shape)
-    return TopMotion(kind=_tuples(kinds.tolist()), **in_shape(values, shape))
+    bodies = bodies_of(scene, omega, attitude)
+    values = _core.top_quantities(**_without_kind(bodies))
+    kinds = np.array(values.pop("kind"), dtype=np.str_).reshape(bodies.shape)
+    return TopMotion(kind=_tuples(kinds.tolist()), **in_shape(values, bodies.shape))
 
 
 def tilt_time(
@@ -158,9 +159,9 @@ def tilt_time(
     angle = finite_float("limit", limit, positive=True)
     if angle > pi:
         raise ValueError(f"limit = {angle}: must lie in (0, pi] (rad)")
-    batch, shape = Batch.from_input(scene, omega, attitude)
-    times = _core.tilt_times(**_without_kind(batch), limit=angle)
-    return times.reshape(shape)[()]
+    bodies = bodies_of(scene, omega, attitude)
+    times = _core.tilt_times(**_without_kind(bodies), limit=angle)
+    return times.reshape(bodies.shape)[()]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -367,8 +368,8 @@ def _tuples(values: Any) -> Any:
     return tuple(_tuples(value) for value in values) if isinstance(values, list) else values
 
 
-def _without_kind(batch: Batch) -> dict[str, Any]:
+def _without_kind(bodies: Bodies) -> dict[str, Any]:
     """The columns of tops, as the functions of the core for Lagrange tops take them."""
-    columns = batch.full_columns()
+    columns = bodies.full_columns()
     del columns["scene"]
     return columns

@@ -330,7 +330,7 @@ def loci(
     ['prolate', 'cusp']
     """
     rates, _ = rows("omega", omega, 3)
-    start = np.array(UPRIGHT) if attitude is None else attitudes(attitude)
+    start = attitudes(attitude)
     if start.shape not in ((4,), (len(rates), 4)):
         raise ValueError(f"attitude: expected shape (4,) or {(len(rates), 4)}, got {start.shape}")
     starts = np.broadcast_to(start, (len(rates), 4))

@@ -92,7 +92,7 @@ def cones(
     moments, rates = np.broadcast_arrays(moments_of(body), vectors("omega", omega))
     size = np.linalg.norm(rates, axis=-1, keepdims=True)
     require("|omega|", size[..., 0], size[..., 0] > 0.0, "a body at rest has no cones")
-    start = np.array([1.0, 0.0, 0.0, 0.0]) if attitude is None else attitudes(attitude)
+    start = attitudes(attitude)
     angle = np.linspace(0.0, 2.0 * pi, positive_int("samples", samples, minimum=2))
     axis = np.eye(3)[top.axis - 1]
     turn = np.where(top.k < 0.0, -1.0, 1.0)[..., np.newaxis] * angle

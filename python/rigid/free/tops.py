@@ -17,7 +17,8 @@ from ..exact import FreeMotion
 from ..model.body_like import BodyLike, moments_of
 from ..model.scene import FreeBody
 from ..model.start import body_axis
-from ..solve.batch import Batch
+from ..solve.arrays import rows_of_each
+from ..solve.bodies import Bodies
 from ..solve.methods import EXACT
 from ..solve.request import Request
 
@@ -284,16 +285,17 @@ def _states(
     moments: Floats, rates: Floats, attitude: ArrayLike | Rotation | None, t: ArrayLike
 ) -> tuple[Floats, Floats]:
     """Angular velocities and attitudes at the times by closed form; each body has own moments."""
-    start = np.array([1.0, 0.0, 0.0, 0.0]) if attitude is None else attitudes(attitude)
+    start = attitudes(attitude)
     shape = np.broadcast_shapes(rates.shape[:-1], start.shape[:-1])
     times = sorted_times("t", t)
     request = Request(
-        batch=Batch(
+        bodies=Bodies(
             kind=FreeBody.kind,
-            moments=_rows(moments, shape),
+            shape=shape,
+            moments=rows_of_each(moments, shape),
             weight=np.zeros((1, 3)),
-            omega=_rows(rates, shape),
-            attitude=_rows(start, shape),
+            omega=rows_of_each(rates, shape),
+            attitude=rows_of_each(start, shape),
         ),
         times=times,
         method=EXACT,
@@ -304,11 +306,6 @@ def _states(
     found = request.states(None)
     leading = (*shape, len(times))
     return found["omega"].reshape(*leading, 3), found["attitude"].reshape(*leading, 4)
-
-
-def _rows(array: Floats, shape: tuple[int, ...]) -> Floats:
-    width = array.shape[-1]
-    return np.ascontiguousarray(np.broadcast_to(array, (*shape, width)).reshape(-1, width))
 
 
 def steady_axis_frame(body: BodyLike, spin: ArrayLike, tilt: ArrayLike = 0.0) -> Floats:

@@ -33,15 +33,7 @@ from .request import as_it_is, spec_of
 from .result import StabilityMap
 from .spec import MapSpec
 
-__all__ = ["plug_in_store", "run_map", "stability_map"]
-
-_stored: list[Callable[..., StabilityMap]] = []
-"""The function that runs maps of a store: its package lies above this one."""
-
-
-def plug_in_store(run_stored: Callable[..., StabilityMap]) -> None:
-    """Tell this module what computes maps that are stored, or that an executor computes."""
-    _stored[:] = [run_stored]
+__all__ = ["run_map", "stability_map"]
 
 
 def stability_map(
@@ -245,7 +237,9 @@ def stability_map(
             raise ValueError(f"chunk = {brief(chunk)}: has no effect with store or executor")
         if part is not None and store is None:
             raise ValueError(f"part = {brief(part)}: needs store, where the parts meet")
-        return _stored[0](
+        from ..store.store import run_stored
+
+        return run_stored(
             spec,
             store=store,
             seeded=rng is not None or isinstance(scene, MapSpec),
@@ -272,7 +266,9 @@ def run_map(
         if chunk is not None:
             raise ValueError(f"chunk = {brief(chunk)}: has no effect with half_width or refine")
         options = {"executor": None, "threads_per_task": 1, "part": None, "threads": threads}
-        return _stored[0](
+        from ..store.store import run_stored
+
+        return run_stored(
             spec, store=None, seeded=True, progress=progress, partial=partial, **options
         )
     workers = resolve_threads(threads)

@@ -16,7 +16,7 @@ from ..model.body import Body
 from ..model.scene import Scene
 from ..model.start import Noise, Start, tilted_attitude, tilted_rates
 from ..model.torque import Torque, checked_damping, forcing_of
-from ..solve.batch import Batch
+from ..solve.bodies import Bodies
 from .parameters import Axis, PixelValues, in_order
 
 __all__ = ["NominalStarts", "grid_shape", "nominal_starts"]
@@ -109,7 +109,7 @@ class NominalStarts:
 
     def batches_by_forcing(
         self, of_pixel: NDArray[np.intp], omega: Floats, attitude: Floats
-    ) -> Iterator[tuple[list[int], Batch]]:
+    ) -> Iterator[tuple[list[int], Bodies]]:
         """Bodies of these pixels in batches under one forcing.
 
         Parameters
@@ -121,7 +121,7 @@ class NominalStarts:
 
         Yields
         ------
-        list of int, Batch
+        list of int, Bodies
             The indices of the bodies of a batch among those given, and the batch.
         """
         groups: dict[_core.Forcing | None, list[int]] = {}
@@ -129,8 +129,9 @@ class NominalStarts:
             forcing = None if self.forcings is None else self.forcings[pixel]
             groups.setdefault(forcing, []).append(index)
         for forcing, mine in groups.items():
-            batch = Batch(
+            batch = Bodies(
                 kind=self.scene.kind,
+                shape=(len(mine),),
                 moments=self.moments[of_pixel[mine]],
                 weight=self.weight[of_pixel[mine]],
                 omega=omega[mine],

@@ -231,7 +231,7 @@ class JudgedJob:
             rows = np.array(some)
             tolerance, steps = self._steps(method, batch, times[-1])
             part = Request(
-                batch=batch,
+                bodies=batch,
                 times=times,
                 method=method,
                 record=self._stable.of,

@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 
 from .. import _core
 from .._moments import possible
-from ..solve.batch import Batch
-from ..solve.choice import UNKNOWN
+from ..solve.bodies import Bodies
 from ..solve.closed_form import NO_FORM, Codes, closed_forms, names, why_not
 from ..solve.cost_model import (
     Estimate,
@@ -23,6 +22,7 @@ from ..solve.cost_model import (
 from ..solve.foresight import motions_of, why_unforeseen
 from ..solve.methods import AUTO, EXACT
 from ..solve.plan import Plan, carried, left_out
+from ..solve.planned import UNKNOWN
 from .spec import MapSpec
 
 __all__ = ["map_plan"]
@@ -65,7 +65,7 @@ def map_plan(spec: MapSpec) -> Plan:
     )
 
 
-def _estimate(spec: MapSpec, method: str, forms: Codes, batches: list[Batch]) -> Estimate:
+def _estimate(spec: MapSpec, method: str, forms: Codes, batches: list[Bodies]) -> Estimate:
     """Work and error of the nominal starts."""
     span = (0.0, spec.t_end)
     if method == EXACT:
@@ -77,7 +77,7 @@ def _estimate(spec: MapSpec, method: str, forms: Codes, batches: list[Batch]) ->
     return steps_estimate(spec.stable, spec.scheme, kind, joined(motions))
 
 
-def _motions(spec: MapSpec, batch: Batch) -> Motions:
+def _motions(spec: MapSpec, batch: Bodies) -> Motions:
     span = (0.0, spec.t_end)
     rates = batch.fastest_rates(span, spec.scheme)
     if spec.step is None:
@@ -103,7 +103,7 @@ def _choice(spec: MapSpec, moments: Floats, weight: Floats, forms: Codes) -> tup
     return spec.scheme, why_not(spec.stable, moments[0], weight[0])
 
 
-def _batches(spec: MapSpec, pixels: NDArray[np.intp]) -> Iterator[Batch]:
+def _batches(spec: MapSpec, pixels: NDArray[np.intp]) -> Iterator[Bodies]:
     """The nominal starts of these pixels, those of one forcing together."""
     for start in spec.start.starts:
         grid = spec.starting(start)

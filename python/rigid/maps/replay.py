@@ -6,7 +6,7 @@ import itertools
 import math
 import operator
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
@@ -252,8 +252,7 @@ def _growth(spec: MapSpec, pixel: int, record: Mapping[str, Any], t: ArrayLike |
     ((_, batch),) = spec.grid.batches_by_forcing(np.array([pixel]), *start)
     return growth_of(
         spec.grid.scene_of(pixel),
-        batch,
-        (),
+        replace(batch, shape=()),
         times,
         of=spec.stable.of,
         method=record["method"] if taken else SECOND,

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.axes import Axes
 
-__all__ = ["StabilityMap", "load_map", "plug_in_explorer"]
+__all__ = ["StabilityMap", "load_map"]
 
 
 class StabilityMap(MapData):
@@ -120,10 +120,6 @@ class StabilityMap(MapData):
     """
 
     __slots__ = ()
-
-    _explorer: ClassVar[Callable[..., Path]]
-    _widget: ClassVar[Callable[..., Any]]
-    """Set by the package, whose modules of pages import this one."""
 
     def __repr__(self) -> str:
         """Scene, grid and the share of each class."""
@@ -467,7 +463,9 @@ class StabilityMap(MapData):
         ValueError
             If the name does not end in ``.html``, or the map has not so many samples.
         """
-        return self._explorer(self, path, samples=samples, threads=threads)
+        from ..animation.explorer import explore
+
+        return explore(self, path, samples=samples, threads=threads)
 
     def widget(self, *, threads: int | None = None) -> Any:
         """The view of :meth:`explore` in a notebook, where zooming computes a finer map.
@@ -495,7 +493,9 @@ class StabilityMap(MapData):
         ValueError
             If a function that the map needs is not known; see :func:`load_map`.
         """
-        return self._widget(self, threads=threads)
+        from ..animation.widget import MapWidget
+
+        return MapWidget(self, threads=threads)
 
     def to_xarray(self) -> xarray.Dataset:
         """The map as an xarray Dataset.
@@ -626,13 +626,3 @@ def load_map(
     """
     spec, arrays, bins = read_map(path)
     return StabilityMap.from_arrays(spec.with_functions(scene=scene, stable=stable), arrays, bins)
-
-
-def plug_in_explorer(explorer: Callable[..., Path], widget: Callable[..., Any]) -> None:
-    """Let :meth:`StabilityMap.explore` call ``explorer(result, path, **options)``.
-
-    :meth:`StabilityMap.widget` calls ``widget(result, **options)``. The modules of both import this
-    one.
-    """
-    StabilityMap._explorer = staticmethod(explorer)
-    StabilityMap._widget = staticmethod(widget)

@@ -10,7 +10,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..rotations import matrix_to_quaternion, quaternion_product, quaternion_to_matrix
+from ..rotations import matrix_to_quaternion, quaternion_to_matrix
+from ..rotations.quaternions import product_of_checked
 
 __all__ = [
     "attitudes_in_frame",
@@ -64,10 +65,10 @@ def turned_matrix(axes: Floats, matrices: Floats) -> Floats:
 def attitudes_in_principal_axes(axes: Floats, attitude: Floats) -> Floats:
     """Attitudes of the principal axes, of those of the axes of the drawing."""
     frame = matrix_to_quaternion(axes)
-    return quaternion_product(attitude, frame).astype(attitude.dtype, copy=False)
+    return product_of_checked(attitude, frame).astype(attitude.dtype, copy=False)
 
 
 def attitudes_in_frame(axes: Floats, attitude: Floats) -> Floats:
     """Attitudes of the axes of the drawing, of those of the principal axes."""
     back = matrix_to_quaternion(axes) * [1.0, -1.0, -1.0, -1.0]
-    return quaternion_product(attitude, back).astype(attitude.dtype, copy=False)
+    return product_of_checked(attitude, back).astype(attitude.dtype, copy=False)

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..solve.batch import Batch
 from ..solve.cost_model import ROUNDING
 from ..solve.methods import EXACT
 from ..solve.run import Run
 from ..solve.simulate import simulate
+from ..solve.starts import bodies_of
 from ..solve.status import ARRIVED
 from .spec import ReportSpec
 
@@ -102,8 +102,8 @@ def ensemble_of(spec: ReportSpec) -> Ensemble:
     factors = 1.0 + PERTURBATION * generator.standard_normal((spec.bodies, 3))
     factors[0] = 1.0
     omega = np.array(spec.omega) * factors
-    batch, _ = Batch.from_input(spec.scene, omega, spec.attitude)
-    return Ensemble(spec, omega, batch.fastest_rates((0.0, spec.t_end)))
+    bodies = bodies_of(spec.scene, omega, spec.attitude)
+    return Ensemble(spec, omega, bodies.fastest_rates((0.0, spec.t_end)))
 
 
 def attitude_angle(attitude: ArrayLike, reference: ArrayLike) -> Floats:

@@ -14,8 +14,8 @@ from .._checks.arguments import brief, finite_float, numbers, positive_int, vect
 from ..model.body import Body
 from ..model.scene import Scene, check_scene, scene_from_dict
 from ..model.seed import checked_seed
-from ..solve.batch import Batch
 from ..solve.methods import known_method, run_methods
+from ..solve.starts import bodies_of
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -112,13 +112,13 @@ def make_spec(
     """The checked specification of a report; the arguments are those of :func:`rigid.report`."""
     scene = check_scene(scene)
     w1, w2, w3 = vector("omega", omega, 3).tolist()
-    batch, shape = Batch.from_input(scene, [w1, w2, w3], attitude)
-    if shape:
+    first = bodies_of(scene, [w1, w2, w3], attitude)
+    if first.shape:
         raise ValueError(
-            f"attitude: expected shape (4,), got {len(batch.attitude)} attitudes; "
+            f"attitude: expected shape (4,), got {len(first.attitude)} attitudes; "
             "a report starts from one body"
         )
-    a, b, c, d = batch.attitude[0].tolist()
+    a, b, c, d = first.attitude[0].tolist()
     if positive_int("bodies", bodies) > MOST_BODIES:
         raise ValueError(f"bodies = {brief(bodies)}: must be at most {MOST_BODIES}")
     if not isinstance(unit, str) or not unit:

@@ -51,8 +51,13 @@ def quaternion_product(left: ArrayLike, right: ArrayLike) -> Floats:
     >>> rotations.quaternion_product(i, j)
     array([0., 0., 0., 1.])
     """
-    a0, a1, a2, a3 = np.moveaxis(shaped("left", left, 4), -1, 0)
-    b0, b1, b2, b3 = np.moveaxis(shaped("right", right, 4), -1, 0)
+    return product_of_checked(shaped("left", left, 4), shaped("right", right, 4))
+
+
+def product_of_checked(left: Floats, right: Floats) -> Floats:
+    """:func:`quaternion_product` of arrays, NaN where one is: the state of a body that failed."""
+    a0, a1, a2, a3 = np.moveaxis(left, -1, 0)
+    b0, b1, b2, b3 = np.moveaxis(right, -1, 0)
     return np.stack(
         [
             a0 * b0 - a1 * b1 - a2 * b2 - a3 * b3,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,10 +11,10 @@ from .._checks.arguments import brief, finite_float, positive_int, resolve_threa
 from .._checks.progress import ProgressOption
 from ..model.body import Body
 from ..model.scene import Scene, check_scene
-from ..solve.batch import Batch
 from ..solve.choose_method import choose_method
 from ..solve.methods import EXACT, known_method, series_methods
 from ..solve.problem import Problem
+from ..solve.starts import bodies_of
 from ..solve.status import Status
 from ..solve.surfaces import METHOD, TOLERANCE, Search, Surfaces
 from .crossings import Crossings
@@ -120,30 +120,30 @@ def poincare(
     tolerance = finite_float("tolerance", tolerance, positive=True)
     chosen = METHOD if method is None else one_of_series(method)
     threads = resolve_threads(threads)
-    batch, shape = Batch.from_input(scene, omega, attitude)
-    weight = np.broadcast_to(batch.weight, (len(batch), 3))
+    bodies = bodies_of(scene, omega, attitude)
+    weight = np.broadcast_to(bodies.weight, (len(bodies), 3))
     normals = surface.normals(scene, weight)
-    choice = choose_method(
+    plan = choose_method(
         Problem(
             scene=scene,
             record="attitude",
-            batch=batch,
+            bodies=bodies,
             end=end,
             method=chosen,
             step=None,
             states=0,
         )
-    )
+    )[2]
     search = Search(
-        batch=batch,
+        bodies=bodies,
         surfaces=Surfaces(
             kinds=((surface.is_height, surface.direction, True),),
             normal=normals[:, np.newaxis],
-            momentum=np.zeros((len(batch), 1, 3)),
-            value=np.full((len(batch), 1), surface.value),
-            rotor=np.zeros((len(batch), 3)),
+            momentum=np.zeros((len(bodies), 1, 3)),
+            value=np.full((len(bodies), 1), surface.value),
+            rotor=np.zeros((len(bodies), 3)),
         ),
-        ends=np.full(len(batch), end),
+        ends=np.full(len(bodies), end),
         count=most,
         method=chosen,
         closed=False,
@@ -153,8 +153,8 @@ def poincare(
     )
     found = search.points(progress)
     counts = found.pop("points").astype(np.intp)
-    body = np.repeat(np.arange(len(batch)), counts)
-    error, lost_from = np.full(len(body), np.nan), np.full(len(batch), np.nan)
+    body = np.repeat(np.arange(len(bodies)), counts)
+    error, lost_from = np.full(len(body), np.nan), np.full(len(bodies), np.nan)
     status = found["status"]
     if check:
         error, lost_from = search.errors(found, counts, body)
@@ -162,10 +162,7 @@ def poincare(
     else:
         status = np.where(status == Status.OK, Status.UNCHECKED, status)
     ended = found["status"] == Status.OK
-    grazing = np.bincount(body[found["grazing"]], minlength=len(batch)) > 0
-
-    def of_body(values: NDArray[Any]) -> Any:
-        return values.reshape(shape) if shape else values[0]
+    grazing = np.bincount(body[found["grazing"]], minlength=len(bodies)) > 0
 
     return Crossings(
         **{name: found[name] for name in ("omega", "gamma", "attitude", "t", "slope")},
@@ -173,15 +170,15 @@ def poincare(
         grazing=found["grazing"],
         body=body,
         error=error,
-        complete=of_body(ended & ~grazing & (found["stays"] == 0)),
-        end=of_body(found["end"]),
-        lost_from=of_body(lost_from),
-        energy_drift=of_body(found["energy_drift"]),
-        status=of_body(status.astype(np.uint8)),
-        stays=of_body(found["stays"] > 0),
-        steps=of_body(found["steps"]),
+        complete=bodies.in_axes(ended & ~grazing & (found["stays"] == 0)),
+        end=bodies.in_axes(found["end"]),
+        lost_from=bodies.in_axes(lost_from),
+        energy_drift=bodies.in_axes(found["energy_drift"]),
+        status=bodies.in_axes(status.astype(np.uint8)),
+        stays=bodies.in_axes(found["stays"] > 0),
+        steps=bodies.in_axes(found["steps"]),
         section=surface,
-        plan=choice.plan(),
+        plan=plan(),
         spec={
             "scene": scene.to_dict(),
             "method": chosen,

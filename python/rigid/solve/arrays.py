@@ -13,6 +13,7 @@ __all__ = [
     "intervals",
     "largest",
     "lengths",
+    "rows_of_each",
     "spread_indices",
     "time_range",
     "time_ranges",
@@ -81,5 +82,14 @@ def in_rows(array: Floats, shape: tuple[int, ...]) -> Floats:
     """The rows (n, N) of bodies of this shape; one row if it is that of all."""
     if array.ndim == 1:
         return array[np.newaxis]
+    return rows_of_each(array, shape)
+
+
+def rows_of_each(array: Floats, shape: tuple[int, ...]) -> Floats:
+    """The rows (n, N) of bodies of this shape, a row of each."""
+    if array.ndim == 1 and not shape:
+        return array[np.newaxis]
     width = array.shape[-1]
-    return np.ascontiguousarray(np.broadcast_to(array, (*shape, width))).reshape(-1, width)
+    if array.shape[:-1] != shape:
+        array = np.broadcast_to(array, (*shape, width))
+    return np.ascontiguousarray(array).reshape(-1, width)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,8 +12,6 @@ from numpy.typing import ArrayLike, NDArray
 from .._checks.arguments import finite_float, one_of, positive_int
 from ..model.body import Body
 from ..model.scene import Scene, check_scene
-from .batch import Batch
-from .choice import UNKNOWN, Choice, damping_rate, stepped_record
 from .closed_form import (
     FORCED_RULE,
     NO_FORM,
@@ -29,8 +28,10 @@ from .closed_form import (
 from .cost_model import cheapest, check_attainable, schemes, some_of, steps_for
 from .foresight import why_unforeseen
 from .methods import EXACT, FALLBACK, STIFF, driven_methods, plain_methods, series_methods
-from .plan import Plan
+from .plan import LazyPlan, Plan
+from .planned import UNKNOWN, damping_rate, plan_of, stepped_record
 from .problem import Problem
+from .starts import bodies_of
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -69,30 +70,33 @@ def plan_states(
     scene = check_scene(scene, many=True)
     if omega is None and attitude is not None:
         raise ValueError("attitude: says nothing without omega; give both")
-    batch = None if omega is None else Batch.from_input(scene, omega, attitude)[0]
+    known = None if omega is None else bodies_of(scene, omega, attitude)
     span = None if t_end is None else finite_float("t_end", t_end, positive=True)
     problem = Problem(
         scene=scene,
         record=one_of("question", record, RECORDS),
-        batch=batch,
+        bodies=known,
         end=span,
         accuracy=accuracy,
         method=method,
         step=step,
         states=1 if times is None else positive_int("times", times),
-        bodies=None if bodies is None else positive_int("bodies", bodies),
+        number=None if bodies is None else positive_int("bodies", bodies),
     )
-    chosen = choose_method(problem).plan()
-    if batch is not None and chosen.method == EXACT and chosen.error is not None:
-        unforeseen = why_unforeseen(batch, problem.times, by_steps=False)
+    chosen = choose_method(problem)[2]()
+    if known is not None and chosen.method == EXACT and chosen.error is not None:
+        unforeseen = why_unforeseen(known, problem.times, by_steps=False)
         if unforeseen is not None:
             why = (*chosen.why, UNKNOWN.format(unforeseen))
             chosen = replace(chosen, error=None, why=why)
     return chosen
 
 
-def choose_method(problem: Problem) -> Choice:
-    """The method for the bodies of a problem, and the longest step of each."""
+def choose_method(problem: Problem) -> tuple[str, Floats | None, LazyPlan]:
+    """The method for the bodies of a problem, the longest step of each, and the plan.
+
+    There are no steps in closed form, nor where they are left to the core.
+    """
     scene = problem.scene
     _check_rates_are_known(problem)
     asked = problem.method
@@ -109,16 +113,10 @@ def choose_method(problem: Problem) -> Choice:
         method, steps = _accurate(problem, accuracy, method, why)
     elif accuracy is not None:
         method = _usually_cheapest(problem, method, why)
-    elif problem.step is not None and method != EXACT and problem.batch is not None:
-        steps = np.full(len(problem.batch), problem.step)
-    return Choice(
-        problem=problem,
-        method=method,
-        steps=steps,
-        forms=forms,
-        accuracy=accuracy,
-        why=tuple(why),
-    )
+    elif problem.step is not None and method != EXACT and problem.bodies is not None:
+        steps = np.full(len(problem.bodies), problem.step)
+    plan = partial(plan_of, problem, method, steps, forms, accuracy, tuple(why))
+    return method, steps, LazyPlan(plan)
 
 
 def _check_rates_are_known(problem: Problem) -> None:
@@ -127,7 +125,7 @@ def _check_rates_are_known(problem: Problem) -> None:
     function = None if torque is None else torque.function
     if function is None or function.fastest is not None or problem.step is not None:
         return
-    if problem.batch is not None:
+    if problem.bodies is not None:
         raise ValueError(
             "step: is needed, because nothing bounds the rates under the torque of a function; or "
             "give Torque.call their bound, fastest"
@@ -160,14 +158,14 @@ def _known_closed_forms(problem: Problem) -> Codes:
     moments, weight = problem.inertia()
     forms = closed_forms(record, moments, weight)
     if scene.is_driven:
-        forcing = scene.forcing if problem.batch is None else problem.batch.forcing
+        forcing = scene.forcing if problem.bodies is None else problem.bodies.forcing
         assert forcing is not None
         evenly = are_slowed_evenly(scene, forcing, moments)
         forms = np.where(evenly, forms, np.uint8(NO_FORM))
-    elif problem.batch is not None and not forms.all():
+    elif problem.bodies is not None and not forms.all():
         wanted = method == EXACT or (method is None and problem.step is None)
         # Whether a top swings as a pendulum depends on the start.
-        forms = problem.batch.closed_forms() if wanted else forms
+        forms = problem.bodies.closed_forms() if wanted else forms
     if method == EXACT and not forms.all():
         body = int(np.flatnonzero(forms == NO_FORM)[0])
         which = f"body {body} of the" if forms.size > 1 else "the"
@@ -260,7 +258,7 @@ def _accurate(
             f"accuracy = {accuracy:g}: the step follows from the rates and the horizon; "
             f"{'omega' if turning is None else 't_end'} is missing"
         )
-    assert problem.batch is not None  # the rates are known
+    assert problem.bodies is not None  # the rates are known
     classes = problem.classes()
     # Of bodies of several classes the most decide about the scheme, each class about its steps.
     kinds, counts = np.unique(classes, return_counts=True)
@@ -268,7 +266,7 @@ def _accurate(
     if problem.method is None:
         if problem.scene.is_driven:
             angles = {
-                name: _largest_angle(problem.batch.fastest_rates(problem.times, name), span)
+                name: _largest_angle(problem.bodies.fastest_rates(problem.times, name), span)
                 for name in _applicable(problem.scene)
             }
         else:
@@ -277,7 +275,7 @@ def _accurate(
         method = cheapest(accuracy, kind, record, angles)
         why.append(f"{method} is the cheapest scheme for an error of {accuracy:g}")
     why.append(f"the step follows from the error of {accuracy:g} at the end")
-    rates = problem.batch.fastest_rates(problem.times, method)
+    rates = problem.bodies.fastest_rates(problem.times, method)
     steps = np.empty_like(rates)
     for own in kinds.tolist():
         mine = slice(None) if len(classes) == 1 else np.flatnonzero(classes == own)

@@ -12,9 +12,9 @@ from numpy.typing import ArrayLike, NDArray
 from .._checks.arguments import numbers, positive_int, times_of_each
 from ..model.body import Body
 from ..model.scene import Scene, check_scene
-from .batch import Batch
 from .run import Run
 from .simulate import simulate
+from .starts import bodies_of
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -71,11 +71,11 @@ def simulate_chunks(
     scene = check_scene(scene, many=True)
     size = positive_int("chunk", chunk)
     times = times_of_each("t", t)
-    shape = Batch.from_input(scene, omega, attitude, times.shape[:-1])[1] or (1,)
+    bodies = bodies_of(scene, omega, attitude, times=times.shape[:-1])
+    shape = bodies.shape or (1,)
     if len(shape) > 1:
         raise ValueError(f"omega: expected one axis of bodies, got bodies of shape {shape}")
-    count = shape[0]
-    rates = np.broadcast_to(numbers("omega", omega), (count, 3))
+    count, rates = shape[0], bodies.omega
     if attitude is None:
         attitude = [1.0, 0.0, 0.0, 0.0]
     elif hasattr(attitude, "as_quat"):

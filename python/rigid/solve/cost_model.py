@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ..model.criteria import Criterion
 from ..model.scene import Scene
 from .arrays import time_ranges, time_span
-from .batch import Batch
+from .bodies import Bodies
 from .closed_form import Codes, lagrange_axes, names
 from .methods import is_processed, is_stiff, order_of
 from .work import LANES, MANY, Work
@@ -252,16 +252,16 @@ def closed_form_estimate(
 
 @np.errstate(all="ignore")
 def phase_error(
-    batch: Batch, method: str, times: Floats, taken: Floats, tolerance: float | None
+    bodies: Bodies, method: str, times: Floats, taken: Floats, tolerance: float | None
 ) -> Floats:
     """The error (rad) of some bodies after so many steps, from the model; shape (n,)."""
-    angles = batch.fastest_rates(time_ranges(times), method) * time_span(times)
+    angles = bodies.fastest_rates(time_ranges(times), method) * time_span(times)
     if tolerance is not None:
         return tolerance * angles
-    weighs = np.where(batch.weight.any(axis=1), "top", "free")
-    kinds = np.where(lagrange_axes(batch.moments, batch.weight), "lagrange", weighs)
-    if batch.forcing is not None:
-        kinds = np.where(batch.driven(), "driven", kinds)
+    weighs = np.where(bodies.weight.any(axis=1), "top", "free")
+    kinds = np.where(lagrange_axes(bodies.moments, bodies.weight), "lagrange", weighs)
+    if bodies.forcing is not None:
+        kinds = np.where(bodies.driven(), "driven", kinds)
     known, which = np.unique(kinds, return_inverse=True)
     factors = np.array([schemes()[method, kind].factor for kind in known.tolist()])
     error: Floats = angles * factors[which] * (angles / taken) ** order_of(method)

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .arrays import Range, intervals, largest, lengths, time_range, time_ranges, time_span
-from .batch import Batch
+from .bodies import Bodies
 from .cost_model import ROUNDING, phase_error
 from .request import Request, select_states
 from .rounding import REST, common_rounding, rounding_of_damping
@@ -84,7 +84,7 @@ def unknown_error(count: int) -> ErrorEstimate:
     return ErrorEstimate(np.full(count, np.nan), np.full(count, np.nan))
 
 
-def closed_form_error(batch: Batch, times: Floats, omega: Floats) -> ErrorEstimate:
+def closed_form_error(bodies: Bodies, times: Floats, omega: Floats) -> ErrorEstimate:
     """The error of a closed form: 1e-15 for each radian turned, or what a saddle makes of 1e-15.
 
     A top beside the separatrix of its nutation magnifies rounding by ``exp(exponent t)``, at each
@@ -93,8 +93,8 @@ def closed_form_error(batch: Batch, times: Floats, omega: Floats) -> ErrorEstima
     small rates ``omega``, of shape (n, m, 3), it is a larger share.
     """
     reached = time_ranges(times)
-    rates = batch.fastest_rates(reached)
-    top = batch.forcing is None and np.count_nonzero(batch.weight)
+    rates = bodies.fastest_rates(reached)
+    top = bodies.forcing is None and np.count_nonzero(bodies.weight)
     span = reached[1] - reached[0]
     if not top and isinstance(span, float) and (fastest := largest(rates)) * span < 0.5 / ROUNDING:
         # No error reaches one. One number is multiplied faster outside of an array.
@@ -103,21 +103,23 @@ def closed_form_error(batch: Batch, times: Floats, omega: Floats) -> ErrorEstima
         error = ROUNDING * (1.0 + rates * span)
         return ErrorEstimate(error, error + np.inf)
     with np.errstate(all="ignore"):
-        return _closed_form_error(batch, rates, reached, omega)
+        return _closed_form_error(bodies, rates, reached, omega)
 
 
-def _closed_form_error(batch: Batch, rates: Floats, reached: Range, omega: Floats) -> ErrorEstimate:
+def _closed_form_error(
+    bodies: Bodies, rates: Floats, reached: Range, omega: Floats
+) -> ErrorEstimate:
     """The error of a closed form between two times, whatever it is."""
     first, last = reached
     error = ROUNDING * (1.0 + rates * (last - first))
     since = 1.0 / (ROUNDING * rates)
-    if batch.forcing is None and batch.weight.any():
-        scale = _fastest_or_swing(batch, rates)
-        rows = omega.reshape(len(batch), omega.shape[-2], 3)
+    if bodies.forcing is None and bodies.weight.any():
+        scale = _fastest_or_swing(bodies, rates)
+        rows = omega.reshape(len(bodies), omega.shape[-2], 3)
         fastest = lengths(rows).max(axis=1, initial=0.0)
-        moves = (fastest > REST * scale) & batch.weight.any(axis=1)
+        moves = (fastest > REST * scale) & bodies.weight.any(axis=1)
         share = np.where(moves, scale / fastest, 1.0)
-        distance, exponent = separatrices(batch)
+        distance, exponent = separatrices(bodies)
         saddle = exponent * np.maximum(-first, last)
         factor = np.fmin(np.exp(saddle), (1.0 + saddle) / distance)
         factor *= np.where(moves, np.fmax(exponent / fastest, 1.0), 1.0)
@@ -141,10 +143,10 @@ def estimate_error(
 
     The states were made with these longest steps (s) and this :meth:`refinement <Request.states>`.
     """
-    batch, times, method = request.batch, request.times, request.method
+    bodies, times, method = request.bodies, request.times, request.method
     ended = states["status"] != Status.STEP_LIMIT
     if not ended.all():
-        estimate = unknown_error(len(batch))
+        estimate = unknown_error(len(bodies))
         some = np.flatnonzero(ended)
         if len(some):
             longest = None if steps is None else steps[some]
@@ -153,24 +155,24 @@ def estimate_error(
         return estimate
     span = time_span(times)
     if not np.any(span) or not times.shape[-1]:
-        return ErrorEstimate(np.zeros(len(batch)), np.full(len(batch), np.inf))
+        return ErrorEstimate(np.zeros(len(bodies)), np.full(len(bodies), np.inf))
     taken = states["steps"].astype(np.float64)
-    rates = batch.fastest_rates(time_ranges(times))
-    scale = _fastest_or_swing(batch, rates)
+    rates = bodies.fastest_rates(time_ranges(times))
+    scale = _fastest_or_swing(bodies, rates)
     fastest = lengths(states["omega"]).max(axis=1)
     floor = common_rounding(request, states, rates, scale, span)
     again = second_run(request, steps, refinement, taken, halvings)
-    error = _stated_distances(batch, states, again, rates, times)
+    error = _stated_distances(bodies, states, again, rates, times)
     sizes = RateSizes(fastest, REST * scale, scale)
     error += (
         floor[:, None]
-        + departure(batch, times, sizes)
-        + homoclinic(batch, times, sizes, states["energy_drift"])
+        + departure(bodies, times, sizes)
+        + homoclinic(bodies, times, sizes, states["energy_drift"])
     )
-    if batch.forcing is not None:
-        error += rounding_of_damping(batch, states["omega"], times)
+    if bodies.forcing is not None:
+        error += rounding_of_damping(bodies, states["omega"], times)
         if method == RINGING:
-            error += _ringing(batch, states, times)
+            error += _ringing(bodies, states, times)
     # What is not a number is not known.
     error = np.where(np.isfinite(error), error, np.inf)
     if is_damped_stiffly(request) and request.tolerance is None:
@@ -184,10 +186,14 @@ def estimate_error(
 
 
 def _stated_distances(
-    batch: Batch, states: Mapping[str, Any], again: Mapping[str, Any], rates: Floats, times: Floats
+    bodies: Bodies,
+    states: Mapping[str, Any],
+    again: Mapping[str, Any],
+    rates: Floats,
+    times: Floats,
 ) -> Floats:
     """What the distance of the states of two runs is stated as, their work included, (n, m)."""
-    scale = _fastest_or_swing(batch, rates)
+    scale = _fastest_or_swing(bodies, rates)
     rest = REST * scale
     apart = SAFETY * distances(states, again, rest, scale)
     # Relative to the rates of the runs: relative to the true ones it may be as much larger.
@@ -201,7 +207,7 @@ def _stated_distances(
     if states["work"] is None:
         return apart
     # The fastest rate is reached about the axis of the least moment.
-    energy = 0.5 * batch.moments.min(axis=1) * rates**2
+    energy = 0.5 * bodies.moments.min(axis=1) * rates**2
     work = np.abs(states["work"] - again["work"]) / np.where(energy > 0.0, energy, 1.0)[:, None]
     largest: Floats = np.maximum(apart, SAFETY * work)
     return largest
@@ -226,26 +232,26 @@ def _before_the_loss(
             return error
 
 
-def _fastest_or_swing(batch: Batch, rates: Floats) -> Floats:
+def _fastest_or_swing(bodies: Bodies, rates: Floats) -> Floats:
     """The larger of the fastest rate that a body can reach and of the rate of its swing."""
-    swing = np.sqrt(lengths(batch.weight) / batch.moments.min(axis=1))
+    swing = np.sqrt(lengths(bodies.weight) / bodies.moments.min(axis=1))
     larger: Floats = np.maximum(rates, swing)
     return larger
 
 
-def _ringing(batch: Batch, states: Mapping[str, Any], times: Floats) -> Floats:
+def _ringing(bodies: Bodies, states: Mapping[str, Any], times: Floats) -> Floats:
     """What is left of the rates of the start where damping should have ended them, shape (n, m).
 
     After an even number of steps it has its first sign again: two runs may agree in it.
     """
-    assert batch.forcing is not None
-    rate = batch.forcing.damping_rates(batch.moments)[:, np.newaxis]
+    assert bodies.forcing is not None
+    rate = bodies.forcing.damping_rates(bodies.moments)[:, np.newaxis]
     span, steps = np.reshape(time_span(times), (-1, 1)), states["steps"][:, None]
     taken = steps * np.maximum(times, 0.0) / span
     damped = 0.5 * rate * span / steps
     left = np.where(damped > 1.0, ((damped - 1.0) / (damped + 1.0)) ** taken, 0.0)
     size = lengths(states["omega"]).max(axis=1)
-    start = lengths(batch.omega)
+    start = lengths(bodies.omega)
     ratio: Floats = np.where(size > 0.0, start / size, 0.0)
     # At the start itself nothing should have ended.
     rings: Floats = np.where(times > 0.0, left * ratio[:, None], 0.0)
@@ -259,7 +265,7 @@ def _count_turns(request: Request, taken: Floats, estimate: ErrorEstimate) -> No
     estimate, a pair of further runs is compared.
     """
     gaps = intervals(request.times)
-    phase = phase_error(request.batch, request.method, request.times, taken, request.tolerance)
+    phase = phase_error(request.bodies, request.method, request.times, taken, request.tolerance)
     parting = phase * gaps.max(axis=-1) / gaps.sum(axis=-1)
     some = np.flatnonzero((parting > PART_OF_A_TURN) & (estimate.error < 1.0))
     if not len(some):
@@ -274,9 +280,9 @@ def _count_turns(request: Request, taken: Floats, estimate: ErrorEstimate) -> No
     between = np.linspace(*time_range(request.times), most + 2)[1:-1]
     dense = replace(request.select(some), times=np.union1d(request.times, between))
     steps = gaps.sum() / taken[some]
-    rates = dense.batch.fastest_rates(time_range(dense.times))
+    rates = dense.bodies.fastest_rates(time_range(dense.times))
     both = dense.states(steps), second_run(dense, steps, 1.0, taken[some])
-    apart = _stated_distances(dense.batch, *both, rates, dense.times)
+    apart = _stated_distances(dense.bodies, *both, rates, dense.times)
     error = np.where(np.isfinite(apart), apart, np.inf)
     largest = error.max(axis=1)
     larger = largest > estimate.error[some]

@@ -12,10 +12,9 @@ from numpy.typing import NDArray
 from .._checks.arguments import brief
 from ..model.events import Event
 from ..model.frame import turned
-from ..model.leading import Shape
 from ..model.scene import Scene
 from .arrays import in_rows
-from .batch import Batch
+from .bodies import Bodies
 from .methods import EXACT, series_methods
 from .status import Status
 from .surfaces import METHOD, TOLERANCE, Search, Surfaces
@@ -197,8 +196,7 @@ def check_event_method(method: str | None, scene: Scene) -> None:
 
 def find_events(
     scene: Scene,
-    batch: Batch,
-    shape: Shape,
+    bodies: Bodies,
     ends: Floats,
     events: tuple[Event, ...],
     counted: tuple[bool, ...],
@@ -218,14 +216,14 @@ def find_events(
     A closed form gives the state at the begin of each step of a Taylor series; without one, or
     under damping, the series goes on from step to step.
     """
-    n = len(batch)
+    n = len(bodies)
     search = Search(
-        batch=batch,
-        surfaces=_surfaces(scene, batch, shape, events, counted, frame),
+        bodies=bodies,
+        surfaces=_surfaces(scene, bodies, events, counted, frame),
         ends=np.broadcast_to(ends, (n,)).astype(np.float64),
         count=count,
         method=METHOD if method == EXACT else method,
-        closed=method == EXACT and batch.forcing is None,
+        closed=method == EXACT and bodies.forcing is None,
         tolerance=TOLERANCE if tolerance is None else tolerance,
         max_steps=max_steps,
         threads=threads,
@@ -250,8 +248,8 @@ def find_events(
             **rows,
             error=error[mine],
             body=body[mine],
-            complete=complete.reshape(shape) if shape else complete[0],
-            lost_from=lost_from.reshape(shape) if shape else lost_from[0],
+            complete=bodies.in_axes(complete),
+            lost_from=bodies.in_axes(lost_from),
         )
         records.append(record)
     return FoundEvents(tuple(records), found["end"], found["stopped"])
@@ -259,21 +257,20 @@ def find_events(
 
 def _surfaces(
     scene: Scene,
-    batch: Batch,
-    shape: Shape,
+    bodies: Bodies,
     events: tuple[Event, ...],
     counted: tuple[bool, ...],
     frame: Floats | None,
 ) -> Surfaces:
     """The surfaces of the events, of each body."""
-    n = len(batch)
+    n = len(bodies)
     normals = np.array([[event.omega, event.gamma] for event in events])
     if frame is not None:
         normals = turned(frame.T, normals)
     kinds = zip(events, counted, strict=True)
     # Moments are counted in this unit.
-    exponents = batch.scale_exponent[:, np.newaxis]
-    rotor = in_rows(np.zeros(3) if scene.rotor is None else np.asarray(scene.rotor), shape)
+    exponents = bodies.scale_exponent[:, np.newaxis]
+    rotor = in_rows(np.zeros(3) if scene.rotor is None else np.asarray(scene.rotor), bodies.shape)
     momentum = _of_each([event.momentum for event in events], n, 3)
     return Surfaces(
         kinds=tuple((event.turns, event.direction, counts) for event, counts in kinds),

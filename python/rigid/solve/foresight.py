@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from .. import _core
 from .arrays import Range, lengths, spread_indices
-from .batch import Batch
+from .bodies import Bodies
 from .cost_model import Motions
 from .rounding import planned_rounding
 from .saddle import separatrices, verticals
@@ -40,7 +40,7 @@ CHAOS = 200.0
 
 @np.errstate(all="ignore")
 def motions_of(
-    batch: Batch,
+    bodies: Bodies,
     method: str,
     times: Range,
     span: float | Floats | None,
@@ -52,7 +52,7 @@ def motions_of(
 
     Parameters
     ----------
-    batch : Batch
+    bodies : Bodies
     method : str
     times : tuple of float, or of ndarray of shape (n,)
         First and last time (s).
@@ -62,39 +62,39 @@ def motions_of(
     states : int
         Number of requested states of a body.
     """
-    rates, bounds = (batch.fastest_rates(times, name) for name in (method, None))
+    rates, bounds = (bodies.fastest_rates(times, name) for name in (method, None))
     damping: float | Floats = 0.0
-    if batch.forcing is not None:
-        damping = np.broadcast_to(batch.forcing.damping_rates(batch.moments), len(batch))
-    gains = batch.weight.any(axis=1) | batch.driven()
+    if bodies.forcing is not None:
+        damping = np.broadcast_to(bodies.forcing.damping_rates(bodies.moments), len(bodies))
+    gains = bodies.weight.any(axis=1) | bodies.driven()
     motions = Motions(
         rates=rates,
         steps=steps,
         span=span,
         states=states,
         damping=damping,
-        nearness=_nearness_of_poles(batch, rates),
-        slowness=np.where(gains, np.fmax(bounds / lengths(batch.omega), 1.0), 1.0),
+        nearness=_nearness_of_poles(bodies, rates),
+        slowness=np.where(gains, np.fmax(bounds / lengths(bodies.omega), 1.0), 1.0),
     )
     if span is None:
         return motions
-    return replace(motions, rounding=planned_rounding(batch, method, bounds, motions.taken, span))
+    return replace(motions, rounding=planned_rounding(bodies, method, bounds, motions.taken, span))
 
 
 @np.errstate(all="ignore")
-def why_unforeseen(batch: Batch, times: Range, *, by_steps: bool) -> str | None:
+def why_unforeseen(bodies: Bodies, times: Range, *, by_steps: bool) -> str | None:
     """Why the error of the bodies is not foreseen, None if it is.
 
     Of bodies under torque or damping only a stop by drag is looked for.
     """
-    if batch.may_stop:
+    if bodies.may_stop:
         return "drag may stop a body, and the speed has a corner there"
-    looked_at = np.flatnonzero(~batch.driven())
+    looked_at = np.flatnonzero(~bodies.driven())
     looked_at = looked_at[spread_indices(len(looked_at), SAMPLE)]
     if not len(looked_at):
         return None
-    some = batch if len(looked_at) == len(batch) else batch.select(looked_at)
-    first, last = (np.broadcast_to(time, len(batch))[looked_at] for time in times)
+    some = bodies if len(looked_at) == len(bodies) else bodies.select(looked_at)
+    first, last = (np.broadcast_to(time, len(bodies))[looked_at] for time in times)
     weighs = np.broadcast_to(some.weight.any(axis=1), len(some))
     if weighs.any():
         rates = some.fastest_rates(times)
@@ -118,35 +118,35 @@ def why_unforeseen(batch: Batch, times: Range, *, by_steps: bool) -> str | None:
     return None
 
 
-def _distances_in_energy(batch: Batch) -> tuple[Floats, Floats]:
+def _distances_in_energy(bodies: Bodies) -> tuple[Floats, Floats]:
     """The fastest rate by the energy above hanging, and the distance from rest upright; (n,) each.
 
     The distance is that of the energies, relative to ``mgl``. NaN for a body without weight.
     """
-    size = lengths(batch.weight)
-    up = batch.weight / size[:, None]
-    kinetic = 0.5 * np.sum(batch.moments * batch.omega**2, axis=1)
-    vertical = verticals(batch)
+    size = lengths(bodies.weight)
+    up = bodies.weight / size[:, None]
+    kinetic = 0.5 * np.sum(bodies.moments * bodies.omega**2, axis=1)
+    vertical = verticals(bodies)
     # Differences of unit vectors: small angles lose no digits.
     raised, fallen = (0.5 * np.sum((vertical + sign * up) ** 2, axis=1) for sign in (1.0, -1.0))
-    fastest = np.sqrt(2.0 * (kinetic + size * raised) / batch.moments.min(axis=1))
+    fastest = np.sqrt(2.0 * (kinetic + size * raised) / bodies.moments.min(axis=1))
     return fastest, np.abs(kinetic / size - fallen)
 
 
-def _ascending(batch: Batch) -> tuple[Floats, Floats]:
+def _ascending(bodies: Bodies) -> tuple[Floats, Floats]:
     """Moments and rates of each body, axes in ascending moments; (n, 3) each."""
-    moments = np.broadcast_to(batch.moments, batch.omega.shape)
+    moments = np.broadcast_to(bodies.moments, bodies.omega.shape)
     order = np.argsort(moments, axis=1)
-    ascending, rates = (np.take_along_axis(a, order, axis=1) for a in (moments, batch.omega))
+    ascending, rates = (np.take_along_axis(a, order, axis=1) for a in (moments, bodies.omega))
     return ascending, rates
 
 
-def _distance_from_separatrix(batch: Batch) -> Floats:
+def _distance_from_separatrix(bodies: Bodies) -> Floats:
     """Distance of free bodies from their separatrix, of that of the axis there; (n,).
 
     It is 1 if two moments are equal.
     """
-    ascending, rates = _ascending(batch)
+    ascending, rates = _ascending(bodies)
     first, third = circulation_terms(ascending, rates)
     i1, i2, i3 = ascending.T
     momentum2 = np.sum((ascending * rates) ** 2, axis=1)
@@ -155,7 +155,7 @@ def _distance_from_separatrix(batch: Batch) -> Floats:
     return distance
 
 
-def _nearness_of_poles(batch: Batch, rates: Floats) -> Floats:
+def _nearness_of_poles(bodies: Bodies, rates: Floats) -> Floats:
     """How many times shorter steps must be than those of the models for the same error; shape (n,).
 
     The rates of a free body are elliptic functions of time, and ``K(1 - m)/s`` beside the real
@@ -163,6 +163,6 @@ def _nearness_of_poles(batch: Batch, rates: Floats) -> Floats:
     converge. A flat or slender body has them near. It is 1 for other bodies than free ones.
     """
     nearness = _core.nearness_of_poles(
-        moments=batch.moments, weight=batch.weight, omega=batch.omega, rates=rates, pole=POLE
+        moments=bodies.moments, weight=bodies.weight, omega=bodies.omega, rates=rates, pole=POLE
     )
-    return nearness if batch.forcing is None else np.where(batch.driven(), 1.0, nearness)
+    return nearness if bodies.forcing is None else np.where(bodies.driven(), 1.0, nearness)

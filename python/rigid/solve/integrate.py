@@ -1,4 +1,4 @@
-"""States by steps, with their estimated errors, and with shorter steps until they are accurate."""
+"""States with their estimated errors, and by shorter steps until they are accurate."""
 
 from __future__ import annotations
 
@@ -9,17 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .arrays import intervals, spread_indices, time_ranges
-from .error_estimate import (
-    ErrorEstimate,
-    estimate_error,
-    unknown_error,
-)
-from .methods import order_of
+from .error_estimate import ErrorEstimate, closed_form_error, estimate_error, unknown_error
+from .methods import EXACT, order_of
 from .request import Request, select_states
 from .second_run import is_damped_stiffly
 from .separatrix import separatrix_error
+from .target import PLAIN, Target
 
-__all__ = ["integrate"]
+__all__ = ["compute_states", "integrate"]
 
 Floats = NDArray[np.float64]
 
@@ -48,6 +45,33 @@ DIVISION = 8.0
 """Under strong damping each attempt divides all steps by this."""
 
 
+def compute_states(
+    request: Request,
+    steps: Floats | None,
+    accuracy: float | None,
+    *,
+    check: bool,
+    every: bool = False,
+    target: Target = PLAIN,
+) -> tuple[dict[str, Any], ErrorEstimate]:
+    """The states in closed form or by steps, their work (J), and their estimated errors.
+
+    The arguments are those of :func:`integrate`; ``target`` says where the states go.
+    """
+    bodies = request.bodies
+    if request.method == EXACT:
+        states = request.states(None, out=target.given, single=target.single)
+        bodies.note_rates(states["fastest_rate"])
+        estimate = closed_form_error(bodies, request.times, states["omega"])
+    else:
+        states, estimate = integrate(
+            request, steps, accuracy, check=check, every=every, out=target.exact
+        )
+    if states["work"] is not None:
+        np.ldexp(states["work"], bodies.scale_exponent[:, np.newaxis], out=states["work"])
+    return states, estimate
+
+
 def integrate(
     request: Request,
     steps: Floats | None,
@@ -73,18 +97,18 @@ def integrate(
     out : mapping, optional
         Arrays for columns, in double precision.
     """
-    driven = request.batch.driven()
+    driven = request.bodies.driven()
     if driven.any() and not driven.all():
         return _in_parts(request, steps, accuracy, driven, check=check, every=every)
     states = request.states(steps, out=out)
     if accuracy is not None and steps is not None:
         estimate = _refine(request, states, steps, accuracy)
     elif check or accuracy is not None:
-        most = len(request.batch) if every else SAMPLE
+        most = len(request.bodies) if every else SAMPLE
         estimate = _sampled_estimate(request, states, steps, most)
     else:
-        estimate = unknown_error(len(request.batch))
-    near = separatrix_error(request.batch, states, time_ranges(request.times))
+        estimate = unknown_error(len(request.bodies))
+    near = separatrix_error(request.bodies, states, time_ranges(request.times))
     if near is None:
         return states, estimate
     delay, lost = near
@@ -127,7 +151,7 @@ def _sampled_estimate(
     request: Request, states: dict[str, Any], steps: Floats | None, most: int
 ) -> ErrorEstimate:
     """The errors of all bodies, of a large call those of a sample unless one of them is lost."""
-    count = len(request.batch)
+    count = len(request.bodies)
     if count <= most:
         return estimate_error(request, states, steps)
     sample = spread_indices(count, most)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,7 +14,7 @@ from ..model.body import Body
 from ..model.criteria import NORMS, Regular, check_norm
 from ..model.scene import Scene, check_scene
 from .arrays import time_span
-from .batch import Batch
+from .bodies import Bodies
 from .choose_method import choose_method
 from .closed_form import NO_FORM, closed_forms
 from .growth import Growth
@@ -24,6 +23,7 @@ from .methods import EXACT, SECOND
 from .problem import Problem
 from .request import Request
 from .saddle import verticals
+from .starts import bodies_of
 from .status import Status
 from .tangent import check_tangent, rate_scale
 
@@ -164,11 +164,10 @@ def lyapunov(
     if method == EXACT:
         raise ValueError("method = 'exact': displacements are integrated; name a scheme")
     check_tangent(method, driven=scene.is_driven)
-    batch, shape = Batch.from_input(scene, omega, attitude)
+    bodies = bodies_of(scene, omega, attitude)
     return growth_of(
         scene,
-        batch,
-        shape,
+        bodies,
         times,
         of=of,
         count=count,
@@ -183,8 +182,7 @@ def lyapunov(
 
 def growth_of(
     scene: Scene,
-    batch: Batch,
-    shape: tuple[int, ...],
+    bodies: Bodies,
     times: Floats,
     *,
     of: str,
@@ -196,13 +194,13 @@ def growth_of(
     start: ArrayLike | None = None,
     check: bool = True,
 ) -> Growth:
-    """The growth of displacements of checked bodies, whose axes are ``shape``."""
+    """The growth of displacements of checked bodies."""
     chosen = method
-    choice = choose_method(
+    _, steps, plan = choose_method(
         Problem(
             scene=scene,
             record="axis",
-            batch=batch,
+            bodies=bodies,
             end=time_span(times),
             method=chosen,
             step=step,
@@ -210,15 +208,15 @@ def growth_of(
         )
     )
     every = np.union1d(times, times[-1] * np.array(CHECKPOINTS))
-    run = _Run(batch, every, of, max_steps, threads)
-    vectors = _displacements(batch, start, count, of)
-    found = run.growth(chosen, choice.steps, vectors)
+    run = _Run(bodies, every, of, max_steps, threads)
+    vectors = _displacements(bodies, start, count, of)
+    found = run.growth(chosen, steps, vectors)
     wanted = np.searchsorted(every, times)
     marks = np.searchsorted(every, times[-1] * np.array(CHECKPOINTS))
     log, largest, mean, mean_megno = np.moveaxis(found["logs"], -1, 0)
-    error = np.full(len(batch), np.nan)
+    error = np.full(len(bodies), np.nan)
     second = None
-    lost_from = np.full(len(batch), np.nan)
+    lost_from = np.full(len(bodies), np.nan)
     status = found["status"]
     if check:
         again = run.again(ANOTHER if chosen == SECOND else SECOND, vectors[:, 0])
@@ -226,38 +224,35 @@ def growth_of(
         rounding = ROUNDING * np.maximum(1.0, np.abs(log[:, wanted]))
         error = (3.0 * apart + rounding).max(axis=1)
         second = np.ascontiguousarray(2.0 * again["logs"][1::2, marks, 3])
-        lost_from = _lost_from(batch, times, chosen, choice.steps, run.max_steps, threads)
+        lost_from = _lost_from(bodies, times, chosen, steps, run.max_steps, threads)
     else:
         status = np.where(status == Status.OK, Status.UNCHECKED, status).astype(np.uint8)
     means = np.ascontiguousarray(2.0 * mean_megno[:, marks])
     verdict = np.array(_core.verdicts(means, second, Regular().limits))
     # Beside a separatrix displacements grow exponentially, although nothing is chaotic.
-    verdict = np.where((verdict == "chaotic") & _is_integrable(batch), "undecided", verdict)
+    verdict = np.where((verdict == "chaotic") & _is_integrable(bodies), "undecided", verdict)
     verdict = np.where(np.isin(status, (Status.OK, Status.UNCHECKED)), verdict, "failed")
 
-    def of_body(values: NDArray[Any]) -> Any:
-        return values.reshape(*shape, *values.shape[1:]) if shape else values[0]
-
-    plan = choice.plan()
     several = count > 1
     words = f"{count} displacement{'s' if several else ''} of the {of}, growth by their tangent"
+    plan.amend(words)
     return Growth(
         t=times,
-        log_growth=of_body(log[:, wanted]),
-        megno=of_body(2.0 * (log - mean)[:, wanted]),
-        mean_megno=of_body(2.0 * mean_megno[:, wanted]),
-        fli=of_body(largest[:, wanted]),
-        spectrum=of_body(found["log_diagonal"][:, wanted] / times[:, np.newaxis]),
-        zeros=of_body(_zeros(scene, batch, of)),
-        sali=of_body(found["sali"][:, wanted, 0]) if several else None,
-        gali=of_body(np.exp(found["log_gali"][:, wanted, 1:])) if several else None,
-        error=of_body(error),
-        lost_from=of_body(lost_from),
-        verdict=of_body(verdict),
-        energy_drift=of_body(found["energy_drift"]),
-        status=of_body(status),
-        steps=of_body(found["steps"]),
-        plan=replace(plan, why=(*plan.why, words)),
+        log_growth=bodies.in_axes(log[:, wanted]),
+        megno=bodies.in_axes(2.0 * (log - mean)[:, wanted]),
+        mean_megno=bodies.in_axes(2.0 * mean_megno[:, wanted]),
+        fli=bodies.in_axes(largest[:, wanted]),
+        spectrum=bodies.in_axes(found["log_diagonal"][:, wanted] / times[:, np.newaxis]),
+        zeros=bodies.in_axes(_zeros(scene, bodies, of)),
+        sali=bodies.in_axes(found["sali"][:, wanted, 0]) if several else None,
+        gali=bodies.in_axes(np.exp(found["log_gali"][:, wanted, 1:])) if several else None,
+        error=bodies.in_axes(error),
+        lost_from=bodies.in_axes(lost_from),
+        verdict=bodies.in_axes(verdict),
+        energy_drift=bodies.in_axes(found["energy_drift"]),
+        status=bodies.in_axes(status),
+        steps=bodies.in_axes(found["steps"]),
+        plan=plan(),
         spec={
             "scene": scene.to_dict(),
             "method": chosen,
@@ -271,20 +266,22 @@ def growth_of(
 class _Run:
     """The bodies and times of a call."""
 
-    def __init__(self, batch: Batch, times: Floats, of: str, max_steps: int, threads: int) -> None:
-        self.batch, self.times, self.of = batch, times, of
+    def __init__(
+        self, bodies: Bodies, times: Floats, of: str, max_steps: int, threads: int
+    ) -> None:
+        self.bodies, self.times, self.of = bodies, times, of
         self.max_steps, self.threads = max_steps, threads
-        self.scale = rate_scale(batch)
+        self.scale = rate_scale(bodies)
 
     def growth(
         self, method: str, steps: Floats | None, vectors: Floats, fewest: int = FEWEST
     ) -> dict[str, Any]:
         """The growth of displacements (n, k, 6) by a method, with its longest steps (s)."""
         if steps is None:
-            rates = self.batch.fastest_rates((0.0, float(self.times[-1])), method)
+            rates = self.bodies.fastest_rates((0.0, float(self.times[-1])), method)
             steps = np.minimum(_core.default_steps(method, rates), self.times[0] / fewest)
         return _core.growth(
-            **self.batch.columns(),
+            **self.bodies.columns(),
             method=method,
             displacements=np.ascontiguousarray(vectors.reshape(-1, 6)),
             scale=self.scale,
@@ -297,20 +294,20 @@ class _Run:
 
     def again(self, method: str, first: Floats) -> dict[str, Any]:
         """Each body twice, with the same displacement (n, 6) and with another, by a method."""
-        starts = _starts(self.batch)
+        starts = _starts(self.bodies)
         first_in_units, in_units = (
             _unscaled(vectors, 1.0 / self.scale) for vectors in (first, starts[:, 1])
         )
         alike = np.linalg.norm(first_in_units - in_units, axis=1) < 1e-8
         other = np.where(alike[:, np.newaxis], starts[:, 0], starts[:, 1])
         pairs = np.stack([first, other], axis=1)
-        twice = _Run(self.batch.repeat(2), self.times, self.of, self.max_steps, self.threads)
+        twice = _Run(self.bodies.repeat(2), self.times, self.of, self.max_steps, self.threads)
         return twice.growth(method, None, pairs.reshape(-1, 1, 6), FEWEST_AGAIN)
 
 
-def _starts(batch: Batch) -> Floats:
+def _starts(bodies: Bodies) -> Floats:
     """Displacements of the two runs of a verdict on each body at its start, (n, 2, 6)."""
-    columns = batch.columns()
+    columns = bodies.columns()
     del columns["scene"]
     return _core.displacement_starts(**columns)
 
@@ -325,12 +322,12 @@ def _unscaled(vectors: Floats, scale: Floats) -> Floats:
     return scaled
 
 
-def _displacements(batch: Batch, start: ArrayLike | None, count: int, of: str) -> Floats:
+def _displacements(bodies: Bodies, start: ArrayLike | None, count: int, of: str) -> Floats:
     """Displacements of each body at its start, (n, k, 6)."""
-    scale = rate_scale(batch)
+    scale = rate_scale(bodies)
     if start is None:
-        several = _unscaled(np.broadcast_to(GENERIC[:count], (len(batch), count, 6)), scale)
-        several[:, 0] = _starts(batch)[:, 0]
+        several = _unscaled(np.broadcast_to(GENERIC[:count], (len(bodies), count, 6)), scale)
+        several[:, 0] = _starts(bodies)[:, 0]
         return several
     given = np.atleast_2d(numbers("start", start))
     if given.shape != (count, 6):
@@ -339,8 +336,8 @@ def _displacements(batch: Batch, start: ArrayLike | None, count: int, of: str) -
         raise ValueError("start: must be finite")
     # Growth does not depend on the size: by powers of two, so that no square leaves the doubles.
     given = np.ldexp(given, -np.frexp(np.abs(given).max(axis=1, keepdims=True))[1])
-    several = np.broadcast_to(given, (len(batch), count, 6))
-    for body, vectors in enumerate(_measured(batch, several, scale, of)):
+    several = np.broadcast_to(given, (len(bodies), count, 6))
+    for body, vectors in enumerate(_measured(bodies, several, scale, of)):
         sizes = np.linalg.norm(vectors, axis=1)
         if not (sizes > 1e-12 * np.linalg.norm(given, axis=1)).all():
             raise ValueError(f"start: a displacement of body {body} has no size of = {of!r}")
@@ -349,21 +346,21 @@ def _displacements(batch: Batch, start: ArrayLike | None, count: int, of: str) -
     return np.array(several)
 
 
-def _measured(batch: Batch, vectors: Floats, scale: Floats, of: str) -> Floats:
+def _measured(bodies: Bodies, vectors: Floats, scale: Floats, of: str) -> Floats:
     """The vectors whose lengths are the sizes of displacements (n, k, 6)."""
     scaled = _unscaled(vectors, 1.0 / scale)
     if of == "attitude":
         return scaled
-    turned = np.cross(verticals(batch)[:, np.newaxis], scaled[..., 3:])
+    turned = np.cross(verticals(bodies)[:, np.newaxis], scaled[..., 3:])
     return np.concatenate([scaled[..., :3], turned], axis=-1)
 
 
 def _lost_from(
-    batch: Batch, times: Floats, method: str, steps: Floats | None, max_steps: int, threads: int
+    bodies: Bodies, times: Floats, method: str, steps: Floats | None, max_steps: int, threads: int
 ) -> Floats:
     """Time from which on the rates of each body are lost, at a hundred times to look at."""
     request = Request(
-        batch=batch,
+        bodies=bodies,
         times=np.union1d(times, np.linspace(0.0, times[-1], LOOKS + 1)[1:]),
         method=method,
         record="rates",
@@ -373,21 +370,21 @@ def _lost_from(
     return integrate(request, steps, None, check=True, every=True)[1].lost_from
 
 
-def _is_integrable(batch: Batch) -> NDArray[np.bool_]:
+def _is_integrable(bodies: Bodies) -> NDArray[np.bool_]:
     """Whether all motions of each body are regular by theorem."""
-    known = closed_forms(Regular(), batch.moments, batch.weight) != NO_FORM
-    integrable: NDArray[np.bool_] = known & ~batch.driven()
+    known = closed_forms(Regular(), bodies.moments, bodies.weight) != NO_FORM
+    integrable: NDArray[np.bool_] = known & ~bodies.driven()
     return integrable
 
 
-def _zeros(scene: Scene, batch: Batch, of: str) -> NDArray[np.intp]:
+def _zeros(scene: Scene, bodies: Bodies, of: str) -> NDArray[np.intp]:
     """Number of exponents of each body that are zero by theory."""
-    heavy = np.broadcast_to(np.any(batch.weight != 0.0, axis=1), (len(batch),))
+    heavy = np.broadcast_to(np.any(bodies.weight != 0.0, axis=1), (len(bodies),))
     if not scene.is_driven:
         # Flow, energy, turns about the vertical and L·gamma; of a free body all of space, and L.
         zeros = np.where(heavy, 4, 6)
     elif scene.torque is not None and scene.torque.acts_in_space:
-        zeros = np.zeros(len(batch), dtype=np.intp)
+        zeros = np.zeros(len(bodies), dtype=np.intp)
     else:
         # Turns of all space, or of the vertical.
         zeros = np.where(heavy, 1, 3)

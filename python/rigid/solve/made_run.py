@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model.leading import Shape
-from .batch import Batch
+from .bodies import Bodies
 from .error_estimate import ErrorEstimate
 from .events import FoundEvents
 from .plan import LazyPlan
@@ -37,12 +36,11 @@ def to_run(
     estimate: ErrorEstimate,
     spec: dict[str, Any],
     plan: LazyPlan,
-    batch: Batch,
-    shape: Shape,
+    bodies: Bodies,
     parameters: tuple[str, ...] = (),
     found: FoundEvents | None = None,
 ) -> Run:
-    """The run of bodies of this shape, from the columns of the core."""
+    """The run of these bodies, from the columns of the core."""
     error, lost_from = estimate.error, estimate.lost_from
     if np.count_nonzero(states["status"]):
         unknown = np.isin(states["status"], (Status.STEP_LIMIT, Status.NOT_FINITE))
@@ -51,10 +49,10 @@ def to_run(
     if found is not None:
         ended = found.stopped & np.isin(states["status"], (Status.OK, Status.UNCHECKED))
         states["status"] = np.where(ended, Status.STOPPED, states["status"]).astype(np.uint8)
-    attitude = batch.attitude
-    if len(attitude) != len(batch):
-        attitude = np.broadcast_to(attitude, (len(batch), 4))
-    states["start_omega"], states["start_attitude"] = batch.omega, attitude
+    attitude = bodies.attitude
+    if len(attitude) != len(bodies):
+        attitude = np.broadcast_to(attitude, (len(bodies), 4))
+    states["start_omega"], states["start_attitude"] = bodies.omega, attitude
     states["error"], states["lost_from"] = error, lost_from
     states["end"] = None if found is None else found.end
     states.pop("fastest_rate", None)  # a run keeps what it shows
@@ -64,7 +62,7 @@ def to_run(
         events=() if found is None else found.events,
         nanoseconds=states.pop("nanoseconds"),
         spec=spec,
-        _shape=shape,
+        _shape=bodies.shape,
         _columns=states,
         _plan=plan,
     )

@@ -11,18 +11,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.arguments import finite_float, resolve_threads, rows
-from .._checks.arrays import attitudes, vectors
 from .._checks.quantities import without_unit
 from ..model.body import Body
-from ..model.frame import (
-    attitudes_in_frame,
-    attitudes_in_principal_axes,
-    checked_frame,
-    turned,
-)
+from ..model.frame import attitudes_in_frame, checked_frame, turned
 from ..model.scene import Scene, check_scene
-from .batch import Batch
 from .methods import FALLBACK, check_method, known_method, methods
+from .starts import bodies_of
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -111,19 +105,17 @@ class Motion:
             called=scene.is_called,
         )
         self._frame = None if frame is None else checked_frame(frame)
-        if self._frame is not None:
-            omega = turned(self._frame.T, vectors("omega", omega))
-            given = np.array([1.0, 0.0, 0.0, 0.0]) if attitude is None else attitudes(attitude)
-            attitude = attitudes_in_principal_axes(self._frame, given)
-        batch, shape = Batch.from_input(scene, omega, attitude)
-        if len(shape) > 1:
-            raise ValueError(f"omega: expected shape (3,) or (n, 3), got bodies of shape {shape}")
-        self._single, self._threads = not shape, threads
+        bodies = bodies_of(scene, omega, attitude, frame=self._frame)
+        if len(bodies.shape) > 1:
+            raise ValueError(
+                f"omega: expected shape (3,) or (n, 3), got bodies of shape {bodies.shape}"
+            )
+        self._single, self._threads = not bodies.shape, threads
         self._core = _core.Motion(
-            **batch.columns(),
+            **bodies.columns(),
             method=method,
             time=finite_float("t0", t0, unit="s"),
-            unit=math.ldexp(1.0, int(batch.scale_exponent[0])),
+            unit=math.ldexp(1.0, int(bodies.scale_exponent[0])),
             threads=resolve_threads(threads),
         )
 

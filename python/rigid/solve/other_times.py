@@ -12,10 +12,9 @@ from .._checks.arguments import resolve_threads
 from .._checks.arrays import finite_array
 from ..model.scene import scene_from_dict
 from .arrays import Range, in_rows, time_ranges
-from .batch import Batch
+from .bodies import Bodies
 from .choose_method import choose_method
-from .error_estimate import closed_form_error
-from .integrate import integrate
+from .integrate import compute_states
 from .made_run import end_records, to_run
 from .methods import EXACT
 from .problem import Problem
@@ -41,10 +40,10 @@ def states_at(run: Run, t: ArrayLike) -> Run:
     _check_inside(times, reached)
     spec = {name: value for name, value in run.spec.items() if name != "frame"}
     scene = scene_from_dict(spec["scene"])
-    batch = Batch.of_start(scene, run.start_omega, run.start_attitude, shape)
+    bodies = Bodies.of_scene(scene, run.start_omega, run.start_attitude, shape)
     last = np.array([[np.inf]]) if run.end is None else np.reshape(run.end, (-1, 1))
     request = Request(
-        batch=batch,
+        bodies=bodies,
         times=np.minimum(times, last) if (times > last).any() else times,
         method=spec["method"],
         record=spec["record"],
@@ -52,38 +51,26 @@ def states_at(run: Run, t: ArrayLike) -> Run:
         threads=resolve_threads(None),
         tolerance=spec["tolerance"],
     )
-    if spec["method"] == EXACT:
-        states = request.states(None)
-        batch.note_rates(states["fastest_rate"])
-        estimate = closed_form_error(batch, request.times, states["omega"])
-    else:
-        steps = None
-        if spec["tolerance"] is None:
-            problem = Problem(
-                scene=scene,
-                record=spec["record"],
-                batch=batch,
-                begin=reached[0],
-                end=reached[1],
-                accuracy=run.plan.accuracy if spec["step"] is None else None,
-                method=spec["method"],
-                step=spec["step"],
-                states=times.shape[-1],
-            )
-            steps = choose_method(problem).steps
-        unknown = np.isnan(run.error)
-        states, estimate = integrate(
-            request,
-            steps,
-            spec["accuracy"],
-            check=not unknown.all(),
-            every=not unknown.any(),
+    steps, unknown = None, np.isnan(run.error)
+    if spec["method"] != EXACT and spec["tolerance"] is None:
+        problem = Problem(
+            scene=scene,
+            record=spec["record"],
+            bodies=bodies,
+            begin=reached[0],
+            end=reached[1],
+            accuracy=run.plan.accuracy if spec["step"] is None else None,
+            method=spec["method"],
+            step=spec["step"],
+            states=times.shape[-1],
         )
-    if states["work"] is not None:
-        np.ldexp(states["work"], batch.scale_exponent[:, np.newaxis], out=states["work"])
+        steps = choose_method(problem)[1]
+    states, estimate = compute_states(
+        request, steps, spec["accuracy"], check=not unknown.all(), every=not unknown.any()
+    )
     states["tangent"] = None
     end_records(states, times, last)
-    made = to_run(states, ascending, estimate, spec, run._plan, batch, shape)
+    made = to_run(states, ascending, estimate, spec, run._plan, bodies)
     if (order[..., 1:] < order[..., :-1]).any():
         made = _in_order(made, given, order)
     return made if run.frame is None else made.in_frame(run.frame)

@@ -8,10 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._checks.arguments import brief, nearest
-from ..model.leading import Shape
 from ..model.scene import Scene
 from .arrays import in_rows
-from .batch import Batch
+from .bodies import Bodies
 
 __all__ = ["check_parameters", "parameter_changes"]
 
@@ -41,6 +40,8 @@ def check_parameters(tangent: bool | str | Sequence[str], scene: Scene) -> tuple
     ValueError
         For an unknown name, one given twice, weight of a scene without weight, or no name.
     """
+    if tangent is False:
+        return None
     if isinstance(tangent, bool | np.bool_):
         return () if tangent else None
     given = (tangent,) if isinstance(tangent, str) else tangent
@@ -67,24 +68,24 @@ def check_parameters(tangent: bool | str | Sequence[str], scene: Scene) -> tuple
 
 
 def parameter_changes(
-    scene: Scene, batch: Batch, shape: Shape, names: Sequence[str]
+    scene: Scene, bodies: Bodies, names: Sequence[str]
 ) -> tuple[Floats, NDArray[np.intc]]:
     """A change of each parameter of each body, shape (n, k, 15), and the power of two in its unit.
 
     A change of a parameter in SI units is that change times ``2**exponent``, shape (n, k): moments,
-    weight, damping and torque are counted in the unit of the batch.
+    weight, damping and torque are counted in the unit of the bodies.
     """
-    changes = np.zeros((len(batch), len(names), _LEN))
-    exponents = np.zeros((len(batch), len(names)), dtype=np.intc)
+    changes = np.zeros((len(bodies), len(names), _LEN))
+    exponents = np.zeros((len(bodies), len(names)), dtype=np.intc)
     for column, name in enumerate(names):
         if name.startswith("com"):
             mgl = np.asarray(scene.mgl)[..., np.newaxis]  # type: ignore[attr-defined]
-            own = np.ldexp(in_rows(mgl, shape), -batch.scale_exponent[:, np.newaxis])
+            own = np.ldexp(in_rows(mgl, bodies.shape), -bodies.scale_exponent[:, np.newaxis])
             changes[:, column, 2 + int(name[3:])] = own[:, 0]
             continue
-        exponents[:, column] = -batch.scale_exponent
+        exponents[:, column] = -bodies.scale_exponent
         if name == "mgl":
-            changes[:, column, 3:6] = in_rows(np.asarray(scene.com), shape)  # type: ignore[attr-defined]
+            changes[:, column, 3:6] = in_rows(np.asarray(scene.com), bodies.shape)  # type: ignore[attr-defined]
         else:
             changes[:, column, list(_OF_BODY[name])] = 1.0
     return changes, exponents

@@ -174,6 +174,19 @@ class LazyPlan:
         assert self._plan is not None
         return self._plan
 
+    def amend(self, reason: str | None = None, **fields: Any) -> None:
+        """Change fields of a plan that nobody has read yet, and add a reason."""
+        make = self._make
+        assert make is not None
+
+        def amended() -> Plan:
+            plan = make()
+            if reason is not None:
+                fields["why"] = (*plan.why, reason)
+            return dataclasses.replace(plan, **fields)
+
+        self._make = amended
+
     def __reduce__(self) -> tuple[Any, ...]:
         return LazyPlan.of, (self(),)
 

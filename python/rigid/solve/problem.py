@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from .._checks.arguments import finite_float
 from ..model.scene import Scene
 from .arrays import Range
-from .batch import Batch
+from .bodies import Bodies
 from .closed_form import moment_rows, weight_rows
 from .cost_model import calibration_classes
 from .methods import check_method, known_method, run_methods
@@ -23,13 +23,13 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Problem:
-    """Requested states of a scene, and the known data of its bodies.
+    """States for which a method is to be chosen, and what is known of them.
 
     Attributes
     ----------
     scene : Scene
     record : {"rates", "axis", "attitude"}
-    batch : Batch or None
+    bodies : Bodies or None
         The bodies with their starts, None if the starts are not known.
     begin : float or ndarray, shape (n,)
         First time of the run (s), not positive; of all bodies or of each.
@@ -41,8 +41,8 @@ class Problem:
         The requested method.
     states : int
         Number of requested states of a body.
-    bodies : int or None
-        Number of bodies that share a call; None: those of the batch.
+    number : int or None
+        How many share a call; None: as many as the bodies.
 
     Raises
     ------
@@ -53,14 +53,14 @@ class Problem:
 
     scene: Scene
     record: str
-    batch: Batch | None = None
+    bodies: Bodies | None = None
     begin: float | Floats = 0.0
     end: float | Floats | None = None
     accuracy: float | None = None
     method: str | None = None
     step: float | None = None
     states: int = 1
-    bodies: int | None = None
+    number: int | None = None
 
     def __post_init__(self) -> None:
         if self.method is not None:
@@ -96,30 +96,30 @@ class Problem:
 
     def inertia(self) -> tuple[Floats, Floats]:
         """Moments and weight of the bodies in rows, in any unit; one row may serve all."""
-        if self.batch is not None:
-            return self.batch.moments, self.batch.weight
+        if self.bodies is not None:
+            return self.bodies.moments, self.bodies.weight
         return moment_rows(self.scene), weight_rows(self.scene)
 
     def classes(self) -> NDArray[np.str_]:
         """The class of bodies that each is calibrated as; shape (n,), or (1,) if all are alike."""
-        if self.batch is not None:
-            return calibration_classes(self.scene, *self.inertia(), self.batch.driven())
+        if self.bodies is not None:
+            return calibration_classes(self.scene, *self.inertia(), self.bodies.driven())
         return calibration_classes(self.scene, *self.inertia(), np.array([self.scene.is_driven]))
 
     @property
     def count(self) -> int:
         """Number of bodies that share a call; many if it is not known."""
-        if self.bodies is not None:
-            return self.bodies
-        return MANY if self.batch is None else max(len(self.batch), 1)
+        if self.number is not None:
+            return self.number
+        return MANY if self.bodies is None else max(len(self.bodies), 1)
 
     @property
     def knows_angles(self) -> bool:
         """Whether rates and horizon are known, and so the angles that the bodies turn."""
-        return self.batch is not None and self.span is not None
+        return self.bodies is not None and self.span is not None
 
     def rates(self, method: str | None = None) -> Floats | None:
         """Bounds of the rates, or the rates that the steps of a method follow, if known."""
-        if self.batch is None or (self.span is None and self.scene.is_driven):
+        if self.bodies is None or (self.span is None and self.scene.is_driven):
             return None
-        return self.batch.fastest_rates(self.times, method)
+        return self.bodies.fastest_rates(self.times, method)

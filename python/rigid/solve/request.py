@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from .batch import Batch
+from .bodies import Bodies
 
 __all__ = ["Request", "select_states"]
 
@@ -19,11 +19,11 @@ Floats = NDArray[np.float64]
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class Request:
-    """States of a batch of bodies at given times.
+    """States of bodies at given times: a call of the core.
 
     Attributes
     ----------
-    batch : Batch
+    bodies : Bodies
     times : ndarray, shape (m,) or (n, m)
         Times of the states (s), ascending; of all bodies or of each.
     method : str
@@ -36,7 +36,7 @@ class Request:
         Tolerance of adaptive steps, for a Taylor method.
     """
 
-    batch: Batch
+    bodies: Bodies
     times: Floats
     method: str
     record: str
@@ -62,14 +62,14 @@ class Request:
         record is ``"tangent"``, from those at the start, (n, 6), or ``"sensitivity"``, by changes
         of parameters, (n, 15).
         """
-        batch = self.batch
+        bodies = self.bodies
         return _core.simulate(
-            scene=batch.kind,
-            moments=batch.moments,
-            weight=batch.weight,
-            omega=batch.omega,
-            attitude=batch.attitude,
-            forcing=batch.forcing,
+            scene=bodies.kind,
+            moments=bodies.moments,
+            weight=bodies.weight,
+            omega=bodies.omega,
+            attitude=bodies.attitude,
+            forcing=bodies.forcing,
             method=self.method,
             record=self.record,
             step=steps,
@@ -84,10 +84,10 @@ class Request:
             single=single,
         )
 
-    def select(self, bodies: NDArray[np.intp]) -> Self:
+    def select(self, some: NDArray[np.intp]) -> Self:
         """The request for some of the bodies."""
-        times = self.times if self.times.ndim == 1 else self.times[bodies]
-        return replace(self, batch=self.batch.select(bodies), times=times)
+        times = self.times if self.times.ndim == 1 else self.times[some]
+        return replace(self, bodies=self.bodies.select(some), times=times)
 
 
 def select_states(states: Mapping[str, Any], bodies: NDArray[np.intp]) -> dict[str, Any]:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .arrays import lengths, spread_indices, time_ranges, time_span
-from .batch import Batch
+from .bodies import Bodies
 from .methods import is_compensated, preserves_groups, rotations, series_methods
 from .request import Request
 from .saddle import dampings, verticals
@@ -87,12 +87,12 @@ def common_rounding(
     span : float or ndarray, shape (n,)
         How much time is covered (s).
     """
-    batch, method = request.batch, request.method
+    bodies, method = request.bodies, request.method
     taken = states["steps"].astype(np.float64)
     angle = rates * span
     floor: Floats = EQUAL_RUNS * (1.0 + angle) + ROTATION * rotations(method) * taken
-    floor += _loss_of_turns(batch, method, taken, angle)
-    if method == LIE and batch.forcing is not None:
+    floor += _loss_of_turns(bodies, method, taken, angle)
+    if method == LIE and bodies.forcing is not None:
         floor += TURN * taken
     if method not in series_methods():  # whose second run carries the rounding of a step on
         differs, angles = _differences(request, states, step=span / taken, angle=angle)
@@ -100,43 +100,43 @@ def common_rounding(
     # Of the rates of a top that hangs all but still, what rounding of its torque adds at random, in
     # each radian that it may turn, is a larger share.
     fastest = lengths(states["omega"]).max(axis=1)
-    weighs = batch.weight.any(axis=1)
+    weighs = bodies.weight.any(axis=1)
     hangs = (weighs & (fastest > REST * scale)).nonzero()[0]
     if len(hangs):
-        share = scale[hangs] / fastest[hangs] * _rounded_share_of_torque(batch)[hangs]
+        share = scale[hangs] / fastest[hangs] * _rounded_share_of_torque(bodies)[hangs]
         floor[hangs] += EQUAL_RUNS * share * np.sqrt(1.0 + angle)[hangs]
     return floor
 
 
 @np.errstate(all="ignore")
 def planned_rounding(
-    batch: Batch, method: str, rates: Floats, taken: Floats, span: float | Floats
+    bodies: Bodies, method: str, rates: Floats, taken: Floats, span: float | Floats
 ) -> Floats:
     """The error that rounding leaves in so many steps, besides that of each radian turned; (n,).
 
     Known are the rates of the start alone, and these bounds of all (rad/s).
     """
-    start = batch.omega[:, np.newaxis]
-    loss = _loss_of_turns(batch, method, taken, rates * span)
+    start = bodies.omega[:, np.newaxis]
+    loss = _loss_of_turns(bodies, method, taken, rates * span)
     if not is_compensated(method):
-        differs = _second_difference(batch, method, start)
+        differs = _second_difference(bodies, method, start)
         loss += _steady_loss(differs, taken, span, rates * span)
         loss += DRIFT * np.sqrt(taken)  # at random
     planned: Floats = ROTATION * rotations(method) * taken + ROUNDED * loss
     return planned
 
 
-def _loss_of_turns(batch: Batch, method: str, taken: Floats, angle: Floats) -> Floats:
+def _loss_of_turns(bodies: Bodies, method: str, taken: Floats, angle: Floats) -> Floats:
     """The error of free symmetric bodies whose steps turn them by equal angles, shape (n,)."""
-    if not rotations(method) or batch.forcing is not None:
-        return np.zeros(len(batch))
-    apart = np.abs(np.roll(batch.moments, 1, axis=1) - batch.moments)
-    symmetric = np.any(apart <= ALIKE * batch.moments, axis=1)
-    free = ~batch.weight.any(axis=1)
+    if not rotations(method) or bodies.forcing is not None:
+        return np.zeros(len(bodies))
+    apart = np.abs(np.roll(bodies.moments, 1, axis=1) - bodies.moments)
+    symmetric = np.any(apart <= ALIKE * bodies.moments, axis=1)
+    free = ~bodies.weight.any(axis=1)
     return np.where(symmetric & free, 0.5 * DRIFT * taken * angle, 0.0)
 
 
-def rounding_of_damping(batch: Batch, omega: Floats, times: Floats) -> Floats:
+def rounding_of_damping(bodies: Bodies, omega: Floats, times: Floats) -> Floats:
     """The error that rounding of the damping leaves in two runs alike, shape (n, m).
 
     The damping of a slow direction is a difference of large products if other directions are fast
@@ -147,21 +147,21 @@ def rounding_of_damping(batch: Batch, omega: Floats, times: Floats) -> Floats:
 
     Parameters
     ----------
-    batch : Batch
+    bodies : Bodies
     omega : ndarray, shape (n, m, 3)
         Rates of the first run at the wanted times (rad/s).
     times : ndarray, shape (m,) or (n, m)
         The wanted times (s).
     """
-    matrix = dampings(batch.forcing, alone=False)
-    moments = batch.moments[:, np.newaxis]
+    matrix = dampings(bodies.forcing, alone=False)
+    moments = bodies.moments[:, np.newaxis]
     size, time = lengths(omega), np.abs(times)
     along = omega / size[..., np.newaxis]
     inertia = (along * moments * along).sum(axis=-1)
     products = _quadratic(np.abs(matrix), np.abs(along))
     power = np.maximum(_quadratic(matrix, along), UNIT * products)
     lasts = inertia / power
-    started = np.abs((along * moments * batch.omega[:, np.newaxis]).sum(axis=-1)) / inertia
+    started = np.abs((along * moments * bodies.omega[:, np.newaxis]).sum(axis=-1)) / inertia
     angle = size * time + started * np.minimum(time, lasts)
     of_rates = np.minimum(time, FORGOTTEN * lasts)
     error = UNIT * products / inertia * (of_rates + angle * np.minimum(time, lasts))
@@ -176,16 +176,16 @@ def _quadratic(matrices: Floats, vectors: Floats) -> Floats:
     return product
 
 
-def _rounded_share_of_torque(batch: Batch) -> Floats:
+def _rounded_share_of_torque(bodies: Bodies) -> Floats:
     """How much of the largest torque of the weight its components are differences of, shape (n,).
 
     Each component of ``com x gamma`` is one of two products of which both may be rounded.
     """
-    com, gamma = np.abs(batch.weight), np.abs(verticals(batch))
+    com, gamma = np.abs(bodies.weight), np.abs(verticals(bodies))
     products = np.roll(com, 1, axis=1) * np.roll(gamma, 2, axis=1)
     products = products + np.roll(com, 2, axis=1) * np.roll(gamma, 1, axis=1)
     share: Floats = lengths(products) / lengths(com)
-    return np.broadcast_to(share, len(batch))
+    return np.broadcast_to(share, len(bodies))
 
 
 def _steady_loss(differs: Floats, taken: Floats, span: float | Floats, angle: Floats) -> Floats:
@@ -202,17 +202,17 @@ def _steady_loss(differs: Floats, taken: Floats, span: float | Floats, angle: Fl
     return lost
 
 
-def _second_difference(batch: Batch, method: str, omega: Floats) -> Floats:
+def _second_difference(bodies: Bodies, method: str, omega: Floats) -> Floats:
     """About ``|d2 omega / dt2| / |omega|``, 1/s², shape (n, m); NaN if a torque acts.
 
     Without weight the rates turn in the body, and so do their changes. The change by the weight
     turns with the body. Schemes that preserve ``|L|`` add it apart from the turn.
     """
-    moments = batch.moments[:, np.newaxis, :]
+    moments = bodies.moments[:, np.newaxis, :]
     # The matrices of damping are symmetric.
-    torque = np.cross(moments * omega, omega) - omega @ dampings(batch.forcing, alone=True)
+    torque = np.cross(moments * omega, omega) - omega @ dampings(bodies.forcing, alone=True)
     turning: Floats = (lengths(torque / moments) / lengths(omega)) ** 2
-    weight = np.reshape(lengths(batch.weight) / batch.moments.min(axis=1), (-1, 1))
+    weight = np.reshape(lengths(bodies.weight) / bodies.moments.min(axis=1), (-1, 1))
     apart = preserves_groups(method) & (weight > 0.0)
     differs: Floats = np.where(apart & ~np.isnan(turning), 0.0, turning) + weight
     return differs
@@ -223,7 +223,7 @@ def _differences(
 ) -> tuple[Floats, Floats]:
     """Second differences of the rates and the angles turned, measured where a torque acts."""
     omega = states["omega"]
-    differs = _second_difference(request.batch, request.method, omega)
+    differs = _second_difference(request.bodies, request.method, omega)
     forced: NDArray[np.bool_] = np.all(np.isnan(differs), axis=1)
     if not forced.any():
         return differs, angle
@@ -231,7 +231,7 @@ def _differences(
     change = _measured_change(request, states, some, np.reshape(step / PART, (-1, 1)))
     differs = np.where(forced[:, None], (change / lengths(omega[:, some])) ** 2, differs[:, some])
     # A rotor couples the rates more closely than the body turns.
-    following = request.batch.fastest_rates(time_ranges(request.times), request.method)
+    following = request.bodies.fastest_rates(time_ranges(request.times), request.method)
     return differs, np.where(forced, following * time_span(request.times), angle)
 
 
@@ -242,16 +242,16 @@ def _measured_change(
 
     What acts is what acts at the start, in the attitude of the state if that is recorded.
     """
-    batch = request.batch.repeat(len(some))
+    bodies = request.bodies.repeat(len(some))
     omega = states["omega"][:, some].reshape(-1, 3)
     known = np.isfinite(omega).all(axis=1, keepdims=True)
-    omega, attitude = np.where(known, omega, batch.omega), batch.attitude
+    omega, attitude = np.where(known, omega, bodies.omega), bodies.attitude
     if states["attitude"] is not None:
         attitude = np.where(known, states["attitude"][:, some].reshape(-1, 4), attitude)
     forward = np.where(np.max(request.times, axis=-1) > 0.0, 1.0, -1.0)
     moved = replace(
         request,
-        batch=replace(batch, omega=omega, attitude=attitude),
+        bodies=replace(bodies, omega=omega, attitude=attitude),
         times=np.repeat(time * np.reshape(forward, (-1, 1)), len(some), axis=0),
         method=PROBE,
         record="rates",

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-__all__ = ["Run", "load_run", "plug_in_animator", "plug_in_evaluator"]
+__all__ = ["Run", "load_run"]
 
 _ROUNDING_OF_TURN = 1e-15
 """Error of components that are turned into other axes: a sum of three products."""
@@ -167,9 +167,6 @@ class Run(HasColumns):
     steps = Column[NDArray[np.uint64]]("steps")
     error = Column[Floats]("error")
     lost_from = Column[Floats]("lost_from")
-
-    _animator: ClassVar[Callable[..., Any]]
-    _evaluator: ClassVar[Callable[..., Run]]
 
     def __repr__(self) -> str:
         """Size, method, largest known error, and how many bodies ended how."""
@@ -370,7 +367,9 @@ an accuracy
         >>> run.at([50.0, 7.0])
         Run(one body at 2 times; exact; error 7.8e-14; ok)
         """
-        return self._evaluator(self, t)
+        from .other_times import states_at
+
+        return states_at(self, t)
 
     def energy(self) -> NDArray[np.float64]:
         """Kinetic and potential energy ``omega·I omega / 2 + mgl com·gamma`` (J), shape (n, m).
@@ -623,7 +622,9 @@ an accuracy
 
     def animate(self, path: str | PathLike[str] | None = None, **options: Any) -> Any:
         """Show the motion as a film, or write it: :func:`rigid.animation.animate`."""
-        return self._animator(self, path, **options)
+        from ..animation import animate
+
+        return animate(self, path, **options)
 
 
 def _along(vectors: NDArray[np.float64], of_bodies: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -702,17 +703,3 @@ def load_run(path: str | PathLike[str]) -> Run:
             f"path = {str(path)!r}: is no run that rigid has saved ({error})"
         ) from None
     return run
-
-
-def plug_in_animator(animator: Callable[..., Any]) -> None:
-    """Let :meth:`Run.animate` call ``animator(run, path, **options)``.
-
-    Animations use modules of the textbook, which import this module. So this module cannot
-    import them; the top package registers the function.
-    """
-    Run._animator = staticmethod(animator)
-
-
-def plug_in_evaluator(evaluator: Callable[[Run, ArrayLike], Run]) -> None:
-    """Let :meth:`Run.at` call ``evaluator(run, t)``, whose module imports this one."""
-    Run._evaluator = staticmethod(evaluator)

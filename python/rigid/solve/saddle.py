@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from .. import _core
 from ..rotations.so3 import hat
 from .arrays import lengths
-from .batch import Batch
+from .bodies import Bodies
 
 __all__ = ["RateSizes", "departure", "homoclinic", "separatrices", "verticals"]
 
@@ -56,30 +56,30 @@ class RateSizes:
         return larger
 
 
-def separatrices(batch: Batch) -> tuple[Floats, Floats]:
+def separatrices(bodies: Bodies) -> tuple[Floats, Floats]:
     """Relative distance from the separatrix, and exponent of its saddle (1/s); shape (n,) each.
 
     Of tops and pendulums in closed form; 1 and 0 for free bodies.
     """
-    if batch.forcing is not None or not batch.weight.any():
-        return np.ones(len(batch)), np.zeros(len(batch))
-    columns = batch.full_columns()
+    if bodies.forcing is not None or not bodies.weight.any():
+        return np.ones(len(bodies)), np.zeros(len(bodies))
+    columns = bodies.full_columns()
     del columns["scene"]
     mc, exponent = _core.saddles(**columns).T
-    weighs = batch.weight.any(axis=1)
+    weighs = bodies.weight.any(axis=1)
     return np.where(weighs, mc, 1.0), np.where(weighs, exponent, 0.0)
 
 
 @np.errstate(all="ignore")
-def homoclinic(batch: Batch, times: Floats, sizes: RateSizes, drift: Floats) -> Floats:
+def homoclinic(bodies: Bodies, times: Floats, sizes: RateSizes, drift: Floats) -> Floats:
     """Error that rounding becomes beside the separatrix of a top in closed form, shape (n, m).
 
     Where it makes an error of one of the drift of the energy (n,) too, either side of the
     separatrix is as likely: two runs may take the same wrong one.
     """
-    distance, exponent = separatrices(batch)
+    distance, exponent = separatrices(bodies)
     if not exponent.any():
-        return np.zeros((len(batch), times.shape[-1]))
+        return np.zeros((len(bodies), times.shape[-1]))
     passed = exponent[:, None] * np.abs(times)
     magnified = np.fmin(np.exp(passed), (1.0 + passed) / distance[:, None]) - 1.0
     lost = np.where(drift[:, None] * magnified >= 1.0, np.inf, 0.0)
@@ -87,29 +87,29 @@ def homoclinic(batch: Batch, times: Floats, sizes: RateSizes, drift: Floats) -> 
 
 
 @np.errstate(all="ignore")
-def departure(batch: Batch, times: Floats, sizes: RateSizes) -> Floats:
+def departure(bodies: Bodies, times: Floats, sizes: RateSizes) -> Floats:
     """Error that the rounding of a start beside an unstable equilibrium becomes, shape (n, m).
 
     Rounding grows with the largest exponent of the linearised motion until the body has left:
     until its distance from the equilibrium, and that of its rounded neighbour, is of order one. A
     start that is in equilibrium to the bit stays, as exact arithmetic has it.
     """
-    error = np.zeros((len(batch), times.shape[-1]))
-    if not batch.weight.any():
+    error = np.zeros((len(bodies), times.shape[-1]))
+    if not bodies.weight.any():
         return error
-    moments = np.broadcast_to(batch.moments, (len(batch), 3))
-    weight = np.broadcast_to(batch.weight, (len(batch), 3))
-    vertical, omega = verticals(batch), batch.omega
-    damping = np.broadcast_to(dampings(batch.forcing, alone=True), (len(batch), 3, 3))
+    moments = np.broadcast_to(bodies.moments, (len(bodies), 3))
+    weight = np.broadcast_to(bodies.weight, (len(bodies), 3))
+    vertical, omega = verticals(bodies), bodies.omega
+    damping = np.broadcast_to(dampings(bodies.forcing, alone=True), (len(bodies), 3, 3))
     torque = _cross(moments * omega, omega) + _cross(vertical, weight)
-    if batch.forcing is not None:
+    if bodies.forcing is not None:
         # Not by `@`: OpenBLAS ends the process where its own memory cannot be had.
         torque -= np.einsum("ni,nij->nj", omega, damping)
-    swing2 = lengths(batch.weight) / batch.moments.min(axis=1)
+    swing2 = lengths(bodies.weight) / bodies.moments.min(axis=1)
     rate = np.sqrt(np.einsum("ni,ni->n", omega, omega) + swing2)
     away = np.maximum(lengths(torque / moments) / rate**2, lengths(_cross(vertical, omega)) / rate)
-    stays = (away == 0.0) & _is_upright_to_the_bit(batch)
-    since = np.abs(times) if batch.forcing is None else np.maximum(times, 0.0)
+    stays = (away == 0.0) & _is_upright_to_the_bit(bodies)
+    since = np.abs(times) if bodies.forcing is None else np.maximum(times, 0.0)
     since = np.broadcast_to(since, error.shape)
     near = ~stays & (away < NEAR) & weight.any(axis=1)
     for body in np.flatnonzero(near):
@@ -121,9 +121,9 @@ def departure(batch: Batch, times: Floats, sizes: RateSizes) -> Floats:
     return sizes.with_rates(error, rate)
 
 
-def _is_upright_to_the_bit(batch: Batch) -> NDArray[np.bool_]:
+def _is_upright_to_the_bit(bodies: Bodies) -> NDArray[np.bool_]:
     """Whether the weight acts along a principal axis and this axis is vertical, exactly; (n,)."""
-    w, x, y, z = np.abs(np.broadcast_to(batch.attitude, (len(batch), 4)).T)
+    w, x, y, z = np.abs(np.broadcast_to(bodies.attitude, (len(bodies), 4)).T)
     vertical = np.stack(
         [
             (w == y) & (x == z),
@@ -132,14 +132,14 @@ def _is_upright_to_the_bit(batch: Batch) -> NDArray[np.bool_]:
         ],
         axis=-1,
     )
-    acts = np.broadcast_to(batch.weight, vertical.shape) != 0.0
+    acts = np.broadcast_to(bodies.weight, vertical.shape) != 0.0
     upright: NDArray[np.bool_] = (acts.sum(axis=1) == 1) & np.any(acts & vertical, axis=1)
     return upright
 
 
-def verticals(batch: Batch) -> Floats:
+def verticals(bodies: Bodies) -> Floats:
     """The upward verticals in body components, shape (n, 3)."""
-    w, x, y, z = np.broadcast_to(batch.attitude, (len(batch), 4)).T
+    w, x, y, z = np.broadcast_to(bodies.attitude, (len(bodies), 4)).T
     return np.stack(
         [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), w * w - x * x - y * y + z * z], axis=-1
     )

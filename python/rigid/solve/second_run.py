@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .arrays import time_ranges, time_span
-from .batch import Batch
+from .bodies import Bodies
 from .methods import angle_per_step, is_compensated, is_stiff, order_of, series_methods
 from .request import Request
 
@@ -55,9 +55,9 @@ def second_run(
     Nearly all of their distance from the states of the first run is the error of the first run.
     """
     second = replace(
-        request, batch=_rounded_start(request.batch), max_steps=min(64 * request.max_steps, 2**63)
+        request, bodies=_rounded_start(request.bodies), max_steps=min(64 * request.max_steps, 2**63)
     )
-    if request.batch.may_stop:
+    if request.bodies.may_stop:
         return _past_stops(second, steps, refinement, taken)
     if request.tolerance is not None:
         # Of equal order the first steps of both runs would be one polynomial. No smaller tolerance
@@ -65,7 +65,7 @@ def second_run(
         last, other = series_methods()[-1:-3:-1]
         method = other if request.method == last else last
         tighter = TIGHTER
-        if request.batch.forcing is not None:
+        if request.bodies.forcing is not None:
             # The tolerance is that of the rates. Their square, the power, has twice their damping:
             # the last terms of its series are so many times as large.
             tighter *= 2.0 ** order_of(method)
@@ -73,7 +73,7 @@ def second_run(
         return replace(second, method=method, tolerance=tolerance).states(None)
     # Of forced bodies the order falls where damping is as fast as the steps.
     ratio = max(
-        2.0 ** (halvings / order_of(request.method)), 1.2 if request.batch.forcing is None else 1.3
+        2.0 ** (halvings / order_of(request.method)), 1.2 if request.bodies.forcing is None else 1.3
     )
     if is_damped_stiffly(request):
         # Under strong damping the order of these methods falls.
@@ -89,7 +89,7 @@ def second_run(
 
 def _longest(request: Request, method: str) -> Floats:
     """The longest steps that a scheme takes by default (s), shape (n,)."""
-    rates = request.batch.fastest_rates(time_ranges(request.times), method)
+    rates = request.bodies.fastest_rates(time_ranges(request.times), method)
     longest: Floats = angle_per_step(method) / rates
     return longest
 
@@ -110,16 +110,16 @@ def _past_stops(
     return replace(second, method=RUNGE_KUTTA, tolerance=None).states(longest)
 
 
-def _rounded_start(batch: Batch) -> Batch:
+def _rounded_start(bodies: Bodies) -> Bodies:
     """The bodies with their starts and their damping rounded otherwise.
 
     Two runs from one start would share what a saddle makes of its rounding, and two runs with one
     matrix what rounding makes of its least rate. Zeros stay and equal sizes stay equal, so that a
     start that is in equilibrium to the bit stays one.
     """
-    omega, attitude = _rounded_otherwise(batch.omega), _rounded_otherwise(batch.attitude)
-    forcing = None if batch.forcing is None else batch.forcing.rounded_otherwise()
-    return replace(batch, omega=omega, attitude=attitude, forcing=forcing)
+    omega, attitude = _rounded_otherwise(bodies.omega), _rounded_otherwise(bodies.attitude)
+    forcing = None if bodies.forcing is None else bodies.forcing.rounded_otherwise()
+    return replace(bodies, omega=omega, attitude=attitude, forcing=forcing)
 
 
 def _rounded_otherwise(rows: Floats) -> Floats:
@@ -135,4 +135,4 @@ def _rounded_otherwise(rows: Floats) -> Floats:
 
 def is_damped_stiffly(request: Request) -> bool:
     """Whether a method for strong damping integrates forced bodies."""
-    return request.batch.forcing is not None and is_stiff(request.method)
+    return request.bodies.forcing is not None and is_stiff(request.method)

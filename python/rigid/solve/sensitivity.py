@@ -10,9 +10,10 @@ from numpy.typing import ArrayLike, NDArray
 from .._checks.arguments import resolve_threads, sorted_times
 from ..model.body import Body
 from ..model.scene import Scene, check_scene
-from .batch import Batch
+from .bodies import Bodies
 from .methods import SECOND
 from .request import Request
+from .starts import bodies_of
 from .tangent import ROUNDING, rate_scale, tangent_matrices
 
 if TYPE_CHECKING:
@@ -84,16 +85,16 @@ def condition(
     10 490
     """
     scene = check_scene(scene, many=True)
-    batch, shape = Batch.from_input(scene, omega, attitude)
-    factors = amplification(batch, sorted_times("t", t), resolve_threads(threads))
-    return factors.reshape(*shape, factors.shape[1])
+    bodies = bodies_of(scene, omega, attitude)
+    factors = amplification(bodies, sorted_times("t", t), resolve_threads(threads))
+    return factors.reshape(*bodies.shape, factors.shape[1])
 
 
-def amplification(batch: Batch, times: Floats, threads: int) -> Floats:
+def amplification(bodies: Bodies, times: Floats, threads: int) -> Floats:
     """The condition of some bodies at these times, shape (n, m)."""
     matrices = tangent_matrices(
         Request(
-            batch=batch,
+            bodies=bodies,
             times=times,
             method=SECOND,
             record="rates",
@@ -103,7 +104,7 @@ def amplification(batch: Batch, times: Floats, threads: int) -> Floats:
         ),
         None,
     )
-    scale = rate_scale(batch)[:, None, None, None]
+    scale = rate_scale(bodies)[:, None, None, None]
     matrices[..., :3, 3:] /= scale
     matrices[..., 3:, :3] *= scale
     finite = np.isfinite(matrices).all(axis=(-2, -1))

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
+from .._checks.arrays import IDENTITY
 from .arrays import Range
-from .batch import Batch
+from .bodies import Bodies
 
 __all__ = ["circulation_terms", "separatrix_error"]
 
@@ -35,7 +36,7 @@ def circulation_terms(moments: Floats, omega: Floats) -> tuple[Floats, Floats]:
 
 @np.errstate(all="ignore")
 def separatrix_error(
-    batch: Batch, states: Mapping[str, Any], reached: Range
+    bodies: Bodies, states: Mapping[str, Any], reached: Range
 ) -> tuple[Floats, Floats] | None:
     """Phase error (rad) that drift causes near the separatrix, and the time it may be lost from.
 
@@ -48,7 +49,7 @@ def separatrix_error(
 
     Parameters
     ----------
-    batch : Batch
+    bodies : Bodies
     states : mapping
         States of the bodies at the requested times.
     reached : tuple of float, or of ndarray of shape (n,)
@@ -63,16 +64,16 @@ def separatrix_error(
 
     None if no body is near its separatrix.
     """
-    count = len(batch)
+    count = len(bodies)
     if not count:
         return None
     work = None
     if states["work"] is not None:
         work = np.abs(states["work"]).max(axis=1, initial=0.0)
     near = _core.near_separatrix(
-        moments=batch.moments,
-        weight=batch.weight,
-        omega=batch.omega,
+        moments=bodies.moments,
+        weight=bodies.weight,
+        omega=bodies.omega,
         near=NEAR,
         free=NEARLY_FREE,
         work=work,
@@ -80,7 +81,7 @@ def separatrix_error(
     if not len(near):
         return None
     delay, never = np.zeros(count), np.full(count, np.inf)
-    moments, omega = np.broadcast_to(batch.moments, (count, 3))[near], batch.omega[near]
+    moments, omega = np.broadcast_to(bodies.moments, (count, 3))[near], bodies.omega[near]
     order = np.argsort(moments, axis=1, kind="stable")
     ascending = np.take_along_axis(moments, order, axis=1)
     about_first, about_third = circulation_terms(
@@ -93,12 +94,13 @@ def separatrix_error(
     first = np.empty(len(near))
     for axis in range(3):
         mine = order[:, 1] == axis
-        free = Batch(
+        free = Bodies(
             kind="free",
+            shape=(int(mine.sum()),),
             moments=moments[mine],
             weight=np.zeros((1, 3)),
             omega=omega[mine],
-            attitude=np.array([[1.0, 0.0, 0.0, 0.0]]),
+            attitude=IDENTITY[np.newaxis],
         )
         first[mine] = _core.flip_times(**free.columns(), axis=axis + 1, count=1)[:, 0]
     # Backward in time a body passes the saddle about as late.

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
@@ -19,19 +19,19 @@ from .._checks.arguments import (
     resolve_threads,
     times_of_each,
 )
-from .._checks.arrays import attitudes, vectors
 from .._checks.float_environment import in_standard_floats
 from ..model.body import Body
 from ..model.events import Event, checked_events
-from ..model.frame import attitudes_in_principal_axes, checked_frame, turned
+from ..model.frame import checked_frame
 from ..model.scene import Scene, check_scene
+from ..model.torque import NO_EXPONENT
 from .arrays import in_rows, largest, time_ranges, time_span
-from .batch import Batch
+from .bodies import Bodies
 from .choose_method import choose_method, has_closed_form
 from .closed_form import RECORDS
-from .error_estimate import ErrorEstimate, closed_form_error, unknown_error
+from .error_estimate import ErrorEstimate, unknown_error
 from .events import check_event_method, find_events
-from .integrate import integrate
+from .integrate import compute_states
 from .made_run import end_records, to_run
 from .methods import EXACT, series_methods
 from .parameters import check_parameters, parameter_changes
@@ -39,6 +39,7 @@ from .plan import LazyPlan, Plan
 from .problem import Problem
 from .request import Request
 from .run import Run
+from .starts import bodies_of
 from .surfaces import METHOD
 from .tangent import check_tangent, tangent_of
 from .target import PLAIN, Target
@@ -49,10 +50,6 @@ if TYPE_CHECKING:
 __all__ = [
     "simulate",
 ]
-
-MakesPlan: TypeAlias = Callable[[], Plan]
-
-_IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
 
 
 @in_standard_floats
@@ -84,7 +81,7 @@ def simulate(
     the third axis: the closed form is evaluated at each given time and takes no steps. All other
     bodies are integrated, unless all tops of the call swing as pendulums about a principal axis.
     Bodies under torque or damping are integrated too. With a given method the result of a body has
-    the same bits in any batch, on any processor and for any number of threads.
+    the same bits in any bodies, on any processor and for any number of threads.
 
     Parameters
     ----------
@@ -231,29 +228,26 @@ def simulate(
         if out is not None:
             raise ValueError("frame, out: exclude each other, states in a frame are new arrays")
         frame = checked_frame(frame)
-        omega = turned(frame.T, vectors("omega", omega))
-        given_attitude = _IDENTITY if attitude is None else attitudes(attitude)
-        attitude = attitudes_in_principal_axes(frame, given_attitude)
     given = times_of_each("t", t)
-    batch, shape = Batch.from_input(scene, omega, attitude, given.shape[:-1])
-    times = given if given.ndim == 1 else in_rows(given, shape)
+    bodies = bodies_of(scene, omega, attitude, frame=frame, times=given.shape[:-1])
+    times = given if given.ndim == 1 else in_rows(given, bodies.shape)
     target = PLAIN
     if out is not None or dtype is not np.float64:
-        target = Target.of(dtype, out, (*shape, times.shape[-1]), _recorded(scene, record))
-        target.check(batch, time_ranges(times), accuracy)
+        target = Target.of(dtype, out, (*bodies.shape, times.shape[-1]), _recorded(scene, record))
+        target.check(bodies, time_ranges(times), accuracy)
     if tolerance is not None:
         tolerance = _checked_tolerance(tolerance, method, step, accuracy)
     plain = step is None and accuracy is None and tolerance is None and given.ndim == 1
     if plain and method in (None, EXACT) and has_closed_form(scene):
-        bodies, wanted = max(len(batch), 1), len(times)
-        plan: MakesPlan = partial(_plan_of_any_start, scene, record, method, bodies, wanted)
+        number, wanted = max(len(bodies), 1), len(times)
+        plan = LazyPlan(partial(_plan_of_any_start, scene, record, method, number, wanted))
         chosen, steps = EXACT, None
     else:
         begin, end = time_ranges(times)
         problem = Problem(
             scene=scene,
             record=record,
-            batch=batch,
+            bodies=bodies,
             begin=begin,
             end=end,
             accuracy=accuracy,
@@ -261,23 +255,20 @@ def simulate(
             step=step,
             states=times.shape[-1],
         )
-        choice = choose_method(problem)
-        plan = choice.plan
-        if watched and choice.method != EXACT and choice.method not in series_methods():
-            choice = choose_method(replace(problem, method=METHOD))
-            why = ("a Taylor series knows the events inside its steps",)
-            plan = partial(_amended, choice.plan, why=why)
-        chosen, steps = choice.method, choice.steps
+        chosen, steps, plan = choose_method(problem)
+        if watched and chosen != EXACT and chosen not in series_methods():
+            chosen, steps, plan = choose_method(replace(problem, method=METHOD))
+            plan.amend(why=("a Taylor series knows the events inside its steps",))
     if tolerance is not None:
         own = f"each body takes its own steps, last terms below {tolerance:g}"
-        plan = partial(_amended, plan, own, step=None, steps=None, work=None, error=None)
+        plan.amend(own, step=None, steps=None, work=None, error=None)
     request = Request(
-        batch=batch,
+        bodies=bodies,
         times=times,
         method=chosen,
         record=record,
         max_steps=positive_int("max_steps", max_steps),
-        threads=resolve_threads(threads, len(batch)),
+        threads=resolve_threads(threads, len(bodies)),
         tolerance=tolerance,
     )
     found = None
@@ -285,8 +276,7 @@ def simulate(
         _check_forward(given)
         found = find_events(
             scene,
-            batch,
-            shape,
+            bodies,
             np.asarray(time_ranges(times)[1]),
             watched,
             counted,
@@ -301,56 +291,54 @@ def simulate(
         if found.stopped.any():
             # States are computed up to the end of a body, and so are their errors.
             request = replace(request, times=np.minimum(times, found.last))
+    every = method is None and step is None
+    states, estimate = compute_states(
+        request, steps, accuracy, check=check, every=every, target=target
+    )
     if chosen == EXACT:
-        states = request.states(None, out=target.given, single=target.single)
-        batch.note_rates(states["fastest_rate"])
-        estimate = closed_form_error(batch, request.times, states["omega"])
         worst = largest(estimate.error)
-        plan = partial(_amended, plan, error=worst if worst < 1.0 else None)
-    else:
-        every = method is None and step is None
-        states, estimate = integrate(
-            request, steps, accuracy, check=check, every=every, out=target.exact
-        )
-    if states["work"] is not None:
-        np.ldexp(states["work"], batch.scale_exponent[:, np.newaxis], out=states["work"])
+        plan.amend(error=worst if worst < 1.0 else None)
     matrices = sensitivity = None
     if parameters is not None:
-        change = parameter_changes(scene, batch, shape, parameters) if parameters else None
+        change = parameter_changes(scene, bodies, parameters) if parameters else None
         matrices, sensitivity, words = tangent_of(request, steps, method, change)
-        plan = partial(_amended, plan, words)
+        plan.amend(words)
     if target is not PLAIN:
         estimate = ErrorEstimate(target.finish(states, estimate.error), estimate.lost_from)
-    spec = {
+    own_step = None if chosen == EXACT else step
+    spec = _spec(scene, chosen, own_step, accuracy, tolerance, record)
+    states["tangent"], states["sensitivity"] = matrices, sensitivity
+    if found is not None:
+        end_records(states, times, found.last)
+    run = to_run(states, given, estimate, spec, plan, bodies, parameters or (), found)
+    return run if frame is None else run.in_frame(frame)
+
+
+def _spec(
+    scene: Scene,
+    method: str,
+    step: float | None,
+    accuracy: float | None,
+    tolerance: float | None,
+    record: str,
+) -> dict[str, Any]:
+    """What a run was asked for, as a file has it."""
+    return {
         "scene": scene.to_dict(),
-        "method": chosen,
-        "step": None if chosen == EXACT else step,
+        "method": method,
+        "step": step,
         "accuracy": accuracy,
         "tolerance": tolerance,
         "record": record,
     }
-    states["tangent"], states["sensitivity"] = matrices, sensitivity
-    if found is not None:
-        end_records(states, times, found.last)
-    lazy = LazyPlan(plan)
-    run = to_run(states, given, estimate, spec, lazy, batch, shape, parameters or (), found)
-    return run if frame is None else run.in_frame(frame)
 
 
 def _plan_of_any_start(
-    scene: Scene, record: str, method: str | None, bodies: int, states: int
+    scene: Scene, record: str, method: str | None, number: int, states: int
 ) -> Plan:
     """The plan of a scene all of whose motions have a closed form, but for its error."""
-    problem = Problem(scene=scene, record=record, method=method, bodies=bodies, states=states)
-    return choose_method(problem).plan()
-
-
-def _amended(make: MakesPlan, reason: str | None = None, **fields: Any) -> Plan:
-    """A plan with other fields, and with one reason more."""
-    plan = make()
-    if reason is not None:
-        fields["why"] = (*plan.why, reason)
-    return replace(plan, **fields)
+    problem = Problem(scene=scene, record=record, method=method, number=number, states=states)
+    return choose_method(problem)[2]()
 
 
 def _checked_count(count: int | None, watched: Sequence[Event], until: object) -> int | None:
@@ -417,36 +405,28 @@ def _replayed(
     looks: dict[str, Any],
 ) -> Run:
     """A body from the very start of a map: an attitude given by a user would be normalised."""
-    batch = Batch.of_scene(scene, omega.reshape(1, 3), attitude.reshape(1, 4), (1,))
+    bodies = Bodies.of_scene(scene, omega, attitude, (), NO_EXPONENT)
     problem = Problem(
         scene=scene,
         record="attitude",
-        batch=batch,
+        bodies=bodies,
         end=time_span(times),
         method=method,
         step=step,
     )
-    choice = choose_method(problem)
+    _, steps, plan = choose_method(problem)
     states = _core.simulate(
-        **batch.columns(),
+        **bodies.columns(),
         method=method,
         record="attitude",
-        step=None if looks.get("tolerance") is not None else choice.steps,
+        step=None if looks.get("tolerance") is not None else steps,
         max_steps=2**63,
         threads=1,
         **looks,
     )
-    spec = {
-        "scene": scene.to_dict(),
-        "method": method,
-        "step": step,
-        "accuracy": None,
-        "tolerance": looks.get("tolerance"),
-        "record": "attitude",
-    }
+    spec = _spec(scene, method, step, None, looks.get("tolerance"), "attitude")
     # The map that this body comes from has its own check of the error.
-    plan = LazyPlan(choice.plan)
-    return to_run(states, times, unknown_error(1), spec, plan, batch, ())
+    return to_run(states, times, unknown_error(1), spec, plan, bodies)
 
 
 def _checked_tolerance(

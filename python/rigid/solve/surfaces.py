@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from .. import _core
 from .._checks.progress import Progress, ProgressOption, reporting
-from .batch import Batch
+from .bodies import Bodies
 from .error_estimate import closed_form_error, distances
 from .request import Request
 
@@ -50,10 +50,10 @@ class Surfaces:
         whether its points are counted.
     normal : ndarray, shape (n, kinds, 6)
     momentum : ndarray, shape (n, kinds, 3)
-        In one over the unit of moments of the batch.
+        In one over the unit of moments of the bodies.
     value : ndarray, shape (n, kinds)
     rotor : ndarray, shape (n, 3)
-        Momentum of a rotor in each body, in the unit of moments of the batch.
+        Momentum of a rotor in each body, in the unit of moments of the bodies.
     """
 
     kinds: tuple[tuple[bool, int, bool], ...]
@@ -67,14 +67,14 @@ class Surfaces:
         names = ("normal", "momentum", "value", "rotor")
         return replace(self, **{name: getattr(self, name)[bodies] for name in names})
 
-    def scales(self, batch: Batch, ends: Floats) -> Floats:
+    def scales(self, bodies: Bodies, ends: Floats) -> Floats:
         """The scale of what is zero on each surface, shape (n, kinds)."""
-        rate = batch.fastest_rates((np.zeros_like(ends), ends))[:, np.newaxis]
+        rate = bodies.fastest_rates((np.zeros_like(ends), ends))[:, np.newaxis]
         of_omega, of_gamma = np.split(np.abs(self.normal), 2, axis=-1)
         size = np.linalg.norm
         # A rate that overflows is that of a body which is not run.
         with np.errstate(invalid="ignore", over="ignore"):
-            momentum = batch.moments.max(axis=1)[:, np.newaxis] * rate
+            momentum = bodies.moments.max(axis=1)[:, np.newaxis] * rate
             momentum = momentum + size(self.rotor, axis=-1)[:, np.newaxis]
             of_momentum = size(self.momentum, axis=-1)
             scale: Floats = size(of_omega, axis=-1) * rate + size(of_gamma, axis=-1)
@@ -89,7 +89,7 @@ class Search:
 
     Attributes
     ----------
-    batch : Batch
+    bodies : Bodies
     surfaces : Surfaces
     ends : ndarray, shape (n,)
         Time at which the motion of each body ends (s).
@@ -104,7 +104,7 @@ class Search:
     max_steps, threads : int
     """
 
-    batch: Batch
+    bodies: Bodies
     surfaces: Surfaces
     ends: Floats
     count: int | None
@@ -114,20 +114,20 @@ class Search:
     max_steps: int
     threads: int
 
-    def select(self, bodies: NDArray[np.intp]) -> Self:
+    def select(self, some: NDArray[np.intp]) -> Self:
         """The search of some bodies."""
         return replace(
             self,
-            batch=self.batch.select(bodies),
-            surfaces=self.surfaces.select(bodies),
-            ends=self.ends[bodies],
+            bodies=self.bodies.select(some),
+            surfaces=self.surfaces.select(some),
+            ends=self.ends[some],
         )
 
     def points(self, progress: ProgressOption = False) -> dict[str, NDArray[Any]]:
         """The columns of the core for all bodies."""
         if progress is False:
             return self._points()
-        began, parts, count = time.perf_counter(), [], len(self.batch)
+        began, parts, count = time.perf_counter(), [], len(self.bodies)
         size = TOGETHER * self.threads
         with reporting(progress, count) as report:
             for first in range(0, max(count, 1), size):
@@ -140,7 +140,7 @@ class Search:
     def _points(self) -> dict[str, NDArray[Any]]:
         surfaces = self.surfaces
         return _core.section(
-            **self.batch.columns(),
+            **self.bodies.columns(),
             method=self.method,
             kinds=list(surfaces.kinds),
             normal=np.ascontiguousarray(surfaces.normal.reshape(-1, 6)),
@@ -163,10 +163,10 @@ class Search:
         another order: three times what it makes of the surface, the largest until then.
         """
         t, kind = found["t"], found["kind"]
-        scale = self.surfaces.scales(self.batch, self.ends)[body, kind]
+        scale = self.surfaces.scales(self.bodies, self.ends)[body, kind]
         if self.closed:
             omega = found["omega"][:, np.newaxis]
-            error = closed_form_error(self.batch.select(body), t[:, np.newaxis], omega).error
+            error = closed_form_error(self.bodies.select(body), t[:, np.newaxis], omega).error
             off = error * scale
         else:
             off = SAFETY * self._second_run(found, counts)
@@ -174,7 +174,7 @@ class Search:
         rounding = ROUNDINGS * np.finfo(float).eps * (scale + value)
         with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
             late = (off + rounding) / np.abs(found["slope"]) + np.spacing(t)
-        lost_from = np.full(len(self.batch), np.inf)
+        lost_from = np.full(len(self.bodies), np.inf)
         lost = np.flatnonzero(~(off <= LOST * scale))
         np.minimum.at(lost_from, body[lost], t[lost])
         return late, lost_from
@@ -187,9 +187,9 @@ class Search:
         for some in _alike(counts):
             most = np.arange(counts[some].max())
             places = first[some, np.newaxis] + np.minimum(most, counts[some, np.newaxis] - 1)
-            batch = self.batch.select(some)
+            bodies = self.bodies.select(some)
             states = Request(
-                batch=batch,
+                bodies=bodies,
                 times=found["t"][places],
                 method=ANOTHER if self.method != ANOTHER else METHOD,
                 record="attitude" if uses_momentum else "axis",
@@ -198,14 +198,14 @@ class Search:
                 tolerance=max(1e-3 * self.tolerance, min(self.tolerance, TOLERANCE)),
             ).states(None)
             known = {name: found[name][places] for name in ("omega", "gamma", "attitude", "kind")}
-            values = self._values(batch, some, states, known)
+            values = self._values(bodies, some, states, known)
             # Errors grow along a motion; where two runs agree by chance, those before still count.
             off[places] = np.maximum.accumulate(np.abs(values), axis=1)
         return off
 
     def _values(
         self,
-        batch: Batch,
+        bodies: Bodies,
         some: NDArray[np.intp],
         states: dict[str, Any],
         known: dict[str, NDArray[Any]],
@@ -223,7 +223,7 @@ class Search:
         else:
             axes = _space_axes(states["attitude"])
             gamma = axes[..., 2, :]
-            momentum = batch.moments[:, np.newaxis] * omega + surfaces.rotor[:, np.newaxis]
+            momentum = bodies.moments[:, np.newaxis] * omega + surfaces.rotor[:, np.newaxis]
             along = np.einsum("...j,...jk,...k->...", of_momentum, axes, momentum)
         values: Floats = _dot(of_omega, omega) + _dot(of_gamma, gamma) + along
         values -= surfaces.value[rows, kind]
@@ -234,14 +234,14 @@ class Search:
         rate = _dot(of_gamma, np.cross(gamma, omega))
         unknown = of_omega.any(axis=-1) | of_momentum.any(axis=-1)
         if (turning & unknown).any():
-            fastest = batch.fastest_rates((np.zeros(len(some)), self.ends[some]))
+            fastest = bodies.fastest_rates((np.zeros(len(some)), self.ends[some]))
             pair = [
                 {"omega": one["omega"], "vertical": vertical, "attitude": None}
                 for one, vertical in ((states, gamma), (known, known["gamma"]))
             ]
             apart = distances(pair[0], pair[1], np.zeros(len(some)), fastest)
             rate = np.where(
-                unknown, apart * surfaces.scales(batch, self.ends[some])[rows, kind], rate
+                unknown, apart * surfaces.scales(bodies, self.ends[some])[rows, kind], rate
             )
         return np.where(turning, rate, values)
 

@@ -19,7 +19,7 @@ from .request import Request
 from .status import Status
 
 if TYPE_CHECKING:
-    from .batch import Batch
+    from .bodies import Bodies
 
 __all__ = ["ROUNDING", "check_tangent", "rate_scale", "tangent_matrices", "tangent_of"]
 
@@ -42,10 +42,10 @@ def check_tangent(method: str | None, *, driven: bool, by_parameters: bool = Fal
     raise ValueError(f"method = {method!r}: {why}; {', '.join(map(repr, known))} have one")
 
 
-def rate_scale(batch: Batch) -> Floats:
+def rate_scale(bodies: Bodies) -> Floats:
     """Unit of the rates, ``sqrt(|omega|² + mgl / I_min)`` at the start; 1 if that is zero."""
     return _core.rate_units(
-        moments=batch.moments, weight=batch.weight, omega=batch.omega, attitude=batch.attitude
+        moments=bodies.moments, weight=bodies.weight, omega=bodies.omega, attitude=bodies.attitude
     )
 
 
@@ -84,7 +84,7 @@ def tangent_matrices(request: Request, steps: Floats | None) -> Floats:
         NaN for a body that was not run or whose motion overflows; infinite where the derivative
         leaves the range of doubles.
     """
-    starts = np.tile(np.eye(6), (len(request.batch), 1))
+    starts = np.tile(np.eye(6), (len(request.bodies), 1))
     return _columns(request, steps, 6, displacements=starts)
 
 
@@ -110,7 +110,7 @@ def _columns(
 
     Their causes are displacements at the start or changes of parameters, (n width, ...).
     """
-    count, record = len(request.batch), "tangent" if changes is None else "sensitivity"
+    count, record = len(request.bodies), "tangent" if changes is None else "sensitivity"
     columns = replace(request.select(np.repeat(np.arange(count), width)), record=record)
     found = columns.states(
         None if steps is None else np.repeat(steps, width),

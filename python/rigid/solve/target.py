@@ -12,7 +12,7 @@ from numpy.typing import DTypeLike, NDArray
 
 from .._checks.arguments import brief, one_of
 from .arrays import Range
-from .batch import Batch
+from .bodies import Bodies
 
 __all__ = ["PLAIN", "Target"]
 
@@ -86,13 +86,13 @@ class Target:
             given[column] = _fillable(name, array, wanted).reshape(count, shape[-1], width)
         return cls(np.dtype(dtype) == np.float32, given)
 
-    def check(self, batch: Batch, reached: Range, accuracy: float | None) -> None:
+    def check(self, bodies: Bodies, reached: Range, accuracy: float | None) -> None:
         """Raise ValueError for what single precision cannot hold."""
         if not self._rounds:
             return
         if accuracy is not None and accuracy <= SINGLE:
             raise ValueError(f"accuracy = {accuracy:g}: must be above {SINGLE:.1e} in float32")
-        rates = batch.fastest_rates(reached)
+        rates = bodies.fastest_rates(reached)
         outside = np.flatnonzero((rates > 0.0) & ~((rates > SLOWEST) & (rates < FASTEST)))
         if len(outside):
             raise ValueError(

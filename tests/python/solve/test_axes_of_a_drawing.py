@@ -212,6 +212,31 @@ def test_events_and_states_between_are_in_the_frame() -> None:
     assert np.allclose(run.at(TIMES[3:5]).omega, run.omega[3:5], rtol=0, atol=1e-13)
 
 
+def test_bodies_without_states_leave_the_others_in_the_frame() -> None:
+    """A body that overflows beside one that moves, and one whose record an event has ended."""
+    omega = [[0.4, -0.7, 1.1], [1e307, 1e307, 1.0]]
+    run = rigid.simulate(BODY, omega, t=TIMES, frame=AXES)
+    alone = rigid.simulate(BODY, omega[0], t=TIMES, frame=AXES)
+    assert run.status.tolist() == [rigid.Status.OK, rigid.Status.NOT_FINITE]
+    until = rigid.crosses("omega1", 0.5)
+    ended = rigid.simulate(BODY, omega[0], t=TIMES, frame=AXES, until=until)
+    assert run.attitude is not None
+    assert alone.attitude is not None
+    assert ended.attitude is not None
+    assert ended.end is not None
+    assert np.array_equal(run.attitude[0], alone.attitude)
+    assert np.isnan(run.attitude[1, 1:]).all()
+    left = ended.end >= TIMES
+    assert 0 < left.sum() < len(TIMES)
+    assert np.array_equal(ended.attitude[left], alone.attitude[left])
+    assert np.isnan(ended.attitude[~left]).all()
+
+
+def test_rates_that_overflow_in_principal_axes_are_refused() -> None:
+    with pytest.raises(ValueError, match="omega: must be finite along the principal axes"):
+        rigid.simulate(BODY, [1.7e308, -1.7e308, 1.7e308], t=TIMES, frame=AXES)
+
+
 def test_what_is_no_frame_is_refused() -> None:
     with pytest.raises(ValueError, match=r"frame: expected shape \(3, 3\).*got \(3,\)"):
         rigid.simulate(BODY, OMEGA, t=TIMES, frame=[1.0, 0.0, 0.0])

@@ -7,8 +7,8 @@ import pytest
 from numpy.typing import NDArray
 
 import rigid
-from rigid.solve.batch import Batch
 from rigid.solve.saddle import START, RateSizes, departure
+from rigid.solve.starts import bodies_of
 
 SMALL = 1e-9
 TIMES = np.array([0.0, 1.0, 2.0, 4.0])
@@ -17,10 +17,10 @@ TIMES = np.array([0.0, 1.0, 2.0, 4.0])
 def departures(top: rigid.HeavyTop, spin: float) -> NDArray[np.float64]:
     """Of a top that spins upright, tilted by next to nothing."""
     tilted = rigid.rotations.exp_quaternion(np.array([SMALL, 0.0, 0.0]))
-    batch, _ = Batch.from_input(top, np.array([0.0, 0.0, spin]), tilted)
+    bodies = bodies_of(top, np.array([0.0, 0.0, spin]), tilted)
     # Relative to fast rates those of the fall add nothing to its angle.
     fast = np.array([1e9])
-    found: NDArray[np.float64] = departure(batch, TIMES, RateSizes(fast, fast, fast))[0]
+    found: NDArray[np.float64] = departure(bodies, TIMES, RateSizes(fast, fast, fast))[0]
     return found
 
 

@@ -16,7 +16,7 @@ from judged_growth import judge_growth
 from physics import Floats, present, vertical
 from rigid import _core
 from rigid.model.scene import Scene
-from rigid.solve.batch import Batch
+from rigid.solve.starts import bodies_of
 
 TOP = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
 BOX = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
@@ -347,8 +347,8 @@ def test_regular_motions_may_have_grown_faster_than_what_their_horizon_shows() -
 def test_displacements_of_a_verdict_keep_the_momentum_about_the_vertical() -> None:
     """The derivative of ``I w · gamma`` along them, by central differences, is zero."""
     scene, omega, attitude = integrable("kovalevskaya", 64)
-    batch, _ = Batch.from_input(scene, omega, attitude)
-    columns = {name: value for name, value in batch.columns().items() if name != "scene"}
+    bodies = bodies_of(scene, omega, attitude)
+    columns = {name: value for name, value in bodies.columns().items() if name != "scene"}
     unit = np.sqrt((omega**2).sum(axis=1) + 1.0)
 
     def momentum(displacement: Floats) -> Floats:

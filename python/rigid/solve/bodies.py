@@ -4,37 +4,31 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from math import prod
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from .. import _core
-from .._checks.arrays import attitudes, vectors
-from ..model.leading import Shape, leading_shape
+from .._checks.arrays import IDENTITY
+from ..model.leading import Shape
 from ..model.scene import Scene
 from ..model.torque import NO_EXPONENT, forcing_of
-from .arrays import Range, in_rows
+from .arrays import Range, in_rows, rows_of_each
 
-if TYPE_CHECKING:
-    from scipy.spatial.transform import Rotation
-
-__all__ = ["Batch"]
+__all__ = ["Bodies"]
 
 Floats = NDArray[np.float64]
-
-_IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
-_IDENTITY.flags.writeable = False
 
 SLOWEST = 1e-140
 """Squares of slower rates, and their products, would underflow (rad/s)."""
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
-class Batch:
-    """Bodies of one kind with their starts.
+class Bodies:
+    """Bodies of one kind with their starts: of a call, of a run again, or of pixels of a map.
 
+    Nothing here is checked again. :func:`.starts.bodies_of` checks what a user gives.
     As :class:`.request.Request` and :class:`.error_estimate.ErrorEstimate`, which a call makes too,
     it is not frozen: a frozen object takes twice as long to make.
 
@@ -42,6 +36,8 @@ class Batch:
     ----------
     kind : str
         The :attr:`kind <rigid.model.scene.Scene.kind>` of their scene.
+    shape : tuple of int
+        The axes of the bodies, ``()`` for a single one; the arrays have them as one axis of n.
     moments, weight : ndarray, shape (n, 3) or (1, 3)
         Principal moments and ``mgl com``; one row may serve all bodies.
     omega : ndarray, shape (n, 3)
@@ -57,6 +53,7 @@ class Batch:
     """
 
     kind: str
+    shape: Shape
     moments: Floats
     weight: Floats
     omega: Floats
@@ -67,82 +64,56 @@ class Batch:
     _rates: dict[object, Floats] = field(default_factory=dict, init=False, repr=False)
 
     @classmethod
-    def from_input(
-        cls,
-        scene: Scene,
-        omega: ArrayLike,
-        attitude: ArrayLike | Rotation | None,
-        times: Shape = (),
-    ) -> tuple[Self, Shape]:
-        """The bodies that a call describes, and the axes of its bodies: ``()`` for one.
-
-        ``times`` has the axes of the bodies that times of their own have.
-
-        Raises
-        ------
-        ValueError
-            If an array is not finite, has the wrong shape, or holds a zero quaternion, if the axes
-            of bodies, rates and attitudes do not broadcast, if the rates are so slow that their
-            squares underflow, or the weight, torque or damping so large that they overflow in the
-            unit of the moments.
-        """
-        rates, quaternions = _own(vectors("omega", omega), omega), _attitudes(attitude)
-        shape = leading_shape(
-            {
-                "scene": scene.shape,
-                "omega": rates.shape[:-1],
-                "attitude": quaternions.shape[:-1],
-                "t": times,
-            }
-        )
-        known = scene.once(_columns_of_one)
-        if known is None:
-            exponents = _scale_exponents(scene, shape)
-            batch = cls.of_scene(scene, rates, quaternions, shape, exponents)
-            swing = batch._swings()
-        else:
-            moments, weight, exponents, swing = known
-            batch = cls(
-                kind=scene.kind,
-                moments=moments,
-                weight=weight,
-                omega=_row_of_each(rates, shape),
-                attitude=in_rows(quaternions, shape),
-                scale_exponent=exponents,
-            )
-        batch._check_time_unit(swing, shape)
-        return batch, shape
-
-    @classmethod
     def of_scene(
         cls,
         scene: Scene,
         omega: Floats,
         attitude: Floats,
         shape: Shape,
-        exponents: NDArray[np.intc] = NO_EXPONENT,
+        exponents: NDArray[np.intc] | None = None,
     ) -> Self:
-        """Bodies of a scene with these rates and unit quaternions, as they are."""
-        moments, weight = in_rows(np.asarray(scene.body.moments), shape), scene.weight
-        rows = in_rows(weight, shape)
+        """Bodies of a scene with these rates and unit quaternions, as they are.
+
+        Without ``exponents`` the largest moment of each is near one.
+
+        Raises
+        ------
+        ValueError
+            If torque or damping overflow in this unit.
+        """
+        known = scene.once(_inertia_of_one) if exponents is None else None
+        if exponents is None and known is None:
+            exponents = _scale_exponents(scene, shape)
+        omega, attitude, forcing = rows_of_each(omega, shape), in_rows(attitude, shape), None
+        if known is not None:
+            moments, weight, exponents, _ = known
+        else:
+            assert exponents is not None
+            unit = -exponents[:, np.newaxis]
+            moments = np.ldexp(in_rows(np.asarray(scene.body.moments), shape), unit)
+            weight = in_rows(scene.weight, shape)
+            if np.count_nonzero(weight):
+                with np.errstate(over="ignore"):
+                    weight = np.ldexp(weight, unit)
+            forcing = forcing_of(scene.torque, scene.damping, shape, exponents, scene.satellite)
         return cls(
             kind=scene.kind,
-            moments=np.ldexp(moments, -exponents[:, np.newaxis]),
-            weight=_scaled("mgl", rows, exponents, shape) if np.count_nonzero(weight) else rows,
-            omega=_row_of_each(omega, shape),
-            attitude=in_rows(attitude, shape),
-            forcing=forcing_of(scene.torque, scene.damping, shape, exponents, scene.satellite),
-            may_stop=scene.may_stop,
+            shape=shape,
+            moments=moments,
+            weight=weight,
+            omega=omega,
+            attitude=attitude,
+            forcing=forcing,
+            may_stop=forcing is not None and scene.may_stop,
             scale_exponent=exponents,
         )
 
-    @classmethod
-    def of_start(cls, scene: Scene, omega: Floats, attitude: Floats, shape: Shape) -> Self:
-        """The bodies whose rates and attitudes another batch of the scene had, as they are."""
-        return cls.of_scene(scene, omega, attitude, shape, _scale_exponents(scene, shape))
-
     def __len__(self) -> int:
         return len(self.omega)
+
+    def in_axes(self, values: NDArray[Any]) -> Any:
+        """Values of the bodies, shape (n, ...), in their axes; of a single body its own."""
+        return values.reshape(*self.shape, *values.shape[1:]) if self.shape else values[0]
 
     def columns(self) -> dict[str, Any]:
         """The arguments of the core for these bodies."""
@@ -180,7 +151,8 @@ class Batch:
         forcing = None if self.forcing is None else self.forcing.select(bodies)
         if forcing is not None and not forcing.drives(len(bodies)).any():
             forcing = None
-        return replace(self, **columns, omega=self.omega[bodies], forcing=forcing)
+        shape, omega = (len(bodies),), self.omega[bodies]
+        return replace(self, **columns, shape=shape, omega=omega, forcing=forcing)
 
     def driven(self) -> NDArray[np.bool_]:
         """Whether torque or damping acts on each body; shape (n,)."""
@@ -236,34 +208,46 @@ class Batch:
             swings: Floats = np.sqrt(np.abs(self.weight).max(axis=1) / self.moments.min(axis=1))
         return swings
 
-    def _check_time_unit(self, swing: Floats, shape: Shape) -> None:
-        """Raise ValueError for rates whose squares underflow, beside these rates of the swings."""
+    def check_ranges(self, scene: Scene) -> None:
+        """Raise ValueError for a weight that overflows, or rates whose squares underflow.
+
+        The rates are those of the start and of the swings, in the unit of the moments.
+        """
+        known = scene.once(_inertia_of_one)
+        swing = self._swings() if known is None else known[3]
+        fastest = float(swing[0]) if len(swing) == 1 else swing.max(initial=0.0)
+        if fastest == math.inf:
+            self._check_weight(scene)
         if len(swing) == 1:
-            slow = _core.first_slow(self.omega, float(swing[0]), SLOWEST)
+            slow = _core.first_slow(self.omega, fastest, SLOWEST)
         else:
             rates = np.maximum(np.abs(self.omega).max(axis=1), swing)
             found = np.flatnonzero((rates > 0.0) & (rates < SLOWEST))
             slow = int(found[0]) if len(found) else None
         if slow is not None:
             rate = max(swing[slow if len(swing) > 1 else 0], np.abs(self.omega[slow]).max())
-            place = [int(i) for i in np.unravel_index(slow, shape or (1,))]
             raise ValueError(
-                f"omega{place}: the rates of the body are {rate:.3g} rad/s at most; "
+                f"omega{self._place(slow)}: the rates of the body are {rate:.3g} rad/s at most; "
                 f"they must be zero or reach {SLOWEST:g} rad/s: count the time in another unit"
             )
 
+    def _check_weight(self, scene: Scene) -> None:
+        finite = np.asarray(np.isfinite(self.weight).all(axis=1))
+        if finite.all():
+            return
+        body = int(np.flatnonzero(~finite)[0])
+        place = self._place(body) if len(finite) > 1 else ""
+        values, exponents = in_rows(scene.weight, self.shape), self.scale_exponent
+        value = np.abs(values[body if len(values) > 1 else 0]).max()
+        unit = math.ldexp(1.0, int(exponents[body if len(exponents) > 1 else 0]))
+        raise ValueError(
+            f"mgl{place} = {value:g}: must be below 1e308 times the largest moment, "
+            f"which is of the order of {unit:g}"
+        )
 
-def _own(rates: Floats, given: ArrayLike) -> Floats:
-    """The rates, read-only, and a copy if they may be in memory that the caller can write to."""
-    own = rates if isinstance(given, list | tuple) else rates.copy()
-    own.flags.writeable = False
-    return own
-
-
-def _row_of_each(vectors: Floats, shape: Shape) -> Floats:
-    """The vectors of bodies of this shape, a row of each."""
-    rows = in_rows(vectors, shape)
-    return rows if len(rows) == prod(shape) else np.repeat(rows, prod(shape), axis=0)
+    def _place(self, body: int) -> list[int]:
+        """The index of a body in their axes."""
+        return [int(i) for i in np.unravel_index(body, self.shape or (1,))]
 
 
 def _scale_exponents(scene: Scene, shape: Shape) -> NDArray[np.intc]:
@@ -278,7 +262,7 @@ def _scale_exponents(scene: Scene, shape: Shape) -> NDArray[np.intc]:
     return np.array([math.frexp(max(scene.body.moments))[1]], dtype=np.intc)
 
 
-def _columns_of_one(
+def _inertia_of_one(
     scene: Scene,
 ) -> tuple[Floats, Floats, NDArray[np.intc], Floats] | None:
     """Moments, weight, unit and swing of a scene of one body without torque and damping, or None.
@@ -288,35 +272,8 @@ def _columns_of_one(
     if scene.shape or scene.is_driven:
         return None
     exponents = _scale_exponents(scene, ())
-    start = np.zeros(3), _IDENTITY
-    batch = Batch.of_scene(scene, *start, (), exponents)
-    columns = batch.moments, batch.weight, exponents, batch._swings()
+    bodies = Bodies.of_scene(scene, np.zeros(3), IDENTITY, (), exponents)
+    columns = bodies.moments, bodies.weight, exponents, bodies._swings()
     for column in columns:
         column.flags.writeable = False
     return columns
-
-
-@np.errstate(over="ignore")
-def _scaled(name: str, values: Floats, exponents: NDArray[np.intc], shape: Shape) -> Floats:
-    """The values in units of ``2**exponents``; ValueError if they are too large for them."""
-    scaled: Floats = np.ldexp(values, -exponents[:, np.newaxis])
-    finite = np.asarray(np.isfinite(scaled).all(axis=1))
-    if not finite.all():
-        body = int(np.flatnonzero(~finite)[0])
-        place = [int(i) for i in np.unravel_index(body, shape)] if len(finite) > 1 else ""
-        value = np.abs(values[body if len(values) > 1 else 0]).max()
-        unit = math.ldexp(1.0, int(exponents[body if len(exponents) > 1 else 0]))
-        raise ValueError(
-            f"{name}{place} = {value:g}: must be below 1e308 times the largest moment, "
-            f"which is of the order of {unit:g}"
-        )
-    return scaled
-
-
-def _attitudes(attitude: ArrayLike | Rotation | None) -> Floats:
-    """Unit quaternions, shape (..., 4)."""
-    if attitude is None:
-        return _IDENTITY
-    quaternions = attitudes(attitude)
-    quaternions.flags.writeable = False
-    return quaternions

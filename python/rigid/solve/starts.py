@@ -1,0 +1,73 @@
+"""The bodies of a call: rates and attitudes are checked here, once, for all that comes after."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._checks.arrays import attitudes, unit_quaternions, vectors
+from ..model.frame import attitudes_in_principal_axes, turned
+from ..model.leading import Shape, leading_shape
+from ..model.scene import Scene
+from .bodies import Bodies
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
+
+__all__ = ["bodies_of"]
+
+
+def bodies_of(
+    scene: Scene,
+    omega: ArrayLike,
+    attitude: ArrayLike | Rotation | None = None,
+    *,
+    frame: NDArray[np.float64] | None = None,
+    times: Shape = (),
+) -> Bodies:
+    """The bodies that a call describes.
+
+    Parameters
+    ----------
+    scene : Scene
+        A checked scene.
+    omega, attitude : array_like
+        What a user gives; without an attitude the axes of body and space coincide.
+    frame : ndarray, shape (3, 3), optional
+        The checked axes of rates and attitude, if they are not the principal axes.
+    times : tuple of int
+        The axes of the bodies that times of their own have.
+
+    Raises
+    ------
+    ValueError
+        If an array is not finite, has the wrong shape, or holds a zero quaternion, if the axes of
+        bodies, rates and attitudes do not broadcast, if the rates are so slow that their squares
+        underflow, or the weight, torque or damping so large that they overflow in the unit of the
+        moments.
+    """
+    is_shared = not isinstance(omega, (list, tuple))
+    omega = vectors("omega", omega)
+    if is_shared:
+        omega = omega.copy()  # a run keeps it: the caller may write to this memory
+    attitude = attitudes(attitude)
+    if frame is not None:
+        with np.errstate(over="ignore", invalid="ignore"):
+            omega = turned(frame.T, omega)
+        if not np.isfinite(omega).all():
+            raise ValueError("omega: must be finite along the principal axes of the frame too")
+        attitude = unit_quaternions("attitude", attitudes_in_principal_axes(frame, attitude))
+    omega.flags.writeable = attitude.flags.writeable = False
+    shape = leading_shape(
+        {
+            "scene": scene.shape,
+            "omega": omega.shape[:-1],
+            "attitude": attitude.shape[:-1],
+            "t": times,
+        }
+    )
+    bodies = Bodies.of_scene(scene, omega, attitude, shape)
+    bodies.check_ranges(scene)
+    return bodies
