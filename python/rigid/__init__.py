@@ -22,7 +22,6 @@ from ._checks.progress import Interrupted, Progress
 from ._core import __version__
 from .citing import cite
 from .info import build_info
-from .maps.compute import plug_in_store, stability_map
 from .maps.replay import Replay
 from .maps.result import StabilityMap, load_map, plug_in_explorer
 from .maps.samples import Outcomes, Starts
@@ -70,6 +69,7 @@ from .solve.run import Run, load_run, plug_in_animator, plug_in_evaluator
 from .solve.sensitivity import condition
 from .solve.simulate import simulate
 from .solve.status import Status
+from .store.call import stability_map
 
 if TYPE_CHECKING:
     from os import PathLike
@@ -253,16 +253,6 @@ def _widget(result: StabilityMap, **options: Any) -> Any:
 
 plug_in_explorer(_explore, _widget)
 plug_in_evaluator(_states_at)
-
-
-def _run_stored(spec: MapSpec, **options: Any) -> StabilityMap:
-    """:func:`rigid.store.store.run_stored`, imported when it is first called."""
-    from .store.store import run_stored
-
-    return run_stored(spec, **options)
-
-
-plug_in_store(_run_stored)
 
 
 def __dir__() -> list[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,19 +23,35 @@ from ..maps.identity import (
 from ..maps.sequential import LOOK
 from ..maps.spec import MapSpec
 
-__all__ = ["Head", "StoreError", "divided", "moment_status"]
+__all__ = ["KEPT", "Head", "StoreError", "divided", "moment_status"]
 
-UNITS = 1024
-"""A map of fewer pixels is divided into about so many units, so that many parts can share it."""
 
-FEWEST_SAMPLES = 1024
-"""Fewest samples of a unit of a divided pixel: fewer cost more than they help."""
+class Division(NamedTuple):
+    """How a map of few pixels is divided.
+
+    Attributes
+    ----------
+    units : int
+        Into about so many units.
+    fewest_samples : int
+        A unit of a divided pixel has no fewer.
+    """
+
+    units: int
+    fewest_samples: int
+
+
+STORED = Division(1024, 1024)
+"""So that many parts can share a folder, and its rows cost little."""
+
+KEPT = Division(2**14, LOOK)
+"""In memory, so that little is lost by Ctrl-C, and progress is seen."""
 
 MOST_BYTES = 2**26
 """Most bytes of a head: axes of a million values have 25 MB."""
 
 PIXELS_TOGETHER = 2**16
-"""Pixels whose moments are made at a time."""
+"""Pixels whose starts are made at a time, and kept if the map has no more."""
 
 
 class StoreError(ValueError):
@@ -78,10 +94,16 @@ class Head:
         """Units of a pixel."""
         return -(-self.spec.samples // self.segment)
 
+    def samples_of(self, units: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Most samples of each unit: the last of a pixel may have fewer than the others."""
+        first = units % self.segments * self.segment
+        samples: NDArray[np.int64] = np.minimum(self.spec.samples - first, self.segment)
+        return samples
+
     @classmethod
-    def of(cls, spec: MapSpec) -> Head:
+    def of(cls, spec: MapSpec, division: Division = STORED) -> Head:
         """The head of a new running map."""
-        return cls._made(spec, json.loads(canonical(head_of(spec, divided(spec)))))
+        return cls._made(spec, json.loads(canonical(head_of(spec, divided(spec, division)))))
 
     @classmethod
     def _made(cls, spec: MapSpec, content: dict[str, Any]) -> Head:
@@ -143,15 +165,15 @@ class Head:
             raise StoreError(f"{path} holds another map (it and the one asked for): {shown}")
 
 
-def divided(spec: MapSpec) -> int:
+def divided(spec: MapSpec, division: Division = STORED) -> int:
     """Most samples of a unit of a new running map.
 
     Whole pixels are one unit each, unless they are few, or have millions of samples. The looks of a
     pixel depend on those before: it is one unit.
     """
     pixels = int(np.prod(spec.shape))
-    share = -(-spec.samples * pixels // UNITS)
-    segment = max(FEWEST_SAMPLES, -(-share // LOOK) * LOOK)
+    share = -(-spec.samples * pixels // division.units)
+    segment = max(division.fewest_samples, -(-share // LOOK) * LOOK)
     whole = segment_of(spec)
     return segment if spec.looks is None and segment < min(spec.samples, whole) else whole
 
@@ -159,6 +181,8 @@ def divided(spec: MapSpec) -> int:
 def moment_status(spec: MapSpec) -> NDArray[np.uint8]:
     """The status of the moments of each pixel in C order: 0 where the body is possible."""
     pixels = int(np.prod(spec.shape))
+    if pixels <= PIXELS_TOGETHER:
+        return _core.moment_status(spec.grid.moments)
     status = np.empty(pixels, np.uint8)
     for begin in range(0, pixels, PIXELS_TOGETHER):
         index = np.arange(begin, min(begin + PIXELS_TOGETHER, pixels))

@@ -143,7 +143,7 @@ class Table:
         self.known = np.zeros(head.units, np.bool_)
         self.nanoseconds = np.full(head.units, np.nan, np.float32)
         self.twice = 0
-        self._bins: dict[int, Bins] = {}
+        self._bins: list[Bins] = []
 
     def add(
         self,
@@ -179,13 +179,15 @@ class Table:
         if nanoseconds is not None:
             self.nanoseconds[units] = nanoseconds
         if self._head.spec.measure:
-            self._bins.update(zip(units.tolist(), new.each(), strict=True))
+            self._bins.append(new.some(~again).bins if again.any() else new.bins)
 
     def block(self, units: NDArray[np.int64]) -> Block:
         """What is known of units."""
-        bins = [self._bins.get(unit, NO_BINS) for unit in units.tolist()] if self._bins else []
-        every = _sorted(np.concatenate([NO_BINS, *bins]))
-        return Block(self.rows[units], self.nanoseconds[units], every)
+        bins = NO_BINS
+        if self._bins:
+            self._bins = [np.concatenate(self._bins)]
+            bins = _sorted(self._bins[0][np.isin(self._bins[0][:, 0], units)])
+        return Block(self.rows.view(_WHOLE)[units].view(ROW), self.nanoseconds[units], bins)
 
     @property
     def counted(self) -> NDArray[np.bool_]:
@@ -196,44 +198,23 @@ class Table:
         known = self.known.reshape(-1, self._head.segments)
         return np.logical_and.accumulate(known, axis=1).ravel()
 
-    def arrays(self) -> dict[str, NDArray[Any]]:
-        """The columns of the map, merged over the segments of each pixel."""
-        segments, counted = self._head.segments, self.counted
-        if segments == 1:
-            return self._segment(slice(None), counted)
-        statistics = _core.MapStatistics(len(self.rows) // segments)
-        for segment in range(segments):
-            part = self._segment(slice(segment, None, segments), counted)
-            statistics.merge({**part, "first": 0})
-        return statistics.arrays()
-
-    def bins(self) -> list[Bins]:
-        """The bins of each measure of the map, merged over the segments of each pixel."""
+    def merged(self) -> tuple[dict[str, NDArray[Any]], list[Bins]]:
+        """The columns of the map and the bins of each measure, over the segments of each pixel."""
         measures, segments = len(self._head.spec.measure), self._head.segments
-        every = self.block(np.flatnonzero(self.counted)).bins
-        of_units = [
-            np.delete(every[every[:, 1] == number], 1, axis=1) for number in range(measures)
-        ]
-        if segments == 1:
-            return of_units
-        pixels = len(self.rows) // segments
-        statistics = _core.MapStatistics(pixels, measures)
-        # The core puts the bins of all segments of a pixel together.
-        for bins in of_units:
-            bins[:, 0] //= segments
-        statistics.merge({**_core.MapStatistics(pixels).arrays(), "first": 0, "measures": of_units})
-        return statistics.bins()
-
-    def _segment(self, units: slice, counted: NDArray[np.bool_]) -> dict[str, NDArray[Any]]:
-        """The columns of units, one a pixel; those of no bodies where a unit is not counted."""
-        known = counted[units]
-        # Those of one pixel repeated: a million pixels are not held twice.
-        none = _core.MapStatistics(1).arrays()
-        columns = {name: np.full(len(known), value[0], value.dtype) for name, value in none.items()}
-        for name in FIELDS:
-            np.copyto(columns[name], self.rows[name][units], where=known)
-        np.copyto(columns["nanoseconds"], self.nanoseconds[units], where=known)
-        return columns
+        units = np.flatnonzero(self.counted)
+        block = self.block(units)
+        row = np.searchsorted(units, block.bins[:, 0])
+        bins = np.column_stack([row, block.bins[:, 2:]])
+        statistics = _core.MapStatistics(len(self.rows) // segments, measures)
+        statistics.merge(
+            {
+                **{name: np.ascontiguousarray(block.rows[name]) for name in FIELDS},
+                "nanoseconds": block.nanoseconds.astype(np.float64),
+                "pixels": units // segments,
+                "measures": [bins[block.bins[:, 1] == number] for number in range(measures)],
+            }
+        )
+        return statistics.arrays(), statistics.bins()
 
 
 def unequal(old: Block, new: Block, measures: Sequence[object]) -> str:

@@ -18,7 +18,7 @@ import rigid
 from interrupts import sigint
 from processes import environment, python_command, python_process, run_python
 from rigid.cli import main
-from rigid.maps.compute import run_map
+from rigid.store.call import run_map
 from rigid.maps.data import MapData
 from rigid.maps.file import write_map
 from small_maps import assert_same_map

@@ -12,7 +12,7 @@ import rigid
 from rigid.cli.toml_map import parse_spec
 from rigid.cli.toml_table import SpecError
 from rigid.drawing.figure import new_figure
-from rigid.maps.compute import run_map
+from rigid.store.call import run_map
 from small_maps import NAMED, Floats, assert_same_map, small_map
 
 TOP = rigid.HeavyTop(rigid.Body((1.0, 1.3, 0.7)), mgl=1.0, com=(0.0, 0.6, 0.8))

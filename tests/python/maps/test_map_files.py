@@ -24,7 +24,7 @@ import rigid
 from physics import GOLDEN
 from rigid import _core
 from rigid._checks.arguments import MESSAGE
-from rigid.maps.compute import run_map
+from rigid.store.call import run_map
 from rigid.maps.data import STORED
 from rigid.maps.file import file_size
 from small_maps import NAMED, assert_same_map, saved_bytes, small_map
