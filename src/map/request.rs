@@ -139,7 +139,9 @@ impl Map {
             let value = format!("{} in each of {} pixels", self.samples, self.pixels.len());
             return refuse("samples", value, "a map must have fewer than 2**63");
         }
-        if let Some(first) = self.first.iter().find(|first| !first.is_multiple_of(GROUP) || **first >= 1 << 63) {
+        if let Some(first) =
+            self.first.iter().find(|first| !first.is_multiple_of(GROUP) || **first >= 1 << 63)
+        {
             return refuse("first", first.to_string(), "must be a multiple of 64 below 2**63");
         }
         let all_laws = self.mixture.iter().map(|mixed| &mixed.laws).chain([&self.laws]);

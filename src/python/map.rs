@@ -375,7 +375,9 @@ impl MapRequest<'_> {
         let weight = rows::<3>("weight", &self.weight)?;
         same_length("shares", self.starts.len(), self.shares.len())?;
         let Some((nominal, others)) = self.starts.split_first() else {
-            return Err(Error::Value { argument: "starts", value: "()".into(), rule: "must not be empty" }.into());
+            return Err(
+                Error::Value { argument: "starts", value: "()".into(), rule: "must not be empty" }.into()
+            );
         };
         let (starting, laws) = nominal.pixels(moments, weight, &status)?;
         let mut mixture = Vec::new();
@@ -525,7 +527,10 @@ impl MapJob {
         };
         let dict = PyDict::new(py);
         let pixels = first..first + statistics.len() as u64;
-        dict.set_item("pixels", memory::collected(PIXELS, statistics.len(), pixels.map(|pixel| pixel as i64))?.into_pyarray(py))?;
+        dict.set_item(
+            "pixels",
+            memory::collected(PIXELS, statistics.len(), pixels.map(|pixel| pixel as i64))?.into_pyarray(py),
+        )?;
         write_columns(py, &dict, &statistics)?;
         dict.set_item("measures", bins_by_measure(py, &sketches, self.map.measures.len())?)?;
         Ok(Some(dict))

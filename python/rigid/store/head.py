@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,29 +23,16 @@ from ..maps.identity import (
 from ..maps.sequential import LOOK
 from ..maps.spec import MapSpec
 
-__all__ = ["KEPT", "Head", "StoreError", "divided", "moment_status"]
+__all__ = ["Head", "StoreError", "divided", "divided_in_memory", "moment_status"]
 
+UNITS = 1024
+"""A map of fewer pixels is divided into about so many units, so that many parts can share it."""
 
-class Division(NamedTuple):
-    """How a map of few pixels is divided.
+FEWEST_SAMPLES = 1024
+"""Fewest samples of a unit of a divided pixel: fewer cost more than they help."""
 
-    Attributes
-    ----------
-    units : int
-        Into about so many units.
-    fewest_samples : int
-        A unit of a divided pixel has no fewer.
-    """
-
-    units: int
-    fewest_samples: int
-
-
-STORED = Division(1024, 1024)
-"""So that many parts can share a folder, and its rows cost little."""
-
-KEPT = Division(2**14, LOOK)
-"""In memory, so that little is lost by Ctrl-C, and progress is seen."""
+UNITS_IN_MEMORY = 2**14
+"""As above, in memory: Ctrl-C loses little of a long map, and its rows take some megabytes."""
 
 MOST_BYTES = 2**26
 """Most bytes of a head: axes of a million values have 25 MB."""
@@ -101,9 +88,10 @@ class Head:
         return samples
 
     @classmethod
-    def of(cls, spec: MapSpec, division: Division = STORED) -> Head:
-        """The head of a new running map."""
-        return cls._made(spec, json.loads(canonical(head_of(spec, divided(spec, division)))))
+    def of(cls, spec: MapSpec, segment: int | None = None) -> Head:
+        """The head of a new running map, by default divided as that of a folder."""
+        content = head_of(spec, divided(spec) if segment is None else segment)
+        return cls._made(spec, json.loads(canonical(content)))
 
     @classmethod
     def _made(cls, spec: MapSpec, content: dict[str, Any]) -> Head:
@@ -165,17 +153,29 @@ class Head:
             raise StoreError(f"{path} holds another map (it and the one asked for): {shown}")
 
 
-def divided(spec: MapSpec, division: Division = STORED) -> int:
-    """Most samples of a unit of a new running map.
+def divided(spec: MapSpec) -> int:
+    """Most samples of a unit of a new folder.
 
     Whole pixels are one unit each, unless they are few, or have millions of samples. The looks of a
     pixel depend on those before: it is one unit.
     """
-    pixels = int(np.prod(spec.shape))
-    share = -(-spec.samples * pixels // division.units)
-    segment = max(division.fewest_samples, -(-share // LOOK) * LOOK)
-    whole = segment_of(spec)
+    segment, whole = _even(spec, UNITS, FEWEST_SAMPLES), segment_of(spec)
     return segment if spec.looks is None and segment < min(spec.samples, whole) else whole
+
+
+def divided_in_memory(spec: MapSpec) -> int:
+    """Most samples of a unit that is kept in memory: there are no more rows for more samples."""
+    return (
+        min(spec.samples, _even(spec, UNITS_IN_MEMORY, LOOK))
+        if spec.looks is None
+        else spec.samples
+    )
+
+
+def _even(spec: MapSpec, units: int, fewest: int) -> int:
+    """Samples of each of so many units, in whole looks."""
+    share = -(-spec.samples * int(np.prod(spec.shape)) // units)
+    return max(fewest, -(-share // LOOK) * LOOK)
 
 
 def moment_status(spec: MapSpec) -> NDArray[np.uint8]:

@@ -201,13 +201,12 @@ def carry_on(
                     found = drive(task, mine, intake, pool, workers, stop)
                     poison.units += found.units
                     poison.errors += found.errors
-        left = missing(running)
-        if stop() and len(left):
+        if stop() and len(todo):
             reason = "terminated" if terminated() else "interrupted"
         elif poison.units:
             reason = "poisoned"
         else:
-            reason = "waiting" if len(left) else "complete"
+            reason = "waiting" if len(todo) else "complete"
     except KeyboardInterrupt:
         reason = "interrupted"
         raise

@@ -115,7 +115,7 @@ def bins_of(units: NDArray[np.int64], measures: Sequence[Bins]) -> Bins:
     parts = [
         np.insert(of_pixels(bins, units), 1, number, axis=1) for number, bins in enumerate(measures)
     ]
-    return _sorted(np.concatenate([NO_BINS, *parts]))
+    return parts[0] if len(parts) == 1 else _sorted(np.concatenate([NO_BINS, *parts]))
 
 
 def _sorted(bins: Bins) -> Bins:
@@ -201,17 +201,28 @@ class Table:
     def merged(self) -> tuple[dict[str, NDArray[Any]], list[Bins]]:
         """The columns of the map and the bins of each measure, over the segments of each pixel."""
         measures, segments = len(self._head.spec.measure), self._head.segments
+        if segments == 1 and not measures:  # nothing is merged
+            columns = {
+                **{name: self.rows[name] for name in FIELDS},
+                "nanoseconds": self.nanoseconds,
+            }
+            none = _core.MapStatistics(1).arrays()
+            return {name: np.where(self.known, columns[name], none[name]) for name in none}, []
         units = np.flatnonzero(self.counted)
-        block = self.block(units)
-        row = np.searchsorted(units, block.bins[:, 0])
-        bins = np.column_stack([row, block.bins[:, 2:]])
+        rows, place = self.rows.view(_WHOLE)[units].view(ROW), np.full(len(self.rows), -1)
+        place[units] = np.arange(len(units))
+        bins = np.concatenate([NO_BINS, *self._bins])
+        row = place[bins[:, 0]]
         statistics = _core.MapStatistics(len(self.rows) // segments, measures)
         statistics.merge(
             {
-                **{name: np.ascontiguousarray(block.rows[name]) for name in FIELDS},
-                "nanoseconds": block.nanoseconds.astype(np.float64),
+                **{name: rows[name].copy() for name in FIELDS},
+                "nanoseconds": self.nanoseconds[units].astype(np.float64),
                 "pixels": units // segments,
-                "measures": [bins[block.bins[:, 1] == number] for number in range(measures)],
+                "measures": [
+                    np.column_stack([row[mine], bins[mine, 2:]])
+                    for mine in ((row >= 0) & (bins[:, 1] == number) for number in range(measures))
+                ],
             }
         )
         return statistics.arrays(), statistics.bins()
