@@ -55,6 +55,9 @@ const BLOCK: u64 = 1024;
 /// The class of a sample and the outcome of its first run.
 pub type Verdict = (Class, Outcome);
 
+/// The class of a condition of a sample, and the time at which its first run left it.
+pub type Part = (Class, f64);
+
 /// A pixel with its statistics.
 type PixelStatistics = (u64, Statistics);
 
@@ -202,7 +205,7 @@ impl Map {
         threads: usize,
         isa: Isa,
         interrupt: &Interrupt,
-    ) -> Result<(Vec<Verdict>, Vec<(Class, f64)>), Error> {
+    ) -> Result<(Vec<Verdict>, Vec<Part>), Error> {
         const VERDICTS: &str = "outcomes of the samples";
         // Samples of one group are classified together, and neighbours side by side.
         let parts = parts(flat, |sample, later| self.belong_together(sample, later))?;

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,6 @@ from .._checks.arguments import one_line
 from ..maps.identity import (
     FORMAT,
     FORMAT_VERSIONS,
-    canonical,
     differences,
     head_of,
     key_of,
@@ -45,7 +45,7 @@ class StoreError(ValueError):
     """A running map is refused: it is none, it is another one, or rows contradict each other."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Head:
     """The specification of a running map, its key and its units of work.
 
@@ -54,17 +54,22 @@ class Head:
     spec : MapSpec
     content : dict
         All of ``head.json``.
-    key : bytes
-        BLAKE2b-128 of what the numbers depend on.
-    seal : bytes
-        BLAKE2b-128 of that and of the division into units, which rows are numbered by: the key of
-        the digests in logs. Equal to ``key`` if no pixel is divided into more units than by it.
     """
 
     spec: MapSpec
     content: dict[str, Any]
-    key: bytes
-    seal: bytes
+
+    @cached_property
+    def key(self) -> bytes:
+        """BLAKE2b-128 of what the numbers depend on, whatever the division into units."""
+        undivided = head_of(self.spec)
+        whole = {name: undivided[name] for name in ("segment", "units")}
+        return key_of({**self.content, **whole})
+
+    @cached_property
+    def seal(self) -> bytes:
+        """As ``key``, with the division that rows are numbered by: the key of digests in logs."""
+        return key_of(self.content)
 
     @property
     def units(self) -> int:
@@ -90,14 +95,7 @@ class Head:
     @classmethod
     def of(cls, spec: MapSpec, segment: int | None = None) -> Head:
         """The head of a new running map, by default divided as that of a folder."""
-        content = head_of(spec, divided(spec) if segment is None else segment)
-        return cls._made(spec, json.loads(canonical(content)))
-
-    @classmethod
-    def _made(cls, spec: MapSpec, content: dict[str, Any]) -> Head:
-        undivided = head_of(spec)
-        of_map = {**content, "segment": undivided["segment"], "units": undivided["units"]}
-        return cls(spec, content, key_of(of_map), key_of(content))
+        return cls(spec, head_of(spec, divided(spec) if segment is None else segment))
 
     @classmethod
     def read(cls, text: bytes, path: object) -> Head:
@@ -135,7 +133,7 @@ class Head:
                 raise StoreError(
                     f"{path}: {name} are not those of this version of rigid; version {made} made it"
                 )
-        return cls._made(spec, content)
+        return cls(spec, content)
 
     def require_spec(self, spec: MapSpec, path: object) -> None:
         """Refuse another specification than the stored one, with what differs.

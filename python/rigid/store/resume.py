@@ -158,7 +158,7 @@ def carry_on(
     """
     spec, part = running.head.spec, part or Part()
     spec.require_functions()
-    known = canaries(running.table, running.head.key)
+    known = canaries(running.table)
     checked = reread = False
     poison = Poison()
     segment = running.head.segment

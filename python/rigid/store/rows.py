@@ -129,6 +129,7 @@ class Table:
 
     Attributes
     ----------
+    head : Head
     rows : ndarray of ROW, shape (units,)
     known : ndarray of bool, shape (units,)
     nanoseconds : ndarray of float32, shape (units,)
@@ -138,7 +139,7 @@ class Table:
     """
 
     def __init__(self, head: Head) -> None:
-        self._head = head
+        self.head = head
         self.rows: Rows = np.zeros(head.units, ROW)
         self.known = np.zeros(head.units, np.bool_)
         self.nanoseconds = np.full(head.units, np.nan, np.float32)
@@ -170,7 +171,7 @@ class Table:
         again = self.known[units]
         if again.any():
             known = units[again]
-            found = unequal(self.block(known), new.some(again), self._head.spec.measure)
+            found = unequal(self.block(known), new.some(again), self.head.spec.measure)
             if found:
                 raise StoreError(f"{source}: {found}")
             self.twice += int(again.sum())
@@ -178,7 +179,7 @@ class Table:
         self.known[units] = True
         if nanoseconds is not None:
             self.nanoseconds[units] = nanoseconds
-        if self._head.spec.measure:
+        if self.head.spec.measure:
             self._bins.append(new.some(~again).bins if again.any() else new.bins)
 
     def block(self, units: NDArray[np.int64]) -> Block:
@@ -195,36 +196,27 @@ class Table:
 
         So the bodies of a pixel are its first ones, and are computed again without the units.
         """
-        known = self.known.reshape(-1, self._head.segments)
+        known = self.known.reshape(-1, self.head.segments)
         return np.logical_and.accumulate(known, axis=1).ravel()
 
     def merged(self) -> tuple[dict[str, NDArray[Any]], list[Bins]]:
         """The columns of the map and the bins of each measure, over the segments of each pixel."""
-        measures, segments = len(self._head.spec.measure), self._head.segments
-        if segments == 1 and not measures:  # nothing is merged
-            columns = {
-                **{name: self.rows[name] for name in FIELDS},
-                "nanoseconds": self.nanoseconds,
-            }
+        segments, measures = self.head.segments, range(len(self.head.spec.measure))
+        every = _sorted(np.concatenate([NO_BINS, *self._bins]))
+        bins = [np.delete(every[every[:, 1] == number], 1, axis=1) for number in measures]
+        columns = {**{name: self.rows[name] for name in FIELDS}, "nanoseconds": self.nanoseconds}
+        if segments == 1:
             none = _core.MapStatistics(1).arrays()
-            return {name: np.where(self.known, columns[name], none[name]) for name in none}, []
-        units = np.flatnonzero(self.counted)
-        rows, place = self.rows.view(_WHOLE)[units].view(ROW), np.full(len(self.rows), -1)
+            return {name: np.where(self.known, columns[name], none[name]) for name in none}, bins
+        units, place = np.flatnonzero(self.counted), np.full(len(self.rows), -1)
         place[units] = np.arange(len(units))
-        bins = np.concatenate([NO_BINS, *self._bins])
-        row = place[bins[:, 0]]
-        statistics = _core.MapStatistics(len(self.rows) // segments, measures)
-        statistics.merge(
-            {
-                **{name: rows[name].copy() for name in FIELDS},
-                "nanoseconds": self.nanoseconds[units].astype(np.float64),
-                "pixels": units // segments,
-                "measures": [
-                    np.column_stack([row[mine], bins[mine, 2:]])
-                    for mine in ((row >= 0) & (bins[:, 1] == number) for number in range(measures))
-                ],
-            }
-        )
+        statistics = _core.MapStatistics(len(self.rows) // segments, len(measures))
+        part: dict[str, Any] = {name: column[units] for name, column in columns.items()}
+        part["nanoseconds"] = part["nanoseconds"].astype(np.float64)
+        for own in bins:
+            own[:, 0] = place[own[:, 0]]
+        of_rows = [own[own[:, 0] >= 0] for own in bins]
+        statistics.merge({**part, "pixels": units // segments, "measures": of_rows})
         return statistics.arrays(), statistics.bins()
 
 
