@@ -17,9 +17,9 @@ from timing import counted, in_turns, over, parser, required, sized
 
 from rigid import StabilityMap
 from rigid.cli.toml_map import read_spec
-from rigid.maps.compute import run_map
 from rigid.maps.parameters import make_axes
 from rigid.maps.spec import MapSpec
+from rigid.store.call import run_map
 from rigid.store.compute import compute
 from rigid.store.log import Log
 from rigid.store.resume import carry_on, result_of

@@ -215,10 +215,10 @@ fn map(numbers: &mut Bytes) {
         step: (numbers.below(2) == 0).then(|| numbers.number()),
         max_steps: MAX_STEPS,
         samples: u64::from(numbers.byte()),
-        check: Check::First(numbers.byte().into()),
+        check: Check::Before(numbers.byte().into()),
         key: [numbers.byte().into(), u64::MAX],
         numbers: Vec::new(),
-        first: 0,
+        first: Vec::new(),
     };
     let Some(map) = let_out(asked.checked()) else { return };
     let isa = numbers.isa();

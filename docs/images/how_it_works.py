@@ -13,8 +13,8 @@ EDGE = "#555555"
 
 
 def samples(ax: Axes) -> None:
-    """Pixels, their samples in one row, a chunk, and its blocks on two threads."""
-    ax.set_title("1  A map is a row of samples, cut into chunks and blocks", loc="left")
+    """Pixels, their samples in one row, a call, and its blocks on two threads."""
+    ax.set_title("1  A map is a row of samples, cut into calls and blocks", loc="left")
     for pixel in range(8):
         ax.add_patch(Rectangle((4 * pixel, 2.2), 4, 0.8, fc="white", ec=EDGE, lw=0.8))
         ax.text(4 * pixel + 2, 2.6, f"pixel {pixel}", ha="center", va="center")
@@ -29,7 +29,7 @@ def samples(ax: Axes) -> None:
     ax.text(
         10,
         -0.05,
-        "chunk: about 0.3 s of work; then Python shows the progress",
+        "call: about 0.3 s of work; then Python shows the progress",
         ha="center",
         va="top",
     )

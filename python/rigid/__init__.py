@@ -21,7 +21,6 @@ from ._checks.progress import Interrupted, Progress
 from ._core import __version__
 from .citing import cite
 from .info import build_info
-from .maps.compute import stability_map
 from .maps.replay import Replay
 from .maps.result import StabilityMap, load_map
 from .maps.samples import Outcomes, Starts
@@ -70,6 +69,7 @@ from .solve.run import Run, load_run
 from .solve.sensitivity import condition
 from .solve.simulate import simulate
 from .solve.status import Status
+from .store.call import stability_map
 
 if TYPE_CHECKING:
     from . import (

@@ -6,6 +6,8 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import NDArray
 
+from .maps.core_request import CoreRequest
+
 __all__ = [
     "CHECKPOINT_PARTS",
     "DRIFT_LIMIT",
@@ -15,11 +17,13 @@ __all__ = [
     "MapStatistics",
     "Motion",
     "__version__",
+    "agreed_classes",
     "available_threads",
     "build_info",
     "check_method",
     "check_moments",
     "chosen_methods",
+    "class_names",
     "clopper_pearson",
     "closed_form_names",
     "closed_forms",
@@ -53,6 +57,7 @@ __all__ = [
     "tilt_times",
     "top_quantities",
     "unit_quaternions",
+    "unknown_outcomes",
     "verdicts",
 ]
 
@@ -67,6 +72,9 @@ def methods() -> list[dict[str, Any]]: ...
 def chosen_methods() -> dict[str, str]: ...
 def retired_methods() -> dict[str, str]: ...
 def map_columns() -> list[dict[str, Any]]: ...
+def class_names() -> list[str]: ...
+def agreed_classes() -> list[list[int]]: ...
+def unknown_outcomes(count: int) -> dict[str, NDArray[Any]]: ...
 def clopper_pearson(
     successes: NDArray[np.int64], trials: NDArray[np.int64], confidence: float
 ) -> list[NDArray[np.float64]]: ...
@@ -299,39 +307,7 @@ class Forcing:
 
 @final
 class MapJob:
-    def __new__(
-        cls,
-        *,
-        scene: str,
-        method: str,
-        moments: NDArray[np.float64],
-        weight: NDArray[np.float64],
-        omega: NDArray[np.float64],
-        omega_noise: str,
-        omega_size: NDArray[np.float64],
-        attitude: NDArray[np.float64],
-        attitude_noise: str,
-        attitude_size: NDArray[np.float64],
-        conditions: Sequence[tuple[str, int, Sequence[float]]],
-        logic: str,
-        measures: Sequence[tuple[str, int]],
-        t_end: float,
-        step: float | None,
-        max_steps: int,
-        samples: int,
-        checked: int | None,
-        seed: int,
-        forcing: Sequence[Forcing] | None = None,
-        numbers: NDArray[np.uint64] | None = None,
-        first: int = 0,
-        mixture: Sequence[dict[str, Any]] | None = None,
-        mixture_shares: Sequence[float] | None = None,
-        mix: NDArray[np.float64] | None = None,
-        mixed: Sequence[bool] = (False, False),
-        given_omega: NDArray[np.float64] | None = None,
-        given_attitude: NDArray[np.float64] | None = None,
-        given_shares: NDArray[np.float64] | None = None,
-    ) -> MapJob: ...
+    def __new__(cls, request: CoreRequest) -> MapJob: ...
     @property
     def status(self) -> NDArray[np.uint8]: ...
     def run(
@@ -341,7 +317,6 @@ class MapJob:
         threads: int,
         interrupted: Callable[[], bool] | None = None,
     ) -> dict[str, Any] | None: ...
-    def sample(self, pixel: int, sample: int) -> dict[str, Any]: ...
     def starts(self, samples: NDArray[np.uint64]) -> list[NDArray[np.float64]]: ...
     def measured(
         self, samples: NDArray[np.uint64], threads: int

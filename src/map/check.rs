@@ -9,8 +9,8 @@ use std::ops::Range;
 /// The samples of a pixel that are classified again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Check {
-    /// The first ones, this many.
-    First(u64),
+    /// Those with a smaller number, in the whole map.
+    Before(u64),
     /// Those that an error of the first run could have classified otherwise. The error is measured on some samples of
     /// each group, the audited ones.
     Doubtful,
@@ -65,7 +65,7 @@ impl Watched<'_> {
             (Check::Doubtful, Criterion::TiltFromStart(_) | Criterion::TiltFromVertical(_)) => {
                 Check::Doubtful
             }
-            (Check::Doubtful, _) => Check::First(self.samples),
+            (Check::Doubtful, _) => Check::Before(u64::MAX),
             (check, _) => check,
         }
     }
@@ -82,9 +82,12 @@ impl Watched<'_> {
     /// The samples that are classified again in any case, ascending.
     pub(super) fn audited(&self, runs: &Runs) -> Result<Vec<usize>, Error> {
         let mut audited = memory::reserved(CHECKS, runs.integrated.len())?;
-        if let Check::First(count) = self.resolved_check() {
-            let sample = |index: &&usize| (runs.range.start + **index as u64) % self.samples;
-            audited.extend(runs.integrated.iter().filter(|index| sample(index) < count));
+        if let Check::Before(end) = self.resolved_check() {
+            let number = |index: usize| {
+                let flat = runs.range.start + index as u64;
+                self.counter((flat / self.samples, flat % self.samples))[1]
+            };
+            audited.extend(runs.integrated.iter().filter(|index| number(**index) < end));
             return Ok(audited);
         }
         for group in self.groups(runs) {

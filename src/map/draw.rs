@@ -150,8 +150,10 @@ compiled!(attitudes_of, attitudes);
 
 impl Map {
     /// The numbers that a place draws by: those of its pixel and its sample in the whole map.
-    fn counter(&self, (pixel, sample): (u64, u64)) -> [u64; 2] {
-        [self.numbers.get(pixel as usize).copied().unwrap_or(pixel), self.first + sample]
+    pub(super) fn counter(&self, (pixel, sample): (u64, u64)) -> [u64; 2] {
+        let at = pixel as usize;
+        let first = self.first.get(at).copied().unwrap_or(0);
+        [self.numbers.get(at).copied().unwrap_or(pixel), first + sample]
     }
 
     /// The uniforms of a block of draws, of each place in a lane.

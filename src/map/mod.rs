@@ -52,6 +52,12 @@ const EXACT_AS_STEPS: u64 = 20;
 /// Samples of a block: a millisecond of work or more.
 const BLOCK: u64 = 1024;
 
+/// The class of a sample and the outcome of its first run.
+pub type Verdict = (Class, Outcome);
+
+/// The class of a condition of a sample, and the time at which its first run left it.
+pub type Part = (Class, f64);
+
 /// A pixel with its statistics.
 type PixelStatistics = (u64, Statistics);
 
@@ -188,8 +194,8 @@ impl Map {
         (self.measures[number].value(sample, own), own.map_or(0, |own| own.steps))
     }
 
-    /// Samples of strictly ascending flat numbers: each with its start, its classification and the outcome of its first
-    /// run, with the bits of the map.
+    /// Samples of strictly ascending flat numbers: each with its classification and the outcome of its first run, with the
+    /// bits of the map; and the class of each of its conditions, with the time at which the first run left it.
     ///
     /// # Errors
     /// If they do not fit into memory, or `interrupt` is set.
@@ -199,18 +205,26 @@ impl Map {
         threads: usize,
         isa: Isa,
         interrupt: &Interrupt,
-    ) -> Result<Vec<(Body, Class, Outcome)>, Error> {
+    ) -> Result<(Vec<Verdict>, Vec<Part>), Error> {
+        const VERDICTS: &str = "outcomes of the samples";
         // Samples of one group are classified together, and neighbours side by side.
         let parts = parts(flat, |sample, later| self.belong_together(sample, later))?;
-        let Some(first) = self.pixels.first() else { return Ok(Vec::new()) };
-        let nothing = (first.body, Class::Failed, Outcome::REFUSED);
-        let all = Mutex::new(memory::filled("outcomes of the samples", flat.len(), nothing)?);
+        let count = self.conditions.len();
+        let verdicts = memory::filled(VERDICTS, flat.len(), (Class::Failed, Outcome::REFUSED))?;
+        let nothing = (Class::Failed, f64::INFINITY);
+        let all =
+            Mutex::new((verdicts, memory::filled(VERDICTS, flat.len().saturating_mul(count), nothing)?));
         over_blocks(0..parts.len() as u64, threads, interrupt, |part| {
             let part = parts[part as usize].clone();
             let classified = self.classified(flat[part.start]..flat[part.end - 1] + 1, isa, interrupt)?;
             let mut all = all.lock().expect("copying does not panic");
             for at in part {
-                all[at] = self.verdict(&classified, flat[at]);
+                self.with_sample(&classified, flat[at], |sample, parts| {
+                    all.0[at] = (sample.class, *sample.first);
+                    for (known, part) in all.1[at * count..].iter_mut().zip(parts) {
+                        *known = (part.class, part.first.left);
+                    }
+                });
             }
             Ok(())
         })?;
@@ -225,7 +239,7 @@ impl Map {
     pub fn values_at(
         &self,
         flat: &[u64],
-        known: &[(Body, Class, Outcome)],
+        known: &[Verdict],
         threads: usize,
         isa: Isa,
         interrupt: &Interrupt,
@@ -240,10 +254,8 @@ impl Map {
             let measured = self.measured(flat[part.start]..flat[part.end - 1] + 1, isa, interrupt)?;
             let mut all = all.lock().expect("copying does not panic");
             for (index, at) in part.enumerate() {
-                let (class, first) = known
-                    .get(at)
-                    .map_or((Class::Failed, &Outcome::REFUSED), |(_, class, first)| (*class, first));
-                let sample = Sample { class, first, second: None, audited: false, t_end: self.t_end };
+                let (class, first) = known.get(at).unwrap_or(&(Class::Failed, Outcome::REFUSED));
+                let sample = Sample { class: *class, first, second: None, audited: false, t_end: self.t_end };
                 for k in 0..measures {
                     let (value, steps) = self.value(k, &sample, &measured, index);
                     all.0[at * measures + k] = value;
@@ -259,34 +271,6 @@ impl Map {
     fn belong_together(&self, sample: u64, later: u64) -> bool {
         let group_ends = |watched: Watched| watched.with_groups(sample..sample + 1).end;
         later == sample + 1 || self.each_watched().any(|watched| later < group_ends(watched))
-    }
-
-    /// A classified sample: its start, its class and the outcome of its first run.
-    fn verdict(&self, classified: &[Classified], flat: u64) -> (Body, Class, Outcome) {
-        let body = classified[0].bodies[(flat - classified[0].range.start) as usize];
-        let (mut class, mut outcome) = (Class::Failed, Outcome::REFUSED);
-        self.with_sample(classified, flat, |sample, _| (class, outcome) = (sample.class, *sample.first));
-        (body, class, outcome)
-    }
-
-    /// One sample alone: its start, its classification and the outcome of its first run, with the bits of the map.
-    ///
-    /// # Errors
-    /// If `interrupt` is set.
-    pub fn sample(&self, pixel: u64, sample: u64, isa: Isa, interrupt: &Interrupt) -> Result<Known, Error> {
-        let flat = pixel * self.samples + sample;
-        let classified = self.classified(flat..flat + 1, isa, interrupt)?;
-        let body = classified[0].bodies[(flat - classified[0].range.start) as usize];
-        let (parts, measures) = (Vec::new(), Vec::new());
-        let mut known = Known { body, class: Class::Failed, outcome: Outcome::REFUSED, parts, measures };
-        let measured = self.measured(flat..flat + 1, isa, interrupt)?;
-        self.with_sample(&classified, flat, |sample, parts| {
-            let value = |number| self.value(number, sample, &measured, 0).0;
-            known.measures.extend((0..self.measures.len()).map(value));
-            (known.class, known.outcome) = (sample.class, *sample.first);
-            known.parts.extend(parts.iter().map(|part| (part.class, part.first.left)));
-        });
-        Ok(known)
     }
 
     /// The samples of a range with their outcomes, by condition.
@@ -452,28 +436,13 @@ impl Watched<'_> {
             let doubtful = self.doubtful(&runs, second)?;
             self.integrate(starts, &doubtful, again, second)?;
         }
-        Ok(Classified { range, bodies, outcomes, audited })
+        Ok(Classified { range, outcomes, audited })
     }
 }
 
-/// What is known of one sample.
-pub struct Known {
-    /// Its start.
-    pub body: Body,
-    /// Its classification.
-    pub class: Class,
-    /// The outcome of its first run.
-    pub outcome: Outcome,
-    /// The class of each condition, and the time at which the first run left it.
-    pub parts: Vec<(Class, f64)>,
-    /// The value of each measure, NaN for none.
-    pub measures: Vec<f64>,
-}
-
-/// Samples with their starts and outcomes.
+/// Samples with their outcomes.
 struct Classified {
     range: Range<u64>,
-    bodies: Vec<Body>,
     /// By the method of the map, and by the second method; none where a pixel has no body or a sample no second run.
     /// The second list is empty if no sample was integrated.
     outcomes: [Vec<Option<Outcome>>; 2],

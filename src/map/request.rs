@@ -114,8 +114,8 @@ pub struct Map {
     pub key: [u64; 2],
     /// The number of each pixel in the map that these are part of; empty: its place.
     pub numbers: Vec<u64>,
-    /// The number of the first sample of each pixel in that map: whole groups of audits precede it.
-    pub first: u64,
+    /// The number of the first sample of each pixel in that map: whole groups of audits precede it; empty: 0.
+    pub first: Vec<u64>,
 }
 
 impl Map {
@@ -139,8 +139,10 @@ impl Map {
             let value = format!("{} in each of {} pixels", self.samples, self.pixels.len());
             return refuse("samples", value, "a map must have fewer than 2**63");
         }
-        if !self.first.is_multiple_of(GROUP) || self.first >= 1 << 63 {
-            return refuse("first", self.first.to_string(), "must be a multiple of 64 below 2**63");
+        if let Some(first) =
+            self.first.iter().find(|first| !first.is_multiple_of(GROUP) || **first >= 1 << 63)
+        {
+            return refuse("first", first.to_string(), "must be a multiple of 64 below 2**63");
         }
         let all_laws = self.mixture.iter().map(|mixed| &mixed.laws).chain([&self.laws]);
         for given in all_laws.filter_map(|laws| laws.given.as_ref()) {
@@ -282,10 +284,10 @@ mod tests {
             step: None,
             max_steps: 100,
             samples: 1,
-            check: Check::First(0),
+            check: Check::Before(0),
             key: [0; 2],
             numbers: Vec::new(),
-            first: 0,
+            first: Vec::new(),
         }
     }
 
@@ -298,12 +300,12 @@ mod tests {
                 "axis = 0",
             ),
             (Map { samples: 0, ..map() }, "samples = 0"),
-            (Map { first: 32, ..map() }, "first = 32"),
+            (Map { first: vec![0, 32], ..map() }, "first = 32"),
             (
                 Map { mixture: vec![Mixed { until: 0.5, laws: Laws::NONE, pixels: Vec::new() }], ..map() },
                 "mixture = 1",
             ),
-            (Map { first: 1 << 63, ..map() }, "first = 9223372036854775808"),
+            (Map { first: vec![1 << 63], ..map() }, "first = 9223372036854775808"),
             (Map { t_end: f64::NAN, ..map() }, "t_end = NaN"),
             (Map { t_end: -1.0, ..map() }, "t_end = -1"),
         ];

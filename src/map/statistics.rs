@@ -16,6 +16,9 @@ pub enum Class {
 }
 
 impl Class {
+    /// All classes, in the order of their codes.
+    pub const ALL: [Class; 4] = [Class::Stable, Class::Unstable, Class::Undecided, Class::Failed];
+
     /// The name of the class.
     pub fn name(self) -> &'static str {
         match self {
@@ -25,9 +28,7 @@ impl Class {
             Class::Failed => "failed",
         }
     }
-}
 
-impl Class {
     /// The class of a sample from those of its two runs. They agree, or one of them is unstable and the other cannot tell.
     pub fn agreed(self, second: Class) -> Class {
         match (self, second) {
@@ -93,7 +94,7 @@ impl Outcome {
     }
 
     /// A sample that was not integrated: one that would need more steps than allowed.
-    pub(super) const REFUSED: Outcome = Outcome {
+    pub const REFUSED: Outcome = Outcome {
         class: Class::Failed,
         status: Status::StepLimit,
         flips: 0,

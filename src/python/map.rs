@@ -7,17 +7,14 @@ use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
 use crate::forcing::Forcing;
 use crate::map::{
-    Bin, Check, Column, Condition, Criterion, Field, Known, Laws, Logic, Map, Measure, MethodChoice, Mixed,
-    Outcome, Pixel, Sketch, Statistics, clopper_pearson_of_each,
+    Bin, Check, Class, Column, Condition, Criterion, Field, Laws, Logic, Map, Measure, MethodChoice, Mixed,
+    Outcome, Pixel, Sketch, Statistics, Verdict, clopper_pearson_of_each,
 };
 use crate::memory;
 use crate::sample::{Given, Law};
 use crate::scene::Scene;
 use crate::simd::Isa;
-use crate::solver::Solver;
-use crate::status::Status;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
-use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::sync::Mutex;
@@ -186,10 +183,11 @@ impl MapStatistics {
         Ok(MapStatistics { measures, all: Mutex::new((statistics, sketches)) })
     }
 
-    /// Merges a part in, by the reduction of each column. The order of the parts has no effect.
+    /// Merges a part in, by the reduction of each column: its rows are of `pixels`, each of which may have several. The
+    /// order of the parts has no effect.
     fn merge(&self, part: &Bound<'_, PyDict>) -> PyResult<()> {
         let _standard = FloatEnvironment::standard();
-        let first: usize = part.as_any().get_item("first")?.extract()?;
+        let places = part.as_any().get_item("pixels")?.extract::<PyReadonlyArray1<'_, i64>>()?;
         let bins: Vec<PyReadonlyArray2<'_, i64>> = match part.get_item("measures")? {
             Some(bins) => bins.extract()?,
             None => Vec::new(),
@@ -197,23 +195,25 @@ impl MapStatistics {
         let columns = read_columns(part)?;
         let mut all = self.all.lock().expect("no thread panics while it holds the statistics");
         let (pixels, sketches) = &mut *all;
-        let window = pixels.get_mut(first..first.saturating_add(columns.len())).ok_or_else(|| {
-            let value = format!("{first} to {}", first.saturating_add(columns.len()));
-            Error::Value { argument: "part", value, rule: "must be pixels of the map" }
-        })?;
+        same_length("pixels", columns.len(), places.as_array().len())?;
+        let index = |what: &str, number: i64, count: usize| {
+            let rule = "must be pixels of the map";
+            let value = || format!("{what} {number} of {count}");
+            let inside = usize::try_from(number).ok().filter(|&index| index < count);
+            inside.ok_or_else(|| Error::Value { argument: "part", value: value(), rule })
+        };
+        let mut of_rows = memory::reserved(PIXELS, columns.len())?;
+        for &place in places.as_array() {
+            of_rows.push(index("pixel", place, pixels.len())?);
+        }
         same_length("measures", self.measures, bins.len())?;
         for (measure, bins) in bins.iter().enumerate() {
-            for &[pixel, ref numbers @ ..] in rows_of::<i64, ROW>("measures", bins)? {
-                let at = usize::try_from(pixel).ok().filter(|&pixel| pixel < columns.len());
-                let at = at.ok_or_else(|| Error::Value {
-                    argument: "part",
-                    value: format!("a bin of pixel {pixel}"),
-                    rule: "must be pixels of the map",
-                })?;
-                sketches[(first + at) * self.measures + measure].put(&Bin::from_numbers(*numbers))?;
+            for &[row, ref numbers @ ..] in rows_of::<i64, ROW>("measures", bins)? {
+                let pixel = of_rows[index("a bin of row", row, of_rows.len())?];
+                sketches[pixel * self.measures + measure].put(&Bin::from_numbers(*numbers))?;
             }
         }
-        window.iter_mut().zip(&columns).for_each(|(pixel, other)| pixel.merge(other));
+        of_rows.iter().zip(&columns).for_each(|(&pixel, other)| pixels[pixel].merge(other));
         Ok(())
     }
 
@@ -258,71 +258,43 @@ impl MapStatistics {
     }
 }
 
-/// Writes the keyword arguments of a map as a type.
-macro_rules! keywords {
-    ($(#[$doc:meta])* struct $name:ident { $($(#[$option:meta])* $field:ident: $type:ty,)* }) => {
-        $(#[$doc])*
-        #[derive(FromPyObject)]
-        #[pyo3(from_item_all)]
-        struct $name<'py> {
-            $($(#[$option])* $field: $type,)*
-        }
-
-        impl $name<'_> {
-            const KEYWORDS: &'static [&'static str] = &[$(stringify!($field)),*];
-        }
-    };
+/// What is asked of a map, as `rigid.maps.core_request` describes it: `Map`, column by column.
+#[derive(FromPyObject)]
+struct MapRequest<'py> {
+    scene: String,
+    method: String,
+    moments: PyReadonlyArray2<'py, f64>,
+    weight: PyReadonlyArray2<'py, f64>,
+    starts: Vec<StartsRequest<'py>>,
+    shares: Vec<f64>,
+    conditions: Vec<(String, i32, Vec<f64>)>,
+    logic: String,
+    measures: Vec<(String, i32)>,
+    t_end: f64,
+    step: Option<f64>,
+    max_steps: u64,
+    samples: u64,
+    checked: Option<u64>,
+    seed: u128,
+    forcing: Option<Vec<PyRef<'py, PyForcing>>>,
+    numbers: Option<PyReadonlyArray1<'py, u64>>,
+    first: Option<PyReadonlyArray1<'py, u64>>,
 }
 
-keywords! {
-    /// The keyword arguments of `MapJob`: those of `Map`, column by column.
-    struct MapRequest {
-        scene: String,
-        method: String,
-        moments: PyReadonlyArray2<'py, f64>,
-        weight: PyReadonlyArray2<'py, f64>,
-        conditions: Vec<(String, i32, Vec<f64>)>,
-        logic: String,
-        measures: Vec<(String, i32)>,
-        t_end: f64,
-        step: Option<f64>,
-        max_steps: u64,
-        samples: u64,
-        checked: Option<u64>,
-        seed: u128,
-        #[pyo3(default)]
-        forcing: Option<Vec<PyRef<'py, PyForcing>>>,
-        #[pyo3(default)]
-        numbers: Option<PyReadonlyArray1<'py, u64>>,
-        #[pyo3(default)]
-        first: u64,
-        #[pyo3(default)]
-        mixture: Option<Vec<StartsRequest<'py>>>,
-        #[pyo3(default)]
-        mixture_shares: Option<Vec<f64>>,
-    }
-}
-
-keywords! {
-    /// The keyword arguments of the starts: those of `Laws`, with the nominal start and the sizes of each pixel.
-    struct StartsRequest {
-        omega: PyReadonlyArray2<'py, f64>,
-        omega_noise: String,
-        omega_size: PyReadonlyArray2<'py, f64>,
-        attitude: PyReadonlyArray2<'py, f64>,
-        attitude_noise: String,
-        attitude_size: PyReadonlyArray2<'py, f64>,
-        #[pyo3(default)]
-        mix: Option<PyReadonlyArray2<'py, f64>>,
-        #[pyo3(default)]
-        mixed: [bool; 2],
-        #[pyo3(default)]
-        given_omega: Option<PyReadonlyArray2<'py, f64>>,
-        #[pyo3(default)]
-        given_attitude: Option<PyReadonlyArray2<'py, f64>>,
-        #[pyo3(default)]
-        given_shares: Option<PyReadonlyArray1<'py, f64>>,
-    }
+/// `Laws`, with the nominal start and the sizes of each pixel.
+#[derive(FromPyObject)]
+struct StartsRequest<'py> {
+    omega: PyReadonlyArray2<'py, f64>,
+    omega_noise: String,
+    omega_size: PyReadonlyArray2<'py, f64>,
+    attitude: PyReadonlyArray2<'py, f64>,
+    attitude_noise: String,
+    attitude_size: PyReadonlyArray2<'py, f64>,
+    mix: Option<PyReadonlyArray2<'py, f64>>,
+    mixed: [bool; 2],
+    given_omega: Option<PyReadonlyArray2<'py, f64>>,
+    given_attitude: Option<PyReadonlyArray2<'py, f64>>,
+    given_shares: Option<PyReadonlyArray1<'py, f64>>,
 }
 
 impl StartsRequest<'_> {
@@ -394,35 +366,24 @@ impl StartsRequest<'_> {
 }
 
 impl MapRequest<'_> {
-    const OPTIONAL: [&'static str; 10] = [
-        "forcing",
-        "numbers",
-        "first",
-        "mix",
-        "mixed",
-        "given_omega",
-        "given_attitude",
-        "given_shares",
-        "mixture",
-        "mixture_shares",
-    ];
-
-    /// The map with these starts, and the status of the moments of each pixel.
-    fn map(self, starts: &StartsRequest<'_>) -> PyResult<(Map, Vec<u8>)> {
+    /// The map, and the status of the moments of each pixel.
+    fn map(self) -> PyResult<(Map, Vec<u8>)> {
         let moments = rows::<3>("moments", &self.moments)?;
         let pixels = moments.len();
         let status = moments.iter().map(|&m| MomentStatus::of(m) as u8);
         let status = memory::collected(PIXELS, pixels, status)?;
         let weight = rows::<3>("weight", &self.weight)?;
-        let (starting, laws) = starts.pixels(moments, weight, &status)?;
-        let shares = self.mixture_shares.unwrap_or_default();
+        same_length("shares", self.starts.len(), self.shares.len())?;
+        let Some((nominal, others)) = self.starts.split_first() else {
+            return Err(
+                Error::Value { argument: "starts", value: "()".into(), rule: "must not be empty" }.into()
+            );
+        };
+        let (starting, laws) = nominal.pixels(moments, weight, &status)?;
         let mut mixture = Vec::new();
-        if let Some(all) = &self.mixture {
-            same_length("mixture_shares", all.len(), shares.len())?;
-            for (starts, &until) in all.iter().zip(&shares) {
-                let (pixels, laws) = starts.pixels(moments, weight, &status)?;
-                memory::push(PIXELS, &mut mixture, Mixed { until, laws, pixels })?;
-            }
+        for (starts, &until) in self.starts.iter().zip(&self.shares).filter(|_| !others.is_empty()) {
+            let (pixels, laws) = starts.pixels(moments, weight, &status)?;
+            memory::push(PIXELS, &mut mixture, Mixed { until, laws, pixels })?;
         }
         let forcing: Vec<Forcing> = match self.forcing {
             Some(all) => {
@@ -435,12 +396,12 @@ impl MapRequest<'_> {
             }
             None => Vec::new(),
         };
-        let numbers = match &self.numbers {
-            Some(numbers) => {
-                same_length("numbers", pixels, numbers.as_array().len())?;
-                memory::collected(PIXELS, pixels, numbers.as_array().iter().copied())?
-            }
-            None => Vec::new(),
+        let of_each = |name, numbers: &Option<PyReadonlyArray1<'_, u64>>| -> PyResult<Vec<u64>> {
+            let Some(numbers) = numbers.as_ref().map(|numbers| numbers.as_array()) else {
+                return Ok(Vec::new());
+            };
+            same_length(name, pixels, numbers.len())?;
+            Ok(memory::collected(PIXELS, pixels, numbers.iter().copied())?)
         };
         let conditions: Vec<Condition> = self
             .conditions
@@ -467,10 +428,10 @@ impl MapRequest<'_> {
             step: self.step,
             max_steps: self.max_steps,
             samples: self.samples,
-            check: self.checked.map_or(Check::Doubtful, Check::First),
+            check: self.checked.map_or(Check::Doubtful, Check::Before),
             key: [self.seed as u64, (self.seed >> 64) as u64],
-            numbers,
-            first: self.first,
+            numbers: of_each("numbers", &self.numbers)?,
+            first: of_each("first", &self.first)?,
         };
         Ok((map.checked()?, status))
     }
@@ -483,7 +444,7 @@ type ValuesAndSteps<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<u64>>
 type OutcomeNumber = (&'static str, fn(&Outcome) -> f64);
 
 const OUTCOME_NUMBERS: [OutcomeNumber; 8] = [
-    ("left", |one| if one.left < f64::INFINITY { one.left } else { f64::NAN }),
+    ("left", |one| finite(one.left)),
     ("tilt", |one| one.tilt),
     ("exponent", |one| one.exponent),
     ("mean_megno", |one| one.mean_megno),
@@ -493,27 +454,45 @@ const OUTCOME_NUMBERS: [OutcomeNumber; 8] = [
     ("step", |one| one.step),
 ];
 
+/// Writes what became of samples as one array a number.
+fn write_outcomes<'py>(py: Python<'py>, all: &[Verdict]) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    dict.set_item("class", convert::column(py, all, |(class, _)| *class as u8)?)?;
+    dict.set_item("status", convert::column(py, all, |(_, one)| one.status as u8)?)?;
+    dict.set_item("exact", convert::column(py, all, |(_, one)| one.exact)?)?;
+    dict.set_item("flips", convert::column(py, all, |(_, one)| one.flips as i64)?)?;
+    dict.set_item("steps", convert::column(py, all, |(_, one)| one.steps as i64)?)?;
+    for (name, of) in OUTCOME_NUMBERS {
+        dict.set_item(name, convert::column(py, all, |(_, one)| of(one))?)?;
+    }
+    Ok(dict)
+}
+
+/// What became of samples that were not run: arrays of a number each. `class` and `status` are codes in the order of
+/// their names.
+#[pyfunction]
+pub fn unknown_outcomes(py: Python<'_>, count: usize) -> PyResult<Bound<'_, PyDict>> {
+    write_outcomes(py, &memory::filled("outcomes of the samples", count, (Class::Failed, Outcome::REFUSED))?)
+}
+
+/// The names of the classes of bodies, in the order of their codes.
+#[pyfunction]
+pub fn class_names() -> Vec<&'static str> {
+    Class::ALL.into_iter().map(Class::name).collect()
+}
+
+/// The class of a body, by those of its first and its second run.
+#[pyfunction]
+pub fn agreed_classes() -> [[u64; 4]; 4] {
+    Class::ALL.map(|first| Class::ALL.map(|second| first.agreed(second) as u64))
+}
+
 #[pymethods]
 impl MapJob {
     #[new]
-    #[pyo3(signature = (**request))]
-    fn new(request: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+    fn new(request: MapRequest<'_>) -> PyResult<Self> {
         let _standard = FloatEnvironment::standard();
-        let given = |name: &str| request.is_some_and(|request| request.contains(name).unwrap_or(false));
-        let known = || MapRequest::KEYWORDS.iter().chain(StartsRequest::KEYWORDS);
-        let missing = |name: &&&str| !MapRequest::OPTIONAL.contains(*name) && !given(name);
-        if let Some(name) = known().find(missing) {
-            return Err(PyTypeError::new_err(format!("MapJob() misses the keyword argument '{name}'")));
-        }
-        let request = request.expect("no keyword is missing");
-        for name in request.keys() {
-            let word = name.extract::<&str>()?;
-            if !known().any(|known| *known == word) {
-                return Err(PyTypeError::new_err(format!("MapJob() has no keyword argument '{name}'")));
-            }
-        }
-        let starts = request.extract::<StartsRequest<'_>>()?;
-        let (map, status) = request.extract::<MapRequest<'_>>()?.map(&starts)?;
+        let (map, status) = request.map()?;
         Ok(MapJob { map, status, isa: Isa::current()? })
     }
 
@@ -523,7 +502,7 @@ impl MapJob {
         convert::column(py, &self.status, |&status| status)
     }
 
-    /// Statistics of the samples start .. stop (pixel-major) for the pixels that they touch; None if
+    /// Statistics of the samples start .. stop (pixel-major) for the `pixels` that they touch; None if
     /// `interrupted()`, called twenty times a second, returned true.
     #[pyo3(signature = (start, stop, threads, interrupted=None))]
     fn run<'py>(
@@ -547,45 +526,14 @@ impl MapJob {
             result => result?,
         };
         let dict = PyDict::new(py);
-        dict.set_item("first", first)?;
+        let pixels = first..first + statistics.len() as u64;
+        dict.set_item(
+            "pixels",
+            memory::collected(PIXELS, statistics.len(), pixels.map(|pixel| pixel as i64))?.into_pyarray(py),
+        )?;
         write_columns(py, &dict, &statistics)?;
         dict.set_item("measures", bins_by_measure(py, &sketches, self.map.measures.len())?)?;
         Ok(Some(dict))
-    }
-
-    /// One sample, with the bits that it has in the map.
-    fn sample<'py>(&self, py: Python<'py>, pixel: u64, sample: u64) -> PyResult<Bound<'py, PyDict>> {
-        for (argument, value, length) in
-            [("pixel", pixel, self.map.pixels.len() as u64), ("sample", sample, self.map.samples)]
-        {
-            if value >= length {
-                let value = format!("{value} of {length}");
-                return Err(Error::Value { argument, value, rule: "must be an index" }.into());
-            }
-        }
-        let Known { body, class, outcome, parts, measures } =
-            interruptible(py, None, |interrupt| self.map.sample(pixel, sample, self.isa, interrupt))??;
-        let Outcome { status, flips, left, tilt, exponent, mean_megno, step, steps, exact, .. } = outcome;
-        let dict = PyDict::new(py);
-        dict.set_item("omega", body.omega.to_vec().into_pyarray(py))?;
-        dict.set_item("attitude", body.attitude.to_vec().into_pyarray(py))?;
-        dict.set_item("class", class.name())?;
-        dict.set_item("status", Status::name(status))?;
-        dict.set_item("flips", flips)?;
-        dict.set_item("left", finite(left))?;
-        dict.set_item("tilt", tilt)?;
-        let parts = parts.iter().map(|&(class, left)| (class.name(), finite(left)));
-        dict.set_item("parts", parts.collect::<Vec<_>>())?;
-        dict.set_item("measures", measures)?;
-        dict.set_item("exponent", exponent)?;
-        dict.set_item("mean_megno", mean_megno)?;
-        dict.set_item("energy_drift", outcome.energy_drift)?;
-        dict.set_item("momentum_drift", outcome.momentum_drift)?;
-        dict.set_item("unit_drift", outcome.unit_drift)?;
-        dict.set_item("step", step)?;
-        dict.set_item("steps", steps)?;
-        dict.set_item("method", if exact { Solver::EXACT } else { self.map.first_scheme().facts.name })?;
-        Ok(dict)
     }
 
     /// The starts of samples, numbered pixel by pixel: rates (n, 3) and attitudes (n, 4), one after the other.
@@ -623,9 +571,9 @@ impl MapJob {
         Ok((values, steps.into_pyarray(py)))
     }
 
-    /// What became of samples, numbered pixel by pixel in ascending order: arrays of a number each. `class` and `status`
-    /// are codes in the order of the classes and of the statuses; `exact` is 1 for a closed form; `measures` are the values of
-    /// the measures, sample by sample.
+    /// What became of samples, numbered pixel by pixel in ascending order: the arrays of `unknown_outcomes`, with the bits
+    /// of the map; `measures`, the values of the measures, sample by sample; and `part_class` and `part_left` of each
+    /// condition.
     fn outcomes<'py>(
         &self,
         py: Python<'py>,
@@ -633,21 +581,17 @@ impl MapJob {
         threads: usize,
     ) -> PyResult<Bound<'py, PyDict>> {
         let flat = self.ascending(&samples)?;
-        let (all, (values, _)) = interruptible(py, None, |interrupt| {
-            let all = self.map.samples_at(&flat, threads.max(1), self.isa, interrupt)?;
-            let values = self.map.values_at(&flat, &all, threads.max(1), self.isa, interrupt)?;
-            Ok::<_, Error>((all, values))
+        let ((all, parts), (values, _)) = interruptible(py, None, |interrupt| {
+            let known = self.map.samples_at(&flat, threads.max(1), self.isa, interrupt)?;
+            let values = self.map.values_at(&flat, &known.0, threads.max(1), self.isa, interrupt)?;
+            Ok::<_, Error>((known, values))
         })??;
-        let dict = PyDict::new(py);
+        let dict = write_outcomes(py, &all)?;
         dict.set_item("measures", values.into_pyarray(py).reshape([flat.len(), self.map.measures.len()])?)?;
-        dict.set_item("class", convert::column(py, &all, |(_, class, _)| *class as u8)?)?;
-        dict.set_item("status", convert::column(py, &all, |(.., one)| one.status as u8)?)?;
-        dict.set_item("exact", convert::column(py, &all, |(.., one)| one.exact)?)?;
-        dict.set_item("flips", convert::column(py, &all, |(.., one)| one.flips as i64)?)?;
-        dict.set_item("steps", convert::column(py, &all, |(.., one)| one.steps as i64)?)?;
-        for (name, of) in OUTCOME_NUMBERS {
-            dict.set_item(name, convert::column(py, &all, |(.., one)| of(one))?)?;
-        }
+        let shape = [flat.len(), self.map.conditions.len()];
+        let class = convert::column(py, &parts, |&(class, _)| class as u8)?;
+        dict.set_item("part_class", class.reshape(shape)?)?;
+        dict.set_item("part_left", convert::column(py, &parts, |&(_, left)| finite(left))?.reshape(shape)?)?;
         Ok(dict)
     }
 }

@@ -56,7 +56,9 @@ mod _core {
     #[pymodule_export]
     use super::growth::{displacement_starts, generic_displacements, growth, rate_units, verdicts};
     #[pymodule_export]
-    use super::map::{MapJob, MapStatistics, clopper_pearson, map_columns};
+    use super::map::{
+        MapJob, MapStatistics, agreed_classes, class_names, clopper_pearson, map_columns, unknown_outcomes,
+    };
     #[pymodule_export]
     use super::motion::PyMotion;
     #[pymodule_export]

@@ -21,7 +21,7 @@ from rigid.cli.toml_map import MAPS, read_spec
 from rigid.maps.data import COLUMNS
 from rigid.maps.parameters import make_axes
 from rigid.maps.sequential import stop_table
-from rigid.store.store import run_stored
+from rigid.store.store import run_map
 
 SAMPLES = 8
 
@@ -30,7 +30,7 @@ FIXED = 448
 
 
 def run(spec: rigid.MapSpec) -> rigid.StabilityMap:
-    result: rigid.StabilityMap = run_stored(
+    result: rigid.StabilityMap = run_map(
         spec,
         store=None,
         seeded=True,

@@ -521,7 +521,7 @@ def _maps() -> Iterator[Case]:
         yield f"core/map/{name}/step-0.05", partial(numbers, request, method="rk4", step=0.05)
         yield f"core/map/{name}/check-0.1", partial(numbers, request, check=0.1)
         yield f"core/map/{name}/few-steps", partial(numbers, request, max_steps=40)
-        yield f"core/map/{name}/chunks", partial(numbers, request, chunk=17, threads=2)
+        yield f"core/map/{name}/chunks", partial(numbers, request, threads=2)
         for method in ("auto", "rk4", "splitting", "taylor12"):
             yield f"core/replay/{name}/{method}", partial(replayed, request, method=method)
         yield f"machine/theory/{name}", partial(predicted, request)
@@ -600,7 +600,7 @@ def _limits() -> Iterator[Case]:
                 )
         watched = {**request, "stable": questions["joined"], "measure": measures}
         yield f"core/limits/{scene}/measures", partial(numbers, watched)
-        yield f"core/limits/{scene}/chunks", partial(numbers, watched, chunk=7, threads=2)
+        yield f"core/limits/{scene}/chunks", partial(numbers, watched, threads=2)
 
 
 def _events() -> Iterator[Case]:

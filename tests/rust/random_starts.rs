@@ -225,10 +225,10 @@ fn draws_do_not_shift_each_other() {
             step: None,
             max_steps: 100,
             samples,
-            check: Check::First(0),
+            check: Check::Before(0),
             key: KEY,
             numbers: Vec::new(),
-            first: 0,
+            first: Vec::new(),
         };
         let flat = pixel * samples + sample;
         map.draw(Isa::NARROWEST, flat..flat + 1).unwrap()[0]

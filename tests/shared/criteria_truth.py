@@ -18,6 +18,7 @@ import rigid
 from physics import angle_between, quaternion_product, rotated
 from random_scenes import Scenes
 from rigid import _core
+from rigid.maps.core_request import CoreRequest, CoreStarts
 from rigid.model import bounds
 from rigid.model.criterion import Criterion
 
@@ -55,17 +56,20 @@ class Judged:
 def judged(scenes: Scenes, criterion: Criterion, method: str = "auto") -> Judged:
     """What a map says of each body."""
     n = len(scenes)
-    job = _core.MapJob(
-        scene=scenes.kind,
-        method=method,
-        moments=scenes.moments,
-        weight=scenes.weight,
+    starts = CoreStarts(
         omega=scenes.omega,
         omega_noise="none",
         omega_size=np.zeros((n, 3)),
         attitude=scenes.attitude,
         attitude_noise="none",
         attitude_size=np.zeros((n, 3)),
+    )
+    request = CoreRequest(
+        scene=scenes.kind,
+        method=method,
+        moments=scenes.moments,
+        weight=scenes.weight,
+        starts=[starts],
         conditions=criterion.conditions(),
         logic=" ".join(map(str, criterion.logic())),
         measures=[],
@@ -76,6 +80,7 @@ def judged(scenes: Scenes, criterion: Criterion, method: str = "auto") -> Judged
         checked=1,
         seed=0,
     )
+    job = _core.MapJob(request)
     counted = job.run(0, n, 2)
     assert counted is not None
     assert not counted["failed"].any()

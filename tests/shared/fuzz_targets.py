@@ -209,7 +209,6 @@ def stability_map(rng: Random) -> rigid.StabilityMap:
         ("step", odd.number(rng, odd.decades(rng, -3, 0) / rate)),
         ("rng", odd.perhaps(rng, rng.choice([0, 1, 2**127, 2**128 - 1]))),
         ("title", odd.perhaps(rng, rng.choice(["", "ω × 𝄞", "a\nb"]))),
-        ("chunk", odd.whole(rng, rng.choice([1, 3, 1000]))),
         ("threads", odd.whole(rng, rng.choice([1, 2]))),
     ):
         if rng.random() < 0.3:

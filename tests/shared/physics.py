@@ -20,13 +20,12 @@ EVERY_METHOD = rigid.methods()
 
 #: Everything that is said of a method through Python is tested over this list: those that move any
 #: body at any wanted time. What is said of compositions, processed kernels and drifts (order,
-#: structure, bits) is tested on the core, over its own list: tests/rust. Of the series, which are one
-#: loop: the lowest order, the lowest that sums with compensation, and the highest.
+#: structure, bits) is tested on the core, over its own list: tests/rust. Series of all orders are
+#: one loop; here are the lowest order, the lowest that sums with compensation, and the highest.
 METHODS = tuple(
     method
     for method in EVERY_METHOD
-    if method.name
-    in ("rk4", "dop853", "taylor12", "taylor16", "taylor26", "splitting", "midpoint")
+    if method.name in ("rk4", "dop853", "taylor12", "taylor16", "taylor26", "splitting", "midpoint")
 )
 
 #: The names of all, and as an error message lists those of a run.

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 
 import rigid
 from rigid.maps.data import STORED
+from rigid.store.drive import Intake
 
 Floats = NDArray[np.float64]
 
@@ -30,6 +34,18 @@ def small_map(scene: Any = rigid.FreeBody, **options: Any) -> rigid.StabilityMap
         "progress": False,
     }
     return rigid.stability_map(scene, **{**chosen, **options})
+
+
+@contextmanager
+def in_blocks(units: int) -> Iterator[None]:
+    """Maps are computed so many units at a time, as by a machine of that speed."""
+    patched = pytest.MonkeyPatch()
+    fixed = property(lambda _: units, lambda _, fitted: None)
+    patched.setattr(Intake, "units", fixed, raising=False)
+    try:
+        yield
+    finally:
+        patched.undo()
 
 
 def saved_bytes(result: rigid.StabilityMap, folder: Path) -> bytes:

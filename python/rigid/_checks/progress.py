@@ -1,4 +1,4 @@
-"""Progress of a long run: the share that is done, the size of the next chunk, and interruption."""
+"""Progress of a long run: the share that is done, and interruption."""
 
 from __future__ import annotations
 
@@ -17,7 +17,6 @@ from .notebook import in_notebook
 
 __all__ = [
     "Interrupted",
-    "Pace",
     "Progress",
     "ProgressOption",
     "heeding_signals",
@@ -25,9 +24,6 @@ __all__ = [
     "reporting",
     "terminated",
 ]
-
-CHUNK_SECONDS = 0.3
-LONGEST_SECONDS = 1.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -73,7 +69,7 @@ ProgressOption: TypeAlias = bool | Callable[[Progress], object] | None
 def reporting(
     option: ProgressOption, total: int, *, unit: str = " bodies"
 ) -> Iterator[Callable[[Progress], object]]:
-    """The function to call with a :class:`Progress` after each chunk.
+    """The function to call with a :class:`Progress` after each part.
 
     Parameters
     ----------
@@ -120,28 +116,6 @@ def reporting(
     yield lambda _: None
 
 
-class Pace:
-    """Chunk sizes from the cost of the bodies seen so far.
-
-    Costs differ between pixels by orders of magnitude, because a flip ends a body early. So a chunk
-    is also kept below a second in case it consists of the costliest bodies only.
-    """
-
-    __slots__ = ("_costliest", "_threads", "size")
-
-    def __init__(self, threads: int) -> None:
-        self._threads = threads
-        self._costliest = 0.0
-        self.size = 16 * threads
-
-    def note(self, bodies: int, seconds: float, costliest: float) -> None:
-        """Fit the next size to a chunk that took ``seconds``; ``costliest`` is one body's cost."""
-        self._costliest = max(self._costliest, costliest / self._threads)
-        fitting = CHUNK_SECONDS * bodies / max(seconds, 1e-6)
-        bounded = LONGEST_SECONDS / max(self._costliest, 1e-12)
-        self.size = max(self._threads, int(min(fitting, bounded, 8.0 * self.size)))
-
-
 class Interrupted(KeyboardInterrupt):
     """Ctrl-C ended a map or a report: a ``KeyboardInterrupt`` that holds what is finished.
 
@@ -158,7 +132,7 @@ class Interrupted(KeyboardInterrupt):
     >>> try:
     ...     rigid.stability_map(
     ...         rigid.FreeBody, axes={"spin": [1.0, 2.0]}, samples=10, t_end=50.0,
-    ...         stable=rigid.no_flip(), chunk=4, progress=press_ctrl_c,
+    ...         stable=rigid.no_flip(), progress=press_ctrl_c, threads=1,
     ...     )
     ... except rigid.Interrupted as interrupted:
     ...     print(interrupted)
@@ -177,7 +151,7 @@ class Interrupted(KeyboardInterrupt):
 
 @contextmanager
 def interruptible() -> Iterator[threading.Event]:
-    """Turn Ctrl-C into an event, so that a chunk is counted completely or omitted.
+    """Turn Ctrl-C into an event, so that a part is counted completely or omitted.
 
     A second Ctrl-C raises ``KeyboardInterrupt`` at once. Only where Python's own handler is at
     work: other handlers, and other threads, keep theirs.

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._checks.arguments import resolve_threads
-from ..maps.compute import stability_map
 from ..maps.result import StabilityMap
+from ..store.call import stability_map
 from .explorer import (
     MOST_SAMPLES,
     content_of_map,

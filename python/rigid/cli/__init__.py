@@ -20,7 +20,6 @@ from .._checks.arguments import positive_int, resolve_threads
 from .._checks.progress import heeding_signals
 from .._files import published, require_replaceable, require_room
 from ..info import build_info
-from ..maps.compute import run_map
 from ..maps.data import CLASSES, FAILURES
 from ..maps.file import file_size
 from ..maps.plan import map_plan
@@ -36,6 +35,7 @@ from ..reports.stress import extremes
 from ..sections.crossings import Crossings
 from ..sections.poincare import poincare
 from ..sections.starts import on_surface
+from ..store.call import run_map
 from .output import Target, finished, print_list, progress_shown, say, target_of
 from .parser import LONG_SECONDS, SECONDS, USAGE_ERROR, make_parser
 from .running_maps import compute_stored, default_stem, open_and_go_on, run

@@ -13,6 +13,7 @@ from .._checks.arguments import resolve_threads
 from .._checks.progress import Interrupted, terminated
 from ..maps.result import StabilityMap
 from ..maps.spec import MapSpec
+from ..store.call import run_map
 from .output import progress_shown, say
 
 __all__ = ["add_commands", "add_options", "compute_stored", "default_stem", "open_and_go_on", "run"]
@@ -112,13 +113,11 @@ def _pack(options: Namespace) -> int:
 
 def compute_stored(spec: MapSpec, options: Namespace, *, seeded: bool) -> StabilityMap | int:
     """The whole map of a specification in ``options.store``, or the exit code."""
-    from ..store.store import run_stored
-
     if options.part is not None and not seeded:
         raise ValueError("--part: the file must tell the seed, or --seed: parts need the same one")
     return _computed(
         options,
-        lambda **how: run_stored(spec, store=options.store, seeded=seeded, **how),
+        lambda **how: run_map(spec, store=options.store, seeded=seeded, **how),
     )
 
 
@@ -147,6 +146,8 @@ def _computed(options: Namespace, compute: Any) -> StabilityMap | int:
                 partial=False,
             )
     except Interrupted as stopped:
+        if stopped.partial.ended:
+            return stopped.partial  # type: ignore[no-any-return]
         how = "terminated" if terminated() else "interrupted"
         raise KeyboardInterrupt(f"{how}; {str(stopped).partition(';')[0]}; {goes_on}") from None
     except PoisonedError as error:

@@ -3,6 +3,5 @@
 From low to high: ``parameters`` and ``grid`` (the nominal start of every pixel), ``spec``, ``plan``
 and ``job`` (the request as the core reads it), ``data`` (the arrays), what reads these (``theory``,
 ``summary``, ``plot``, ``file``, ``dataset``, ``replay``, ``sensitivity``), ``result`` with
-:class:`rigid.StabilityMap`, and ``compute`` with :func:`rigid.stability_map`. Uses ``model``,
-``solve`` and ``drawing``; the command line and citations use it.
+:class:`rigid.StabilityMap`. Uses ``model``, ``solve`` and ``drawing``; ``store`` computes maps.
 """

@@ -26,7 +26,7 @@ __all__ = ["CLASSES", "COLUMNS", "FAILURES", "STATUS", "STORED", "Column", "MapD
 STATUS = tuple(_core.moment_status_names())
 """The meaning of each ``status``."""
 
-CLASSES = ("stable", "unstable", "undecided", "failed")
+CLASSES = tuple(_core.class_names())
 """The columns that count the bodies of each class; their sum is all bodies done."""
 
 FAILURES = ("step_limit", "not_finite", "drifted")

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from math import prod
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -139,6 +140,18 @@ class NominalStarts:
                 forcing=forcing,
             )
             yield mine, batch
+
+    def of_pixels(self, pixels: NDArray[np.int64]) -> NominalStarts:
+        """The rows of some pixels."""
+        columns = {column.name: getattr(self, column.name) for column in fields(self)}
+        some: dict[str, Any] = {
+            name: column[pixels]
+            for name, column in columns.items()
+            if isinstance(column, np.ndarray)
+        }
+        own = {name: column[pixels] for name, column in self.own.items()}
+        made = self.made[pixels] if self.made is not None and self.made.shape else self.made
+        return replace(self, own=own, made=made, **some)
 
     def scene_of(self, pixel: int) -> Scene:
         """The scene of one pixel, with the numbers that the axes set."""

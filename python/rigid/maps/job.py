@@ -14,12 +14,15 @@ from ..model.judged import Judged
 from ..model.mixture import Mixture
 from ..model.start import Noise, Samples, Start
 from ..solve.methods import AUTO, EXACT, known_method, map_methods
+from .core_request import CoreRequest, CoreStarts
 from .grid import NominalStarts
 from .judge import JudgedJob
 from .sequential import LOOK
 from .spec import MapSpec
 
-__all__ = ["Job", "Jobs", "Work", "of_pixels", "spans", "to_core"]
+__all__ = ["Job", "Jobs", "of_pixels", "spans", "to_core"]
+
+Ints = NDArray[np.int64]
 
 
 class Jobs:
@@ -28,14 +31,12 @@ class Jobs:
     Parameters
     ----------
     jobs : list of (MapJob, ndarray of int64)
-        The request of each part, and which of all pixels asked for are its own, ascending.
+        The request of each part, and which of all rows asked for are its own, ascending.
     samples : int
-        Samples of each pixel.
+        Samples of each row.
     """
 
-    def __init__(
-        self, jobs: list[tuple[_core.MapJob | JudgedJob, NDArray[np.int64]]], samples: int
-    ) -> None:
+    def __init__(self, jobs: list[tuple[_core.MapJob | JudgedJob, Ints]], samples: int) -> None:
         self._jobs, self._samples = jobs, samples
         self.status = np.empty(sum(len(rows) for _, rows in jobs), dtype=np.uint8)
         for job, rows in jobs:
@@ -48,41 +49,22 @@ class Jobs:
         threads: int,
         interrupted: Callable[[], bool] | None = None,
     ) -> dict[str, Any] | None:
-        """As ``MapJob.run``: the range is one range of each part."""
-        first, last = start // self._samples, -(-stop // self._samples)
-        merged: dict[str, Any] = {"first": first}
-        bins: list[list[NDArray[np.int64]]] = []
+        """As ``MapJob.run``, of all samples."""
+        assert (start, stop) == (0, len(self.status) * self._samples)
+        parts = []
         for job, rows in self._jobs:
-            begin, end = (self._within(rows, sample) for sample in (start, stop))
-            if begin == end:
-                continue
-            part = job.run(begin, end, threads, interrupted)
+            part = job.run(0, len(rows) * self._samples, threads, interrupted)
             if part is None:
                 return None
-            at = rows[begin // self._samples : -(-end // self._samples)] - first
-            bins.append([of_pixels(own, at) for own in part.pop("measures")])
-            for name, values in part.items():
-                if name != "first":
-                    merged.setdefault(name, np.empty(last - first, dtype=values.dtype))
-                    merged[name][at] = values
-        every = [np.concatenate(of_measure) for of_measure in zip(*bins, strict=True)]
-        merged["measures"] = [own[np.argsort(own[:, 0], kind="stable")] for own in every]
-        return merged
-
-    def _within(self, rows: NDArray[np.int64], sample: int) -> int:
-        """How many samples of these rows come before a sample of all."""
-        row, within = divmod(sample, self._samples)
-        before = int(np.searchsorted(rows, row))
-        is_own = before < len(rows) and rows[before] == row
-        return before * self._samples + (within if is_own else 0)
-
-    def sample(self, pixel: int, sample: int) -> dict[str, Any]:
-        """As ``MapJob.sample``."""
-        for job, rows in self._jobs:
-            at = int(np.searchsorted(rows, pixel))
-            if at < len(rows) and rows[at] == pixel:
-                return job.sample(at, sample)
-        raise ValueError(f"pixel = {pixel} of {len(self.status)}: must be an index")
+            parts.append({**part, "pixels": rows})
+        statistics = _core.MapStatistics(len(self.status), len(parts[0]["measures"]))
+        for part in parts:
+            statistics.merge(part)
+        return {
+            "pixels": np.arange(len(self.status)),
+            "measures": statistics.bins(),
+            **statistics.arrays(),
+        }
 
     def starts(self, samples: NDArray[np.uint64]) -> list[NDArray[np.float64]]:
         """As ``MapJob.starts``."""
@@ -123,8 +105,9 @@ Job: TypeAlias = _core.MapJob | JudgedJob | Jobs
 
 def to_core(
     spec: MapSpec,
-    pixels: NDArray[np.int64] | None = None,
-    samples: range | None = None,
+    pixels: Ints | None = None,
+    count: int | None = None,
+    first: int | Ints = 0,
 ) -> Job:
     """The request of a specification, as the core reads it.
 
@@ -134,8 +117,10 @@ def to_core(
     pixels : ndarray of int64, optional
         Numbers of the pixels in C order of the grid, a row of the request for each; default all.
         Their samples have the bits that they have in the whole map.
-    samples : range, optional
-        The samples of each pixel, by default all. The first is a multiple of 64.
+    count : int, optional
+        Samples of each row, by default all.
+    first : int or ndarray of int64
+        Number of the first sample of the rows, or of each: a multiple of 64.
 
     Raises
     ------
@@ -143,75 +128,72 @@ def to_core(
         If the map is one of an earlier version, whose method is gone.
     """
     known_method("method", spec.method, map_methods())
-    samples = samples or range(spec.samples)
+    count = spec.samples if count is None else count
     if len(spec.parts) == 1 and spec.parts[0].spec is spec:
-        return _one(spec, pixels, samples)
+        return _one(spec, pixels, count, first)
     asked = np.arange(math.prod(spec.shape)) if pixels is None else pixels
+    begins = np.broadcast_to(first, asked.shape)
     jobs = []
     for part in spec.parts:
         rows = np.flatnonzero(np.isin(asked, part.pixels))
         if len(rows):
             own = np.searchsorted(part.pixels, asked[rows])
-            jobs.append((_one(part.spec, own, samples, part.fixed), rows))
-    return Jobs(jobs, len(samples))
+            jobs.append((_one(part.spec, own, count, begins[rows], part.fixed), rows))
+    return jobs[0][0] if len(jobs) == 1 else Jobs(jobs, count)
 
 
 def _one(
     spec: MapSpec,
-    pixels: NDArray[np.int64] | None,
-    samples: range,
+    pixels: Ints | None,
+    count: int,
+    first: int | Ints,
     fixed: Mapping[str, float] | None = None,
 ) -> _core.MapJob | JudgedJob:
     """The request of a map of one horizon and one limit, which are known by their axes."""
-    job = _of_core(spec, pixels, samples)
-    if not isinstance(spec.stable, Judged):
-        return job
-    all_pixels = np.arange(math.prod(spec.shape)) if pixels is None else pixels
-    return JudgedJob(spec, job, all_pixels, samples, fixed or {})
-
-
-def _of_core(spec: MapSpec, pixels: NDArray[np.int64] | None, samples: range) -> _core.MapJob:
-    """What the core makes of a map of one horizon and one limit; it draws the bodies at least."""
     grids = [spec.starting(start, pixels) for start in spec.start.starts]
-    starts = [_starts(*one) for one in zip(spec.start.starts, grids, strict=True)]
-    grid, of_mixture = grids[0], dict[str, Any]()
-    if isinstance(spec.start, Mixture):
-        of_mixture = {"mixture": starts, "mixture_shares": spec.start.shares().tolist()}
-    return _core.MapJob(
+    grid = grids[0]
+    begins = np.broadcast_to(first, len(grid.moments))
+    is_judged = isinstance(spec.stable, Judged)
+    request = CoreRequest(
         scene=spec.scene.kind,
         # What draws for a function classifies nothing, and may have no closed form.
-        method=AUTO if isinstance(spec.stable, Judged) and spec.method == EXACT else spec.method,
+        method=AUTO if is_judged and spec.method == EXACT else spec.method,
         moments=grid.moments,
         weight=grid.weight,
-        **starts[0],
-        **of_mixture,
+        starts=[_starts(*one) for one in zip(spec.start.starts, grids, strict=True)],
+        shares=spec.start.shares().tolist() if isinstance(spec.start, Mixture) else (1.0,),
         conditions=spec.stable.conditions(),
         logic=" ".join(map(str, spec.stable.logic())),
         measures=[one.core() for one in spec.measure],
         t_end=spec.t_end,
         step=spec.step,
         max_steps=spec.max_steps,
-        samples=len(samples),
-        checked=spec.checked_samples(samples),
+        samples=count,
+        checked=spec.checked_before(count, begins),
         seed=spec.seed,
         forcing=grid.forcings,
         numbers=None if pixels is None else pixels.astype(np.uint64),
-        first=samples.start,
+        first=begins.astype(np.uint64),
     )
+    job = _core.MapJob(request)
+    if not is_judged:
+        return job
+    all_pixels = np.arange(math.prod(spec.shape)) if pixels is None else pixels
+    return JudgedJob(spec, job, request, all_pixels, fixed or {})
 
 
-def _starts(start: Start, grid: NominalStarts) -> dict[str, Any]:
+def _starts(start: Start, grid: NominalStarts) -> CoreStarts:
     """A start and its perturbations in each pixel, as the core reads them."""
     noise = start.noise
-    return {
-        "omega": grid.omega,
-        "omega_noise": _law(start, noise) if isinstance(noise, Noise) else "none",
-        "omega_size": grid.omega_size,
-        "attitude": grid.attitude,
-        "attitude_noise": _attitude_law(start),
-        "attitude_size": grid.attitude_size,
+    return CoreStarts(
+        omega=grid.omega,
+        omega_noise=_law(start, noise) if isinstance(noise, Noise) else "none",
+        omega_size=grid.omega_size,
+        attitude=grid.attitude,
+        attitude_noise=_attitude_law(start),
+        attitude_size=grid.attitude_size,
         **(_given(noise) if isinstance(noise, Samples) else _mix(start)),
-    }
+    )
 
 
 def _attitude_law(start: Start) -> str:
@@ -255,30 +237,3 @@ def spans(spec: MapSpec, samples: range) -> list[range]:
     if spec.looks is None or spec.check in (None, 0.0, 1.0):
         return [samples]
     return [range(begin, begin + LOOK) for begin in range(samples.start, samples.stop, LOOK)]
-
-
-class Work:
-    """The samples of possible bodies; ``_core.MapJob`` counts those of all pixels.
-
-    A chunk is a number of possible bodies: impossible ones must not upset the pace.
-
-    Parameters
-    ----------
-    possible : ndarray of bool, shape (P,)
-        Pixels with a possible body.
-    samples : int
-        Bodies per pixel.
-    """
-
-    __slots__ = ("_before", "_samples", "total")
-
-    def __init__(self, possible: NDArray[np.bool_], samples: int) -> None:
-        through = np.cumsum(possible, dtype=np.int64) * samples
-        self._before = through - possible * np.int64(samples)
-        self._samples = samples
-        self.total = int(through[-1])
-
-    def flat(self, done: int) -> int:
-        """Index of possible body number ``done`` among all samples in pixel-major order."""
-        pixel = int(np.searchsorted(self._before, done, side="right")) - 1
-        return pixel * self._samples + done - int(self._before[pixel])

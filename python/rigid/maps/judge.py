@@ -18,6 +18,7 @@ from ..solve.closed_form import NO_FORM, closed_forms
 from ..solve.methods import AUTO, EXACT, SECOND
 from ..solve.request import Request
 from ..solve.status import Status
+from .core_request import CoreRequest
 from .spec import MapSpec
 
 __all__ = ["TOLERANCE", "JudgedJob", "is_adaptive"]
@@ -31,22 +32,14 @@ TOLERANCE = 1e-7
 """Of adaptive steps by series, whose states inside steps cost little: an error as by the steps of
 other maps, 1e-8 rad for each radian. That of the second method is a hundredth of it."""
 
-STABLE, UNSTABLE, UNDECIDED, FAILED = range(4)
+_AGREED = np.array(_core.agreed_classes(), dtype=np.uint8)
+"""The class of a body from those of its two runs."""
 
-_AGREED = np.array(
-    [
-        [STABLE, UNDECIDED, UNDECIDED, UNDECIDED],
-        [UNDECIDED, UNSTABLE, UNSTABLE, UNDECIDED],
-        [UNDECIDED, UNSTABLE, UNDECIDED, UNDECIDED],
-        [FAILED, FAILED, FAILED, FAILED],
-    ],
-    dtype=np.uint8,
-)
-"""The class of a body from those of its two runs, as the core has it."""
+CLASSES = _core.class_names()
+STABLE, UNSTABLE, UNDECIDED, FAILED = range(len(CLASSES))
 
 _DRIFTS = ("energy_drift", "momentum_drift", "unit_drift")
-_NUMBERS = ("left", "tilt", "exponent", "mean_megno", *_DRIFTS, "step")
-_COUNTED = ("stable", "unstable", "undecided", "failed")
+_OF_BOTH_RUNS = ("checked", "steps_of_both")
 
 
 def is_adaptive(spec: MapSpec, method: str) -> bool:
@@ -62,11 +55,11 @@ class JudgedJob:
     ----------
     spec : MapSpec
     drawing : MapJob
-        The request of the same bodies, which draws them.
+        What draws the bodies and measures them.
+    request : CoreRequest
+        What it was asked.
     pixels : ndarray of int64
         Numbers of the pixels in the grid of the map.
-    samples : range
-        The samples of each pixel.
     fixed : dict of str to float
         Values of further axes of the whole map.
     """
@@ -75,13 +68,13 @@ class JudgedJob:
         self,
         spec: MapSpec,
         drawing: _core.MapJob,
+        request: CoreRequest,
         pixels: NDArray[np.int64],
-        samples: range,
         fixed: Mapping[str, float],
     ) -> None:
         assert isinstance(spec.stable, Judged)
-        self._spec, self._drawing, self._pixels = spec, drawing, pixels
-        self._stable, self._samples, self._fixed = spec.stable, samples, fixed
+        self._spec, self._drawing, self._request = spec, drawing, request
+        self._stable, self._pixels, self._fixed = spec.stable, pixels, fixed
         self.status = drawing.status
         grid = spec.grid
         self._closed = np.zeros(len(grid.moments), dtype=np.bool_)
@@ -101,7 +94,7 @@ class JudgedJob:
         interrupted: Callable[[], bool] | None = None,
     ) -> dict[str, Any] | None:
         """As ``MapJob.run``."""
-        count = len(self._samples)
+        count = self._request.samples
         first, last = start // count, -(-stop // count)
         measures = len(self._spec.measure)
         statistics = _core.MapStatistics(last - first, measures)
@@ -117,25 +110,12 @@ class JudgedJob:
                 statistics.add(measure, pixel, np.ascontiguousarray(found["measures"][:, measure]))
             pixels = len(part["nanoseconds"])
             part["nanoseconds"][:] = 1e9 * (time.thread_time() - began) / pixels
-            part["first"] -= first
+            part["pixels"] -= first
             statistics.merge(part)
-        return {"first": first, "measures": statistics.bins(), **statistics.arrays()}
-
-    def sample(self, pixel: int, sample: int) -> dict[str, Any]:
-        """As ``MapJob.sample``."""
-        flat = np.array([pixel * len(self._samples) + sample])
-        omega, attitude = (rows.ravel() for rows in self.starts(flat.astype(np.uint64)))
-        found = self._outcomes(flat, 1)
-        verdict = ("stable", "unstable", "undecided", "failed")[int(found["class"][0])]
         return {
-            **{name: found[name].item() for name in ("flips", "steps", *_NUMBERS)},
-            "class": verdict,
-            "status": _core.status_names()[int(found["status"][0])],
-            "method": EXACT if found["exact"][0] else self._spec.scheme,
-            "omega": omega,
-            "attitude": attitude,
-            "parts": [(verdict, np.nan)],
-            "measures": found["measures"][0].tolist(),
+            "pixels": np.arange(first, last),
+            "measures": statistics.bins(),
+            **statistics.arrays(),
         }
 
     def starts(self, samples: NDArray[np.uint64]) -> list[Floats]:
@@ -149,27 +129,29 @@ class JudgedJob:
             self._outcomes(flat[begin : begin + self._block], threads)
             for begin in range(0, max(len(flat), 1), self._block)
         ]
-        return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+        found = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+        return {
+            **{name: values for name, values in found.items() if name not in _OF_BOTH_RUNS},
+            "part_class": found["class"][:, np.newaxis],
+            "part_left": found["left"][:, np.newaxis],
+        }
 
     def _outcomes(self, flat: NDArray[np.int64], threads: int) -> dict[str, NDArray[Any]]:
         """What became of bodies by their numbers, as arrays of a number each."""
         count, spec = len(flat), self._spec
-        pixel = self._pixels[flat // len(self._samples)]
+        row, within = np.divmod(flat, self._request.samples)
+        pixel = self._pixels[row]
         omega, attitude = self._drawing.starts(flat.astype(np.uint64))
         starts = omega.reshape(-1, 3), attitude.reshape(-1, 4)
         found: dict[str, NDArray[Any]] = {
-            "class": np.full(count, FAILED, dtype=np.uint8),
-            "status": np.full(count, Status.NOT_FINITE, dtype=np.uint8),
-            "exact": np.zeros(count, dtype=np.bool_),
+            **_core.unknown_outcomes(count),
             "checked": np.zeros(count, dtype=np.bool_),
-            "flips": np.zeros(count, dtype=np.int64),
-            "steps": np.zeros(count, dtype=np.int64),
             "steps_of_both": np.zeros(count, dtype=np.int64),
-            **{name: np.full(count, np.nan) for name in _NUMBERS},
             "measures": np.empty((count, 0)),
         }
-        possible = self.status[flat // len(self._samples)] == 0
-        checked = spec.checked_samples(self._samples)
+        possible = self.status[row] == 0
+        begins, checked = self._request.first, self._request.checked
+        number = within if begins is None else within + begins[row].astype(np.int64)
         for closed in (True, False):
             mine = np.flatnonzero(possible & (self._closed[pixel] == closed))
             if not len(mine):
@@ -184,8 +166,7 @@ class JudgedJob:
                 for name in _DRIFTS:
                     found[name][mine] = np.nan
                 continue
-            within = flat[mine] % len(self._samples)
-            again = mine if checked is None else mine[within < checked]
+            again = mine if checked is None else mine[number[mine] < checked]
             if not len(again):
                 continue
             second = self._judge(SECOND, again, pixel, starts, threads)
@@ -297,12 +278,12 @@ class JudgedJob:
 
     def _counted(self, flat: NDArray[np.int64], found: dict[str, NDArray[Any]]) -> dict[str, Any]:
         """The columns of a map from the outcomes of bodies whose numbers follow each other."""
-        pixel = flat // len(self._samples)
+        pixel = flat // self._request.samples
         first = int(pixel[0])
         place, size = pixel - first, int(pixel[-1]) - first + 1
         possible = self.status[pixel] == 0
         counts = {
-            **{name: found["class"] == code for code, name in enumerate(_COUNTED)},
+            **{name: found["class"] == code for code, name in enumerate(CLASSES)},
             "checked": found["checked"],
             "audited": found["checked"],
             "audited_undecided": found["checked"] & (found["class"] == UNDECIDED),
@@ -315,7 +296,7 @@ class JudgedJob:
         measures = len(self._spec.measure)
         nothing = _core.MapStatistics(size, measures)
         part: dict[str, Any] = {
-            "first": first,
+            "pixels": np.arange(first, first + size),
             "measures": nothing.bins(),
             **nothing.arrays(),
         }

@@ -2,7 +2,7 @@
 
 The core hands over bins: numbers of one sign, one exponent and six leading bits of the mantissa,
 with the exact sums of what their values exceed the bin by. Whole numbers are merged exactly, so no
-number here depends on threads, chunks or the order of the bodies.
+number here depends on threads or the order of the bodies.
 """
 
 from __future__ import annotations

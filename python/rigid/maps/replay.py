@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 import operator
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
@@ -24,7 +24,7 @@ from ..solve.lyapunov import growth_of
 from ..solve.methods import EXACT, SECOND
 from ..solve.run import Run
 from ..solve.simulate import replay_states, replay_steps, simulate
-from .data import COLUMNS, STATUS, MapData
+from .data import CLASSES, COLUMNS, STATUS, MapData
 from .job import spans, to_core
 from .judge import TOLERANCE, is_adaptive
 from .spec import MapSpec
@@ -176,13 +176,18 @@ def replay(
         _require_same_bits(data, place, one)
     part, own = spec.part_of(flat)
     (span,) = (one for one in spans(part, range(part.samples)) if number in one)
-    record = to_core(spec, np.array([flat]), span).sample(0, number - span.start)
+    job, at = to_core(spec, np.array([flat]), len(span), span.start), number - span.start
+    omega, attitude = start = job.starts(np.array([at], np.uint64))
+    found = job.outcomes(np.array([at], np.uint64), 1)
+    named = named_outcomes(spec, found)
+    measures = {name: values.item() for name, values in named.pop("measures").items()}
+    record = {name: values.item() for name, values in named.items()}
+    record["status"] = _core.status_names()[record["status"]]
     scene = part.grid.scene_of(own)
-    start, step = (record["omega"], record["attitude"]), float(record["step"])
-    method = record["method"]
+    step, method = record["step"], record["method"]
     run: Any
     if isinstance(spec.stable, Regular):
-        run = _growth(part, own, record, t)
+        run = _growth(part, own, start, record, t)
     elif isinstance(part.stable, Judged):
         run = replay_states(
             scene,
@@ -204,11 +209,7 @@ def replay(
         run = replay_steps(scene, *start, method=method, step=step, strides=strides)
     else:
         run = simulate(scene, *start, t=t, method=method, step=step)
-    values = dict(record)
-    values["outcome"] = values.pop("class")
-    values["parts"] = _parts(spec.stable, record["parts"])
-    named = zip(map(str, spec.measure), record["measures"], strict=True)
-    values["measures"] = dict(named)
+    classes = [CLASSES[code] for code in found["part_class"][0]]
     return Replay(
         pixel=index,
         sample=number,
@@ -216,12 +217,27 @@ def replay(
             axis.name: axis.values[position]
             for axis, position in zip(spec.axes, reversed(index), strict=True)
         },
+        omega=omega,
+        attitude=attitude,
+        parts=_parts(spec.stable, zip(classes, found["part_left"][0].tolist(), strict=True)),
+        measures=measures,
         run=run,
-        **values,
+        **record,
     )
 
 
-def _parts(stable: Criterion, conditions: list[tuple[str, float]]) -> tuple[Part, ...]:
+def named_outcomes(spec: MapSpec, found: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
+    """What the core tells of bodies, by the names that users know; of each measure by its own."""
+    kept = {name: found[name] for name in found if not name.startswith("part_")}
+    return {
+        "outcome": np.array(CLASSES)[kept.pop("class")],
+        "method": np.where(kept.pop("exact"), EXACT, spec.scheme),
+        "measures": dict(zip(map(str, spec.measure), kept.pop("measures").T, strict=True)),
+        **kept,
+    }
+
+
+def _parts(stable: Criterion, conditions: Iterable[tuple[str, float]]) -> tuple[Part, ...]:
     """The criteria that are joined, from classes and times of leaving of their conditions."""
     parts = []
     rest = iter(conditions)
@@ -237,10 +253,16 @@ def _parts(stable: Criterion, conditions: list[tuple[str, float]]) -> tuple[Part
     return tuple(parts)
 
 
-def _growth(spec: MapSpec, pixel: int, record: Mapping[str, Any], t: ArrayLike | None) -> Growth:
+def _growth(
+    spec: MapSpec,
+    pixel: int,
+    start: Sequence[NDArray[np.float64]],
+    record: Mapping[str, Any],
+    t: ArrayLike | None,
+) -> Growth:
     """The growth of the displacement of a body, at whole numbers of the steps that were taken."""
     assert isinstance(spec.stable, Regular)
-    step = float(record["step"])
+    step = record["step"]
     taken = math.isfinite(step)
     times = spec.t_end / PARTS * np.arange(1.0, PARTS + 1.0, dtype=np.float64)
     if t is not None:
@@ -248,8 +270,8 @@ def _growth(spec: MapSpec, pixel: int, record: Mapping[str, Any], t: ArrayLike |
         if not times.size or times[0] <= 0.0:
             raise ValueError("t: must be positive times")
     # Of the very start of the map: an attitude given by a user would be normalised first.
-    start = np.array([record["omega"]]), np.array([record["attitude"]])
-    ((_, batch),) = spec.grid.batches_by_forcing(np.array([pixel]), *start)
+    omega, attitude = (rows[np.newaxis] for rows in start)
+    ((_, batch),) = spec.grid.batches_by_forcing(np.array([pixel]), omega, attitude)
     return growth_of(
         spec.grid.scene_of(pixel),
         replace(batch, shape=()),
@@ -312,12 +334,12 @@ def _computed(spec: MapSpec, pixel: int, bodies: range) -> dict[str, Any]:
     """Columns and bins of the measures of some bodies of one pixel, computed by this build."""
     merged = _core.MapStatistics(1, len(spec.measure))
     for span in spans(spec, range(spec.samples)):
-        mine = range(max(span.start, bodies.start), min(span.stop, bodies.stop))
-        if len(mine):
-            first = pixel * len(span) - span.start
-            part = to_core(spec, samples=span).run(first + mine.start, first + mine.stop, 1)
+        begin, end = (max(bodies.start, span.start), min(bodies.stop, span.stop))
+        if begin < end:
+            job = to_core(spec, np.array([pixel]), len(span), span.start)
+            part = job.run(begin - span.start, end - span.start, 1)
             assert part is not None
-            merged.merge({**part, "first": 0})
+            merged.merge({**part, "pixels": np.zeros(1, np.int64)})
     columns = {name: values[0] for name, values in merged.arrays().items()}
     return {"measures": merged.bins(), **columns}
 

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief
-from ..solve.methods import EXACT
 from ..solve.status import Status
-from .data import CLASSES, MapData
+from .data import MapData
 from .job import to_core
-from .replay import pixel_index
+from .replay import named_outcomes, pixel_index
 
 __all__ = ["Outcomes", "Starts", "outcomes", "starts"]
 
@@ -83,12 +83,6 @@ class Outcomes:
     measures: dict[str, Floats]
 
 
-_NUMBERS = (
-    *("left", "tilt", "exponent", "mean_megno"),
-    *("energy_drift", "momentum_drift", "unit_drift", "step"),
-)
-
-
 def starts(data: MapData, sample: ArrayLike, pixel: int | tuple[int, ...] | None = None) -> Starts:
     """Starts of bodies; see :meth:`rigid.StabilityMap.starts`."""
     spec = data.spec
@@ -121,24 +115,16 @@ def outcomes(
     found = to_core(spec).outcomes(asked, threads)
     shape = numbers.shape if pixel is not None else (*spec.shape, *numbers.shape)
 
-    def each(values: NDArray[np.generic], nothing: object) -> NDArray[np.generic]:
+    def each(values: NDArray[Any], nothing: object) -> NDArray[Any]:
         every = np.full(possible.shape, nothing, dtype=values.dtype)
         every[possible] = values[of_each]
         return every.reshape(shape)
 
-    method = np.where(found["exact"], EXACT, spec.scheme)
-    return Outcomes(
-        outcome=each(np.array(CLASSES)[found["class"]], ""),  # type: ignore[arg-type]
-        method=each(method, ""),  # type: ignore[arg-type]
-        status=each(found["status"], Status.NOT_FINITE),  # type: ignore[arg-type]
-        flips=each(found["flips"], 0),  # type: ignore[arg-type]
-        steps=each(found["steps"], 0),  # type: ignore[arg-type]
-        measures={
-            str(measure): each(found["measures"][:, place], np.nan)  # type: ignore[misc]
-            for place, measure in enumerate(spec.measure)
-        },
-        **{name: each(found[name], np.nan) for name in _NUMBERS},  # type: ignore[arg-type]
-    )
+    nothing = {"outcome": "", "method": "", "status": Status.NOT_FINITE, "flips": 0, "steps": 0}
+    named = named_outcomes(spec, found)
+    measures = {name: each(values, np.nan) for name, values in named.pop("measures").items()}
+    values = {name: each(of_all, nothing.get(name, np.nan)) for name, of_all in named.items()}
+    return Outcomes(measures=measures, **values)
 
 
 def _samples(sample: ArrayLike, count: int) -> NDArray[np.int64]:

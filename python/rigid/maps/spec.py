@@ -447,8 +447,8 @@ class MapSpec:
 
     def starting(self, start: Start, pixels: NDArray[np.int64] | None = None) -> NominalStarts:
         """The nominal start of every pixel, or of some, by one of the starts of a mixture."""
-        if pixels is None and start is self.start.starts[0]:
-            return self.grid
+        if start is self.start.starts[0] and (pixels is None or "grid" in self.__dict__):
+            return self.grid if pixels is None else self.grid.of_pixels(pixels)
         # Not those of other pixels, of which there may be millions.
         return self._nominal(start, pixels)
 
@@ -470,18 +470,18 @@ class MapSpec:
         """The numbers of the scene and start that the axes set; a ratio sets its numerator."""
         return tuple(axis.parameter.sets or axis.name for axis in self.axes)
 
-    def checked_samples(self, samples: range) -> int | None:
-        """How many of these bodies of a pixel the second method classifies too, None if it depends.
+    def checked_before(self, count: int, first: NDArray[np.int64]) -> int | None:
+        """The number in a pixel below which bodies are classified by the second method, too.
 
-        It then depends on the margins of the bodies.
+        None if it depends on the margins of the bodies. Of a sequential map it is a share of these
+        samples, which are those of one look.
         """
         if self.check is None:
             return None
         # 0.07 * 100 is a little more than 7.
-        if self.looks is not None:
-            return math.ceil(self.check * len(samples) * (1.0 - 1e-12))
-        checked = math.ceil(self.check * self.samples * (1.0 - 1e-12))
-        return min(max(checked - samples.start, 0), len(samples))
+        if self.looks is None:
+            return math.ceil(self.check * self.samples * (1.0 - 1e-12))
+        return int(first.max(initial=0)) + math.ceil(self.check * count * (1.0 - 1e-12))
 
     @property
     def looks(self) -> Looks | None:

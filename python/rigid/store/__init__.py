@@ -1,12 +1,13 @@
-"""Running maps: maps that are computed in many sittings, by many processes, on many machines.
+"""The computation of maps, in memory or in folders.
 
-A running map is a folder of a specification, ``head.json``, and of logs, one for each process that
-has computed rows. What is done is what rows there are. Nothing is rewritten, nothing is locked.
+A running map is computed in many sittings, by many processes, on many machines. It is a folder of a
+specification, ``head.json``, and of logs, one for each process that has computed rows. What is done
+is what rows there are. Nothing is rewritten, nothing is locked.
 
 From low to high: ``disk`` (every operation on files), ``head`` and ``rows`` (the specification and
 the numbers of a unit of work), ``log`` (the tar files), ``running`` (the rows of a folder, or of
 the memory), ``compute`` and ``canary`` (rows of units, and whether this machine computes those that
 there are), ``drive`` (blocks of work on threads or executors), ``resume`` (what is missing),
-``status``, ``merge``, ``verify`` and ``diff``, and ``store`` with :class:`rigid.Store`. Uses
-``maps``; the command line uses it.
+``status``, ``merge``, ``verify`` and ``diff``, ``store`` with :class:`rigid.Store`, and ``call``
+with :func:`rigid.stability_map`. Uses ``maps``; the command line uses it.
 """

@@ -25,7 +25,7 @@ MOST_CANDIDATES = 4096
 """Units whose digests are compared: evenly spaced among those that are known."""
 
 
-def canaries(table: Table, key: bytes) -> Block:
+def canaries(table: Table) -> Block:
     """Up to 16 known rows, always the same of the same rows: those of the least digests.
 
     Rows that took long are left out; the first is kept.
@@ -34,7 +34,7 @@ def canaries(table: Table, key: bytes) -> Block:
     known = known[:: -(-len(known) // MOST_CANDIDATES) or 1]
 
     def order(unit: int) -> bytes:
-        return blake2b(unit.to_bytes(8, "little"), digest_size=8, key=key).digest()
+        return blake2b(unit.to_bytes(8, "little"), digest_size=8, key=table.head.key).digest()
 
     chosen = np.array(sorted(known.tolist(), key=order)[:MOST_UNITS], dtype=np.int64)
     seconds = 1e-9 * np.cumsum(np.nan_to_num(table.nanoseconds[chosen]))

@@ -28,7 +28,7 @@ from .compute import compute
 from .head import StoreError
 from .rows import Bins, Block, Rows
 
-__all__ = ["Poison", "Sink", "Task", "drive", "executor_of", "run_here"]
+__all__ = ["Intake", "Poison", "Sink", "Task", "drive", "executor_of", "run_here"]
 
 Units = NDArray[np.int64]
 
@@ -197,46 +197,63 @@ def work(task: Task, units: Units) -> Block:
     return block
 
 
-class Sizes:
-    """The number of units of a block, from the costs seen so far."""
+class Intake:
+    """Keeps blocks, tells of them, and fits the number of units of the next.
 
-    def __init__(self, samples: int, workers: int) -> None:
-        self.units = max(1, 16 * workers // samples)
+    Costs differ between units by orders of magnitude, because a flip ends a body early. So a block
+    also stays short in case it consists of the costliest units only.
+
+    Parameters
+    ----------
+    sink : Sink
+    note : callable
+        Called with the rows of each block.
+    samples : int
+        Most samples of a unit.
+    threads : int
+        Threads that compute a block.
+    """
+
+    def __init__(
+        self, sink: Sink, note: Callable[[Rows], object], samples: int, threads: int
+    ) -> None:
+        self._sink, self._note, self._threads = sink, note, threads
+        self.units = max(1, 16 * threads // samples)
         self._costliest = 0.0
 
-    def note(self, units: int, seconds: float, costliest: float, append: float) -> None:
-        """Fit to a block of so many units, and to the costliest unit seen (s)."""
-        self._costliest = max(self._costliest, costliest)
+    def take(self, block: Block, seconds: float | None = None) -> None:
+        """Keep a block, which took so many seconds; by default its processor time."""
+        begin = time.perf_counter()
+        self._sink.append(*block)
+        append = time.perf_counter() - begin
+        costs = 1e-9 * block.nanoseconds.astype(np.float64) / self._threads
+        self._costliest = max(self._costliest, float(costs.max()))
         wanted = min(max(SHORTEST, APPENDS * append), LONGEST)
-        fitting = wanted * units / max(seconds, 1e-6)
-        # In case the next block consists of the costliest units only.
+        taken = float(costs.sum()) if seconds is None else seconds
+        fitting = wanted * len(costs) / max(taken, 1e-6)
         bounded = 4.0 * wanted / max(self._costliest, 1e-9)
         self.units = max(1, int(min(fitting, bounded, GROWTH * self.units)))
+        self._note(block.rows)
 
 
 def run_here(
     spec: MapSpec,
     segment: int,
     todo: Units,
-    sink: Sink,
+    intake: Intake,
     threads: int,
     stop: Callable[[], bool],
-    note: Callable[[Rows], object],
 ) -> None:
     """Compute units one block after the other, on threads of this process."""
-    sizes, at = Sizes(min(segment, spec.samples), threads), 0
+    at = 0
     while at < len(todo) and not stop():
-        units = todo[at : at + sizes.units]
+        units = todo[at : at + intake.units]
         begin = time.perf_counter()
         block = compute(spec, units, threads, stop, segment=segment)
         if block is None:
             return
-        done = time.perf_counter()
-        sink.append(*block)
-        costliest = 1e-9 * float(block.nanoseconds.max()) / threads
-        sizes.note(len(units), done - begin, costliest, time.perf_counter() - done)
+        intake.take(block, time.perf_counter() - begin)
         at += len(units)
-        note(block.rows)
 
 
 def executor_of(executor: Any) -> tuple[Any, int]:
@@ -259,20 +276,18 @@ def executor_of(executor: Any) -> tuple[Any, int]:
 
 def drive(
     task: Task,
-    samples: int,
     todo: Units,
-    sink: Sink,
+    intake: Intake,
     executor: Executor,
     workers: int,
     stop: Callable[[], bool],
-    note: Callable[[Rows], object],
 ) -> Poison:
     """Compute units on the workers of an executor; only this process writes.
 
     A block whose worker dies is halved and tried again. A pool that breaks ends the run; what was
     returned is kept.
     """
-    sizes, at = Sizes(samples, 1), 0
+    at = 0
     waiting: dict[Future[Block], tuple[Units, int]] = {}
     again: list[tuple[Units, int]] = []
     poison = Poison()
@@ -284,7 +299,7 @@ def drive(
             if again:
                 yield again.pop()
             else:
-                units = todo[at : at + sizes.units]
+                units = todo[at : at + intake.units]
                 at += len(units)
                 yield units, 0
 
@@ -309,13 +324,7 @@ def drive(
                         again += [(half, tried + 1) for half in _halves(units)]
                     continue
                 succeeded = True
-                begin = time.perf_counter()
-                sink.append(*block)
-                seconds = 1e-9 * float(block.nanoseconds.sum()) / task.threads
-                append = time.perf_counter() - begin
-                costliest = 1e-9 * float(block.nanoseconds.max()) / task.threads
-                sizes.note(len(units), seconds, costliest, append)
-                note(block.rows)
+                intake.take(block)
     finally:
         for future in waiting:
             future.cancel()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,6 @@ from .._checks.arguments import one_line
 from ..maps.identity import (
     FORMAT,
     FORMAT_VERSIONS,
-    canonical,
     differences,
     head_of,
     key_of,
@@ -23,7 +23,7 @@ from ..maps.identity import (
 from ..maps.sequential import LOOK
 from ..maps.spec import MapSpec
 
-__all__ = ["Head", "StoreError", "divided", "moment_status"]
+__all__ = ["Head", "StoreError", "divided", "divided_in_memory", "moment_status"]
 
 UNITS = 1024
 """A map of fewer pixels is divided into about so many units, so that many parts can share it."""
@@ -31,18 +31,21 @@ UNITS = 1024
 FEWEST_SAMPLES = 1024
 """Fewest samples of a unit of a divided pixel: fewer cost more than they help."""
 
+UNITS_IN_MEMORY = 2**14
+"""As above, in memory: Ctrl-C loses little of a long map, and its rows take some megabytes."""
+
 MOST_BYTES = 2**26
 """Most bytes of a head: axes of a million values have 25 MB."""
 
 PIXELS_TOGETHER = 2**16
-"""Pixels whose moments are made at a time."""
+"""Pixels whose starts are made at a time, and kept if the map has no more."""
 
 
 class StoreError(ValueError):
     """A running map is refused: it is none, it is another one, or rows contradict each other."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Head:
     """The specification of a running map, its key and its units of work.
 
@@ -51,17 +54,22 @@ class Head:
     spec : MapSpec
     content : dict
         All of ``head.json``.
-    key : bytes
-        BLAKE2b-128 of what the numbers depend on.
-    seal : bytes
-        BLAKE2b-128 of that and of the division into units, which rows are numbered by: the key of
-        the digests in logs. Equal to ``key`` if no pixel is divided into more units than by it.
     """
 
     spec: MapSpec
     content: dict[str, Any]
-    key: bytes
-    seal: bytes
+
+    @cached_property
+    def key(self) -> bytes:
+        """BLAKE2b-128 of what the numbers depend on, whatever the division into units."""
+        undivided = head_of(self.spec)
+        whole = {name: undivided[name] for name in ("segment", "units")}
+        return key_of({**self.content, **whole})
+
+    @cached_property
+    def seal(self) -> bytes:
+        """As ``key``, with the division that rows are numbered by: the key of digests in logs."""
+        return key_of(self.content)
 
     @property
     def units(self) -> int:
@@ -78,16 +86,16 @@ class Head:
         """Units of a pixel."""
         return -(-self.spec.samples // self.segment)
 
-    @classmethod
-    def of(cls, spec: MapSpec) -> Head:
-        """The head of a new running map."""
-        return cls._made(spec, json.loads(canonical(head_of(spec, divided(spec)))))
+    def samples_of(self, units: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Most samples of each unit: the last of a pixel may have fewer than the others."""
+        first = units % self.segments * self.segment
+        samples: NDArray[np.int64] = np.minimum(self.spec.samples - first, self.segment)
+        return samples
 
     @classmethod
-    def _made(cls, spec: MapSpec, content: dict[str, Any]) -> Head:
-        undivided = head_of(spec)
-        of_map = {**content, "segment": undivided["segment"], "units": undivided["units"]}
-        return cls(spec, content, key_of(of_map), key_of(content))
+    def of(cls, spec: MapSpec, segment: int | None = None) -> Head:
+        """The head of a new running map, by default divided as that of a folder."""
+        return cls(spec, head_of(spec, divided(spec) if segment is None else segment))
 
     @classmethod
     def read(cls, text: bytes, path: object) -> Head:
@@ -125,7 +133,7 @@ class Head:
                 raise StoreError(
                     f"{path}: {name} are not those of this version of rigid; version {made} made it"
                 )
-        return cls._made(spec, content)
+        return cls(spec, content)
 
     def require_spec(self, spec: MapSpec, path: object) -> None:
         """Refuse another specification than the stored one, with what differs.
@@ -144,21 +152,35 @@ class Head:
 
 
 def divided(spec: MapSpec) -> int:
-    """Most samples of a unit of a new running map.
+    """Most samples of a unit of a new folder.
 
     Whole pixels are one unit each, unless they are few, or have millions of samples. The looks of a
     pixel depend on those before: it is one unit.
     """
-    pixels = int(np.prod(spec.shape))
-    share = -(-spec.samples * pixels // UNITS)
-    segment = max(FEWEST_SAMPLES, -(-share // LOOK) * LOOK)
-    whole = segment_of(spec)
+    segment, whole = _even(spec, UNITS, FEWEST_SAMPLES), segment_of(spec)
     return segment if spec.looks is None and segment < min(spec.samples, whole) else whole
+
+
+def divided_in_memory(spec: MapSpec) -> int:
+    """Most samples of a unit that is kept in memory: there are no more rows for more samples."""
+    return (
+        min(spec.samples, _even(spec, UNITS_IN_MEMORY, LOOK))
+        if spec.looks is None
+        else spec.samples
+    )
+
+
+def _even(spec: MapSpec, units: int, fewest: int) -> int:
+    """Samples of each of so many units, in whole looks."""
+    share = -(-spec.samples * int(np.prod(spec.shape)) // units)
+    return max(fewest, -(-share // LOOK) * LOOK)
 
 
 def moment_status(spec: MapSpec) -> NDArray[np.uint8]:
     """The status of the moments of each pixel in C order: 0 where the body is possible."""
     pixels = int(np.prod(spec.shape))
+    if pixels <= PIXELS_TOGETHER:
+        return _core.moment_status(spec.grid.moments)
     status = np.empty(pixels, np.uint8)
     for begin in range(0, pixels, PIXELS_TOGETHER):
         index = np.arange(begin, min(begin + PIXELS_TOGETHER, pixels))

@@ -13,15 +13,15 @@ from numpy.typing import NDArray
 
 from .._checks.arguments import brief
 from .._checks.progress import Progress, ProgressOption, reporting, terminated
-from ..maps.data import CLASSES, MapData
+from ..maps.data import CLASSES
 from ..maps.refine import lattice_level, refined, stages
 from ..maps.result import StabilityMap
 from .canary import canaries, check_canaries
-from .drive import Poison, Task, drive, executor_of, own_build, run_here
+from .drive import Intake, Poison, Task, drive, executor_of, own_build, run_here
 from .rows import Rows
 from .running import Folder, Memory
 
-__all__ = ["Outcome", "Part", "carry_on", "data_of", "missing", "pixels_done", "result_of"]
+__all__ = ["Outcome", "Part", "carry_on", "missing", "pixels_done", "result_of"]
 
 GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 """The golden ratio: the upper bits of its multiples are those of no pattern of a grid."""
@@ -103,7 +103,7 @@ def missing(running: Folder | Memory) -> NDArray[np.int64]:
     """
     spec, status = running.head.spec, running.status
     if refined(spec):
-        data = data_of(running)
+        data = result_of(running)
         ends = [data.lower, data.upper]
         pixels = stages(spec, data.status, data.finished, data.samples, ends).wanted
     else:
@@ -113,7 +113,10 @@ def missing(running: Folder | Memory) -> NDArray[np.int64]:
             known = known & running.table.known[segment :: running.head.segments]
         pixels = np.flatnonzero((status == 0) & ~known)
         level = lattice_level(spec.shape, pixels)
-        pixels = pixels[np.lexsort((-_likely_cost(running, pixels, level), -level))]
+        if running.table.known.any():
+            pixels = pixels[np.lexsort((-_likely_cost(running, pixels, level), -level))]
+        else:
+            pixels = pixels[np.argsort(-level.astype(np.int8), kind="stable")]
     segments = running.head.segments
     units = (pixels[:, np.newaxis] * segments + np.arange(segments)).ravel()
     left: NDArray[np.int64] = units[~running.table.known[units]]
@@ -129,12 +132,6 @@ def _likely_cost(
     beside = [index // stride * stride for index in np.unravel_index(pixels, shape)]
     cost = running.table.nanoseconds[np.ravel_multi_index(beside, shape) * segments]
     return np.nan_to_num(cost)
-
-
-def data_of(running: Folder | Memory) -> MapData:
-    """The numbers of the rows that there are, without the values of measures."""
-    arrays = {**running.table.arrays(), "status": running.status}
-    return MapData.from_arrays(running.head.spec, arrays)
 
 
 def carry_on(
@@ -161,12 +158,13 @@ def carry_on(
     """
     spec, part = running.head.spec, part or Part()
     spec.require_functions()
-    known = canaries(running.table, running.head.key)
+    known = canaries(running.table)
     checked = reread = False
     poison = Poison()
     segment = running.head.segment
     samples = min(segment, spec.samples)
     pool, workers = (None, 1) if executor is None else executor_of(executor)
+    each = threads if pool is None else threads_per_task
     reason = "error"
     try:
         while True:
@@ -183,32 +181,32 @@ def carry_on(
                 reread = True
                 continue
             running.begin(
-                threads=threads if pool is None else threads_per_task,
+                threads=each,
                 executor="threads" if pool is None else type(executor).__name__,
                 part=str(part),
                 canaries=known.rows["unit"].tolist(),
             )
-            total = len(mine) * samples
+            total = int(running.head.samples_of(mine).sum())
             with reporting(progress, total) as report:
                 note = _noting(report, total)
+                intake = Intake(running, note, samples, each)
                 if pool is None:
                     if not checked:
                         check_canaries(spec, known, threads, stop, segment=segment)
                         checked = True
-                    run_here(spec, segment, mine, running, threads, stop, note)
+                    run_here(spec, segment, mine, intake, threads, stop)
                 else:
                     build = None if allow_mixed else own_build()
                     task = Task.of(spec, threads_per_task, known, build, executor, segment)
-                    found = drive(task, samples, mine, running, pool, workers, stop, note)
+                    found = drive(task, mine, intake, pool, workers, stop)
                     poison.units += found.units
                     poison.errors += found.errors
-        left = missing(running)
-        if stop() and len(left):
+        if stop() and len(todo):
             reason = "terminated" if terminated() else "interrupted"
         elif poison.units:
             reason = "poisoned"
         else:
-            reason = "waiting" if len(left) else "complete"
+            reason = "waiting" if len(todo) else "complete"
     except KeyboardInterrupt:
         reason = "interrupted"
         raise
@@ -225,11 +223,14 @@ def result_of(
     running: Folder | Memory, *, elapsed: float = np.nan, threads: int = 0
 ) -> StabilityMap:
     """The map of the rows that there are."""
-    spec = running.head.spec
-    arrays = {**running.table.arrays(), "status": running.status}
-    bins = running.table.bins()
+    columns, bins = running.table.merged()
     return StabilityMap.from_arrays(
-        spec, arrays, bins, elapsed=elapsed, threads=threads, writers=tuple(running.writers())
+        running.head.spec,
+        {**columns, "status": running.status},
+        bins,
+        elapsed=elapsed,
+        threads=threads,
+        writers=tuple(running.writers()),
     )
 
 

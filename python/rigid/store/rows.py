@@ -115,7 +115,7 @@ def bins_of(units: NDArray[np.int64], measures: Sequence[Bins]) -> Bins:
     parts = [
         np.insert(of_pixels(bins, units), 1, number, axis=1) for number, bins in enumerate(measures)
     ]
-    return _sorted(np.concatenate([NO_BINS, *parts]))
+    return parts[0] if len(parts) == 1 else _sorted(np.concatenate([NO_BINS, *parts]))
 
 
 def _sorted(bins: Bins) -> Bins:
@@ -129,6 +129,7 @@ class Table:
 
     Attributes
     ----------
+    head : Head
     rows : ndarray of ROW, shape (units,)
     known : ndarray of bool, shape (units,)
     nanoseconds : ndarray of float32, shape (units,)
@@ -138,12 +139,12 @@ class Table:
     """
 
     def __init__(self, head: Head) -> None:
-        self._head = head
+        self.head = head
         self.rows: Rows = np.zeros(head.units, ROW)
         self.known = np.zeros(head.units, np.bool_)
         self.nanoseconds = np.full(head.units, np.nan, np.float32)
         self.twice = 0
-        self._bins: dict[int, Bins] = {}
+        self._bins: list[Bins] = []
 
     def add(
         self,
@@ -170,7 +171,7 @@ class Table:
         again = self.known[units]
         if again.any():
             known = units[again]
-            found = unequal(self.block(known), new.some(again), self._head.spec.measure)
+            found = unequal(self.block(known), new.some(again), self.head.spec.measure)
             if found:
                 raise StoreError(f"{source}: {found}")
             self.twice += int(again.sum())
@@ -178,14 +179,16 @@ class Table:
         self.known[units] = True
         if nanoseconds is not None:
             self.nanoseconds[units] = nanoseconds
-        if self._head.spec.measure:
-            self._bins.update(zip(units.tolist(), new.each(), strict=True))
+        if self.head.spec.measure:
+            self._bins.append(new.some(~again).bins if again.any() else new.bins)
 
     def block(self, units: NDArray[np.int64]) -> Block:
         """What is known of units."""
-        bins = [self._bins.get(unit, NO_BINS) for unit in units.tolist()] if self._bins else []
-        every = _sorted(np.concatenate([NO_BINS, *bins]))
-        return Block(self.rows[units], self.nanoseconds[units], every)
+        bins = NO_BINS
+        if self._bins:
+            self._bins = [np.concatenate(self._bins)]
+            bins = _sorted(self._bins[0][np.isin(self._bins[0][:, 0], units)])
+        return Block(self.rows.view(_WHOLE)[units].view(ROW), self.nanoseconds[units], bins)
 
     @property
     def counted(self) -> NDArray[np.bool_]:
@@ -193,47 +196,28 @@ class Table:
 
         So the bodies of a pixel are its first ones, and are computed again without the units.
         """
-        known = self.known.reshape(-1, self._head.segments)
+        known = self.known.reshape(-1, self.head.segments)
         return np.logical_and.accumulate(known, axis=1).ravel()
 
-    def arrays(self) -> dict[str, NDArray[Any]]:
-        """The columns of the map, merged over the segments of each pixel."""
-        segments, counted = self._head.segments, self.counted
+    def merged(self) -> tuple[dict[str, NDArray[Any]], list[Bins]]:
+        """The columns of the map and the bins of each measure, over the segments of each pixel."""
+        segments, measures = self.head.segments, range(len(self.head.spec.measure))
+        every = _sorted(np.concatenate([NO_BINS, *self._bins]))
+        bins = [np.delete(every[every[:, 1] == number], 1, axis=1) for number in measures]
+        columns = {**{name: self.rows[name] for name in FIELDS}, "nanoseconds": self.nanoseconds}
         if segments == 1:
-            return self._segment(slice(None), counted)
-        statistics = _core.MapStatistics(len(self.rows) // segments)
-        for segment in range(segments):
-            part = self._segment(slice(segment, None, segments), counted)
-            statistics.merge({**part, "first": 0})
-        return statistics.arrays()
-
-    def bins(self) -> list[Bins]:
-        """The bins of each measure of the map, merged over the segments of each pixel."""
-        measures, segments = len(self._head.spec.measure), self._head.segments
-        every = self.block(np.flatnonzero(self.counted)).bins
-        of_units = [
-            np.delete(every[every[:, 1] == number], 1, axis=1) for number in range(measures)
-        ]
-        if segments == 1:
-            return of_units
-        pixels = len(self.rows) // segments
-        statistics = _core.MapStatistics(pixels, measures)
-        # The core puts the bins of all segments of a pixel together.
-        for bins in of_units:
-            bins[:, 0] //= segments
-        statistics.merge({**_core.MapStatistics(pixels).arrays(), "first": 0, "measures": of_units})
-        return statistics.bins()
-
-    def _segment(self, units: slice, counted: NDArray[np.bool_]) -> dict[str, NDArray[Any]]:
-        """The columns of units, one a pixel; those of no bodies where a unit is not counted."""
-        known = counted[units]
-        # Those of one pixel repeated: a million pixels are not held twice.
-        none = _core.MapStatistics(1).arrays()
-        columns = {name: np.full(len(known), value[0], value.dtype) for name, value in none.items()}
-        for name in FIELDS:
-            np.copyto(columns[name], self.rows[name][units], where=known)
-        np.copyto(columns["nanoseconds"], self.nanoseconds[units], where=known)
-        return columns
+            none = _core.MapStatistics(1).arrays()
+            return {name: np.where(self.known, columns[name], none[name]) for name in none}, bins
+        units, place = np.flatnonzero(self.counted), np.full(len(self.rows), -1)
+        place[units] = np.arange(len(units))
+        statistics = _core.MapStatistics(len(self.rows) // segments, len(measures))
+        part: dict[str, Any] = {name: column[units] for name, column in columns.items()}
+        part["nanoseconds"] = part["nanoseconds"].astype(np.float64)
+        for own in bins:
+            own[:, 0] = place[own[:, 0]]
+        of_rows = [own[own[:, 0] >= 0] for own in bins]
+        statistics.merge({**part, "pixels": units // segments, "measures": of_rows})
+        return statistics.arrays(), statistics.bins()
 
 
 def unequal(old: Block, new: Block, measures: Sequence[object]) -> str:

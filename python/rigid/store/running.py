@@ -20,7 +20,7 @@ from .. import _core
 from ..maps.identity import canonical
 from ..maps.spec import MapSpec
 from .disk import DISK, Disk
-from .head import Head, StoreError, moment_status
+from .head import Head, StoreError, divided_in_memory, moment_status
 from .log import LOG_NAME, Found, Log, read_log
 from .rows import Bins, Rows, Table
 
@@ -57,7 +57,7 @@ class Memory:
     """A running map that is kept nowhere else."""
 
     def __init__(self, spec: MapSpec) -> None:
-        self.head = Head.of(spec)
+        self.head = Head.of(spec, divided_in_memory(spec))
         self.table = Table(self.head)
 
     @cached_property

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..maps.data import CLASSES
-from .resume import Part, data_of, missing
+from .resume import Part, missing, result_of
 from .running import Folder, LogFacts
 
 __all__ = ["Status", "status_of"]
@@ -137,7 +137,7 @@ def status_of(folder: Folder) -> Status:
         units=int((folder.status == 0).sum()) * folder.head.segments,
         done=len(rows),
         missing=left,
-        cut=data_of(folder).cut,
+        cut=result_of(folder).cut,
         bodies=sum(int(rows[name].sum()) for name in CLASSES),
         failed=int(rows["failed"].sum()),
         twice=table.twice,

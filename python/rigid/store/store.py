@@ -270,14 +270,14 @@ def diff(
     return diff_maps(*maps)
 
 
-def run_stored(
+def run_map(
     spec: MapSpec,
     *,
-    store: str | os.PathLike[str] | None,
-    seeded: bool,
+    store: str | os.PathLike[str] | None = None,
+    seeded: bool = True,
     **options: Any,
 ) -> StabilityMap:
-    """The map of a specification in a folder, or in memory; see :func:`rigid.stability_map`."""
+    """The map of a specification, in a folder or in memory; see :func:`rigid.stability_map`."""
     if store is None:
         return _run(Memory(spec), **options)
     if not seeded and Folder.is_at(store):
@@ -291,12 +291,12 @@ def run_stored(
 def _run(
     running: Folder | Memory,
     *,
-    executor: Any,
-    threads: int | None,
-    threads_per_task: int,
-    part: str | tuple[int, int] | None,
-    progress: ProgressOption,
-    partial: bool,
+    executor: Any = None,
+    threads: int | None = None,
+    threads_per_task: int = 1,
+    part: str | tuple[int, int] | None = None,
+    progress: ProgressOption = None,
+    partial: bool = False,
     allow_mixed: bool = False,
 ) -> StabilityMap:
     workers = resolve_threads(threads)
@@ -320,7 +320,7 @@ def _run(
             interrupted, outcome = True, None
         elapsed = time.perf_counter() - begun
         result = result_of(running, elapsed=elapsed, threads=workers)
-    if (interrupted or stop.is_set()) and not result.ended and not partial:
+    if (interrupted or stop.is_set()) and not partial:
         raise Interrupted(_interrupted_words(running, result), result)
     if outcome is not None and outcome.poison.units:
         raise PoisonedError(_poison_words(outcome), outcome.poison.units, result)

@@ -18,10 +18,10 @@ import rigid
 from interrupts import sigint
 from processes import environment, python_command, python_process, run_python
 from rigid.cli import main
-from rigid.maps.compute import run_map
 from rigid.maps.data import MapData
 from rigid.maps.file import write_map
-from small_maps import assert_same_map
+from rigid.store.call import run_map
+from small_maps import assert_same_map, in_blocks
 
 SPEC = """
 title = "A small map"
@@ -406,7 +406,8 @@ def test_sigterm_is_ctrl_c_once(
         os.kill(os.getpid(), signal.SIGTERM)
 
     def terminated(spec: rigid.MapSpec, **options: Any) -> rigid.StabilityMap:
-        return run_map(spec, **{**options, "progress": ended, "chunk": 10})
+        with in_blocks(1):
+            return run_map(spec, **{**options, "progress": ended})
 
     monkeypatch.setattr("rigid.cli.run_map", terminated)
     with sigint(signal.default_int_handler):

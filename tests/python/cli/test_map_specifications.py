@@ -15,7 +15,7 @@ from rigid._checks.arguments import MESSAGE
 from rigid.cli.toml_map import builtin_names, parse_spec, read_spec
 from rigid.cli.toml_table import SpecError
 from rigid.drawing.figure import new_figure
-from rigid.maps.compute import run_map
+from rigid.store.call import run_map
 
 BOX = """
 title = "A box"

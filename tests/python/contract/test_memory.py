@@ -114,7 +114,7 @@ def test_the_interpreter_survives_any_limit(megabytes: int) -> None:
 
 
 @limited
-def test_a_chunk_of_any_size_needs_no_memory() -> None:
+def test_a_unit_of_any_size_needs_no_memory() -> None:
     """A list of its blocks took 24 bytes for each 1024 bodies: 24 petabytes of this map."""
     before = """
 import signal
@@ -126,7 +126,7 @@ signal.setitimer(signal.ITIMER_REAL, 0.5)
     statement = """
     try:
         rigid.stability_map(
-            rigid.FreeBody, axes={"spin": [1.0]}, samples=10**18, chunk=10**18, t_end=5.0,
+            rigid.FreeBody, axes={"spin": [1.0]}, samples=10**18, t_end=5.0,
             stable=rigid.no_flip(), rng=1, threads=2, progress=False,
         )
     except TimeoutError:
@@ -144,7 +144,7 @@ def states(threads):
 def shares(threads):
     return rigid.stability_map(
         rigid.FreeBody, axes={"spin": [1.0, 2.0]}, samples=10000, t_end=3.0, method="rk4", rng=1,
-        stable=rigid.no_flip(), progress=False, chunk=20000, threads=threads,
+        stable=rigid.no_flip(), progress=False, threads=threads,
     ).share
 alone = states(1), shares(1)
 """

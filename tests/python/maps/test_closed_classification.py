@@ -13,7 +13,10 @@ import rigid
 from random_scenes import Scenes, free, tops
 from rigid import _core
 from rigid.cli.toml_map import builtin_names, read_spec
+from rigid.maps.core_request import CoreRequest, CoreStarts
+from rigid.maps.data import CLASSES
 from rigid.maps.job import to_core
+from rigid.maps.judge import UNDECIDED
 from rigid.maps.parameters import make_axes
 from small_maps import Floats, small_map, spec_of
 
@@ -37,17 +40,20 @@ def judged(
     scenes: Scenes, criterion: str, axis: int, limit: float, method: str, t_end: float = HORIZON
 ) -> Verdicts:
     n = len(scenes)
-    job = _core.MapJob(
-        scene=scenes.kind,
-        method=method,
-        moments=scenes.moments,
-        weight=scenes.weight,
+    starts = CoreStarts(
         omega=scenes.omega,
         omega_noise="none",
         omega_size=np.zeros((n, 3)),
         attitude=scenes.attitude,
         attitude_noise="none",
         attitude_size=np.zeros((n, 3)),
+    )
+    request = CoreRequest(
+        scene=scenes.kind,
+        method=method,
+        moments=scenes.moments,
+        weight=scenes.weight,
+        starts=[starts],
         conditions=[(criterion, axis, [] if criterion == "no_flip" else [limit])],
         logic="0",
         measures=[],
@@ -58,6 +64,7 @@ def judged(
         checked=1,
         seed=0,
     )
+    job = _core.MapJob(request)
     counted = job.run(0, n, 2)
     assert counted is not None
     assert not counted["failed"].any()
@@ -74,9 +81,10 @@ def assert_same_verdicts(exact: Verdicts, stepped: Verdicts, graze: float, limit
     decided = stepped.undecided + exact.undecided == 0
     assert decided.mean() > 0.99
     for k in np.flatnonzero(decided & (exact.stable != stepped.stable)):
-        samples = [verdicts.job.sample(int(k), 0) for verdicts in (exact, stepped)]
-        at_the_end = any(abs(sample["left"] - HORIZON) < STEP for sample in samples)
-        assert at_the_end or abs(samples[1]["tilt"] - limit) < graze
+        number = np.array([k], np.uint64)
+        one, other = (verdicts.job.outcomes(number, 1) for verdicts in (exact, stepped))
+        at_the_end = any(abs(sample["left"][0] - HORIZON) < STEP for sample in (one, other))
+        assert at_the_end or abs(other["tilt"][0] - limit) < graze
     both = decided & (exact.stable == 0) & (stepped.stable == 0)
     assert both.any()
     late: Floats = np.abs(exact.left[both] - stepped.left[both])
@@ -168,16 +176,16 @@ def test_built_in_maps_are_those_of_fine_steps(name: str, step: float) -> None:
         assert (np.abs(closed[kind] - stepped[kind]) <= undecided).all()
     np.testing.assert_array_equal(closed["failed"], stepped["failed"])
     for pixel in np.flatnonzero(possible)[:: max(1, possible.sum() // 6)]:
-        by_class = dict.fromkeys(("stable", "unstable", "undecided", "failed"), 0)
-        for sample in range(exact.samples):
-            one, other = (job.sample(int(pixel), sample) for job in jobs)
-            by_class[one["class"]] += 1
-            assert one["omega"].tobytes() == other["omega"].tobytes()
-            assert one["attitude"].tobytes() == other["attitude"].tobytes()
-            assert (one["method"], other["method"]) == ("exact", "rk4")
-            if "undecided" not in (one["class"], other["class"]):
-                assert one["class"] == other["class"]
-        assert by_class == {kind: closed[kind][pixel] for kind in by_class}
+        numbers = np.arange(exact.samples, dtype=np.uint64) + np.uint64(pixel * exact.samples)
+        for drawn in zip(*(job.starts(numbers) for job in jobs), strict=True):
+            assert drawn[0].tobytes() == drawn[1].tobytes()
+        one, other = (job.outcomes(numbers, 1) for job in jobs)
+        assert one["exact"].all()
+        assert not other["exact"].any()
+        decided = (one["class"] != UNDECIDED) & (other["class"] != UNDECIDED)
+        np.testing.assert_array_equal(one["class"][decided], other["class"][decided])
+        for code, kind in enumerate(CLASSES):
+            assert (one["class"] == code).sum() == closed[kind][pixel]
 
 
 def test_only_symmetric_tops_of_a_grid_have_closed_forms() -> None:

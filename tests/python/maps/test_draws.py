@@ -14,6 +14,7 @@ from scipy.spatial.transform import Rotation
 import rigid
 from drawn_again import EPS, box_muller, turn
 from rigid import _core
+from rigid.maps.core_request import CoreRequest, CoreStarts
 from small_maps import Floats, small_map
 
 RATES, ATTITUDE = 0, 1  # blocks of draws
@@ -29,17 +30,20 @@ def job(
     *, rates: str = "none", attitude: str = "none", seed: int = 1, samples: int = SAMPLES
 ) -> _core.MapJob:
     """Tops at the nominal starts above, perturbed by these laws; they hardly move."""
-    return _core.MapJob(
-        scene="top",
-        method="rk4",
-        moments=np.tile([1.0, 1.0, 0.5], (PIXELS, 1)),
-        weight=np.tile([0.0, 0.0, 1.0], (PIXELS, 1)),
+    starts = CoreStarts(
         omega=OMEGA,
         omega_noise=rates,
         omega_size=OMEGA_SIZE,
         attitude=np.ascontiguousarray(NOMINAL.as_quat(scalar_first=True)),
         attitude_noise=attitude,
         attitude_size=np.repeat(ATTITUDE_SIZE[:, None], 3, axis=1),
+    )
+    request = CoreRequest(
+        scene="top",
+        method="rk4",
+        moments=np.tile([1.0, 1.0, 0.5], (PIXELS, 1)),
+        weight=np.tile([0.0, 0.0, 1.0], (PIXELS, 1)),
+        starts=[starts],
         conditions=[("no_flip", 3, ())],
         logic="0",
         measures=[],
@@ -50,14 +54,14 @@ def job(
         checked=0,
         seed=seed,
     )
+    return _core.MapJob(request)
 
 
-def drawn(what: str, **options: Any) -> Floats:
+def drawn(what: str, samples: int = SAMPLES, **options: Any) -> Floats:
     """``omega`` or ``attitude`` of all samples, shape (pixels, samples, 3 or 4)."""
-    one = job(**options)
-    return np.array(
-        [[one.sample(p, s)[what] for s in range(SAMPLES)] for p in range(PIXELS)], dtype=np.float64
-    )
+    every = np.arange(PIXELS * samples, dtype=np.uint64)
+    found = job(samples=samples, **options).starts(every)
+    return found[what == "attitude"].reshape(PIXELS, samples, -1)
 
 
 def uniforms(block: int, seed: int) -> NDArray[np.longdouble]:
@@ -175,9 +179,8 @@ def test_no_law_leaves_the_nominal_start() -> None:
 
 
 def test_samples_do_not_depend_on_their_number() -> None:
-    few, many = job(rates="normal", samples=2), job(rates="normal", samples=1000)
-    for pixel in range(PIXELS):
-        assert few.sample(pixel, 1)["omega"].tobytes() == many.sample(pixel, 1)["omega"].tobytes()
+    few, many = (drawn("omega", samples, rates="normal") for samples in (2, 1000))
+    np.testing.assert_array_equal(few, many[:, :2])
 
 
 def test_replay_starts_where_numpy_says() -> None:
@@ -223,8 +226,7 @@ LIKELY = 1e-3
 def test_rates_are_distributed_as_their_law_is_called(
     law: str, distribution: Any, component: int
 ) -> None:
-    one = job(rates=law, samples=COUNT)
-    rates = np.array([one.sample(0, s)["omega"] for s in range(COUNT)])
+    rates = drawn("omega", COUNT, rates=law)[0]
     deviates = (rates - OMEGA[0]) / OMEGA_SIZE[0]
     assert stats.kstest(deviates[:, component], distribution.cdf).pvalue > LIKELY
     if law == "direction":
@@ -232,8 +234,7 @@ def test_rates_are_distributed_as_their_law_is_called(
 
 
 def test_uniform_attitudes_are_uniform() -> None:
-    one = job(attitude="uniform_attitude", samples=COUNT)
-    attitudes = np.array([one.sample(1, s)["attitude"] for s in range(COUNT)])
+    attitudes = drawn("attitude", COUNT, attitude="uniform_attitude")[1]
     # Of uniform rotations the angle has the distribution (x - sin x)/pi, and every direction of the
     # body is carried to a uniform point of the sphere.
     angles = 2.0 * np.arccos(np.minimum(abs(attitudes[:, 0]), 1.0))

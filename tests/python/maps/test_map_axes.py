@@ -12,8 +12,8 @@ import rigid
 from rigid.cli.toml_map import parse_spec
 from rigid.cli.toml_table import SpecError
 from rigid.drawing.figure import new_figure
-from rigid.maps.compute import run_map
-from small_maps import NAMED, Floats, assert_same_map, small_map
+from rigid.store.call import run_map
+from small_maps import NAMED, Floats, assert_same_map, in_blocks, small_map
 
 TOP = rigid.HeavyTop(rigid.Body((1.0, 1.3, 0.7)), mgl=1.0, com=(0.0, 0.6, 0.8))
 CLOUD = rigid.Start(spin=3.0, attitude_noise=rigid.normal(0.3))
@@ -75,12 +75,13 @@ def test_a_map_over_horizons_is_the_maps_of_each(kind: str, place: str) -> None:
             np.testing.assert_array_equal(whole.exponent[index], part.exponent)
 
 
-def test_horizons_in_chunks_and_threads_are_the_same_map() -> None:
+def test_horizons_in_blocks_and_threads_are_the_same_map() -> None:
     options = MAPS["tops with audits"]
     axes = {"t_end": ENDS, **options["axes"]}
     whole = small_map(**{**options, "axes": axes})
-    for changes in ({"chunk": 37}, {"threads": 2, "chunk": 500}, {"threads": 1}):
-        assert_same_map(small_map(**{**options, "axes": axes, **changes}), whole)
+    for threads, units in ((1, 3), (2, 7)):
+        with in_blocks(units):
+            assert_same_map(small_map(**{**options, "axes": axes, "threads": threads}), whole)
 
 
 def test_a_longer_horizon_loses_more_bodies() -> None:

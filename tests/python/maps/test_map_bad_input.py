@@ -12,6 +12,7 @@ import pytest
 import rigid
 from physics import LISTED, NAMES
 from rigid import _core
+from rigid.maps.core_request import CoreRequest, CoreStarts
 from rigid.model.criteria import NoFlip, TiltBelow
 from small_maps import small_map
 
@@ -295,8 +296,6 @@ def test_axes_without_meaning_say_why(
         ({"rng": True}, TypeError, "rng = True: must be a whole number"),
         ({"threads": 0}, ValueError, "threads = 0: must be at least 1"),
         ({"threads": 1.5}, TypeError, "threads = 1.5: must be a whole number"),
-        ({"chunk": 0}, ValueError, "chunk = 0: must be at least 1"),
-        ({"chunk": "big"}, TypeError, "chunk = 'big': must be a whole number"),
         (
             {"progress": 3},
             TypeError,
@@ -365,12 +364,6 @@ GOOD: dict[str, Any] = {
     "method": "rk4",
     "moments": np.array([[1.0, 1.5, 2.0]]),
     "weight": np.zeros((1, 3)),
-    "omega": np.ones((1, 3)),
-    "omega_noise": "none",
-    "omega_size": np.zeros((1, 3)),
-    "attitude": np.array([[1.0, 0.0, 0.0, 0.0]]),
-    "attitude_noise": "none",
-    "attitude_size": np.zeros((1, 3)),
     "conditions": [("no_flip", 1, [])],
     "logic": "0",
     "measures": [],
@@ -381,6 +374,20 @@ GOOD: dict[str, Any] = {
     "checked": 0,
     "seed": 1,
 }
+STARTS: dict[str, Any] = {
+    "omega": np.ones((1, 3)),
+    "omega_noise": "none",
+    "omega_size": np.zeros((1, 3)),
+    "attitude": np.array([[1.0, 0.0, 0.0, 0.0]]),
+    "attitude_noise": "none",
+    "attitude_size": np.zeros((1, 3)),
+}
+
+
+def asked(**changes: Any) -> _core.MapJob:
+    """The job of the request above with these changes."""
+    starts = {name: changes.pop(name, value) for name, value in STARTS.items()}
+    return _core.MapJob(CoreRequest(**{"starts": [CoreStarts(**starts)], **GOOD, **changes}))
 
 
 @pytest.mark.parametrize(
@@ -420,22 +427,27 @@ GOOD: dict[str, Any] = {
             "attitude_size: expected shape (1, ...), got (2, ...)",
         ),
         ({"numbers": np.zeros(2, np.uint64)}, "numbers: expected shape (1, ...), got (2, ...)"),
-        ({"first": 32}, "first = 32: must be a multiple of 64 below 2**63"),
-        ({"first": 2**63}, "first = 9223372036854775808: must be a multiple of 64 below 2**63"),
+        ({"first": np.array([32], np.uint64)}, "first = 32: must be a multiple of 64 below 2**63"),
+        (
+            {"first": np.array([2**63], np.uint64)},
+            "first = 9223372036854775808: must be a multiple of 64 below 2**63",
+        ),
+        ({"starts": [], "shares": []}, "starts = (): must not be empty"),
     ],
 )
 def test_the_core_checks_its_request(change: dict[str, Any], message: str) -> None:
-    _core.MapJob(**GOOD)
-    assert message in refusal(lambda: _core.MapJob(**{**GOOD, **change}), ValueError)
+    assert message in refusal(lambda: asked(**change), ValueError)
 
 
 def test_the_core_checks_its_ranges() -> None:
-    job = _core.MapJob(**GOOD)
+    job = asked()
     for start, stop in ((0, 3), (2, 1), (3, 3)):
         expected = f"start, stop = ({start}, {stop}): must be a range of the samples of the map"
         assert refusal(lambda a=start, b=stop: job.run(a, b, 1), ValueError) == expected  # type: ignore[misc]
-    assert "pixel = 1 of 1: must be an index" in refusal(lambda: job.sample(1, 0), ValueError)
-    assert "sample = 2 of 2: must be an index" in refusal(lambda: job.sample(0, 2), ValueError)
+    beyond = np.array([2], np.uint64)
+    assert refusal(lambda: job.starts(beyond), ValueError) == "samples = 2 of 2: must be an index"
+    message = refusal(lambda: job.outcomes(beyond, 1), ValueError)
+    assert message == "samples = 2 of 2: must be an index"
     empty = job.run(1, 1, 1)
     assert empty is not None
     assert empty["stable"].sum() == 0

@@ -1,4 +1,4 @@
-"""The same request gives the same bits: any threads, chunks, process, processor, and alone."""
+"""The same request gives the same bits: any threads, blocks, process, processor, and alone."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from processes import PATIENCE, python_process
 from rigid.model.criteria import NoFlip, TiltBelow
 from rigid.model.scene import scene_from_dict
 from rigid.solve.simulate import replay_steps
-from small_maps import NAMED, Floats, assert_same_map, saved_bytes, small_map
+from small_maps import NAMED, Floats, assert_same_map, in_blocks, saved_bytes, small_map
 
 # Each has bodies of every class that ends early and late, and the first an impossible body.
 CASES: dict[str, dict[str, Any]] = {
@@ -82,10 +82,11 @@ def test_the_cases_see_stable_and_unstable_bodies(case: str) -> None:
 
 @EVERY
 @pytest.mark.parametrize("threads", [1, 2, 3, 7])
-def test_threads_and_chunks_change_no_byte(case: str, threads: int, tmp_path: Path) -> None:
-    reference = compute_bytes(case, tmp_path, threads=1, chunk=10**9)
-    for chunk in (1, 13, 4096, None):
-        assert compute_bytes(case, tmp_path, threads=threads, chunk=chunk) == reference, chunk
+def test_threads_and_blocks_change_no_byte(case: str, threads: int, tmp_path: Path) -> None:
+    reference = compute_bytes(case, tmp_path, threads=1)
+    for units in (1, 13, 4096):
+        with in_blocks(units):
+            assert compute_bytes(case, tmp_path, threads=threads) == reference, units
 
 
 def _write(case: str, target: Path) -> None:

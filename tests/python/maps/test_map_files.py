@@ -24,10 +24,10 @@ import rigid
 from physics import GOLDEN
 from rigid import _core
 from rigid._checks.arguments import MESSAGE
-from rigid.maps.compute import run_map
 from rigid.maps.data import STORED
 from rigid.maps.file import file_size
-from small_maps import NAMED, assert_same_map, saved_bytes, small_map
+from rigid.store.call import run_map
+from small_maps import NAMED, assert_same_map, in_blocks, saved_bytes, small_map
 
 IMPOSSIBLE_TOO = {"I1": np.linspace(0.4, 3.6, 5), "noise": [0.01, 0.1]}
 START = rigid.Start(spin=1.0, axis=2, noise=rigid.normal(0.0))
@@ -137,7 +137,8 @@ def test_measurements_of_the_machine_are_not_saved(tmp_path: Path) -> None:
 def test_equal_maps_are_equal_bytes(result: rigid.StabilityMap, tmp_path: Path) -> None:
     first = saved_bytes(result, tmp_path)
     assert rigid.load_map(tmp_path / "map.npz").save(tmp_path / "b.npz").read_bytes() == first
-    again = run_map(result.spec, threads=3, chunk=7, progress=False)
+    with in_blocks(4):
+        again = run_map(result.spec, threads=3, progress=False)
     assert saved_bytes(again, tmp_path) == first
     other = dataclasses.replace(result.spec, seed=result.spec.seed ^ 1)
     assert saved_bytes(run_map(other, progress=False), tmp_path) != first
@@ -625,10 +626,13 @@ def test_a_body_that_a_partial_map_does_not_have_can_be_replayed() -> None:
     def stop(progress: rigid.Progress) -> None:
         raise KeyboardInterrupt
 
-    partial = small_map(chunk=30, progress=stop, partial=True)
-    assert partial.samples.ravel()[:3].tolist() == [20, 10, 0]
-    for pixel, sample in ((0, 19), (1, 9), (1, 10), (2, 0)):
-        ours, theirs = (one.replay(pixel, sample) for one in (partial, small_map()))
+    with in_blocks(2):
+        partial = small_map(samples=100, t_end=5.0, progress=stop, partial=True)
+    assert partial.samples.ravel()[:2].tolist() == [100, 0]
+    for pixel, sample in ((0, 19), (0, 99), (1, 9), (2, 0)):
+        ours, theirs = (
+            one.replay(pixel, sample) for one in (partial, small_map(samples=100, t_end=5.0))
+        )
         assert ours.run.omega.tobytes() == theirs.run.omega.tobytes()
 
 

@@ -14,7 +14,7 @@ import rigid
 from physics import rotation_matrix, vertical
 from rigid.maps.parameters import PARAMETERS
 from rigid.model.scene import Scene, scene_from_dict
-from small_maps import NAMED, Floats, small_map
+from small_maps import NAMED, Floats, in_blocks, small_map
 
 BODY = rigid.Body((1.0, 1.5, 2.0))
 FREE = rigid.FreeBody(BODY)
@@ -305,8 +305,9 @@ def test_impossible_bodies_harm_no_neighbour() -> None:
     good = np.array([0.8, 0.9, 1.1, 1.2, 1.3])
     bad = np.array([-2.0, 0.1, 1.1, 1.2, 7.0])
     clean = small_map(axes={"I1": good}, start=start, samples=37)
-    for chunk in (None, 5):
-        mixed = small_map(axes={"I1": bad}, start=start, samples=37, chunk=chunk)
+    for units in (1, 10):
+        with in_blocks(units):
+            mixed = small_map(axes={"I1": bad}, start=start, samples=37)
         assert mixed.status.tolist() == [2, 3, 0, 0, 3]
         for name in NAMED:
             np.testing.assert_array_equal(

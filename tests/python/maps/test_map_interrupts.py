@@ -16,8 +16,11 @@ import pytest
 import rigid
 from interrupts import LONG, seconds_until_interrupted, sigint
 from processes import PATIENCE
-from small_maps import assert_same_map, small_map
+from small_maps import assert_same_map, in_blocks, small_map
 from terminals import in_terminal, read
+
+#: Bodies of every second row and column, which come first: 3 x 4 pixels of 20.
+DONE = 240
 
 AGAIN = 10.0
 """Seconds after which a signal that was not heard is sent again."""
@@ -34,41 +37,38 @@ def test_errors_of_a_callable_come_through() -> None:
     def complain(progress: rigid.Progress) -> None:
         raise ZeroDivisionError(f"after {progress.done}")
 
-    with pytest.raises(ZeroDivisionError, match="after 7"):
-        small_map(progress=complain, chunk=7)
+    with in_blocks(2), pytest.raises(ZeroDivisionError, match="after 40"):
+        small_map(progress=complain)
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
 @pytest.mark.parametrize("how", ["raised by the callable", "a signal"])
-def test_an_interrupted_map_is_the_beginning_of_the_whole_one(how: str, tmp_path: Path) -> None:
+def test_an_interrupted_map_is_a_coarse_part_of_the_whole_one(how: str, tmp_path: Path) -> None:
     whole = small_map()
 
     def interrupt(progress: rigid.Progress) -> None:
-        if progress.done >= 250:
+        if progress.done >= DONE:
             if how == "raised by the callable":
                 raise KeyboardInterrupt
             os.kill(os.getpid(), signal.SIGINT)
 
-    partial = small_map(chunk=50, progress=interrupt, partial=True)
+    with in_blocks(1):
+        partial = small_map(progress=interrupt, partial=True)
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
     assert not partial.complete
-    done, full = 250, 12  # bodies, and pixels of 20
-    assert partial.samples.sum() == done
-    np.testing.assert_array_equal(partial.samples.ravel()[:full], 20)
-    np.testing.assert_array_equal(partial.samples.ravel()[full], done % 20)
-    np.testing.assert_array_equal(partial.samples.ravel()[full + 1 :], 0)
+    coarse = np.zeros((5, 7), np.bool_)
+    coarse[::2, ::2] = True
+    np.testing.assert_array_equal(partial.samples, np.where(coarse, 20, 0))
     for name in ("stable", "unstable", "earliest", "energy_drift", "share", "lower"):
-        np.testing.assert_array_equal(
-            getattr(partial, name).ravel()[:full], getattr(whole, name).ravel()[:full]
-        )
+        np.testing.assert_array_equal(getattr(partial, name)[coarse], getattr(whole, name)[coarse])
     # And it is a result like any other.
-    assert f"{done:,} of 700 (stopped early)" in partial.summary()
-    assert np.isnan(partial.share.ravel()[full + 1 :]).all()
+    assert f"{DONE:,} of 700 (stopped early)" in partial.summary()
+    assert np.isnan(partial.share[~coarse]).all()
     assert partial.to_xarray().attrs["complete"] == 0
     loaded = rigid.load_map(partial.save(tmp_path / "partial.npz"))
     assert not loaded.complete
     assert_same_map(loaded, partial)
-    assert f"stopped after {done:,} bodies" in partial.plot().get_title(loc="left")
+    assert f"stopped after {DONE:,} bodies" in partial.plot().get_title(loc="left")
 
 
 @pytest.mark.parametrize("how", ["raised by the callable", "a signal"])
@@ -77,7 +77,7 @@ def test_ctrl_c_ends_a_loop_of_maps_and_brings_the_part_that_is_done(how: str) -
     begun: list[int] = []
 
     def interrupt(progress: rigid.Progress) -> None:
-        if len(begun) == 2 and progress.done == 250:
+        if len(begun) == 2 and progress.done == DONE:
             if how == "raised by the callable":
                 raise KeyboardInterrupt
             os.kill(os.getpid(), signal.SIGINT)
@@ -85,17 +85,17 @@ def test_ctrl_c_ends_a_loop_of_maps_and_brings_the_part_that_is_done(how: str) -
     def six_maps() -> None:
         for number in range(6):
             begun.append(number)
-            small_map(chunk=50, progress=interrupt)
+            small_map(progress=interrupt)
 
-    with pytest.raises(KeyboardInterrupt) as caught:
+    with in_blocks(1), pytest.raises(KeyboardInterrupt) as caught:
         six_maps()
     assert begun == [0, 1]
     assert isinstance(caught.value, rigid.Interrupted)
-    assert str(caught.value).startswith("250 of 700 bodies are done; the attribute 'partial'")
+    assert str(caught.value).startswith("12 of 35 pixels are done; the attribute 'partial'")
     partial = caught.value.partial
     assert not partial.complete
-    assert partial.samples.sum() == 250
-    np.testing.assert_array_equal(partial.stable.ravel()[:12], whole.stable.ravel()[:12])
+    assert partial.samples.sum() == DONE
+    np.testing.assert_array_equal(partial.stable[::2, ::2], whole.stable[::2, ::2])
     again = pickle.loads(pickle.dumps(caught.value))
     assert str(again) == str(caught.value)
     assert_same_map(again.partial, partial)
@@ -106,7 +106,7 @@ def test_ctrl_c_with_the_last_body_is_not_lost() -> None:
         if progress.done == progress.total:
             os.kill(os.getpid(), signal.SIGINT)
 
-    with pytest.raises(rigid.Interrupted, match="700 of 700 bodies are done") as caught:
+    with pytest.raises(rigid.Interrupted, match="35 of 35 pixels are done") as caught:
         small_map(progress=interrupt)
     assert_same_map(caught.value.partial, small_map())
     assert small_map(progress=interrupt, partial=True).complete
@@ -117,8 +117,8 @@ def test_a_second_ctrl_c_ends_at_once() -> None:
         os.kill(os.getpid(), signal.SIGINT)
         os.kill(os.getpid(), signal.SIGINT)
 
-    with pytest.raises(KeyboardInterrupt) as caught:
-        small_map(chunk=50, progress=impatient, partial=True)
+    with in_blocks(1), pytest.raises(KeyboardInterrupt) as caught:
+        small_map(progress=impatient, partial=True)
     assert not isinstance(caught.value, rigid.Interrupted)
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
@@ -127,7 +127,8 @@ def test_other_handlers_and_other_threads_are_left_alone() -> None:
     called = []
     with sigint(lambda *_: called.append(1)):
         handler = signal.getsignal(signal.SIGINT)
-        result = small_map(chunk=500, progress=lambda progress: os.kill(os.getpid(), signal.SIGINT))
+        with in_blocks(25):
+            result = small_map(progress=lambda progress: os.kill(os.getpid(), signal.SIGINT))
         assert signal.getsignal(signal.SIGINT) is handler
     assert result.complete
     assert called == [1, 1]
@@ -161,8 +162,8 @@ def test_ctrl_c_reaches_the_main_thread_while_a_pool_computes() -> None:
         listening.set()
         computing.result(PATIENCE)
 
-    with ThreadPoolExecutor(1) as pool:
-        computing = pool.submit(small_map, chunk=100, progress=interrupt)
+    with in_blocks(5), ThreadPoolExecutor(1) as pool:
+        computing = pool.submit(small_map, progress=interrupt)
         with pytest.raises(KeyboardInterrupt):
             listen(computing)
         assert not computing.done()

@@ -53,9 +53,9 @@ def columns(
     spec: rigid.MapSpec, pixels: NDArray[np.int64] | None = None, samples: range | None = None
 ) -> dict[str, NDArray[Any]]:
     """The reproducible columns of these samples of these pixels."""
-    job = to_core(spec, pixels, samples)
-    length = len(samples) if samples else spec.samples
-    part = job.run(0, len(job.status) * length, 2)
+    span = samples or range(spec.samples)
+    job = to_core(spec, pixels, len(span), span.start)
+    part = job.run(0, len(job.status) * len(span), 2)
     assert part is not None
     return {one.name: part[one.name] for one in COLUMNS if one.reproducible}
 
@@ -89,19 +89,32 @@ def test_two_batches_merge_to_the_whole_map(
     pixels = np.arange(len(full["stable"]))[::-1].copy()
     merged = _core.MapStatistics(len(pixels))
     for batch in reversed(BATCHES):
-        nothing = {"nanoseconds": np.zeros(len(pixels)), "first": 0}
+        nothing = {"nanoseconds": np.zeros(len(pixels)), "pixels": np.arange(len(pixels))}
         merged.merge({**columns(spec, pixels, batch), **nothing})
     arrays = merged.arrays()
     for name, values in full.items():
         np.testing.assert_array_equal(arrays[name], values[pixels], err_msg=name)
 
 
+def test_rows_of_any_pixels_and_first_samples_are_one_request(
+    spec: rigid.MapSpec, full: dict[str, NDArray[Any]]
+) -> None:
+    pixels, first = np.array([6, 1, 6, 1, 3]), np.array([0, 32, 64, 0, 64]) // 64 * 64
+    job = to_core(spec, pixels, 32, first)
+    found = job.run(0, 5 * 32, 2)
+    assert found is not None
+    for row, (pixel, begin) in enumerate(zip(pixels, first, strict=True)):
+        alone = columns(spec, np.array([pixel]), range(begin, begin + 32))
+        for name, values in alone.items():
+            np.testing.assert_array_equal(found[name][row], values[0], err_msg=name)
+
+
 def test_another_pixel_and_another_batch_draw_other_bodies(spec: rigid.MapSpec) -> None:
     # So the equalities above are not those of bodies that are all drawn alike.
     def drawn(pixel: int, sample: int) -> list[float]:
-        job = to_core(spec, np.array([pixel]), range(sample, 96))
-        body = job.sample(0, 0)
-        return [*body["omega"], *body["attitude"]]
+        job = to_core(spec, np.array([pixel]), 96 - sample, sample)
+        omega, attitude = job.starts(np.zeros(1, np.uint64))
+        return [*omega, *attitude]
 
     assert drawn(5, 0) != drawn(6, 0)
     assert drawn(5, 0) != drawn(5, 64)

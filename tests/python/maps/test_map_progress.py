@@ -1,4 +1,4 @@
-"""While a map runs: progress, silent when asked to be, and chunks of a third of a second."""
+"""While a map runs: progress, silent when asked to be, and blocks of a third of a second."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ import pytest
 
 import rigid
 from processes import PATIENCE, python_process
-from rigid._checks.progress import CHUNK_SECONDS, LONGEST_SECONDS, Pace
-from rigid.maps.job import Work
-from small_maps import small_map
+from rigid.store.drive import SHORTEST, Intake
+from rigid.store.rows import NO_BINS, ROW, Block
+from small_maps import in_blocks, small_map
 from terminals import in_terminal, read
 
 IMPORTS = "import numpy as np, rigid, sys, time\n"
@@ -72,23 +72,22 @@ def test_without_tqdm_none_is_silent_and_true_says_what_is_missing() -> None:
     assert done.stdout.strip() == "a progress bar needs tqdm: pip install 'rigid[maps]'"
 
 
-@pytest.mark.parametrize("chunk", [1, 7, 100, None])
-def test_a_callable_gets_records_that_only_grow(chunk: int | None) -> None:
+@pytest.mark.parametrize("units", [1, 3, 100])
+def test_a_callable_gets_records_that_only_grow(units: int) -> None:
     records: list[rigid.Progress] = []
     axes = {"I1": [0.1, 0.9, 1.2, 5.0]}  # the outer two are impossible and cost nothing
-    result = small_map(
-        axes=axes,
-        start=rigid.Start(spin=1.0, axis=2, noise=rigid.normal(0.1)),
-        samples=30,
-        chunk=chunk,
-        progress=records.append,
-    )
+    with in_blocks(units):
+        result = small_map(
+            axes=axes,
+            start=rigid.Start(spin=1.0, axis=2, noise=rigid.normal(0.1)),
+            samples=150,  # of 64, 64 and 22
+            progress=records.append,
+        )
     done = [record.done for record in records]
-    assert done[-1] == 60 == result.samples.sum()
+    assert done[-1] == 300 == result.samples.sum()
+    assert len(done) == -(-6 // units)
     assert (np.diff([0, *done]) > 0).all()
-    if chunk is not None:
-        assert done == [*range(chunk, 60, chunk), 60]
-    assert {record.total for record in records} == {60}
+    assert {record.total for record in records} == {300}
     elapsed = [record.elapsed for record in records]
     assert (np.diff([0.0, *elapsed]) >= 0.0).all()
     assert elapsed[-1] <= result.elapsed
@@ -101,14 +100,15 @@ def test_a_callable_gets_records_that_only_grow(chunk: int | None) -> None:
 
 def test_failures_are_counted_while_it_runs() -> None:
     records: list[rigid.Progress] = []
-    result = small_map(
-        axes={"spin": [1.0, 2.0, 1e200]},
-        start=rigid.Start(spin=1.0, axis=3, tilt=0.1),
-        samples=10,
-        chunk=5,
-        progress=records.append,
-    )
-    assert [record.failures for record in records] == [0, 0, 0, 0, 5, 10]
+    with in_blocks(1):
+        result = small_map(
+            axes={"spin": [1.0, 2.0, 1e200]},
+            start=rigid.Start(spin=1.0, axis=3, tilt=0.1),
+            samples=10,
+            progress=records.append,
+        )
+    # The lattice of every second pixel comes first.
+    assert [record.failures for record in records] == [0, 10, 10]
     assert result.failed.sum() == 10
 
 
@@ -119,26 +119,26 @@ def test_a_record_before_the_first_body_promises_nothing() -> None:
     assert rigid.Progress(done=10, total=10, elapsed=0.0, failures=0).remaining == 0.0
 
 
-# Chunks
+# Blocks
 
 
-def test_chunks_settle_near_a_third_of_a_second_and_never_pass_one() -> None:
-    # A machine that needs 1 ms a body in the first half and 1 ms / 100 in the second.
-    pace = Pace(threads=2)
+class Nowhere:
+    """Keeps no rows."""
+
+    def append(self, *_: object) -> None:
+        """Forget rows."""
+
+
+def test_blocks_settle_near_a_third_of_a_second_and_stay_short() -> None:
+    # A machine that needs 1 ms a unit in the first half and 1 ms / 100 in the second.
+    intake = Intake(Nowhere(), lambda _: None, samples=1, threads=1)
     seconds = []
     for round_ in range(60):
-        cost = 1e-3 if round_ < 30 else 1e-5
-        bodies = pace.size
-        seconds.append(bodies * cost)
-        pace.note(bodies, seconds[-1], 2.0 * cost)
-    assert max(seconds) <= LONGEST_SECONDS
-    assert seconds[20] == pytest.approx(CHUNK_SECONDS, rel=0.1)
-    # What once was costly may come again: a chunk stays short enough for that.
-    assert pace.size * 1e-3 <= LONGEST_SECONDS * 1.01
-
-
-def test_impossible_pixels_are_skipped_in_the_count() -> None:
-    work = Work(np.array([False, True, False, False, True, True]), samples=4)
-    assert work.total == 12
-    assert [work.flat(done) for done in (0, 1, 3)] == [4, 5, 7]
-    assert [work.flat(done) for done in (5, 7, 8, 11)] == [17, 19, 20, 23]
+        cost, units = (1e-3 if round_ < 30 else 1e-5), intake.units
+        seconds.append(units * cost)
+        costs = np.full(units, 1e9 * cost, np.float32)
+        intake.take(Block(np.zeros(units, ROW), costs, NO_BINS))
+    assert max(seconds) <= 4.0 * SHORTEST
+    assert seconds[20] == pytest.approx(SHORTEST, rel=0.1)
+    # What once was costly may come again: a block stays short enough for that.
+    assert intake.units * 1e-3 <= 4.0 * SHORTEST * 1.01

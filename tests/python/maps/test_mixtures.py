@@ -13,7 +13,7 @@ import rigid
 from rigid.cli.toml_map import parse_spec
 from rigid.cli.toml_table import SpecError
 from rigid.maps.plan import map_plan
-from small_maps import saved_bytes, small_map
+from small_maps import in_blocks, saved_bytes, small_map
 
 TOP = rigid.HeavyTop(rigid.Body((1.0, 1.2, 0.7)), mgl=1.0)
 QUIET = rigid.Start(spin=3.0, attitude_noise=rigid.normal(0.1))
@@ -71,12 +71,13 @@ def test_each_body_begins_as_in_a_map_of_its_start_alone() -> None:
                 )
 
 
-def test_numbers_do_not_depend_on_threads_chunks_and_stores(tmp_path: Path) -> None:
+def test_numbers_do_not_depend_on_threads_blocks_and_stores(tmp_path: Path) -> None:
     asked: dict[str, Any] = {"samples": 130, "t_end": 5.0, "measure": rigid.flips(3)}
     quiet = of(MIXED, **asked)
     expected = saved_bytes(quiet, tmp_path)
-    for threads, chunk in ((1, 7), (2, 129)):
-        result = of(MIXED, threads=threads, chunk=chunk, **asked)
+    for threads, units in ((1, 1), (2, 3)):
+        with in_blocks(units):
+            result = of(MIXED, threads=threads, **asked)
         assert saved_bytes(result, tmp_path) == expected
     assert saved_bytes(of(MIXED, store=tmp_path / "run", **asked), tmp_path) == expected
     loaded = rigid.load_map(tmp_path / "map.npz")

@@ -12,7 +12,7 @@ import rigid
 from rigid import _core
 from rigid.maps.parameters import PARAMETERS
 from rigid.model.criteria import criterion_from_dict
-from small_maps import NAMED, assert_same_map, saved_bytes
+from small_maps import NAMED, assert_same_map, in_blocks, saved_bytes
 
 COM = np.array([0.3, 0.2, 0.93]) / np.linalg.norm([0.3, 0.2, 0.93])
 TOP = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=COM)
@@ -197,10 +197,11 @@ def test_the_check_has_another_displacement_and_another_method() -> None:
 # --- Bits and files ------------------------------------------------------------------------------
 
 
-def test_sums_do_not_depend_on_threads_and_chunks(tmp_path: Path) -> None:
+def test_sums_do_not_depend_on_threads_and_blocks(tmp_path: Path) -> None:
     expected = saved_bytes(regular_map(**CLOUD, threads=1), tmp_path)
-    for options in ({"threads": 2}, {"chunk": 7}, {"threads": 2, "chunk": 31}):
-        assert saved_bytes(regular_map(**CLOUD, **options), tmp_path) == expected
+    for threads, units in ((2, 10**6), (1, 1), (2, 2)):
+        with in_blocks(units):
+            assert saved_bytes(regular_map(**CLOUD, threads=threads), tmp_path) == expected
 
 
 def test_means_are_those_of_the_bodies() -> None:

@@ -178,7 +178,6 @@ def test_sequential_maps_are_saved_and_read(sequential: rigid.StabilityMap, tmp_
         ({"samples": None}, TypeError, "samples, half_width: give one of them"),
         ({"samples": None, "half_width": 0.001}, ValueError, "half_width = 0.001: must lie in"),
         ({"samples": None, "half_width": 0.3}, ValueError, "half_width = 0.3: must lie in"),
-        ({"samples": None, "half_width": 0.1, "chunk": 5}, ValueError, "chunk = 5: has no effect"),
         ({"refine": 1}, ValueError, "refine = 1: must be at least 2"),
         ({"budget": 0}, ValueError, "budget = 0: must be at least 1"),
     ],

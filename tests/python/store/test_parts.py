@@ -13,6 +13,7 @@ import rigid
 from rigid.maps.identity import segment_of
 from rigid.store.head import Head
 from rigid.store.resume import Part, missing
+from rigid.store.rows import Table
 from rigid.store.running import Folder, Memory
 from small_maps import assert_same_map, saved_bytes, small_map, spec_of
 from stores import SPEC, go_on, numbers, stops_after, stored_map
@@ -33,6 +34,8 @@ def spec_of_grid(columns: int, rows: int, samples: int) -> rigid.MapSpec:
 def shares(spec: rigid.MapSpec, count: int) -> list[np.ndarray[Any, Any]]:
     """The units of each part of a map of which nothing is computed."""
     running = Memory(spec)
+    running.head = Head.of(spec)  # divided as that of a folder
+    running.table = Table(running.head)
     todo = missing(running)
     return [todo[Part(k + 1, count).has(todo, running)] for k in range(count)]
 
@@ -67,6 +70,13 @@ def test_every_part_has_its_share(spec: rigid.MapSpec, count: int) -> None:
     possible = Memory(spec).status == 0
     assert len(np.unique(every)) == len(every) == possible.sum() * Head.of(spec).segments
     assert sum(bodies(spec, part) for part in parts) == possible.sum() * spec.samples
+
+
+def test_rows_in_memory_grow_with_the_pixels_alone() -> None:
+    for columns, rows, samples in ((1, 1, 10**9), (1, 1, 10**18), (30, 20, 10**6), (200, 100, 999)):
+        units = Memory(spec_of_grid(columns, rows, samples)).head.units
+        assert units <= max(columns * rows, 2**14 + columns * rows)
+    assert Memory(spec_of_grid(8, 1, 200)).head.segment == 64
 
 
 def test_few_pixels_are_divided_evenly() -> None:

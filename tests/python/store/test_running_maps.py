@@ -25,7 +25,7 @@ from rigid.maps.parameters import make_axes
 from rigid.maps.refine import lattice_level
 from rigid.store import drive as driving
 from rigid.store.compute import compute
-from rigid.store.drive import Task, drive, own_build
+from rigid.store.drive import Intake, Task, drive, own_build
 from rigid.store.resume import Part, carry_on, missing
 from rigid.store.rows import FIELDS, ROW, Table
 from rigid.store.running import Folder, Memory
@@ -308,11 +308,12 @@ def test_a_worker_of_another_version_is_refused(tmp_path: Path) -> None:
     folder.begin()
     none = folder.table.block(np.zeros(0, np.int64))
     task = Task(SPEC.to_json(), 1, none, ("0.0.0", None), {})
+    intake = Intake(folder, lambda _: None, 20, 1)
     with ThreadPoolExecutor(1) as pool, pytest.raises(ValueError, match="a worker has rigid"):
-        drive(task, 20, np.arange(160, 165), folder, pool, 1, lambda: False, lambda _: None)
+        drive(task, np.arange(160, 165), intake, pool, 1, lambda: False)
     task = Task(SPEC.to_json(), 1, none, own_build(), {})
     with ThreadPoolExecutor(1) as pool:
-        drive(task, 20, np.arange(160, 165), folder, pool, 1, lambda: False, lambda _: None)
+        drive(task, np.arange(160, 165), intake, pool, 1, lambda: False)
     folder.end("interrupted")
     assert Folder(tmp_path / "run").table.known.sum() == 5
 

@@ -29,10 +29,10 @@ fn map(is_top: bool, method: MethodChoice, criterion: Criterion, step: Option<f6
         step,
         max_steps: 2000,
         samples: SAMPLES,
-        check: Check::First(100),
+        check: Check::Before(100),
         key: [2026, 11],
         numbers: Vec::new(),
-        first: 0,
+        first: Vec::new(),
     }
 }
 
@@ -214,7 +214,7 @@ fn samples_with_common_audits_do_not_depend_on_the_division_of_the_work() {
         doubtful += total.checked - total.audited;
         let isa = Isa::available()[0];
         for flat in (0..map.len()).step_by(37) {
-            let class = map.sample(flat / 150, flat % 150, isa, &GO).unwrap().class;
+            let (class, _) = map.samples_at(&[flat], 1, isa, &GO).unwrap().0[0];
             let alone = map.run(flat, flat + 1, 1, isa, &GO).unwrap().1[0];
             let counts = [alone.stable, alone.unstable, alone.undecided];
             let expected =
@@ -229,11 +229,12 @@ fn samples_with_common_audits_do_not_depend_on_the_division_of_the_work() {
 fn a_sample_alone_is_the_sample_of_the_map() {
     for mut map in maps().into_iter().chain(maps_in_closed_form()) {
         // Without a second method: the steps in the statistics would be those of both methods.
-        map.check = Check::First(0);
+        map.check = Check::Before(0);
         let isa = Isa::available()[0];
         for flat in (0..map.len()).step_by(37) {
-            let (pixel, sample) = (flat / SAMPLES, flat % SAMPLES);
-            let Known { body, class, outcome, .. } = map.sample(pixel, sample, isa, &GO).unwrap();
+            let pixel = flat / SAMPLES;
+            let (class, outcome) = map.samples_at(&[flat], 1, isa, &GO).unwrap().0[0];
+            let body = map.draw_at(isa, &[(pixel, flat % SAMPLES)]).unwrap()[0];
             let statistics = map.run(flat, flat + 1, 1, isa, &GO).unwrap().1[0];
             let mut expected = Statistics::NONE;
             if map.pixels[pixel as usize].possible {

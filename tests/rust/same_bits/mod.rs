@@ -15,7 +15,7 @@ use rigid::kernel::Group;
 use rigid::kernel::{Compiled, ForcingRows, Kernel, System};
 use rigid::kernel::{Entry, KernelAssignment, load};
 use rigid::map::{
-    Check, Class, Condition, Criterion, Known, Laws, Logic, Map, MethodChoice, Pixel, Rule, Statistics,
+    Check, Class, Condition, Criterion, Laws, Logic, Map, MethodChoice, Pixel, Rule, Statistics,
 };
 use rigid::observe::{Bound, Displacement, EXIT_TIME, Flips, Observed, Quantity, Tilt};
 use rigid::parallel::Interrupt;

@@ -1,37 +1,25 @@
-"""Monte Carlo stability maps: the call and the chunk loop."""
+"""Monte Carlo stability maps: the call."""
 
 from __future__ import annotations
 
 import os
-import time
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .. import _core
-from .._checks.arguments import brief, positive_int, resolve_threads
-from .._checks.progress import (
-    Interrupted,
-    Pace,
-    Progress,
-    ProgressOption,
-    interruptible,
-    reporting,
-)
+from .._checks.arguments import brief
+from .._checks.progress import ProgressOption
+from ..maps.request import as_it_is, spec_of
+from ..maps.result import StabilityMap
+from ..maps.spec import MapSpec
 from ..model.body import Body
 from ..model.criteria import Criterion
 from ..model.measures import Measure, make_measures
 from ..model.mixture import Mixture
 from ..model.scene import Scene
 from ..model.start import Start
-from .data import CLASSES
-from .job import Work, to_core
-from .refine import refined
-from .request import as_it_is, spec_of
-from .result import StabilityMap
-from .spec import MapSpec
 
 __all__ = ["run_map", "stability_map"]
 
@@ -50,7 +38,6 @@ def stability_map(
     rng: int | np.random.Generator | np.random.SeedSequence | None = None,
     threads: int | None = None,
     progress: ProgressOption = None,
-    chunk: int | None = None,
     max_steps: int | None = None,
     title: str | None = None,
     measure: Measure | Iterable[Measure] | None = None,
@@ -66,9 +53,10 @@ def stability_map(
     """Monte Carlo stability map: an ensemble of perturbed bodies in every pixel of a grid.
 
     Nothing is kept per body: memory grows with the pixels, not with the samples or the horizon. The
-    same request gives the same bits for any number of threads and any chunking. Ctrl-C ends the run
-    within a fraction of a second and raises :class:`Interrupted`, a ``KeyboardInterrupt`` with the
-    map of the bodies done. A second Ctrl-C ends the run at once.
+    same request gives the same bits for any number of threads. A coarse lattice of pixels comes
+    first. Ctrl-C ends the run within a fraction of a second and raises :class:`Interrupted`, a
+    ``KeyboardInterrupt`` with the map of the pieces done, of 64 bodies or more. A second Ctrl-C
+    ends the run at once.
 
     Parameters
     ----------
@@ -77,7 +65,7 @@ def stability_map(
         ``HeavyTop(Body((1.0, 1.0, 0.5)), mgl=1.0)``. A function makes the scene from its own
         parameters: its arguments are axes of the map, arrays with a number for each pixel, and it
         returns a scene of as many bodies. A specification, such as ``result.spec`` of an
-        older map, says everything but ``threads``, ``progress``, ``chunk`` and ``partial``;
+        older map, says everything but ``threads``, ``progress`` and ``partial``;
         :meth:`MapSpec.replace` changes it.
     axes : dict of str to array_like, shape (n,)
         Parameters and their values, increasing or decreasing; x first, then y, and so on. The
@@ -134,9 +122,7 @@ def stability_map(
         By default ``RIGID_NUM_THREADS``, else the processors this process may use.
     progress : None, bool or callable
         ``None``: a tqdm bar if tqdm is installed, in a terminal or a notebook; ``False``: silence;
-        a callable gets a :class:`Progress` after each chunk.
-    chunk : int, optional
-        Bodies per chunk; by default adapted to about 0.3 s.
+        a callable gets a :class:`Progress` about three times a second.
     max_steps : int, optional
         A body that needs more steps counts as failed; by default 1e9.
     title : str, optional
@@ -145,7 +131,7 @@ def stability_map(
         Numbers to collect of each body besides its class: :func:`time_to_leave`, :func:`flips`,
         :func:`largest_tilt`, :func:`mean_rate`, :func:`drift`. ``result.measures`` has them.
     partial : bool
-        Return the map of the bodies done after Ctrl-C, instead of raising :class:`Interrupted`:
+        Return the map of what is done after Ctrl-C, instead of raising :class:`Interrupted`:
         the program goes on. ``result.ended`` tells whether all was done.
     store : path-like, optional
         Folder of a running map, made if there is none. What was computed is there at once, whatever
@@ -231,97 +217,23 @@ def stability_map(
     given = {name: value for name, value in asked.items() if value is not None}
     spec = as_it_is(scene, given) if isinstance(scene, MapSpec) else spec_of(scene, given)
     spec = spec.renewed()  # what a function takes may have changed since it was told
-    stored = store is not None or executor is not None or part is not None
-    if stored:
-        if chunk is not None:
-            raise ValueError(f"chunk = {brief(chunk)}: has no effect with store or executor")
-        if part is not None and store is None:
-            raise ValueError(f"part = {brief(part)}: needs store, where the parts meet")
-        from ..store.store import run_stored
-
-        return run_stored(
-            spec,
-            store=store,
-            seeded=rng is not None or isinstance(scene, MapSpec),
-            executor=executor,
-            threads=threads,
-            threads_per_task=threads_per_task,
-            part=part,
-            progress=progress,
-            partial=partial,
-        )
-    return run_map(spec, threads=threads, progress=progress, chunk=chunk, partial=partial)
+    if part is not None and store is None:
+        raise ValueError(f"part = {brief(part)}: needs store, where the parts meet")
+    return run_map(
+        spec,
+        store=store,
+        seeded=rng is not None or isinstance(scene, MapSpec),
+        executor=executor,
+        threads=threads,
+        threads_per_task=threads_per_task,
+        part=part,
+        progress=progress,
+        partial=partial,
+    )
 
 
-def run_map(
-    spec: MapSpec,
-    *,
-    threads: int | None = None,
-    progress: ProgressOption = None,
-    chunk: int | None = None,
-    partial: bool = False,
-) -> StabilityMap:
-    """Compute the map of a specification; the options are those of :func:`stability_map`."""
-    if spec.looks is not None or refined(spec):
-        if chunk is not None:
-            raise ValueError(f"chunk = {brief(chunk)}: has no effect with half_width or refine")
-        options = {"executor": None, "threads_per_task": 1, "part": None, "threads": threads}
-        from ..store.store import run_stored
+def run_map(spec: MapSpec, **options: Any) -> StabilityMap:
+    """Compute the map of a specification; see :func:`rigid.store.store.run_map`."""
+    from .store import run_map  # what stores takes long to import
 
-        return run_stored(
-            spec, store=None, seeded=True, progress=progress, partial=partial, **options
-        )
-    workers = resolve_threads(threads)
-    size = None if chunk is None else positive_int("chunk", chunk)
-    job = to_core(spec)
-    status = job.status
-    statistics = _core.MapStatistics(len(status), len(spec.measure))
-    work = Work(status == 0, spec.samples)
-    pace = Pace(workers)
-    done = failures = 0
-    interrupted = False
-    begun = time.perf_counter()
-    with reporting(progress, work.total) as report, interruptible() as stop:
-        try:
-            while done < work.total and not stop.is_set():
-                until = min(done + (size or pace.size), work.total)
-                before = time.perf_counter()
-                part = job.run(work.flat(done), work.flat(until), workers, stop.is_set)
-                if part is None:
-                    break
-                seconds = time.perf_counter() - before
-                statistics.merge(part)
-                pace.note(until - done, seconds, _costliest(part))
-                done = until
-                failures += int(part["failed"].sum())
-                report(
-                    Progress(
-                        done=done,
-                        total=work.total,
-                        elapsed=time.perf_counter() - begun,
-                        failures=failures,
-                    )
-                )
-        except KeyboardInterrupt:
-            if stop.is_set():
-                raise  # the second Ctrl-C
-            interrupted = True
-        elapsed = time.perf_counter() - begun
-        arrays = {**statistics.arrays(), "status": status}
-        result = StabilityMap.from_arrays(
-            spec, arrays, statistics.bins(), elapsed=elapsed, threads=workers
-        )
-    if (interrupted or stop.is_set()) and not partial:
-        raise Interrupted(
-            f"{result.samples.sum():,} of {work.total:,} bodies are done; "
-            "the attribute 'partial' of this exception is their map",
-            result,
-        )
-    return result
-
-
-def _costliest(part: Mapping[str, Any]) -> float:
-    """Largest mean processor time of a body over the pixels of a chunk, s."""
-    bodies = sum(part[name] for name in CLASSES)
-    seconds = 1e-9 * part["nanoseconds"][bodies > 0] / bodies[bodies > 0]
-    return float(seconds.max(initial=0.0))
+    return run_map(spec, **options)
