@@ -1,11 +1,11 @@
 //! Stability maps.
 
 use super::convert::{self, bodies, interruptible, rows, rows_of, same_length};
-use super::forcing::PyForcing;
+use super::forces::PyForces;
 use crate::body::MomentStatus;
 use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
-use crate::forcing::Forcing;
+use crate::forces::Forces;
 use crate::map::{
     Bin, Check, Column, Condition, Criterion, Field, Known, Laws, Logic, Map, Measure, MethodChoice, Mixed,
     Outcome, Pixel, Sketch, Statistics, clopper_pearson_of_each,
@@ -291,7 +291,7 @@ keywords! {
         checked: Option<u64>,
         seed: u128,
         #[pyo3(default)]
-        forcing: Option<Vec<PyRef<'py, PyForcing>>>,
+        forces: Option<Vec<PyRef<'py, PyForces>>>,
         #[pyo3(default)]
         numbers: Option<PyReadonlyArray1<'py, u64>>,
         #[pyo3(default)]
@@ -395,7 +395,7 @@ impl StartsRequest<'_> {
 
 impl MapRequest<'_> {
     const OPTIONAL: [&'static str; 10] = [
-        "forcing",
+        "forces",
         "numbers",
         "first",
         "mix",
@@ -424,9 +424,9 @@ impl MapRequest<'_> {
                 memory::push(PIXELS, &mut mixture, Mixed { until, laws, pixels })?;
             }
         }
-        let forcing: Vec<Forcing> = match self.forcing {
+        let forces: Vec<Forces> = match self.forces {
             Some(all) => {
-                same_length("forcing", pixels, all.len())?;
+                same_length("forces", pixels, all.len())?;
                 let mut copies = memory::reserved(PIXELS, pixels)?;
                 for one in &all {
                     copies.push(one.0.copied()?);
@@ -451,7 +451,7 @@ impl MapRequest<'_> {
             .collect::<Result<_, Error>>()?;
         let map = Map {
             scene: Scene::parse(&self.scene)?,
-            forcing,
+            forces,
             method: MethodChoice::parse(&self.method)?,
             pixels: starting,
             laws,

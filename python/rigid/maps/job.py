@@ -194,7 +194,7 @@ def _of_core(spec: MapSpec, pixels: NDArray[np.int64] | None, samples: range) ->
         samples=len(samples),
         checked=spec.checked_samples(samples),
         seed=spec.seed,
-        forcing=grid.forcings,
+        forces=grid.forces,
         numbers=None if pixels is None else pixels.astype(np.uint64),
         first=samples.start,
     )

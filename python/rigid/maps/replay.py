@@ -249,7 +249,7 @@ def _growth(spec: MapSpec, pixel: int, record: Mapping[str, Any], t: ArrayLike |
             raise ValueError("t: must be positive times")
     # Of the very start of the map: an attitude given by a user would be normalised first.
     start = np.array([record["omega"]]), np.array([record["attitude"]])
-    ((_, batch),) = spec.grid.batches_by_forcing(np.array([pixel]), *start)
+    ((_, batch),) = spec.grid.batches_by_forces(np.array([pixel]), *start)
     return growth_of(
         spec.grid.scene_of(pixel),
         batch,

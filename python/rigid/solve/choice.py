@@ -56,7 +56,7 @@ class Choice:
         scene, record = problem.scene, problem.record
         estimate = self._estimate()
         error = estimate.error
-        if scene.is_called and error is not None:
+        if "function" in scene.forces and error is not None:
             error, why = None, (*why, UNKNOWN.format("the torque is that of a function"))
         if estimate.unknown is not None:
             why = (*why, UNKNOWN.format(estimate.unknown))
@@ -125,10 +125,10 @@ def _steps_estimate(problem: Problem, method: str, steps: Floats | None) -> Esti
 
 def damping_rate(scene: Scene) -> float:
     """The largest rate at which damping slows a body (1/s)."""
-    forcing = scene.forcing
-    if forcing is None:
+    forces = scene.acting()
+    if forces is None:
         return 0.0
-    return float(forcing.damping_rates(moment_rows(scene)).max(initial=0.0))
+    return float(forces.damping_rates(moment_rows(scene)).max(initial=0.0))
 
 
 def _memory(problem: Problem) -> int | None:
@@ -138,19 +138,19 @@ def _memory(problem: Problem) -> int | None:
         bodies = prod(problem.scene.shape)
     if bodies is None:
         return None
-    forcing = problem.scene.forcing if problem.batch is None else problem.batch.forcing
+    forces = problem.scene.acting() if problem.batch is None else problem.batch.forces
     return _core.state_bytes(
         scene=problem.scene.kind,
         record=problem.record,
         bodies=bodies if problem.bodies is None else problem.bodies,
         times=problem.states,
-        forcing=forcing,
+        forces=forces,
     )
 
 
 def stepped_record(problem: Problem, method: str) -> str:
     """A record whose steps have the same cost: forced rates may need a larger state."""
     scene, record = problem.scene, problem.record
-    if not scene.is_driven:
+    if not scene.forces:
         return record
     return "attitude" if "gamma" in carried(scene, record, method) else "rates"

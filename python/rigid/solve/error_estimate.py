@@ -94,7 +94,7 @@ def closed_form_error(batch: Batch, times: Floats, omega: Floats) -> ErrorEstima
     """
     reached = time_ranges(times)
     rates = batch.fastest_rates(reached)
-    top = batch.forcing is None and np.count_nonzero(batch.weight)
+    top = batch.forces is None and np.count_nonzero(batch.weight)
     span = reached[1] - reached[0]
     if not top and isinstance(span, float) and (fastest := largest(rates)) * span < 0.5 / ROUNDING:
         # No error reaches one. One number is multiplied faster outside of an array.
@@ -111,7 +111,7 @@ def _closed_form_error(batch: Batch, rates: Floats, reached: Range, omega: Float
     first, last = reached
     error = ROUNDING * (1.0 + rates * (last - first))
     since = 1.0 / (ROUNDING * rates)
-    if batch.forcing is None and batch.weight.any():
+    if batch.forces is None and batch.weight.any():
         scale = _fastest_or_swing(batch, rates)
         rows = omega.reshape(len(batch), omega.shape[-2], 3)
         fastest = lengths(rows).max(axis=1, initial=0.0)
@@ -167,7 +167,7 @@ def estimate_error(
         + departure(batch, times, sizes)
         + homoclinic(batch, times, sizes, states["energy_drift"])
     )
-    if batch.forcing is not None:
+    if batch.forces is not None:
         error += rounding_of_damping(batch, states["omega"], times)
         if method == RINGING:
             error += _ringing(batch, states, times)
@@ -238,8 +238,8 @@ def _ringing(batch: Batch, states: Mapping[str, Any], times: Floats) -> Floats:
 
     After an even number of steps it has its first sign again: two runs may agree in it.
     """
-    assert batch.forcing is not None
-    rate = batch.forcing.damping_rates(batch.moments)[:, np.newaxis]
+    assert batch.forces is not None
+    rate = batch.forces.damping_rates(batch.moments)[:, np.newaxis]
     span, steps = np.reshape(time_span(times), (-1, 1)), states["steps"][:, None]
     taken = steps * np.maximum(times, 0.0) / span
     damped = 0.5 * rate * span / steps

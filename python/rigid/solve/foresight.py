@@ -64,9 +64,9 @@ def motions_of(
     """
     rates, bounds = (batch.fastest_rates(times, name) for name in (method, None))
     damping: float | Floats = 0.0
-    if batch.forcing is not None:
-        damping = np.broadcast_to(batch.forcing.damping_rates(batch.moments), len(batch))
-    gains = batch.weight.any(axis=1) | batch.driven()
+    if batch.forces is not None:
+        damping = np.broadcast_to(batch.forces.damping_rates(batch.moments), len(batch))
+    gains = batch.weight.any(axis=1) | batch.under_forces()
     motions = Motions(
         rates=rates,
         steps=steps,
@@ -89,7 +89,7 @@ def why_unforeseen(batch: Batch, times: Range, *, by_steps: bool) -> str | None:
     """
     if batch.may_stop:
         return "drag may stop a body, and the speed has a corner there"
-    looked_at = np.flatnonzero(~batch.driven())
+    looked_at = np.flatnonzero(~batch.under_forces())
     looked_at = looked_at[spread_indices(len(looked_at), SAMPLE)]
     if not len(looked_at):
         return None
@@ -165,4 +165,4 @@ def _nearness_of_poles(batch: Batch, rates: Floats) -> Floats:
     nearness = _core.nearness_of_poles(
         moments=batch.moments, weight=batch.weight, omega=batch.omega, rates=rates, pole=POLE
     )
-    return nearness if batch.forcing is None else np.where(batch.driven(), 1.0, nearness)
+    return nearness if batch.forces is None else np.where(batch.under_forces(), 1.0, nearness)

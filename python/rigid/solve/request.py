@@ -69,7 +69,7 @@ class Request:
             weight=batch.weight,
             omega=batch.omega,
             attitude=batch.attitude,
-            forcing=batch.forcing,
+            forces=batch.forces,
             method=self.method,
             record=self.record,
             step=steps,

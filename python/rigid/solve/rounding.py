@@ -92,7 +92,7 @@ def common_rounding(
     angle = rates * span
     floor: Floats = EQUAL_RUNS * (1.0 + angle) + ROTATION * rotations(method) * taken
     floor += _loss_of_turns(batch, method, taken, angle)
-    if method == LIE and batch.forcing is not None:
+    if method == LIE and batch.forces is not None:
         floor += TURN * taken
     if method not in series_methods():  # whose second run carries the rounding of a step on
         differs, angles = _differences(request, states, step=span / taken, angle=angle)
@@ -128,7 +128,7 @@ def planned_rounding(
 
 def _loss_of_turns(batch: Batch, method: str, taken: Floats, angle: Floats) -> Floats:
     """The error of free symmetric bodies whose steps turn them by equal angles, shape (n,)."""
-    if not rotations(method) or batch.forcing is not None:
+    if not rotations(method) or batch.forces is not None:
         return np.zeros(len(batch))
     apart = np.abs(np.roll(batch.moments, 1, axis=1) - batch.moments)
     symmetric = np.any(apart <= ALIKE * batch.moments, axis=1)
@@ -153,7 +153,7 @@ def rounding_of_damping(batch: Batch, omega: Floats, times: Floats) -> Floats:
     times : ndarray, shape (m,) or (n, m)
         The wanted times (s).
     """
-    matrix = dampings(batch.forcing, alone=False)
+    matrix = dampings(batch.forces, alone=False)
     moments = batch.moments[:, np.newaxis]
     size, time = lengths(omega), np.abs(times)
     along = omega / size[..., np.newaxis]
@@ -210,7 +210,7 @@ def _second_difference(batch: Batch, method: str, omega: Floats) -> Floats:
     """
     moments = batch.moments[:, np.newaxis, :]
     # The matrices of damping are symmetric.
-    torque = np.cross(moments * omega, omega) - omega @ dampings(batch.forcing, alone=True)
+    torque = np.cross(moments * omega, omega) - omega @ dampings(batch.forces, alone=True)
     turning: Floats = (lengths(torque / moments) / lengths(omega)) ** 2
     weight = np.reshape(lengths(batch.weight) / batch.moments.min(axis=1), (-1, 1))
     apart = preserves_groups(method) & (weight > 0.0)

@@ -61,7 +61,7 @@ def separatrices(batch: Batch) -> tuple[Floats, Floats]:
 
     Of tops and pendulums in closed form; 1 and 0 for free bodies.
     """
-    if batch.forcing is not None or not batch.weight.any():
+    if batch.forces is not None or not batch.weight.any():
         return np.ones(len(batch)), np.zeros(len(batch))
     columns = batch.full_columns()
     del columns["scene"]
@@ -100,16 +100,16 @@ def departure(batch: Batch, times: Floats, sizes: RateSizes) -> Floats:
     moments = np.broadcast_to(batch.moments, (len(batch), 3))
     weight = np.broadcast_to(batch.weight, (len(batch), 3))
     vertical, omega = verticals(batch), batch.omega
-    damping = np.broadcast_to(dampings(batch.forcing, alone=True), (len(batch), 3, 3))
+    damping = np.broadcast_to(dampings(batch.forces, alone=True), (len(batch), 3, 3))
     torque = _cross(moments * omega, omega) + _cross(vertical, weight)
-    if batch.forcing is not None:
+    if batch.forces is not None:
         # Not by `@`: OpenBLAS ends the process where its own memory cannot be had.
         torque -= np.einsum("ni,nij->nj", omega, damping)
     swing2 = lengths(batch.weight) / batch.moments.min(axis=1)
     rate = np.sqrt(np.einsum("ni,ni->n", omega, omega) + swing2)
     away = np.maximum(lengths(torque / moments) / rate**2, lengths(_cross(vertical, omega)) / rate)
     stays = (away == 0.0) & _is_upright_to_the_bit(batch)
-    since = np.abs(times) if batch.forcing is None else np.maximum(times, 0.0)
+    since = np.abs(times) if batch.forces is None else np.maximum(times, 0.0)
     since = np.broadcast_to(since, error.shape)
     near = ~stays & (away < NEAR) & weight.any(axis=1)
     for body in np.flatnonzero(near):
@@ -145,14 +145,14 @@ def verticals(batch: Batch) -> Floats:
     )
 
 
-def dampings(forcing: _core.Forcing | None, *, alone: bool) -> Floats:
+def dampings(forces: _core.Forces | None, *, alone: bool) -> Floats:
     """The damping matrices, shape (n, 3, 3), or (1, 3, 3) of all.
 
     If they are wanted ``alone``, they are NaN where a torque acts too.
     """
-    if forcing is None:
+    if forces is None:
         return np.zeros((1, 3, 3))
-    entries = forcing.dampings(alone)
+    entries = forces.dampings(alone)
     return entries[:, [[0, 5, 4], [5, 1, 3], [4, 3, 2]]]
 
 

@@ -65,7 +65,7 @@ def second_run(
         last, other = series_methods()[-1:-3:-1]
         method = other if request.method == last else last
         tighter = TIGHTER
-        if request.batch.forcing is not None:
+        if request.batch.forces is not None:
             # The tolerance is that of the rates. Their square, the power, has twice their damping:
             # the last terms of its series are so many times as large.
             tighter *= 2.0 ** order_of(method)
@@ -73,7 +73,7 @@ def second_run(
         return replace(second, method=method, tolerance=tolerance).states(None)
     # Of forced bodies the order falls where damping is as fast as the steps.
     ratio = max(
-        2.0 ** (halvings / order_of(request.method)), 1.2 if request.batch.forcing is None else 1.3
+        2.0 ** (halvings / order_of(request.method)), 1.2 if request.batch.forces is None else 1.3
     )
     if is_damped_stiffly(request):
         # Under strong damping the order of these methods falls.
@@ -118,8 +118,8 @@ def _rounded_start(batch: Batch) -> Batch:
     start that is in equilibrium to the bit stays one.
     """
     omega, attitude = _rounded_otherwise(batch.omega), _rounded_otherwise(batch.attitude)
-    forcing = None if batch.forcing is None else batch.forcing.rounded_otherwise()
-    return replace(batch, omega=omega, attitude=attitude, forcing=forcing)
+    forces = None if batch.forces is None else batch.forces.rounded_otherwise()
+    return replace(batch, omega=omega, attitude=attitude, forces=forces)
 
 
 def _rounded_otherwise(rows: Floats) -> Floats:
@@ -135,4 +135,4 @@ def _rounded_otherwise(rows: Floats) -> Floats:
 
 def is_damped_stiffly(request: Request) -> bool:
     """Whether a method for strong damping integrates forced bodies."""
-    return request.batch.forcing is not None and is_stiff(request.method)
+    return request.batch.forces is not None and is_stiff(request.method)
