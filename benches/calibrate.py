@@ -30,7 +30,7 @@ from rigid.solve.methods import EXACT
 from rigid.solve.work import LANES, reference_nanoseconds
 
 TARGET = Path(__file__).parents[1] / "python" / "rigid" / "calibration.json"
-KINDS = ("free", "lagrange", "top", "driven")
+KINDS = ("free", "lagrange", "top", "forced")
 MEASURED = sized(KINDS, ("lagrange",))
 SCHEMES = sized(None, 3)
 """So many of the schemes; None for all."""
@@ -55,7 +55,7 @@ OTHER_DATA = np.ones(2**20)
 
 def bodies(kind: str, count: int) -> dict[str, Any]:
     """Random bodies that turn by about a radian in a unit of time."""
-    # A driven body is a top under damping.
+    # A forced body is a top under damping.
     rng = np.random.default_rng([2026, min(KINDS.index(kind), 2)])
     parts = rng.uniform(0.2, 1.2, (count, 3))
     moments = parts.sum(axis=1, keepdims=True) - parts
@@ -64,16 +64,16 @@ def bodies(kind: str, count: int) -> dict[str, Any]:
         moments[:, 1] = moments[:, 0]
         moments[:, 2] = np.minimum(moments[:, 2], 1.9 * moments[:, 0])
         weight[:, 2] = rng.uniform(0.3, 3.0, count)
-    if kind in ("top", "driven"):
+    if kind in ("top", "forced"):
         direction = rng.normal(size=(count, 3))
         size = rng.uniform(0.3, 3.0, (count, 1))
         weight = size * direction / np.linalg.norm(direction, axis=1, keepdims=True)
     attitude = rng.normal(size=(count, 4))
     attitude /= np.linalg.norm(attitude, axis=1, keepdims=True)
     none, damping = np.empty((0, 3)), np.array([[0.1, 0.1, 0.1, 0.0, 0.0, 0.0]])
-    damped = _core.Forcing(times=np.array([]), body=none, space=none, damping=damping)
+    damped = _core.Forces(times=np.array([]), body=none, space=none, damping=damping)
     return {
-        **({"forcing": damped} if kind == "driven" else {}),
+        **({"forces": damped} if kind == "forced" else {}),
         "scene": "free" if kind == "free" else "top",
         "moments": moments,
         "weight": weight,
@@ -174,7 +174,7 @@ def errors(name: str, order: int, truth: Truth) -> tuple[float, float] | None:
 
 def work(kind: str, name: str, record: str) -> list[float]:
     """The parts of the work of a scheme or of the closed form."""
-    rates_alone = kind == "driven" and record == "rates"
+    rates_alone = kind == "forced" and record == "rates"
 
     def time_(count: int, states: int, steps: int, ends: int = 1) -> float:
         table = bodies(kind, count)
@@ -218,7 +218,7 @@ def calibrated_errors(kind: str) -> dict[str, dict[str, Any]]:
     truth, many = Truth(kind, BODIES), Truth(kind, BODIES_OF_MARGINS)
     found: dict[str, dict[str, Any]] = {}
     for method in methods()[:SCHEMES]:
-        if kind != "driven" or method.driven:
+        if kind != "forced" or method.forces:
             limits = errors(method.name, method.order, truth)
             if limits is not None:
                 values = (limits[0], margin(method.name, method.order, *limits, many), limits[1])

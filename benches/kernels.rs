@@ -6,7 +6,7 @@
 #[path = "timing.rs"]
 mod timing;
 
-use rigid::kernel::{Compiled, Entry, ForcingRows, Group, Kernel, KernelAssignment, System, load};
+use rigid::kernel::{Compiled, Entry, ForcesRows, Group, Kernel, KernelAssignment, System, load};
 use rigid::observe::{Displacement, Observed};
 use rigid::parallel::thread_nanoseconds;
 use rigid::scheme::{self, Engine};
@@ -35,8 +35,7 @@ fn bodies(compiled: Compiled) -> Option<Group> {
         let assignment = assignments.into_iter().find(|assignment| assignment.step == kernel.step)?;
         let mut displacement = Displacement::new([0.1, 0.2, 0.3, 0.4, 0.5, 0.6]);
         displacement.inverse_scale = [1.0; 3];
-        let (limit, step) = (f64::INFINITY, 0.02);
-        let entry = Entry { body: &body, forcing: None, axis: 3, limit, step, displacement, bound: None };
+        let entry = Entry { axis: 3, displacement, ..Entry::unobserved(&body, None, 0.02) };
         load(&mut group, lane, compiled, assignment, &entry);
     }
     Some(group)
@@ -50,7 +49,7 @@ fn rates(group: &Group) -> Vec<f64> {
 /// Nanoseconds per body-step, once.
 fn once(compiled: Compiled, start: &Group) -> Result<f64, String> {
     let mut group = black_box(start.clone());
-    let elapsed = timing::timed(|| compiled.advance(&mut group, &ForcingRows::NONE, STEPS))?;
+    let elapsed = timing::timed(|| compiled.advance(&mut group, &ForcesRows::NONE, STEPS))?;
     timing::changed(&rates(start), &rates(black_box(&group)))?;
     Ok(elapsed / (STEPS * LANES) as f64)
 }

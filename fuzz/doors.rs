@@ -6,7 +6,7 @@
 use rigid::body::{Inertia, principal_axes};
 use rigid::error::Error;
 use rigid::exact::derived::{free_quantities, saddle, sign_changes, tilt_time, top_quantities};
-use rigid::forcing::Forcing;
+use rigid::forces::Forces;
 use rigid::map::{Check, Condition, Criterion, Laws, Logic, Map, MethodChoice, Pixel, Rule, clopper_pearson};
 use rigid::parallel::Interrupt;
 use rigid::sample::Law;
@@ -101,7 +101,7 @@ impl Bytes<'_> {
         Body { moments, weight, omega: self.vector(), attitude }
     }
 
-    fn forcing(&mut self) -> Result<Forcing, Error> {
+    fn forcing(&mut self) -> Result<Forces, Error> {
         let mut times = self.list(4, Bytes::number);
         if self.below(4) > 0 {
             times.sort_by(f64::total_cmp);
@@ -109,7 +109,7 @@ impl Bytes<'_> {
         let rows = times.len().max(1) + usize::from(self.byte() == 7);
         let [body, space] = [(); 2].map(|()| (0..rows).map(|_| self.vector()).collect::<Vec<_>>());
         let damping = if self.below(2) == 0 { [0.5, 0.25, 0.125, 0.0, 0.0, 0.0] } else { self.vector() };
-        Forcing::new(&times, &body, &space, &[damping])
+        Forces::new(&times, &body, &space, &[damping])
     }
 
     fn solver(&mut self) -> Solver {
@@ -141,7 +141,7 @@ fn let_out<T>(result: Result<T, Error>) -> Option<T> {
 fn simulate(numbers: &mut Bytes) {
     let scene = numbers.scene();
     let mut bodies = numbers.list(40, |numbers| numbers.body(scene));
-    let forcing = if numbers.below(3) == 0 { let_out(numbers.forcing()) } else { None };
+    let forces = if numbers.below(3) == 0 { let_out(numbers.forcing()) } else { None };
     let solver = numbers.solver();
     let mut times = numbers.list(5, Bytes::number);
     // The caller checks that times ascend and that numbers of the start are finite.
@@ -155,7 +155,7 @@ fn simulate(numbers: &mut Bytes) {
         steps: &vec![step; bodies.len()],
         bodies: &bodies,
         scene,
-        forcing: forcing.as_ref().unwrap_or(Forcing::NONE),
+        forces: forces.as_ref().unwrap_or(Forces::NONE),
         solver,
         record: numbers.of([Record::Rates, Record::Axis, Record::Attitude]),
         schedule,
@@ -185,7 +185,7 @@ fn map(numbers: &mut Bytes) {
     let rule = Rule { sure: angle, low: numbers.number(), high: numbers.number(), ratio: numbers.number() };
     let asked = Map {
         scene,
-        forcing: Vec::new(),
+        forces: Vec::new(),
         method: if numbers.below(2) == 0 { MethodChoice::Auto } else { MethodChoice::Only(numbers.solver()) },
         pixels: numbers.list(3, |numbers| Pixel {
             body: numbers.body(scene),
@@ -273,16 +273,16 @@ fn forcing_and_axes(numbers: &mut Bytes) {
         assert!(axes.iter().flatten().all(|x| x.abs() <= 1.0 + 1e-12));
     }
     let Some(all) = let_out(numbers.forcing()) else { return };
-    let forcing = all.of(0);
+    let forces = all.of(0);
     let body = numbers.body(&FREE);
     let time = numbers.number();
-    forcing.damping_modes(body.moments);
-    if forcing.check_reaches(time).is_ok() {
-        forcing.interval(time, numbers.below(2) == 0, body.moments);
-        forcing.next_knot(time, numbers.below(2) == 0);
+    forces.damping.modes(body.moments);
+    if forces.table.check_reaches(time).is_ok() {
+        forces.interval(time, numbers.below(2) == 0, body.moments);
+        forces.table.next_knot(time, numbers.below(2) == 0);
     }
     if let Solver::Steps(scheme) = numbers.solver() {
-        default_step(scheme, body.step_rate(scheme, forcing, [0.0, time]));
+        default_step(scheme, body.step_rate(scheme, forces, [0.0, time]));
     }
 }
 

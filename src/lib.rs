@@ -3,19 +3,17 @@
 //! An arrow points from a module to the modules that it uses:
 //!
 //! ```text
-//! real ← simd        real ← special ← kinematics        body, kinematics ← called ← forcing ← start
-//! {kinematics, forcing} ← scene ← scheme ← observe ← kernel        {special, start} ← exact
-//! special ← sample        memory ← {forcing, kernel, parallel}        float_environment ← {parallel, python}
+//! real ← simd        real ← special ← kinematics        kinematics ← series ← forces ← {body, start}
+//! {kinematics, forces} ← scene ← scheme ← observe ← kernel        {special, start} ← exact
+//! special ← sample        memory ← {forces, kernel, parallel}        float_environment ← {parallel, python}
 //! {kernel, exact, sample, parallel} ← trajectory ← map ← python
 //! ```
 
 pub mod body;
-pub mod called;
 pub mod error;
 pub mod exact;
 pub mod float_environment;
 pub mod forces;
-pub mod forcing;
 pub mod kernel;
 pub mod kinematics;
 pub mod map;
@@ -27,9 +25,9 @@ pub mod polhode;
 mod python;
 pub mod real;
 pub mod sample;
-pub mod satellite;
 pub mod scene;
 pub mod scheme;
+pub mod series;
 pub mod simd;
 pub mod solver;
 pub mod special;

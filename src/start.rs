@@ -1,6 +1,6 @@
 //! A body at its start: moments, weight, rates and attitude, a bound of its rates, and the scales of its drifts.
 
-use crate::forcing::{BodyForcing, ForcingInterval};
+use crate::forces::BodyForces;
 use crate::kinematics::{dot, to_body_frame};
 
 /// One body with its start.
@@ -66,22 +66,22 @@ impl Body {
         1.0 - if self.weight[axis] < 0.0 { -vertical } else { vertical }
     }
 
-    /// A bound of |omega| between two times around 0; without forcing, over the whole motion.
+    /// A bound of |omega| between two times around 0; without forces, over the whole motion.
     ///
     /// Each component is bounded by the energy, `omega_k^2 <= 2 T / I_k`, where a top can gain the energy of a fall
     /// from the upright position. The polhode gives a closer bound for a free body, the constant spin a closer bound
     /// for a symmetric top, and the power balance a bound for a forced body.
-    pub fn fastest_rate(&self, forcing: BodyForcing, span: [f64; 2]) -> f64 {
+    pub fn fastest_rate(&self, forces: BodyForces, span: [f64; 2]) -> f64 {
         let twice_kinetic: f64 = (0..3).map(|k| self.moments[k] * self.omega[k] * self.omega[k]).sum();
         let mgl = self.weight.iter().map(|c| c * c).sum::<f64>().sqrt();
-        if forcing.is_none() && mgl == 0.0 {
+        if forces.is_none() && mgl == 0.0 {
             return self.polhode_bounds(twice_kinetic).iter().sum::<f64>().sqrt();
         }
         let vertical = self.vertical();
         let height: f64 = (0..3).map(|k| self.weight[k] * vertical[k]).sum();
         let fall = (mgl + height).max(0.0);
-        if !forcing.is_none() {
-            return forcing.fastest_rate(self.moments, [twice_kinetic, mgl, fall], span);
+        if !forces.is_none() {
+            return forces.fastest_rate(self.moments, [twice_kinetic, mgl, fall], span);
         }
         let reach = twice_kinetic + 2.0 * fall;
         let squares: f64 = match self.lagrange_axis() {
@@ -154,62 +154,6 @@ pub fn unit_quaternion(q: [f64; 4]) -> Option<[f64; 4]> {
         squares = square(q);
     }
     (squares > 0.0).then(|| q.map(|x| x / squares.sqrt()))
-}
-
-/// The rates after a short time, times this time, in which a body with the rate `rate` turns by 1e-3 rad. The rates
-/// follow from a Taylor series, because the first derivatives may vanish too (a top released at rest).
-pub(crate) fn rates_after_start(body: &Body, interval: &ForcingInterval<f64>, rate: f64) -> [f64; 3] {
-    const TERMS: usize = 6;
-    let time = 1e-3 / rate;
-    let (i, c) = (body.moments, body.weight.map(|c| c * time * time));
-    let (mut w, mut n) = ([[0.0; 3]; TERMS], [[0.0; 3]; TERMS]);
-    w[0] = body.omega.map(|rate| rate * time);
-    n[0] = body.vertical();
-    // The body components of a torque in space turn like those of the vertical.
-    let in_body = |torque: &[f64; 3]| to_body_frame(&body.attitude, torque).map(|x| x * time * time);
-    let (mut steady, mut rising) = ([[0.0; 3]; TERMS], [[0.0; 3]; TERMS]);
-    (steady[0], rising[0]) = (in_body(&interval.space[0]), in_body(&interval.space[1]).map(|x| x * time));
-    let body_torque =
-        [interval.body[0].map(|x| x * time * time), interval.body[1].map(|x| x * time * time * time)];
-    let [d11, d22, d33, d23, d31, d12] = interval.damping.map(|d| d * time);
-    let damping = [[d11, d12, d31], [d12, d22, d23], [d31, d23, d33]];
-    // A rotor and a gravity gradient move a body at rest or in a steady rotation; an energy sink does not.
-    let (rotor, turn) = (interval.satellite.rotor.map(|h| h * time), interval.satellite.orbit_rate * time);
-    let (mut towards, mut ahead) = ([[0.0; 3]; TERMS], [[0.0; 3]; TERMS]);
-    towards[0] = to_body_frame(&body.attitude, &interval.satellite.towards);
-    ahead[0] = to_body_frame(&body.attitude, &interval.satellite.ahead);
-    let mut sum = w[0];
-    for m in 0..TERMS - 1 {
-        let order = (m + 1) as f64;
-        for x in 0..3 {
-            let (y, z) = ((x + 1) % 3, (x + 2) % 3);
-            let mut torque = n[m][y] * c[z] - n[m][z] * c[y] + steady[m][x] - dot(&damping[x], &w[m]);
-            torque += if m < 2 { body_torque[m][x] } else { 0.0 };
-            torque += if m > 0 { rising[m - 1][x] } else { 0.0 };
-            torque += rotor[y] * w[m][z] - rotor[z] * w[m][y];
-            for a in 0..=m {
-                torque += (i[y] - i[z]) * w[a][y] * w[m - a][z];
-                torque += 3.0 * turn * turn * (i[z] - i[y]) * towards[a][y] * towards[m - a][z];
-            }
-            w[m + 1][x] = torque / i[x] / order;
-            (towards[m + 1][x], ahead[m + 1][x]) =
-                (turn * ahead[m][x] / order, -turn * towards[m][x] / order);
-            for row in [&mut n, &mut steady, &mut rising] {
-                let mut turning = 0.0;
-                for a in 0..=m {
-                    turning += row[a][y] * w[m - a][z] - row[a][z] * w[m - a][y];
-                }
-                row[m + 1][x] = turning / order;
-            }
-            for row in [&mut towards, &mut ahead] {
-                for a in 0..=m {
-                    row[m + 1][x] += (row[a][y] * w[m - a][z] - row[a][z] * w[m - a][y]) / order;
-                }
-            }
-            sum[x] += w[m + 1][x];
-        }
-    }
-    sum
 }
 
 #[cfg(test)]

@@ -29,10 +29,10 @@ from .model.body import Body
 from .model.bounds import near_start, rate_within, returns, spin_above, tilt_between
 from .model.criteria import no_flip, regular, tilt_below
 from .model.events import Event, crosses, turns
+from .model.forces import EnergySink
 from .model.judged import States, judged
 from .model.measures import drift, flips, largest_tilt, mean_rate, time_to_leave
 from .model.mixture import Mixture, mixture
-from .model.satellite import EnergySink
 from .model.scene import FreeBody, HeavyTop
 from .model.start import (
     Noise,

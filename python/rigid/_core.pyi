@@ -12,7 +12,7 @@ __all__ = [
     "CHECKPOINT_PARTS",
     "DRIFT_LIMIT",
     "FIXED_POINT",
-    "Forcing",
+    "Forces",
     "MapJob",
     "MapStatistics",
     "Motion",
@@ -105,14 +105,14 @@ def simulate(
     strides: Sequence[int] | None = None,
     refinement: float = 1.0,
     tolerance: float | None = None,
-    forcing: Forcing | None = None,
+    forces: Forces | None = None,
     displacements: NDArray[np.float64] | None = None,
     changes: NDArray[np.float64] | None = None,
     out: Mapping[str, NDArray[Any]] | None = None,
     single: bool = False,
 ) -> dict[str, Any]: ...
 def state_bytes(
-    *, scene: str, record: str, bodies: int, times: int, forcing: Forcing | None = None
+    *, scene: str, record: str, bodies: int, times: int, forces: Forces | None = None
 ) -> int: ...
 def growth(
     *,
@@ -129,7 +129,7 @@ def growth(
     step: NDArray[np.float64],
     max_steps: int,
     threads: int,
-    forcing: Forcing | None = None,
+    forces: Forces | None = None,
 ) -> dict[str, Any]: ...
 def section(
     *,
@@ -149,7 +149,7 @@ def section(
     tolerance: float,
     max_steps: int,
     threads: int,
-    forcing: Forcing | None = None,
+    forces: Forces | None = None,
 ) -> dict[str, Any]: ...
 def closed_form_names() -> list[str]: ...
 def closed_forms(
@@ -169,7 +169,7 @@ def displacement_starts(
     weight: NDArray[np.float64],
     omega: NDArray[np.float64],
     attitude: NDArray[np.float64],
-    forcing: Forcing | None = None,
+    forces: Forces | None = None,
 ) -> NDArray[np.float64]: ...
 def rate_units(
     *,
@@ -190,7 +190,7 @@ def fastest_rates(
     weight: NDArray[np.float64],
     omega: NDArray[np.float64],
     attitude: NDArray[np.float64],
-    forcing: Forcing | None = None,
+    forces: Forces | None = None,
     span: NDArray[np.float64] | None = None,
     method: str | None = None,
 ) -> NDArray[np.float64]: ...
@@ -276,7 +276,7 @@ class Motion:
         time: float,
         unit: float,
         threads: int,
-        forcing: Forcing | None = None,
+        forces: Forces | None = None,
     ) -> Motion: ...
     @property
     def time(self) -> float: ...
@@ -287,7 +287,7 @@ class Motion:
     def restore(self, numbers: NDArray[np.float64], forced: bool) -> None: ...
 
 @final
-class Forcing:
+class Forces:
     def __new__(
         cls,
         *,
@@ -295,14 +295,14 @@ class Forcing:
         body: NDArray[np.float64],
         space: NDArray[np.float64],
         damping: NDArray[np.float64],
-        satellite: NDArray[np.float64] | None = None,
+        further: Mapping[str, NDArray[np.float64]] | None = None,
         function: tuple[int, NDArray[np.float64], NDArray[np.float64], float] | None = None,
-    ) -> Forcing: ...
-    def select(self, bodies: NDArray[np.intp]) -> Forcing: ...
+    ) -> Forces: ...
+    def select(self, bodies: NDArray[np.intp]) -> Forces: ...
     def slows_evenly(self, moments: NDArray[np.float64]) -> NDArray[np.float64]: ...
-    def drives(self, bodies: int) -> NDArray[np.bool_]: ...
+    def act(self, bodies: int) -> NDArray[np.bool_]: ...
     def dampings(self, alone: bool) -> NDArray[np.float64]: ...
-    def rounded_otherwise(self) -> Forcing: ...
+    def rounded_otherwise(self) -> Forces: ...
     def damping_rates(self, moments: NDArray[np.float64]) -> NDArray[np.float64]: ...
 
 @final

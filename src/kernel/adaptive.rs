@@ -24,7 +24,7 @@ pub struct AdaptiveSteps {
     pub now: [Row; 2],
     /// Time at which a block ends for the lane; infinite for inactive lanes.
     pub next: Row,
-    /// The next knot of the forcing: no step goes beyond it.
+    /// The next knot of the forces: no step goes beyond it.
     pub end: Row,
     /// 1 forward, -1 backward.
     pub direction: Row,

@@ -1,8 +1,8 @@
 //! Adaptive steps of one body alone: those of `adaptive_block`, with the same bits, and the directions side by side.
 
 use super::adaptive::{AdaptiveSteps, bound_of_margins, some_ends};
-use super::group::{ForcingRows, Group, MAX_STATE};
-use crate::forcing::ForcingInterval;
+use super::group::{ForcesRows, Group, MAX_STATE};
+use crate::forces::ForcesInterval;
 use crate::real::{Quad, is_finite};
 use crate::scene::{Layout, Model, Parameters};
 use crate::scheme::{COLUMNS, Columns, Numbers, SeriesAlone, Stepper, Taylor, in_columns, two_sum};
@@ -54,18 +54,18 @@ fn write_columns<R: Quad, L: Layout>(columns: &Columns<R>, rows: &mut [Row; MAX_
 #[inline(always)]
 fn engine<R: Quad, M: Model<R>, L: Layout, const D: usize>(
     g: &Group,
-    forcing: &ForcingRows,
+    forces: &ForcesRows,
     numbers: &'static Numbers,
 ) -> Taylor<R, M> {
     let p = Parameters { moments: first3(&g.moments), weight: first3(&g.weight), step: first(&g.step) };
-    let mut interval = ForcingInterval::none();
+    let mut interval = ForcesInterval::none();
     if L::BALANCE {
         for j in 0..2 {
-            interval.body[j] = first3(&forcing.body[j]);
-            interval.space[j] = first3(&forcing.space[j]);
+            interval.body[j] = first3(&forces.body[j]);
+            interval.space[j] = first3(&forces.space[j]);
         }
         for k in 0..6 {
-            interval.damping[k] = first(&forcing.damping[k]);
+            interval.damping[k] = first(&forces.damping[k]);
         }
     }
     <Taylor<R, M> as Stepper<R, M, L, D>>::new(&p, &interval, numbers)
@@ -76,12 +76,12 @@ fn engine<R: Quad, M: Model<R>, L: Layout, const D: usize>(
 #[inline(always)]
 pub fn adaptive_alone<R: Quad, M: Model<R>, L: Layout, const D: usize>(
     g: &mut Group,
-    forcing: &ForcingRows,
+    forces: &ForcesRows,
     l: &mut AdaptiveSteps,
     most: usize,
     numbers: &'static Numbers,
 ) -> usize {
-    let engine = engine::<R, M, L, D>(g, forcing, numbers);
+    let engine = engine::<R, M, L, D>(g, forces, numbers);
     let (zero, one, tolerance) = (R::splat(0.0), R::splat(1.0), R::splat(l.tolerance));
     let (next, end, direction) = (first::<R>(&l.next), first::<R>(&l.end), first::<R>(&l.direction));
     let scales = one.with_last(first(&l.inverse_rate));

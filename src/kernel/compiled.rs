@@ -2,7 +2,7 @@
 
 use super::Kernel;
 use super::adaptive::AdaptiveSteps;
-use super::group::{ForcingRows, Group, MAX_STATE};
+use super::group::{ForcesRows, Group, MAX_STATE};
 use super::registry::{Code, code};
 use crate::observe::Observed;
 use crate::scene::Parameters;
@@ -34,10 +34,10 @@ impl Compiled {
         self.kernel
     }
 
-    /// Advances every lane of the group; only forced systems use the forcing.
-    pub fn advance(self, group: &mut Group, forcing: &ForcingRows, steps: usize) {
+    /// Advances every lane of the group; only forced systems use the forces.
+    pub fn advance(self, group: &mut Group, forces: &ForcesRows, steps: usize) {
         // SAFETY: `new` has seen the features that the entry point needs.
-        unsafe { (self.code.advance)(group, forcing, steps, self.kernel.observed, self.kernel.step.numbers) }
+        unsafe { (self.code.advance)(group, forces, steps, self.kernel.observed, self.kernel.step.numbers) }
     }
 
     /// Whether the further displacements of a group are moved with its motions.
@@ -71,14 +71,14 @@ impl Compiled {
     pub fn advance_adaptive(
         self,
         group: &mut Group,
-        forcing: &ForcingRows,
+        forces: &ForcesRows,
         lanes: &mut AdaptiveSteps,
         most: usize,
     ) -> usize {
         let alone = self.code.alone.filter(|_| group.is_of_one());
         let adaptive = alone.or(self.code.adaptive).expect("only series choose their steps");
         // SAFETY: as above.
-        unsafe { adaptive(group, forcing, lanes, most, self.kernel.step.numbers) }
+        unsafe { adaptive(group, forces, lanes, most, self.kernel.step.numbers) }
     }
 
     /// The state of a lane inside its last step, at a time after the begin of the step in units of the lane.

@@ -1,16 +1,14 @@
 //! Bodies side by side: one row of numbers for each variable, one lane for each body.
 
-use crate::called::TorqueCall;
-use crate::forcing::{ForcingInterval, ParameterChange};
+use crate::forces::{ForcesInterval, Further, ParameterChange, TorqueCall};
 use crate::observe::{MAX_ROWS, Rows, UNOBSERVED};
 use crate::real::Pack;
-use crate::satellite::Satellite;
 use crate::simd::{LANES, Row};
 use std::sync::OnceLock;
 
-/// Longest state: rates, three directions, the balance of work, impulse and time, and a displacement or the angle on an
-/// orbit.
-pub const MAX_STATE: usize = 21;
+/// Longest state: rates, three directions, the balance of work, impulse and time, and a displacement or the variables of
+/// further forces.
+pub const MAX_STATE: usize = 15 + if Further::VARIABLES > 6 { Further::VARIABLES } else { 6 };
 
 /// The invariants at the start, and the largest deviation from them at the ends of blocks of steps.
 #[derive(Clone, Copy)]
@@ -68,9 +66,9 @@ pub struct Group {
     pub further: Vec<DisplacementRows>,
 }
 
-/// The forcing of the bodies of a group on an interval: the numbers of `ForcingInterval`, in its order.
+/// The forces on the bodies of a group on an interval: the numbers of `ForcesInterval`, in its order.
 #[derive(Clone)]
-pub struct ForcingRows {
+pub struct ForcesRows {
     /// Torque in the body, and its rate of change.
     pub body: [[Row; 3]; 2],
     /// Torque in space, and its rate of change.
@@ -81,29 +79,29 @@ pub struct ForcingRows {
     pub rates: [Row; 3],
     /// Modes of the damping.
     pub modes: [[Row; 3]; 3],
-    /// The numbers of rotor, energy sink and orbit.
-    pub satellite: [Row; Satellite::LEN],
+    /// The numbers of the further forces.
+    pub further: Further<Row>,
     /// Changes of moments, weight, damping and torque.
     pub change: [Row; ParameterChange::LEN],
     /// The functions that return a torque.
     pub functions: [Option<TorqueCall>; LANES],
 }
 
-impl ForcingRows {
-    /// No forcing.
-    pub const NONE: ForcingRows = ForcingRows {
+impl ForcesRows {
+    /// No forces.
+    pub const NONE: ForcesRows = ForcesRows {
         body: [[Row::ZERO; 3]; 2],
         space: [[Row::ZERO; 3]; 2],
         damping: [Row::ZERO; 6],
         rates: [Row::ZERO; 3],
         modes: [[Row::ZERO; 3]; 3],
-        satellite: [Row::ZERO; Satellite::LEN],
+        further: Further::<Row>::ZERO,
         change: [Row::ZERO; ParameterChange::LEN],
         functions: [None; LANES],
     };
 
-    /// Sets the forcing of the body in a lane.
-    pub fn set(&mut self, lane: usize, interval: &ForcingInterval<f64>) {
+    /// Sets the forces on the body in a lane.
+    pub fn set(&mut self, lane: usize, interval: &ForcesInterval<f64>) {
         for i in 0..2 {
             for k in 0..3 {
                 self.body[i][k].0[lane] = interval.body[i][k];
@@ -119,9 +117,7 @@ impl ForcingRows {
                 self.modes[k][m].0[lane] = interval.modes[k][m];
             }
         }
-        for (row, number) in self.satellite.iter_mut().zip(interval.satellite.numbers()) {
-            row.0[lane] = number;
-        }
+        self.further.set(lane, &interval.further);
         let ParameterChange { moments, weight, damping, torque } = &interval.change;
         let numbers = moments.iter().chain(weight).chain(damping).chain(torque);
         for (row, number) in self.change.iter_mut().zip(numbers) {
@@ -132,8 +128,8 @@ impl ForcingRows {
 
     /// The lanes of a pack.
     #[inline(always)]
-    pub fn load<P: Pack>(&self, at: usize) -> ForcingInterval<P> {
-        let mut interval = ForcingInterval::none();
+    pub fn load<P: Pack>(&self, at: usize) -> ForcesInterval<P> {
+        let mut interval = ForcesInterval::none();
         for i in 0..2 {
             for k in 0..3 {
                 interval.body[i][k] = P::load(&self.body[i][k].0[at..]);
@@ -149,13 +145,8 @@ impl ForcingRows {
                 interval.modes[k][m] = P::load(&self.modes[k][m].0[at..]);
             }
         }
-        interval.satellite.orbit_rate = P::load(&self.satellite[9].0[at..]);
+        interval.further = self.further.load(at);
         for k in 0..3 {
-            interval.satellite.rotor[k] = P::load(&self.satellite[k].0[at..]);
-            interval.satellite.sink[k] = P::load(&self.satellite[3 + k].0[at..]);
-            interval.satellite.drag[k] = P::load(&self.satellite[6 + k].0[at..]);
-            interval.satellite.towards[k] = P::load(&self.satellite[10 + k].0[at..]);
-            interval.satellite.ahead[k] = P::load(&self.satellite[13 + k].0[at..]);
             interval.change.moments[k] = P::load(&self.change[k].0[at..]);
             interval.change.weight[k] = P::load(&self.change[3 + k].0[at..]);
             interval.change.torque[k] = P::load(&self.change[12 + k].0[at..]);

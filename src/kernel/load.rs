@@ -3,7 +3,7 @@
 use super::group::{Group, MAX_STATE};
 use super::{Compiled, System};
 use crate::body::Inertia;
-use crate::forcing::{BodyForcing, ForcingInterval};
+use crate::forces::{BodyForces, ForcesInterval, Further};
 use crate::kinematics::{attitude_of_rows, dot, to_body_frame};
 use crate::observe::{self, Bound, Displacement};
 use crate::scene::{Parameters, Scene};
@@ -15,17 +15,13 @@ use std::sync::OnceLock;
 impl Body {
     /// The rate that determines the steps of a scheme: the fastest rate of the body, and the fastest damping rate if
     /// the scheme is stable only for short steps.
-    pub fn step_rate(&self, scheme: &Scheme, forcing: BodyForcing, span: [f64; 2]) -> f64 {
-        let turning = self.fastest_rate(forcing, span);
-        if forcing.is_none() || scheme.is_stiff() {
+    pub fn step_rate(&self, scheme: &Scheme, forces: BodyForces, span: [f64; 2]) -> f64 {
+        let turning = self.fastest_rate(forces, span);
+        if forces.is_none() || scheme.is_stiff() {
             return turning;
         }
-        let [.., slowing] = forcing.damping_rates(self.moments);
-        let own = if forcing.satellite().is_none() {
-            0.0
-        } else {
-            forcing.satellite().step_rate(self, turning, forcing.is_torque_free())
-        };
+        let [.., slowing] = forces.damping.rates(self.moments);
+        let own = forces.further_step_rate(self.moments, self.omega, turning);
         (turning * turning + slowing * slowing).sqrt() + own
     }
 }
@@ -140,7 +136,7 @@ pub struct State {
     pub balance: Option<Balance>,
 }
 
-/// Work of the forcing, and scales of the invariants.
+/// Work of the forces, and scales of the invariants.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Balance {
     /// Work of torque and damping since the start.
@@ -176,9 +172,6 @@ fn kernel_state(
         };
         y[3 + 3 * v..6 + 3 * v].copy_from_slice(&direction);
     }
-    if let Some(at) = system.orbit_at() {
-        y[at] = 1.0;
-    }
     if let Some(at) = system.quaternion_at() {
         let [w, x, y1, z] = body.attitude;
         y[at] = w;
@@ -191,8 +184,8 @@ fn kernel_state(
 pub struct Entry<'a> {
     /// The body.
     pub body: &'a Body,
-    /// The forcing from the start on, and a bound of |omega| under it; `None` without forcing.
-    pub forcing: Option<(&'a ForcingInterval<f64>, f64)>,
+    /// The forces from the start on, and a bound of |omega| under it; `None` without forces.
+    pub forces: Option<(&'a ForcesInterval<f64>, f64)>,
     /// The observed body axis: 1, 2, 3 or -1, -2, -3; 0 for none. The direction integrated with a free body is the
     /// initial direction of this axis, or the vertical.
     pub axis: i32,
@@ -200,6 +193,8 @@ pub struct Entry<'a> {
     pub limit: f64,
     /// Time step.
     pub step: f64,
+    /// The variables of further forces at the start.
+    pub own: [f64; Further::VARIABLES],
     /// The displacement at the start, for systems that integrate one.
     pub displacement: Displacement,
     /// The bound that is observed, if one is.
@@ -207,18 +202,18 @@ pub struct Entry<'a> {
 }
 
 impl<'a> Entry<'a> {
-    /// A body that is not observed, with a bound of |omega| if forcing is applied.
+    /// A body that is not observed, with a bound of |omega| if forces act.
     pub fn unobserved(body: &'a Body, forced_rate: Option<f64>, step: f64) -> Self {
-        static NO_FORCING: OnceLock<ForcingInterval<f64>> = OnceLock::new();
-        let forcing = forced_rate.map(|rate| (NO_FORCING.get_or_init(ForcingInterval::none), rate));
-        let displacement = Displacement::NONE;
-        Entry { body, forcing, axis: 0, limit: f64::INFINITY, step, displacement, bound: None }
+        static NO_FORCES: OnceLock<ForcesInterval<f64>> = OnceLock::new();
+        let forces = forced_rate.map(|rate| (NO_FORCES.get_or_init(ForcesInterval::none), rate));
+        let (own, displacement) = (Further::NONE.start(0.0), Displacement::NONE);
+        Entry { body, forces, axis: 0, limit: f64::INFINITY, step, own, displacement, bound: None }
     }
 }
 
 /// Loads a body into a lane.
 pub fn load(group: &mut Group, lane: usize, compiled: Compiled, assignment: KernelAssignment, entry: &Entry) {
-    let &Entry { body, forcing, axis, limit, step, ref displacement, ref bound } = entry;
+    let &Entry { body, forces, axis, limit, step, ref own, ref displacement, ref bound } = entry;
     let kernel = compiled.kernel();
     let mut unit = [0.0; 3];
     if axis != 0 {
@@ -226,6 +221,9 @@ pub fn load(group: &mut Group, lane: usize, compiled: Compiled, assignment: Kern
     }
     let unit = assignment.to_kernel_axes(unit);
     let mut y = kernel_state(kernel.system, assignment, body, unit);
+    if let Some(at) = kernel.system.own_at() {
+        y[at..at + own.len()].copy_from_slice(own);
+    }
     let displacement = assignment.displacement(displacement, body);
     if let Some(at) = kernel.system.tangent_at() {
         y[at..at + 6].copy_from_slice(&displacement.start);
@@ -259,7 +257,7 @@ pub fn load(group: &mut Group, lane: usize, compiled: Compiled, assignment: Kern
         rows.worst.0[lane] = 0.0;
     }
 
-    if let Some((_, rate)) = forcing {
+    if let Some((_, rate)) = forces {
         widen_scales(group, lane, kernel.system, body, rate);
     }
     group.unit.0[lane] = 0.0;
@@ -274,7 +272,7 @@ pub fn load(group: &mut Group, lane: usize, compiled: Compiled, assignment: Kern
     }
     let start = observe::Start {
         body,
-        forcing,
+        forces,
         axis,
         unit,
         direction,
@@ -296,7 +294,7 @@ pub fn reset_time(group: &mut Group, system: System, lane: usize) {
     group.compensation[time].0[lane] = 0.0;
 }
 
-/// Adds the largest energy and momentum that forcing can supply to the scales of the drifts; `rate` bounds |omega|.
+/// Adds the largest energy and momentum that forces can supply to the scales of the drifts; `rate` bounds |omega|.
 fn widen_scales(group: &mut Group, lane: usize, system: System, body: &Body, rate: f64) {
     let least = body.moments.iter().fold(f64::INFINITY, |a, &b| a.min(b));
     let momentum = body.moments.iter().fold(0.0_f64, |a, &b| a.max(b)) * rate;

@@ -2,15 +2,15 @@
 
 use super::adaptive::{AdaptiveSteps, adaptive_block, dense_output};
 use super::alone::adaptive_alone;
-use super::group::{ForcingRows, Group, MAX_STATE};
+use super::group::{ForcesRows, Group, MAX_STATE};
 use super::step::{invariants, prepared, process, step_block};
-use crate::forces::Forces;
+use crate::forces::ForceSet;
 use crate::observe::Observed;
 use crate::real::{Pack, Quad};
 use crate::scene::{
-    Attitude, Axis, AxisAttitude, AxisSensitivity, AxisTangent, CalledFrame, FREE, ForcedFrame,
-    ForcedFrameTangent, ForcedRates, Free, Layout, Model, Parameters, Rates, SatelliteFrame, SatelliteRates,
-    Scene, TOP, Top, TwoAxes,
+    Attitude, Axis, AxisAttitude, AxisSensitivity, AxisTangent, FREE, ForcedFrame, ForcedFrameTangent,
+    ForcedRates, Free, FunctionFrame, FurtherFrame, FurtherRates, Layout, Model, Parameters, Rates, Scene,
+    TOP, Top, TwoAxes,
 };
 use crate::scheme::{
     AffineSplitting, ComposedPlanar, Dop853Tableau, Engine, Exponential, ImplicitMidpoint, KickMoserVeselov,
@@ -32,13 +32,13 @@ pub struct Kernel {
 }
 
 /// Advances all lanes of a group by some steps.
-type Advance = unsafe fn(&mut Group, &ForcingRows, usize, Observed, &'static Numbers);
+type Advance = unsafe fn(&mut Group, &ForcesRows, usize, Observed, &'static Numbers);
 /// Transforms all lanes of a group to the variables of their steps, or back.
 type Process = unsafe fn(&mut Group, bool, &'static Numbers);
 /// Energy and conserved momentum of one body, with the arithmetic of the kernel.
 type Invariants = unsafe fn(&Parameters<f64>, &[f64; MAX_STATE]) -> [f64; 2];
 /// Advances all lanes by adaptive steps; see `adaptive_block`.
-type Adaptive = unsafe fn(&mut Group, &ForcingRows, &mut AdaptiveSteps, usize, &'static Numbers) -> usize;
+type Adaptive = unsafe fn(&mut Group, &ForcesRows, &mut AdaptiveSteps, usize, &'static Numbers) -> usize;
 /// A state of one lane inside its last step; see `dense_output`.
 type Dense = unsafe fn(&AdaptiveSteps, usize, f64, &'static Numbers) -> [f64; MAX_STATE];
 
@@ -76,7 +76,7 @@ macro_rules! entry_points {
             $($feature)*
             fn advance<P, S, M, L, const D: usize, const PACKS: usize>(
                 g: &mut Group,
-                forcing: &ForcingRows,
+                forces: &ForcesRows,
                 steps: usize,
                 observed: Observed,
                 numbers: &'static Numbers,
@@ -86,7 +86,7 @@ macro_rules! entry_points {
                 M: Model<P>,
                 L: Layout,
             {
-                step_block::<P, PACKS, M, L, S, D>(g, forcing, steps, observed, numbers)
+                step_block::<P, PACKS, M, L, S, D>(g, forces, steps, observed, numbers)
             }
 
             $($feature)*
@@ -106,7 +106,7 @@ macro_rules! entry_points {
             $($feature)*
             fn adaptive<P, M, L, const D: usize, const PACKS: usize>(
                 g: &mut Group,
-                forcing: &ForcingRows,
+                forces: &ForcesRows,
                 l: &mut AdaptiveSteps,
                 most: usize,
                 numbers: &'static Numbers,
@@ -116,7 +116,7 @@ macro_rules! entry_points {
                 M: Model<P>,
                 L: Layout,
             {
-                let bodies = prepared::<P, PACKS, M, L, Taylor<P, M>, D>(g, forcing, numbers);
+                let bodies = prepared::<P, PACKS, M, L, Taylor<P, M>, D>(g, forces, numbers);
                 adaptive_block::<P, PACKS, M, L, Taylor<P, M>, D>(g, l, &bodies, most)
             }
 
@@ -124,7 +124,7 @@ macro_rules! entry_points {
             #[allow(dead_code)] // Plain code has no such registers.
             fn alone<R, M, L, const D: usize>(
                 g: &mut Group,
-                forcing: &ForcingRows,
+                forces: &ForcesRows,
                 l: &mut AdaptiveSteps,
                 most: usize,
                 numbers: &'static Numbers,
@@ -134,7 +134,7 @@ macro_rules! entry_points {
                 M: Model<R>,
                 L: Layout,
             {
-                adaptive_alone::<R, M, L, D>(g, forcing, l, most, numbers)
+                adaptive_alone::<R, M, L, D>(g, forces, l, most, numbers)
             }
 
             $($feature)*
@@ -172,7 +172,7 @@ macro_rules! entry_points {
                 M: Model<R>,
                 L: Layout,
             {
-                let has_more = L::TANGENT || L::SATELLITE || L::CALLED;
+                let has_more = L::TANGENT || L::FURTHER || L::FUNCTION;
                 if L::VECTORS > 1 && !has_more { Some(alone::<R, M, L, D>) } else { None }
             }
 
@@ -326,9 +326,9 @@ engines! { kernels
         TopTwoAxes: TOP, Top, TwoAxes;
         ForcedRates: FREE, Free, ForcedRates;
         ForcedFrame: TOP, Top, ForcedFrame;
-        SatelliteRates: FREE, Free, SatelliteRates;
-        SatelliteFrame: TOP, Top, SatelliteFrame;
-        CalledFrame: TOP, Top, CalledFrame;
+        FurtherRates: FREE, Free, FurtherRates;
+        FurtherFrame: TOP, Top, FurtherFrame;
+        FunctionFrame: TOP, Top, FunctionFrame;
         TopTangent: TOP, Top, AxisTangent;
         TopSensitivity: TOP, Top, AxisSensitivity;
         ForcedTangent: TOP, Top, ForcedFrameTangent;
@@ -352,7 +352,7 @@ pub(super) fn code(system: System, engine: Engine, isa: Isa) -> Option<&'static 
 #[derive(Clone, Copy, Debug)]
 pub struct Needs {
     /// What acts.
-    pub forces: Forces,
+    pub forces: ForceSet,
     /// The least number of directions.
     pub directions: usize,
     /// Whether the attitude is needed, as a quaternion or as rows of its matrix.
@@ -369,9 +369,9 @@ struct Traits {
     vectors: usize,
     quaternion_at: Option<usize>,
     balance_at: Option<usize>,
-    is_satellite: bool,
-    is_called: bool,
-    orbit_at: Option<usize>,
+    is_further: bool,
+    is_function: bool,
+    own_at: Option<usize>,
     tangent_at: Option<usize>,
     is_changed: bool,
     observed_at: usize,
@@ -384,9 +384,9 @@ impl Traits {
             vectors: L::VECTORS,
             quaternion_at: if L::QUATERNION { Some(L::QUATERNION_AT) } else { None },
             balance_at: if L::BALANCE { Some(L::BALANCE_AT) } else { None },
-            is_satellite: L::SATELLITE,
-            is_called: L::CALLED,
-            orbit_at: if L::ORBITS { Some(L::ORBIT_AT) } else { None },
+            is_further: L::FURTHER,
+            is_function: L::FUNCTION,
+            own_at: if L::OWN > 0 { Some(L::OWN_AT) } else { None },
             tangent_at: if L::TANGENT { Some(L::TANGENT_AT) } else { None },
             is_changed: L::CHANGED,
             observed_at: 3 + 3 * L::OBSERVED,
@@ -405,8 +405,8 @@ impl System {
             let traits = system.traits();
             system.scene() == scene
                 && traits.balance_at.is_some() == forces.act
-                && traits.is_satellite == forces.of_satellite
-                && traits.is_called == forces.of_function
+                && traits.is_further == forces.further
+                && traits.is_function == forces.function
                 && traits.tangent_at.is_some() == needs.tangent
                 && (traits.is_changed || !needs.is_changed)
                 && traits.vectors >= directions
@@ -439,10 +439,10 @@ impl System {
         self.traits().balance_at
     }
 
-    /// Index in the state of cosine and sine of the angle on an orbit; `None` without one.
+    /// Index in the state of the variables of further forces; `None` without any.
     #[inline]
-    pub fn orbit_at(self) -> Option<usize> {
-        self.traits().orbit_at
+    pub fn own_at(self) -> Option<usize> {
+        self.traits().own_at
     }
 
     /// Index in the state of the displacement; `None` without one.
@@ -493,17 +493,17 @@ mod tests {
     fn a_system_carries_what_is_needed_and_no_more() {
         use System::*;
         let needs = |directions, attitude| Needs {
-            forces: Forces::NONE,
+            forces: ForceSet::NONE,
             directions,
             attitude,
             tangent: false,
             is_changed: false,
         };
-        let act = Forces { act: true, ..Forces::NONE };
+        let act = ForceSet { act: true, ..ForceSet::NONE };
         let forced = |needs| Needs { forces: act, ..needs };
-        let in_space = |needs| Needs { forces: Forces { in_space: true, ..act }, ..needs };
-        let satellite = |needs| Needs { forces: Forces { of_satellite: true, ..act }, ..needs };
-        let called = |needs| Needs { forces: Forces { of_function: true, ..act }, ..needs };
+        let in_space = |needs| Needs { forces: ForceSet { in_space: true, ..act }, ..needs };
+        let further = |needs| Needs { forces: ForceSet { further: true, ..act }, ..needs };
+        let function = |needs| Needs { forces: ForceSet { function: true, ..act }, ..needs };
         let tangent = |needs| Needs { tangent: true, ..needs };
         let changed = |needs| Needs { tangent: true, is_changed: true, ..needs };
         // A series does not integrate a top with a quaternion.
@@ -522,10 +522,10 @@ mod tests {
             (&FREE, series, in_space(needs(0, false)), ForcedFrame),
             (&FREE, series, forced(needs(0, true)), ForcedFrame),
             (&TOP, series, forced(needs(0, false)), ForcedFrame),
-            (&FREE, series, satellite(needs(0, false)), SatelliteRates),
-            (&FREE, series, satellite(needs(0, true)), SatelliteFrame),
-            (&FREE, scheme::RK4.any, called(needs(0, false)), CalledFrame),
-            (&TOP, scheme::MIDPOINT.any, called(needs(0, true)), CalledFrame),
+            (&FREE, series, further(needs(0, false)), FurtherRates),
+            (&FREE, series, further(needs(0, true)), FurtherFrame),
+            (&FREE, scheme::RK4.any, function(needs(0, false)), FunctionFrame),
+            (&TOP, scheme::MIDPOINT.any, function(needs(0, true)), FunctionFrame),
             // A free body is a top without weight.
             (&FREE, series, tangent(needs(0, false)), TopTangent),
             (&TOP, series, tangent(needs(0, false)), TopTangent),

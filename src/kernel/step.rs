@@ -3,8 +3,8 @@
 //! A block advances all bodies of a `Group` by some steps. Lanes are loaded and read by scalar code. No lane depends on
 //! another.
 
-use super::group::{DisplacementRows, DriftRows, ForcingRows, Group};
-use crate::forcing::ForcingInterval;
+use super::group::{DisplacementRows, DriftRows, ForcesRows, Group};
+use crate::forces::ForcesInterval;
 use crate::kinematics::{direction, dot};
 use crate::observe::{Observed, Segment};
 use crate::real::{Pack, Real};
@@ -28,7 +28,7 @@ fn update_drift<P: Pack>(rows: &mut DriftRows, at: usize, now: P) {
 #[inline(always)]
 fn prepared_pack<P: Pack, M: Model<P>, L: Layout, S: Stepper<P, M, L, D>, const D: usize>(
     g: &Group,
-    forcing: &ForcingRows,
+    forces: &ForcesRows,
     at: usize,
     numbers: &'static Numbers,
 ) -> (Parameters<P>, S) {
@@ -37,7 +37,7 @@ fn prepared_pack<P: Pack, M: Model<P>, L: Layout, S: Stepper<P, M, L, D>, const 
         weight: load3::<P>(&g.weight, at),
         step: P::load(&g.step.0[at..]),
     };
-    let interval = if L::BALANCE || L::CHANGED { forcing.load(at) } else { ForcingInterval::none() };
+    let interval = if L::BALANCE || L::CHANGED { forces.load(at) } else { ForcesInterval::none() };
     (p, S::new(&p, &interval, numbers))
 }
 
@@ -51,7 +51,7 @@ pub(super) fn used_packs<P: Pack, const PACKS: usize>(g: &Group) -> usize {
 #[inline(always)]
 pub(super) fn prepared<P, const PACKS: usize, M, L, S, const D: usize>(
     g: &Group,
-    forcing: &ForcingRows,
+    forces: &ForcesRows,
     numbers: &'static Numbers,
 ) -> [(Parameters<P>, S); PACKS]
 where
@@ -61,9 +61,9 @@ where
     S: Stepper<P, M, L, D>,
 {
     const { assert!(D == L::LEN && PACKS * P::LANES == LANES) };
-    let mut bodies = [prepared_pack::<P, M, L, S, D>(g, forcing, 0, numbers); PACKS];
+    let mut bodies = [prepared_pack::<P, M, L, S, D>(g, forces, 0, numbers); PACKS];
     for b in 1..PACKS {
-        bodies[b] = prepared_pack::<P, M, L, S, D>(g, forcing, b * P::LANES, numbers);
+        bodies[b] = prepared_pack::<P, M, L, S, D>(g, forces, b * P::LANES, numbers);
     }
     bodies
 }
@@ -72,7 +72,7 @@ where
 #[inline(always)]
 pub(super) fn step_block<P, const PACKS: usize, M, L, S, const D: usize>(
     g: &mut Group,
-    forcing: &ForcingRows,
+    forces: &ForcesRows,
     steps: usize,
     observed: Observed,
     numbers: &'static Numbers,
@@ -84,10 +84,10 @@ pub(super) fn step_block<P, const PACKS: usize, M, L, S, const D: usize>(
 {
     let packs = used_packs::<P, PACKS>(g);
     if const { S::IS_SHORT && PACKS <= MOST_WRITTEN_OUT } && observed == Observed::Nothing && packs == PACKS {
-        short_steps::<P, PACKS, M, L, S, D>(g, forcing, steps, numbers);
+        short_steps::<P, PACKS, M, L, S, D>(g, forces, steps, numbers);
         return;
     }
-    let bodies = prepared::<P, PACKS, M, L, S, D>(g, forcing, numbers);
+    let bodies = prepared::<P, PACKS, M, L, S, D>(g, forces, numbers);
     for i in 0..steps {
         // A loop to a constant, which the compiler unrolls: else it copies the stages of a step by calls.
         for b in 0..PACKS {
@@ -197,7 +197,7 @@ const MOST_WRITTEN_OUT: usize = 8;
 #[inline(always)]
 fn short_steps<P, const PACKS: usize, M, L, S, const D: usize>(
     g: &mut Group,
-    forcing: &ForcingRows,
+    forces: &ForcesRows,
     steps: usize,
     numbers: &'static Numbers,
 ) where
@@ -215,10 +215,10 @@ fn short_steps<P, const PACKS: usize, M, L, S, const D: usize>(
             if const { $b < PACKS } $body
         })*};
     }
-    let mut bodies = [prepared_pack::<P, M, L, S, D>(g, forcing, 0, numbers); PACKS];
+    let mut bodies = [prepared_pack::<P, M, L, S, D>(g, forces, 0, numbers); PACKS];
     let mut states = [[P::splat(0.0); D]; PACKS];
     each_pack!(B => {
-        bodies[B] = prepared_pack::<P, M, L, S, D>(g, forcing, B * P::LANES, numbers);
+        bodies[B] = prepared_pack::<P, M, L, S, D>(g, forces, B * P::LANES, numbers);
         for d in 0..D {
             states[B][d] = P::load(&g.state[d].0[B * P::LANES..]);
         }
@@ -262,7 +262,7 @@ pub(super) fn process<P, const PACKS: usize, M, L, S, const D: usize>(
             y[d] = P::load(&g.state[d].0[at..]);
         }
         let before = y;
-        S::new(&p, &ForcingInterval::none(), numbers).process(&p, &mut y, leaving);
+        S::new(&p, &ForcesInterval::none(), numbers).process(&p, &mut y, leaving);
         let steps = P::splat(0.0).lt(p.step.abs());
         for d in 0..D {
             P::select(steps, y[d], before[d]).store(&mut g.state[d].0[at..]);

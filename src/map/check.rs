@@ -145,8 +145,8 @@ impl Watched<'_> {
 
     /// A bound of the rate of a sample.
     fn rate(&self, runs: &Runs, index: usize) -> f64 {
-        let forcing = self.forcing_of((runs.range.start + index as u64) / self.samples);
-        runs.bodies[index].fastest_rate(forcing, [0.0, self.t_end])
+        let forces = self.forces_of((runs.range.start + index as u64) / self.samples);
+        runs.bodies[index].fastest_rate(forces, [0.0, self.t_end])
     }
 
     /// How far two runs of a sample with this bound of its rate differ (rad); infinite if their classes differ or the

@@ -4,7 +4,7 @@ use super::Criterion;
 use super::regular::{self, Course};
 use super::{Class, Outcome, STEP_BLOCK, Watched};
 use crate::error::Error;
-use crate::kernel::{Compiled, Entry, ForcingRows, Group, Job, drive, load};
+use crate::kernel::{Compiled, Entry, ForcesRows, Group, Job, drive, load};
 use crate::memory;
 use crate::observe::{Displacement, EXIT_TIME, Observed};
 use crate::parallel::Interrupt;
@@ -63,7 +63,7 @@ impl Watched<'_> {
                 run,
                 compiled: Compiled::new(self.kernel(*step), run.isa),
                 group: Group::inactive(),
-                forcing_rows: ForcingRows::NONE,
+                forces_rows: ForcesRows::NONE,
                 target: [f64::INFINITY; LANES],
                 blocks: 0,
                 outcomes,
@@ -124,7 +124,7 @@ struct MapJob<'a> {
     run: Run<'a>,
     compiled: Compiled,
     group: Group,
-    forcing_rows: ForcingRows,
+    forces_rows: ForcesRows,
     /// Steps after which each lane is at its horizon, or is to be looked at; an inactive lane never is.
     target: [f64; LANES],
     /// Blocks of steps that the group has made.
@@ -139,8 +139,8 @@ impl Job for MapJob<'_> {
         let (map, cross_check) = (self.map, self.run.cross_check);
         for &index in self.samples.by_ref() {
             let body = &self.bodies[index];
-            let forcing = map.forcing_of((self.first + index as u64) / map.samples);
-            let steps = map.steps_of(body, forcing, cross_check);
+            let forces = map.forces_of((self.first + index as u64) / map.samples);
+            let steps = map.steps_of(body, forces, cross_check);
             if steps > map.max_steps {
                 self.outcomes[index] = Some(Outcome::REFUSED);
                 continue;
@@ -150,7 +150,7 @@ impl Job for MapJob<'_> {
             let displacement = match map.criterion.rule() {
                 Some(_) => {
                     let of_attitude = matches!(map.criterion, Criterion::RegularAttitude(_));
-                    regular::displacement(body, forcing, of_attitude, cross_check)
+                    regular::displacement(body, forces, of_attitude, cross_check)
                 }
                 None => Displacement::NONE,
             };
@@ -158,13 +158,14 @@ impl Job for MapJob<'_> {
                 let norm = assignment.displacement(&displacement, body);
                 Course::new(rule, norm, map.is_forced(), [steps as f64, map.t_end])
             });
-            let interval = (!forcing.is_none()).then(|| forcing.interval(0.0, false, body.moments));
-            let forcing = interval.as_ref().map(|interval| {
-                self.forcing_rows.set(lane, interval);
-                (interval, body.fastest_rate(forcing, [0.0, map.t_end]))
+            let own = forces.further.start(0.0);
+            let interval = (!forces.is_none()).then(|| forces.interval(0.0, false, body.moments));
+            let forces = interval.as_ref().map(|interval| {
+                self.forces_rows.set(lane, interval);
+                (interval, body.fastest_rate(forces, [0.0, map.t_end]))
             });
             let (limit, bound) = (map.criterion.limit(), map.criterion.bound());
-            let entry = Entry { body, forcing, axis: map.axis, limit, step, displacement, bound };
+            let entry = Entry { body, forces, axis: map.axis, limit, step, own, displacement, bound };
             load(&mut self.group, lane, self.compiled, assignment, &entry);
             if let Some(course) = &course {
                 course.settle(&mut self.group, self.compiled.kernel().system, lane);
@@ -182,7 +183,7 @@ impl Job for MapJob<'_> {
             if self.run.interrupt.is_wanted() {
                 return Err(Error::Stopped);
             }
-            self.compiled.advance(&mut self.group, &self.forcing_rows, steps as usize);
+            self.compiled.advance(&mut self.group, &self.forces_rows, steps as usize);
             if is_ruled {
                 self.blocks += 1;
                 let courses = tasks.iter().enumerate();

@@ -25,7 +25,7 @@ pub use sketch::{Bin, Sketch};
 pub use statistics::{Class, Column, FIXED_POINT, Field, Outcome, Statistics};
 
 use crate::error::Error;
-use crate::forcing::BodyForcing;
+use crate::forces::BodyForces;
 use crate::kernel::{Kernel, KernelAssignment, Needs, System};
 use crate::memory;
 use crate::parallel::{Interrupt, over_blocks, thread_nanoseconds};
@@ -374,9 +374,9 @@ impl Watched<'_> {
     /// Number of steps of a run of a sample: whole blocks, no step longer than the map allows; above `max_steps` if the
     /// rates need that many. A cross-check takes the steps of its scheme, and half the step that was asked for or that
     /// the first run takes with the same scheme.
-    fn steps_of(&self, body: &Body, forcing: BodyForcing, cross_check: bool) -> u64 {
+    fn steps_of(&self, body: &Body, forces: BodyForces, cross_check: bool) -> u64 {
         let scheme = self.scheme(cross_check);
-        let rate = body.step_rate(scheme, forcing, [0.0, self.t_end]);
+        let rate = body.step_rate(scheme, forces, [0.0, self.t_end]);
         let own = if cross_check {
             default_step(scheme, rate)
         } else {

@@ -4,7 +4,7 @@
 //! where displacements grow exponentially, so it doubles with the time.
 
 use super::{Class, Outcome, STEP_BLOCK, Watched};
-use crate::forcing::BodyForcing;
+use crate::forces::BodyForces;
 use crate::kernel::{Group, System};
 use crate::kinematics::cross;
 use crate::observe::{Displacement, Growth};
@@ -84,11 +84,11 @@ const LEAST_LEFT: f64 = 1.0 / (1 << 20) as f64;
 /// The displacement of a run of a sample.
 pub(super) fn displacement(
     body: &Body,
-    forcing: BodyForcing,
+    forces: BodyForces,
     of_attitude: bool,
     cross_check: bool,
 ) -> Displacement {
-    let start = displacement_start(body, forcing, cross_check);
+    let start = displacement_start(body, forces, cross_check);
     Displacement { start, inverse_scale: [1.0 / body.rate_unit(); 3], of_attitude }
 }
 
@@ -96,9 +96,9 @@ pub(super) fn displacement(
 ///
 /// Where `L.gamma` is conserved by a weight, it is the part of the generic displacement that keeps `L.gamma`. A motion
 /// changes with `L.gamma` too: at a resonance quadratically in the time, and a top may be integrable at one value only.
-pub fn displacement_start(body: &Body, forcing: BodyForcing, cross_check: bool) -> [f64; 6] {
+pub fn displacement_start(body: &Body, forces: BodyForces, cross_check: bool) -> [f64; 6] {
     let (generic, unit) = (DISPLACEMENTS[usize::from(cross_check)], body.rate_unit());
-    let keeps_momentum = forcing.is_none() && body.weight != [0.0; 3];
+    let keeps_momentum = forces.is_none() && body.weight != [0.0; 3];
     let gradient = if keeps_momentum { momentum_gradient(body, unit) } else { None };
     let level = gradient.map(|gradient| across(&generic, &gradient));
     let mut start = level.filter(|level| largest(level) > LEAST_LEFT).unwrap_or(generic);
@@ -246,7 +246,7 @@ impl Watched<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::forcing::Forcing;
+    use crate::forces::Forces;
     use crate::kinematics::{dot, quaternion_product};
     use std::array;
 
@@ -291,7 +291,7 @@ mod tests {
         for body in tops {
             let unit = body.rate_unit();
             for cross_check in [false, true] {
-                let found = displacement_start(&body, BodyForcing::NONE, cross_check);
+                let found = displacement_start(&body, BodyForces::NONE, cross_check);
                 let generic = DISPLACEMENTS[usize::from(cross_check)];
                 let mut scaled = found;
                 scaled[..3].iter_mut().for_each(|rate| *rate /= unit);
@@ -314,7 +314,7 @@ mod tests {
 
     #[test]
     fn displacements_do_not_depend_on_units() {
-        let known = displacement_start(&TOP, BodyForcing::NONE, false);
+        let known = displacement_start(&TOP, BodyForces::NONE, false);
         for (mass, rate) in [(3, -7), (400, 40), (900, -400), (-900, 400), (-400, -40)] {
             let [mass, rate] = [mass, rate].map(|power| 2.0_f64.powi(power));
             let scaled = Body {
@@ -323,7 +323,7 @@ mod tests {
                 omega: TOP.omega.map(|x| x * rate),
                 ..TOP
             };
-            let mut found = displacement_start(&scaled, BodyForcing::NONE, false);
+            let mut found = displacement_start(&scaled, BodyForces::NONE, false);
             found[..3].iter_mut().for_each(|x| *x /= rate);
             assert_eq!(found, known, "{mass:e} {rate:e}");
         }
@@ -331,19 +331,19 @@ mod tests {
 
     #[test]
     fn bodies_whose_momentum_about_the_vertical_is_not_that_of_a_weight_have_generic_displacements() {
-        let damping = Forcing::new(&[], &[], &[], &[[0.1, 0.1, 0.1, 0.0, 0.0, 0.0]]).unwrap();
-        let nothing = Forcing::new(&[], &[], &[], &[[0.0; 6]]).unwrap();
-        let is_generic = |body: &Body, forcing: &Forcing| {
+        let damping = Forces::new(&[], &[], &[], &[[0.1, 0.1, 0.1, 0.0, 0.0, 0.0]]).unwrap();
+        let nothing = Forces::new(&[], &[], &[], &[[0.0; 6]]).unwrap();
+        let is_generic = |body: &Body, forces: &Forces| {
             let unit = body.rate_unit();
             let [a, b, c, x, y, z] = DISPLACEMENTS[1];
-            let found = displacement_start(body, forcing.of(0), true);
+            let found = displacement_start(body, forces.of(0), true);
             found == [a * unit, b * unit, c * unit, x, y, z]
         };
-        assert!(!is_generic(&TOP, Forcing::NONE));
+        assert!(!is_generic(&TOP, Forces::NONE));
         assert!(!is_generic(&TOP, &nothing));
         assert!(is_generic(&TOP, &damping));
-        assert!(is_generic(&Body { weight: [0.0; 3], ..TOP }, Forcing::NONE));
-        assert!(is_generic(&Body { attitude: [f64::NAN; 4], ..TOP }, Forcing::NONE));
+        assert!(is_generic(&Body { weight: [0.0; 3], ..TOP }, Forces::NONE));
+        assert!(is_generic(&Body { attitude: [f64::NAN; 4], ..TOP }, Forces::NONE));
     }
 
     #[test]
@@ -366,9 +366,9 @@ mod tests {
         let body = Body { moments, weight: [mgl, 0.0, 0.0], omega, attitude };
         assert!((0..3).all(|k| (body.vertical()[k] - gamma[k]).abs() < 1e-15));
         assert!((body.rate_unit() - unit).abs() < 1e-14);
-        let found = displacement_start(&body, BodyForcing::NONE, false);
+        let found = displacement_start(&body, BodyForces::NONE, false);
         assert_eq!(found[3..], DISPLACEMENTS[0][3..]);
-        assert_ne!(displacement_start(&body, BodyForcing::NONE, true)[3..], DISPLACEMENTS[1][3..]);
+        assert_ne!(displacement_start(&body, BodyForces::NONE, true)[3..], DISPLACEMENTS[1][3..]);
     }
 
     #[test]

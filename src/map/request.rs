@@ -4,8 +4,8 @@ use super::check::GROUP;
 use super::{Check, Condition, Criterion, Laws, Logic, Measure, Mixed, Watched};
 use crate::error::Error;
 use crate::exact::Question;
-use crate::forces::Forces;
-use crate::forcing::{BodyForcing, Forcing};
+use crate::forces::ForceSet;
+use crate::forces::{BodyForces, Forces};
 use crate::kernel::System;
 use crate::scene::Scene;
 use crate::scheme::{self, Scheme, Step};
@@ -84,8 +84,8 @@ const GROWTH_STEPS: f64 = 12.5;
 pub struct Map {
     /// What moves the bodies.
     pub scene: &'static Scene,
-    /// The forcing of each pixel; empty if there is none.
-    pub forcing: Vec<Forcing>,
+    /// The forces on each pixel; empty if nothing acts.
+    pub forces: Vec<Forces>,
     /// How the samples are classified.
     pub method: MethodChoice,
     /// The pixels.
@@ -208,21 +208,21 @@ impl Map {
     /// Whether torque or damping is applied.
     #[inline]
     pub(super) fn is_forced(&self) -> bool {
-        !self.forcing.is_empty()
+        !self.forces.is_empty()
     }
 
     /// The forces on any of the samples.
-    pub(super) fn forces(&self) -> Forces {
-        let all = self.forcing.iter().map(|forcing| Forces::from(forcing.of(0)));
-        Forces { act: self.is_forced(), ..all.fold(Forces::NONE, Forces::and) }
+    pub(super) fn forces(&self) -> ForceSet {
+        let all = self.forces.iter().map(|forces| ForceSet::from(forces.of(0)));
+        ForceSet { act: self.is_forced(), ..all.fold(ForceSet::NONE, ForceSet::and) }
     }
 
-    /// The forcing of a pixel.
-    pub(super) fn forcing_of(&self, pixel: u64) -> BodyForcing<'_> {
-        self.forcing.get(pixel as usize).unwrap_or(Forcing::NONE).of(0)
+    /// The forces on a pixel.
+    pub(super) fn forces_of(&self, pixel: u64) -> BodyForces<'_> {
+        self.forces.get(pixel as usize).unwrap_or(Forces::NONE).of(0)
     }
 
-    /// Refuses a forcing that a criterion or the method cannot handle.
+    /// Refuses forces that a criterion or the method cannot handle.
     fn check_forced(&self) -> Result<(), Error> {
         let scheme = self.first_scheme();
         let refuse = |argument, value, rule| Err(Error::Value { argument, value, rule });
@@ -231,7 +231,7 @@ impl Map {
             return refuse("method", format!("'{}'", Solver::EXACT), rule);
         }
         scheme.forced_limit()?;
-        if self.forces().of_function {
+        if self.forces().function {
             let rule = "cannot act in a map, whose samples a Taylor series classifies again";
             return refuse("torque", "a function".to_string(), rule);
         }
@@ -243,13 +243,12 @@ impl Map {
             let rule = "under torque and damping only the tilt from the vertical is watched";
             return refuse("reference", "'start'".to_string(), rule);
         }
-        if self.forcing.iter().any(|forcing| !forcing.of(0).knots().is_empty()) {
+        if self.forces.iter().any(|forces| !forces.of(0).table.times.is_empty()) {
             return refuse("torque", "a table".to_string(), "must be constant in a map");
         }
         if let Some(step) = self.step {
-            for (pixel, forcing) in self.pixels.iter().zip(&self.forcing).filter(|(pixel, _)| pixel.possible)
-            {
-                let [.., rate] = forcing.of(0).damping_rates(pixel.body.moments);
+            for (pixel, forces) in self.pixels.iter().zip(&self.forces).filter(|(pixel, _)| pixel.possible) {
+                let [.., rate] = forces.of(0).damping.rates(pixel.body.moments);
                 scheme.check_damping(None, step, rate)?;
             }
         }
@@ -272,7 +271,7 @@ mod tests {
     fn map() -> Map {
         Map {
             scene: &FREE,
-            forcing: Vec::new(),
+            forces: Vec::new(),
             method: MethodChoice::Auto,
             pixels: Vec::new(),
             laws: Laws::NONE,

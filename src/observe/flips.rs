@@ -2,11 +2,16 @@
 
 use super::dense::{Bracket, Part, hermite_root, interpolate, newton, turning_point};
 use super::{EXIT_TIME, Observable, Rows, Segment, Start, Update, along, first_time, three};
-use crate::forcing::{BodyForcing, ForcingInterval};
-use crate::real::Real;
-use crate::scene::{Layout, Model, Parameters};
-use crate::scheme::Stepper;
-use crate::start::rates_after_start;
+use crate::forces::{BodyForces, ForcesInterval};
+use crate::kinematics::to_body_frame;
+use crate::real::{Apart, Real};
+use crate::scene::{FurtherFrame, Layout, Model, Parameters, Top};
+use crate::scheme::{Coefficients, Numbers, Stepper, Taylor};
+#[cfg(all(target_arch = "x86_64", plain))]
+use crate::simd::Isa;
+#[cfg(target_arch = "x86_64")]
+use crate::simd::V4;
+use crate::start::{Body, VERTICAL};
 
 /// Sign changes of one component of the rates, located inside the step.
 pub struct Flips;
@@ -60,6 +65,56 @@ impl Flips {
     }
 }
 
+/// The rates of a body after a short time, in which it turns by 1e-3 rad at the rate `rate`. They follow from a Taylor
+/// series, because the first derivatives may vanish too (a top released at rest).
+struct AfterStart<'a> {
+    body: &'a Body,
+    interval: &'a ForcesInterval<f64>,
+    rate: f64,
+    rates: &'a mut [f64; 3],
+}
+
+impl Apart for AfterStart<'_> {
+    #[inline(always)]
+    fn run(self) {
+        const NUMBERS: &Numbers = &Numbers { order: 6, ..Numbers::NONE };
+        let AfterStart { body, interval, rate, rates } = self;
+        let p = Parameters { moments: body.moments, weight: body.weight, step: 1e-3 / rate };
+        let series = <Taylor<f64, Top<f64>> as Stepper<_, _, FurtherFrame, LEN>>::new(&p, interval, NUMBERS);
+        let mut y = [0.0; LEN];
+        y[..3].copy_from_slice(&body.omega);
+        for (v, axis) in [VERTICAL, [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].iter().enumerate() {
+            y[3 + 3 * v..][..3].copy_from_slice(&to_body_frame(&body.attitude, axis));
+        }
+        y[FurtherFrame::OWN_AT..].copy_from_slice(&interval.further.start(0.0));
+        let mut terms = Coefficients::new();
+        series.coefficients::<FurtherFrame, LEN>(p.step, &y, &mut terms);
+        for term in terms.all() {
+            for k in 0..3 {
+                rates[k] += term[k];
+            }
+        }
+    }
+}
+
+const LEN: usize = FurtherFrame::LEN;
+
+fn rates_after_start(body: &Body, interval: &ForcesInterval<f64>, rate: f64) -> [f64; 3] {
+    let mut rates = [0.0; 3];
+    let work = AfterStart { body, interval, rate, rates: &mut rates };
+    #[cfg(all(target_arch = "x86_64", plain))]
+    if Isa::Avx2.is_available() {
+        V4::apart(work)
+    } else {
+        f64::apart(work)
+    }
+    #[cfg(all(target_arch = "x86_64", not(plain)))]
+    V4::apart(work);
+    #[cfg(not(target_arch = "x86_64"))]
+    f64::apart(work);
+    rates
+}
+
 impl Observable for Flips {
     const ROWS: usize = 6;
     const CHANGING: usize = 3;
@@ -68,11 +123,11 @@ impl Observable for Flips {
     fn start(start: &Start) -> Rows<f64> {
         let mut rows = super::UNOBSERVED;
         let k = start.axis.unsigned_abs() as usize - 1;
-        let value = match (start.body.omega[k], start.forcing) {
+        let value = match (start.body.omega[k], start.forces) {
             (0.0, Some((interval, rate))) => rates_after_start(start.body, interval, rate)[k],
             (0.0, None) => {
-                let rate = start.body.fastest_rate(BodyForcing::NONE, [0.0; 2]);
-                rates_after_start(start.body, &ForcingInterval::none(), rate)[k]
+                let rate = start.body.fastest_rate(BodyForces::NONE, [0.0; 2]);
+                rates_after_start(start.body, &ForcesInterval::none(), rate)[k]
             }
             (omega, _) => omega,
         };

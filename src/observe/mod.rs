@@ -16,7 +16,7 @@ pub use growth::{Displacement, Growth};
 pub use mean_rate::MeanRate;
 pub use tilt::{Tilt, largest_tilt};
 
-use crate::forcing::ForcingInterval;
+use crate::forces::ForcesInterval;
 use crate::real::{Pack, Real};
 use crate::scene::{Layout, Model, Parameters};
 use crate::scheme::{Coefficients, Stepper};
@@ -67,8 +67,8 @@ pub trait Update<R: Real, M: Model<R>, L: Layout, const D: usize>: Observable {
 pub struct Start<'a> {
     /// The body.
     pub body: &'a Body,
-    /// Forcing of the body from the start on, and a bound of its |omega|; `None` without forcing.
-    pub forcing: Option<(&'a ForcingInterval<f64>, f64)>,
+    /// Forces of the body from the start on, and a bound of its |omega|; `None` without forces.
+    pub forces: Option<(&'a ForcesInterval<f64>, f64)>,
     /// The observed body axis: 1, 2, 3 or -1, -2, -3; 0 for none.
     pub axis: i32,
     /// The observed body axis as a unit vector, in the axes of the kernel.

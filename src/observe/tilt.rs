@@ -36,7 +36,7 @@ impl<R: Real, L: Layout> Vertical<R, L> {
 impl<R: Real, L: Layout> Part<R> for Vertical<R, L> {
     #[inline(always)]
     fn of<const D: usize>(self, state: &[R; D]) -> [R; 3] {
-        if !L::ORBITS {
+        if L::OWN == 0 {
             return direction(state, L::OBSERVED);
         }
         combined(&self.normal, &[direction(state, 1), direction(state, 2), direction(state, 0)])
@@ -84,11 +84,11 @@ impl Observable for Tilt {
 
     fn start(start: &Start) -> Rows<f64> {
         let mut rows = super::UNOBSERVED;
-        let orbit = start.forcing.map(|(forcing, _)| forcing.satellite).filter(|own| own.orbit_rate != 0.0);
         let (mut normal, mut vertical) = ([0.0, 0.0, 1.0], start.direction);
-        if let Some(orbit) = orbit {
+        if let Some(of_orbit) = start.forces.and_then(|(forces, _)| forces.further.gravity_gradient.normal())
+        {
             let [third, first] = start.frame;
-            normal = cross(&orbit.towards, &orbit.ahead);
+            normal = of_orbit;
             vertical = combined(&normal, &[first, cross(&third, &first), third]);
         }
         let [cosine, sine2] = tilt(&start.unit, &vertical);

@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
-use crate::forcing::ParameterChange;
+use crate::forces::ParameterChange;
 use crate::memory;
 use crate::parallel::{Interrupt, caught};
 use crate::start::Body;

@@ -1,8 +1,8 @@
 //! Growth of displacements.
 
 use super::convert::{BodyColumns, column, copied, evaluated, interruptible, rows, same_length};
-use super::forcing::PyForcing;
-use super::simulate::forcing_of;
+use super::forces::PyForces;
+use super::simulate::forces_of;
 use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
 use crate::map::{Class, DISPLACEMENTS, Rule, displacement_start};
@@ -27,7 +27,7 @@ use pyo3::types::PyDict;
 /// Growth of displacements, so many a body, at positive times; see `rigid.lyapunov`. `scale` is the unit of the rates of
 /// each body.
 #[pyfunction]
-#[pyo3(signature = (*, scene, method, moments, weight, omega, attitude, displacements, scale, of_attitude, times, step, max_steps, threads, forcing=None))]
+#[pyo3(signature = (*, scene, method, moments, weight, omega, attitude, displacements, scale, of_attitude, times, step, max_steps, threads, forces=None))]
 #[allow(clippy::too_many_arguments)] // The request of `trajectory`, column by column.
 pub fn growth<'py>(
     py: Python<'py>,
@@ -44,13 +44,13 @@ pub fn growth<'py>(
     step: PyReadonlyArray1<'py, f64>,
     max_steps: u64,
     threads: usize,
-    forcing: Option<PyRef<'py, PyForcing>>,
+    forces: Option<PyRef<'py, PyForces>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let _standard = FloatEnvironment::standard();
     let (scene, scheme, isa) = (Scene::parse(scene)?, Scheme::parse(method)?, Isa::current()?);
     let columns = BodyColumns::of_arrays(&moments, &weight, &omega, &attitude)?;
     let n = columns.len();
-    let forcing = forcing_of(forcing.as_ref(), n)?;
+    let forces = forces_of(forces.as_ref(), n)?;
     let (times, scale) = (copied("times", &times)?, copied("scale", &scale)?);
     same_length("scale", n, scale.len())?;
     let starts = rows::<6>("displacements", &displacements)?;
@@ -72,7 +72,7 @@ pub fn growth<'py>(
     let request = Request {
         bodies,
         scene,
-        forcing,
+        forces,
         solver: Solver::Steps(scheme),
         // The kernels are those of displacements; they are not recorded one by one.
         record: Record::Tangent(&[]),
@@ -119,21 +119,21 @@ pub fn generic_displacements(py: Python<'_>) -> PyResult<Bound<'_, PyArray2<f64>
 
 /// The displacements of the two runs of a verdict on each body, (n, 2, 6): changes of the rates, rotation vectors in rad.
 #[pyfunction]
-#[pyo3(signature = (*, moments, weight, omega, attitude, forcing=None))]
+#[pyo3(signature = (*, moments, weight, omega, attitude, forces=None))]
 pub fn displacement_starts<'py>(
     py: Python<'py>,
     moments: PyReadonlyArray2<'py, f64>,
     weight: PyReadonlyArray2<'py, f64>,
     omega: PyReadonlyArray2<'py, f64>,
     attitude: PyReadonlyArray2<'py, f64>,
-    forcing: Option<PyRef<'py, PyForcing>>,
+    forces: Option<PyRef<'py, PyForces>>,
 ) -> PyResult<Bound<'py, PyArray3<f64>>> {
     let columns = BodyColumns::of_arrays(&moments, &weight, &omega, &attitude)?;
     let n = columns.len();
-    let forcing = forcing_of(forcing.as_ref(), n)?;
+    let forces = forces_of(forces.as_ref(), n)?;
     let bodies = columns.bodies(0..n)?;
     let both = |index: usize| {
-        let start = |cross_check| displacement_start(&bodies[index], forcing.of(index), cross_check);
+        let start = |cross_check| displacement_start(&bodies[index], forces.of(index), cross_check);
         Ok([false, true].map(start))
     };
     let starts = evaluated(py, "displacements", n, both)?;

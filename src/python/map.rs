@@ -1,11 +1,11 @@
 //! Stability maps.
 
 use super::convert::{self, bodies, interruptible, rows, rows_of, same_length};
-use super::forcing::PyForcing;
+use super::forces::PyForces;
 use crate::body::MomentStatus;
 use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
-use crate::forcing::Forcing;
+use crate::forces::Forces;
 use crate::map::{
     Bin, Check, Class, Column, Condition, Criterion, Field, Laws, Logic, Map, Measure, MethodChoice, Mixed,
     Outcome, Pixel, Sketch, Statistics, Verdict, clopper_pearson_of_each,
@@ -276,7 +276,7 @@ struct MapRequest<'py> {
     samples: u64,
     checked: Option<u64>,
     seed: u128,
-    forcing: Option<Vec<PyRef<'py, PyForcing>>>,
+    forces: Option<Vec<PyRef<'py, PyForces>>>,
     numbers: Option<PyReadonlyArray1<'py, u64>>,
     first: Option<PyReadonlyArray1<'py, u64>>,
 }
@@ -385,9 +385,9 @@ impl MapRequest<'_> {
             let (pixels, laws) = starts.pixels(moments, weight, &status)?;
             memory::push(PIXELS, &mut mixture, Mixed { until, laws, pixels })?;
         }
-        let forcing: Vec<Forcing> = match self.forcing {
+        let forces: Vec<Forces> = match self.forces {
             Some(all) => {
-                same_length("forcing", pixels, all.len())?;
+                same_length("forces", pixels, all.len())?;
                 let mut copies = memory::reserved(PIXELS, pixels)?;
                 for one in &all {
                     copies.push(one.0.copied()?);
@@ -412,7 +412,7 @@ impl MapRequest<'_> {
             .collect::<Result<_, Error>>()?;
         let map = Map {
             scene: Scene::parse(&self.scene)?,
-            forcing,
+            forces,
             method: MethodChoice::parse(&self.method)?,
             pixels: starting,
             laws,

@@ -2,7 +2,7 @@
 
 mod convert;
 mod exact;
-mod forcing;
+mod forces;
 mod growth;
 mod map;
 mod motion;
@@ -52,7 +52,7 @@ mod _core {
     #[pymodule_export]
     use super::exact::{near_separatrix, nearness_of_poles};
     #[pymodule_export]
-    use super::forcing::PyForcing;
+    use super::forces::PyForces;
     #[pymodule_export]
     use super::growth::{displacement_starts, generic_displacements, growth, rate_units, verdicts};
     #[pymodule_export]
@@ -132,10 +132,8 @@ fn methods(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
         entry.set_item("group_preserving", facts.group_preserving)?;
         entry.set_item("conserves", PyTuple::new(py, facts.conserves)?)?;
         entry.set_item("tangent", scheme.has_tangent())?;
-        entry.set_item("driven", scheme.forced.is_some())?;
+        entry.set_item("forces", PyTuple::new(py, scheme.forces())?)?;
         entry.set_item("stiff", scheme.is_stiff())?;
-        entry.set_item("satellite", scheme.moves_satellites())?;
-        entry.set_item("called", scheme.moves_called())?;
         entry.set_item("tops", scheme.moves_tops())?;
         entry.set_item("maps", !scheme.is_processed())?;
         entry.set_item("series", scheme.is_series())?;

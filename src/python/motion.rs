@@ -1,10 +1,10 @@
 //! Bodies that Python moves step by step.
 
 use super::convert::{bodies_of, rows};
-use super::forcing::PyForcing;
+use super::forces::PyForces;
 use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
-use crate::forcing::Forcing;
+use crate::forces::Forces;
 use crate::memory;
 use crate::parallel::caught;
 use crate::scene::Scene;
@@ -31,7 +31,7 @@ pub struct PyMotion {
 #[pymethods]
 impl PyMotion {
     #[new]
-    #[pyo3(signature = (*, scene, method, moments, weight, omega, attitude, time, unit, threads, forcing=None))]
+    #[pyo3(signature = (*, scene, method, moments, weight, omega, attitude, time, unit, threads, forces=None))]
     #[allow(clippy::too_many_arguments)] // The columns of a request.
     fn new(
         scene: &str,
@@ -43,13 +43,13 @@ impl PyMotion {
         time: f64,
         unit: f64,
         threads: usize,
-        forcing: Option<PyRef<'_, PyForcing>>,
+        forces: Option<PyRef<'_, PyForces>>,
     ) -> PyResult<Self> {
         let _standard = FloatEnvironment::standard();
         let bodies = bodies_of(&moments, &weight, &omega, &attitude)?;
-        let forcing = forcing.as_ref().map_or(Forcing::NONE, |forcing| &forcing.0).copied()?;
+        let forces = forces.as_ref().map_or(Forces::NONE, |forces| &forces.0).copied()?;
         let (scene, scheme) = (Scene::parse(scene)?, Scheme::parse(method)?);
-        let motion = Motion::new(&bodies, time, scene, scheme, forcing, Isa::current()?)?;
+        let motion = Motion::new(&bodies, time, scene, scheme, forces, Isa::current()?)?;
         Ok(PyMotion { motion, unit, threads })
     }
 

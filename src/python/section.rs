@@ -1,8 +1,8 @@
 //! Poincaré sections and events.
 
 use super::convert::{BodyColumns, copied, interruptible, rows, same_length};
-use super::forcing::PyForcing;
-use super::simulate::forcing_of;
+use super::forces::PyForces;
+use super::simulate::forces_of;
 use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
 use crate::memory;
@@ -21,7 +21,7 @@ use pyo3::types::PyDict;
 /// surface is whether it is of a rate, its direction, and whether its points count; the surfaces of each body are
 /// neighbours in `normal`, `momentum` and `value`.
 #[pyfunction]
-#[pyo3(signature = (*, scene, method, moments, weight, omega, attitude, kinds, normal, momentum, value, ends, count, closed, tolerance, max_steps, threads, forcing=None))]
+#[pyo3(signature = (*, scene, method, moments, weight, omega, attitude, kinds, normal, momentum, value, ends, count, closed, tolerance, max_steps, threads, forces=None))]
 #[allow(clippy::too_many_arguments)] // The request of `trajectory`, column by column.
 pub fn section<'py>(
     py: Python<'py>,
@@ -41,13 +41,13 @@ pub fn section<'py>(
     tolerance: f64,
     max_steps: u64,
     threads: usize,
-    forcing: Option<PyRef<'py, PyForcing>>,
+    forces: Option<PyRef<'py, PyForces>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let _standard = FloatEnvironment::standard();
     let (scene, scheme, isa) = (Scene::parse(scene)?, Scheme::parse(method)?, Isa::current()?);
     let columns = BodyColumns::of_arrays(&moments, &weight, &omega, &attitude)?;
     let n = columns.len();
-    let forcing = forcing_of(forcing.as_ref(), n)?;
+    let forces = forces_of(forces.as_ref(), n)?;
     let many = n * kinds.len();
     let (normals, momenta) = (rows::<6>("normal", &normal)?, rows::<3>("momentum", &momentum)?);
     let (values, ends) = (copied("value", &value)?, copied("ends", &ends)?);
@@ -64,12 +64,12 @@ pub fn section<'py>(
     let bodies = &columns.bodies(0..n)?;
     let own = bodies.iter().zip(&ends).enumerate();
     let own =
-        own.map(|(i, (body, &end))| default_step(scheme, body.step_rate(scheme, forcing.of(i), [0.0, end])));
+        own.map(|(i, (body, &end))| default_step(scheme, body.step_rate(scheme, forces.of(i), [0.0, end])));
     let steps = &memory::collected("steps", n, own)?;
     let request = Request {
         bodies,
         scene,
-        forcing,
+        forces,
         solver: Solver::Steps(scheme),
         record: Record::Attitude,
         schedule: Schedule::TimesOfEach(&ends, 1),

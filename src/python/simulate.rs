@@ -3,10 +3,10 @@
 use super::convert::{
     BodyColumns, column, copied, copied_rows, evaluated, interruptible, parse_record, rows, same_length,
 };
-use super::forcing::PyForcing;
+use super::forces::PyForces;
 use super::target::Target;
 use crate::float_environment::FloatEnvironment;
-use crate::forcing::{Forcing, ParameterChange};
+use crate::forces::{Forces, ParameterChange};
 use crate::map::MethodChoice;
 use crate::memory;
 use crate::parallel::{self, Interrupt};
@@ -26,18 +26,18 @@ use pyo3::types::PyDict;
 
 /// Bytes of the states of so many bodies at so many times.
 #[pyfunction]
-#[pyo3(signature = (*, scene, record, bodies, times, forcing=None))]
+#[pyo3(signature = (*, scene, record, bodies, times, forces=None))]
 pub fn state_bytes(
     scene: &str,
     record: &str,
     bodies: usize,
     times: usize,
-    forcing: Option<PyRef<'_, PyForcing>>,
+    forces: Option<PyRef<'_, PyForces>>,
 ) -> PyResult<u128> {
     let request = Request {
         bodies: &[],
         scene: Scene::parse(scene)?,
-        forcing: forcing.as_ref().map_or(Forcing::NONE, |forcing| &forcing.0),
+        forces: forces.as_ref().map_or(Forces::NONE, |forces| &forces.0),
         solver: Solver::Exact,
         record: parse_record(record, &[], &[])?,
         schedule: Schedule::Times(&[]),
@@ -51,7 +51,7 @@ pub fn state_bytes(
 
 /// States of bodies at given times; see `rigid.simulate`.
 #[pyfunction]
-#[pyo3(signature = (*, scene, method, record, moments, weight, omega, attitude, step, max_steps, threads, times=None, strides=None, refinement=1.0, tolerance=None, forcing=None, displacements=None, changes=None, out=None, single=false))]
+#[pyo3(signature = (*, scene, method, record, moments, weight, omega, attitude, step, max_steps, threads, times=None, strides=None, refinement=1.0, tolerance=None, forces=None, displacements=None, changes=None, out=None, single=false))]
 #[allow(clippy::too_many_arguments)] // The request of `trajectory`, column by column.
 pub fn simulate<'py>(
     py: Python<'py>,
@@ -69,7 +69,7 @@ pub fn simulate<'py>(
     strides: Option<Vec<u64>>,
     refinement: f64,
     tolerance: Option<f64>,
-    forcing: Option<PyRef<'py, PyForcing>>,
+    forces: Option<PyRef<'py, PyForces>>,
     displacements: Option<PyReadonlyArray2<'py, f64>>,
     changes: Option<PyReadonlyArray2<'py, f64>>,
     out: Option<&Bound<'py, PyDict>>,
@@ -79,7 +79,7 @@ pub fn simulate<'py>(
     let (scene, solver, isa) = (Scene::parse(scene)?, Solver::parse(method)?, Isa::current()?);
     let columns = BodyColumns::of_arrays(&moments, &weight, &omega, &attitude)?;
     let n = columns.len();
-    let forcing = forcing_of(forcing.as_ref(), n)?;
+    let forces = forces_of(forces.as_ref(), n)?;
     let displacements = match &displacements {
         Some(given) => {
             let given = rows::<6>("displacements", given)?;
@@ -117,15 +117,15 @@ pub fn simulate<'py>(
     };
     let (bodies, steps) = (&[], &[]);
     let request =
-        Request { bodies, scene, forcing, solver, record, schedule, steps, refinement, tolerance, max_steps };
+        Request { bodies, scene, forces, solver, record, schedule, steps, refinement, tolerance, max_steps };
     let mut targets = Target::all(py, &request, n, out, single)?;
     let given: Vec<_> = targets.iter().map(|target| target.name).collect();
     let mut states = States::reserved(&request, n, &given)?;
     let (mut rest, mut nanoseconds) = (states.whole(), 0);
     for part in columns.parts(threads) {
         let bodies = &columns.bodies(part.clone())?;
-        let own = if part.len() < n { forcing.of_range(part.clone())? } else { None };
-        let (forcing, schedule) = (own.as_ref().unwrap_or(forcing), schedule.of_range(part.clone()));
+        let own = if part.len() < n { forces.of_range(part.clone())? } else { None };
+        let (forces, schedule) = (own.as_ref().unwrap_or(forces), schedule.of_range(part.clone()));
         let steps = &match (&step, solver) {
             (Some(step), _) => {
                 let steps = step.as_array();
@@ -134,7 +134,7 @@ pub fn simulate<'py>(
             (None, Solver::Steps(method)) => {
                 let step = |(index, body): (usize, &Body)| {
                     let span = schedule.times_of(index).map_or([0.0; 2], time_range);
-                    default_step(method, body.step_rate(method, forcing.of(index), span))
+                    default_step(method, body.step_rate(method, forces.of(index), span))
                 };
                 memory::collected("steps", part.len(), bodies.iter().enumerate().map(step))?
             }
@@ -145,14 +145,14 @@ pub fn simulate<'py>(
             Record::Sensitivity(changes) => Record::Sensitivity(&changes[part.clone()]),
             record => record,
         };
-        let request = &Request { bodies, forcing, schedule, steps, record, ..request };
+        let request = &Request { bodies, forces, schedule, steps, record, ..request };
         let mut states = rest.split_off(request.schedule.len(), part.len());
         for target in &mut targets {
             states.give(target.name, target.part(part.clone())?);
         }
         let run = |stop: &Interrupt| {
             let simulate = || trajectory::simulate_into(request, states, threads, isa, stop);
-            if forcing.of(0).function().is_some() { parallel::apart(stop, simulate) } else { simulate() }
+            if forces.of(0).function.is_some() { parallel::apart(stop, simulate) } else { simulate() }
         };
         nanoseconds += interruptible(py, None, run)?.map_err(|error| error.of_part(part.start))?.nanoseconds;
         for target in &mut targets {
@@ -168,23 +168,20 @@ pub fn simulate<'py>(
     Ok(dict)
 }
 
-/// The forcing of so many bodies.
-pub(super) fn forcing_of<'a>(
-    forcing: Option<&'a PyRef<'_, PyForcing>>,
-    bodies: usize,
-) -> PyResult<&'a Forcing> {
-    let forcing = forcing.map_or(Forcing::NONE, |forcing| &forcing.0);
-    if forcing.bodies() > 1 {
-        same_length("forcing", bodies, forcing.bodies())?;
+/// The forces on so many bodies.
+pub(super) fn forces_of<'a>(forces: Option<&'a PyRef<'_, PyForces>>, bodies: usize) -> PyResult<&'a Forces> {
+    let forces = forces.map_or(Forces::NONE, |forces| &forces.0);
+    if forces.bodies() > 1 {
+        same_length("forces", bodies, forces.bodies())?;
     }
-    Ok(forcing)
+    Ok(forces)
 }
 
-/// Bounds of |omega| over the whole motion, from the conserved quantities, to choose a step. With forcing the bounds
+/// Bounds of |omega| over the whole motion, from the conserved quantities, to choose a step. With forces the bounds
 /// hold between the two times of each row of `span`, or of its only row; with a method they are the rates that determine
 /// its steps.
 #[pyfunction]
-#[pyo3(signature = (*, scene, moments, weight, omega, attitude, forcing=None, span=None, method=None))]
+#[pyo3(signature = (*, scene, moments, weight, omega, attitude, forces=None, span=None, method=None))]
 #[allow(clippy::too_many_arguments)] // The columns of a request.
 pub fn fastest_rates<'py>(
     py: Python<'py>,
@@ -193,14 +190,14 @@ pub fn fastest_rates<'py>(
     weight: PyReadonlyArray2<'py, f64>,
     omega: PyReadonlyArray2<'py, f64>,
     attitude: PyReadonlyArray2<'py, f64>,
-    forcing: Option<PyRef<'py, PyForcing>>,
+    forces: Option<PyRef<'py, PyForces>>,
     span: Option<PyReadonlyArray2<'py, f64>>,
     method: Option<&str>,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
     Scene::parse(scene)?;
     let method = method.map(Scheme::parse).transpose()?;
     let columns = BodyColumns::of_arrays(&moments, &weight, &omega, &attitude)?;
-    let forcing = forcing_of(forcing.as_ref(), columns.len())?;
+    let forces = forces_of(forces.as_ref(), columns.len())?;
     let spans = span.as_ref().map(|span| rows::<2>("span", span)).transpose()?.unwrap_or(&[[0.0; 2]]);
     if spans.len() != 1 {
         same_length("span", columns.len(), spans.len())?;
@@ -208,8 +205,8 @@ pub fn fastest_rates<'py>(
     let rate = |index: usize, body: &Body| {
         let span = spans[if spans.len() == 1 { 0 } else { index }];
         match method {
-            None => body.fastest_rate(forcing.of(index), span),
-            Some(method) => body.step_rate(method, forcing.of(index), span),
+            None => body.fastest_rate(forces.of(index), span),
+            Some(method) => body.step_rate(method, forces.of(index), span),
         }
     };
     let mut rates = memory::reserved("rates", columns.len())?;

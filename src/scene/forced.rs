@@ -5,42 +5,20 @@
 //! minus impulse are constant, so a drift measures the error of forced motions too. The exponential scheme computes
 //! work and impulse from the gains of energy and momentum, so its drifts do not measure the error.
 //!
-//! A forced body has a layout with a balance; the models contain no forcing.
+//! A forced body has a layout with a balance; the models contain no forces.
 
 use super::{Layout, Parameters};
-use crate::forcing::{ForcingInterval, ParameterChange};
+use crate::forces::{ForcesInterval, ParameterChange, add_space_torque, damp};
 use crate::kinematics::{add_cross, direction, dot};
 use crate::real::Real;
 
-/// The forcing of a body on an interval. Without directions there is no torque in space.
+/// The forces on a body on an interval. Without directions there is no torque in space.
 #[derive(Clone, Copy)]
 pub struct Applied<R> {
     pub(super) moments: [R; 3],
     inverse: [R; 3],
-    pub(super) forcing: ForcingInterval<R>,
-}
-
-/// Adds a torque in space, in body components, to `sum`.
-#[inline(always)]
-fn add_space_torque<R: Real, const D: usize>(torque: &[R; 3], y: &[R; D], sum: &mut [R; 3]) {
-    // The third row of the matrix, the vertical, comes first in the state.
-    for (part, row) in [(torque[2], 0), (torque[0], 1), (torque[1], 2)] {
-        let row = direction(y, row);
-        for i in 0..3 {
-            sum[i] = part.fma(row[i], sum[i]);
-        }
-    }
-}
-
-/// Subtracts a damping matrix times `omega` from `sum`.
-#[inline(always)]
-fn damp<R: Real>(matrix: &[R; 6], [w1, w2, w3]: [R; 3], sum: &mut [R; 3]) {
-    let [d11, d22, d33, d23, d31, d12] = *matrix;
-    *sum = [
-        d31.fnma(w3, d12.fnma(w2, d11.fnma(w1, sum[0]))),
-        d23.fnma(w3, d22.fnma(w2, d12.fnma(w1, sum[1]))),
-        d33.fnma(w3, d23.fnma(w2, d31.fnma(w1, sum[2]))),
-    ];
+    /// The forces.
+    pub forces: ForcesInterval<R>,
 }
 
 /// A vector of the first lane.
@@ -50,21 +28,21 @@ fn alone<R: Real>(v: &[R; 3]) -> [f64; 3] {
 }
 
 impl<R: Real> Applied<R> {
-    /// The constants of a body and its forcing.
+    /// The constants of a body and its forces.
     #[inline(always)]
-    pub fn new(p: &Parameters<R>, forcing: &ForcingInterval<R>) -> Self {
+    pub fn new(p: &Parameters<R>, forces: &ForcesInterval<R>) -> Self {
         let one = R::splat(1.0);
         let [i1, i2, i3] = p.moments;
-        Applied { moments: p.moments, inverse: [one / i1, one / i2, one / i3], forcing: *forcing }
+        Applied { moments: p.moments, inverse: [one / i1, one / i2, one / i3], forces: *forces }
     }
 
     /// The torque in the body and the torque in space at a time.
     #[inline(always)]
     fn torques_at(&self, time: R) -> [[R; 3]; 2] {
-        let mut at = [self.forcing.body[0], self.forcing.space[0]];
+        let mut at = [self.forces.body[0], self.forces.space[0]];
         for i in 0..3 {
-            at[0][i] = time.fma(self.forcing.body[1][i], at[0][i]);
-            at[1][i] = time.fma(self.forcing.space[1][i], at[1][i]);
+            at[0][i] = time.fma(self.forces.body[1][i], at[0][i]);
+            at[1][i] = time.fma(self.forces.space[1][i], at[1][i]);
         }
         at
     }
@@ -72,7 +50,7 @@ impl<R: Real> Applied<R> {
     /// Subtracts `D omega` from `sum`.
     #[inline(always)]
     fn damp(&self, omega: [R; 3], sum: &mut [R; 3]) {
-        damp(&self.forcing.damping, omega, sum);
+        damp(&self.forces.damping, omega, sum);
     }
 
     /// Applied torque without damping, at a state.
@@ -87,8 +65,8 @@ impl<R: Real> Applied<R> {
 
     /// The torque that the function of the user returns at a state, of one body: `R` has one lane.
     #[inline(always)]
-    pub fn called(&self, time: R, omega: &[R; 3], third: &[R; 3], first: &[R; 3]) -> [R; 3] {
-        let Some(function) = &self.forcing.function else { return [R::splat(0.0); 3] };
+    pub fn function_torque(&self, time: R, omega: &[R; 3], third: &[R; 3], first: &[R; 3]) -> [R; 3] {
+        let Some(function) = &self.forces.function else { return [R::splat(0.0); 3] };
         let torque = function.torque(time.first(), alone(omega), alone(third), alone(first));
         [R::splat(torque[0]), R::splat(torque[1]), R::splat(torque[2])]
     }
@@ -97,11 +75,11 @@ impl<R: Real> Applied<R> {
     #[inline(always)]
     pub fn torque<L: Layout, const D: usize>(&self, y: &[R; D]) -> [R; 3] {
         let mut sum = self.undamped::<L, D>(y);
-        if L::CALLED {
+        if L::FUNCTION {
             let (third, first) = (direction(y, 0), direction(y, 1));
-            let called = self.called(y[L::TIME_AT], &[y[0], y[1], y[2]], &third, &first);
+            let returned = self.function_torque(y[L::TIME_AT], &[y[0], y[1], y[2]], &third, &first);
             for i in 0..3 {
-                sum[i] = sum[i] + called[i];
+                sum[i] = sum[i] + returned[i];
             }
         }
         self.damp([y[0], y[1], y[2]], &mut sum);
@@ -121,7 +99,7 @@ impl<R: Real> Applied<R> {
             // The coefficient of (a + b t) row is a row[k] + b step row[k - 1]; `before` contains the step.
             let space = self.torques_at(start[L::TIME_AT])[1];
             add_space_torque(&space, now, &mut sum);
-            add_space_torque(&self.forcing.space[1], before, &mut sum);
+            add_space_torque(&self.forces.space[1], before, &mut sum);
         }
         sum
     }
@@ -153,7 +131,7 @@ impl<R: Real> Applied<R> {
         before: &[R; D],
     ) -> [R; 3] {
         // Time is linear in the step, so the series of a torque in the body ends after order 1.
-        let mut sum = self.forcing.body[1];
+        let mut sum = self.forces.body[1];
         for i in 0..3 {
             sum[i] = sum[i] * now[L::TIME_AT];
         }
@@ -161,7 +139,7 @@ impl<R: Real> Applied<R> {
             // The coefficient of (a + b t) row is a row[k] + b step row[k - 1]; `before` contains the step.
             let space = self.torques_at(start[L::TIME_AT])[1];
             add_space_torque(&space, now, &mut sum);
-            add_space_torque(&self.forcing.space[1], before, &mut sum);
+            add_space_torque(&self.forces.space[1], before, &mut sum);
         }
         self.damp([now[0], now[1], now[2]], &mut sum);
         sum
@@ -175,10 +153,10 @@ impl<R: Real> Applied<R> {
         let mut any = false;
         for i in 0..3 {
             for j in 0..2 {
-                any |= R::any(zero.lt(self.forcing.space[j][i].abs()));
+                any |= R::any(zero.lt(self.forces.space[j][i].abs()));
             }
             // A zero has a sign too.
-            any |= R::any((one / self.forcing.body[1][i]).lt(zero));
+            any |= R::any((one / self.forces.body[1][i]).lt(zero));
         }
         any
     }
@@ -187,7 +165,7 @@ impl<R: Real> Applied<R> {
     /// rates; linear in the products and in the state. The change of the applied torque is not in it.
     #[inline(always)]
     pub fn changed_torque<const D: usize>(&self, products: &[R; 3], y: &[R; D]) -> [R; 3] {
-        let ParameterChange { moments, weight, damping, .. } = &self.forcing.change;
+        let ParameterChange { moments, weight, damping, .. } = &self.forces.change;
         let mut sum = [
             (moments[1] - moments[2]) * products[0],
             (moments[2] - moments[0]) * products[1],
@@ -201,14 +179,14 @@ impl<R: Real> Applied<R> {
     /// The change of the applied torque, at all times.
     #[inline(always)]
     pub fn changed_applied_torque(&self) -> [R; 3] {
-        self.forcing.change.torque
+        self.forces.change.torque
     }
 
     /// Adds the rate of a displacement by a change of the torque and of the moments, `I^-1 (torque - dI w')`, to `sum`.
     #[inline(always)]
     pub fn add_changed_rate(&self, torque: &[R; 3], rate: &[R; 3], sum: &mut [R; 3]) {
         for i in 0..3 {
-            let left = self.forcing.change.moments[i].fnma(rate[i], torque[i]);
+            let left = self.forces.change.moments[i].fnma(rate[i], torque[i]);
             sum[i] = self.inverse[i].fma(left, sum[i]);
         }
     }

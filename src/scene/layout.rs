@@ -2,9 +2,10 @@
 //!
 //! A state is a flat array `[R; D]`: three rates or momenta (the scheme decides which), then `VECTORS` directions that
 //! are fixed in space, in body components, then a quaternion if the attitude is requested, then the balance of a forced
-//! body: work, impulse and time; then a displacement of the motion if its growth is requested, or cosine and sine of the
-//! angle that a satellite with a frame has turned on its orbit.
+//! body: work, impulse and time; then a displacement of the motion if its growth is requested, or the variables of further
+//! forces.
 
+use crate::forces::Further;
 use crate::real::Pack;
 
 /// The variables that are integrated with the rates.
@@ -19,17 +20,17 @@ pub trait Layout: Copy {
     const TANGENT: bool = false;
     /// Whether a change of the parameters adds to the displacement.
     const CHANGED: bool = false;
-    /// Whether rotor, energy sink, quadratic drag and gravity gradient act.
-    const SATELLITE: bool = false;
+    /// Whether the further forces act.
+    const FURTHER: bool = false;
     /// Whether a function of the user returns a torque.
-    const CALLED: bool = false;
+    const FUNCTION: bool = false;
     /// The bodies that are integrated side by side where the registers hold those of `P`: one under the torque of a
     /// function, which is called for one body at a time.
     type Lanes<P: Pack>: Pack;
     /// The direction from which a tilt is measured: the last direction, or the vertical of a frame.
     const OBSERVED: usize = if Self::BALANCE { 0 } else { Self::VECTORS.saturating_sub(1) };
     /// Length of the state.
-    const LEN: usize = Self::ORBIT_AT + 2 * Self::ORBITS as usize;
+    const LEN: usize = Self::OWN_AT + Self::OWN;
     /// Index of the first component of the quaternion.
     const QUATERNION_AT: usize = 3 + 3 * Self::VECTORS;
     /// Index of the balance, which begins with the work.
@@ -40,10 +41,10 @@ pub trait Layout: Copy {
     const TIME_AT: usize = Self::BALANCE_AT + 2;
     /// Index of the displacement, and length of the state without it.
     const TANGENT_AT: usize = Self::BALANCE_AT + 3 * Self::BALANCE as usize;
-    /// Whether the angle on an orbit is integrated.
-    const ORBITS: bool = Self::SATELLITE && Self::VECTORS > 0;
-    /// Index of cosine and sine of the angle on an orbit.
-    const ORBIT_AT: usize = Self::TANGENT_AT + 6 * Self::TANGENT as usize;
+    /// How many variables of further forces are integrated.
+    const OWN: usize = if Self::FURTHER && Self::VECTORS > 0 { Further::VARIABLES } else { 0 };
+    /// Index of these variables.
+    const OWN_AT: usize = Self::TANGENT_AT + 6 * Self::TANGENT as usize;
 }
 
 macro_rules! layouts {
@@ -87,35 +88,35 @@ layouts! {
     ForcedFrameTangent: 3, false, true, true, true;
 }
 
-/// Rates and balance of a satellite without a gravity gradient.
+/// Rates and balance of a body under further forces that do not depend on the attitude.
 #[derive(Clone, Copy)]
-pub struct SatelliteRates;
-impl Layout for SatelliteRates {
+pub struct FurtherRates;
+impl Layout for FurtherRates {
     const VECTORS: usize = 0;
     const QUATERNION: bool = false;
     const BALANCE: bool = true;
-    const SATELLITE: bool = true;
+    const FURTHER: bool = true;
     type Lanes<P: Pack> = P;
 }
 
-/// Rates, the space axes z, x and y, the balance and the angle on the orbit of a satellite.
+/// Rates, the space axes z, x and y, the balance and the variables of the further forces.
 #[derive(Clone, Copy)]
-pub struct SatelliteFrame;
-impl Layout for SatelliteFrame {
+pub struct FurtherFrame;
+impl Layout for FurtherFrame {
     const VECTORS: usize = 3;
     const QUATERNION: bool = false;
     const BALANCE: bool = true;
-    const SATELLITE: bool = true;
+    const FURTHER: bool = true;
     type Lanes<P: Pack> = P;
 }
 
 /// Rates, the space axes z, x and y, and the balance of a body under the torque that a function returns.
 #[derive(Clone, Copy)]
-pub struct CalledFrame;
-impl Layout for CalledFrame {
+pub struct FunctionFrame;
+impl Layout for FunctionFrame {
     const VECTORS: usize = 3;
     const QUATERNION: bool = false;
     const BALANCE: bool = true;
-    const CALLED: bool = true;
+    const FUNCTION: bool = true;
     type Lanes<P: Pack> = f64;
 }

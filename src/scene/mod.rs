@@ -2,17 +2,17 @@
 
 mod forced;
 mod free;
+mod further;
 mod layout;
-mod satellite;
 mod top;
 
 pub use forced::Applied;
 pub use free::{FREE, Free};
+pub use further::FurtherRate;
 pub use layout::{
-    Attitude, Axis, AxisAttitude, AxisSensitivity, AxisTangent, CalledFrame, ForcedFrame, ForcedFrameTangent,
-    ForcedRates, Layout, Rates, SatelliteFrame, SatelliteRates, TwoAxes,
+    Attitude, Axis, AxisAttitude, AxisSensitivity, AxisTangent, ForcedFrame, ForcedFrameTangent, ForcedRates,
+    FunctionFrame, FurtherFrame, FurtherRates, Layout, Rates, TwoAxes,
 };
-pub use satellite::SatelliteRate;
 pub use top::{TOP, Top};
 
 use crate::error::Error;

@@ -3,11 +3,12 @@
 //! All directions have the same products with the rates. So one operation makes the products of all of them. The sums
 //! have the order of `Taylor`, so a coefficient has the same bits.
 
-use super::taylor::{INVERSE, times_unit};
+use super::taylor::times_unit;
 use super::{Coefficients, Taylor};
 use crate::kinematics::{add_turn_across, add_turn_along, dot};
 use crate::real::{Quad, is_finite};
 use crate::scene::{Layout, Model};
+use crate::series::INVERSE;
 
 /// Length of a state in registers: three columns and the balance.
 pub const COLUMNS: usize = 4;

@@ -5,11 +5,12 @@
 //! Zou 2005, §2). The motion does not depend on its displacements, so any number of them share one motion.
 
 use super::tangent::{Variation, turn};
-use super::taylor::{INVERSE, Torques, add_rates, times_unit};
+use super::taylor::{add_rates, times_unit};
 use super::{Coefficients, Taylor};
 use crate::kinematics::{add_cross, put};
 use crate::real::Real;
 use crate::scene::{Layout, Model};
+use crate::series::{INVERSE, VectorSeries};
 
 /// Cauchy products of one order with a displacement, and those of the rates where a change of the parameters needs them.
 #[derive(Clone, Copy)]
@@ -39,7 +40,7 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
     /// comes first, because the sums of both together exceed the registers.
     #[inline(always)]
     pub(super) fn displaced<L: Layout, const D: usize>(&self, unit: R, c: &mut Coefficients<R, D>) {
-        let mut torques = Torques::new();
+        let mut torques = VectorSeries::new();
         for half in 0..self.order / 2 {
             let k = 2 * half;
             let (mut sums, mut after) = (VariedProducts::none(), VariedProducts::none());
@@ -65,7 +66,7 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
         &self,
         unit: R,
         sums: &VariedProducts<R>,
-        torques: &mut Torques<R>,
+        torques: &mut VectorSeries<R>,
         c: &mut Coefficients<R, D>,
         k: usize,
     ) {
@@ -86,7 +87,7 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
     fn varied_torque<L: Layout, const D: usize>(
         &self,
         unit: R,
-        torques: &mut Torques<R>,
+        torques: &mut VectorSeries<R>,
         c: &Coefficients<R, D>,
         k: usize,
     ) -> [R; 3] {

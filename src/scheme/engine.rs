@@ -4,7 +4,7 @@ use super::{
     AffineSplitting, ComposedPlanar, Dop853Tableau, Exponential, Flow, ImplicitMidpoint, KickMoserVeselov,
     KickRotor, Planar, Rk4Tableau, RungeKutta, Splitting, Stepper, Taylor, Variables,
 };
-use crate::scene::{AxisTangent, CalledFrame, Layout, SatelliteFrame, Top};
+use crate::scene::{AxisTangent, FunctionFrame, FurtherFrame, Layout, Top};
 
 /// Gives the list of engines to a macro. `R` stands for the pack and `M` for the model in this pack. After the stepper
 /// stand the packs for AVX2, and for AVX-512 where it gains. Engines with long chains of rotations are fastest with two
@@ -73,18 +73,18 @@ pub(super) struct EngineFacts {
     pub(super) sees_limits: bool,
     pub(super) has_tangent: bool,
     pub(super) flows: Option<&'static [Flow]>,
-    /// Whether it integrates rotors, energy sinks, quadratic drag and gravity gradients.
-    pub(super) moves_satellites: bool,
+    /// Whether it integrates the further forces.
+    pub(super) moves_further: bool,
     /// Whether it integrates the torque of a function.
-    pub(super) moves_called: bool,
+    pub(super) moves_function: bool,
 }
 
 impl EngineFacts {
     const fn of<S>() -> EngineFacts
     where
         S: Stepper<f64, Top<f64>, AxisTangent, { AxisTangent::LEN }>
-            + Stepper<f64, Top<f64>, SatelliteFrame, { SatelliteFrame::LEN }>
-            + Stepper<f64, Top<f64>, CalledFrame, { CalledFrame::LEN }>,
+            + Stepper<f64, Top<f64>, FurtherFrame, { FurtherFrame::LEN }>
+            + Stepper<f64, Top<f64>, FunctionFrame, { FunctionFrame::LEN }>,
     {
         EngineFacts {
             variables: <S as Stepper<f64, Top<f64>, AxisTangent, { AxisTangent::LEN }>>::VARIABLES,
@@ -92,8 +92,8 @@ impl EngineFacts {
             sees_limits: <S as Stepper<f64, Top<f64>, AxisTangent, { AxisTangent::LEN }>>::SEES_LIMITS,
             has_tangent: <S as Stepper<f64, Top<f64>, AxisTangent, { AxisTangent::LEN }>>::HAS_TANGENT,
             flows: <S as Stepper<f64, Top<f64>, AxisTangent, { AxisTangent::LEN }>>::FLOWS,
-            moves_satellites: <S as Stepper<f64, Top<f64>, SatelliteFrame, { SatelliteFrame::LEN }>>::MOVES,
-            moves_called: <S as Stepper<f64, Top<f64>, CalledFrame, { CalledFrame::LEN }>>::MOVES,
+            moves_further: <S as Stepper<f64, Top<f64>, FurtherFrame, { FurtherFrame::LEN }>>::MOVES,
+            moves_function: <S as Stepper<f64, Top<f64>, FunctionFrame, { FunctionFrame::LEN }>>::MOVES,
         }
     }
 }

@@ -7,7 +7,7 @@
 use super::acceleration;
 use super::splitting::turn;
 use super::{Coefficients, Engine, Facts, ForcedStep, Numbers, RK4, Scheme, Step, Stepper, Variables};
-use crate::forcing::ForcingInterval;
+use crate::forces::ForcesInterval;
 use crate::kinematics::{cross, direction, dot, put};
 use crate::real::Real;
 use crate::scene::{Applied, Layout, Model, Parameters};
@@ -83,7 +83,7 @@ struct Modes<R> {
 
 impl<R: Real> Modes<R> {
     #[inline(always)]
-    fn new(p: &Parameters<R>, interval: &ForcingInterval<R>) -> Self {
+    fn new(p: &Parameters<R>, interval: &ForcesInterval<R>) -> Self {
         let mut to = interval.modes;
         for k in 0..3 {
             let root = R::splat(1.0) / p.moments[k].sqrt();
@@ -154,10 +154,10 @@ pub struct AffineSplitting<R> {
 
 impl<R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, L, D> for AffineSplitting<R> {
     const VARIABLES: Variables = Variables::Momenta;
-    const MOVES: bool = L::BALANCE && !L::SATELLITE && !L::CALLED;
+    const MOVES: bool = L::BALANCE && !L::FURTHER && !L::FUNCTION;
 
     #[inline(always)]
-    fn new(p: &Parameters<R>, interval: &ForcingInterval<R>, _numbers: &'static Numbers) -> Self {
+    fn new(p: &Parameters<R>, interval: &ForcesInterval<R>, _numbers: &'static Numbers) -> Self {
         let modes = Modes::new(p, interval);
         let half = p.step * R::splat(0.5);
         let [i1, i2, i3] = p.moments;
@@ -228,12 +228,12 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, L, D> for Af
         for i in 0..3 {
             rates[i] = y[i] / p.moments[i];
         }
-        let forcing = without_damping::<R, M, L, D>(&self.applied, p, &rates);
+        let without = without_damping::<R, M, L, D>(&self.applied, p, &rates);
         let applied = self.applied.torque::<L, D>(&rates);
         let undamped = self.applied.undamped::<L, D>(&rates);
-        let mut sum = forcing;
+        let mut sum = without;
         for i in 0..3 {
-            sum[i] = forcing[i] + (applied[i] - undamped[i]);
+            sum[i] = without[i] + (applied[i] - undamped[i]);
         }
         sum
     }
@@ -381,10 +381,10 @@ impl<R: Real, M: Model<R>> Exponential<R, M> {
 
 impl<R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, L, D> for Exponential<R, M> {
     const VARIABLES: Variables = Variables::Rates;
-    const MOVES: bool = L::BALANCE && !L::SATELLITE && !L::CALLED;
+    const MOVES: bool = L::BALANCE && !L::FURTHER && !L::FUNCTION;
 
     #[inline(always)]
-    fn new(p: &Parameters<R>, interval: &ForcingInterval<R>, _numbers: &'static Numbers) -> Self {
+    fn new(p: &Parameters<R>, interval: &ForcesInterval<R>, _numbers: &'static Numbers) -> Self {
         let modes = Modes::new(p, interval);
         let (h, half) = (p.step, p.step * R::splat(0.5));
         let zero = R::splat(0.0);

@@ -6,7 +6,7 @@
 //! which is found by Newton's method.
 
 use super::{Coefficients, Engine, Facts, Numbers, Scheme, Step, Stepper, Variables};
-use crate::forcing::ForcingInterval;
+use crate::forces::ForcesInterval;
 use crate::kinematics::{cross, direction, dot, put, quaternion_product};
 use crate::real::Real;
 use crate::scene::{Applied, Layout, Model, Parameters};
@@ -52,7 +52,7 @@ const PARTS: [usize; 3] = [4, 16, 64];
 #[derive(Clone, Copy)]
 pub struct ImplicitMidpoint<R> {
     applied: Applied<R>,
-    interval: ForcingInterval<R>,
+    interval: ForcesInterval<R>,
     /// Moments over the first, and their inverses.
     ratios: [R; 3],
     inverse_ratios: [R; 3],
@@ -144,7 +144,7 @@ fn columns<R: Real>(k: &[R; 3]) -> [[R; 3]; 3] {
 
 impl<R: Real> ImplicitMidpoint<R> {
     #[inline(always)]
-    fn of(p: &Parameters<R>, interval: &ForcingInterval<R>) -> Self {
+    fn of(p: &Parameters<R>, interval: &ForcesInterval<R>) -> Self {
         let one = R::splat(1.0);
         let [i1, i2, i3] = p.moments;
         let inverse = one / i1;
@@ -162,7 +162,7 @@ impl<R: Real> ImplicitMidpoint<R> {
 
     /// The constants of a step or substep.
     #[inline(always)]
-    fn constants(p: &Parameters<R>, interval: &ForcingInterval<R>, inverse: R, part: R) -> StepConstants<R> {
+    fn constants(p: &Parameters<R>, interval: &ForcesInterval<R>, inverse: R, part: R) -> StepConstants<R> {
         let step = p.step * part;
         let half = step * R::splat(0.5);
         let (mut lever, mut kick, mut damping) = (p.weight, p.weight, interval.damping);
@@ -226,8 +226,8 @@ impl<R: Real> ImplicitMidpoint<R> {
             }
         }
         let gamma = if const { M::HEAVY && L::VECTORS > 0 } { direction(y, 0) } else { zeros };
-        let first = if L::CALLED { direction(y, 1) } else { zeros };
-        let middle = if L::CALLED { y[L::TIME_AT] + half } else { half };
+        let first = if L::FUNCTION { direction(y, 1) } else { zeros };
+        let middle = if L::FUNCTION { y[L::TIME_AT] + half } else { half };
         (Equation { start, space, gamma, first, middle, damping: matrix(&constants.damping) }, u)
     }
 
@@ -291,8 +291,8 @@ impl<R: Real> ImplicitMidpoint<R> {
             }
         }
         // A step of zero, of a body that rests, turns at no rate.
-        if L::CALLED && R::any(R::splat(0.0).lt(constants.half.abs())) {
-            let torque = self.called(constants, equation, u);
+        if L::FUNCTION && R::any(R::splat(0.0).lt(constants.half.abs())) {
+            let torque = self.function_torque(constants, equation, u);
             let inverse = R::splat(1.0 / DIFFERENCE);
             for i in 0..3 {
                 residual[i] = residual[i] - torque[i];
@@ -300,7 +300,7 @@ impl<R: Real> ImplicitMidpoint<R> {
             for k in 0..3 {
                 let mut beside = *u;
                 beside[k] = u[k] + R::splat(DIFFERENCE);
-                let other = self.called(constants, equation, &beside);
+                let other = self.function_torque(constants, equation, &beside);
                 for i in 0..3 {
                     a[k][i] = inverse.fnma(other[i] - torque[i], a[k][i]);
                 }
@@ -311,11 +311,11 @@ impl<R: Real> ImplicitMidpoint<R> {
 
     /// The torque of the function in the middle of a step that turns the body by `u`, as it stands in the equation.
     #[inline(always)]
-    fn called(&self, constants: &StepConstants<R>, equation: &Equation<R>, u: &[R; 3]) -> [R; 3] {
+    fn function_torque(&self, constants: &StepConstants<R>, equation: &Equation<R>, u: &[R; 3]) -> [R; 3] {
         let (turn, half) = (Turn::of(u), constants.half);
         let omega = [u[0] / half, u[1] / half, u[2] / half];
         let (third, first) = (turn.middle(&equation.gamma), turn.middle(&equation.first));
-        let mut torque = self.applied.called(equation.middle, &omega, &third, &first);
+        let mut torque = self.applied.function_torque(equation.middle, &omega, &third, &first);
         for i in 0..3 {
             torque[i] = torque[i] * constants.torque_factor;
         }
@@ -332,7 +332,7 @@ impl<R: Real> ImplicitMidpoint<R> {
     ) -> ([R; 3], R) {
         let one = R::splat(1.0);
         let mut correction = one;
-        let small = R::splat(if L::CALLED { SMALL_CORRECTION_BY_DIFFERENCES } else { SMALL_CORRECTION });
+        let small = R::splat(if L::FUNCTION { SMALL_CORRECTION_BY_DIFFERENCES } else { SMALL_CORRECTION });
         for _ in 0..NEWTON_STEPS {
             let (residual, a) = self.residual::<M, L>(constants, equation, &u);
             // Cramer's rule: the rows of the inverse are cross products of columns.
@@ -422,10 +422,10 @@ impl<R: Real> ImplicitMidpoint<R> {
 
 impl<R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, L, D> for ImplicitMidpoint<R> {
     const VARIABLES: Variables = Variables::Momenta;
-    const MOVES: bool = !L::SATELLITE && !(M::HEAVY && L::QUATERNION);
+    const MOVES: bool = !L::FURTHER && !(M::HEAVY && L::QUATERNION);
 
     #[inline(always)]
-    fn new(p: &Parameters<R>, interval: &ForcingInterval<R>, _numbers: &'static Numbers) -> Self {
+    fn new(p: &Parameters<R>, interval: &ForcesInterval<R>, _numbers: &'static Numbers) -> Self {
         Self::of(p, interval)
     }
 

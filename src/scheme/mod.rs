@@ -15,6 +15,7 @@ mod splitting;
 mod tangent;
 mod taylor;
 
+pub use crate::series::{Coefficients, MAX_ORDER};
 pub use alone::{COLUMNS, Columns, SeriesAlone, in_columns};
 use compositions::check_composition;
 pub use engine::Engine;
@@ -28,12 +29,12 @@ pub use splitting::{
     ComposedPlanar, Composition, Drift, ExactRotor, Flow, KickMoserVeselov, KickRotor, Planar, Processor,
     Round, Splitting,
 };
-pub use taylor::{Coefficients, Taylor};
+pub use taylor::Taylor;
 pub(crate) use taylor::{in_halves, two_sum};
 
 use crate::error::Error;
-use crate::forces::Forces;
-use crate::forcing::ForcingInterval;
+use crate::forces::ForcesInterval;
+use crate::forces::{ForceSet, Further, NO_FURTHER};
 use crate::kinematics::dot;
 use crate::real::Real;
 use crate::scene::{Applied, Layout, Model, Parameters, Scene};
@@ -333,7 +334,7 @@ impl Scheme {
         self.any.is_processed()
     }
 
-    /// Whether the scheme integrates displacements: of all bodies, or of those without forcing by exact flows.
+    /// Whether the scheme integrates displacements: of all bodies, or of those without forces by exact flows.
     pub const fn has_tangent(&self) -> bool {
         let of_free = self.any.has_tangent() && self.symmetric.has_tangent();
         of_free && (self.has_forced_tangent() || self.any.engine.facts().flows.is_some())
@@ -395,36 +396,33 @@ impl Scheme {
         }
     }
 
-    /// Whether the scheme integrates the torque that a function of the user returns.
-    pub const fn moves_called(&self) -> bool {
-        match self.forced {
-            Some(forced) => forced.step.engine.facts().moves_called,
-            None => false,
-        }
+    /// The forces that the scheme integrates, by name.
+    pub fn forces(&self) -> Vec<&'static str> {
+        let Some(forced) = self.forced else { return Vec::new() };
+        let facts = forced.step.engine.facts();
+        let further = Further::NAMES.iter().map(|(name, _)| *name).filter(|_| facts.moves_further);
+        let function = facts.moves_function.then_some("function");
+        ["torque", "damping"].into_iter().chain(further).chain(function).collect()
     }
 
     /// Raises an error for a scheme that does not integrate what acts on a body.
     ///
     /// # Errors
     /// Naming the scheme and the rule.
-    pub fn check_forces(&self, forces: Forces) -> Result<(), Error> {
-        let rule = if forces.of_satellite && !self.moves_satellites() {
-            "moves bodies without rotor, dissipation, drag and gravity gradient only: with them move Runge-Kutta \
-             methods and Taylor series"
-        } else if forces.of_function && !self.moves_called() {
+    pub fn check_forces(&self, forces: ForceSet) -> Result<(), Error> {
+        if !forces.act {
+            return Ok(());
+        }
+        let Some(forced) = self.forced else { return self.forced_limit().map(drop) };
+        let facts = forced.step.engine.facts();
+        let rule = if forces.further && !facts.moves_further {
+            NO_FURTHER
+        } else if forces.function && !facts.moves_function {
             "cannot integrate the torque of a function; use 'rk4', 'dop853' or 'midpoint'"
         } else {
             return Ok(());
         };
         Err(Error::Value { argument: "method", value: format!("'{}'", self.facts.name), rule })
-    }
-
-    /// Whether the scheme integrates rotors, energy sinks, quadratic drag and gravity gradients.
-    pub const fn moves_satellites(&self) -> bool {
-        match self.forced {
-            Some(forced) => forced.step.engine.facts().moves_satellites,
-            None => false,
-        }
     }
 
     /// The scheme that cross-checks samples classified by this scheme. A scheme for strong damping is cross-checked by
@@ -483,16 +481,18 @@ impl Scheme {
     }
 }
 
-/// Highest order of any series.
-pub const MAX_ORDER: usize = {
-    let (mut highest, mut i) = (0, 0);
-    while i < ALL.len() {
-        let order = ALL[i].any.numbers.order;
-        highest = if order > highest { order } else { highest };
-        i += 1;
+/// No series has a higher order.
+const _: () = assert!(
+    MAX_ORDER == {
+        let (mut highest, mut i) = (0, 0);
+        while i < ALL.len() {
+            let order = ALL[i].any.numbers.order;
+            highest = if order > highest { order } else { highest };
+            i += 1;
+        }
+        highest
     }
-    highest
-};
+);
 
 /// Every scheme is checked when it is compiled.
 const _: () = {
@@ -519,8 +519,8 @@ fn acceleration<R: Real, M: Model<R>, L: Layout, const D: usize>(
     applied: &Applied<R>,
     y: &[R; D],
 ) -> [R; 3] {
-    if L::SATELLITE {
-        return applied.satellite::<M, L, D>(model, y).omega;
+    if L::FURTHER {
+        return applied.under_further::<M, L, D>(model, y).omega;
     }
     let torque = if L::BALANCE { applied.torque::<L, D>(y) } else { [R::splat(0.0); 3] };
     acceleration_by::<R, M, L, D>(model, applied, y, &torque)
@@ -569,7 +569,7 @@ pub trait Stepper<R: Real, M: Model<R>, L: Layout, const D: usize>: Copy {
     /// The flows of a round, if the engine composes exact flows of parts of the motion.
     const FLOWS: Option<&'static [Flow]> = None;
     /// Prepares the constants of the step.
-    fn new(p: &Parameters<R>, forcing: &ForcingInterval<R>, numbers: &'static Numbers) -> Self;
+    fn new(p: &Parameters<R>, forces: &ForcesInterval<R>, numbers: &'static Numbers) -> Self;
     /// Transforms a state to the variables of the steps, before the first of equal steps; or back, after the last.
     #[inline(always)]
     fn process(&self, _p: &Parameters<R>, _y: &mut [R; D], _leaving: bool) {}

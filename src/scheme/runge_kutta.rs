@@ -3,10 +3,10 @@
 use super::tangent::tangent_rate;
 use super::{Coefficients, Engine, Facts, Numbers, Scheme, Step, Stepper, Variables};
 use super::{acceleration, acceleration_by};
-use crate::forcing::ForcingInterval;
+use crate::forces::ForcesInterval;
 use crate::kinematics;
 use crate::real::Real;
-use crate::scene::{Applied, Layout, Model, Parameters, SatelliteRate};
+use crate::scene::{Applied, FurtherRate, Layout, Model, Parameters};
 use std::marker::PhantomData;
 
 /// The table of an explicit Runge-Kutta method, `k_i = f(y + h sum_j a_ij k_j)`,
@@ -358,8 +358,8 @@ fn rate<R: Real, M: Model<R>, L: Layout, const D: usize>(
     applied: &Applied<R>,
     y: &[R; D],
 ) -> [R; D] {
-    if L::SATELLITE {
-        return satellite_rate::<R, M, L, D>(model, applied, y);
+    if L::FURTHER {
+        return further_rate::<R, M, L, D>(model, applied, y);
     }
     let omega = [y[0], y[1], y[2]];
     let mut dy = *y;
@@ -409,26 +409,25 @@ fn doubled_rate<R: Real, M: Model<R>, L: Layout, const D: usize>(
     dy
 }
 
-/// The equations of motion of the whole state of a satellite.
+/// The equations of motion of the whole state under further forces.
 #[inline(always)]
-fn satellite_rate<R: Real, M: Model<R>, L: Layout, const D: usize>(
+fn further_rate<R: Real, M: Model<R>, L: Layout, const D: usize>(
     model: &M,
     applied: &Applied<R>,
     y: &[R; D],
 ) -> [R; D] {
     let mut dy = *y;
-    let SatelliteRate { omega, sink, balance } = applied.satellite::<M, L, D>(model, y);
+    let FurtherRate { omega, turn, balance } = applied.under_further::<M, L, D>(model, y);
     kinematics::put(&mut dy, 0, omega);
-    let turning = [y[0] + sink[0], y[1] + sink[1], y[2] + sink[2]];
+    let turning = [y[0] + turn[0], y[1] + turn[1], y[2] + turn[2]];
     for v in 0..L::VECTORS {
         let n = kinematics::direction(y, v);
         kinematics::put(&mut dy, 3 + 3 * v, kinematics::direction_rate(&n, &turning));
     }
     kinematics::put(&mut dy, L::BALANCE_AT, balance);
     dy[L::TIME_AT] = R::splat(1.0);
-    if L::ORBITS {
-        let at = L::ORBIT_AT;
-        kinematics::put(&mut dy, at, applied.orbit_change([y[at], y[at + 1]]));
+    if L::OWN > 0 {
+        applied.forces.further.change(y, L::OWN_AT, &mut dy);
     }
     dy
 }
@@ -444,7 +443,7 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, 
     const SEES_LIMITS: bool = T::STAGES < 12;
 
     #[inline(always)]
-    fn new(p: &Parameters<R>, forcing: &ForcingInterval<R>, _numbers: &'static Numbers) -> Self {
+    fn new(p: &Parameters<R>, forces: &ForcesInterval<R>, _numbers: &'static Numbers) -> Self {
         let mut single = [p.step; MAX_STAGES];
         for i in 1..T::STAGES {
             if let Some(j) = only::<T>(i) {
@@ -453,7 +452,7 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, 
             }
         }
         let weight_unit = p.step / R::splat(T::DIVISOR);
-        let (model, applied) = (M::new(p), Applied::new(p, forcing));
+        let (model, applied) = (M::new(p), Applied::new(p, forces));
         RungeKutta { model, twice: model.doubled(), applied, single, weight_unit, tableau: PhantomData }
     }
 

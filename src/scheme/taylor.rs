@@ -4,15 +4,15 @@
 //! (Jorba & Zou 2005, §2). Coefficients are those of powers of t / step: their sum is the state after a step.
 
 use super::acceleration;
-use super::{Engine, Facts, MAX_ORDER, Numbers, Scheme, Step, Stepper, Variables};
-use crate::forcing::ForcingInterval;
+use super::{Engine, Facts, Numbers, Scheme, Step, Stepper, Variables};
+use crate::forces::{ForcesInterval, Further, FurtherSeries, Order};
 use crate::kinematics::{
     add_cross, add_roll_across, add_roll_along, add_turn_across, add_turn_along, direction, put,
 };
 use crate::real::{Apart, Real, is_finite};
 use crate::scene::{Applied, Layout, Model, Parameters};
+use crate::series::{Coefficients, INVERSE, MAX_ORDER, VectorSeries};
 use std::marker::PhantomData;
-use std::mem::MaybeUninit;
 
 /// A loop over the indices 0 .. D of a state, in two halves: the compiler unrolls only loops that are short enough, and
 /// an index that is no constant would keep the state in memory.
@@ -71,74 +71,6 @@ pub const TAYLOR16: Scheme = series!(16, 3.0 / 4.0, 3.66);
 pub const TAYLOR20: Scheme = series!(20, 9.0 / 10.0, 4.41);
 /// Taylor series of order 26.
 pub const TAYLOR26: Scheme = series!(26, 9.0 / 8.0, 5.53);
-
-/// 1 / k.
-pub(super) const INVERSE: [f64; MAX_ORDER + 1] = {
-    let mut inverse = [0.0; MAX_ORDER + 1];
-    let mut k = 1;
-    while k <= MAX_ORDER {
-        inverse[k] = 1.0 / k as f64;
-        k += 1;
-    }
-    inverse
-};
-
-/// Coefficients of a state, lowest order first, in uninitialised memory.
-pub struct Coefficients<R, const D: usize> {
-    rows: [MaybeUninit<[R; D]>; MAX_ORDER + 1],
-    known: usize,
-}
-
-impl<R: Real, const D: usize> Coefficients<R, D> {
-    /// No coefficients yet.
-    #[inline(always)]
-    #[allow(clippy::new_without_default)] // A default would be taken for zero.
-    pub fn new() -> Self {
-        Coefficients { rows: [const { MaybeUninit::uninit() }; MAX_ORDER + 1], known: 0 }
-    }
-
-    /// Forgets all coefficients.
-    #[inline(always)]
-    pub(super) fn clear(&mut self) {
-        self.known = 0;
-    }
-
-    #[inline(always)]
-    pub(super) fn push(&mut self, row: [R; D]) {
-        self.rows[self.known].write(row);
-        self.known += 1;
-    }
-
-    /// The highest order known.
-    #[inline(always)]
-    pub fn highest(&self) -> usize {
-        self.known - 1
-    }
-
-    /// Replaces the coefficients of one order of neighbouring numbers.
-    #[inline(always)]
-    pub(super) fn set(&mut self, k: usize, first: usize, numbers: [R; 6]) {
-        assert!(k < self.known);
-        // SAFETY: `push` has written all rows below `known`.
-        put(unsafe { self.rows[k].assume_init_mut() }, first, numbers);
-    }
-
-    /// The coefficients of all orders known.
-    #[inline(always)]
-    pub(super) fn all(&self) -> &[[R; D]] {
-        let rows = &self.rows[..self.known];
-        // SAFETY: `push` has written all rows below `known`; an initialised row has the layout of its type.
-        unsafe { &*(std::ptr::from_ref(rows) as *const [[R; D]]) }
-    }
-
-    /// The coefficients of one order.
-    #[inline(always)]
-    pub fn order(&self, k: usize) -> &[R; D] {
-        assert!(k < self.known);
-        // SAFETY: `push` has written all rows below `known`.
-        unsafe { self.rows[k].assume_init_ref() }
-    }
-}
 
 /// Cauchy products of one order: of the rates with each other, with the directions and with the quaternion.
 #[derive(Clone, Copy)]
@@ -204,7 +136,7 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
     /// All coefficients of the motion that starts at `y`. Two orders are summed side by side, because both need the
     /// same rows. The newest rows are summed last, so that the first sums need not wait.
     #[inline(always)]
-    fn coefficients<L: Layout, const D: usize>(&self, unit: R, y: &[R; D], c: &mut Coefficients<R, D>) {
+    pub fn coefficients<L: Layout, const D: usize>(&self, unit: R, y: &[R; D], c: &mut Coefficients<R, D>) {
         let side_by_side = const { L::VECTORS < 3 };
         let mut all_orders = self.has_high_orders;
         loop {
@@ -288,8 +220,8 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
         k: usize,
     ) {
         let mut next = self.next::<L, D>(unit, sums, (c.order(k), k));
-        if L::SATELLITE {
-            self.add_satellite::<L, D>(unit, &sums.rates, series, c, &mut next, k);
+        if L::FURTHER {
+            self.add_further::<L, D>(unit, &sums.rates, series, c, &mut next, k);
         } else if L::BALANCE {
             self.add_applied::<L, D>(unit, series, c, &mut next, k);
         }
@@ -373,14 +305,14 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
         next[L::BALANCE_AT + 2] = if k == 0 { unit } else { R::splat(0.0) };
     }
 
-    /// Adds what acts on a satellite to the coefficients of order k + 1, with torque and damping, and computes those of
-    /// the balance and of the angle on the orbit: `Applied::satellite` by Cauchy products.
+    /// Adds the further forces to the coefficients of order k + 1, with torque and damping, and computes those of the balance
+    /// and of the variables of the forces: `Applied::under_further` by Cauchy products.
     #[inline(always)]
-    fn add_satellite<L: Layout, const D: usize>(
+    fn add_further<L: Layout, const D: usize>(
         &self,
         unit: R,
         products: &[R; 3],
-        Beside { torques, satellite: series, all_orders, .. }: &mut Beside<R>,
+        Beside { torques, further: series, all_orders, .. }: &mut Beside<R>,
         c: &Coefficients<R, D>,
         next: &mut [R; D],
         k: usize,
@@ -388,52 +320,37 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
         let (applied, of_k, zero) = (&self.applied, c.order(k), [R::splat(0.0); 3]);
         let factor = unit * R::splat(INVERSE[k + 1]);
         let mut torque = self.torque::<L, D>(unit, c, k, *all_orders);
-        if L::ORBITS {
-            let at = L::ORBIT_AT;
-            let mut centre = zero;
-            for j in 0..=k {
-                let part = applied.towards_centre([c.order(j)[at], c.order(j)[at + 1]], c.order(k - j));
-                centre = [centre[0] + part[0], centre[1] + part[1], centre[2] + part[2]];
-            }
-            series.centre.push(k, centre);
-            let mut squares = zero;
-            for j in 0..=k {
-                // SAFETY: the calls for the orders 0 to k, one each and ascending, have pushed the rows 0 to k.
-                let (a, b) = unsafe { (series.centre.order(j), series.centre.order(k - j)) };
-                squares =
-                    [a[1].fma(b[2], squares[0]), a[2].fma(b[0], squares[1]), a[0].fma(b[1], squares[2])];
-            }
-            let gradient = applied.gravity_gradient(&squares);
-            torque = [torque[0] + gradient[0], torque[1] + gradient[1], torque[2] + gradient[2]];
-            let [cos, sin] = applied.orbit_change([of_k[at], of_k[at + 1]]);
-            put(next, at, [factor * cos, factor * sin]);
-        }
-        if R::any(applied.is_dragged()) {
-            applied.add_drag(&Self::drag_products(&mut series.speed, c, k), &mut torque);
-        }
+        applied.add_further_orders::<L, D>(
+            c,
+            Order { k, own: L::OWN_AT, factor },
+            &mut series.torques,
+            next,
+            &mut torque,
+        );
         let omega = [of_k[0], of_k[1], of_k[2]];
-        let mut impulse = applied.rotor_across(&omega);
+        let rotor = &applied.forces.further.rotor;
+        let mut impulse = rotor.across(&omega);
         impulse = [impulse[0] + torque[0], impulse[1] + torque[1], impulse[2] + torque[2]];
         let mut rate = self.model.euler(products, of_k);
         let change = applied.over_moments(&impulse);
         rate = [rate[0] + change[0], rate[1] + change[1], rate[2] + change[2]];
-        let sink = applied.sink(&rate);
-        series.sink.push(k, sink);
-        let rotor = applied.rotor_across(&sink);
+        let sink = applied.turn(&rate);
+        series.turn.push(k, sink);
+        let rotor = rotor.across(&sink);
         series.impulse.push(k, [impulse[0] + rotor[0], impulse[1] + rotor[1], impulse[2] + rotor[2]]);
 
-        let (mut by_sink, mut turned) = (rotor, [zero; 3]);
+        let (mut by_turn, mut turned) = (rotor, [zero; 3]);
         for j in 0..=k {
             // SAFETY: as above.
-            let sink = unsafe { series.sink.order(k - j) };
+            let sink = unsafe { series.turn.order(k - j) };
             let row = c.order(j);
-            add_cross(&applied.momentum(&[row[0], row[1], row[2]]), sink, &mut by_sink);
+            add_cross(&applied.momentum(&[row[0], row[1], row[2]]), sink, &mut by_turn);
             for v in 0..L::VECTORS {
                 add_cross(&direction(row, v), sink, &mut turned[v]);
             }
         }
-        torques.push(k, [torque[0] + by_sink[0], torque[1] + by_sink[1], torque[2] + by_sink[2]]);
-        let change = applied.over_moments(&by_sink);
+        torques.push(k, [torque[0] + by_turn[0], torque[1] + by_turn[1], torque[2] + by_turn[2]]);
+        let change = applied.over_moments(&by_turn);
         for i in 0..3 {
             next[i] = factor * (rate[i] + change[i]);
             for v in 0..L::VECTORS {
@@ -450,67 +367,6 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
         }
         put(next, L::BALANCE_AT, [factor * balance[0], factor * balance[1]]);
         next[L::TIME_AT] = if k == 0 { unit } else { R::splat(0.0) };
-    }
-
-    /// The coefficients of order k of `|omega| omega`. Those of the speed `|omega|`, rows of `speeds`, follow from those of
-    /// its square.
-    #[inline(always)]
-    fn drag_products<const D: usize>(speeds: &mut Torques<R>, c: &Coefficients<R, D>, k: usize) -> [R; 3] {
-        let (zero, half) = (R::splat(0.0), R::splat(0.5));
-        let mut square = zero;
-        for j in 0..=k {
-            let (a, b) = (c.order(j), c.order(k - j));
-            square = a[0].fma(b[0], a[1].fma(b[1], a[2].fma(b[2], square)));
-        }
-        let speed = if k == 0 {
-            square.sqrt()
-        } else {
-            // SAFETY: the calls for the orders 0 to k - 1, one each and ascending, have pushed the rows 0 to k - 1.
-            let [first, ..] = unsafe { *speeds.order(0) };
-            let moves = zero.lt(first);
-            let inverse = R::select(moves, half / first, zero);
-            let mut left = square;
-            for j in 1..k {
-                // SAFETY: as above.
-                let (a, b) = unsafe { (speeds.order(j), speeds.order(k - j)) };
-                left = a[0].fnma(b[0], left);
-            }
-            let speed = left * inverse;
-            if R::all(moves) { speed } else { R::select(moves, speed, Self::speed_from_rest(speeds, c, k)) }
-        };
-        speeds.push(k, [speed; 3]);
-        let mut products = [zero; 3];
-        for j in 0..=k {
-            // SAFETY: the row k is pushed too.
-            let ([speed, ..], row) = unsafe { (*speeds.order(j), c.order(k - j)) };
-            for i in 0..3 {
-                products[i] = speed.fma(row[i], products[i]);
-            }
-        }
-        products
-    }
-
-    /// The coefficient of order k > 0 of the speed of a body that begins at rest: its square begins with order 2. Without a
-    /// torque at the begin it is zero, and so is the drag of this step.
-    #[inline(always)]
-    fn speed_from_rest<const D: usize>(speeds: &Torques<R>, c: &Coefficients<R, D>, k: usize) -> R {
-        let (zero, half) = (R::splat(0.0), R::splat(0.5));
-        let mut left = zero;
-        for j in 1..=k {
-            let (a, b) = (c.order(j), c.order(k + 1 - j));
-            left = a[0].fma(b[0], a[1].fma(b[1], a[2].fma(b[2], left)));
-        }
-        if k == 1 {
-            return left.sqrt();
-        }
-        // SAFETY: the rows 0 to k - 1 are pushed.
-        let [first, ..] = unsafe { *speeds.order(1) };
-        for j in 2..k {
-            // SAFETY: as above.
-            let (a, b) = unsafe { (speeds.order(j), speeds.order(k + 1 - j)) };
-            left = a[0].fnma(b[0], left);
-        }
-        R::select(zero.lt(first), left * (half / first), zero)
     }
 }
 
@@ -537,9 +393,9 @@ fn directions<R: Real, L: Layout, const D: usize>(c: &Coefficients<R, D>) -> [R;
 }
 
 /// Coefficients beside those of the state.
-struct Beside<R> {
-    torques: Torques<R>,
-    satellite: SatelliteSeries<R>,
+struct Beside<R: Real> {
+    torques: VectorSeries<R>,
+    further: TurnSeries<R>,
     /// Whether no order of the torque is skipped.
     all_orders: bool,
 }
@@ -547,66 +403,20 @@ struct Beside<R> {
 impl<R: Real> Beside<R> {
     #[inline(always)]
     fn new(all_orders: bool) -> Self {
-        let satellite = SatelliteSeries {
-            sink: Torques::new(),
-            impulse: Torques::new(),
-            centre: Torques::new(),
-            speed: Torques::new(),
+        let further = TurnSeries {
+            turn: VectorSeries::new(),
+            impulse: VectorSeries::new(),
+            torques: Further::series(),
         };
-        Beside { torques: Torques::new(), satellite, all_orders }
+        Beside { torques: VectorSeries::new(), further, all_orders }
     }
 }
 
-/// Coefficients of what acts on a satellite: the turn by the sink, the torque of the impulse, the direction to the centre,
-/// and the speed, the same in all three numbers.
-struct SatelliteSeries<R> {
-    sink: Torques<R>,
-    impulse: Torques<R>,
-    centre: Torques<R>,
-    speed: Torques<R>,
-}
-
-/// Coefficients of the applied torque, in memory that nobody has to clear.
-///
-/// Without the counter of `Coefficients`, which would cost time here: only builds with debug assertions count.
-pub(super) struct Torques<R> {
-    rows: [MaybeUninit<[R; 3]>; MAX_ORDER + 1],
-    #[cfg(debug_assertions)]
-    known: usize,
-}
-
-impl<R: Real> Torques<R> {
-    #[inline(always)]
-    pub(super) fn new() -> Self {
-        Torques {
-            rows: [const { MaybeUninit::uninit() }; MAX_ORDER + 1],
-            #[cfg(debug_assertions)]
-            known: 0,
-        }
-    }
-
-    /// Writes the row of order k, the one after those that are known.
-    #[inline(always)]
-    pub(super) fn push(&mut self, k: usize, row: [R; 3]) {
-        #[cfg(debug_assertions)]
-        {
-            assert_eq!(k, self.known, "one call an order, ascending");
-            self.known += 1;
-        }
-        self.rows[k].write(row);
-    }
-
-    /// The row of one order.
-    ///
-    /// # Safety
-    /// The row has been pushed.
-    #[inline(always)]
-    pub(super) unsafe fn order(&self, k: usize) -> &[R; 3] {
-        #[cfg(debug_assertions)]
-        assert!(k < self.known, "order {k} is not known");
-        // SAFETY: the caller's promise.
-        unsafe { self.rows[k].assume_init_ref() }
-    }
+/// Coefficients under further forces: the turn by the dissipation, the torque of the impulse, and those of the forces.
+struct TurnSeries<R: Real> {
+    turn: VectorSeries<R>,
+    impulse: VectorSeries<R>,
+    torques: FurtherSeries<R>,
 }
 
 /// `a + b` and its rounding error (Knuth, TAOCP 2, §4.2.2).
@@ -649,16 +459,16 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, L, D> for Ta
     const VARIABLES: Variables = Variables::Rates;
     // The attitude of a top is integrated as rows of its matrix: the vertical, which the torque needs anyway, and
     // another direction cost less than the vertical and a quaternion.
-    const MOVES: bool = !L::CALLED && !(M::HEAVY && L::QUATERNION);
+    const MOVES: bool = !L::FUNCTION && !(M::HEAVY && L::QUATERNION);
     const HAS_TANGENT: bool = true;
     const COMPENSATES: bool = true;
     const IS_SERIES: bool = true;
     const SHARES_MOTION: bool = L::TANGENT;
 
     #[inline(always)]
-    fn new(p: &Parameters<R>, forcing: &ForcingInterval<R>, numbers: &'static Numbers) -> Self {
+    fn new(p: &Parameters<R>, forces: &ForcesInterval<R>, numbers: &'static Numbers) -> Self {
         // The bound shows the compiler that no index lies outside the table.
-        let (model, applied) = (M::new(p), Applied::new(p, forcing));
+        let (model, applied) = (M::new(p), Applied::new(p, forces));
         let has_high_orders = L::BALANCE && applied.has_high_orders();
         let (order, is_compensated) = (numbers.order.min(MAX_ORDER), numbers.is_compensated);
         Taylor { model, applied, step: p.step, order, is_compensated, has_high_orders }
@@ -691,11 +501,11 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, L, D> for Ta
     #[inline(always)]
     fn turning(&self, y: &[R; D]) -> [R; 3] {
         let omega = [y[0], y[1], y[2]];
-        if !L::SATELLITE {
+        if !L::FURTHER {
             return omega;
         }
-        let sink = self.applied.satellite::<M, L, D>(&self.model, y).sink;
-        [omega[0] + sink[0], omega[1] + sink[1], omega[2] + sink[2]]
+        let turn = self.applied.under_further::<M, L, D>(&self.model, y).turn;
+        [omega[0] + turn[0], omega[1] + turn[1], omega[2] + turn[2]]
     }
 
     #[inline(always)]

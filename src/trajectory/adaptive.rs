@@ -7,7 +7,7 @@ use super::{
     over_blocks_of,
 };
 use crate::error::Error;
-use crate::forcing::BodyForcing;
+use crate::forces::BodyForces;
 use crate::kernel::{Job, Kernel, KernelAssignment, State, drive, read, unload};
 use crate::memory;
 use crate::observe::Observed;
@@ -102,7 +102,7 @@ impl<'a, 'b> AdaptiveJob<'a, 'b> {
         states: &'a mut StatesPart<'b>,
         stop: &'a Interrupt<'a>,
     ) -> Result<Self, Error> {
-        let rate = |index: usize| request.bodies[first + index].fastest_rate(BodyForcing::NONE, [0.0; 2]);
+        let rate = |index: usize| request.bodies[first + index].fastest_rate(BodyForces::NONE, [0.0; 2]);
         // Rates are not negative: their bits are ordered as they are.
         let queue = members.iter().map(|&index| (rate(index).to_bits(), index));
         let mut queue = memory::collected("bodies of a block", members.len(), queue)?;

@@ -1,9 +1,9 @@
-//! Lanes that choose their steps, each under the forcing of its body.
+//! Lanes that choose their steps, each under the forces on its body.
 
 use super::Request;
 use crate::error::Error;
 use crate::kernel::{
-    AdaptiveSteps, Compiled, Entry, ForcingRows, Group, Kernel, KernelAssignment, load, reset_time,
+    AdaptiveSteps, Compiled, Entry, ForcesRows, Group, Kernel, KernelAssignment, load, reset_time,
 };
 use crate::observe::Displacement;
 use crate::simd::{Isa, LANES};
@@ -14,8 +14,8 @@ pub(super) struct AdaptiveLanes<'a> {
     pub(super) kernel: Compiled,
     pub(super) group: Group,
     pub(super) steps: AdaptiveSteps,
-    forcing_rows: ForcingRows,
-    /// The next knot of the forcing of each lane; infinite if there is none.
+    forces_rows: ForcesRows,
+    /// The next knot of the forces on each lane; infinite if there is none.
     knots: [f64; LANES],
 }
 
@@ -31,7 +31,7 @@ impl<'a> AdaptiveLanes<'a> {
             kernel: Compiled::new(kernel, isa),
             group: Group::inactive(),
             steps: AdaptiveSteps::inactive(tolerance, kernel.step.numbers.order)?,
-            forcing_rows: ForcingRows::NONE,
+            forces_rows: ForcesRows::NONE,
             knots: [f64::INFINITY; LANES],
         })
     }
@@ -45,15 +45,16 @@ impl<'a> AdaptiveLanes<'a> {
         range: [f64; 2],
         backward: bool,
     ) -> f64 {
-        let (body, forcing) = (&self.request.bodies[index], self.request.forcing_of(index));
-        let rate = body.fastest_rate(forcing, range);
+        let (body, forces) = (&self.request.bodies[index], self.request.forces_of(index));
+        let rate = body.fastest_rate(forces, range);
         let first = self.request.steps[index];
         // A body that does not turn needs one step.
         let first = if first.is_finite() { first } else { range[1] - range[0] };
         let direction = if backward { -1.0 } else { 1.0 };
         let displacement = Displacement::new(self.request.record.displacement_of(index));
-        let forced_rate = (!forcing.is_none()).then_some(rate);
-        let entry = Entry { displacement, ..Entry::unobserved(body, forced_rate, direction * first) };
+        let forced_rate = (!forces.is_none()).then_some(rate);
+        let own = forces.further.start(0.0);
+        let entry = Entry { displacement, own, ..Entry::unobserved(body, forced_rate, direction * first) };
         load(&mut self.group, lane, self.kernel, assignment, &entry);
         self.steps.direction.0[lane] = direction;
         self.steps.inverse_rate.0[lane] = if rate > 0.0 { 1.0 / rate } else { 0.0 };
@@ -65,27 +66,27 @@ impl<'a> AdaptiveLanes<'a> {
         rate
     }
 
-    /// Applies the forcing of a body from a time on, to its next knot.
+    /// Applies the forces on a body from a time on, to its next knot.
     fn begin_interval(&mut self, lane: usize, index: usize, time: f64, backward: bool) {
-        let forcing = self.request.forcing_of(index);
-        if !forcing.is_none() || self.request.record.is_sensitivity() {
-            self.forcing_rows.set(lane, &self.request.interval_of(index, time, backward));
+        let forces = self.request.forces_of(index);
+        if !forces.is_none() || self.request.record.is_sensitivity() {
+            self.forces_rows.set(lane, &self.request.interval_of(index, time, backward));
         }
-        if forcing.is_none() {
+        if forces.is_none() {
             return;
         }
         reset_time(&mut self.group, self.kernel.kernel().system, lane);
         let never = if backward { f64::NEG_INFINITY } else { f64::INFINITY };
-        self.knots[lane] = forcing.next_knot(time, backward).unwrap_or(never);
+        self.knots[lane] = forces.table.next_knot(time, backward).unwrap_or(never);
         self.steps.end.0[lane] = self.knots[lane];
     }
 
     /// Advances all lanes until one reaches its next time, by a number of steps at most; returns the number of steps.
     pub(super) fn advance(&mut self, most: usize) -> usize {
-        self.kernel.advance_adaptive(&mut self.group, &self.forcing_rows, &mut self.steps, most)
+        self.kernel.advance_adaptive(&mut self.group, &self.forces_rows, &mut self.steps, most)
     }
 
-    /// Applies the forcing from a knot on, if a lane has reached one. Whether it has.
+    /// Applies the forces from a knot on, if a lane has reached one. Whether it has.
     pub(super) fn pass_knot(&mut self, lane: usize, index: usize, backward: bool) -> bool {
         // Steps end at a knot but for rounding; one more, too short to have a length, would be made.
         let knot = self.knots[lane];

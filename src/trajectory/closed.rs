@@ -4,7 +4,7 @@ use super::states::{norm, worse};
 use super::{Effort, Record, Request, Schedule, StatesPart, kinds_in, neighbours, over_blocks_of};
 use crate::error::Error;
 use crate::exact::{CanonicalForm, Evaluator, Question, StartRows, StateRows};
-use crate::forcing::BodyForcing;
+use crate::forces::BodyForces;
 use crate::memory;
 use crate::parallel::Interrupt;
 use crate::scene::Scene;
@@ -72,7 +72,7 @@ impl ClosedFormBatch<'_> {
         let evaluator = Evaluator::new(self.form(0).kind(), self.isa);
         let canonical = |index: usize| self.form(index).to_canonical(self.body(index));
         for (index, &member) in self.members.iter().enumerate() {
-            states.fastest_rate[member] = self.body(index).fastest_rate(BodyForcing::NONE, [0.0; 2]);
+            states.fastest_rate[member] = self.body(index).fastest_rate(BodyForces::NONE, [0.0; 2]);
         }
         let [length, times] = [self.members.len(), self.request.schedule.len()];
         let room = ROWS_BETWEEN_STOPS.min(times);

@@ -2,7 +2,7 @@
 
 use super::{Effort, Request, Schedule, StatesPart};
 use crate::error::Error;
-use crate::forcing::Forcing;
+use crate::forces::Forces;
 use crate::memory;
 use crate::parallel::Interrupt;
 use crate::scheme::phi;
@@ -27,14 +27,14 @@ pub fn simulate(
     // `None` for a body on which nothing acts.
     let mut rates = memory::reserved("damping rates", n)?;
     for (index, body) in request.bodies.iter().enumerate() {
-        let forcing = request.forcing_of(index);
-        let rate = forcing.slows_evenly(body.moments).filter(|_| !request.scene.has_weight);
-        if rate.is_none() && !forcing.is_none() {
+        let forces = request.forces_of(index);
+        let rate = forces.slows_evenly(body.moments).filter(|_| !request.scene.has_weight);
+        if rate.is_none() && !forces.is_none() {
             return refuse(
                 "under torque or damping a closed form is known of free bodies whose damping is a multiple of their inertia",
             );
         }
-        rates.push(rate.filter(|_| !forcing.is_none()));
+        rates.push(rate.filter(|_| !forces.is_none()));
     }
     // Bodies of equal rates and times share them.
     let shared =
@@ -53,7 +53,7 @@ pub fn simulate(
         }
     }
     let schedule = if shared { Schedule::Times(&slow) } else { Schedule::TimesOfEach(&slow, count) };
-    let request = Request { schedule, forcing: Forcing::NONE, ..*request };
+    let request = Request { schedule, forces: Forces::NONE, ..*request };
     let effort = super::simulate_into(&request, states.again(), threads, isa, stop)?;
     let omega = states.omega.as_mut().expect("rates are always recorded");
     let work = states.work.as_mut().expect("the work of forced bodies is always recorded");

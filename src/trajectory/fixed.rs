@@ -112,7 +112,8 @@ impl Job for FixedJob<'_, '_> {
         let (body, index) = (legs.body(lane), legs.index(lane));
         self.last[lane] = body.attitude;
         let displacement = Displacement::new(legs.request.record.displacement_of(index));
-        let entry = Entry { displacement, ..Entry::unobserved(body, legs.forced_rate(lane), 0.0) };
+        let own = legs.request.forces_of(index).further.start(0.0);
+        let entry = Entry { displacement, own, ..Entry::unobserved(body, legs.forced_rate(lane), 0.0) };
         let assignment = legs.way(lane).assignment;
         load(&mut legs.lanes, lane, legs.compiled, assignment, &entry);
         Ok(Some(Moving { moved: false }))

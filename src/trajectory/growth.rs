@@ -88,9 +88,9 @@ pub fn growth(
     assert!((1..=MAX_DISPLACEMENTS).contains(&displacements.count));
     assert_eq!(displacements.each.len(), request.bodies.len() * displacements.count);
     scheme.check(request.scene, false)?;
-    scheme.check_tangent(!request.forcing.is_none())?;
+    scheme.check_tangent(!request.forces.is_none())?;
     request.check_displaced()?;
-    if !request.forcing.is_none() {
+    if !request.forces.is_none() {
         super::check_forced(request, scheme)?;
     }
     let times = request.schedule.len();

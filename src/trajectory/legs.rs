@@ -1,10 +1,10 @@
-//! Legs: steps of equal size between the stops of a body, which are its output times and the knots of its forcing. The
+//! Legs: steps of equal size between the stops of a body, which are its output times and the knots of its forces. The
 //! bodies of a group are moved leg by leg together.
 
 use super::{Integration, Request, Schedule};
 use crate::error::Error;
-use crate::forcing::BodyForcing;
-use crate::kernel::{Compiled, ForcingRows, Group, Kernel, reset_time};
+use crate::forces::BodyForces;
+use crate::kernel::{Compiled, ForcesRows, Group, Kernel, reset_time};
 use crate::memory;
 use crate::observe::Observed;
 use crate::parallel::Interrupt;
@@ -13,10 +13,10 @@ use crate::solver::Solver;
 use crate::start::Body;
 use std::ops::Range;
 
-/// The forcing of free motions.
-static NO_FORCING: ForcingRows = ForcingRows::NONE;
+/// The forces on free motions.
+static NO_FORCES: ForcesRows = ForcesRows::NONE;
 
-/// Steps of equal size to the next requested state or knot of the forcing.
+/// Steps of equal size to the next requested state or knot of the forces.
 #[derive(Clone, Copy)]
 pub(super) struct Leg {
     pub(super) steps: u64,
@@ -90,11 +90,11 @@ impl Layer {
     /// The layer at the start of a body whose steps do not follow its damping.
     fn of(request: &Request, body: usize) -> Option<Layer> {
         let Solver::Steps(scheme) = request.solver else { return None };
-        let forcing = request.forcing_of(body);
-        if !scheme.damps_exactly() || forcing.is_none() {
+        let forces = request.forces_of(body);
+        if !scheme.damps_exactly() || forces.is_none() {
             return None;
         }
-        let [.., rate] = forcing.damping_rates(request.bodies[body].moments);
+        let [.., rate] = forces.damping.rates(request.bodies[body].moments);
         let first = PART / rate;
         let last = request.steps[body] / PART;
         (request.steps[body] > first).then_some(Layer { since: 0.0, first, next: first, last })
@@ -110,12 +110,12 @@ impl Layer {
 }
 
 /// The stops of a body in the order they are made: forward from 0 through the times >= 0, or backward from 0 through
-/// the times < 0. Legs end at the knots of the forcing: a step across a knot would lose the order of any scheme.
+/// the times < 0. Legs end at the knots of the forces: a step across a knot would lose the order of any scheme.
 struct Stops<'a> {
     schedule: &'a Schedule<'a>,
     /// The times of the body; none if its steps are counted.
     times: &'a [f64],
-    forcing: BodyForcing<'a>,
+    forces: BodyForces<'a>,
     /// Backward in time damping ends nothing.
     layer: Option<Layer>,
     backward: bool,
@@ -126,12 +126,12 @@ struct Stops<'a> {
 
 impl<'a> Stops<'a> {
     fn new(request: &'a Request, body: usize, backward: bool) -> Self {
-        let (schedule, forcing) = (&request.schedule, request.forcing_of(body));
+        let (schedule, forces) = (&request.schedule, request.forces_of(body));
         let times = schedule.times_of(body).unwrap_or_default();
         let split = times.partition_point(|&t| t < 0.0);
         let left = if backward { 0..split } else { split..schedule.len() };
         let layer = if backward { None } else { Layer::of(request, body) };
-        Stops { schedule, times, forcing, layer, backward, from: 0.0, left }
+        Stops { schedule, times, forces, layer, backward, from: 0.0, left }
     }
 }
 
@@ -147,14 +147,14 @@ impl Iterator for Stops<'_> {
         }
         let (from, to) = (self.from, self.times[state]);
         let is_before = |&knot: &f64| if self.backward { knot > to } else { knot < to };
-        let knot = self.forcing.next_knot(from, self.backward).filter(is_before);
+        let knot = self.forces.table.next_knot(from, self.backward).filter(is_before);
         if let Some(layer) = &mut self.layer {
             let end = layer.end_after(from);
             if end < knot.unwrap_or(to) {
                 self.from = end;
                 return Some(Stop { from, end: End::At(end), state: None });
             }
-            if let Some(since) = knot.filter(|&knot| self.forcing.jumps_at(knot)) {
+            if let Some(since) = knot.filter(|&knot| self.forces.table.jumps_at(knot)) {
                 *layer = Layer { since, next: layer.first, ..*layer };
             }
         }
@@ -229,7 +229,7 @@ pub(super) struct LegGroup<'a> {
     pub(super) lanes_each: usize,
     pub(super) lanes: Group,
     /// `None` if no forces act, and no parameter is changed.
-    forcing_rows: Option<Box<ForcingRows>>,
+    forces_rows: Option<Box<ForcesRows>>,
     /// The steps of each body; `None` if they are too many, and the body is not moved.
     pub(super) steps: [Option<u64>; LANES],
     backward: bool,
@@ -263,7 +263,7 @@ impl<'a> LegGroup<'a> {
             compiled,
             lanes_each,
             lanes: Group::inactive(),
-            forcing_rows: is_changing.then(|| Box::new(ForcingRows::NONE)),
+            forces_rows: is_changing.then(|| Box::new(ForcesRows::NONE)),
             steps: [Some(0); LANES],
             backward: false,
             stops,
@@ -319,7 +319,7 @@ impl<'a> LegGroup<'a> {
         let is_timed = !matches!(self.request.schedule, Schedule::Strides(_));
         let index = self.index(b);
         (self.is_forced() && is_timed)
-            .then(|| self.body(b).fastest_rate(self.request.forcing_of(index), self.request.range_of(index)))
+            .then(|| self.body(b).fastest_rate(self.request.forces_of(index), self.request.range_of(index)))
     }
 
     /// Puts the stops of all bodies at the begin of a direction of time. Whether there are any.
@@ -330,7 +330,7 @@ impl<'a> LegGroup<'a> {
         Ok(!self.stops.is_over())
     }
 
-    /// Sets the legs to the next stops, and the forcing on them. A body with too many steps stays.
+    /// Sets the legs to the next stops, and the forces on them. A body with too many steps stays.
     pub(super) fn begin_legs(&mut self) {
         self.now = self.stops.next().expect("the group is not over");
         self.is_over = self.stops.is_over();
@@ -340,7 +340,7 @@ impl<'a> LegGroup<'a> {
                 self.legs[b] = Leg::NONE;
             }
         }
-        let Some(mut rows) = self.forcing_rows.take() else { return };
+        let Some(mut rows) = self.forces_rows.take() else { return };
         for b in 0..self.members.len() {
             let interval = self.request.interval_of(self.index(b), self.now[b].from, self.backward);
             for lane in self.lanes_of(b) {
@@ -350,7 +350,7 @@ impl<'a> LegGroup<'a> {
                 }
             }
         }
-        self.forcing_rows = Some(rows);
+        self.forces_rows = Some(rows);
     }
 
     /// The requested state that a body has reached.
@@ -360,7 +360,7 @@ impl<'a> LegGroup<'a> {
 
     /// Advances all lanes by some steps.
     pub(super) fn advance(&mut self, steps: u64) {
-        let rows = self.forcing_rows.as_deref().unwrap_or(&NO_FORCING);
+        let rows = self.forces_rows.as_deref().unwrap_or(&NO_FORCES);
         self.compiled.advance(&mut self.lanes, rows, steps as usize);
     }
 

@@ -22,7 +22,7 @@ pub use section::{Crossings, Point, Section, Surface, SurfaceKind, section};
 pub use states::{Column, States, StatesPart};
 
 use crate::error::Error;
-use crate::forces::Forces;
+use crate::forces::ForceSet;
 use crate::kernel::{Group, KernelAssignment, Needs, System};
 use crate::memory;
 use crate::parallel::{Interrupt, over_blocks};
@@ -69,10 +69,10 @@ pub fn simulate_into(
         Solver::Steps(scheme) => {
             scheme.check(request.scene, false)?;
             if request.record.is_tangent() {
-                scheme.check_tangent(request.record.is_sensitivity() || !request.forcing.is_none())?;
+                scheme.check_tangent(request.record.is_sensitivity() || !request.forces.is_none())?;
                 request.check_displaced()?;
             }
-            if !request.forcing.is_none() {
+            if !request.forces.is_none() {
                 check_forced(request, scheme)?;
             }
             match request.tolerance {
@@ -86,7 +86,7 @@ pub fn simulate_into(
                 let rule = "has no tangent here: displacements are integrated";
                 return Err(Error::Value { argument: "method", value, rule });
             }
-            if !request.forcing.is_none() {
+            if !request.forces.is_none() {
                 return damped_free::simulate(request, states, threads, isa, stop);
             }
             if let Schedule::Strides(_) = request.schedule {
@@ -102,23 +102,23 @@ pub fn simulate_into(
 /// which the torque is unknown.
 fn check_forced(request: &Request, scheme: &Scheme) -> Result<(), Error> {
     for index in 0..request.bodies.len() {
-        scheme.check_forces(request.forcing_of(index).into())?;
+        scheme.check_forces(request.forces_of(index).into())?;
     }
     let is_stable = scheme.forced_limit()? == f64::INFINITY || request.tolerance.is_some();
     let mut last = None;
     for (index, (body, &step)) in request.bodies.iter().zip(request.steps).enumerate() {
-        let forcing = request.forcing_of(index);
+        let forces = request.forces_of(index);
         let times = request.schedule.times_of(index).unwrap_or_default();
         for &time in [Some(&0.0), times.first(), times.last()].into_iter().flatten() {
-            forcing.check_reaches(time)?;
+            forces.table.check_reaches(time)?;
         }
         // Neighbours mostly are alike.
-        let next = Some((body.moments, forcing, step));
+        let next = Some((body.moments, forces, step));
         if is_stable || last == next {
             continue;
         }
         last = next;
-        let [.., rate] = forcing.damping_rates(body.moments);
+        let [.., rate] = forces.damping.rates(body.moments);
         // A step is cut to the span.
         let step = step.min(request.range_of(index).iter().fold(0.0_f64, |a, t| a.max(t.abs())));
         scheme.check_damping((request.bodies.len() > 1).then_some(index), step, rate)?;
@@ -235,12 +235,12 @@ fn over_blocks_of(
 #[derive(Clone, Copy)]
 struct Integration {
     assignment: KernelAssignment,
-    forces: Forces,
+    forces: ForceSet,
 }
 
 impl Integration {
     fn of(request: &Request, scheme: &Scheme, index: usize) -> Self {
-        let forces = Forces::from(request.forcing_of(index));
+        let forces = ForceSet::from(request.forces_of(index));
         let assignment =
             KernelAssignment::of_either(forces.act, scheme, &request.bodies[index], request.scene);
         Integration { assignment, forces }
@@ -250,9 +250,9 @@ impl Integration {
     fn of_block(request: &Request, scheme: &Scheme, block: Range<usize>) -> Result<Vec<Self>, Error> {
         let mut ways = memory::reserved("bodies of a block", block.len())?;
         let mut last: Option<(&Body, Self)> = None;
-        let all_free = request.forcing.is_none();
+        let all_free = request.forces.is_none();
         for index in block {
-            let is_free = all_free || request.forcing_of(index).is_none();
+            let is_free = all_free || request.forces_of(index).is_none();
             let body = &request.bodies[index];
             let way = match last {
                 // Neighbours mostly have the same moments and the same weight.
@@ -273,7 +273,7 @@ impl Integration {
 
     /// What the bodies of a group share.
     #[inline]
-    fn kind(&self) -> (Step, Forces) {
+    fn kind(&self) -> (Step, ForceSet) {
         (self.assignment.step, self.forces)
     }
 

@@ -2,9 +2,9 @@
 
 use super::neighbours;
 use crate::error::Error;
-use crate::forces::Forces;
-use crate::forcing::{BodyForcing, Forcing, ForcingInterval};
-use crate::kernel::{Compiled, Entry, ForcingRows, Group, Kernel, MAX_STATE};
+use crate::forces::ForceSet;
+use crate::forces::{BodyForces, Forces, ForcesInterval};
+use crate::kernel::{Compiled, Entry, ForcesRows, Group, Kernel, MAX_STATE};
 use crate::kernel::{KernelAssignment, Needs, System, load, reset_time, unload};
 use crate::memory;
 use crate::observe::Observed;
@@ -12,7 +12,6 @@ use crate::parallel::{Interrupt, over_blocks};
 use crate::scene::Scene;
 use crate::scheme::Scheme;
 use crate::simd::{Isa, LANES};
-use crate::special::sincos;
 use crate::start::Body;
 
 /// Numbers of a body in motion: of its steps with their rounding errors, its rates and its attitude.
@@ -24,7 +23,7 @@ pub struct Motion {
     scheme: &'static Scheme,
     /// Torque and damping of the scene, which has one for all bodies; without any that of a torque of zero once a
     /// torque has been applied.
-    forcing: Forcing,
+    forces: Forces,
     isa: Isa,
     /// The time now.
     time: f64,
@@ -40,9 +39,9 @@ struct MovingGroup {
     assignments: Vec<KernelAssignment>,
     compiled: Compiled,
     lanes: Group,
-    forcing_rows: ForcingRows,
-    /// The forcing of each body, if it does not change; without the torque of a step.
-    constant: Vec<ForcingInterval<f64>>,
+    forces_rows: ForcesRows,
+    /// The forces on each body, if it does not change; without the torque of a step.
+    constant: Vec<ForcesInterval<f64>>,
 }
 
 /// The torque of a step in body axes: none, one for all bodies, or one for each.
@@ -58,11 +57,11 @@ impl Motion {
         time: f64,
         scene: &'static Scene,
         scheme: &'static Scheme,
-        forcing: Forcing,
+        forces: Forces,
         isa: Isa,
     ) -> Result<Motion, Error> {
         scheme.check(scene, false)?;
-        let mut motion = Motion { scene, scheme, forcing, isa, time, damping_rate: 0.0, groups: Vec::new() };
+        let mut motion = Motion { scene, scheme, forces, isa, time, damping_rate: 0.0, groups: Vec::new() };
         motion.load(bodies)?;
         Ok(motion)
     }
@@ -84,7 +83,7 @@ impl Motion {
                 all.push(numbers);
             }
         }
-        Ok((all, !self.forcing.is_none()))
+        Ok((all, !self.forces.is_none()))
     }
 
     /// Sets the bodies to the numbers of another motion of the same request.
@@ -96,8 +95,8 @@ impl Motion {
             let (expected, got) = (self.len().to_string(), all.len().to_string());
             return Err(Error::Shape { argument: "numbers", expected, got });
         }
-        if forced && self.forcing.is_none() {
-            self.begin_forcing()?;
+        if forced && self.forces.is_none() {
+            self.begin_forces()?;
         }
         let mut all = all.iter();
         for group in &mut self.groups {
@@ -155,13 +154,13 @@ impl Motion {
         if !end.is_finite() {
             return refused("dt", dt.to_string(), "the time would leave the range of doubles");
         }
-        if !torques.is_empty() || !self.forcing.is_none() {
+        if !torques.is_empty() || !self.forces.is_none() {
             self.check_forced(begin, dt)?;
         }
-        if !torques.is_empty() && self.forcing.is_none() {
-            self.begin_forcing()?;
+        if !torques.is_empty() && self.forces.is_none() {
+            self.begin_forces()?;
         }
-        let forcing = self.forcing.of(0);
+        let forces = self.forces.of(0);
         // Below some 100 microseconds of work a thread is not worth its start.
         let threads = if n < 1000 { 1 } else { threads };
         let mut first = 0;
@@ -171,7 +170,7 @@ impl Motion {
             (group, torques)
         });
         over_blocks(groups, threads, &Interrupt::never(), |(group, torques)| {
-            group.step(forcing, [begin, dt], torques);
+            group.step(forces, [begin, dt], torques);
             Ok(())
         })?;
         self.time = end;
@@ -181,20 +180,20 @@ impl Motion {
     /// Refuses what `trajectory::simulate` refuses of forced bodies.
     fn check_forced(&self, begin: f64, dt: f64) -> Result<(), Error> {
         self.scheme.forced_limit()?;
-        self.scheme.check_forces(self.forcing.of(0).into())?;
+        self.scheme.check_forces(self.forces.of(0).into())?;
         for time in [begin, begin + dt] {
-            self.forcing.of(0).check_reaches(time)?;
+            self.forces.of(0).table.check_reaches(time)?;
         }
         self.scheme.check_damping(None, dt.abs(), self.damping_rate)
     }
 
     /// Loads the bodies anew into kernels of forced bodies.
-    fn begin_forcing(&mut self) -> Result<(), Error> {
+    fn begin_forces(&mut self) -> Result<(), Error> {
         let bodies = memory::collected("bodies", self.len(), self.bodies().copied())?;
-        let zero = Forcing::new(&[], &[[0.0; 3]], &[[0.0; 3]], &[[0.0; 6]])?;
-        let none = std::mem::replace(&mut self.forcing, zero);
+        let zero = Forces::new(&[], &[[0.0; 3]], &[[0.0; 3]], &[[0.0; 6]])?;
+        let none = std::mem::replace(&mut self.forces, zero);
         if let Err(error) = self.load(&bodies) {
-            self.forcing = none;
+            self.forces = none;
             return Err(error);
         }
         Ok(())
@@ -202,11 +201,11 @@ impl Motion {
 
     /// Loads bodies into groups.
     fn load(&mut self, bodies: &[Body]) -> Result<(), Error> {
-        let (scheme, scene, forced) = (self.scheme, self.scene, !self.forcing.is_none());
+        let (scheme, scene, forced) = (self.scheme, self.scene, !self.forces.is_none());
         if forced {
             self.check_forced(self.time, 0.0)?;
         }
-        let forces = Forces { act: forced, ..self.forcing.of(0).into() };
+        let forces = ForceSet { act: forced, ..self.forces.of(0).into() };
         let assignment = |body: &Body| KernelAssignment::of_either(forced, scheme, body, scene);
         let ranges = neighbours(bodies.len(), LANES, |index| assignment(&bodies[index]).step)?;
         let mut loaded = memory::reserved("groups of the bodies", ranges.len())?;
@@ -224,23 +223,19 @@ impl Motion {
                 assignments,
                 compiled: Compiled::new(kernel, self.isa),
                 lanes: Group::inactive(),
-                forcing_rows: ForcingRows::NONE,
-                constant: memory::reserved("forcing of a group", bodies.len())?,
+                forces_rows: ForcesRows::NONE,
+                constant: memory::reserved("forces of a group", bodies.len())?,
             };
             for (lane, body) in bodies.iter().enumerate() {
-                let entry = Entry::unobserved(body, forced.then_some(0.0), 0.0);
+                let own = self.forces.of(0).further.start(self.time);
+                let entry = Entry { own, ..Entry::unobserved(body, forced.then_some(0.0), 0.0) };
                 load(&mut group.lanes, lane, group.compiled, group.assignments[lane], &entry);
-                if let Some(at) = kernel.system.orbit_at() {
-                    let (sin, cos) = sincos(self.forcing.of(0).satellite().orbit_rate * self.time);
-                    group.lanes.state[at].0[lane] = cos;
-                    group.lanes.state[at + 1].0[lane] = sin;
-                }
                 if forced {
-                    let [.., rate] = self.forcing.of(0).damping_rates(body.moments);
+                    let [.., rate] = self.forces.of(0).damping.rates(body.moments);
                     self.damping_rate = self.damping_rate.max(rate);
                     // A function is told the time.
-                    if self.forcing.of(0).knots().is_empty() && !forces.of_function {
-                        group.constant.push(self.forcing.of(0).interval(0.0, false, body.moments));
+                    if self.forces.of(0).table.times.is_empty() && !forces.function {
+                        group.constant.push(self.forces.of(0).interval(0.0, false, body.moments));
                     }
                 }
             }
@@ -253,7 +248,7 @@ impl Motion {
 
 impl MovingGroup {
     /// Makes one step from a time, or several with the knots of a table between them.
-    fn step(&mut self, forcing: BodyForcing, [begin, dt]: [f64; 2], torques: Torques) {
+    fn step(&mut self, forces: BodyForces, [begin, dt]: [f64; 2], torques: Torques) {
         let (end, backward) = (begin + dt, dt < 0.0);
         if dt == 0.0 {
             return;
@@ -261,12 +256,12 @@ impl MovingGroup {
         let mut from = begin;
         loop {
             let is_before = |&knot: &f64| if backward { knot > end } else { knot < end };
-            let knot = forcing.next_knot(from, backward).filter(is_before);
+            let knot = forces.table.next_knot(from, backward).filter(is_before);
             let to = knot.unwrap_or(end);
             // The difference of two times would round a whole step.
             let step = if from == begin && to == end { dt } else { to - from };
-            if !forcing.is_none() {
-                self.apply(forcing, (from, backward), torques);
+            if !forces.is_none() {
+                self.apply(forces, (from, backward), torques);
             }
             for lane in 0..self.bodies.len() {
                 self.lanes.step.0[lane] = step;
@@ -274,7 +269,7 @@ impl MovingGroup {
             if self.compiled.is_processed() {
                 self.compiled.enter(&mut self.lanes);
             }
-            self.compiled.advance(&mut self.lanes, &self.forcing_rows, 1);
+            self.compiled.advance(&mut self.lanes, &self.forces_rows, 1);
             if self.compiled.is_processed() {
                 self.compiled.leave(&mut self.lanes);
             }
@@ -286,20 +281,20 @@ impl MovingGroup {
         self.read();
     }
 
-    /// Sets the forcing of each lane from a time on.
-    fn apply(&mut self, forcing: BodyForcing, (time, backward): (f64, bool), torques: Torques) {
+    /// Sets the forces on each lane from a time on.
+    fn apply(&mut self, forces: BodyForces, (time, backward): (f64, bool), torques: Torques) {
         let system = self.compiled.kernel().system;
         for (lane, body) in self.bodies.iter().enumerate() {
             let mut interval = match self.constant.get(lane) {
                 Some(interval) => *interval,
-                None => forcing.interval(time, backward, body.moments),
+                None => forces.interval(time, backward, body.moments),
             };
             if let Some(torque) = torques.get(lane).or(torques.first()) {
                 for k in 0..3 {
                     interval.body[0][k] += torque[k];
                 }
             }
-            self.forcing_rows.set(lane, &interval);
+            self.forces_rows.set(lane, &interval);
             reset_time(&mut self.lanes, system, lane);
         }
     }
@@ -331,7 +326,7 @@ mod tests {
     };
 
     fn motion(bodies: &[Body]) -> Motion {
-        Motion::new(bodies, 0.0, &FREE, &RK4, Forcing::NONE.copied().unwrap(), Isa::NARROWEST).unwrap()
+        Motion::new(bodies, 0.0, &FREE, &RK4, Forces::NONE.copied().unwrap(), Isa::NARROWEST).unwrap()
     }
 
     #[test]

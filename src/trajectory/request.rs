@@ -1,8 +1,8 @@
 //! The request of a trajectory: bodies, record and times.
 
 use crate::error::Error;
-use crate::forces::Forces;
-use crate::forcing::{BodyForcing, Forcing, ForcingInterval, ParameterChange};
+use crate::forces::ForceSet;
+use crate::forces::{BodyForces, Forces, ForcesInterval, ParameterChange};
 use crate::scene::Scene;
 use crate::solver::Solver;
 use crate::start::Body;
@@ -104,7 +104,7 @@ pub struct Request<'a> {
     /// What moves them.
     pub scene: &'static Scene,
     /// Applied torque and damping.
-    pub forcing: &'a Forcing,
+    pub forces: &'a Forces,
     /// The solver of the bodies.
     pub solver: Solver,
     /// The recorded variables.
@@ -123,23 +123,23 @@ pub struct Request<'a> {
 }
 
 impl Request<'_> {
-    /// The forcing of a body.
-    pub fn forcing_of(&self, body: usize) -> BodyForcing<'_> {
-        self.forcing.of(body)
+    /// The forces on a body.
+    pub fn forces_of(&self, body: usize) -> BodyForces<'_> {
+        self.forces.of(body)
     }
 
-    /// Refuses displacements of satellites and under functions, for which there are no kernels.
+    /// Refuses displacements under forces for which there are no kernels.
     ///
     /// # Errors
-    /// If a rotor, an energy sink, drag, a gravity gradient or the torque of a function acts on a body.
+    /// If a further force or the torque of a function acts on a body.
     pub fn check_displaced(&self) -> Result<(), Error> {
-        (0..self.forcing.bodies()).try_for_each(|body| Forces::from(self.forcing_of(body)).check_displaced())
+        (0..self.forces.bodies()).try_for_each(|body| ForceSet::from(self.forces_of(body)).check_displaced())
     }
 
-    /// The forcing of a body from a time to the next knot, and the change of its parameters.
-    pub fn interval_of(&self, body: usize, time: f64, backward: bool) -> ForcingInterval<f64> {
-        let interval = self.forcing_of(body).interval(time, backward, self.bodies[body].moments);
-        ForcingInterval { change: self.record.change_of(body), ..interval }
+    /// The forces on a body from a time to the next knot, and the change of its parameters.
+    pub fn interval_of(&self, body: usize, time: f64, backward: bool) -> ForcesInterval<f64> {
+        let interval = self.forces_of(body).interval(time, backward, self.bodies[body].moments);
+        ForcesInterval { change: self.record.change_of(body), ..interval }
     }
 
     /// The time range of the motion of a body.

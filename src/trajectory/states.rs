@@ -187,7 +187,7 @@ states! {
         /// Displacements, (n, times, 6), if recorded: changes of the rates, and rotation vectors in the body.
         tangent: 6, |request| request.record.is_tangent();
         /// Work of torque and damping since the start, (n, times), of forced bodies.
-        work: 1, |request| !request.forcing.is_none() && !request.record.is_tangent();
+        work: 1, |request| !request.forces.is_none() && !request.record.is_tangent();
     }
     bodies {
         /// Largest energy error at a wanted time, relative. For a forced body: the error of the energy less the work,
@@ -197,7 +197,7 @@ states! {
         momentum_drift: f64, f64::NAN;
         /// Largest deviation of |gamma| and |q| from one.
         unit_drift: f64, f64::NAN;
-        /// A bound of |omega| over the motion, of closed forms without forcing.
+        /// A bound of |omega| over the motion, of closed forms without forces.
         fastest_rate: f64, f64::NAN;
         /// How each body ended.
         status: Status, Status::Finished;
@@ -247,7 +247,7 @@ impl StatesPart<'_> {
             attitudes[4 * at..][..4].copy_from_slice(&attitude);
         }
         if let Some(work) = &mut self.work {
-            // A body without forcing may have neighbours with it.
+            // A body without forces may have neighbours with them.
             work[at] = now.balance.map_or(0.0, |balance| balance.work);
         }
         if let (Some(now), Some(tangent)) = (&now.tangent, &mut self.tangent) {
@@ -321,7 +321,7 @@ pub(super) fn norm<const N: usize>(v: &[f64; N]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::forcing::Forcing;
+    use crate::forces::Forces;
     use crate::scene::{FREE, Scene, TOP};
     use crate::solver::Solver;
     use crate::trajectory::Schedule;
@@ -330,7 +330,7 @@ mod tests {
         Request {
             bodies: &[],
             scene,
-            forcing: Forcing::NONE,
+            forces: Forces::NONE,
             solver: Solver::Exact,
             record,
             schedule: Schedule::Times(&[0.0, 1.0]),

@@ -24,7 +24,7 @@ WRITTEN = Path(rigid.__file__).parent / "builtin" / "extremes.json"
 def start_of(case: Case) -> Input | None:
     """The case, if it has a closed form."""
     scene = case.scene
-    if scene.forcing is not None:
+    if scene.acting() is not None:
         return None
     mgl, axis = 0.0, 0
     if isinstance(scene, rigid.HeavyTop):

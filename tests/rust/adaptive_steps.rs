@@ -2,7 +2,7 @@
 //! takes no steps, and few lanes are inactive.
 
 use crate::tests::scene_of;
-use rigid::forcing::{BodyForcing, Forcing};
+use rigid::forces::{BodyForces, Forces};
 use rigid::parallel::Interrupt;
 use rigid::sample::{Law, attitude, uniforms};
 use rigid::scheme::{self, Scheme};
@@ -33,7 +33,7 @@ impl Case<'_> {
         Request {
             bodies: self.bodies,
             scene: scene_of(self.bodies.iter().any(|body| body.weight != [0.0; 3])),
-            forcing: Forcing::NONE,
+            forces: Forces::NONE,
             solver,
             record: self.record,
             schedule: Schedule::Times(self.times),
@@ -46,7 +46,7 @@ impl Case<'_> {
 
     fn adaptive_states(&self) -> States {
         let first =
-            |body: &Body| self.method.facts.angle_per_step / body.fastest_rate(BodyForcing::NONE, [0.0; 2]);
+            |body: &Body| self.method.facts.angle_per_step / body.fastest_rate(BodyForces::NONE, [0.0; 2]);
         let steps: Vec<f64> = self.bodies.iter().map(first).collect();
         let request = self.request(Solver::Steps(self.method), &steps, Some(self.tolerance));
         simulate(&request, self.threads, self.isa, &Interrupt::never()).unwrap()
@@ -113,7 +113,7 @@ fn the_error_follows_the_tolerance() {
                             [&got, &exact].map(|s| &s.attitude.as_ref().unwrap()[4 * (81 * i + k)..][..4]);
                         worst = worst.max(
                             2.0 * distance(a, b)
-                                / (1.0 + body.fastest_rate(BodyForcing::NONE, [0.0; 2]) * times[k].abs()),
+                                / (1.0 + body.fastest_rate(BodyForces::NONE, [0.0; 2]) * times[k].abs()),
                         );
                     }
                 }

@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 use proptest::prelude::*;
 use rigid::body::{Inertia, principal_axes};
 use rigid::error::Error;
-use rigid::forcing::Forcing;
+use rigid::forces::Forces;
 use rigid::parallel::Interrupt;
 use rigid::scene::FREE;
 use rigid::scheme;
@@ -228,7 +228,7 @@ fn the_unit_of_inertia_does_not_matter() {
             let request = Request {
                 bodies: &[body],
                 scene: &FREE,
-                forcing: Forcing::NONE,
+                forces: Forces::NONE,
                 solver: Solver::Steps(method),
                 record: Record::Rates,
                 schedule: Schedule::Times(&[5.0]),

@@ -3,7 +3,7 @@
 
 use crate::tests::scene_of;
 use rigid::error::Error;
-use rigid::forcing::Forcing;
+use rigid::forces::Forces;
 use rigid::parallel::Interrupt;
 use rigid::sample::uniforms;
 use rigid::scheme::{self, Scheme};
@@ -43,7 +43,7 @@ fn integrate(scene: &Scene, solver: Solver, times: &[f64], step: f64) -> States 
     let request = Request {
         bodies: &scene.bodies,
         scene: scene_of(scene.is_top),
-        forcing: Forcing::NONE,
+        forces: Forces::NONE,
         solver,
         record: Record::Attitude,
         schedule: Schedule::Times(times),

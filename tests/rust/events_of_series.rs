@@ -2,9 +2,9 @@
 //! accuracy of the states.
 
 use rigid::exact::derived::{sign_changes, tilt_time, top_quantities};
-use rigid::forcing::BodyForcing;
+use rigid::forces::{BodyForces, Further};
 use rigid::kernel::Group;
-use rigid::kernel::{Compiled, ForcingRows, Kernel, System};
+use rigid::kernel::{Compiled, ForcesRows, Kernel, System};
 use rigid::kernel::{Entry, KernelAssignment, load};
 use rigid::observe::{Displacement, EXIT_TIME, Observed, Tilt, largest_tilt};
 use rigid::scheme::{self, Scheme};
@@ -35,15 +35,23 @@ impl Run {
             Kernel { system, step: KernelAssignment::of(method, body, system.scene()).step, observed };
         let compiled = Compiled::new(kernel, Isa::available()[0]);
         let mut group = Group::inactive();
-        let step = method.facts.angle_per_step / body.fastest_rate(BodyForcing::NONE, [0.0; 2]);
-        let entry =
-            Entry { body, forcing: None, axis, limit, step, displacement: Displacement::NONE, bound: None };
+        let step = method.facts.angle_per_step / body.fastest_rate(BodyForces::NONE, [0.0; 2]);
+        let entry = Entry {
+            body,
+            forces: None,
+            axis,
+            limit,
+            step,
+            own: Further::NONE.start(0.0),
+            displacement: Displacement::NONE,
+            bound: None,
+        };
         load(&mut group, 0, compiled, KernelAssignment::of(method, body, system.scene()), &entry);
         Run { group, compiled, step }
     }
 
     fn until(mut self, time: f64) -> Run {
-        self.compiled.advance(&mut self.group, &ForcingRows::NONE, (time / self.step).ceil() as usize);
+        self.compiled.advance(&mut self.group, &ForcesRows::NONE, (time / self.step).ceil() as usize);
         self
     }
 

@@ -1,9 +1,9 @@
 //! Flips: sign changes of a component of the rates, counted once each and located inside the step.
 
 use crate::tests::scene_of;
-use rigid::forcing::ForcingInterval;
+use rigid::forces::{ForcesInterval, Further};
 use rigid::kernel::Group;
-use rigid::kernel::{Compiled, ForcingRows, Kernel, System};
+use rigid::kernel::{Compiled, ForcesRows, Kernel, System};
 use rigid::kernel::{Entry, KernelAssignment, load};
 use rigid::observe::{Displacement, EXIT_TIME, Flips, MAX_ROWS, Observed, Rows, Segment, Update};
 use rigid::scene::FREE;
@@ -40,10 +40,11 @@ impl ObservedBody {
         let mut group = Group::inactive();
         let entry = Entry {
             body,
-            forcing: None,
+            forces: None,
             axis,
             limit: f64::INFINITY,
             step,
+            own: Further::NONE.start(0.0),
             displacement: Displacement::NONE,
             bound: None,
         };
@@ -52,7 +53,7 @@ impl ObservedBody {
     }
 
     fn after(mut self, steps: usize) -> ObservedBody {
-        self.compiled.advance(&mut self.group, &ForcingRows::NONE, steps);
+        self.compiled.advance(&mut self.group, &ForcesRows::NONE, steps);
         self
     }
 
@@ -193,7 +194,7 @@ const POSITIVE: Rows<f64> = {
 /// Gives the observable a step between any two states.
 fn observe_step(rows: &mut Rows<f64>, begin: f64, before: [f64; 3], after: [f64; 3]) {
     let engine =
-        <Engine as Stepper<f64, Free<f64>, Rates, 3>>::new(&BODY, &ForcingInterval::none(), &Numbers::NONE);
+        <Engine as Stepper<f64, Free<f64>, Rates, 3>>::new(&BODY, &ForcesInterval::none(), &Numbers::NONE);
     let nothing = Coefficients::new();
     let segment = Segment { begin, before: &before, after: &after, dense: &nothing };
     <Flips as Update<f64, Free<f64>, Rates, 3>>::after_step(&engine, &BODY, rows, &segment);
@@ -341,10 +342,11 @@ fn stable_spin_for_a_million_steps() {
                 let (axis, limit, step) = (axis as i32, f64::INFINITY, 1.0 / 16.0);
                 let entry = Entry {
                     body: &body,
-                    forcing: None,
+                    forces: None,
                     axis,
                     limit,
                     step,
+                    own: Further::NONE.start(0.0),
                     displacement: Displacement::NONE,
                     bound: None,
                 };
@@ -354,7 +356,7 @@ fn stable_spin_for_a_million_steps() {
             let steps = if method.facts.order <= 4 { 1_000_000 } else { 50_000 };
             compiled.advance(
                 &mut group,
-                &ForcingRows::NONE,
+                &ForcesRows::NONE,
                 if method.facts.symplectic && axis == 2 { 10_000 } else { steps },
             );
             for lane in 0..LANES {

@@ -2,10 +2,10 @@
 //! and refused requests.
 
 use crate::tests::scene_of;
-use rigid::forcing::Forcing;
+use rigid::forces::Forces;
 use rigid::kernel::{Compiled, Kernel, System};
 use rigid::kernel::{Entry, KernelAssignment, load};
-use rigid::kernel::{ForcingRows, Group};
+use rigid::kernel::{ForcesRows, Group};
 use rigid::observe::Observed;
 use rigid::parallel::Interrupt;
 use rigid::sample::{Law, attitude, uniforms};
@@ -35,13 +35,13 @@ fn body(number: u64, is_top: bool) -> Body {
 }
 
 /// A torque that changes and jumps, and damping whose axes are not the body axes.
-fn table(in_space: bool) -> Forcing {
+fn table(in_space: bool) -> Forces {
     let times = [-3.0, -0.5, 0.25, 0.25, 1.1, 4.0];
     let values: Vec<[f64; 3]> =
         (0..6).map(|k| uniforms([7, 8], 0, k, 0).map(|x| 3.0 * x - 1.5)[..3].try_into().unwrap()).collect();
     let zeros = [[0.0; 3]; 6];
     let space: &[[f64; 3]] = if in_space { &values } else { &zeros };
-    Forcing::new(&times, &values, space, &[[0.3, 0.2, 0.4, 0.05, -0.1, 0.02]]).unwrap()
+    Forces::new(&times, &values, space, &[[0.3, 0.2, 0.4, 0.05, -0.1, 0.02]]).unwrap()
 }
 
 fn forced_methods() -> Vec<&'static Scheme> {
@@ -63,25 +63,24 @@ fn every_kernel_on_every_instruction_set_and_in_every_lane() {
                     .expect("a scheme for every step")
             };
             let put =
-                |group: &mut Group, forcing_rows: &mut ForcingRows, lane: usize, number: usize, compiled| {
+                |group: &mut Group, forces_rows: &mut ForcesRows, lane: usize, number: usize, compiled| {
                     let mut body = body(number as u64, system == System::ForcedFrame);
                     if number == 7 {
                         body.omega = [1e18; 3];
                     }
                     let step = if number == 3 { 0.0 } else { 0.02 + 0.002 * number as f64 };
                     load(group, lane, compiled, assignment_of(&body), &Entry::unobserved(&body, None, step));
-                    let forcing = table(number.is_multiple_of(2));
-                    forcing_rows
-                        .set(lane, &forcing.of(0).interval(0.01 * number as f64, false, body.moments));
+                    let forces = table(number.is_multiple_of(2));
+                    forces_rows.set(lane, &forces.of(0).interval(0.01 * number as f64, false, body.moments));
                 };
             let full_group = |isa| {
                 let compiled = Compiled::new(kernel, isa);
-                let (mut group, mut forcing_rows) = (Group::inactive(), ForcingRows::NONE);
+                let (mut group, mut forces_rows) = (Group::inactive(), ForcesRows::NONE);
                 for lane in 0..LANES {
-                    put(&mut group, &mut forcing_rows, lane, lane, compiled);
+                    put(&mut group, &mut forces_rows, lane, lane, compiled);
                 }
                 for steps in [1, 5, 14] {
-                    compiled.advance(&mut group, &forcing_rows, steps);
+                    compiled.advance(&mut group, &forces_rows, steps);
                 }
                 group
             };
@@ -100,11 +99,11 @@ fn every_kernel_on_every_instruction_set_and_in_every_lane() {
                 }
                 let compiled = Compiled::new(kernel, isa);
                 for number in [0, 3, 12, 31] {
-                    let (mut group, mut forcing_rows) = (Group::inactive(), ForcingRows::NONE);
+                    let (mut group, mut forces_rows) = (Group::inactive(), ForcesRows::NONE);
                     let lane = (number + 17) % LANES;
-                    put(&mut group, &mut forcing_rows, lane, number, compiled);
+                    put(&mut group, &mut forces_rows, lane, number, compiled);
                     for steps in [1, 5, 14] {
-                        compiled.advance(&mut group, &forcing_rows, steps);
+                        compiled.advance(&mut group, &forces_rows, steps);
                     }
                     assert_eq!(of_lane(&group, lane), of_lane(&scalar, number), "{kernel:?} {isa:?}");
                 }
@@ -127,7 +126,7 @@ fn integrate(
     let request = Request {
         bodies,
         scene: scene_of(is_top),
-        forcing: &table(is_top),
+        forces: &table(is_top),
         solver: Solver::Steps(method),
         record,
         schedule: Schedule::Times(&TIMES),
@@ -180,7 +179,7 @@ fn trajectories_have_the_same_bits_everywhere_and_alone() {
 
 /// Bodies whose forcing is of all kinds, with the moments of damping and the torques at two times that each body has:
 /// rotations about one axis, where many coefficients are zeros with a sign, a body at rest, and one that overflows.
-fn of_all_kinds(is_top: bool) -> (Vec<Body>, Forcing) {
+fn of_all_kinds(is_top: bool) -> (Vec<Body>, Forces) {
     let (none, along, against, turning) =
         ([[0.0; 3]; 2], [[0.1; 3], [0.4; 3]], [[0.1; 3], [-0.4, 0.0, -0.0]], [[0.2, -0.1, 0.3]; 2]);
     let (weak, undamped) = ([1e-3, 2e-3, 3e-3, 0.0, 0.0, 0.0], [0.0; 6]);
@@ -203,8 +202,8 @@ fn of_all_kinds(is_top: bool) -> (Vec<Body>, Forcing) {
     let in_body: Vec<[f64; 3]> = kinds.iter().flat_map(|&(_, body, ..)| body).collect();
     let in_space: Vec<[f64; 3]> = kinds.iter().flat_map(|&(_, _, space, _)| space).collect();
     let dampings: Vec<[f64; 6]> = kinds.iter().map(|&(.., damping)| damping).collect();
-    let forcing = Forcing::new(&[-3.0, 4.0], &in_body, &in_space, &dampings).unwrap();
-    (bodies.collect(), forcing)
+    let forces = Forces::new(&[-3.0, 4.0], &in_body, &in_space, &dampings).unwrap();
+    (bodies.collect(), forces)
 }
 
 /// A body alone has registers of its own, and zero parts of its torque are skipped. Beside others it shares a register
@@ -215,11 +214,11 @@ fn adaptive_steps_of_a_body_alone_are_those_beside_others() {
         let (bodies, all) = of_all_kinds(is_top);
         for method in scheme::ALL.iter().copied().filter(|method| method.is_series()) {
             for record in [Record::Rates, Record::Attitude] {
-                let run = |bodies: &[Body], forcing: &Forcing, isa| {
+                let run = |bodies: &[Body], forces: &Forces, isa| {
                     let request = Request {
                         bodies,
                         scene: scene_of(is_top),
-                        forcing,
+                        forces,
                         solver: Solver::Steps(method),
                         record,
                         schedule: Schedule::Times(&TIMES),
@@ -277,16 +276,16 @@ fn steps_of_a_series_end_at_knots() {
 
 #[test]
 fn a_torque_table_is_read_from_both_sides_of_a_jump() {
-    let forcing = Forcing::new(
+    let forces = Forces::new(
         &[0.0, 1.0, 1.0, 3.0],
         &[[0.0; 3], [2.0, 0.0, 0.0], [5.0, 0.0, 0.0], [1.0, 0.0, 0.0]],
         &[[0.0; 3]; 4],
         &[[0.0; 6]],
     )
     .unwrap();
-    let forcing = forcing.of(0);
+    let forces = forces.of(0);
     let at = |time, backward| {
-        let interval = forcing.interval(time, backward, [1.0, 2.0, 3.0]);
+        let interval = forces.interval(time, backward, [1.0, 2.0, 3.0]);
         [interval.body[0][0], interval.body[1][0]]
     };
     assert_eq!(at(0.0, false), [0.0, 2.0]);
@@ -294,18 +293,18 @@ fn a_torque_table_is_read_from_both_sides_of_a_jump() {
     assert_eq!(at(1.0, true), [2.0, 2.0]);
     assert_eq!(at(1.0, false), [5.0, -2.0]);
     assert_eq!(at(3.0, true), [1.0, -2.0]);
-    assert_eq!(forcing.next_knot(0.0, false), Some(1.0));
-    assert_eq!(forcing.next_knot(1.0, false), Some(3.0));
-    assert_eq!(forcing.next_knot(1.0, true), Some(0.0));
-    assert_eq!(forcing.next_knot(3.0, false), None);
-    assert!(forcing.check_reaches(3.0).is_ok() && forcing.check_reaches(3.1).is_err());
+    assert_eq!(forces.table.next_knot(0.0, false), Some(1.0));
+    assert_eq!(forces.table.next_knot(1.0, false), Some(3.0));
+    assert_eq!(forces.table.next_knot(1.0, true), Some(0.0));
+    assert_eq!(forces.table.next_knot(3.0, false), None);
+    assert!(forces.table.check_reaches(3.0).is_ok() && forces.table.check_reaches(3.1).is_err());
 }
 
 /// The eigenvalues of `I^(-1) D` against those of matrices with known eigenvalues.
 #[test]
 fn damping_rates_of_known_matrices() {
     let rates = |damping, moments| {
-        Forcing::new(&[], &[[0.0; 3]], &[[0.0; 3]], &[damping]).unwrap().of(0).damping_rates(moments)
+        Forces::new(&[], &[[0.0; 3]], &[[0.0; 3]], &[damping]).unwrap().of(0).damping.rates(moments)
     };
     assert_eq!(rates([1.0, 3.0, 2.0, 0.0, 0.0, 0.0], [1.0, 2.0, 4.0]), [0.5, 1.0, 1.5]);
     // ((2, -1, 0), (-1, 2, -1), (0, -1, 2)) has the eigenvalues 2 and 2 -+ sqrt 2.
@@ -320,7 +319,7 @@ fn damping_rates_of_known_matrices() {
 
 #[test]
 fn damping_that_adds_energy_and_unstable_steps_are_refused() {
-    let make = |damping| Forcing::new(&[], &[[0.0; 3]], &[[0.0; 3]], &[damping]);
+    let make = |damping| Forces::new(&[], &[[0.0; 3]], &[[0.0; 3]], &[damping]);
     assert!(make([1.0, 1.0, 1.0, 2.0, 0.0, 0.0]).unwrap_err().to_string().contains("positive semi-definite"));
     assert!(make([1.0, f64::NAN, 1.0, 0.0, 0.0, 0.0]).unwrap_err().to_string().contains("finite"));
     let stiff = make([1e3, 1e3, 1e3, 0.0, 0.0, 0.0]).unwrap();
@@ -330,7 +329,7 @@ fn damping_that_adds_energy_and_unstable_steps_are_refused() {
             let request = Request {
                 bodies: &bodies,
                 scene: &FREE,
-                forcing: &stiff,
+                forces: &stiff,
                 solver: Solver::Steps(method),
                 record: Record::Rates,
                 schedule: Schedule::Times(&[1.0]),
@@ -341,7 +340,7 @@ fn damping_that_adds_energy_and_unstable_steps_are_refused() {
             };
             simulate(&request, 1, Isa::NARROWEST, &GO)
         };
-        let [.., rate] = stiff.of(0).damping_rates(bodies[0].moments);
+        let [.., rate] = stiff.of(0).damping.rates(bodies[0].moments);
         match method.damping_limit() {
             None => assert!(run(1e-4).is_err_and(|e| e.to_string().contains("without torque and damping"))),
             Some(limit) if limit.is_finite() => {

@@ -3,7 +3,7 @@
 
 use crate::tests::scene_of;
 use nalgebra::{Quaternion, SVector, Unit, UnitQuaternion, Vector3};
-use rigid::forcing::{Forcing, ForcingInterval};
+use rigid::forces::{Forces, ForcesInterval};
 use rigid::parallel::Interrupt;
 use rigid::real::Real;
 use rigid::sample::{Law, attitude, uniforms};
@@ -74,7 +74,7 @@ fn go_by<S, M, L, const D: usize>(
     L: Layout,
     S: Stepper<f64, M, L, D>,
 {
-    let stepper = S::new(p, &ForcingInterval::none(), numbers);
+    let stepper = S::new(p, &ForcesInterval::none(), numbers);
     for _ in 0..steps {
         stepper.step(p, y, &mut [0.0; D], &mut Coefficients::new());
     }
@@ -217,7 +217,7 @@ where
 {
     let energy = |y: &[f64; D]| S::kinetic(&p, y) + M::potential(&p, y);
     let start = energy(&y);
-    let stepper = S::new(&p, &ForcingInterval::none(), S::NUMBERS);
+    let stepper = S::new(&p, &ForcesInterval::none(), S::NUMBERS);
     let (mut early, mut worst) = (0.0, 0.0_f64);
     for i in 0..LONG {
         stepper.step(&p, &mut y, &mut [0.0; D], &mut Coefficients::new());
@@ -296,7 +296,7 @@ fn run(bodies: &[Body], is_top: bool, method: &'static Scheme) -> States {
     let request = Request {
         bodies,
         scene: scene_of(is_top),
-        forcing: Forcing::NONE,
+        forces: Forces::NONE,
         solver: Solver::Steps(method),
         record: Record::Attitude,
         schedule: Schedule::Strides(&[1, 199]),

@@ -1,9 +1,9 @@
 //! Displacements: the derivative of the steps, without any change of the motion.
 
 use crate::tests::scene_of;
-use rigid::forcing::{Forcing, ForcingInterval, ParameterChange};
+use rigid::forces::{Forces, ForcesInterval, ParameterChange};
 use rigid::kernel::{
-    Compiled, DisplacementRows, Entry, ForcingRows, Group, Kernel, KernelAssignment, System, load,
+    Compiled, DisplacementRows, Entry, ForcesRows, Group, Kernel, KernelAssignment, System, load,
 };
 use rigid::observe::{Displacement, Growth, MAX_ROWS, Observed};
 use rigid::parallel::Interrupt;
@@ -42,16 +42,16 @@ fn assert_equal_bits(a: &[f64], b: &[f64], what: &str) {
 }
 
 /// The torque, in body and in space, and the damping of a test.
-fn interval() -> ForcingInterval<f64> {
-    let mut interval = ForcingInterval::none();
+fn interval() -> ForcesInterval<f64> {
+    let mut interval = ForcesInterval::none();
     interval.body = [[0.1, -0.2, 0.05], [0.03, 0.0, -0.02]];
     interval.space = [[-0.1, 0.15, 0.2], [0.0, 0.04, 0.01]];
     interval.damping = [0.06, 0.03, 0.12, 0.01, 0.0, -0.01];
     interval
 }
 
-fn rows(interval: &ForcingInterval<f64>) -> ForcingRows {
-    let mut rows = ForcingRows::NONE;
+fn rows(interval: &ForcesInterval<f64>) -> ForcesRows {
+    let mut rows = ForcesRows::NONE;
     (0..LANES).for_each(|lane| rows.set(lane, interval));
     rows
 }
@@ -61,7 +61,7 @@ fn moved(
     system: System,
     (scheme, isa): (&'static Scheme, Isa),
     observed: Observed,
-    forcing: &ForcingRows,
+    forces: &ForcesRows,
     divide: impl Fn(&mut Group, usize),
 ) -> Group {
     let compiled = Compiled::new(Kernel { system, step: scheme.any, observed }, isa);
@@ -74,7 +74,7 @@ fn moved(
         load(&mut group, lane, compiled, assignment, &entry);
     }
     for block in 0..10 {
-        compiled.advance(&mut group, forcing, 5);
+        compiled.advance(&mut group, forces, 5);
         divide(&mut group, block);
     }
     group
@@ -84,15 +84,15 @@ fn nothing(_: &mut Group, _: usize) {}
 
 #[test]
 fn the_motion_has_the_same_bits_with_and_without_a_displacement() {
-    for (plain, varied, forcing, len) in [
-        (System::TopAxis, System::TopTangent, ForcingRows::NONE, Axis::LEN),
+    for (plain, varied, forces, len) in [
+        (System::TopAxis, System::TopTangent, ForcesRows::NONE, Axis::LEN),
         (System::ForcedFrame, System::ForcedTangent, rows(&interval()), ForcedFrame::LEN),
     ] {
         for scheme in schemes().filter(|scheme| plain == System::TopAxis || scheme.has_forced_tangent()) {
-            let scalar = moved(varied, (scheme, Isa::NARROWEST), Observed::Growth, &forcing, nothing);
+            let scalar = moved(varied, (scheme, Isa::NARROWEST), Observed::Growth, &forces, nothing);
             for isa in Isa::available() {
-                let without = moved(plain, (scheme, isa), Observed::Nothing, &forcing, nothing);
-                let with = moved(varied, (scheme, isa), Observed::Growth, &forcing, nothing);
+                let without = moved(plain, (scheme, isa), Observed::Nothing, &forces, nothing);
+                let with = moved(varied, (scheme, isa), Observed::Growth, &forces, nothing);
                 let what = |d| format!("{varied:?} {scheme:?} {isa:?}, number {d}");
                 for d in 0..len {
                     assert_equal_bits(&without.state[d].0, &with.state[d].0, &what(d));
@@ -111,8 +111,8 @@ fn the_motion_has_the_same_bits_with_and_without_a_displacement() {
 #[test]
 fn a_displacement_that_shares_a_motion_has_the_bits_of_one_with_a_lane_of_its_own() {
     let displacement = |j: usize| DISPLACEMENT.map(|x| x * (1.0 + 0.3 * j as f64) + 0.1 * j as f64);
-    for (system, forcing) in
-        [(System::TopTangent, ForcingRows::NONE), (System::ForcedTangent, rows(&interval()))]
+    for (system, forces) in
+        [(System::TopTangent, ForcesRows::NONE), (System::ForcedTangent, rows(&interval()))]
     {
         for scheme in schemes().filter(|scheme| scheme.is_series()) {
             let assignment = KernelAssignment::of(scheme, &BODY, scene_of(true));
@@ -137,7 +137,7 @@ fn a_displacement_that_shares_a_motion_has_the_bits_of_one_with_a_lane_of_its_ow
                     }
                 }
                 for group in [&mut own, &mut shared] {
-                    compiled.advance(group, &forcing, 25);
+                    compiled.advance(group, &forces, 25);
                 }
                 for j in 0..6 {
                     for k in 0..6 {
@@ -178,7 +178,7 @@ fn it_does_not_matter_when_a_displacement_is_divided_by_a_power_of_two() {
     for scheme in schemes() {
         let run = |power: f64| {
             let isa = Isa::available()[0];
-            moved(System::TopTangent, (scheme, isa), Observed::Growth, &ForcingRows::NONE, divide(power))
+            moved(System::TopTangent, (scheme, isa), Observed::Growth, &ForcesRows::NONE, divide(power))
         };
         let whole = run(0.0);
         for power in [1.0, 60.0, -13.0] {
@@ -208,7 +208,7 @@ fn displacements(
     let request = Request {
         bodies: &bodies,
         scene: scene_of(true),
-        forcing: Forcing::NONE,
+        forces: Forces::NONE,
         solver: Solver::Steps(scheme),
         record,
         schedule: Schedule::Times(&[-1.0, 0.0, 0.7, 3.0]),
@@ -348,7 +348,7 @@ impl Real for Dual {
 /// One step of a state.
 fn stepped<R: Real, M: Model<R>, L: Layout, S: Stepper<R, M, L, D>, const D: usize>(
     numbers: &'static Numbers,
-    interval: &ForcingInterval<R>,
+    interval: &ForcesInterval<R>,
     step: f64,
     y: [R; D],
 ) -> [R; D] {
@@ -364,7 +364,7 @@ fn stepped<R: Real, M: Model<R>, L: Layout, S: Stepper<R, M, L, D>, const D: usi
 /// One step of a state of a body.
 fn stepped_by<R: Real, M: Model<R>, L: Layout, S: Stepper<R, M, L, D>, const D: usize>(
     numbers: &'static Numbers,
-    interval: &ForcingInterval<R>,
+    interval: &ForcesInterval<R>,
     p: &Parameters<R>,
     mut y: [R; D],
 ) -> [R; D] {
@@ -373,8 +373,8 @@ fn stepped_by<R: Real, M: Model<R>, L: Layout, S: Stepper<R, M, L, D>, const D: 
     y
 }
 
-fn interval_of<R: Real>(x: &ForcingInterval<f64>) -> ForcingInterval<R> {
-    let mut interval = ForcingInterval::none();
+fn interval_of<R: Real>(x: &ForcesInterval<f64>) -> ForcesInterval<R> {
+    let mut interval = ForcesInterval::none();
     interval.body = x.body.map(|v| v.map(R::splat));
     interval.space = x.space.map(|v| v.map(R::splat));
     interval.damping = x.damping.map(R::splat);
@@ -444,7 +444,7 @@ type Series<R, M> = Taylor<R, M>;
 /// equation: equal to the derivative of the step up to the error of the step.
 #[test]
 fn a_displacement_is_the_derivative_of_the_step() {
-    let none = ForcingInterval::none();
+    let none = ForcesInterval::none();
     let taylor = scheme::TAYLOR12.any.numbers;
     for step in [0.1, 0.5, 1.0] {
         for [rates, _] in [
@@ -513,7 +513,7 @@ macro_rules! effects {
         const D: usize = ForcedFrame::LEN;
         const E: usize = ForcedFrameTangent::LEN;
         const AT: usize = ForcedFrameTangent::TANGENT_AT;
-        let (change, interval): (ParameterChange<f64>, ForcingInterval<f64>) = ($change, $interval);
+        let (change, interval): (ParameterChange<f64>, ForcesInterval<f64>) = ($change, $interval);
         let p = Parameters { moments: BODY.moments, weight: $weight, step: $step };
         let pair = |x: [f64; 3], change: [f64; 3]| [0, 1, 2].map(|k| dual(x[k], change[k]));
         let q = Parameters {
@@ -521,13 +521,13 @@ macro_rules! effects {
             weight: pair(p.weight, change.weight),
             step: dual($step, 0.0),
         };
-        let mut varied: ForcingInterval<Dual> = interval_of(&interval);
+        let mut varied: ForcesInterval<Dual> = interval_of(&interval);
         varied.body[0] = pair(interval.body[0], change.torque);
         for k in 0..6 {
             varied.damping[k].slope = change.damping[k];
         }
         let y = stepped_by::<f64, Top<f64>, ForcedFrameTangent, $stepper<$($table,)? f64, Top<f64>>, E>(
-            $numbers, &ForcingInterval { change, ..interval }, &p, start(ForcedFrame::VECTORS),
+            $numbers, &ForcesInterval { change, ..interval }, &p, start(ForcedFrame::VECTORS),
         );
         let z = stepped_by::<Dual, Top<Dual>, ForcedFrame, $stepper<$($table,)? Dual, Top<Dual>>, D>(
             $numbers, &varied, &q, start::<D>(ForcedFrame::VECTORS).map(|x| dual(x, 0.0)),
@@ -551,7 +551,7 @@ macro_rules! effects {
 fn the_effect_of_a_change_of_parameters_is_the_derivative_of_the_step() {
     let (none, forced, taylor) = (&Numbers::NONE, interval(), scheme::TAYLOR12.any.numbers);
     let change = ParameterChange::of(&CHANGE);
-    let light = ForcingInterval { space: [[0.0; 3]; 2], ..forced };
+    let light = ForcesInterval { space: [[0.0; 3]; 2], ..forced };
     let of_light = ParameterChange { weight: [0.0; 3], ..change };
     for step in [0.1, 0.5, 1.0] {
         for [rates, _] in [
@@ -603,13 +603,13 @@ fn difference_of_splitting<C: Round>(numbers: &'static Numbers, moments: [f64; 3
     }
     let y = stepped_by::<f64, Top<f64>, AxisTangent, Splitting<C, f64>, E>(
         numbers,
-        &ForcingInterval::none(),
+        &ForcesInterval::none(),
         &parameters(moments, step),
         y,
     );
     let z = stepped_by::<Dual, Top<Dual>, Axis, Splitting<C, Dual>, D>(
         numbers,
-        &ForcingInterval::none(),
+        &ForcesInterval::none(),
         &parameters(moments, step),
         z,
     );

@@ -2,7 +2,7 @@
 
 use crate::tests::scene_of;
 use nalgebra::{DMatrix, DVector};
-use rigid::forcing::{BodyForcing, Forcing, ForcingInterval};
+use rigid::forces::{BodyForces, Forces, ForcesInterval};
 use rigid::parallel::Interrupt;
 use rigid::sample::{Law, attitude, uniforms};
 use rigid::scene::{Attitude, Axis, Free, Layout, Model, Parameters, Top};
@@ -19,7 +19,7 @@ fn run(bodies: &[Body], solver: Solver, step: f64, times: &[f64]) -> States {
     let request = Request {
         bodies,
         scene: scene_of(bodies[0].weight != [0.0; 3]),
-        forcing: Forcing::NONE,
+        forces: Forces::NONE,
         solver,
         record: Record::Attitude,
         schedule: Schedule::Times(times),
@@ -97,7 +97,7 @@ where
     let bound = 40.0 * 26.0 * EPS;
     // Relative to the body, the rates turn at (1 - I3/I1) w3 = 2.
     let mut y = [0.3, 0.0, 4.0, 0.0, 0.0, 1.0];
-    let stepper = <S as Stepper<f64, Free<f64>, Axis, 6>>::new(&p, &ForcingInterval::none(), numbers);
+    let stepper = <S as Stepper<f64, Free<f64>, Axis, 6>>::new(&p, &ForcesInterval::none(), numbers);
     step::<S, Free<f64>, Axis, 6>(&stepper, &p, &mut y);
     let [c, s] = truncated(5.0, order);
     assert!(distance(&y[..3], &[0.3 * c, -0.3 * s, 4.0]) < bound, "{order}: {y:?}");
@@ -108,7 +108,7 @@ where
     step::<S, Free<f64>, Axis, 6>(&stepper, &p, &mut y);
     assert!(distance(&y, &[0.0, 0.0, 2.0, 0.6 * c, -0.6 * s, 0.8]) < bound, "{order}: {y:?}");
     let mut y = [0.0, 0.0, 2.0, 1.0, 0.0, 0.0, 0.0];
-    let stepper = <S as Stepper<f64, Free<f64>, Attitude, 7>>::new(&p, &ForcingInterval::none(), numbers);
+    let stepper = <S as Stepper<f64, Free<f64>, Attitude, 7>>::new(&p, &ForcesInterval::none(), numbers);
     step::<S, Free<f64>, Attitude, 7>(&stepper, &p, &mut y);
     let [c, s] = truncated(2.5, order);
     assert!(distance(&y[3..], &[c, 0.0, 0.0, s]) < bound, "{order}: {y:?}");
@@ -138,7 +138,7 @@ fn first_coefficients_of_a_pendulum() {
         let mut y = [0.0, w, 0.0, s, 0.0, -c];
         type Series = Taylor<f64, Top<f64>>;
         let numbers = scheme::TAYLOR16.any.numbers;
-        let stepper = <Series as Stepper<f64, Top<f64>, Axis, 6>>::new(&p, &ForcingInterval::none(), numbers);
+        let stepper = <Series as Stepper<f64, Top<f64>, Axis, 6>>::new(&p, &ForcesInterval::none(), numbers);
         step::<Series, Top<f64>, Axis, 6>(&stepper, &p, &mut y);
         let [a, b, c, d] = derivatives;
         y[1] - (w + h * (a + h / 2.0 * (b + h / 3.0 * (c + h / 4.0 * d))))
@@ -216,7 +216,7 @@ fn random_body(number: u64, is_top: bool) -> Body {
 fn the_default_step_leaves_only_rounding() {
     for number in 0..300 {
         let body = random_body(number, number % 2 == 1);
-        let rate = body.fastest_rate(BodyForcing::NONE, [0.0; 2]);
+        let rate = body.fastest_rate(BodyForces::NONE, [0.0; 2]);
         let end = [20.0 / rate];
         let exact = run(&[body], Solver::Steps(&scheme::TAYLOR26), 0.3 / rate, &end).attitude.unwrap();
         for method in series() {

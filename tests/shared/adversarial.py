@@ -122,10 +122,7 @@ def random_case(rng: np.random.Generator, kinds: Kinds = KINDS) -> Case:
     able = [
         one
         for one in EVERY_METHOD
-        if (one.driven or not scene.is_driven)
-        and (one.tops or not scene.directions)
-        and (one.satellite or not scene.is_satellite)
-        and (one.called or not scene.is_called)
+        if set(scene.forces) <= set(one.forces) and (one.tops or not scene.directions)
     ]
     options: dict[str, Any] = {}
     mode = rng.choice(["default", "method", "step", "tolerance"], p=[0.3, 0.35, 0.15, 0.2])

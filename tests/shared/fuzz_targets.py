@@ -154,10 +154,10 @@ def plan(rng: Random) -> None:
 
 def criterion(rng: Random, scene: Any) -> Any:
     """One that the scene knows, about any axis."""
-    if rng.random() < 0.5 or (scene.is_driven and not scene.directions):
+    if rng.random() < 0.5 or (scene.forces and not scene.directions):
         return rigid.no_flip(odd.perhaps(rng, rng.choice([1, 2, 3])))
     reference: str | None = "vertical" if scene.directions else "start"
-    if not scene.is_driven:
+    if not scene.forces:
         reference = rng.choice([reference, "start", None])
     axis = odd.perhaps(rng, rng.choice([1, 2, 3, -1, -3]))
     return rigid.tilt_below(odd.number(rng, rng.uniform(0.01, 3.1)), axis=axis, reference=reference)

@@ -283,7 +283,7 @@ def judge_other_times(number: int, seed: int) -> Judged:
     """``run.at`` between, beside and at the wanted times, of runs that are hard on their errors."""
     case = random_case(np.random.default_rng([seed, number]), KINDS)
     rng = np.random.default_rng([seed, number, 1])
-    if case.scene.is_called:
+    if "function" in case.scene.forces:
         return Judged(case.kind, "refused")  # no file knows the address of a function
     try:
         run, row = case.run()
@@ -378,7 +378,7 @@ def judge_steps(number: int, seed: int) -> Judged:
 
 def _judge_bits(rng: np.random.Generator, scene: Any, omega: Floats, attitude: Floats) -> Judged:
     """A thousand steps of a power of two: the bits of a run that wants the state after each."""
-    names = [one.name for one in rigid.methods() if one.driven or not scene.is_driven]
+    names = [one.name for one in rigid.methods() if one.forces or not scene.forces]
     method, step = str(rng.choice(names)), 2.0 ** -int(rng.integers(6, 9))
     times = step * np.arange(1, 1001)
     try:

@@ -138,7 +138,7 @@ def any_measures(rng: np.random.Generator, scene: Scene) -> list[Any]:
     axis = any_axis(rng)
     if scene.directions:
         chosen.append(rigid.largest_tilt(axis=axis, reference="vertical"))
-    if not scene.is_driven:
+    if not scene.forces:
         other = abs(axis) % 3 + 1
         chosen.append(rigid.largest_tilt(axis=other, reference="start"))
     return [*chosen, rigid.time_to_leave(), rigid.drift()]

@@ -232,7 +232,7 @@ def method(rng: Random, made: Scene, *, maps: bool = False) -> str | None:
     able = [
         one.name
         for one in EVERY_METHOD
-        if (one.driven or not made.is_driven)
+        if (one.forces or not made.forces)
         and (one.tops or not made.directions)
         and (one.maps or not maps)
     ]

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from physics import Floats
+from rigid.model.forces import FORCES
 from rigid.model.scene import Scene
 
 SOURCE = Path(__file__).with_suffix(".c")
@@ -154,7 +155,13 @@ def motion(
     """
     torque = scene.torque
     damping, knots, body, space = applied(scene)
-    satellite = np.zeros(16) if scene.satellite is None else np.array(scene.satellite)
+    further = np.zeros(16)
+    for place, name in enumerate(("rotor", "dissipation", "drag")):
+        value = getattr(scene, name)
+        if value is not None:
+            further[3 * place : 3 * place + 3] = FORCES[name].numbers(value)
+    if torque is not None and torque.orbit is not None:
+        further[9:] = (torque.orbit.rate, *torque.orbit.towards, *torque.orbit.ahead)
     function = np.zeros(13)
     if torque is not None and torque.function is not None:
         assert torque.function.address == called(), "no other function is known here"
@@ -169,7 +176,7 @@ def motion(
         steps = _library().motion(
             *(np.ascontiguousarray(scene.body.moments if moments is None else moments),),
             *(np.ascontiguousarray(scene.weight if weight is None else weight), damping),
-            *(len(knots), knots, body, space, satellite, function),
+            *(len(knots), knots, body, space, further, function),
             *(np.array(omega, dtype=np.float64), np.array(attitude, dtype=np.float64)),
             *(len(there), there, tolerance, limit, records[0], records[1]),
         )

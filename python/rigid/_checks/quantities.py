@@ -28,7 +28,6 @@ UNITS: Mapping[str, tuple[str, ...]] = {
     "mgl": ("J",),
     "moments": ("kg m²",),
     "momentum": ("kg m²/s",),
-    "rotor": ("kg m²/s",),
     "size": ("rad/s", "rad"),  # of the rates, or of an attitude
     "tensor": ("kg m²",),
     "torque": ("N m",),

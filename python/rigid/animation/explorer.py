@@ -336,9 +336,9 @@ def _layers(result: StabilityMap) -> list[dict[str, Any]]:
 def _motion(spec: MapSpec) -> dict[str, Any] | None:
     """The numbers of the equations of motion of each pixel; None if the page has not these."""
     grid, scene = spec.grid, spec.scene
-    if scene.torque is not None or scene.is_satellite:
+    if scene.torque is not None or scene.has_further:
         return None
-    if grid.made is not None and (grid.made.torque is not None or grid.made.is_satellite):
+    if grid.made is not None and (grid.made.torque is not None or grid.made.has_further):
         return None
     count = len(grid.moments)
     damping = np.zeros((count, 3, 3)) if grid.damping is None else grid.damping

@@ -203,7 +203,7 @@ def film_of(
     size = float(np.linalg.norm(momentum[0]))
     if view == "top":
         parts, up = _top(check_heavy_top(scene), attitude), UP
-    elif scene.is_driven:
+    elif scene.forces:
         parts, up = _box(scene, omega, attitude, momentum), UP
     else:
         if size == 0.0:
@@ -228,7 +228,7 @@ def film_of(
         reach=reach,
         trail=float(trail),
         chart=_rates(omega) if is_free else _tilt(check_heavy_top(scene), attitude),
-        polhode=_polhode(scene.body.moments, omega) if is_free and not scene.is_driven else None,
+        polhode=_polhode(scene.body.moments, omega) if is_free and not scene.forces else None,
     )
 
 
@@ -283,7 +283,7 @@ def _chosen(scene: Scene, view: str | None) -> str:
         return view
     if len(VIEWS[scene.kind]) == 1:
         return VIEWS[scene.kind][0]
-    if scene.body.sides is not None or scene.is_driven:
+    if scene.body.sides is not None or scene.forces:
         return "box"
     return "cones" if len(set(scene.body.moments)) == 2 else "poinsot"
 

@@ -73,5 +73,5 @@ def _index_of(run: Run, body: int | None) -> tuple[int, ...]:
 
 def require_unforced(scene: Scene, what: str) -> None:
     """Raise ValueError under torque or damping, because the picture shows constants of motion."""
-    if scene.is_driven:
+    if scene.forces:
         raise ValueError(f"{what}: needs a scene without torque and damping")

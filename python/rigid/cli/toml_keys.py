@@ -9,12 +9,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from ..maps.spec import MapSpec
+from ..model.forces import FORCES, FreeForces, TopForces
 from ..model.measures import MEASURES
 from ..model.start import NOISE_KINDS
 from ..reports.spec import ReportSpec
 
 __all__ = [
     "AXIS",
+    "FREE_SCENE",
     "MAP",
     "MAP_RUN",
     "MEASURE",
@@ -24,7 +26,6 @@ __all__ = [
     "REPORT",
     "REPORT_RUN",
     "REPORT_START",
-    "SATELLITE",
     "SCENE",
     "SECTION",
     "SECTION_RUN",
@@ -87,6 +88,16 @@ SECTION: Mapping[str, Key] = {
     "plot": Key("table", "the picture"),
 }
 
+
+def _further(keywords: type) -> dict[str, Key]:
+    """The keys of the further forces that are keywords of a scene."""
+    return {
+        name: Key(force.in_toml, force.meaning, force.unit, "none")
+        for name, force in FORCES.items()
+        if name in keywords.__annotations__
+    }
+
+
 SCENE: Mapping[str, Key] = {
     "kind": Key("text", "`free-body` or `heavy-top`; a heavy top has the keys `mgl` and `com` too"),
     "moments": Key("3 numbers", "principal moments of inertia, instead of `box`", "kg m²"),
@@ -97,12 +108,11 @@ SCENE: Mapping[str, Key] = {
     "torque": Key("3 numbers", "constant torque in the body", "N m", "none"),
     "torque_in_space": Key("3 numbers", "constant torque in space", "N m", "none"),
     "damping": Key("number, 3 or 3×3", "the torque is `-damping * omega`", "N m s/rad", "none"),
-    "drag": Key("number or 3", "the torque is `-drag * abs(omega) * omega`", "N m s²", "none"),
+    **_further(TopForces),
 }
 
-SATELLITE: Mapping[str, Key] = {
-    "dissipation": Key("number or 3", "coefficient of an energy sink", "kg m² s", "none"),
-    "rotor": Key("3 numbers", "angular momentum of a rotor at constant speed", "kg m²/s", "none"),
+FREE_SCENE: Mapping[str, Key] = {
+    **{name: key for name, key in _further(FreeForces).items() if name not in SCENE},
     "gravity_gradient": Key("table", "the orbit of a gravity gradient", "", "none"),
 }
 """Further keys of the scene of a free body."""

@@ -11,12 +11,12 @@ from typing import Any
 from .._checks.arguments import finite_float
 from ..model.body import Body
 from ..model.criteria import CRITERIA, Criterion
+from ..model.forces import FORCES
 from ..model.mixture import Mixture, mixture
-from ..model.satellite import EnergySink
 from ..model.scene import SCENES, FreeBody, Scene
 from ..model.start import NOISE_KINDS, Noise, Start, von_mises_fisher
 from ..model.torque import Torque
-from .toml_keys import NOISE, ORBIT, SATELLITE, SCENE, START
+from .toml_keys import FREE_SCENE, NOISE, ORBIT, SCENE, START
 from .toml_table import Table, as_is, three
 
 __all__ = ["read_criterion", "read_scene", "read_start", "read_starts"]
@@ -34,29 +34,29 @@ def read_scene(table: Table) -> Scene:
     """The scene of a table ``[scene]``."""
     scene = _KINDS[table.choice("kind", _KINDS)]
     others = {name for kind in SCENES.values() for name in kind.fields} - {*scene.fields}
-    others |= set() if scene is FreeBody else {*SATELLITE}
-    table.only(*(key for key in (*SCENE, *SATELLITE) if key not in others))
+    others |= set() if scene is FreeBody else {*FREE_SCENE}
+    table.only(*(key for key in (*SCENE, *FREE_SCENE) if key not in others))
     body = _body(table)
     own: dict[str, Any] = {}
     for name, field in scene.fields.items():
         convert = finite_float if field.width == 1 else three
         if name in table or field.default is None:
             own[name] = table.take(name, convert)
-    acting = {**_forcing(table), **_satellite(table)}
+    acting = {**_torque_and_damping(table), **_further(table)}
     return table.build(lambda: scene(body, **own, **acting))  # type: ignore[call-arg]
 
 
-def _satellite(table: Table) -> dict[str, Any]:
-    """Dissipation and rotor, as far as they are given."""
-    found: dict[str, Any] = {}
-    if "dissipation" in table:
-        found["dissipation"] = table.build(lambda: EnergySink(table.take("dissipation", as_is)))
-    if "rotor" in table:
-        found["rotor"] = table.take("rotor", three)
-    return found
+def _further(table: Table) -> dict[str, Any]:
+    """The further forces that are given."""
+    return {name: _made(table, name) for name in FORCES if name in table}
 
 
-def _forcing(table: Table) -> dict[str, Any]:
+def _made(table: Table, name: str) -> Any:
+    numbers = table.take(name, as_is)
+    return table.build(lambda: FORCES[name].made(numbers))
+
+
+def _torque_and_damping(table: Table) -> dict[str, Any]:
     """Constant torques, a gravity gradient, and damping, as far as they are given."""
     torque: Torque | None = None
     for key, make in (("torque", Torque.body), ("torque_in_space", Torque.space)):
@@ -72,10 +72,7 @@ def _forcing(table: Table) -> dict[str, Any]:
         rate = orbit.take("rate", finite_float)
         part = orbit.build(lambda: Torque.gravity_gradient(rate=rate, **directions))
         torque = part if torque is None else torque + part
-    return {
-        "torque": torque,
-        **{name: table.take(name, as_is, default=None) for name in ("damping", "drag")},
-    }
+    return {"torque": torque, "damping": table.take("damping", as_is, default=None)}
 
 
 def _body(table: Table) -> Body:

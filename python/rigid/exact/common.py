@@ -12,7 +12,7 @@ __all__ = ["in_shape", "require_unforced"]
 
 def require_unforced(scene: Scene) -> None:
     """Raise ValueError if torque or damping acts on the scene."""
-    if scene.is_driven:
+    if scene.forces:
         raise ValueError(f"scene = {scene.words()}: no closed form under torque and damping")
 
 

@@ -177,7 +177,7 @@ def locus_data(
 def _motion(scene: HeavyTop, omega: Floats, attitude: Floats | None) -> exact.TopMotion | None:
     """The motion of a Lagrange top; None for other tops."""
     check_heavy_top(scene)
-    if scene.is_driven or scene.mgl == 0.0:
+    if scene.forces or scene.mgl == 0.0:
         return None
     if top.heavy_constants(scene, omega, UPRIGHT).a is None:
         return None

@@ -325,10 +325,9 @@ def power_balance(
             acting = acting + _body_torque(in_space, quaternions, "space")
     if scene.damping is not None:
         acting = acting - rates @ np.array(scene.damping)
-    if scene.drag is not None:
-        speed = np.linalg.norm(rates, axis=-1, keepdims=True)
-        acting = acting - speed * rates * _at_times(scene.drag)
-    if scene.is_called:
+    for force, value in scene.further():
+        acting = acting + force.torque(_at_times(force.numbers(value)), rates)
+    if "function" in scene.forces:
         raise ValueError("torque: that of a function is not known from the states")
     if "gamma" in scene.directions:
         if vertical is None:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from .._checks.arguments import brief, shaped
 from .._checks.arrays import attitudes, vectors
 from ..model.body_like import BodyLike, moments_of
-from ..model.satellite import Orbit
+from ..model.forces import Orbit
 from ..model.scene import Scene, check_scene
 from ..rotations.apply import to_body
 

@@ -72,7 +72,7 @@ class CoreRequest:
     max_steps, samples, seed : int
     checked : int or None
         Samples with smaller numbers are classified twice; None: the doubtful.
-    forcing : sequence of Forcing, optional
+    forces : sequence of Forces, optional
         That of each pixel.
     numbers, first : ndarray of uint64, shape (P,), optional
         The number of each pixel in the whole map, and that of its first sample, a multiple of 64.
@@ -93,6 +93,6 @@ class CoreRequest:
     samples: int
     checked: int | None
     seed: int
-    forcing: Sequence[_core.Forcing] | None = None
+    forces: Sequence[_core.Forces] | None = None
     numbers: NDArray[np.uint64] | None = None
     first: NDArray[np.uint64] | None = None

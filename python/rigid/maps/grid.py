@@ -16,7 +16,7 @@ from .._checks.float_environment import in_standard_floats
 from ..model.body import Body
 from ..model.scene import Scene
 from ..model.start import Noise, Start, tilted_attitude, tilted_rates
-from ..model.torque import Torque, checked_damping, forcing_of
+from ..model.torque import Torque, checked_damping, forces_of
 from ..solve.bodies import Bodies
 from .parameters import Axis, PixelValues, in_order
 
@@ -66,12 +66,12 @@ class NominalStarts:
                 array.flags.writeable = False
 
     @cached_property
-    def forcings(self) -> list[_core.Forcing] | None:
+    def forces(self) -> list[_core.Forces] | None:
         """Applied torque and damping of each pixel; None if no pixel has any."""
         scene = self.scene
         if self.made is not None:
-            return self._forcings_of_each(self.made)
-        if all(one is None for one in (self.damping, self.torque, scene.torque, scene.satellite)):
+            return self._forces_of_each(self.made)
+        if not scene.forces and self.damping is None and self.torque is None:
             return None
         count = len(self.moments)
         damping = np.zeros((count, 3, 3)) if self.damping is None else self.damping
@@ -81,24 +81,25 @@ class NominalStarts:
         known, of_pixel = np.unique(rows, axis=0, return_inverse=True)
         # Under a torque of zero, bodies without damping are integrated like their neighbours.
         none = Torque.body((0.0, 0.0, 0.0))
+        further = {force.name: force.numbers(value) for force, value in scene.further()}
         made = [
-            forcing_of(
+            forces_of(
                 self._torque(row[9:]) or none,
                 checked_damping(row[:9].reshape(3, 3)),
-                satellite=scene.satellite,
+                further=further,
             )
             for row in known
         ]
         every = [one for one in made if one is not None]
         return [every[k] for k in of_pixel.ravel()]
 
-    def _forcings_of_each(self, made: Scene) -> list[_core.Forcing] | None:
+    def _forces_of_each(self, made: Scene) -> list[_core.Forces] | None:
         """Applied torque and damping of each pixel, where all of these may differ."""
-        if not made.is_driven and self.damping is None and self.torque is None:
+        if not made.forces and self.damping is None and self.torque is None:
             return None
-        none = forcing_of(Torque.body((0.0, 0.0, 0.0)), None)
+        none = forces_of(Torque.body((0.0, 0.0, 0.0)), None)
         assert none is not None
-        return [self.scene_of(pixel).forcing or none for pixel in range(len(self.moments))]
+        return [self.scene_of(pixel).acting() or none for pixel in range(len(self.moments))]
 
     def _torque(self, in_body: Floats) -> Torque | None:
         """The torque of a pixel whose axes set this part of it."""
@@ -108,10 +109,10 @@ class NominalStarts:
         part = Torque.body(in_body)
         return part if given is None else replace(given, in_body=part.in_body)
 
-    def batches_by_forcing(
+    def batches_by_forces(
         self, of_pixel: NDArray[np.intp], omega: Floats, attitude: Floats
     ) -> Iterator[tuple[list[int], Bodies]]:
-        """Bodies of these pixels in batches under one forcing.
+        """Bodies of these pixels in batches under the same forces.
 
         Parameters
         ----------
@@ -125,11 +126,11 @@ class NominalStarts:
         list of int, Bodies
             The indices of the bodies of a batch among those given, and the batch.
         """
-        groups: dict[_core.Forcing | None, list[int]] = {}
+        groups: dict[_core.Forces | None, list[int]] = {}
         for index, pixel in enumerate(of_pixel):
-            forcing = None if self.forcings is None else self.forcings[pixel]
-            groups.setdefault(forcing, []).append(index)
-        for forcing, mine in groups.items():
+            forces = None if self.forces is None else self.forces[pixel]
+            groups.setdefault(forces, []).append(index)
+        for forces, mine in groups.items():
             batch = Bodies(
                 kind=self.scene.kind,
                 shape=(len(mine),),
@@ -137,7 +138,7 @@ class NominalStarts:
                 weight=self.weight[of_pixel[mine]],
                 omega=omega[mine],
                 attitude=attitude[mine],
-                forcing=forcing,
+                forces=forces,
             )
             yield mine, batch
 

@@ -171,7 +171,7 @@ def _one(
         samples=count,
         checked=spec.checked_before(count, begins),
         seed=spec.seed,
-        forcing=grid.forcings,
+        forces=grid.forces,
         numbers=None if pixels is None else pixels.astype(np.uint64),
         first=begins.astype(np.uint64),
     )

@@ -78,7 +78,7 @@ class JudgedJob:
         self.status = drawing.status
         grid = spec.grid
         self._closed = np.zeros(len(grid.moments), dtype=np.bool_)
-        if spec.method in (AUTO, EXACT) and not spec.is_driven:
+        if spec.method in (AUTO, EXACT) and not spec.forces:
             self._closed = closed_forms("states", grid.moments, grid.weight) != NO_FORM
 
     @property
@@ -208,7 +208,7 @@ class JudgedJob:
             **{name: np.full(count, np.nan) for name in (*_DRIFTS, "step")},
         }
         omega, attitude = (values[mine] for values in starts)
-        for some, batch in self._spec.grid.batches_by_forcing(pixel[mine], omega, attitude):
+        for some, batch in self._spec.grid.batches_by_forces(pixel[mine], omega, attitude):
             rows = np.array(some)
             tolerance, steps = self._steps(method, batch, times[-1])
             part = Request(

@@ -35,7 +35,7 @@ def map_plan(spec: MapSpec) -> Plan:
     real = possible(spec.grid.moments)
     moments, weight = spec.grid.moments[real], spec.grid.weight[real]
     forms = closed_forms(spec.stable, moments, weight)
-    if spec.is_driven:
+    if spec.forces:
         forms = np.full_like(forms, NO_FORM)
     method, why = _choice(spec, moments, weight, forms)
     of_pixels = np.flatnonzero(real)
@@ -72,7 +72,7 @@ def _estimate(spec: MapSpec, method: str, forms: Codes, batches: list[Bodies]) -
         rates = [batch.fastest_rates(span) for batch in batches]
         every = np.concatenate([np.zeros(0), *rates])
         return closed_form_estimate(spec.stable, forms, 0, every, spec.t_end)
-    kind = "driven" if spec.is_driven else calibration_class_of_any(spec.scene)
+    kind = "forced" if spec.forces else calibration_class_of_any(spec.scene)
     motions = [_motions(spec, batch) for batch in batches]
     return steps_estimate(spec.stable, spec.scheme, kind, joined(motions))
 
@@ -98,15 +98,15 @@ def _choice(spec: MapSpec, moments: Floats, weight: Floats, forms: Codes) -> tup
         return EXACT, "every body has a closed form"
     if closed.any():
         return AUTO, f"{closed.sum():,} of {closed.size:,} pixels have a closed form"
-    if spec.is_driven:
+    if spec.forces:
         return spec.scheme, "no closed form under torque and damping"
     return spec.scheme, why_not(spec.stable, moments[0], weight[0])
 
 
 def _batches(spec: MapSpec, pixels: NDArray[np.intp]) -> Iterator[Bodies]:
-    """The nominal starts of these pixels, those of one forcing together."""
+    """The nominal starts of these pixels, those under the same forces together."""
     for start in spec.start.starts:
         grid = spec.starting(start)
         starts = grid.omega[pixels], grid.attitude[pixels]
-        for _, batch in grid.batches_by_forcing(pixels, *starts):
+        for _, batch in grid.batches_by_forces(pixels, *starts):
             yield batch

@@ -271,7 +271,7 @@ def _growth(
             raise ValueError("t: must be positive times")
     # Of the very start of the map: an attitude given by a user would be normalised first.
     omega, attitude = (rows[np.newaxis] for rows in start)
-    ((_, batch),) = spec.grid.batches_by_forcing(np.array([pixel]), omega, attitude)
+    ((_, batch),) = spec.grid.batches_by_forces(np.array([pixel]), omega, attitude)
     return growth_of(
         spec.grid.scene_of(pixel),
         replace(batch, shape=()),

@@ -196,13 +196,13 @@ class MapSpec:
                     raise ValueError(
                         "of = 'L': the momentum of the rotor is not watched; use 'omega'"
                     )
-        if self.is_driven:
+        if self.forces:
             self.stable.check_forced()
             for one in self.measure:
                 one.check_forced()
         if self.scene.torque is not None and self.scene.torque.times:
             raise ValueError("torque: maps accept constant torques only, not a table")
-        if self.scene.is_called:
+        if "function" in self.scene.forces:
             raise ValueError(
                 "torque: a function cannot act in a map, whose samples a Taylor series classifies "
                 "again"
@@ -211,11 +211,10 @@ class MapSpec:
             self.method,
             self.scene.kind,
             watched=True,
-            driven=self.is_driven,
-            satellite=self.scene.is_satellite,
+            forces=self.forces,
         )
         if self.stable.displaced and self.method != AUTO:
-            check_tangent(self.method, driven=self.is_driven)
+            check_tangent(self.method, forces=self.forces)
         if self.method == EXACT and not self.misses_functions:
             self._require_closed_forms()
         put("seed", checked_seed("seed", self.seed))
@@ -254,10 +253,11 @@ class MapSpec:
             raise ValueError("measure: a function that judges bodies tells no time_to_leave")
 
     @property
-    def is_driven(self) -> bool:
-        """Whether torque or damping act in some pixel."""
-        driven = any(axis.parameter.describes in ("damping", "torque") for axis in self.axes)
-        return driven or (self.made or self.scene).is_driven
+    def forces(self) -> tuple[str, ...]:
+        """The names of the forces that act in some pixel."""
+        described = [axis.parameter.describes for axis in self.axes]
+        varied = [name for name in ("torque", "damping") if name in described]
+        return (*(self.made or self.scene).forces, *varied)
 
     @cached_property
     def made(self) -> Scene | None:
@@ -504,7 +504,7 @@ class MapSpec:
 
     def _require_closed_forms(self) -> None:
         """Raise ValueError, naming the first, if a possible body has no closed form."""
-        if self.is_driven:
+        if self.forces:
             raise ValueError(f"method = {EXACT!r}: {FORCED_RULE}")
         for one in self.measure:
             if one.runs:

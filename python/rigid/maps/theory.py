@@ -232,7 +232,7 @@ def _first(spec: MapSpec) -> Start:
 
 def _free_no_flip(spec: MapSpec) -> Theory | None:
     stable, grid, noise = spec.stable, spec.grid, _first(spec).noise
-    if spec.is_driven or not isinstance(spec.scene, FreeBody) or not isinstance(stable, NoFlip):
+    if spec.forces or not isinstance(spec.scene, FreeBody) or not isinstance(stable, NoFlip):
         return None
     sized = isinstance(noise, Noise) and noise.cov is None and not noise.is_direction
     if noise is not None and not sized:
@@ -350,7 +350,7 @@ _erf = np.vectorize(math.erf, otypes=[np.float64])
 
 def _symmetric_top(spec: MapSpec) -> Theory | None:
     scene, stable, start, grid = spec.scene, spec.stable, _first(spec), spec.grid
-    if spec.is_driven or not isinstance(scene, HeavyTop) or not isinstance(stable, TiltBelow):
+    if spec.forces or not isinstance(scene, HeavyTop) or not isinstance(stable, TiltBelow):
         return None
     mgl, axis = grid.own["mgl"], start.axis
     along = np.zeros(3)

@@ -37,7 +37,7 @@ def moments_of(body: object, *, rod: bool = False) -> Floats:
     where none is needed.
     """
     if isinstance(body, Scene):
-        if body.is_driven:
+        if body.forces:
             raise ValueError(
                 f"scene = {body.words()}: torque and damping are not taken into account here"
             )

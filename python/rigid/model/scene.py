@@ -10,7 +10,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeAlias, TypeVar, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,6 +19,14 @@ from .. import _core
 from .._checks.arguments import brief, finite_float, numbers, one_of, shaped, unit_vector, vector
 from .._checks.arrays import unit_vectors
 from .body import Body, require_one
+from .forces import (
+    FORCES,
+    FreeForces,
+    HasForces,
+    TopForces,
+    checked_forces,
+    with_forces,
+)
 from .frame import checked_frame, turned, turned_matrix
 from .gravity import about_pivot, checked_properties
 from .leading import (
@@ -32,23 +40,15 @@ from .leading import (
     same,
     taken,
 )
-from .satellite import (
-    EnergySink,
-    checked_drag,
-    checked_rotor,
-    checked_sink,
-    drag_words,
-    rotor_words,
-    satellite_rows,
-)
 from .start import Start, normal
 from .torque import (
+    NO_EXPONENT,
     Damping,
     Torque,
     checked_damping,
     checked_torque,
     damping_words,
-    forcing_of,
+    forces_of,
     matrices_of,
 )
 
@@ -70,7 +70,7 @@ Floats = NDArray[np.float64]
 Vector: TypeAlias = tuple[float, float, float]
 Made = TypeVar("Made")
 
-_ACTING = ("torque", "damping", "dissipation", "rotor", "drag")
+_ACTING = ("torque", "damping", *FORCES)
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,7 +92,7 @@ class Field:
     varies: bool = False
 
 
-class Scene(ABC):
+class Scene(HasForces, ABC):
     """A body with its weight, applied torque and damping: the interface of all scenes.
 
     A scene holds many bodies if one of its parts does: ``len(scene)`` is their number, ``scene[i]``
@@ -113,9 +113,8 @@ class Scene(ABC):
     body : Body
     torque : Torque or None
     damping : 3 tuples of 3 floats, or None
-    dissipation : EnergySink or None
-    rotor : tuple of 3 floats, or None
-    drag : tuple of 3 floats, or None
+    dissipation, rotor, drag : EnergySink, tuple of 3 floats, or None
+        The further forces.
     """
 
     __slots__ = ("_made",)
@@ -128,9 +127,6 @@ class Scene(ABC):
     body: Body
     torque: Torque | None
     damping: Damping | None
-    dissipation: EnergySink | None = None
-    rotor: Vector | Floats | None = None
-    drag: Vector | Floats | None = None
 
     _made: dict[Callable[[Any], Any], Any]
 
@@ -180,12 +176,8 @@ class Scene(ABC):
             shapes["torque"] = self.torque.shape
         if self.damping is not None:
             shapes["damping"] = axes_of(self.damping, 2)
-        if self.dissipation is not None:
-            shapes["dissipation"] = self.dissipation.shape
-        if self.rotor is not None:
-            shapes["rotor"] = axes_of(self.rotor, 1)
-        if self.drag is not None:
-            shapes["drag"] = axes_of(self.drag, 1)
+        for force, value in self.further():
+            shapes[force.name] = axes_of(force.numbers(value), 1)
         return leading_shape(shapes)
 
     def __len__(self) -> int:
@@ -213,16 +205,14 @@ class Scene(ABC):
             damping = taken(self.damping, 2, shape, index)
             known = matrices_of(damping) if np.any(damping) else None
             object.__setattr__(some, "damping", known)
-        if self.dissipation is not None:
-            sink = checked_sink(self.dissipation.of(shape, index))
-            object.__setattr__(some, "dissipation", sink)
-        if self.rotor is not None:
-            rotor = checked_rotor(taken(self.rotor, 1, shape, index))
-            object.__setattr__(some, "rotor", rotor)
-        if self.drag is not None:
-            drag = checked_drag(taken(self.drag, 1, shape, index))
-            object.__setattr__(some, "drag", drag)
+        further = {force.name: force.of(value, shape, index) for force, value in self.further()}
+        some._set_further(further)
         return some
+
+    def _set_further(self, values: Mapping[str, Any]) -> None:
+        """Take these values of the further forces; None for one that does not act."""
+        further = {name: value for name, value in values.items() if value is not None}
+        object.__setattr__(self, "_further", further)
 
     def __eq__(self, other: object) -> bool:
         if type(other) is not type(self):
@@ -236,30 +226,20 @@ class Scene(ABC):
         return hash((self.kind, self.body, own, self.torque))
 
     @property
-    def is_driven(self) -> bool:
-        """Whether a torque, a rotor, or damping, drag or dissipation not zero, was given."""
-        return any(getattr(self, name) is not None for name in _ACTING)
+    def forces(self) -> tuple[str, ...]:
+        """The names of the forces that act on any body, as in :attr:`rigid.Method.forces`."""
+        return self.once(_forces_of)
 
     @property
-    def is_satellite(self) -> bool:
-        """Whether rotor, dissipation, drag or gravity gradient act: few methods integrate them."""
-        return self.satellite is not None
+    def has_further(self) -> bool:
+        """Whether other forces act than a torque, damping and a function."""
+        return bool(self._further) or "gravity_gradient" in self.forces
 
     @property
     def may_stop(self) -> bool:
-        """Whether a torque or weight may stop a body with drag: the speed has a corner there."""
-        return self.drag is not None and (self.torque is not None or bool(np.any(self.weight)))
-
-    @property
-    def is_called(self) -> bool:
-        """Whether a function returns a torque, which few methods integrate."""
-        return self.torque is not None and self.torque.function is not None
-
-    @property
-    def satellite(self) -> Floats | None:
-        """The numbers of rotor, dissipation, drag and orbit, shape (..., 16), or None."""
-        orbit = None if self.torque is None else self.torque.orbit
-        return satellite_rows(self.rotor, self.dissipation, self.drag, orbit)
+        """Whether a torque or weight may stop a body whose force has a corner there."""
+        has_corner = any(force.has_corner for force, _ in self.further())
+        return has_corner and (self.torque is not None or bool(np.any(self.weight)))
 
     @property
     def rates_need_attitude(self) -> bool:
@@ -267,24 +247,20 @@ class Scene(ABC):
         in_space = self.torque is not None and self.torque.acts_in_space
         return bool(self.directions) or in_space
 
-    @property
-    def forcing(self) -> _core.Forcing | None:
-        """Torque and damping as the core reads them, None if nothing acts."""
-        return forcing_of(self.torque, self.damping, self.shape, satellite=self.satellite)
-
-    @property
-    def outside(self) -> _core.Forcing | None:
-        """Former name of :attr:`forcing`."""
-        return self.forcing
+    def acting(
+        self, shape: Shape | None = None, exponents: NDArray[np.intc] = NO_EXPONENT
+    ) -> _core.Forces | None:
+        """The forces on bodies of this shape, or its own, as the core reads them."""
+        shape = self.shape if shape is None else shape
+        further = {force.name: force.numbers(value) for force, value in self.further()}
+        return forces_of(self.torque, self.damping, shape, exponents, further)
 
     def replaced(
         self, body: Body, damping: ArrayLike | None, **own: float | tuple[float, ...]
     ) -> Self:
         """The scene with another body, damping and other numbers of its own."""
         kept = {name: getattr(self, name) for name in self.fields}
-        for name in ("dissipation", "rotor", "drag"):
-            if getattr(self, name) is not None:
-                kept[name] = getattr(self, name)
+        kept.update(self._further)
         return type(self)(body, **{**kept, **own}, torque=self.torque, damping=damping)  # type: ignore[call-arg]
 
     def _turn_into_principal_axes(self, frame: ArrayLike) -> None:
@@ -297,21 +273,14 @@ class Scene(ABC):
                 set_field(self, name, _unit(name, turned(back, np.asarray(value))))
         if self.torque is not None:
             set_field(self, "torque", self.torque.turned(back))
-        if self.rotor is not None:
-            set_field(self, "rotor", checked_rotor(turned(back, np.asarray(self.rotor))))
         if self.damping is not None:
             given = np.asarray(self.damping)
             alike = given == given[..., :1, :1] * np.eye(3)
             if not alike.all():  # the same in all directions stays so to the bit
                 set_field(self, "damping", matrices_of(turned_matrix(back, given)))
-        sink = None if self.dissipation is None else self.dissipation.coefficient
-        for name, coefficients in (("dissipation", sink), ("drag", self.drag)):
-            parts = np.zeros(3) if coefficients is None else np.asarray(coefficients)
-            if not (parts == parts[..., :1]).all():
-                raise ValueError(
-                    f"{name} = {brief(getattr(self, name))}: has coefficients along the "
-                    "principal axes; with a frame give one number"
-                )
+        self._set_further(
+            {force.name: force.turned(value, back) for force, value in self.further()}
+        )
 
     def to_dict(self) -> dict[str, Any]:
         """The scene as a dict of numbers."""
@@ -328,12 +297,8 @@ class Scene(ABC):
                 # Not read as that of each body when it is read back.
                 damping = damping.reshape(*(1,) * len(self.shape), 3, 3)
             data["damping"] = damping.tolist()
-        if self.dissipation is not None:
-            data["dissipation"] = np.asarray(self.dissipation.coefficient).tolist()
-        if self.rotor is not None:
-            data["rotor"] = np.asarray(self.rotor).tolist()
-        if self.drag is not None:
-            data["drag"] = np.asarray(self.drag).tolist()
+        for force, value in self.further():
+            data[force.name] = np.asarray(force.numbers(value)).tolist()
         return data
 
     def __repr__(self) -> str:
@@ -371,17 +336,22 @@ class Scene(ABC):
             parts.append(self.torque.words())
         if self.damping is not None:
             parts.append(damping_words(self.damping))
-        if self.dissipation is not None:
-            parts.append(self.dissipation.words())
-        if self.rotor is not None:
-            parts.append(rotor_words(self.rotor))
-        if self.drag is not None:
-            parts.append(drag_words(self.drag))
+        parts += [force.words(value) for force, value in self.further()]
         return ", ".join(parts)
 
 
 def _shape_of(scene: Scene) -> Shape:
     return scene._shape_of_parts()
+
+
+def _forces_of(scene: Scene) -> tuple[str, ...]:
+    names = [name for name in ("torque", "damping") if getattr(scene, name) is not None]
+    torque = scene.torque
+    if torque is not None and torque.orbit is not None:
+        names.append("gravity_gradient")
+    if torque is not None and torque.function is not None:
+        names.append("function")
+    return (*names, *scene._further)
 
 
 def _body_words(body: Body, varied: Container[str]) -> str:
@@ -426,6 +396,7 @@ def _check_body(body: object) -> None:
         raise TypeError(f"body = {brief(body)}: must be a rigid.Body")
 
 
+@with_forces(FreeForces)
 @dataclass(frozen=True, slots=True, init=False, repr=False, eq=False)
 class FreeBody(Scene):
     """A body without weight, turning about its centre of mass.
@@ -445,15 +416,7 @@ class FreeBody(Scene):
         positive semi-definite matrix in body axes. Use ``(0, 0, c)`` to damp only the spin. Axes
         before these are those of the bodies: ``(n,)``, ``(n, 3)``, ``(n, 3, 3)``. A shape that can
         be read in two ways, such as ``(3,)`` for three bodies, is refused.
-    dissipation : EnergySink, optional
-        Internal dissipation, which drains energy and keeps the angular momentum in space.
-    rotor : array_like, shape (3,) or (..., 3), optional
-        Angular momentum ``h`` (kg m²/s) of a rotor relative to the body, constant in the body: a
-        gyrostat (Zhukovsky 1885, Volterra 1899). The whole momentum is ``I omega + h``; energies
-        are those of ``omega``, without that of the rotor's own spin.
-    drag : float or array_like, shape (3,) or (..., 3), optional
-        Quadratic drag: the coefficients ``C`` (N m s²) of the torque ``-|omega| C omega``, one for
-        each body axis or one for all.
+    **further
     frame : array_like, shape (3, 3), optional
         The axes in which torques in the body, damping and rotor are given, if they are not the
         principal axes: ``axes`` as :meth:`Body.from_tensor` returns them. The scene keeps
@@ -493,9 +456,7 @@ class FreeBody(Scene):
     body: Body
     torque: Torque | None = field(default=None, kw_only=True)
     damping: Damping | None = field(default=None, kw_only=True)
-    dissipation: EnergySink | None = field(default=None, kw_only=True)
-    rotor: Vector | Floats | None = field(default=None, kw_only=True)
-    drag: Vector | Floats | None = field(default=None, kw_only=True)
+    _further: dict[str, Any] = field(default_factory=dict, kw_only=True)
 
     def __init__(
         self,
@@ -503,18 +464,14 @@ class FreeBody(Scene):
         *,
         torque: Torque | None = None,
         damping: ArrayLike | None = None,
-        dissipation: EnergySink | None = None,
-        rotor: ArrayLike | None = None,
-        drag: ArrayLike | None = None,
         frame: ArrayLike | None = None,
+        **further: Unpack[FreeForces],
     ) -> None:
         _check_body(body)
         set_field = object.__setattr__  # the dataclass is frozen
         set_field(self, "body", body)
         set_field(self, "torque", checked_torque(torque))
-        set_field(self, "dissipation", checked_sink(dissipation))
-        set_field(self, "rotor", checked_rotor(rotor))
-        set_field(self, "drag", checked_drag(drag))
+        set_field(self, "_further", checked_forces(FreeForces, further))
         set_field(self, "damping", None)
         set_field(self, "damping", checked_damping(damping, self._shape_of_parts()))
         # Raises for parts that do not broadcast.
@@ -542,6 +499,7 @@ class FreeBody(Scene):
         return np.zeros(3)
 
 
+@with_forces(TopForces)
 @dataclass(frozen=True, slots=True, init=False, repr=False, eq=False)
 class HeavyTop(Scene):
     """A body turning about a fixed point under its weight.
@@ -559,8 +517,9 @@ class HeavyTop(Scene):
         Mass times gravity times the distance from the fixed point to the centre of mass (J), >= 0.
     com : array_like, shape (3,) or (..., 3), optional
         Unit vector from the fixed point to the centre of mass in the body. Default ``(0, 0, 1)``.
-    torque, damping, drag, frame : optional
+    torque, damping, frame : optional
         As in :class:`FreeBody`; ``com`` too is given in the frame.
+    **further
 
     Raises
     ------
@@ -593,7 +552,7 @@ class HeavyTop(Scene):
     com: tuple[float, float, float] | Floats
     torque: Torque | None
     damping: Damping | None
-    drag: Vector | Floats | None
+    _further: dict[str, Any]
 
     def __init__(
         self,
@@ -603,8 +562,8 @@ class HeavyTop(Scene):
         com: ArrayLike = (0.0, 0.0, 1.0),
         torque: Torque | None = None,
         damping: ArrayLike | None = None,
-        drag: ArrayLike | None = None,
         frame: ArrayLike | None = None,
+        **further: Unpack[TopForces],
     ) -> None:
         _check_body(body)
         set_field = object.__setattr__  # the dataclass is frozen
@@ -618,7 +577,7 @@ class HeavyTop(Scene):
             )
         set_field(self, "com", _checked_com(com))
         set_field(self, "torque", checked_torque(torque))
-        set_field(self, "drag", checked_drag(drag))
+        set_field(self, "_further", checked_forces(TopForces, further))
         set_field(self, "damping", None)
         set_field(self, "damping", checked_damping(damping, self._shape_of_parts()))
         # Raises for parts that do not broadcast.
@@ -787,10 +746,11 @@ def scene_from_dict(data: Mapping[str, Any]) -> Scene:
     body = Body.from_dict(data["body"])
     torque = None if data.get("torque") is None else Torque.from_dict(data["torque"])
     own = {name: data[name] for name in scene.fields}
-    if data.get("dissipation") is not None:
-        own["dissipation"] = EnergySink(data["dissipation"])
-    if data.get("rotor") is not None:
-        own["rotor"] = data["rotor"]
-    if data.get("drag") is not None:
-        own["drag"] = data["drag"]
+    own.update(
+        {
+            name: force.made(data[name])
+            for name, force in FORCES.items()
+            if data.get(name) is not None
+        }
+    )
     return scene(body, **own, torque=torque, damping=data.get("damping"))  # type: ignore[call-arg]

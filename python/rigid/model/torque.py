@@ -1,10 +1,11 @@
-"""Forcing: applied torques and damping of a body, without its weight."""
+"""Torques and damping of a body, without its weight, and all forces as the core reads them."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import prod
+from types import MappingProxyType
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -12,10 +13,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.arguments import brief, first_place, numbers, shaped, sorted_times
-from .called import TorqueFunction
+from .forces import Orbit
 from .frame import turned
+from .function import TorqueFunction
 from .leading import Index, Shape, axes_of, frozen, leading_shape, same, taken
-from .satellite import Orbit
 
 __all__ = [
     "Damping",
@@ -23,7 +24,7 @@ __all__ = [
     "checked_damping",
     "checked_torque",
     "damping_words",
-    "forcing_of",
+    "forces_of",
     "matrices_of",
 ]
 
@@ -252,7 +253,7 @@ class Torque:
         acting = array if len(knots) else array[..., np.newaxis, :]
         parts = [acting, np.zeros_like(acting)]
         made = cls(tuple(knots.tolist()), _vectors(parts[frame]), _vectors(parts[1 - frame]))
-        forcing_of(made, None, made.shape)
+        forces_of(made, None, made.shape)
         return made
 
     def __add__(self, other: Torque) -> Torque:
@@ -465,12 +466,12 @@ def _whose(array: Floats, good: NDArray[np.bool_], width: int) -> str:
 def _check_adds_no_energy(matrices: Floats) -> None:
     """Raise ValueError for a matrix that is not positive semi-definite."""
     try:
-        forcing_of(None, matrices, matrices.shape[:-2])
+        forces_of(None, matrices, matrices.shape[:-2])
     except ValueError as error:
         for index in np.ndindex(matrices.shape[:-2]):
             place = str(list(index)) if index else ""
             try:
-                forcing_of(None, matrices[index])
+                forces_of(None, matrices[index])
             except ValueError as own:
                 raise ValueError(str(own).replace("damping", f"damping{place}", 1)) from None
         raise error from None
@@ -491,24 +492,24 @@ def damping_words(damping: Damping) -> str:
 
 
 @np.errstate(over="ignore")
-def forcing_of(
+def forces_of(
     torque: Torque | None,
     damping: Damping | None,
     shape: Shape = (),
     exponents: NDArray[np.intc] = NO_EXPONENT,
-    satellite: Floats | None = None,
-) -> _core.Forcing | None:
-    """Torque and damping of bodies of this shape as the core reads them; None if nothing acts.
+    further: Mapping[str, ArrayLike] = MappingProxyType({}),
+) -> _core.Forces | None:
+    """The forces on bodies of this shape as the core reads them; None if nothing acts.
 
-    They are counted in units of ``2**exponents``, one for each body or one for all. ``satellite``
-    has the numbers of rotor, dissipation, drag and orbit, shape (..., 16).
+    They are counted in units of ``2**exponents``, one for each body or one for all. ``further``
+    has the numbers of further forces, shape (..., 3).
 
     Raises
     ------
     ValueError
         If they are too large for the unit.
     """
-    if torque is None and damping is None and satellite is None:
+    if torque is None and damping is None and not further:
         return None
     d = np.zeros((3, 3)) if damping is None else np.asarray(damping)
     entries = d[..., [0, 1, 2, 1, 0, 0], [0, 1, 2, 2, 2, 1]]
@@ -526,19 +527,16 @@ def forcing_of(
             raise ValueError(f"{name}: must be below 1e308 times the largest moment")
         return np.ascontiguousarray(found.reshape(prod(found.shape[:-1]), tail[-1]))
 
-    rows = None
-    if satellite is not None:
-        of_body = scaled("rotor, dissipation or drag", satellite[..., :9], 1)
-        of_orbit = satellite[..., 9:].reshape(-1, 7)
-        count = max(len(of_body), len(of_orbit))
-        rows = np.empty((count, 16))
-        rows[:, :9], rows[:, 9:] = of_body, of_orbit[:1]
-    return _core.Forcing(
+    others = {name: scaled(name, numbers, 1) for name, numbers in further.items()}
+    if torque is not None and torque.orbit is not None:
+        orbit = torque.orbit
+        others["gravity_gradient"] = np.array([(orbit.rate, *orbit.towards, *orbit.ahead)])
+    return _core.Forces(
         times=np.array(() if torque is None else torque.times, dtype=np.float64),
         body=scaled("torque", tables[0], 2),
         space=scaled("torque", tables[1], 2),
         damping=scaled("damping", entries, 1),
-        satellite=rows,
+        further=others or None,
         function=None
         if torque is None or torque.function is None
         else torque.function.for_core(shape, exponents),

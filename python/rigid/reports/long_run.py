@@ -411,7 +411,7 @@ def _leg(
 
 def _momentum_errors(scene: Scene, run: Run) -> Floats:
     """Largest error of the angular momentum of each body: see :class:`LongRow`."""
-    if scene.is_driven or scene.is_satellite:
+    if scene.forces:
         return run.momentum_drift
     weight = np.linalg.norm(scene.weight)
     in_body, momentum = run.momentum(), run.momentum("space")

@@ -51,7 +51,7 @@ def _head(report: LongRunData) -> list[str]:
 
 def _momentum(report: LongRunData) -> str:
     scene = report.spec.scene
-    if scene.is_driven or scene.is_satellite:
+    if scene.forces:
         return "of its balance"
     if not scene.weight.any():
         return "of L in space"

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model.body import Body
-from ..model.satellite import EnergySink
+from ..model.forces import EnergySink
 from ..model.scene import FreeBody, HeavyTop, Scene
 from ..model.torque import Torque
 

@@ -80,7 +80,7 @@ def on_surface(
     True
     """
     check_heavy_top(top)
-    if top.is_driven:
+    if top.forces:
         raise ValueError(f"top = {top.words()}: torque or damping changes its energy")
     level = finite_float("energy", energy)
     momentum = finite_float("l_gamma", l_gamma)

@@ -13,7 +13,7 @@ from .. import _core
 from .._checks.arrays import IDENTITY
 from ..model.leading import Shape
 from ..model.scene import Scene
-from ..model.torque import NO_EXPONENT, forcing_of
+from ..model.torque import NO_EXPONENT
 from .arrays import Range, in_rows, rows_of_each
 
 __all__ = ["Bodies"]
@@ -44,12 +44,12 @@ class Bodies:
         Angular velocities in the body (rad/s). A run keeps them and the attitudes: they are copies.
     attitude : ndarray, shape (n, 4) or (1, 4)
         Unit quaternions; one row may serve all bodies.
-    forcing : Forcing or None
+    forces : Forces or None
         Torque and damping of each body or of all, None if nothing acts on any.
     may_stop : bool
         Whether a torque or weight may stop them, on which drag acts.
     scale_exponent : ndarray of int, shape (n,) or (1,)
-        Moments, weight and forcing are counted in units of ``2**scale_exponent``.
+        Moments, weight and forces are counted in units of ``2**scale_exponent``.
     """
 
     kind: str
@@ -58,7 +58,7 @@ class Bodies:
     weight: Floats
     omega: Floats
     attitude: Floats
-    forcing: _core.Forcing | None = None
+    forces: _core.Forces | None = None
     may_stop: bool = False
     scale_exponent: NDArray[np.intc] = field(default_factory=lambda: NO_EXPONENT)
     _rates: dict[object, Floats] = field(default_factory=dict, init=False, repr=False)
@@ -84,7 +84,7 @@ class Bodies:
         known = scene.once(_inertia_of_one) if exponents is None else None
         if exponents is None and known is None:
             exponents = _scale_exponents(scene, shape)
-        omega, attitude, forcing = rows_of_each(omega, shape), in_rows(attitude, shape), None
+        omega, attitude, forces = rows_of_each(omega, shape), in_rows(attitude, shape), None
         if known is not None:
             moments, weight, exponents, _ = known
         else:
@@ -95,7 +95,7 @@ class Bodies:
             if np.count_nonzero(weight):
                 with np.errstate(over="ignore"):
                     weight = np.ldexp(weight, unit)
-            forcing = forcing_of(scene.torque, scene.damping, shape, exponents, scene.satellite)
+            forces = scene.acting(shape, exponents)
         return cls(
             kind=scene.kind,
             shape=shape,
@@ -103,8 +103,8 @@ class Bodies:
             weight=weight,
             omega=omega,
             attitude=attitude,
-            forcing=forcing,
-            may_stop=forcing is not None and scene.may_stop,
+            forces=forces,
+            may_stop=forces is not None and scene.may_stop,
             scale_exponent=exponents,
         )
 
@@ -124,7 +124,7 @@ class Bodies:
             "omega": self.omega,
             "attitude": self.attitude,
         }
-        return columns if self.forcing is None else {**columns, "forcing": self.forcing}
+        return columns if self.forces is None else {**columns, "forces": self.forces}
 
     def full_columns(self) -> dict[str, Any]:
         """The arguments of the core with a row of moments for each body."""
@@ -148,17 +148,17 @@ class Bodies:
             for name in ("moments", "weight", "attitude", "scale_exponent")
             for column in (getattr(self, name),)
         }
-        forcing = None if self.forcing is None else self.forcing.select(bodies)
-        if forcing is not None and not forcing.drives(len(bodies)).any():
-            forcing = None
+        forces = None if self.forces is None else self.forces.select(bodies)
+        if forces is not None and not forces.act(len(bodies)).any():
+            forces = None
         shape, omega = (len(bodies),), self.omega[bodies]
-        return replace(self, **columns, shape=shape, omega=omega, forcing=forcing)
+        return replace(self, **columns, shape=shape, omega=omega, forces=forces)
 
-    def driven(self) -> NDArray[np.bool_]:
+    def under_forces(self) -> NDArray[np.bool_]:
         """Whether torque or damping acts on each body; shape (n,)."""
-        if self.forcing is None:
+        if self.forces is None:
             return np.zeros(len(self), dtype=bool)
-        return self.forcing.drives(len(self))
+        return self.forces.act(len(self))
 
     def fastest_rates(self, span: Range, method: str | None = None) -> Floats:
         """Bounds of ``|omega|`` (rad/s), shape (n,); each is computed once.
@@ -172,7 +172,7 @@ class Bodies:
             damping the bounds hold for all times and are these rates.
         """
         spans = None
-        if self.forcing is not None:
+        if self.forces is not None:
             spans = np.ascontiguousarray(np.atleast_2d(np.transpose(span)))
         key = None if spans is None else (spans.tobytes(), method)
         if key not in self._rates:
@@ -187,16 +187,16 @@ class Bodies:
 
     def note_rates(self, rates: Floats) -> None:
         """Keep the bounds that a run in closed form has returned."""
-        if self.forcing is None:
+        if self.forces is None:
             self._rates.setdefault(None, rates)
 
     def closed_forms(self) -> NDArray[np.uint8]:
         """The code of the closed form of each body from its start, 0 for none; shape (n,)."""
         columns = self.columns()
-        columns.pop("forcing", None)
+        columns.pop("forces", None)
         forms = _core.closed_forms(**columns)
-        if self.forcing is not None:
-            forms[self.driven()] = 0
+        if self.forces is not None:
+            forms[self.under_forces()] = 0
         return forms
 
     def _swings(self) -> Floats:
@@ -269,7 +269,7 @@ def _inertia_of_one(
 
     A scene of many bodies or under torque keeps none: they would take memory.
     """
-    if scene.shape or scene.is_driven:
+    if scene.shape or scene.forces:
         return None
     exponents = _scale_exponents(scene, ())
     bodies = Bodies.of_scene(scene, np.zeros(3), IDENTITY, (), exponents)

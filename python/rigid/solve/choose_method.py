@@ -27,7 +27,7 @@ from .closed_form import (
 )
 from .cost_model import cheapest, check_attainable, schemes, some_of, steps_for
 from .foresight import why_unforeseen
-from .methods import EXACT, FALLBACK, STIFF, driven_methods, plain_methods, series_methods
+from .methods import EXACT, FALLBACK, STIFF, methods_under, plain_methods, series_methods
 from .plan import LazyPlan, Plan
 from .planned import UNKNOWN, damping_rate, plan_of, stepped_record
 from .problem import Problem
@@ -141,7 +141,7 @@ def has_closed_form(scene: Scene) -> bool:
 
 
 def _has_closed_form(scene: Scene) -> bool:
-    if scene.shape or scene.is_driven:
+    if scene.shape or scene.forces:
         return False
     return bool(closed_forms("rates", moment_rows(scene), weight_rows(scene)).all())
 
@@ -157,10 +157,10 @@ def _known_closed_forms(problem: Problem) -> Codes:
     scene, record, method = problem.scene, problem.record, problem.method
     moments, weight = problem.inertia()
     forms = closed_forms(record, moments, weight)
-    if scene.is_driven:
-        forcing = scene.forcing if problem.bodies is None else problem.bodies.forcing
-        assert forcing is not None
-        evenly = are_slowed_evenly(scene, forcing, moments)
+    if scene.forces:
+        forces = scene.acting() if problem.bodies is None else problem.bodies.forces
+        assert forces is not None
+        evenly = are_slowed_evenly(scene, forces, moments)
         forms = np.where(evenly, forms, np.uint8(NO_FORM))
     elif problem.bodies is not None and not forms.all():
         wanted = method == EXACT or (method is None and problem.step is None)
@@ -171,7 +171,7 @@ def _known_closed_forms(problem: Problem) -> Codes:
         which = f"body {body} of the" if forms.size > 1 else "the"
         raise ValueError(
             f"method = {EXACT!r}: no closed form of {question_words(record)} for {which} "
-            f"{scene.words()}; {FORCED_RULE if scene.is_driven else rule(record)}"
+            f"{scene.words()}; {FORCED_RULE if scene.forces else rule(record)}"
         )
     return forms
 
@@ -187,7 +187,7 @@ def _preferred(problem: Problem, forms: Codes) -> tuple[str, list[str]]:
         if not forms.size:
             return EXACT, ["there are no bodies: nothing is done"]
         return EXACT, ["every body has a closed form"]
-    if scene.is_driven:
+    if scene.forces:
         return _scheme(problem, ["no closed form under torque and damping"])
     moments, weight = np.broadcast_arrays(*problem.inertia())
     # Of bodies that differ, the first without a closed form.
@@ -198,7 +198,7 @@ def _preferred(problem: Problem, forms: Codes) -> tuple[str, list[str]]:
 def _scheme(problem: Problem, why: list[str]) -> tuple[str, list[str]]:
     """The scheme of bodies without a closed form: the one for strong damping where it is needed."""
     slowing = damping_rate(problem.scene)
-    if slowing == 0.0 or problem.scene.is_satellite or problem.scene.is_called:
+    if slowing == 0.0 or problem.scene.has_further or "function" in problem.scene.forces:
         return FALLBACK, why
     turning = problem.rates()
     if problem.step is not None:
@@ -222,9 +222,9 @@ def _takes_usual_accuracy(problem: Problem, method: str) -> bool:
 
 def _applicable(scene: Scene) -> list[str]:
     """The schemes among which the cheapest is taken."""
-    if not scene.is_driven:
+    if not scene.forces:
         return plain_methods()
-    known = driven_methods(satellite=scene.is_satellite, called=scene.is_called)
+    known = methods_under(scene.forces)
     if scene.may_stop:  # beside the rest the speed is no series
         known = [name for name in known if name not in series_methods()]
     return known
@@ -262,9 +262,9 @@ def _accurate(
     classes = problem.classes()
     # Of bodies of several classes the most decide about the scheme, each class about its steps.
     kinds, counts = np.unique(classes, return_counts=True)
-    kind = "driven" if problem.scene.is_driven else str(kinds[counts.argmax()])
+    kind = "forced" if problem.scene.forces else str(kinds[counts.argmax()])
     if problem.method is None:
-        if problem.scene.is_driven:
+        if problem.scene.forces:
             angles = {
                 name: _largest_angle(problem.bodies.fastest_rates(problem.times, name), span)
                 for name in _applicable(problem.scene)

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import numbers, positive_int, times_of_each
 from ..model.body import Body
+from ..model.forces import FORCES
 from ..model.scene import Scene, check_scene
 from .run import Run
 from .simulate import simulate
@@ -103,7 +104,7 @@ def _with_zeros(run: Run, whole: Scene) -> Run:
     count, known = len(run.status), run.spec["scene"]
     zeros = {
         name: np.zeros((count, 3, 3) if name == "damping" else (count, 3)).tolist()
-        for name in ("damping", "dissipation", "rotor", "drag")
+        for name in ("damping", *FORCES)
         if getattr(whole, name) is not None and known.get(name) is None
     }
     if not zeros:

@@ -132,14 +132,14 @@ def why_not(question: Question, moments: Floats, weight: Floats) -> str:
     return f"no closed form: {reasons[len(set(moments.tolist()))]}"
 
 
-def are_slowed_evenly(scene: Scene, forcing: _core.Forcing, moments: Floats) -> NDArray[np.bool_]:
+def are_slowed_evenly(scene: Scene, forces: _core.Forces, moments: Floats) -> NDArray[np.bool_]:
     """Whether nothing acts on each body but damping that is a multiple of its inertia.
 
     The motion is then that of the free body, slowed. Shape (n,), or (1,) if all are alike.
     """
     if scene.directions:
         return np.zeros(1, dtype=bool)
-    return ~np.isnan(forcing.slows_evenly(moments))
+    return ~np.isnan(forces.slows_evenly(moments))
 
 
 def moment_rows(scene: Scene) -> Floats:

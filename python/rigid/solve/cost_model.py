@@ -109,17 +109,17 @@ def _closed_form_work() -> dict[str, dict[str, Work]]:
 
 
 def calibration_classes(
-    scene: Scene, moments: Floats, weight: Floats, driven: NDArray[np.bool_]
+    scene: Scene, moments: Floats, weight: Floats, forced: NDArray[np.bool_]
 ) -> NDArray[np.str_]:
     """The class of bodies on which the schemes that move each body are calibrated, shape (n,).
 
     Of one element if all bodies are alike; the rows of a column may serve all.
     """
-    known = np.array([calibration_class_of_any(scene), "lagrange", "driven"])
+    known = np.array([calibration_class_of_any(scene), "lagrange", "forced"])
     # By numbers, which are compared faster than names.
-    classes = np.where(driven, 2, (lagrange_axes(moments, weight) > 0).astype(np.intp))
+    classes = np.where(forced, 2, (lagrange_axes(moments, weight) > 0).astype(np.intp))
     if not len(classes):
-        classes = np.array([2 if scene.is_driven else 0])
+        classes = np.array([2 if scene.forces else 0])
     same = bool(np.all(classes == classes[0]))
     return known[classes[:1] if same else classes]
 
@@ -260,8 +260,8 @@ def phase_error(
         return tolerance * angles
     weighs = np.where(bodies.weight.any(axis=1), "top", "free")
     kinds = np.where(lagrange_axes(bodies.moments, bodies.weight), "lagrange", weighs)
-    if bodies.forcing is not None:
-        kinds = np.where(bodies.driven(), "driven", kinds)
+    if bodies.forces is not None:
+        kinds = np.where(bodies.under_forces(), "forced", kinds)
     known, which = np.unique(kinds, return_inverse=True)
     factors = np.array([schemes()[method, kind].factor for kind in known.tolist()])
     error: Floats = angles * factors[which] * (angles / taken) ** order_of(method)

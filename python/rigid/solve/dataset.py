@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..model.forces import FORCES
 from ..model.leading import Shape
 
 if TYPE_CHECKING:
@@ -49,9 +50,7 @@ _OF_SCENE: Mapping[str, tuple[tuple[str, ...], str, tuple[str, ...], str]] = {
     "torque_in_space": (("torque", "in_space"), "N m", _TORQUE, "applied torque in space"),
     "torque_data": (("torque", "function", "data"), "", ("number",), "data of the torque"),
     "damping": (("damping",), "N m s", ("axis", "axis_of_rate"), "damping"),
-    "dissipation": (("dissipation",), "kg m² s", ("axis",), "coefficients of the energy sink"),
-    "rotor": (("rotor",), "kg m²/s", ("axis",), "angular momentum of the rotor"),
-    "drag": (("drag",), "N m s²", ("axis",), "coefficients of the drag"),
+    **{name: ((name,), force.unit, ("axis",), force.title) for name, force in FORCES.items()},
 }
 """Place in the scene, unit, axes after those of the bodies, and meaning of its numbers, which are
 along principal axes."""

@@ -94,7 +94,7 @@ def closed_form_error(bodies: Bodies, times: Floats, omega: Floats) -> ErrorEsti
     """
     reached = time_ranges(times)
     rates = bodies.fastest_rates(reached)
-    top = bodies.forcing is None and np.count_nonzero(bodies.weight)
+    top = bodies.forces is None and np.count_nonzero(bodies.weight)
     span = reached[1] - reached[0]
     if not top and isinstance(span, float) and (fastest := largest(rates)) * span < 0.5 / ROUNDING:
         # No error reaches one. One number is multiplied faster outside of an array.
@@ -113,7 +113,7 @@ def _closed_form_error(
     first, last = reached
     error = ROUNDING * (1.0 + rates * (last - first))
     since = 1.0 / (ROUNDING * rates)
-    if bodies.forcing is None and bodies.weight.any():
+    if bodies.forces is None and bodies.weight.any():
         scale = _fastest_or_swing(bodies, rates)
         rows = omega.reshape(len(bodies), omega.shape[-2], 3)
         fastest = lengths(rows).max(axis=1, initial=0.0)
@@ -169,7 +169,7 @@ def estimate_error(
         + departure(bodies, times, sizes)
         + homoclinic(bodies, times, sizes, states["energy_drift"])
     )
-    if bodies.forcing is not None:
+    if bodies.forces is not None:
         error += rounding_of_damping(bodies, states["omega"], times)
         if method == RINGING:
             error += _ringing(bodies, states, times)
@@ -244,8 +244,8 @@ def _ringing(bodies: Bodies, states: Mapping[str, Any], times: Floats) -> Floats
 
     After an even number of steps it has its first sign again: two runs may agree in it.
     """
-    assert bodies.forcing is not None
-    rate = bodies.forcing.damping_rates(bodies.moments)[:, np.newaxis]
+    assert bodies.forces is not None
+    rate = bodies.forces.damping_rates(bodies.moments)[:, np.newaxis]
     span, steps = np.reshape(time_span(times), (-1, 1)), states["steps"][:, None]
     taken = steps * np.maximum(times, 0.0) / span
     damped = 0.5 * rate * span / steps

@@ -181,7 +181,7 @@ class FoundEvents:
 
 def check_event_method(method: str | None, scene: Scene) -> None:
     """Raise ValueError for a motion that is no polynomial between two steps."""
-    if scene.is_called:
+    if "function" in scene.forces:
         raise ValueError(
             "events: no method knows the motion under the torque of a function between two steps"
         )
@@ -223,7 +223,7 @@ def find_events(
         ends=np.broadcast_to(ends, (n,)).astype(np.float64),
         count=count,
         method=METHOD if method == EXACT else method,
-        closed=method == EXACT and bodies.forcing is None,
+        closed=method == EXACT and bodies.forces is None,
         tolerance=TOLERANCE if tolerance is None else tolerance,
         max_steps=max_steps,
         threads=threads,

@@ -64,9 +64,9 @@ def motions_of(
     """
     rates, bounds = (bodies.fastest_rates(times, name) for name in (method, None))
     damping: float | Floats = 0.0
-    if bodies.forcing is not None:
-        damping = np.broadcast_to(bodies.forcing.damping_rates(bodies.moments), len(bodies))
-    gains = bodies.weight.any(axis=1) | bodies.driven()
+    if bodies.forces is not None:
+        damping = np.broadcast_to(bodies.forces.damping_rates(bodies.moments), len(bodies))
+    gains = bodies.weight.any(axis=1) | bodies.under_forces()
     motions = Motions(
         rates=rates,
         steps=steps,
@@ -89,7 +89,7 @@ def why_unforeseen(bodies: Bodies, times: Range, *, by_steps: bool) -> str | Non
     """
     if bodies.may_stop:
         return "drag may stop a body, and the speed has a corner there"
-    looked_at = np.flatnonzero(~bodies.driven())
+    looked_at = np.flatnonzero(~bodies.under_forces())
     looked_at = looked_at[spread_indices(len(looked_at), SAMPLE)]
     if not len(looked_at):
         return None
@@ -165,4 +165,4 @@ def _nearness_of_poles(bodies: Bodies, rates: Floats) -> Floats:
     nearness = _core.nearness_of_poles(
         moments=bodies.moments, weight=bodies.weight, omega=bodies.omega, rates=rates, pole=POLE
     )
-    return nearness if bodies.forcing is None else np.where(bodies.driven(), 1.0, nearness)
+    return nearness if bodies.forces is None else np.where(bodies.under_forces(), 1.0, nearness)

@@ -103,7 +103,7 @@ class Growth:
         None if not all exponents were asked for, or under torque and damping.
         """
         complete = 6 if self.spec["of"] == "attitude" else 5
-        if self.spectrum.shape[-1] != complete or scene_from_dict(self.spec["scene"]).is_driven:
+        if self.spectrum.shape[-1] != complete or scene_from_dict(self.spec["scene"]).forces:
             return None
         paired: Floats = np.abs(self.spectrum + self.spectrum[..., ::-1])
         return paired

@@ -97,9 +97,9 @@ def integrate(
     out : mapping, optional
         Arrays for columns, in double precision.
     """
-    driven = request.bodies.driven()
-    if driven.any() and not driven.all():
-        return _in_parts(request, steps, accuracy, driven, check=check, every=every)
+    forced = request.bodies.under_forces()
+    if forced.any() and not forced.all():
+        return _in_parts(request, steps, accuracy, forced, check=check, every=every)
     states = request.states(steps, out=out)
     if accuracy is not None and steps is not None:
         estimate = _refine(request, states, steps, accuracy)
@@ -123,15 +123,15 @@ def _in_parts(
     request: Request,
     steps: Floats | None,
     accuracy: float | None,
-    driven: NDArray[np.bool_],
+    forced: NDArray[np.bool_],
     *,
     check: bool,
     every: bool,
 ) -> tuple[dict[str, Any], ErrorEstimate]:
     """Bodies under torque and damping, and those without: each part as if it were alone."""
     states: dict[str, Any] = {}
-    estimate = unknown_error(len(driven))
-    for mine in (np.flatnonzero(driven), np.flatnonzero(~driven)):
+    estimate = unknown_error(len(forced))
+    for mine in (np.flatnonzero(forced), np.flatnonzero(~forced)):
         longest = None if steps is None else steps[mine]
         part, own = integrate(request.select(mine), longest, accuracy, check=check, every=every)
         estimate.write(mine, own)
@@ -139,7 +139,7 @@ def _in_parts(
         for name, values in part.items():
             if values is not None:
                 column = states.setdefault(
-                    name, np.zeros((len(driven), *values.shape[1:]), values.dtype)
+                    name, np.zeros((len(forced), *values.shape[1:]), values.dtype)
                 )
                 column[mine] = values
             else:

@@ -163,7 +163,7 @@ def lyapunov(
         raise ValueError(f"t = {times[0] if len(times) else '[]'}: must be positive times")
     if method == EXACT:
         raise ValueError("method = 'exact': displacements are integrated; name a scheme")
-    check_tangent(method, driven=scene.is_driven)
+    check_tangent(method, forces=scene.forces)
     bodies = bodies_of(scene, omega, attitude)
     return growth_of(
         scene,
@@ -373,14 +373,14 @@ def _lost_from(
 def _is_integrable(bodies: Bodies) -> NDArray[np.bool_]:
     """Whether all motions of each body are regular by theorem."""
     known = closed_forms(Regular(), bodies.moments, bodies.weight) != NO_FORM
-    integrable: NDArray[np.bool_] = known & ~bodies.driven()
+    integrable: NDArray[np.bool_] = known & ~bodies.under_forces()
     return integrable
 
 
 def _zeros(scene: Scene, bodies: Bodies, of: str) -> NDArray[np.intp]:
     """Number of exponents of each body that are zero by theory."""
     heavy = np.broadcast_to(np.any(bodies.weight != 0.0, axis=1), (len(bodies),))
-    if not scene.is_driven:
+    if not scene.forces:
         # Flow, energy, turns about the vertical and L·gamma; of a free body all of space, and L.
         zeros = np.where(heavy, 4, 6)
     elif scene.torque is not None and scene.torque.acts_in_space:

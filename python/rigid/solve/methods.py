@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from functools import cache
 
@@ -22,13 +22,13 @@ __all__ = [
     "Method",
     "angle_per_step",
     "check_method",
-    "driven_methods",
     "is_compensated",
     "is_processed",
     "is_stiff",
     "known_method",
     "map_methods",
     "methods",
+    "methods_under",
     "order_of",
     "plain_methods",
     "preserves_groups",
@@ -89,10 +89,11 @@ class Method:
     tangent : bool
         Integrates small displacements with the motion; a symplectic method those of bodies without
         torque and damping, and none by parameters.
-    driven, stiff, satellite, called : bool
-        Integrates bodies under torque and damping; is stable for damping of any strength;
-        integrates them with a rotor, dissipation, drag or a gravity gradient; integrates the
-        torque of a function.
+    forces : tuple of str
+        The forces that it integrates: ``"torque"``, ``"damping"``, ``"function"`` and the names of
+        the others; empty if none.
+    stiff : bool
+        Is stable for damping of any strength.
     tops, maps : bool
         Integrates bodies with weight, not only free ones; has a state after every step, which a
         map needs, not only at given times.
@@ -103,7 +104,7 @@ class Method:
         always does.
     damping_limit : float or None
         The largest product of step and damping rate with which it is stable, infinite if it is
-        stiff; None if it is not driven.
+        stiff; None if it integrates no forces.
     angle_per_step : float
         Largest angle (rad) by which a body turns in a default step.
     citation, doi : str
@@ -119,10 +120,8 @@ class Method:
     group_preserving: bool
     conserves: tuple[str, ...]
     tangent: bool
-    driven: bool
+    forces: tuple[str, ...]
     stiff: bool
-    satellite: bool
-    called: bool
     tops: bool
     maps: bool
     series: bool
@@ -236,10 +235,10 @@ def tangent_methods(*, forced: bool = False) -> tuple[str, ...]:
     return tuple(method.name for method in known if not (forced and method.symplectic))
 
 
-def driven_methods(*, satellite: bool = False, called: bool = False) -> list[str]:
-    """The names of the schemes that move bodies under torque and damping, or under more."""
-    known = (method for method in methods() if method.driven and (method.called or not called))
-    return [method.name for method in known if method.satellite or not satellite]
+def methods_under(forces: Collection[str]) -> list[str]:
+    """The names of the schemes that integrate all of these forces, or some if there are none."""
+    wanted = set(forces) or {"torque"}
+    return [method.name for method in methods() if wanted <= set(method.forces)]
 
 
 def plain_methods() -> list[str]:
@@ -264,29 +263,17 @@ def check_method(
     kind: str,
     *,
     watched: bool,
-    driven: bool = False,
-    satellite: bool = False,
-    called: bool = False,
+    forces: Collection[str] = (),
 ) -> None:
     """Raise ValueError if a scheme does not integrate the kind of scene, or cannot be observed."""
-    if name not in (AUTO, EXACT):
-        _core.check_method(name, kind, watched)
-        if driven and not _named(name).driven:
-            raise ValueError(
-                f"method = {name!r}: moves bodies without torque and damping only; under them "
-                f"move {', '.join(map(repr, driven_methods()))}"
-            )
-        if satellite and not _named(name).satellite:
-            raise ValueError(
-                f"method = {name!r}: moves bodies without rotor, dissipation, drag and gravity "
-                "gradient only; with them move "
-                f"{', '.join(map(repr, driven_methods(satellite=True)))}"
-            )
-        if called and not _named(name).called:
-            raise ValueError(
-                f"method = {name!r}: cannot integrate the torque of a function; use one of "
-                f"{', '.join(map(repr, driven_methods(called=True)))}"
-            )
+    if name in (AUTO, EXACT):
+        return
+    _core.check_method(name, kind, watched)
+    left_out = [force for force in forces if force not in _named(name).forces]
+    if left_out:
+        words = " and ".join(force.replace("_", " ") for force in left_out)
+        others = ", ".join(map(repr, methods_under(forces)))
+        raise ValueError(f"method = {name!r}: does not integrate {words}; use one of {others}")
 
 
 def is_stiff(name: str) -> bool:

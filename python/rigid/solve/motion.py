@@ -48,7 +48,7 @@ class Motion:
         Time at which the motion begins (s). A table of a torque is read, and an orbit has turned,
         from ``t = 0``.
     method : str
-        One of :func:`rigid.methods`. Under torque and damping one that is ``driven``.
+        One of :func:`rigid.methods`. Under forces one that integrates them: ``Method.forces``.
     threads : int, optional
         Most threads of a step of many bodies. Default: ``RIGID_NUM_THREADS``, else the cores that
         this process may use. A thousand bodies and fewer are moved by the calling thread.
@@ -100,9 +100,7 @@ class Motion:
             method,
             scene.kind,
             watched=False,
-            driven=scene.is_driven,
-            satellite=scene.is_satellite,
-            called=scene.is_called,
+            forces=scene.forces,
         )
         self._frame = None if frame is None else checked_frame(frame)
         bodies = bodies_of(scene, omega, attitude, frame=self._frame)
@@ -161,7 +159,7 @@ class Motion:
             If an argument is not a number.
         ValueError
             If a number is not finite or has another unit, or the torque has another shape. Under
-            torque and damping: if the method moves no driven bodies, if it is unstable with the
+            torque and damping: if the method does not integrate them, if it is unstable with the
             step, or if the table of the scene's torque does not reach the end. The motion is then
             as before.
         """

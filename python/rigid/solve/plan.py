@@ -206,7 +206,7 @@ def left_out(
             "lagrange": "symmetric: closed form, no steps",
             "pendulum": "plane swing: closed form, no steps",
         }
-        if scene.is_driven:
+        if scene.forces:
             left.append("damping a multiple of the inertia: the free motion, slowed; no steps")
         elif not scene.directions:
             left.append("no torque: no steps")
@@ -233,12 +233,12 @@ def carried(scene: Scene, question: Question, method: str) -> tuple[str, ...]:
     exact = method == EXACT
     watched = not isinstance(question, str)
     record = question if isinstance(question, str) else question.record
-    if watched and exact and not scene.is_driven:
+    if watched and exact and not scene.forces:
         return ()
     if not isinstance(question, str) and question.displaced:
-        attitude = ("attitude",) if scene.is_driven else ()
+        attitude = ("attitude",) if scene.forces else ()
         return ("omega", "gamma", *attitude, "displacement")
-    if scene.is_driven and (watched or not exact):
+    if scene.forces and (watched or not exact):
         bare = record == "rates" and not scene.rates_need_attitude
         variables = ("omega",) if bare else ("omega", "gamma", "attitude")
         return variables if watched else (*variables, "work")

@@ -50,7 +50,7 @@ def plan_of(
     scene, record = problem.scene, problem.record
     estimate = _estimate(problem, method, steps, forms, accuracy)
     error = estimate.error
-    if scene.is_called and error is not None:
+    if "function" in scene.forces and error is not None:
         error, why = None, (*why, UNKNOWN.format("the torque is that of a function"))
     if estimate.unknown is not None:
         why = (*why, UNKNOWN.format(estimate.unknown))
@@ -121,10 +121,10 @@ def _steps_estimate(problem: Problem, method: str, steps: Floats | None) -> Esti
 
 def damping_rate(scene: Scene) -> float:
     """The largest rate at which damping slows a body (1/s)."""
-    forcing = scene.forcing
-    if forcing is None:
+    forces = scene.acting()
+    if forces is None:
         return 0.0
-    return float(forcing.damping_rates(moment_rows(scene)).max(initial=0.0))
+    return float(forces.damping_rates(moment_rows(scene)).max(initial=0.0))
 
 
 def _memory(problem: Problem) -> int | None:
@@ -136,19 +136,19 @@ def _memory(problem: Problem) -> int | None:
         number = prod(problem.scene.shape)
     if number is None:
         return None
-    forcing = problem.scene.forcing if problem.bodies is None else problem.bodies.forcing
+    forces = problem.scene.acting() if problem.bodies is None else problem.bodies.forces
     return _core.state_bytes(
         scene=problem.scene.kind,
         record=problem.record,
         bodies=number,
         times=problem.states,
-        forcing=forcing,
+        forces=forces,
     )
 
 
 def stepped_record(problem: Problem, method: str) -> str:
     """A record whose steps have the same cost: forced rates may need a larger state."""
     scene, record = problem.scene, problem.record
-    if not scene.is_driven:
+    if not scene.forces:
         return record
     return "attitude" if "gamma" in carried(scene, record, method) else "rates"

@@ -69,9 +69,7 @@ class Problem:
                 self.method,
                 self.scene.kind,
                 watched=False,
-                driven=self.scene.is_driven,
-                satellite=self.scene.is_satellite,
-                called=self.scene.is_called,
+                forces=self.scene.forces,
             )
         for name in ("step", "accuracy"):
             if getattr(self, name) is not None:
@@ -103,8 +101,8 @@ class Problem:
     def classes(self) -> NDArray[np.str_]:
         """The class of bodies that each is calibrated as; shape (n,), or (1,) if all are alike."""
         if self.bodies is not None:
-            return calibration_classes(self.scene, *self.inertia(), self.bodies.driven())
-        return calibration_classes(self.scene, *self.inertia(), np.array([self.scene.is_driven]))
+            return calibration_classes(self.scene, *self.inertia(), self.bodies.under_forces())
+        return calibration_classes(self.scene, *self.inertia(), np.array([bool(self.scene.forces)]))
 
     @property
     def count(self) -> int:
@@ -120,6 +118,6 @@ class Problem:
 
     def rates(self, method: str | None = None) -> Floats | None:
         """Bounds of the rates, or the rates that the steps of a method follow, if known."""
-        if self.bodies is None or (self.span is None and self.scene.is_driven):
+        if self.bodies is None or (self.span is None and self.scene.forces):
             return None
         return self.bodies.fastest_rates(self.times, method)

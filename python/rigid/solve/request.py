@@ -69,7 +69,7 @@ class Request:
             weight=bodies.weight,
             omega=bodies.omega,
             attitude=bodies.attitude,
-            forcing=bodies.forcing,
+            forces=bodies.forces,
             method=self.method,
             record=self.record,
             step=steps,

@@ -92,7 +92,7 @@ def common_rounding(
     angle = rates * span
     floor: Floats = EQUAL_RUNS * (1.0 + angle) + ROTATION * rotations(method) * taken
     floor += _loss_of_turns(bodies, method, taken, angle)
-    if method == LIE and bodies.forcing is not None:
+    if method == LIE and bodies.forces is not None:
         floor += TURN * taken
     if method not in series_methods():  # whose second run carries the rounding of a step on
         differs, angles = _differences(request, states, step=span / taken, angle=angle)
@@ -128,7 +128,7 @@ def planned_rounding(
 
 def _loss_of_turns(bodies: Bodies, method: str, taken: Floats, angle: Floats) -> Floats:
     """The error of free symmetric bodies whose steps turn them by equal angles, shape (n,)."""
-    if not rotations(method) or bodies.forcing is not None:
+    if not rotations(method) or bodies.forces is not None:
         return np.zeros(len(bodies))
     apart = np.abs(np.roll(bodies.moments, 1, axis=1) - bodies.moments)
     symmetric = np.any(apart <= ALIKE * bodies.moments, axis=1)
@@ -153,7 +153,7 @@ def rounding_of_damping(bodies: Bodies, omega: Floats, times: Floats) -> Floats:
     times : ndarray, shape (m,) or (n, m)
         The wanted times (s).
     """
-    matrix = dampings(bodies.forcing, alone=False)
+    matrix = dampings(bodies.forces, alone=False)
     moments = bodies.moments[:, np.newaxis]
     size, time = lengths(omega), np.abs(times)
     along = omega / size[..., np.newaxis]
@@ -210,7 +210,7 @@ def _second_difference(bodies: Bodies, method: str, omega: Floats) -> Floats:
     """
     moments = bodies.moments[:, np.newaxis, :]
     # The matrices of damping are symmetric.
-    torque = np.cross(moments * omega, omega) - omega @ dampings(bodies.forcing, alone=True)
+    torque = np.cross(moments * omega, omega) - omega @ dampings(bodies.forces, alone=True)
     turning: Floats = (lengths(torque / moments) / lengths(omega)) ** 2
     weight = np.reshape(lengths(bodies.weight) / bodies.moments.min(axis=1), (-1, 1))
     apart = preserves_groups(method) & (weight > 0.0)

@@ -61,7 +61,7 @@ def separatrices(bodies: Bodies) -> tuple[Floats, Floats]:
 
     Of tops and pendulums in closed form; 1 and 0 for free bodies.
     """
-    if bodies.forcing is not None or not bodies.weight.any():
+    if bodies.forces is not None or not bodies.weight.any():
         return np.ones(len(bodies)), np.zeros(len(bodies))
     columns = bodies.full_columns()
     del columns["scene"]
@@ -100,16 +100,16 @@ def departure(bodies: Bodies, times: Floats, sizes: RateSizes) -> Floats:
     moments = np.broadcast_to(bodies.moments, (len(bodies), 3))
     weight = np.broadcast_to(bodies.weight, (len(bodies), 3))
     vertical, omega = verticals(bodies), bodies.omega
-    damping = np.broadcast_to(dampings(bodies.forcing, alone=True), (len(bodies), 3, 3))
+    damping = np.broadcast_to(dampings(bodies.forces, alone=True), (len(bodies), 3, 3))
     torque = _cross(moments * omega, omega) + _cross(vertical, weight)
-    if bodies.forcing is not None:
+    if bodies.forces is not None:
         # Not by `@`: OpenBLAS ends the process where its own memory cannot be had.
         torque -= np.einsum("ni,nij->nj", omega, damping)
     swing2 = lengths(bodies.weight) / bodies.moments.min(axis=1)
     rate = np.sqrt(np.einsum("ni,ni->n", omega, omega) + swing2)
     away = np.maximum(lengths(torque / moments) / rate**2, lengths(_cross(vertical, omega)) / rate)
     stays = (away == 0.0) & _is_upright_to_the_bit(bodies)
-    since = np.abs(times) if bodies.forcing is None else np.maximum(times, 0.0)
+    since = np.abs(times) if bodies.forces is None else np.maximum(times, 0.0)
     since = np.broadcast_to(since, error.shape)
     near = ~stays & (away < NEAR) & weight.any(axis=1)
     for body in np.flatnonzero(near):
@@ -145,14 +145,14 @@ def verticals(bodies: Bodies) -> Floats:
     )
 
 
-def dampings(forcing: _core.Forcing | None, *, alone: bool) -> Floats:
+def dampings(forces: _core.Forces | None, *, alone: bool) -> Floats:
     """The damping matrices, shape (n, 3, 3), or (1, 3, 3) of all.
 
     If they are wanted ``alone``, they are NaN where a torque acts too.
     """
-    if forcing is None:
+    if forces is None:
         return np.zeros((1, 3, 3))
-    entries = forcing.dampings(alone)
+    entries = forces.dampings(alone)
     return entries[:, [[0, 5, 4], [5, 1, 3], [4, 3, 2]]]
 
 

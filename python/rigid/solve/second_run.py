@@ -65,7 +65,7 @@ def second_run(
         last, other = series_methods()[-1:-3:-1]
         method = other if request.method == last else last
         tighter = TIGHTER
-        if request.bodies.forcing is not None:
+        if request.bodies.forces is not None:
             # The tolerance is that of the rates. Their square, the power, has twice their damping:
             # the last terms of its series are so many times as large.
             tighter *= 2.0 ** order_of(method)
@@ -73,7 +73,7 @@ def second_run(
         return replace(second, method=method, tolerance=tolerance).states(None)
     # Of forced bodies the order falls where damping is as fast as the steps.
     ratio = max(
-        2.0 ** (halvings / order_of(request.method)), 1.2 if request.bodies.forcing is None else 1.3
+        2.0 ** (halvings / order_of(request.method)), 1.2 if request.bodies.forces is None else 1.3
     )
     if is_damped_stiffly(request):
         # Under strong damping the order of these methods falls.
@@ -118,8 +118,8 @@ def _rounded_start(bodies: Bodies) -> Bodies:
     start that is in equilibrium to the bit stays one.
     """
     omega, attitude = _rounded_otherwise(bodies.omega), _rounded_otherwise(bodies.attitude)
-    forcing = None if bodies.forcing is None else bodies.forcing.rounded_otherwise()
-    return replace(bodies, omega=omega, attitude=attitude, forcing=forcing)
+    forces = None if bodies.forces is None else bodies.forces.rounded_otherwise()
+    return replace(bodies, omega=omega, attitude=attitude, forces=forces)
 
 
 def _rounded_otherwise(rows: Floats) -> Floats:
@@ -135,4 +135,4 @@ def _rounded_otherwise(rows: Floats) -> Floats:
 
 def is_damped_stiffly(request: Request) -> bool:
     """Whether a method for strong damping integrates forced bodies."""
-    return request.bodies.forcing is not None and is_stiff(request.method)
+    return request.bodies.forces is not None and is_stiff(request.method)

@@ -223,7 +223,7 @@ def simulate(
         check_event_method(method, scene)
     parameters = check_parameters(tangent, scene)
     if parameters is not None:
-        check_tangent(method, driven=scene.is_driven, by_parameters=bool(parameters))
+        check_tangent(method, forces=scene.forces, by_parameters=bool(parameters))
     if frame is not None:
         if out is not None:
             raise ValueError("frame, out: exclude each other, states in a frame are new arrays")
@@ -363,7 +363,7 @@ def _recorded(scene: Scene, record: str) -> tuple[str, ...]:
         names.append("gamma")
     if record == "attitude":
         names.append("attitude")
-    return (*names, "work") if scene.is_driven else tuple(names)
+    return (*names, "work") if scene.forces else tuple(names)
 
 
 def replay_steps(

@@ -29,13 +29,15 @@ ROUNDING = 2.0**-53
 """Tolerance of a tangent whose scheme is not given."""
 
 
-def check_tangent(method: str | None, *, driven: bool, by_parameters: bool = False) -> None:
+def check_tangent(
+    method: str | None, *, forces: tuple[str, ...], by_parameters: bool = False
+) -> None:
     """Raise ValueError for a scheme without a tangent; a closed form has an integrated one."""
-    known = tangent_methods(forced=driven or by_parameters)
+    known = tangent_methods(forced=bool(forces) or by_parameters)
     if method in (None, EXACT, *known):
         return
     known_method("method", method, run_methods())
-    where = "under torque and damping" if driven else "by parameters"
+    where = "under torque and damping" if forces else "by parameters"
     why = "has no tangent, because its steps are not differentiated"
     if method in tangent_methods():
         why = f"has no tangent {where}"

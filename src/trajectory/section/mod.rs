@@ -14,7 +14,7 @@ use super::states::{invariant_errors, worse};
 use super::{Request, check_forced, invariants_at_start, kinds_in};
 use crate::error::Error;
 use crate::exact::{CanonicalForm, Evaluator, EvaluatorKind, Question, StartRows, StateRows};
-use crate::forces::Forces;
+use crate::forces::ForceSet;
 use crate::kernel::{Entry, Job, Kernel, KernelAssignment, Needs, State, System, drive, load, read, unload};
 use crate::memory;
 use crate::observe::Observed;
@@ -156,7 +156,7 @@ pub fn section(
     if !(f64::MIN_POSITIVE..1.0).contains(&given) {
         return refused("tolerance", format!("{given:e}"), "must be positive and below one");
     }
-    if !request.forcing.is_none() {
+    if !request.forces.is_none() {
         check_forced(request, scheme)?;
     }
     let none = Crossings {
@@ -194,14 +194,14 @@ pub fn section(
 #[derive(Clone, Copy)]
 struct Way {
     assignment: KernelAssignment,
-    forces: Forces,
+    forces: ForceSet,
     /// The closed form that gives the state at the begin of each step.
     form: Option<CanonicalForm>,
 }
 
 impl Way {
     fn of(request: &Request, scheme: &Scheme, index: usize, closed: bool) -> Result<Way, Error> {
-        let (body, forces) = (&request.bodies[index], Forces::from(request.forcing_of(index)));
+        let (body, forces) = (&request.bodies[index], ForceSet::from(request.forces_of(index)));
         let assignment = KernelAssignment::of_either(forces.act, scheme, body, &TOP);
         let form = if closed && !forces.act { CanonicalForm::of(body) } else { None };
         if closed && form.is_none() {
@@ -210,7 +210,7 @@ impl Way {
         Ok(Way { assignment, forces, form })
     }
 
-    fn kind(&self) -> (Step, Forces, Option<EvaluatorKind>) {
+    fn kind(&self) -> (Step, ForceSet, Option<EvaluatorKind>) {
         (self.assignment.step, self.forces, self.form.map(CanonicalForm::kind))
     }
 }
@@ -456,14 +456,14 @@ impl Job for SectionJob<'_> {
     fn load(&mut self, lane: usize) -> Result<Option<Task>, Error> {
         let Some(member) = self.queue.pop() else { return Ok(None) };
         let (index, way) = (self.block.start + member, self.ways[member]);
-        let (body, forcing) = (&self.request.bodies[index], self.request.forcing_of(index));
+        let (body, forces) = (&self.request.bodies[index], self.request.forces_of(index));
         let rate = self.lanes.enter(lane, index, way.assignment, [0.0, self.section.ends[index]], false);
         if let (Some(closed), Some(form)) = (&mut self.closed, way.form) {
             closed.starts.set(lane, &form.to_canonical(body));
         }
         let kinds = self.watches.len();
         for (kind, watch) in self.watches.iter_mut().enumerate() {
-            watch.enter(lane, &self.section.surfaces[index * kinds + kind], body, forcing, rate);
+            watch.enter(lane, &self.section.surfaces[index * kinds + kind], body, forces, rate);
         }
         Ok(Some(Task { body: member, rate }))
     }

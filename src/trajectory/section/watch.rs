@@ -1,7 +1,7 @@
 //! What is zero on the surfaces of one kind, inside the last step of each lane.
 
 use super::{NEAR, NOISE, Polynomial, Side, Surface, SurfaceKind, TERMS, Zero};
-use crate::forcing::BodyForcing;
+use crate::forces::BodyForces;
 use crate::kernel::{AdaptiveSteps, Group, System};
 use crate::simd::{LANES, Row};
 use crate::start::Body;
@@ -76,9 +76,9 @@ impl Watch {
     }
 
     /// Puts the surface of a body into a lane; `rate` bounds its rates.
-    pub fn enter(&mut self, lane: usize, surface: &Surface, body: &Body, forcing: BodyForcing, rate: f64) {
+    pub fn enter(&mut self, lane: usize, surface: &Surface, body: &Body, forces: BodyForces, rate: f64) {
         let Surface { normal, momentum, value } = *surface;
-        let rotor = forcing.satellite().rotor;
+        let rotor = forces.further.rotor.0;
         for d in 0..6 {
             self.normal[d].0[lane] = normal[d];
         }

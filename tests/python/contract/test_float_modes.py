@@ -73,7 +73,7 @@ COMPUTED: dict[str, Callable[[], list[Floats]]] = {
     "closed form of a top": lambda: states(LAGRANGE),
     "tiny rates": lambda: [rigid.simulate(BOX, TINY, t=TIMES, check=False).omega],
     **{f"{m.name} of a top": partial(states, TOP, method=m.name) for m in METHODS},
-    **{f"{m.name} of a body": partial(states, FORCED, method=m.name) for m in METHODS if m.driven},
+    **{f"{m.name} of a body": partial(states, FORCED, method=m.name) for m in METHODS if m.forces},
     "etd4": lambda: states(FORCED, method="etd4"),
     "events": events,
     "steps of a motion": moved,

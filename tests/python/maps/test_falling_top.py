@@ -201,14 +201,14 @@ samples = 4
     assert spec.scene.torque == expected
     assert np.array(spec.scene.damping)[2, 2] == 0.01
     assert MapSpec.from_json(spec.to_json()) == spec
-    assert spec.is_driven
+    assert spec.forces
 
 
 @pytest.mark.parametrize(
     ("options", "part"),
     [
         ({"method": "exact"}, "method = 'exact': under torque and damping there is none"),
-        ({"method": "chin4a"}, "method = 'chin4a': moves bodies without torque and damping only"),
+        ({"method": "chin4a"}, "method = 'chin4a': does not integrate "),
         ({"stable": rigid.tilt_below(0.5, reference="start")}, "reference = 'start': under torque"),
         ({"axes": {"damping3": [1e3, 1e4]}, "step": 0.1}, "unstable under damping"),
         ({"axes": {"damping3": [-1.0, 1.0]}}, "must not be negative"),

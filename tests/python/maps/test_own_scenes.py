@@ -65,7 +65,7 @@ def test_torque_and_damping_of_a_function_differ_between_pixels() -> None:
     for y, x in np.ndindex(2, 2):
         scene = damped(np.array([axes["length"][x]]), np.array([axes["drag"][y]]))[0]
         assert result.spec.grid.scene_of(2 * y + x).to_dict() == scene.to_dict()
-        if scene.is_driven:
+        if scene.forces:
             alone = small_map(scene, axes={"spin": np.arange(4) + 1.0 - (2 * y + x)}, **options)
             for name in NAMED:
                 found, expected = getattr(result, name)[y, x], getattr(alone, name)[2 * y + x]

@@ -95,7 +95,7 @@ def test_appended_parts_keep_the_numbers_of_their_bodies(case: str, tmp_path: Pa
         told = json.loads(found.attrs["spec"])["scene"]
         for name in expected.keys() & told.keys() - {"torque"}:
             assert told[name] == f"variable {name}"
-        if scene.is_driven:
+        if scene.forces:
             work: Any = rigid.simulate(scene, starts, t=TIMES).work
             np.testing.assert_allclose(found.work.values, work, rtol=0.0, atol=1e-9)
 

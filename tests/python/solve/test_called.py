@@ -13,7 +13,7 @@ import pytest
 import rigid
 from interrupts import sigint
 
-METHODS = [method.name for method in rigid.methods() if method.called]
+METHODS = [method.name for method in rigid.methods() if "function" in method.forces]
 BODY = rigid.Body((1.0, 1.5, 2.0))
 OMEGA = np.array([0.3, 2.0, 1.0])
 TILTED = rigid.rotations.euler_to_quaternion([0.3, 0.5, 0.2])
@@ -203,7 +203,7 @@ def test_what_a_function_does_not_go_with_is_refused() -> None:
     for words, refused in (
         ("step: is needed", lambda: rigid.simulate(scene, OMEGA, t=[1.0])),
         (
-            "'taylor16': cannot integrate",
+            "'taylor16': does not integrate function",
             lambda: rigid.simulate(scene, OMEGA, method="taylor16", **one),
         ),
         ("displacements are not", lambda: rigid.simulate(scene, OMEGA, tangent=True, **one)),

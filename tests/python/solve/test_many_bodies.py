@@ -74,7 +74,7 @@ def assert_alone(run: rigid.Run, one: rigid.Run, body: int, names: tuple[str, ..
 
 def movable(scene: Scene) -> list[str]:
     fit = (
-        m for m in METHODS if (m.driven or not scene.is_driven) and (m.tops or not scene.directions)
+        m for m in METHODS if (m.forces or not scene.forces) and (m.tops or not scene.directions)
     )
     return [method.name for method in fit]
 

@@ -104,7 +104,7 @@ def test_reference_trajectories_at_any_product_of_step_and_damping(
 ) -> None:
     """Of the scene's own motion a step takes at most a third of a radian."""
     case = golden_scene(f"forced_damped/{name}")
-    forcing = case.scene.forcing
+    forcing = case.scene.acting()
     assert forcing is not None
     rate = forcing.damping_rates(np.array([case.scene.body.moments]))[0]
     # Strong damping stops what the body started with before it turns.

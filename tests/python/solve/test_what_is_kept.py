@@ -62,8 +62,8 @@ def test_a_scene_that_was_used_gives_what_a_new_one_gives(options: dict[str, Any
     for _ in range(2):
         for name, scene in SCENES.items():
             new, copied = renewed(scene), copy.copy(scene)
-            shape, is_driven = scene.shape, scene.is_driven
-            assert (new.shape, new.is_driven) == (shape, is_driven), name
+            shape, forces = scene.shape, scene.forces
+            assert (new.shape, new.forces) == (shape, forces), name
             assert everything(scene, **options) == everything(new, **options), name
             assert everything(scene, **options) == everything(copied, **options), name
 
@@ -80,7 +80,7 @@ def test_a_body_of_many_keeps_nothing_of_the_others() -> None:
     scene = rigid.FreeBody(rigid.Body([[1.0, 2.0, 2.5], [1.0, 1.0, 1.8]]), damping=[0.1, 0.0])
     assert scene.shape == (2,)
     assert [part.shape for part in scene] == [(), ()]
-    assert [part.is_driven for part in scene] == [True, False]
+    assert [bool(part.forces) for part in scene] == [True, False]
     assert [rigid.simulate(part, RATES[0], t=[1.0]).work is None for part in scene] == [False, True]
 
 

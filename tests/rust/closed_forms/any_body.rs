@@ -38,7 +38,7 @@ fn attitudes() -> impl Strategy<Value = [f64; 4]> {
 /// At these times, in radians of a bound of the rate, every number is finite, a unit quaternion has length one, and
 /// energy and momentum differ by some eps of their scale.
 fn stays_on_its_invariants(body: &Body) -> Result<(), TestCaseError> {
-    let rate = body.fastest_rate(BodyForcing::NONE, [0.0; 2]);
+    let rate = body.fastest_rate(BodyForces::NONE, [0.0; 2]);
     prop_assume!(rate > 0.0 && rate.is_finite());
     let times = [-1e6, -3.0, 0.0, 1e-9, 0.7, 20.0, 1e3, 1e12].map(|angle| angle / rate);
     let states = solved(body, &times);

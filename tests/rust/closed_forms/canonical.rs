@@ -164,7 +164,7 @@ fn what_has_no_closed_form_is_refused() {
         let request = Request {
             bodies,
             scene: &TOP,
-            forcing: Forcing::NONE,
+            forces: Forces::NONE,
             solver: Solver::Exact,
             record: Record::Attitude,
             schedule,

@@ -13,7 +13,7 @@ use proptest::test_runner::RngSeed;
 use rigid::body::Inertia;
 use rigid::exact::derived::{free_quantities, sign_changes, tilt_time, top_quantities};
 use rigid::exact::{CanonicalForm, ClosedForm, EvaluatorKind};
-use rigid::forcing::{BodyForcing, Forcing};
+use rigid::forces::{BodyForces, Forces};
 use rigid::kinematics::to_body_frame;
 use rigid::parallel::Interrupt;
 use rigid::simd::Isa;
@@ -33,7 +33,7 @@ fn solved(body: &Body, times: &[f64]) -> States {
     let request = Request {
         bodies: &[*body],
         scene: scene_of(body.weight != [0.0; 3]),
-        forcing: Forcing::NONE,
+        forces: Forces::NONE,
         solver: Solver::Exact,
         record: Record::Attitude,
         schedule: Schedule::Times(times),

@@ -76,7 +76,7 @@ fn tilt_time_is_when_the_limit_is_passed() {
             // The slope at the limit, from the invariants of a motion between two turning points.
             let period = top_quantities(isa, &body).unwrap().period;
             assert!(0.0 < t && t < period, "{body:?}: {limit} at {t}");
-            let rate = body.fastest_rate(BodyForcing::NONE, [0.0; 2]);
+            let rate = body.fastest_rate(BodyForces::NONE, [0.0; 2]);
             let after = 1e-6 * period;
             let near = motion(&body, &[t, t + after]);
             let slope = (tilt(&body, &near[1].1) - tilt(&body, &near[0].1)).abs() / after;

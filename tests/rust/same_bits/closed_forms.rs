@@ -174,7 +174,7 @@ fn closed_form(
     let request = Request {
         bodies,
         scene: scene_of(is_top),
-        forcing: Forcing::NONE,
+        forces: Forces::NONE,
         solver,
         record,
         schedule,

@@ -10,9 +10,9 @@ mod trajectories;
 use crate::tests::scene_of;
 use rigid::exact::derived::{free_quantities, sign_changes, tilt_time, top_quantities};
 use rigid::exact::{CanonicalForm, Evaluator, EvaluatorKind, ExitRows, StartRows, StateRows};
-use rigid::forcing::Forcing;
+use rigid::forces::{Forces, Further};
 use rigid::kernel::Group;
-use rigid::kernel::{Compiled, ForcingRows, Kernel, System};
+use rigid::kernel::{Compiled, ForcesRows, Kernel, System};
 use rigid::kernel::{Entry, KernelAssignment, load};
 use rigid::map::{
     Check, Class, Condition, Criterion, Laws, Logic, Map, MethodChoice, Pixel, Rule, Statistics,
@@ -166,10 +166,11 @@ fn load_lane(group: &mut Group, lane: usize, kernel: Kernel, compiled: Compiled,
     let assignment = assignment(kernel, &lane_start.body).expect("some scheme asks for every kernel");
     let entry = Entry {
         body: &lane_start.body,
-        forcing: None,
+        forces: None,
         axis: lane_start.observed_axis,
         limit: lane_start.limit,
         step: lane_start.step,
+        own: Further::NONE.start(0.0),
         displacement: Displacement::new([0.5, -0.25, 0.375, 0.3125, 0.4375, -0.5]),
         bound: Some(lane_start.bound),
     };
@@ -181,7 +182,7 @@ fn run(group: &mut Group, kernel: Kernel, compiled: Compiled) {
     let splitting = [scheme::SPLITTING.any, scheme::SPLITTING.symmetric].contains(&kernel.step);
     let short = splitting || matches!(kernel.step.engine, Engine::Rk4 | Engine::KickMoserVeselov);
     for steps in if short { [1, 16, 83, 100] } else { [1, 5, 14, 20] } {
-        compiled.advance(group, &ForcingRows::NONE, steps);
+        compiled.advance(group, &ForcesRows::NONE, steps);
     }
 }
 
@@ -330,7 +331,7 @@ impl Case {
         let request = Request {
             bodies,
             scene: scene_of(is_top),
-            forcing: Forcing::NONE,
+            forces: Forces::NONE,
             solver,
             record,
             schedule,

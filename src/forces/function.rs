@@ -121,15 +121,6 @@ impl TorqueCall {
         TorqueCall { begin, ..self }
     }
 
-    /// The error of a request for displacements under the torque of a function.
-    pub fn not_displaced() -> Error {
-        Error::Value {
-            argument: "torque",
-            value: "a function".to_string(),
-            rule: "displacements are not integrated, because its derivatives are not known",
-        }
-    }
-
     /// A bound of |omega|, 0 if none is known.
     pub fn fastest(&self) -> f64 {
         self.fastest

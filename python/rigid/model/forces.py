@@ -1,0 +1,455 @@
+"""The further forces of a scene: all but the torque and linear damping.
+
+A new force is one class in this file, its line in :class:`HasForces`, and its keyword in
+:class:`FreeForces` or :class:`TopForces`. Scenes, TOML files, datasets and the core know it by its
+name.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar, Generic, Self, TypeAlias, TypedDict, TypeVar, cast, overload
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._checks.arguments import brief, finite_float, shaped, unit_vector
+from .frame import turned
+from .leading import Index, Shape, axes_of, frozen, same, taken
+
+__all__ = [
+    "FORCES",
+    "EnergySink",
+    "Force",
+    "FreeForces",
+    "HasForces",
+    "Orbit",
+    "TopForces",
+    "checked_forces",
+    "with_forces",
+]
+
+Floats = NDArray[np.float64]
+Vector: TypeAlias = tuple[float, float, float]
+Value = TypeVar("Value")
+Class = TypeVar("Class", bound=type)
+
+
+@dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)
+class EnergySink:
+    """Internal dissipation: it drains energy and keeps the angular momentum in space.
+
+    Inside the body something lags behind: a viscous fluid, or a damper. To first order its momentum
+    relative to the body is ``-P omega'``, where ``omega'`` is the rate of change without the sink
+    (Chernousko 1965 of a cavity filled with a very viscous fluid). With ``omega`` the rates of the
+    rigid body that has the momentum, ``I omega = L - h``, the body turns in space at ``omega + e``,
+    ``e = I⁻¹ P omega'``. So
+
+        I omega' = … + L × e,    dE/dt = -omega'·P omega' + torque·(omega + e).
+
+    ``L`` is constant in space to rounding, whatever ``P``: the law is a double bracket (Bloch,
+    Krishnaprasad, Marsden, Ratiu 1996). Every body ends in a rotation about its axis of the largest
+    moment, in flat spin if it began about that of the smallest. Backward in time the energy grows.
+
+    Physics asks that ``P |omega| / I`` is small; then ``e`` is too.
+
+    Parameters
+    ----------
+    coefficient : float or array_like, shape (3,) or (..., 3)
+        The diagonal of ``P`` in the axes of the body (kg m² s), one number if all three are equal;
+        leading axes give each body a sink of its own.
+
+    Attributes
+    ----------
+    coefficient : tuple of 3 floats, or ndarray of shape (..., 3)
+
+    Raises
+    ------
+    ValueError
+        If a coefficient is negative or not finite, or the shape does not fit.
+
+    References
+    ----------
+    F. L. Chernousko, Motion of a rigid body with cavities filled with a viscous fluid at small
+    Reynolds numbers, USSR Comput. Math. Math. Phys. 5 (1965) 99-127.
+    A. Bloch, P. S. Krishnaprasad, J. E. Marsden, T. S. Ratiu, The Euler-Poincaré equations and
+    double bracket dissipation, Commun. Math. Phys. 175 (1996) 1-42.
+
+    Examples
+    --------
+    A long body that spins about its long axis, and ends in a flat spin with the same momentum:
+
+    >>> import numpy as np, rigid
+    >>> body = rigid.Body((1.0, 3.0, 3.2))
+    >>> debris = rigid.FreeBody(body, dissipation=rigid.EnergySink(0.05))
+    >>> run = rigid.simulate(debris, [2.0, 0.01, 0.0], t=[0.0, 2000.0])
+    >>> [round(float(np.linalg.norm(body.moments * omega)), 6) for omega in run.omega]
+    [2.000225, 2.000225]
+    >>> bool(abs(run.omega[-1, 2]) > 0.999999 * 2.000225 / 3.2)
+    True
+    """
+
+    coefficient: Vector | Floats
+
+    def __init__(self, coefficient: ArrayLike) -> None:
+        array = shaped("coefficient", coefficient, nonnegative=True)
+        if array.ndim and array.shape[-1] != 3:
+            raise ValueError(f"coefficient: expected shape () or (..., 3), got {array.shape}")
+        object.__setattr__(
+            self, "coefficient", _vector(np.broadcast_to(array, (*array.shape[:-1], 3)))
+        )
+
+    @classmethod
+    def viscous_sphere(cls, radius: float, *, density: float, viscosity: float) -> Self:
+        """The sink of a spherical cavity that is full of a very viscous fluid.
+
+        ``P = 8 pi rho a⁷ / (525 nu)``, of a cavity anywhere in the body (Chernousko 1965).
+
+        Parameters
+        ----------
+        radius : float
+            Radius ``a`` of the cavity (m).
+        density : float
+            Density ``rho`` of the fluid (kg/m³).
+        viscosity : float
+            Kinematic viscosity ``nu`` (m²/s); the Reynolds number ``a² |omega| / nu`` must be
+            small.
+
+        Raises
+        ------
+        ValueError
+            If a number is not positive and finite.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> sink = rigid.EnergySink.viscous_sphere(0.2, density=1000.0, viscosity=0.01)
+        >>> round(sink.coefficient[0], 6)
+        0.061276
+        """
+        a = finite_float("radius", radius, positive=True)
+        rho = finite_float("density", density, positive=True)
+        nu = finite_float("viscosity", viscosity, positive=True)
+        return cls(8.0 * np.pi * rho * a**7 / (525.0 * nu))
+
+    @property
+    def shape(self) -> Shape:
+        """The axes of the bodies: ``()`` of one sink, ``(n,)`` of one for each of n bodies."""
+        return axes_of(self.coefficient, 1)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, EnergySink):
+            return NotImplemented
+        return same(self.coefficient, other.coefficient)
+
+    def __hash__(self) -> int:
+        return hash(("sink", self.shape or self.coefficient))
+
+    def __repr__(self) -> str:
+        if self.shape:
+            return f"EnergySink(coefficient of shape {np.shape(self.coefficient)})"
+        return f"EnergySink({self.coefficient})"
+
+
+@dataclass(frozen=True, slots=True)
+class Orbit:
+    """A circular orbit: its rate, and the directions to the centre now and a quarter later.
+
+    Attributes
+    ----------
+    rate : float
+        Angle per time (rad/s).
+    towards, ahead : tuple of 3 floats
+        Direction to the centre at ``t = 0``, and a quarter of an orbit later; in space.
+    """
+
+    rate: float
+    towards: Vector
+    ahead: Vector
+
+    @classmethod
+    def of(cls, rate: object, normal: ArrayLike, towards: ArrayLike) -> Self:
+        """The orbit about this normal.
+
+        Raises
+        ------
+        ValueError
+            If the rate is not positive, a direction is no unit vector, or the two are not at right
+            angles.
+        """
+        n = finite_float("rate", rate, positive=True, unit="rad/s")
+        axis, begin = unit_vector("normal", normal, 3), unit_vector("towards", towards, 3)
+        along = float(axis @ begin)
+        if abs(along) > 1e-9:
+            raise ValueError(
+                f"towards = {begin.tolist()}: must be at right angles to normal, their product is "
+                f"{along:g}"
+            )
+        begin = begin - along * axis
+        begin /= np.linalg.norm(begin)
+        return cls(n, _tuple(begin), _tuple(np.cross(axis, begin)))
+
+    @property
+    def normal(self) -> Floats:
+        """The normal of the orbit, about which it turns; shape (3,)."""
+        return np.cross(self.towards, self.ahead)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The orbit as a dict of numbers."""
+        return {"rate": self.rate, "towards": list(self.towards), "ahead": list(self.ahead)}
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> Self:
+        """The orbit of :meth:`to_dict`."""
+        return cls(float(data["rate"]), _tuple(data["towards"]), _tuple(data["ahead"]))
+
+
+class Force(Generic[Value]):
+    """A force of a scene: its attribute, keyword, key in TOML files and name in the core.
+
+    Its numbers are a vector, or coefficients along the principal axes, of one body or of each.
+
+    Attributes
+    ----------
+    name : str
+        The name.
+    title : str
+        What the numbers are.
+    unit : str
+        Unit of the numbers.
+    is_vector : bool
+        Whether the numbers are a vector, which turns with the axes; coefficients do not.
+    has_corner : bool
+        Whether the torque has a corner where the body stops.
+    in_toml, meaning : str
+        Type and meaning of its key in TOML files.
+    parameter : str
+        Its entry among the parameters of scenes.
+    """
+
+    name: str
+    title: ClassVar[str]
+    unit: ClassVar[str]
+    is_vector: ClassVar[bool] = False
+    has_corner: ClassVar[bool] = False
+    in_toml: ClassVar[str]
+    meaning: ClassVar[str]
+    parameter: ClassVar[str]
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self.name = name
+
+    @overload
+    def __get__(self, scene: None, kind: type) -> Self: ...
+    @overload
+    def __get__(self, scene: HasForces, kind: type) -> Value | None: ...
+    def __get__(self, scene: HasForces | None, kind: type) -> Self | Value | None:
+        return self if scene is None else scene._further.get(self.name)
+
+    def checked(self, given: Any) -> Value | None:
+        """What was given as a value of one body or of each; None if it is zero.
+
+        Raises
+        ------
+        ValueError
+            If it is impossible.
+        """
+        if self.is_vector:
+            return self._value(shaped(self.name, given, 3, unit=self.unit))
+        array = shaped(self.name, given, nonnegative=True, unit=self.unit)
+        if array.ndim and array.shape[-1] != 3:
+            raise ValueError(f"{self.name}: expected shape () or (..., 3), got {array.shape}")
+        return self._value(np.broadcast_to(array, (*array.shape[:-1], 3)))
+
+    def _value(self, array: Floats) -> Value | None:
+        value: Any = _vector(array) if array.any() else None
+        return cast("Value | None", value)
+
+    def numbers(self, value: Value) -> Any:
+        """The numbers for the core: a tuple of one body, an array of many."""
+        return value
+
+    def made(self, numbers: Any) -> Value | None:
+        """The value with these numbers; None if they are zero."""
+        return self.checked(numbers)
+
+    def of(self, value: Value, shape: Shape, index: Index) -> Value | None:
+        """The value of some of the bodies of this shape."""
+        return self.made(taken(self.numbers(value), 1, shape, index))
+
+    def turned(self, value: Value, axes: Floats) -> Value | None:
+        """The value with other body axes."""
+        numbers = np.asarray(self.numbers(value))
+        if self.is_vector:
+            return self.checked(turned(axes, numbers))
+        if not (numbers == numbers[..., :1]).all():
+            raise ValueError(
+                f"{self.name} = {brief(value)}: has coefficients along the principal axes; with a "
+                "frame give one number"
+            )
+        return value
+
+    def words(self, value: Value) -> str:
+        """The force in a few words."""
+        numbers = self.numbers(value)
+        if isinstance(numbers, np.ndarray):
+            return f"{self.name} of each"
+        if not self.is_vector and len(set(numbers)) == 1:
+            return f"{self.name} {numbers[0]:g}"
+        return f"{self.name} ({', '.join(f'{part:g}' for part in numbers)})"
+
+    def torque(self, numbers: Floats, omega: Floats) -> Floats | float:
+        """The torque in the body at rates, as in the equations of motion; N m."""
+        return 0.0
+
+
+class Dissipation(Force[EnergySink]):
+    """Internal dissipation."""
+
+    title = "coefficients of the energy sink"
+    unit = "kg m² s"
+    in_toml, meaning = "number or 3", "coefficient of an energy sink"
+    parameter = """\
+    dissipation : EnergySink, optional
+        Internal dissipation, which drains energy and keeps the angular momentum in space."""
+
+    def checked(self, given: Any) -> EnergySink | None:
+        """The sink, if it drains energy."""
+        if not isinstance(given, EnergySink):
+            raise TypeError(f"dissipation = {brief(given)}: must be a rigid.EnergySink")
+        return given if np.any(given.coefficient) else None
+
+    def numbers(self, value: EnergySink) -> Any:
+        """The coefficients."""
+        return value.coefficient
+
+    def made(self, numbers: Any) -> EnergySink | None:
+        """The sink with these coefficients."""
+        return self.checked(EnergySink(numbers))
+
+
+class Rotor(Force[Vector | Floats]):
+    """A rotor at constant speed."""
+
+    title = "angular momentum of the rotor"
+    unit = "kg m²/s"
+    is_vector = True
+    in_toml, meaning = "3 numbers", "angular momentum of a rotor at constant speed"
+    parameter = """\
+    rotor : array_like, shape (3,) or (..., 3), optional
+        Angular momentum ``h`` (kg m²/s) of a rotor relative to the body, constant in the body: a
+        gyrostat (Zhukovsky 1885, Volterra 1899). The whole momentum is ``I omega + h``; energies
+        are those of ``omega``, without that of the rotor's own spin."""
+
+
+class Drag(Force[Vector | Floats]):
+    """Quadratic drag."""
+
+    title = "coefficients of the drag"
+    unit = "N m s²"
+    has_corner = True
+    in_toml, meaning = "number or 3", "the torque is `-drag * abs(omega) * omega`"
+    parameter = """\
+    drag : float or array_like, shape (3,) or (..., 3), optional
+        Quadratic drag: the coefficients ``C`` (N m s²) of the torque ``-|omega| C omega``, one for
+        each body axis or one for all."""
+
+    def torque(self, numbers: Floats, omega: Floats) -> Floats:
+        """``-|omega| C omega``."""
+        speed = np.linalg.norm(omega, axis=-1, keepdims=True)
+        return np.asarray(-speed * omega * numbers)
+
+
+class HasForces:
+    """The further forces as attributes of a scene; None if one does not act."""
+
+    __slots__ = ()
+
+    _further: Mapping[str, Any]
+
+    dissipation = Dissipation()
+    rotor = Rotor()
+    drag = Drag()
+
+    def further(self) -> Iterator[tuple[Force[Any], Any]]:
+        """The further forces that act, and their values."""
+        return ((FORCES[name], value) for name, value in self._further.items())
+
+
+class TopForces(TypedDict, total=False):
+    """The keywords of heavy tops for further forces."""
+
+    drag: ArrayLike | None
+
+
+class FreeForces(TopForces, total=False):
+    """Those of free bodies."""
+
+    dissipation: EnergySink | None
+    rotor: ArrayLike | None
+
+
+FORCES: Mapping[str, Force[Any]] = {
+    name: force for name, force in vars(HasForces).items() if isinstance(force, Force)
+}
+"""The further forces by their names."""
+
+
+def checked_forces(known: type, given: Mapping[str, Any]) -> dict[str, Any]:
+    """The values of the forces that are given and not zero.
+
+    ``known`` is the class of the keywords.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If a keyword is no force, or a value is impossible.
+    """
+    for name in given:
+        if name not in known.__annotations__:
+            raise TypeError(f"got an unexpected keyword argument {name!r}")
+    made = {
+        name: force.checked(given[name])
+        for name, force in FORCES.items()
+        if given.get(name) is not None
+    }
+    return {name: value for name, value in made.items() if value is not None}
+
+
+def with_forces(known: type) -> Callable[[Class], Class]:
+    """A class of scenes with the keywords of its forces in its signature and its docstring."""
+
+    def described(scene: Class) -> Class:
+        names = [name for name in FORCES if name in known.__annotations__]
+        init: Any = vars(scene)["__init__"]
+        own = inspect.signature(init)
+        parameters = [one for one in own.parameters.values() if one.name != "further"]
+        place = next(k for k, one in enumerate(parameters) if one.name == "frame")
+        parameters[place:place] = [
+            inspect.Parameter(
+                name,
+                inspect.Parameter.KEYWORD_ONLY,
+                default=None,
+                annotation=getattr(known.__annotations__[name], "__forward_arg__", "ArrayLike"),
+            )
+            for name in names
+        ]
+        init.__signature__ = own.replace(parameters=parameters)
+        if scene.__doc__ is not None:
+            entries = "\n".join(FORCES[name].parameter for name in names)
+            scene.__doc__ = scene.__doc__.replace("    **further", entries)
+        return scene
+
+    return described
+
+
+def _tuple(values: ArrayLike) -> Vector:
+    first, second, third = (float(value) for value in np.asarray(values))
+    return first, second, third
+
+
+def _vector(array: Floats) -> Vector | Floats:
+    """The vector of one body as a tuple, those of many as an array."""
+    return _tuple(array) if array.ndim == 1 else frozen(array)

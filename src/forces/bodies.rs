@@ -1,0 +1,466 @@
+//! `Forces`: those of one body or of many; `BodyForces`: those of one of them; `ForcesInterval`: those in a kernel.
+
+use super::{Damping, Further, Table, TorqueCall, TorqueFunction, table};
+use crate::error::Error;
+use crate::memory;
+use crate::real::Real;
+use crate::special::exp;
+
+/// What the table of a torque is called if it does not fit into memory.
+const TABLE: &str = "table of the torque";
+
+/// The forces on a body, on an interval of time in which the torque of the table is linear.
+#[derive(Clone, Copy)]
+pub struct ForcesInterval<R> {
+    /// Torque in the body at the begin of the interval, and its rate of change.
+    pub body: [[R; 3]; 2],
+    /// Torque in space at the begin of the interval, and its rate of change.
+    pub space: [[R; 3]; 2],
+    /// Damping: the torque is minus this matrix times the rates; its entries 11, 22, 33, 23, 31, 12.
+    pub damping: [R; 6],
+    /// Damping rates of the body without torque: eigenvalues of `I^(-1/2) D I^(-1/2)`.
+    pub rates: [R; 3],
+    /// Eigenvectors of the damping rates, as columns.
+    pub modes: [[R; 3]; 3],
+    /// The further forces.
+    pub further: Further<R>,
+    /// The function that returns a further torque.
+    pub function: Option<TorqueCall>,
+    /// The change of the parameters that displaces the body, if displacements are integrated.
+    pub change: ParameterChange<R>,
+}
+
+/// A small change of the parameters of a body, whose effect is a displacement.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ParameterChange<R> {
+    /// Of the principal moments.
+    pub moments: [R; 3],
+    /// Of `mgl com`.
+    pub weight: [R; 3],
+    /// Of the damping matrix: its entries 11, 22, 33, 23, 31, 12.
+    pub damping: [R; 6],
+    /// Of the torque in the body, at all times.
+    pub torque: [R; 3],
+}
+
+impl ParameterChange<f64> {
+    /// Number of parameters.
+    pub const LEN: usize = 15;
+
+    /// The change with these numbers: of moments, weight, damping and torque.
+    pub fn of(numbers: &[f64; ParameterChange::LEN]) -> Self {
+        let [i1, i2, i3, w1, w2, w3, d11, d22, d33, d23, d31, d12, t1, t2, t3] = *numbers;
+        ParameterChange {
+            moments: [i1, i2, i3],
+            weight: [w1, w2, w3],
+            damping: [d11, d22, d33, d23, d31, d12],
+            torque: [t1, t2, t3],
+        }
+    }
+}
+
+impl<R: Real> ParameterChange<R> {
+    /// No change.
+    #[inline(always)]
+    pub fn none() -> Self {
+        let zero = R::splat(0.0);
+        ParameterChange { moments: [zero; 3], weight: [zero; 3], damping: [zero; 6], torque: [zero; 3] }
+    }
+}
+
+impl<R: Real> ForcesInterval<R> {
+    /// No forces.
+    #[inline(always)]
+    pub fn none() -> Self {
+        let zero = R::splat(0.0);
+        ForcesInterval {
+            body: [[zero; 3]; 2],
+            space: [[zero; 3]; 2],
+            damping: [zero; 6],
+            rates: [zero; 3],
+            modes: [[zero; 3]; 3],
+            further: Further::none(),
+            function: None,
+            change: ParameterChange::none(),
+        }
+    }
+}
+
+/// The forces on one body or on many. All tables have the same times, and each table, matrix or row of numbers is that of one
+/// body or serves all.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Forces {
+    /// Times of the tables, as in [`Table`].
+    times: Vec<f64>,
+    /// The values of the tables, table after table; empty if no torque is applied to any body.
+    values: Vec<[[f64; 3]; 2]>,
+    /// The damping matrices, as in [`Damping`].
+    dampings: Vec<[f64; 6]>,
+    further: Vec<Further<f64>>,
+    /// The function that returns a torque.
+    function: Option<TorqueFunction>,
+}
+
+impl Forces {
+    /// No forces.
+    pub const NONE: &'static Forces = &Forces {
+        times: Vec::new(),
+        values: Vec::new(),
+        dampings: Vec::new(),
+        further: Vec::new(),
+        function: None,
+    };
+
+    /// Torques in the body and in space, given at some times (without times: constant torques), and damping.
+    ///
+    /// # Errors
+    /// If a number is not finite, if the times descend, if there is not one value for each time, or if damping would
+    /// add energy.
+    pub fn new(
+        times: &[f64],
+        body: &[[f64; 3]],
+        space: &[[f64; 3]],
+        dampings: &[[f64; 6]],
+    ) -> Result<Forces, Error> {
+        table::check(times, body, space)?;
+        let values = body.iter().zip(space).map(|(&body, &space)| [body, space]);
+        let made = Forces {
+            times: copied(TABLE, times)?,
+            values: memory::collected(TABLE, body.len(), values)?,
+            dampings: copied("damping", dampings)?,
+            further: Vec::new(),
+            function: None,
+        };
+        let rows = [body.len() / times.len().max(1), dampings.len()];
+        if rows.iter().any(|&rows| rows > 1 && rows != made.bodies()) {
+            let (expected, got) = (format!("({}, ...)", made.bodies()), format!("{rows:?} rows"));
+            return Err(Error::Shape { argument: "torque and damping", expected, got });
+        }
+        dampings.iter().try_for_each(|&entries| Damping(entries).check())?;
+        Ok(made)
+    }
+
+    /// The same with further forces: the numbers of each body, or of all.
+    ///
+    /// # Errors
+    /// If numbers are impossible, or those of another number of bodies.
+    pub fn with_further(self, rows: &[[f64; Further::LEN]]) -> Result<Forces, Error> {
+        let mut further = memory::reserved("forces", rows.len())?;
+        for row in rows {
+            further.push(Further::checked(row)?);
+        }
+        self.check_rows("forces", further.len())?;
+        Ok(Forces { further, ..self })
+    }
+
+    /// The same with the torque that a function returns.
+    ///
+    /// # Errors
+    /// If it is that of another number of bodies, or something acts that no scheme integrates with it.
+    pub fn with_function(self, function: TorqueFunction) -> Result<Forces, Error> {
+        if self.further.iter().any(|further| !further.is_none()) {
+            let (value, rule) =
+                ("a function".to_string(), "acts with other torques, damping and weight only");
+            return Err(Error::Value { argument: "torque", value, rule });
+        }
+        self.check_rows("data", function.bodies())?;
+        Ok(Forces { function: Some(function), ..self })
+    }
+
+    /// Refuses rows of another number of bodies.
+    fn check_rows(&self, argument: &'static str, rows: usize) -> Result<(), Error> {
+        let bodies = self.bodies();
+        if rows > 1 && bodies > 1 && rows != bodies {
+            let (expected, got) = (format!("({bodies}, ...)"), format!("({rows}, ...)"));
+            return Err(Error::Shape { argument, expected, got });
+        }
+        Ok(())
+    }
+
+    /// The same forces.
+    ///
+    /// # Errors
+    /// If they do not fit into memory once more.
+    pub fn copied(&self) -> Result<Forces, Error> {
+        Ok(Forces {
+            times: copied(TABLE, &self.times)?,
+            values: copied(TABLE, &self.values)?,
+            dampings: copied("damping", &self.dampings)?,
+            further: copied("forces", &self.further)?,
+            function: self.function.as_ref().map(TorqueFunction::copied).transpose()?,
+        })
+    }
+
+    /// The forces on some bodies, in this order; what serves all stays.
+    ///
+    /// # Errors
+    /// If there is no such body, or they do not fit into memory.
+    pub fn of_some(&self, bodies: &[usize]) -> Result<Forces, Error> {
+        if let Some(bad) = bodies.iter().find(|&&body| self.bodies() > 1 && body >= self.bodies()) {
+            let rule = "there is no such body";
+            return Err(Error::Value { argument: "body", value: bad.to_string(), rule });
+        }
+        Ok(Forces {
+            times: copied(TABLE, &self.times)?,
+            values: taken(TABLE, &self.values, self.times.len().max(1), bodies)?,
+            dampings: taken("damping", &self.dampings, 1, bodies)?,
+            further: taken("forces", &self.further, 1, bodies)?,
+            function: self.function.as_ref().map(|function| function.of_some(bodies)).transpose()?,
+        })
+    }
+
+    /// The same with damping that is rounded otherwise, by a unit in the last place: the diagonal up, the rest down. So
+    /// equal dampings of all axes stay equal, and a matrix that is nearly singular changes its least rate.
+    ///
+    /// # Errors
+    /// As `of_some`.
+    pub fn rounded_otherwise(&self) -> Result<Forces, Error> {
+        let mut forces = self.copied()?;
+        for (k, entry) in forces.dampings.iter_mut().flat_map(|damping| damping.iter_mut().enumerate()) {
+            *entry *= if k < 3 { 1.0 + f64::EPSILON } else { 1.0 - f64::EPSILON };
+        }
+        Ok(forces)
+    }
+
+    /// The forces on neighbouring bodies; `None` if all have the same.
+    ///
+    /// # Errors
+    /// As `of_some`.
+    pub fn of_range(&self, bodies: std::ops::Range<usize>) -> Result<Option<Forces>, Error> {
+        if self.bodies() == 1 {
+            return Ok(None);
+        }
+        self.of_some(&memory::collected("bodies", bodies.len(), bodies)?).map(Some)
+    }
+
+    /// The number of bodies on which they act; 1 if all have the same.
+    pub fn bodies(&self) -> usize {
+        let tables = self.values.len() / self.times.len().max(1);
+        let functions = self.function.as_ref().map_or(1, TorqueFunction::bodies);
+        tables.max(self.dampings.len()).max(self.further.len()).max(functions)
+    }
+
+    /// The forces on one of the bodies.
+    pub fn of(&self, body: usize) -> BodyForces<'_> {
+        BodyForces {
+            table: Table {
+                times: &self.times,
+                values: of_one(&self.values, self.times.len().max(1), body).unwrap_or(&[]),
+            },
+            damping: of_one(&self.dampings, 1, body).map_or(Damping::NONE, |one| Damping(one[0])),
+            further: of_one(&self.further, 1, body).map_or(Further::NONE, |one| one[0]),
+            function: self.function.as_ref().map(|function| function.of(body)),
+        }
+    }
+
+    /// Whether nothing acts on any body.
+    pub fn is_none(&self) -> bool {
+        (0..self.bodies()).all(|body| self.of(body).is_none())
+    }
+}
+
+/// The values of one body among blocks of this size: its own, or those of all; `None` if there are none.
+fn of_one<T>(all: &[T], size: usize, body: usize) -> Option<&[T]> {
+    let first = if all.len() > size { size * body } else { 0 };
+    (!all.is_empty()).then(|| &all[first..][..size])
+}
+
+/// The blocks of values of some bodies; one block that serves all stays.
+fn taken<T: Copy>(what: &'static str, all: &[T], size: usize, bodies: &[usize]) -> Result<Vec<T>, Error> {
+    if all.len() <= size {
+        return copied(what, all);
+    }
+    let values = |&body: &usize| all[size * body..][..size].iter().copied();
+    memory::collected(what, size * bodies.len(), bodies.iter().flat_map(values))
+}
+
+fn copied<T: Copy>(what: &'static str, all: &[T]) -> Result<Vec<T>, Error> {
+    memory::collected(what, all.len(), all.iter().copied())
+}
+
+/// The forces on one body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BodyForces<'a> {
+    /// The table of a torque.
+    pub table: Table<'a>,
+    /// Linear damping.
+    pub damping: Damping,
+    /// The further forces.
+    pub further: Further<f64>,
+    /// The function that returns a torque.
+    pub function: Option<TorqueCall>,
+}
+
+impl BodyForces<'_> {
+    /// No forces.
+    pub const NONE: BodyForces<'static> =
+        BodyForces { table: Table::NONE, damping: Damping::NONE, further: Further::NONE, function: None };
+
+    /// Whether nothing acts. A table of zeros acts.
+    pub fn is_none(&self) -> bool {
+        let without_table = self.damping.is_none() && self.further.is_none() && self.function.is_none();
+        self.table.values.is_empty() && without_table
+    }
+
+    /// Whether a torque depends on the attitude at any time: the rates then depend on it too.
+    pub fn acts_in_space(&self) -> bool {
+        self.further.acts_in_space() || self.function.is_some() || self.table.acts_in_space()
+    }
+
+    /// The forces on a body with these moments from a time to the next knot, forward or backward.
+    pub fn interval(&self, time: f64, backward: bool, moments: [f64; 3]) -> ForcesInterval<f64> {
+        let [[body, body_slope], [space, space_slope]] = self.table.torques(time, backward);
+        let (rates, modes) = self.damping.modes(moments);
+        ForcesInterval {
+            body: [body, body_slope],
+            space: [space, space_slope],
+            damping: self.damping.0,
+            rates,
+            modes,
+            further: self.further,
+            function: self.function.map(|function| function.from(time)),
+            change: ParameterChange::none(),
+        }
+    }
+
+    /// The damping, if nothing else acts at any time.
+    pub fn damping_alone(&self) -> Option<Damping> {
+        let is_alone = self.further.is_none() && self.function.is_none() && self.table.is_zero();
+        is_alone.then_some(self.damping)
+    }
+
+    /// The rate k, if nothing acts but a damping `D = k I`. All components of the momentum then decay as `exp(-k t)`, and the
+    /// motion is a free motion in a transformed time.
+    pub fn slows_evenly(&self, moments: [f64; 3]) -> Option<f64> {
+        self.damping_alone()?.slows_evenly(moments)
+    }
+
+    /// What the further forces add to the rate that the steps of a body follow, whose rates reach `fastest`.
+    pub fn further_step_rate(&self, moments: [f64; 3], omega: [f64; 3], fastest: f64) -> f64 {
+        if self.further.is_none() {
+            return 0.0;
+        }
+        let is_torque_free = self.table.is_zero() && self.damping.is_none();
+        self.further.step_rate(moments, omega, fastest, is_torque_free)
+    }
+
+    /// A bound of |omega| between two times around 0, from the power balance. `twice_kinetic` is taken at the start,
+    /// `mgl` is the weight, `fall` the energy that the body can gain by falling.
+    ///
+    /// With `u = |I^(1/2) omega|`, `u' <= |I^(-1/2) torque| - d u`, and `|omega| <= u / sqrt(I_min)`; `d` is the least
+    /// damping rate. Backward in time damping adds energy at the largest rate. A further force that adds energy
+    /// has a potential, whose bound raises u, if need be seen from a frame that turns; `reach` and `turning` are of it. The
+    /// others add none; backward in time they add energy without bound, and the rates are taken as if they added none. Of a
+    /// function a bound may be known.
+    pub fn fastest_rate(
+        &self,
+        moments: [f64; 3],
+        [twice_kinetic, mgl, fall]: [f64; 3],
+        [first, last]: [f64; 2],
+    ) -> f64 {
+        let least = moments.iter().fold(f64::INFINITY, |a, &b| a.min(b));
+        let [d, .., fastest] = self.damping.rates(moments);
+        let strength = self.table.strength(moments) + self.further.strength(moments);
+        let start = twice_kinetic.sqrt();
+        let [reach, turning] = self.further.reach(moments, (twice_kinetic + 2.0 * fall).sqrt());
+        // Damping slows the rates in space, not those seen from a turning frame.
+        let drag = |time: f64| if turning > 0.0 { turning * fastest.max(0.0) * time } else { 0.0 };
+        let mut forward =
+            reach + turning + self.table.gain(moments, 0.0, last.max(0.0)) + drag(last.max(0.0));
+        let mut swing = (mgl / least).sqrt();
+        if d > 0.0 {
+            forward = forward.min(start + (mgl / least.sqrt() + strength) / d);
+            swing = swing.min(mgl / (least * d));
+        }
+        let back = first.min(0.0);
+        let mut u = forward;
+        if back < 0.0 {
+            let gained = self.table.gain(moments, back, 0.0) + drag(-back);
+            u = u.max((reach + gained) * exp(-fastest.max(0.0) * back) + turning);
+        }
+        let called = self.function.map_or(0.0, |function| function.fastest());
+        (u / least.sqrt()).max(swing).max(called)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn damping(entries: [f64; 6]) -> Result<Forces, Error> {
+        Forces::new(&[], &[[0.0; 3]], &[[0.0; 3]], &[entries])
+    }
+
+    #[test]
+    fn the_absence_of_forces_is_a_value() {
+        let none = Forces::NONE.of(7);
+        assert!(Forces::NONE.is_none() && none.is_none() && !none.acts_in_space());
+        assert!(!damping([0.0; 6]).unwrap().is_none());
+        assert_eq!(none.table.next_knot(0.0, false), None);
+        assert!(none.table.check_reaches(1e300).is_ok());
+    }
+
+    #[test]
+    fn each_body_has_a_torque_and_a_damping_of_its_own_or_that_of_all() {
+        let (torques, none) = ([[1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [3.0, 0.0, 0.0]], [[0.0; 3]; 3]);
+        let [strong, weak] = [[2.0; 6], [0.0; 6]].map(|d: [f64; 6]| [d[0], d[1], d[2], 0.0, 0.0, 0.0]);
+        let forces = Forces::new(&[], &torques, &none, &[strong]).unwrap();
+        assert_eq!(forces.bodies(), 3);
+        for (body, torque) in torques.into_iter().enumerate() {
+            let interval = forces.of(body).interval(0.0, false, [1.0; 3]);
+            assert_eq!((interval.body[0], interval.damping), (torque, strong));
+        }
+        let some = forces.of_some(&[2, 0]).unwrap();
+        assert_eq!((some.bodies(), some.of(0), some.of(1)), (2, forces.of(2), forces.of(0)));
+        assert!(forces.of_some(&[3]).is_err());
+        let damped = Forces::new(&[], &[], &[], &[strong, weak]).unwrap();
+        assert!(!damped.is_none() && !damped.of(0).is_none() && damped.of(1).is_none());
+        let tables = Forces::new(&[0.0, 1.0], &[[0.0; 3]; 4], &[[0.0; 3]; 4], &[strong, weak]).unwrap();
+        assert_eq!((tables.bodies(), tables.of(1).table.times), (2, &[0.0, 1.0][..]));
+        assert!(Forces::new(&[], &torques, &none, &[strong, weak]).is_err());
+    }
+
+    #[test]
+    fn a_torque_is_linear_between_its_knots_and_jumps_at_equal_times() {
+        let torque = [[1.0, 0.0, 0.0], [3.0, 0.0, 0.0], [7.0, 0.0, 0.0], [7.0, 0.0, 0.0]];
+        let forces = Forces::new(&[0.0, 2.0, 2.0, 4.0], &torque, &[[0.0; 3]; 4], &[[0.0; 6]]).unwrap();
+        let forces = forces.of(0);
+        let at = |time, backward| forces.interval(time, backward, [1.0; 3]).body.map(|x| x[0]);
+        assert_eq!(at(0.0, false), [1.0, 1.0]);
+        assert_eq!(at(1.0, false), [2.0, 1.0]);
+        assert_eq!(at(2.0, false), [7.0, 0.0]);
+        assert_eq!(at(2.0, true), [3.0, 1.0]);
+        assert_eq!(forces.table.next_knot(0.0, false), Some(2.0));
+        assert_eq!(forces.table.next_knot(4.0, true), Some(2.0));
+        assert_eq!([0.0, 1.0, 2.0, 4.0].map(|time| forces.table.jumps_at(time)), [false, false, true, false]);
+    }
+
+    #[test]
+    fn damping_that_adds_energy_is_refused() {
+        assert!(damping([1.0, 1.0, 1.0, 0.0, 0.0, 1.0]).is_ok());
+        // The product of the off-diagonal entries exceeds that of the diagonal ones by a few roundings only.
+        assert!(damping([1.0, 1.0, 1.0, 0.0, 0.0, 1.0 + f64::EPSILON]).is_ok());
+        assert!(damping([1.0, 1.0, 1.0, 0.0, 0.0, 1.0 + 1e-14]).is_err());
+        assert!(damping([-1e-300, 0.0, 0.0, 0.0, 0.0, 0.0]).is_err());
+    }
+
+    #[test]
+    fn modes_of_damping_are_eigenvectors() {
+        let entries = [2.0, 3.0, 5.0, 0.4, -0.3, 0.7];
+        let moments = [1.0, 2.0, 4.0];
+        let (rates, modes) = damping(entries).unwrap().of(0).damping.modes(moments);
+        let [d11, d22, d33, d23, d31, d12] = entries;
+        let matrix = [[d11, d12, d31], [d12, d22, d23], [d31, d23, d33]];
+        for k in 0..3 {
+            for i in 0..3 {
+                let row: f64 =
+                    (0..3).map(|j| matrix[i][j] / f64::sqrt(moments[i] * moments[j]) * modes[j][k]).sum();
+                assert!((row - rates[k] * modes[i][k]).abs() < 1e-14, "mode {k}, row {i}");
+            }
+        }
+        let even = damping([2.0, 4.0, 8.0, 0.0, 0.0, 0.0]).unwrap();
+        let even = even.of(0);
+        assert_eq!(even.slows_evenly(moments), Some(2.0));
+        assert_eq!(even.slows_evenly([1.0, 2.0, 3.0]), None);
+    }
+}

@@ -1,0 +1,407 @@
+//! Forces: what acts on a body besides weight, each in one file.
+//!
+//! A force has numbers and their check, an equation, its Taylor product, bounds, and what it adds to the rate that steps
+//! follow. Every kernel of a forced body has the table of a torque and linear damping. The *further* forces are the rows of
+//! the list below; kernels with them have them all, and a body that has none of one has zeros for its numbers.
+//!
+//! Two of the further forces are no torques, and the equations of motion (`scene::further`) name them: the rotor has an
+//! angular momentum, and the dissipation turns the frame of the body. The function of a user is called for one body at a
+//! time, in kernels of its own.
+
+mod bodies;
+mod damping;
+mod dissipation;
+mod drag;
+mod function;
+mod gravity_gradient;
+mod rotor;
+mod set;
+mod table;
+
+pub use bodies::{BodyForces, Forces, ForcesInterval, ParameterChange};
+pub use damping::{Damping, damp};
+pub use dissipation::Dissipation;
+pub use drag::Drag;
+pub use function::{Function, TorqueCall, TorqueFunction};
+pub use gravity_gradient::GravityGradient;
+pub use rotor::Rotor;
+pub use set::ForceSet;
+pub use table::{Table, add_space_torque};
+
+use crate::error::Error;
+use crate::real::{Pack, Real};
+use crate::series::Coefficients;
+use crate::simd::Row;
+
+/// A further force in kernels: its equation and its Taylor product. `y` is a state, which begins with the rates and, if
+/// there are any, the space axes 3, 1 and 2 in the body. The variables of the force are at `own`.
+pub trait Force<R: Real>: Copy {
+    /// Whether the torque depends on the attitude. The force then acts only in kernels with the space axes.
+    const IN_SPACE: bool = false;
+    /// How many variables are integrated with the motion for this force; only a force in space has any.
+    const VARIABLES: usize = 0;
+    /// Coefficients of its Taylor product beside those of the state.
+    type Series;
+
+    /// No coefficients yet.
+    fn series() -> Self::Series;
+
+    /// Adds the torque at a state to `torque`.
+    #[inline(always)]
+    fn add_torque<const D: usize>(&self, _moments: &[R; 3], _y: &[R; D], _own: usize, _torque: &mut [R; 3]) {}
+
+    /// Adds the coefficient of order k of the torque to `torque`, and writes those of order k + 1 of its variables into
+    /// `next`: the coefficients of order k of their rates of change, times `factor`. The calls are for ascending orders.
+    #[inline(always)]
+    fn add_order<const D: usize>(
+        &self,
+        _moments: &[R; 3],
+        _c: &Coefficients<R, D>,
+        _at: Order<R>,
+        _series: &mut Self::Series,
+        _next: &mut [R; D],
+        _torque: &mut [R; 3],
+    ) {
+    }
+
+    /// Writes the rates of change of its variables at a state.
+    #[inline(always)]
+    fn change<const D: usize>(&self, _y: &[R; D], _own: usize, _change: &mut [R; D]) {}
+}
+
+/// An order of a Taylor product.
+#[derive(Clone, Copy)]
+pub struct Order<R> {
+    /// The order.
+    pub k: usize,
+    /// Index of the variables of the force.
+    pub own: usize,
+    /// The unit of time over k + 1.
+    pub factor: R,
+}
+
+/// What is known of a further force outside kernels. A bound that is left out is that of a force which adds no energy and
+/// is not fast.
+pub trait Bounded {
+    /// Refuses impossible numbers. They are finite.
+    ///
+    /// # Errors
+    /// Naming the number and the rule.
+    fn check(&self) -> Result<(), Error>;
+
+    /// Whether it does not act.
+    fn is_none(&self) -> bool;
+
+    /// Whether it may add momentum in space.
+    fn drives(&self) -> bool {
+        false
+    }
+
+    /// A bound of `|I^(-1/2) torque|` of a torque that may add energy.
+    fn strength(&self, _moments: [f64; 3]) -> f64 {
+        0.0
+    }
+
+    /// From a bound of the root of twice the energy: that with the potential energy of this force, and how much the frame in
+    /// which this energy is constant turns.
+    fn reach(&self, _moments: [f64; 3], root: f64) -> [f64; 2] {
+        [root, 0.0]
+    }
+
+    /// What it adds to the rate that the steps of a body follow.
+    fn step_rate(&self, _pace: &Pace) -> f64 {
+        0.0
+    }
+
+    /// Its variables at a time.
+    fn start(&self, _time: f64, _variables: &mut [f64]) {}
+}
+
+/// Bounds for a body on which forces act.
+pub struct Pace {
+    /// Principal moments.
+    pub moments: [f64; 3],
+    /// The least of them.
+    pub least: f64,
+    /// Of the rates.
+    pub fastest: f64,
+    /// Of the angular momentum, that of a rotor included.
+    pub momentum: f64,
+    /// Of the rate at which forces and rotation change the momentum in the body.
+    pub torque: f64,
+}
+
+macro_rules! forces {
+    ($($(#[$doc:meta])* $name:ident: $force:ident, $numbers:literal, $word:literal;)*) => {
+        /// The further forces on a body, or on the lanes of a pack.
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub struct Further<R> {
+            $($(#[$doc])* pub $name: $force<R>,)*
+        }
+
+        /// The places of the forces in the list.
+        #[allow(non_camel_case_types)]
+        #[derive(Clone, Copy)]
+        enum Place {
+            $($name,)*
+        }
+
+        /// How many numbers each force has.
+        const NUMBERS: &[usize] = &[$($numbers,)*];
+        /// How many variables each force has.
+        const VARIABLES: &[usize] = &[$(<$force<f64> as Force<f64>>::VARIABLES,)*];
+
+        /// The coefficients of all forces beside those of the state.
+        pub struct FurtherSeries<R: Real> {
+            $($name: <$force<R> as Force<R>>::Series,)*
+        }
+
+        impl Further<f64> {
+            /// Nothing acts.
+            pub const NONE: Further<f64> = Further { $($name: $force([0.0; $numbers]),)* };
+            /// How many numbers all forces have.
+            pub const LEN: usize = before(NUMBERS, NUMBERS.len());
+            /// How many variables all forces have.
+            pub const VARIABLES: usize = before(VARIABLES, VARIABLES.len());
+            /// The forces by name, with the places of their numbers.
+            pub const NAMES: &[(&str, std::ops::Range<usize>)] =
+                &[$((stringify!($name), before(NUMBERS, Place::$name as usize)..before(NUMBERS, Place::$name as usize + 1)),)*];
+            /// The forces in words, for messages.
+            pub const WORDS: &[&str] = &[$($word,)*];
+
+            /// The forces with these numbers.
+            ///
+            /// # Errors
+            /// If a number is not finite, or impossible.
+            pub fn checked(numbers: &[f64; Further::LEN]) -> Result<Self, Error> {
+                let further = Further { $($name: $force(part(numbers, before(NUMBERS, Place::$name as usize))),)* };
+                $(
+                    if let Some(bad) = further.$name.0.iter().find(|x| !x.is_finite()) {
+                        let (value, rule) = (bad.to_string(), "must be finite");
+                        return Err(Error::Value { argument: stringify!($name), value, rule });
+                    }
+                    further.$name.check()?;
+                )*
+                Ok(further)
+            }
+
+            /// Whether nothing acts.
+            pub fn is_none(&self) -> bool {
+                $(self.$name.is_none())&&*
+            }
+
+            /// Whether a torque depends on the attitude.
+            pub fn acts_in_space(&self) -> bool {
+                $((<$force<f64> as Force<f64>>::IN_SPACE && !self.$name.is_none()))||*
+            }
+
+            /// Whether a force may add momentum in space.
+            pub fn drives(&self) -> bool {
+                $(self.$name.drives())||*
+            }
+
+            /// See [`Bounded::strength`].
+            pub fn strength(&self, moments: [f64; 3]) -> f64 {
+                0.0 $(+ self.$name.strength(moments))*
+            }
+
+            /// See [`Bounded::reach`].
+            pub fn reach(&self, moments: [f64; 3], root: f64) -> [f64; 2] {
+                let [mut reach, mut turning] = [root, 0.0];
+                $({
+                    let [higher, turn] = self.$name.reach(moments, reach);
+                    (reach, turning) = (higher, turning + turn);
+                })*
+                [reach, turning]
+            }
+
+            /// See [`Bounded::step_rate`].
+            fn step_rates(&self, pace: &Pace) -> f64 {
+                0.0 $(+ self.$name.step_rate(pace))*
+            }
+
+            /// The variables of all forces at a time.
+            pub fn start(&self, time: f64) -> [f64; Further::VARIABLES] {
+                let mut variables = [0.0; Further::VARIABLES];
+                $(self.$name.start(time, &mut variables[before(VARIABLES, Place::$name as usize)..]);)*
+                variables
+            }
+        }
+
+        impl Further<Row> {
+            /// Rows of zeros.
+            pub const ZERO: Further<Row> = Further { $($name: $force([Row::ZERO; $numbers]),)* };
+
+            /// Sets the numbers of a lane.
+            pub fn set(&mut self, lane: usize, further: &Further<f64>) {
+                $(for k in 0..$numbers {
+                    self.$name.0[k].0[lane] = further.$name.0[k];
+                })*
+            }
+
+            /// The lanes of a pack.
+            #[inline(always)]
+            pub fn load<P: Pack>(&self, at: usize) -> Further<P> {
+                Further { $($name: $force(loaded(&self.$name.0, at)),)* }
+            }
+        }
+
+        impl<R: Real> Further<R> {
+            /// Nothing acts.
+            #[inline(always)]
+            pub fn none() -> Self {
+                Further { $($name: $force([R::splat(0.0); $numbers]),)* }
+            }
+
+            /// No coefficients yet.
+            #[inline(always)]
+            pub fn series() -> FurtherSeries<R> {
+                FurtherSeries { $($name: <$force<R> as Force<R>>::series(),)* }
+            }
+
+            /// Adds all torques at a state to `torque`, those in space if there are space axes. The variables begin at `own`.
+            #[inline(always)]
+            pub fn add_torques<const IN_SPACE: bool, const D: usize>(
+                &self,
+                moments: &[R; 3],
+                y: &[R; D],
+                own: usize,
+                torque: &mut [R; 3],
+            ) {
+                $(if IN_SPACE || !<$force<R> as Force<R>>::IN_SPACE {
+                    self.$name.add_torque(moments, y, own + const { before(VARIABLES, Place::$name as usize) }, torque);
+                })*
+            }
+
+            /// See [`Force::add_order`]; the variables of all forces begin at `at.own`.
+            #[inline(always)]
+            pub fn add_orders<const IN_SPACE: bool, const D: usize>(
+                &self,
+                moments: &[R; 3],
+                c: &Coefficients<R, D>,
+                at: Order<R>,
+                series: &mut FurtherSeries<R>,
+                next: &mut [R; D],
+                torque: &mut [R; 3],
+            ) {
+                $(if IN_SPACE || !<$force<R> as Force<R>>::IN_SPACE {
+                    let at = Order { own: at.own + const { before(VARIABLES, Place::$name as usize) }, ..at };
+                    self.$name.add_order(moments, c, at, &mut series.$name, next, torque);
+                })*
+            }
+
+            /// Writes the rates of change of the variables of all forces, which begin at `own`.
+            #[inline(always)]
+            pub fn change<const D: usize>(&self, y: &[R; D], own: usize, change: &mut [R; D]) {
+                $(self.$name.change(y, own + const { before(VARIABLES, Place::$name as usize) }, change);)*
+            }
+        }
+
+        /// The rule of schemes that integrate no further force.
+        pub const NO_FURTHER: &str = concat!(
+            "does not integrate ", $($word, ", ",)* "as Runge-Kutta methods and Taylor series do"
+        );
+        /// The rule of displacements under further forces.
+        pub const NOT_DISPLACED: &str = concat!("displacements are not integrated under ", $($word, ", ",)* "or a function");
+    };
+}
+forces! {
+    /// A rotor at constant speed.
+    rotor: Rotor, 3, "a rotor";
+    /// The gravity gradient on a circular orbit.
+    gravity_gradient: GravityGradient, 7, "a gravity gradient";
+    /// Quadratic drag.
+    drag: Drag, 3, "drag";
+    /// An energy sink.
+    dissipation: Dissipation, 3, "dissipation";
+}
+
+impl Further<f64> {
+    /// What the forces add to the rate that the steps of a body follow, whose rates reach `fastest`. The momentum in space is
+    /// constant if there is no other torque, `is_torque_free`.
+    pub fn step_rate(&self, moments: [f64; 3], omega: [f64; 3], fastest: f64, is_torque_free: bool) -> f64 {
+        let [least, largest] = range(moments);
+        let rotor = self.rotor.0;
+        let momentum = if is_torque_free && !self.drives() {
+            length([0, 1, 2].map(|k| moments[k] * omega[k] + rotor[k]))
+        } else {
+            largest * fastest + length(rotor)
+        };
+        let torque = momentum * fastest + self.strength(moments) * least.sqrt();
+        self.step_rates(&Pace { moments, least, fastest, momentum, torque })
+    }
+}
+
+/// The sum of the first numbers of a list.
+const fn before(list: &[usize], count: usize) -> usize {
+    let (mut sum, mut i) = (0, 0);
+    while i < count {
+        sum += list[i];
+        i += 1;
+    }
+    sum
+}
+
+/// Neighbouring numbers from a place on.
+fn part<const N: usize>(numbers: &[f64], at: usize) -> [f64; N] {
+    let mut part = [0.0; N];
+    part.copy_from_slice(&numbers[at..][..N]);
+    part
+}
+
+/// The lanes of a pack of rows.
+#[inline(always)]
+fn loaded<P: Pack, const N: usize>(rows: &[Row; N], at: usize) -> [P; N] {
+    let mut lanes = [P::splat(0.0); N];
+    for k in 0..N {
+        lanes[k] = P::load(&rows[k].0[at..]);
+    }
+    lanes
+}
+
+/// The least and the largest moment.
+fn range(moments: [f64; 3]) -> [f64; 2] {
+    let least = moments.iter().fold(f64::INFINITY, |a, &b| a.min(b));
+    [least, moments.iter().fold(0.0, |a, &b| a.max(b))]
+}
+
+fn length(v: [f64; 3]) -> f64 {
+    v.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+/// Refuses negative coefficients.
+fn not_negative(argument: &'static str, coefficients: [f64; 3]) -> Result<(), Error> {
+    if coefficients.iter().any(|&c| c < 0.0) {
+        let (value, rule) = (format!("{coefficients:?}"), "must not be negative");
+        return Err(Error::Value { argument, value, rule });
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_of_forces_are_checked() {
+        let mut numbers = [0.0; Further::LEN];
+        let at = |name: &str| Further::NAMES.iter().find(|(own, _)| *own == name).unwrap().1.clone();
+        numbers[at("rotor")].copy_from_slice(&[1.0, 2.0, 3.0]);
+        numbers[at("dissipation")].copy_from_slice(&[0.0, 0.1, 0.2]);
+        numbers[at("drag")].copy_from_slice(&[0.3, 0.0, 0.4]);
+        numbers[at("gravity_gradient")].copy_from_slice(&[0.5, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
+        let further = Further::checked(&numbers).unwrap();
+        assert_eq!((further.rotor.0, further.drag.0), ([1.0, 2.0, 3.0], [0.3, 0.0, 0.4]));
+        assert!(!further.is_none() && Further::NONE.is_none() && further.acts_in_space());
+        let with = |name, k: usize, value: f64| {
+            let mut changed = numbers;
+            changed[at(name)][k] = value;
+            Further::checked(&changed).unwrap_err().to_string()
+        };
+        assert!(with("rotor", 0, f64::NAN).starts_with("rotor = NaN"));
+        assert!(with("dissipation", 1, -1.0).starts_with("dissipation = [0.0, -1.0, 0.2]"));
+        assert!(with("drag", 2, -1.0).starts_with("drag = [0.3, 0.0, -1.0]"));
+        assert!(with("gravity_gradient", 1, 0.5).starts_with("towards = [0.5, 0.0, 0.0]"));
+        assert!(with("gravity_gradient", 4, 0.5).starts_with("towards"));
+    }
+}

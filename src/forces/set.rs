@@ -1,0 +1,56 @@
+//! What acts on bodies besides weight, as a set. The set decides which variables are integrated, and by which schemes.
+
+use super::{BodyForces, NOT_DISPLACED};
+use crate::error::Error;
+
+/// The forces on a body.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ForceSet {
+    /// Whether anything acts: work, impulse and time are then integrated.
+    pub act: bool,
+    /// Whether a further force acts.
+    pub further: bool,
+    /// Whether a function of the user returns a torque.
+    pub function: bool,
+    /// Whether a torque depends on the attitude: all space axes are then integrated.
+    pub in_space: bool,
+}
+
+impl ForceSet {
+    /// Nothing acts.
+    pub const NONE: ForceSet = ForceSet { act: false, further: false, function: false, in_space: false };
+
+    /// The forces of both.
+    pub fn and(self, other: ForceSet) -> ForceSet {
+        ForceSet {
+            act: self.act || other.act,
+            further: self.further || other.further,
+            function: self.function || other.function,
+            in_space: self.in_space || other.in_space,
+        }
+    }
+
+    /// Refuses displacements under forces for which there are no kernels.
+    ///
+    /// # Errors
+    /// If a further force or the torque of a function acts.
+    pub fn check_displaced(self) -> Result<(), Error> {
+        if !(self.further || self.function) {
+            return Ok(());
+        }
+        let value = if self.function { "a function" } else { "under further forces" }.to_string();
+        let argument = if self.function { "torque" } else { "scene" };
+        Err(Error::Value { argument, value, rule: NOT_DISPLACED })
+    }
+}
+
+impl From<BodyForces<'_>> for ForceSet {
+    fn from(forces: BodyForces) -> ForceSet {
+        ForceSet {
+            act: !forces.is_none(),
+            further: !forces.further.is_none(),
+            function: forces.function.is_some(),
+            in_space: forces.acts_in_space(),
+        }
+    }
+}

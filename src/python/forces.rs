@@ -1,0 +1,136 @@
+//! Forces from Python.
+
+use super::convert::{copied, copied_rows, rows, same_length};
+use crate::error::Error;
+use crate::float_environment::FloatEnvironment;
+use crate::forces::{BodyForces, Damping, Forces, Further, TorqueFunction};
+use crate::memory;
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::prelude::*;
+use std::collections::HashMap;
+
+/// Forces on the bodies of a request: torques in the body and in space at some times, linear between them (no times:
+/// constant), table after table, damping, entries 11, 22, 33, 23, 31, 12 of its matrices, and the numbers of the further
+/// forces by name. One table, matrix or row may serve all bodies; without tables no torque is applied. A function that
+/// returns a torque is its address, its data in rows, what its torques are multiplied by, and a bound of the rates, or 0.
+#[pyclass(frozen, name = "Forces", module = "rigid._core")]
+pub struct PyForces(pub Forces);
+
+/// Address, data, units and the bound of the rates of a function.
+type GivenFunction<'py> = (usize, PyReadonlyArray2<'py, f64>, PyReadonlyArray1<'py, f64>, f64);
+
+/// The numbers of the further forces, from those of some by name.
+fn further(given: &HashMap<String, PyReadonlyArray2<'_, f64>>) -> Result<Vec<[f64; Further::LEN]>, Error> {
+    let bodies = given.values().map(|numbers| numbers.as_array().nrows()).max().unwrap_or(0);
+    let none = std::iter::repeat_n([0.0; Further::LEN], bodies);
+    let mut all = memory::collected("forces", bodies, none)?;
+    for (name, numbers) in given {
+        let (numbers, known) = (numbers.as_array(), Further::NAMES.iter().find(|(own, _)| own == name));
+        let places = known.map_or(0..0, |(_, places)| places.clone());
+        if numbers.ncols() != places.len() || ![1, bodies].contains(&numbers.nrows()) {
+            let (expected, got) = (format!("({bodies}, {})", places.len()), format!("{:?}", numbers.shape()));
+            return Err(Error::Shape { argument: "forces", expected, got });
+        }
+        for (body, row) in all.iter_mut().enumerate() {
+            let own = numbers.row(if numbers.nrows() > 1 { body } else { 0 });
+            row[places.clone()].iter_mut().zip(own).for_each(|(place, &number)| *place = number);
+        }
+    }
+    Ok(all)
+}
+
+#[pymethods]
+impl PyForces {
+    #[new]
+    #[pyo3(signature = (*, times, body, space, damping, further = None, function = None))]
+    fn new(
+        times: PyReadonlyArray1<'_, f64>,
+        body: PyReadonlyArray2<'_, f64>,
+        space: PyReadonlyArray2<'_, f64>,
+        damping: PyReadonlyArray2<'_, f64>,
+        further: Option<HashMap<String, PyReadonlyArray2<'_, f64>>>,
+        function: Option<GivenFunction<'_>>,
+    ) -> PyResult<Self> {
+        let _standard = FloatEnvironment::standard();
+        let (body, space) = (rows::<3>("torque", &body)?, rows::<3>("torque", &space)?);
+        let times = copied("torque times", &times)?;
+        let mut forces = Forces::new(&times, body, space, rows::<6>("damping", &damping)?)?;
+        if let Some(given) = &further {
+            forces = forces.with_further(&self::further(given)?)?;
+        }
+        let Some((address, data, units, fastest)) = function else { return Ok(PyForces(forces)) };
+        let (data, width) = copied_rows("data of a torque", &data)?;
+        let units = copied("units", &units)?;
+        // SAFETY: what `rigid.Torque.call` asks of its caller.
+        let function = unsafe { TorqueFunction::new(address, data, width, units, fastest)? };
+        Ok(PyForces(forces.with_function(function)?))
+    }
+
+    /// The forces on some bodies, in this order.
+    fn select(&self, bodies: PyReadonlyArray1<'_, isize>) -> PyResult<Self> {
+        let bodies = bodies.as_array();
+        // No body has a negative index.
+        let indices = bodies.iter().map(|&body| usize::try_from(body).unwrap_or(usize::MAX));
+        let indices = memory::collected("bodies", bodies.len(), indices)?;
+        Ok(PyForces(self.0.of_some(&indices)?))
+    }
+
+    /// The same with damping that is rounded otherwise.
+    fn rounded_otherwise(&self) -> PyResult<Self> {
+        Ok(PyForces(self.0.rounded_otherwise()?))
+    }
+
+    /// The rate k of each body with these moments, if nothing acts but a damping `D = k I`, else NaN.
+    fn slows_evenly<'py>(
+        &self,
+        py: Python<'py>,
+        moments: PyReadonlyArray2<'_, f64>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        self.of_each(py, &moments, |forces, moments| forces.slows_evenly(moments).unwrap_or(f64::NAN))
+    }
+
+    /// Whether anything acts on each body: a torque is applied, or a force that is not zero.
+    fn act<'py>(&self, py: Python<'py>, bodies: usize) -> PyResult<Bound<'py, PyArray1<bool>>> {
+        let act = (0..bodies).map(|body| !self.0.of(body).is_none());
+        Ok(memory::collected("bodies", bodies, act)?.into_pyarray(py))
+    }
+
+    /// The entries 11, 22, 33, 23, 31, 12 of the damping matrices, (n, 6), or those of all in one row; if they are wanted
+    /// alone NaN for a body on which a torque acts too.
+    fn dampings<'py>(&self, py: Python<'py>, alone: bool) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let bodies = self.0.bodies();
+        let of = |forces: BodyForces| if alone { forces.damping_alone() } else { Some(forces.damping) };
+        let entries =
+            (0..bodies).map(|body| of(self.0.of(body)).map_or([f64::NAN; 6], |Damping(entries)| entries));
+        let entries = memory::collected("damping", bodies, entries)?.into_flattened();
+        entries.into_pyarray(py).reshape([bodies, 6])
+    }
+
+    /// The largest damping rate of each body with these moments without torque.
+    fn damping_rates<'py>(
+        &self,
+        py: Python<'py>,
+        moments: PyReadonlyArray2<'_, f64>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        self.of_each(py, &moments, |forces, moments| forces.damping.rates(moments)[2])
+    }
+}
+
+impl PyForces {
+    /// A number of each body; one row of moments may be those of all.
+    fn of_each<'py>(
+        &self,
+        py: Python<'py>,
+        moments: &PyReadonlyArray2<'_, f64>,
+        of: impl Fn(BodyForces<'_>, [f64; 3]) -> f64,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let _standard = FloatEnvironment::standard();
+        let moments = rows::<3>("moments", moments)?;
+        let bodies = self.0.bodies().max(moments.len());
+        if moments.len() > 1 && self.0.bodies() > 1 {
+            same_length("moments", self.0.bodies(), moments.len())?;
+        }
+        let number = |body: usize| of(self.0.of(body), moments[if moments.len() == 1 { 0 } else { body }]);
+        Ok(memory::collected("numbers of the bodies", bodies, (0..bodies).map(number))?.into_pyarray(py))
+    }
+}
