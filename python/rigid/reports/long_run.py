@@ -62,6 +62,9 @@ ROUNDING = 1e-13
 REFERENCE_ANGLE = 0.125
 """Angle (rad) turned in a step of a reference without a closed form."""
 
+TRIAL = 10.0
+"""Revolutions of the first search for a reference."""
+
 SEARCH, GROWTH = 0.15, 0.6
 """Shares of the time within which references are looked for, and the rows that take the common time
 are run."""
@@ -109,7 +112,7 @@ def long_run(
         Names of :func:`rigid.methods`; by default all. Methods that make the same steps, to the
         bit, are measured once, as in :func:`rigid.report`.
     seconds : float
-        About how long it may take.
+        About how long it may take, but for the first runs.
     progress : None, bool or callable
         As in :func:`rigid.report`.
     rng : int, numpy.random.Generator or SeedSequence, optional
@@ -203,9 +206,10 @@ def run_long(
             told(min(1.0, (time.perf_counter() - begun) / seconds))
 
         try:
-            for count in lengths:
+            for count in (min(TRIAL, lengths[0]), *lengths):
                 legs.append(_leg(of(math.tau * count / rate), count, usable, legs, until(SEARCH)))
                 tell()
+            del legs[0]  # it told what a reference costs
             for method in same:
                 for track in _first_tracks(method, legs[0], until(1.0)):
                     tracks.append(track)
@@ -221,7 +225,7 @@ def run_long(
                 raise
     moved = {track.method for track in tracks}
     if complete:
-        lost = f"no step down to {ANGLES[-1]} rad keeps the energy to {LOST_ENERGY}"
+        lost = f"no step down to {ANGLES[-1]} rad that there was time for keeps the energy"
         refused |= {method: lost for method in same if method not in moved}
     result = LongRun(
         spec=legs[-1].ensemble.spec,

@@ -65,6 +65,8 @@ def _references(report: LongRunData) -> str:
         f"{one.worst:.0e} over {in_short(count)}"
         for one, count in zip(known, report.revolutions, strict=False)
     ]
+    if not report.references:
+        return "no time to find it"
     method = report.references[0].method
     how = "closed form" if method == EXACT else "compared with twice the step"
     text = f"{method}, {how}; "

@@ -52,7 +52,7 @@ class Report(ReportData):
     __slots__ = ()
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw error against time, a line for each method, and the Pareto front.
+        """Draw error against time, the best of each family of methods, and the Pareto front.
 
         Parameters
         ----------

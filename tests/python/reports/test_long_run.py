@@ -30,9 +30,12 @@ LAGRANGE = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.4)), mgl=1.0)
 ENOUGH = 600.0
 
 
-def long(scene: Any, omega: Any, counts: list[float], methods: list[str]) -> rigid.LongRun:
-    options: dict[str, Any] = {"revolutions": counts, "methods": methods, "seconds": ENOUGH}
-    return rigid.long_run(scene, omega, progress=False, **options)
+def long(
+    scene: Any, omega: Any, counts: list[float], methods: list[str], seconds: float = ENOUGH
+) -> rigid.LongRun:
+    return rigid.long_run(
+        scene, omega, revolutions=counts, methods=methods, seconds=seconds, progress=False
+    )
 
 
 @pytest.fixture(scope="module")
@@ -236,7 +239,9 @@ def test_a_method_that_keeps_nothing_is_listed(monkeypatch: pytest.MonkeyPatch) 
     monkeypatch.setattr(long_run, "ANGLES", (2.0,))
     result = long(BODY, OMEGA, [1000], ["rk4"])
     assert result.rows == ()
-    assert result.refused["rk4"] == "no step down to 2.0 rad keeps the energy to 0.001"
+    assert result.refused["rk4"] == (
+        "no step down to 2.0 rad that there was time for keeps the energy"
+    )
     assert "not for     rk4" in str(result)
     assert result.plot().shape == (2, 2)
 
@@ -249,6 +254,18 @@ def test_what_there_was_no_time_for_is_left_open() -> None:
     assert {len(row.energy) for row in result.rows} == {1}
     assert result.horizon == 0
     assert re.search(r"^rk4 .* - ", str(result), re.MULTILINE)
+
+
+def test_no_reference_is_looked_for_beyond_the_time() -> None:
+    """A thousand million revolutions by a series of order 26 in 50 steps each take hours."""
+    top = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=0.01)
+    result = long(top, (0.1, 0.2, 2.0), [5, 1e9], ["rk4"], seconds=60.0)
+    assert len(result.references) == 1
+    assert math.isfinite(result.rows[-1].phase[0])
+    assert "no time to find it over 1e9" in str(result)
+    hasty = long(top, (0.1, 0.2, 2.0), [1e5], ["rk4"], seconds=1e-3)
+    assert hasty.references == ()
+    assert "reference   no time to find it" in str(hasty)
 
 
 def test_json_there_and_back(free: rigid.LongRun, tmp_path: Path) -> None:
