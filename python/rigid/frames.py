@@ -9,6 +9,7 @@ the frame.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,7 +20,7 @@ from ._checks.overflow import refuses_overflow
 __all__ = [
     "EarthFrame",
     "FictitiousForces",
-    "Motion",
+    "PointMotion",
     "earth_frame",
     "fictitious_forces",
     "rotating_frame",
@@ -37,9 +38,15 @@ EARTH_RATE = 7.292115e-5
 EARTH_RADIUS = 6.371e6
 """Mean radius of the Earth (m)."""
 
+if not TYPE_CHECKING:
+
+    def __getattr__(name: str) -> object:
+        new = ", but 'PointMotion', the former 'Motion'" if name == "Motion" else ""
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}{new}")
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Motion:
+class PointMotion:
     """Position, velocity and acceleration of a point in one frame.
 
     Attributes
@@ -106,7 +113,7 @@ def translating_frame(
     origin_velocity: ArrayLike = _ZERO,
     origin_acceleration: ArrayLike = _ZERO,
     back: bool = False,
-) -> Motion:
+) -> PointMotion:
     """A motion relative to a frame that does not turn.
 
     ``r' = r - R``, ``v' = v - V``, ``a' = a - A``; in the frame Newton's law has the additional
@@ -123,7 +130,7 @@ def translating_frame(
 
     Returns
     -------
-    Motion
+    PointMotion
         Seen from the frame; with ``back``, seen from space.
 
     Raises
@@ -163,7 +170,7 @@ def rotating_frame(
     origin_velocity: ArrayLike = _ZERO,
     origin_acceleration: ArrayLike = _ZERO,
     back: bool = False,
-) -> Motion:
+) -> PointMotion:
     """A motion relative to a frame that turns and whose origin moves.
 
     ``v = V + v' + omega × r'`` and
@@ -184,7 +191,7 @@ def rotating_frame(
 
     Returns
     -------
-    Motion
+    PointMotion
         Seen from the frame; with ``back``, seen from space. Components are along the axes of the
         arguments.
 
@@ -215,8 +222,8 @@ def rotating_frame(
     own = v if back else v - carried
     dragged = a0 + 2.0 * np.cross(w, own) + np.cross(dw, arm) + np.cross(w, np.cross(w, arm))
     if back:
-        return Motion(position=r + r0, velocity=v + carried, acceleration=a + dragged)
-    return Motion(position=arm, velocity=own, acceleration=a - dragged)
+        return PointMotion(position=r + r0, velocity=v + carried, acceleration=a + dragged)
+    return PointMotion(position=arm, velocity=own, acceleration=a - dragged)
 
 
 def transport(vector: ArrayLike, rate: ArrayLike, omega: ArrayLike) -> Floats:

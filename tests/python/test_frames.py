@@ -271,3 +271,12 @@ REFUSED: list[tuple[Callable[[], Any], str]] = [
 def test_refusals_name_the_argument_and_the_rule(call: Callable[[], Any], message: str) -> None:
     with pytest.raises(ValueError, match=re.escape(message)):
         call()
+
+
+FORMER = {"Motion": "'Motion', but 'PointMotion', the former 'Motion'", "other": "'other'"}
+
+
+def test_the_former_name_of_the_motion_of_a_point_names_the_new_one() -> None:
+    for name, words in FORMER.items():
+        with pytest.raises(AttributeError, match=f"has no attribute {words}$"):
+            getattr(frames, name)
