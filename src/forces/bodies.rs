@@ -86,8 +86,8 @@ impl<R: Real> ForcesInterval<R> {
     }
 }
 
-/// The forces on one body or on many. All tables have the same times, and each table, matrix or row of numbers is that of one
-/// body or serves all.
+/// The forces on one body or on many. All tables have the same times, and each table, matrix or row of numbers is
+/// that of one body or serves all.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Forces {
     /// Times of the tables, as in [`Table`].
@@ -329,8 +329,8 @@ impl BodyForces<'_> {
         is_alone.then_some(self.damping)
     }
 
-    /// The rate k, if nothing acts but a damping `D = k I`. All components of the momentum then decay as `exp(-k t)`, and the
-    /// motion is a free motion in a transformed time.
+    /// The rate k, if nothing acts but a damping `D = k I`. All components of the momentum then decay as `exp(-k t)`,
+    /// and the motion is a free motion in a transformed time.
     pub fn slows_evenly(&self, moments: [f64; 3]) -> Option<f64> {
         self.damping_alone()?.slows_evenly(moments)
     }
@@ -347,11 +347,11 @@ impl BodyForces<'_> {
     /// A bound of |omega| between two times around 0, from the power balance. `twice_kinetic` is taken at the start,
     /// `mgl` is the weight, `fall` the energy that the body can gain by falling.
     ///
-    /// With `u = |I^(1/2) omega|`, `u' <= |I^(-1/2) torque| - d u`, and `|omega| <= u / sqrt(I_min)`; `d` is the least
-    /// damping rate. Backward in time damping adds energy at the largest rate. A further force that adds energy
-    /// has a potential, whose bound raises u, if need be seen from a frame that turns; `reach` and `turning` are of it. The
-    /// others add none; backward in time they add energy without bound, and the rates are taken as if they added none. Of a
-    /// function a bound may be known.
+    /// With `u = |I^(1/2) omega|`, `u' <= |I^(-1/2) torque| - d u`, and `|omega| <= u / sqrt(I_min)`; `d` is the
+    /// least damping rate. Backward in time damping adds energy at the largest rate. A further force that adds energy
+    /// has a potential, whose bound raises u, if need be seen from a frame that turns; `reach` and `turning` are of
+    /// it. The others add none; backward in time they add energy without bound, and the rates are taken as if they
+    /// added none. Of a function a bound may be known.
     pub fn fastest_rate(
         &self,
         moments: [f64; 3],

@@ -1,10 +1,10 @@
 //! An energy sink: that of a cavity with a very viscous fluid, or of a damper that is tightly coupled.
 //!
-//! The momentum of the fluid relative to the body is `-P omega'` (Chernousko, USSR Comput. Math. Math. Phys. 5, 1965). With
-//! `omega` defined by `L = I omega + h`, the frame of the body then turns with `omega + e`, `e = I^-1 P omega'`, to first
-//! order in P, where `omega'` is the rate of change without the sink. In space L is constant, so in the body `L' = L x (omega
-//! + e)`, and the energy falls by the power `omega'.P omega'`. This is a double bracket (Bloch, Krishnaprasad, Marsden,
-//! Ratiu, Commun. Math. Phys. 175, 1996): |L| stays, whatever the coefficients.
+//! The momentum of the fluid relative to the body is `-P omega'` (Chernousko, USSR Comput. Math. Math. Phys. 5,
+//! 1965). With `omega` defined by `L = I omega + h`, the frame of the body then turns with `omega + e`, `e = I^-1 P
+//! omega'`, to first order in P, where `omega'` is the rate of change without the sink. In space L is constant, so in
+//! the body `L' = L x (omega + e)`, and the energy falls by the power `omega'.P omega'`. This is a double bracket
+//! (Bloch, Krishnaprasad, Marsden, Ratiu, Commun. Math. Phys. 175, 1996): |L| stays, whatever the coefficients.
 
 use super::{Bounded, Force, Pace, not_negative};
 use crate::error::Error;

@@ -1,5 +1,5 @@
-//! The gravity gradient on a circular orbit: the torque `3 n^2 o x I o`, `o` the direction to the centre (Hughes, Spacecraft
-//! Attitude Dynamics, 1986, §8.1).
+//! The gravity gradient on a circular orbit: the torque `3 n^2 o x I o`, `o` the direction to the centre (Hughes,
+//! Spacecraft Attitude Dynamics, 1986, §8.1).
 
 use super::{Bounded, Force, Order, range};
 use crate::error::Error;
@@ -8,8 +8,8 @@ use crate::real::Real;
 use crate::series::{Coefficients, VectorSeries};
 use crate::special::sincos;
 
-/// The rate of the orbit, 0 without one; the direction to the centre at time 0, and that a quarter of an orbit later, unit
-/// vectors in space. The variables are cosine and sine of the angle on the orbit.
+/// The rate of the orbit, 0 without one; the direction to the centre at time 0, and that a quarter of an orbit later,
+/// unit vectors in space. The variables are cosine and sine of the angle on the orbit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GravityGradient<R>(pub [R; 7]);
 
@@ -147,8 +147,8 @@ impl Bounded for GravityGradient<f64> {
         1.5 * self.rate() * self.rate() * (largest - least) / least.sqrt()
     }
 
-    /// In the frame of the orbit the Jacobi integral is constant, and its potential `n^2 (3 o.Io - N.IN) / 2`, N along the
-    /// normal, has the depth `2 n^2 (I_max - I_min)`.
+    /// In the frame of the orbit the Jacobi integral is constant, and its potential `n^2 (3 o.Io - N.IN) / 2`, N
+    /// along the normal, has the depth `2 n^2 (I_max - I_min)`.
     fn reach(&self, moments: [f64; 3], root: f64) -> [f64; 2] {
         if self.is_none() {
             return [root, 0.0];

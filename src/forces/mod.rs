@@ -1,12 +1,13 @@
 //! Forces: what acts on a body besides weight, each in one file.
 //!
-//! A force has numbers and their check, an equation, its Taylor product, bounds, and what it adds to the rate that steps
-//! follow. Every kernel of a forced body has the table of a torque and linear damping. The *further* forces are the rows of
-//! the list below; kernels with them have them all, and a body that has none of one has zeros for its numbers.
+//! A force has numbers and their check, an equation, its Taylor product, bounds, and what it adds to the rate that
+//! steps follow. Every kernel of a forced body has the table of a torque and linear damping. The *further* forces are
+//! the rows of the list below; kernels with them have them all, and a body that has none of one has zeros for its
+//! numbers.
 //!
-//! Two of the further forces are no torques, and the equations of motion (`scene::further`) name them: the rotor has an
-//! angular momentum, and the dissipation turns the frame of the body. The function of a user is called for one body at a
-//! time, in kernels of its own.
+//! Two of the further forces are no torques, and the equations of motion (`scene::further`) name them: the rotor has
+//! an angular momentum, and the dissipation turns the frame of the body. The function of a user is called for one
+//! body at a time, in kernels of its own.
 
 mod bodies;
 mod damping;
@@ -50,8 +51,9 @@ pub trait Force<R: Real>: Copy {
     #[inline(always)]
     fn add_torque<const D: usize>(&self, _moments: &[R; 3], _y: &[R; D], _own: usize, _torque: &mut [R; 3]) {}
 
-    /// Adds the coefficient of order k of the torque to `torque`, and writes those of order k + 1 of its variables into
-    /// `next`: the coefficients of order k of their rates of change, times `factor`. The calls are for ascending orders.
+    /// Adds the coefficient of order k of the torque to `torque`, and writes those of order k + 1 of its variables
+    /// into `next`: the coefficients of order k of their rates of change, times `factor`. The calls are for ascending
+    /// orders.
     #[inline(always)]
     fn add_order<const D: usize>(
         &self,
@@ -80,8 +82,8 @@ pub struct Order<R> {
     pub factor: R,
 }
 
-/// What is known of a further force outside kernels. A bound that is left out is that of a force which adds no energy and
-/// is not fast.
+/// What is known of a further force outside kernels. A bound that is left out is that of a force which adds no energy
+/// and is not fast.
 pub trait Bounded {
     /// Refuses impossible numbers. They are finite.
     ///
@@ -102,8 +104,8 @@ pub trait Bounded {
         0.0
     }
 
-    /// From a bound of the root of twice the energy: that with the potential energy of this force, and how much the frame in
-    /// which this energy is constant turns.
+    /// From a bound of the root of twice the energy: that with the potential energy of this force, and how much the
+    /// frame in which this energy is constant turns.
     fn reach(&self, _moments: [f64; 3], root: f64) -> [f64; 2] {
         [root, 0.0]
     }
@@ -165,9 +167,7 @@ macro_rules! forces {
             pub const VARIABLES: usize = before(VARIABLES, VARIABLES.len());
             /// The forces by name, with the places of their numbers.
             pub const NAMES: &[(&str, std::ops::Range<usize>)] =
-                &[$((stringify!($name), before(NUMBERS, Place::$name as usize)..before(NUMBERS, Place::$name as usize + 1)),)*];
-            /// The forces in words, for messages.
-            pub const WORDS: &[&str] = &[$($word,)*];
+                &[$((stringify!($name), places(Place::$name as usize)),)*];
 
             /// The forces with these numbers.
             ///
@@ -259,7 +259,8 @@ macro_rules! forces {
                 FurtherSeries { $($name: <$force<R> as Force<R>>::series(),)* }
             }
 
-            /// Adds all torques at a state to `torque`, those in space if there are space axes. The variables begin at `own`.
+            /// Adds all torques at a state to `torque`, those in space if there are space axes. The variables begin
+            /// at `own`.
             #[inline(always)]
             pub fn add_torques<const IN_SPACE: bool, const D: usize>(
                 &self,
@@ -302,7 +303,8 @@ macro_rules! forces {
             "does not integrate ", $($word, ", ",)* "as Runge-Kutta methods and Taylor series do"
         );
         /// The rule of displacements under further forces.
-        pub const NOT_DISPLACED: &str = concat!("displacements are not integrated under ", $($word, ", ",)* "or a function");
+        pub const NOT_DISPLACED: &str =
+            concat!("displacements are not integrated under ", $($word, ", ",)* "or a function");
     };
 }
 forces! {
@@ -317,8 +319,8 @@ forces! {
 }
 
 impl Further<f64> {
-    /// What the forces add to the rate that the steps of a body follow, whose rates reach `fastest`. The momentum in space is
-    /// constant if there is no other torque, `is_torque_free`.
+    /// What the forces add to the rate that the steps of a body follow, whose rates reach `fastest`. The momentum in
+    /// space is constant if there is no other torque, `is_torque_free`.
     pub fn step_rate(&self, moments: [f64; 3], omega: [f64; 3], fastest: f64, is_torque_free: bool) -> f64 {
         let [least, largest] = range(moments);
         let rotor = self.rotor.0;
@@ -340,6 +342,11 @@ const fn before(list: &[usize], count: usize) -> usize {
         i += 1;
     }
     sum
+}
+
+/// The places of the numbers of a force in the list.
+const fn places(force: usize) -> std::ops::Range<usize> {
+    before(NUMBERS, force)..before(NUMBERS, force + 1)
 }
 
 /// Neighbouring numbers from a place on.

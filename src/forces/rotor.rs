@@ -1,5 +1,6 @@
-//! A rotor at constant speed: the momentum of the body with it is `L = I omega + h`, `h` constant in the body (the gyrostat of
-//! Zhukovsky 1885 and Volterra 1899; Wittenburg, Dynamics of Multibody Systems, 2nd ed., 2008, §4.2). It does no work.
+//! A rotor at constant speed: the momentum of the body with it is `L = I omega + h`, `h` constant in the body (the
+//! gyrostat of Zhukovsky 1885 and Volterra 1899; Wittenburg, Dynamics of Multibody Systems, 2nd ed., 2008, §4.2). It
+//! does no work.
 
 use super::{Bounded, Force, Pace, length};
 use crate::error::Error;

@@ -1,7 +1,7 @@
 //! The equations of motion under further forces.
 //!
-//! The angular momentum is `L = I omega + h`, with that of the rotor. The frame of the body turns with `omega + e`, `e` the turn
-//! by the dissipation; in space L changes by the torques alone.
+//! The angular momentum is `L = I omega + h`, with that of the rotor. The frame of the body turns with `omega + e`,
+//! `e` the turn by the dissipation; in space L changes by the torques alone.
 
 use super::{Applied, Layout, Model};
 use crate::forces::{FurtherSeries, Order};
