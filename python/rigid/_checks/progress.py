@@ -137,8 +137,8 @@ class Interrupted(KeyboardInterrupt):
     ... except rigid.Interrupted as interrupted:
     ...     print(interrupted)
     ...     interrupted.partial.samples.tolist()
-    4 of 20 bodies are done; the attribute 'partial' of this exception is their map
-    [4, 0]
+    1 of 2 pixels are done; the attribute 'partial' of this exception is their map
+    [10, 0]
     """
 
     def __init__(self, message: str, partial: Any) -> None:

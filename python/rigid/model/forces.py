@@ -407,6 +407,9 @@ def checked_forces(known: type, given: Mapping[str, Any]) -> dict[str, Any]:
     TypeError, ValueError
         If a keyword is no force, or a value is impossible.
     """
+    # `dataclasses.replace` gives the forces of a scene under the name of their field.
+    given = {**given.get("_further", {}), **given}
+    given.pop("_further", None)
     for name in given:
         if name not in known.__annotations__:
             raise TypeError(f"got an unexpected keyword argument {name!r}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from typing import Any
 
 import numpy as np
@@ -97,6 +98,14 @@ def test_drag_acts_in_maps_motions_and_files() -> None:
         motion.step(0.1)
     run = rigid.simulate(scene, [0.3, 1.0, 0.2], t=[1.0], method="rk4", step=0.1)
     assert np.abs(motion.omega - run.omega[-1]).max() < 1e-14
+
+
+def test_a_scene_keeps_its_forces_when_a_field_is_replaced() -> None:
+    scene = rigid.FreeBody(BODY, drag=0.3, rotor=(0.0, 0.0, 1.0))
+    damped = dataclasses.replace(scene, damping=0.1)
+    assert damped == rigid.FreeBody(BODY, drag=0.3, rotor=(0.0, 0.0, 1.0), damping=0.1)
+    still = dataclasses.replace(damped, rotor=(0.0, 0.0, 0.0))
+    assert still == rigid.FreeBody(BODY, drag=0.3, damping=0.1)
 
 
 def test_methods_of_bodies_that_may_stop_are_no_series() -> None:

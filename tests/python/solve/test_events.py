@@ -179,7 +179,7 @@ def test_a_constant_torque_in_space_changes_the_momentum_evenly() -> None:
             rigid.crosses(momentum=along, value=float(along @ (momentum + 7.0 * torque))),
         ],
     )
-    assert run.plan.method in SERIES
+    assert run.plan.method in [method.name for method in rigid.methods() if method.series]
     for event, expected in zip(run.events, (10.0, 10.0, 10.0, 7.0), strict=True):
         assert len(event) == 1
         assert bool(event.complete)
